@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "app/boat.hpp"
+
+#include <algorithm>
+
+#include "app/text.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::State;
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+
+std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
+
+}  // namespace
+
+template <class S>
+Boat<S>::Boat(const Parameters& p, std::size_t links)
+    : parameters_(p),
+      law_(convert::controller_params<S>(p)),
+      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID)}, {p.NAV_OFS_X, p.NAV_OFS_Y}),
+      leader_({byte_of(p.FORM_LEADER), 0}),
+      thrusters_(p),
+      can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}),
+      links_(links, {byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID)}),
+      heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      state_due_(convert::period_us(p.SR_STATE), convert::half_period_us(p.CTL_RATE)),
+      origin_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      complaint_due_(10 * kSecond_us) {}
+
+template <class S>
+std::int64_t Boat<S>::monotonic(std::int64_t now_us) {
+  if (now_us < now_us_) ++counters_.clock_went_back;
+  now_us_ = std::max(now_us, now_us_);
+  return now_us_;
+}
+
+template <class S>
+void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, std::size_t link) {
+  const std::int64_t now_us = monotonic(now);
+  link::MavlinkDecoder& decoder = links_.decoder(link);
+  while (!data.empty()) {
+    data = data.subspan(decoder.fill(data));
+    while (const auto received = decoder.next(counters_)) {
+      if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
+        if (timesync->tc1 == 0) {
+          time_.asked(link, *timesync, now_us);
+        } else if (const auto sent_us = time_.sent_us(*timesync)) {
+          own_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
+          leader_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
+        }
+      } else if (const auto* command = std::get_if<link::CommandLong>(&received->message)) {
+        if (addressed_to(*command, parameters_)) {
+          commands_.push({link, received->from, *command}, counters_);
+        }
+      } else {
+        own_.take(*received, now_us, counters_);
+        leader_.take(*received, now_us, counters_);
+      }
+    }
+  }
+}
+
+template <class S>
+void Boat<S>::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now) {
+  can_.on_frame(can_id, data, monotonic(now), counters_);
+}
+
+template <class S>
+typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
+  const std::int64_t now_us = monotonic(now);
+  links_.clear();
+  can_output_.count = 0;
+  conditions_ = conditions(now_us);
+  supervise();
+  steer(now_us);
+  can_.send(thrust_.raw, core::armed(state_), now_us, counters_, can_output_);
+  report(now_us);
+  last_tick_us_ = now_us;
+  return {&links_, std::span(can_output_.frames).first(can_output_.count)};
+}
+
+template <class S>
+core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
+  const Parameters& p = parameters_;
+  const std::int64_t esc_limit_us = convert::microseconds(p.FS_ESC_S);
+  core::Conditions met = 0;
+  if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
+  if (leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
+      own_.has_origin()) {
+    met |= core::kLeaderFresh;
+  }
+  if (can_.esc_online(byte_of(p.ESC_PORT), now_us, esc_limit_us) &&
+      can_.esc_online(byte_of(p.ESC_STBD), now_us, esc_limit_us)) {
+    met |= core::kEscsOnline;
+  }
+  return met;
+}
+
+template <class S>
+void Boat<S>::supervise() {
+  const core::Verdict verdict = core::supervise(state_, core::Request::kNone, conditions_);
+  if (verdict.granted) {
+    enter(verdict.state, static_cast<core::Conditions>(core::kAllConditions & ~conditions_));
+  }
+  for (const PendingCommand& pending : commands_.pending()) answer(pending);
+  commands_.clear();
+}
+
+template <class S>
+void Boat<S>::answer(const PendingCommand& pending) {
+  const Asked asked = meaning_of(pending, parameters_);
+  core::Verdict verdict{state_, true, 0};
+  std::uint8_t result = asked.result;
+  if (asked.request != core::Request::kNone) {
+    verdict = core::supervise(state_, asked.request, conditions_);
+    if (!verdict.granted) result = mav::kTemporarilyRejected;
+  }
+  links_.send(pending.link,
+              link::CommandAck{pending.command.command, result, pending.from.system,
+                               pending.from.component},
+              counters_);
+  if (verdict.state != state_) enter(verdict.state, 0);
+  if (verdict.granted) return;
+  const auto what = asked.request == core::Request::kArm ? "PreArm: " : "Refused: ";
+  const auto why = verdict.missing != 0 ? complaint_of(verdict.missing) : "not in this state";
+  links_.broadcast(text_of(mav::kSeverityWarning, {what, why}), counters_);
+}
+
+template <class S>
+void Boat<S>::enter(core::State state, core::Conditions missing) {
+  state_ = state;
+  starting_ = state == State::kFormation;
+  const std::string_view why = complaint_of(missing);
+  const std::uint8_t severity = missing != 0 ? mav::kSeverityError : mav::kSeverityInfo;
+  links_.broadcast(text_of(severity, {name_of(state), why.empty() ? "" : ": ", why}), counters_);
+  links_.broadcast(heartbeat(), counters_);
+}
+
+template <class S>
+core::Encounter<S> Boat<S>::encounter(std::int64_t now_us) const {
+  const core::Motion<S> own = own_.motion(now_us);
+  const core::Motion<S> leader = leader_.motion(now_us);
+  const core::Vec2<S> then = convert::separation<S>(own_.position(), leader_.position());
+  return {{then.x + own.moved_n.x - leader.moved_n.x, then.y + own.moved_n.y - leader.moved_n.y},
+          own.psi,
+          leader.psi,
+          own.nu,
+          leader.nu,
+          leader.nu_dot};
+}
+
+template <class S>
+void Boat<S>::steer(std::int64_t now_us) {
+  const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
+  law_output_ = {};
+  if (core::may_drive(state_, conditions_)) {
+    const core::Encounter<S> in = encounter(now_us);
+    if (starting_) law_state_ = core::controller_start(in);
+    law_output_ = core::controller_step(law_, law_state_, in, starting_ ? S(0) : dt);
+    starting_ = false;
+  } else if ((conditions_ & core::kOwnFresh) != 0 && (conditions_ & core::kLeaderFresh) != 0) {
+    law_output_.error = core::formation_error(encounter(now_us), law_.d);
+  }
+  thrust_ =
+      thrusters_.step(core::may_drive(state_, conditions_), law_output_.allocation.thrust, dt);
+}
+
+template <class S>
+link::Heartbeat Boat<S>::heartbeat() const {
+  const bool formation = state_ == State::kFormation;
+  const bool armed = core::armed(state_);
+  return {formation ? mode::kFormation : mode::kHold, mav::kTypeSurfaceBoat, mav::kAutopilotGeneric,
+          static_cast<std::uint8_t>(mav::kModeFlagCustom | (armed ? mav::kModeFlagArmed : 0)),
+          state_ == State::kFault ? mav::kStateEmergency
+                                  : (armed ? mav::kStateActive : mav::kStateStandby)};
+}
+
+template <class S>
+void Boat<S>::report(std::int64_t now_us) {
+  for (const TimeRequests::Owed& owed : time_.owed()) {
+    links_.send(owed.link, owed.answer, counters_);
+  }
+  time_.clear_owed();
+  if (heartbeat_due_.due(now_us)) links_.broadcast(heartbeat(), counters_);
+  if (timesync_due_.due(now_us)) {
+    links_.broadcast(time_.ask(now_us, byte_of(parameters_.MAV_SYSID)), counters_);
+  }
+  const bool complaint = own_.take_frame_complaint() | leader_.take_frame_complaint();
+  if (complaint && complaint_due_.due(now_us)) {
+    links_.broadcast(
+        text_of(mav::kSeverityWarning, {"ODOMETRY refused: frame is not north-aligned"}),
+        counters_);
+  }
+  if ((conditions_ & core::kOwnFresh) == 0) return;
+  if (state_due_.due(now_us)) {
+    const std::uint32_t stamp_ms = convert::boot_ms(now_us);
+    const convert::Position at = own_.position();
+    const convert::OwnState<S> own{at.north_m, at.east_m, own_.motion(convert::us_of_ms(now_us))};
+    links_.broadcast(convert::attitude_of(own, stamp_ms), counters_);
+    links_.broadcast(convert::local_position_of(own, stamp_ms), counters_);
+  }
+  if (own_.has_origin() && origin_due_.due(now_us)) {
+    link::GpsGlobalOrigin origin = own_.position().origin;
+    origin.time_usec = static_cast<std::uint64_t>(now_us);
+    links_.broadcast(origin, counters_);
+  }
+}
+
+template <class S>
+Snapshot Boat<S>::snapshot() const {
+  const auto age_s = [&](const VesselTrack<S>& track) -> std::optional<double> {
+    const auto age = last_tick_us_ ? track.age_us(*last_tick_us_) : std::nullopt;
+    if (!age) return std::nullopt;
+    return convert::seconds<double>(*age);
+  };
+  const auto& law = law_output_;
+  const auto& e = law.error.e;
+  const auto& star = law.wanted.nu_star;
+  constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
+  return {state_,
+          conditions_,
+          age_s(own_),
+          age_s(leader_),
+          (conditions_ & kSeen) == kSeen,
+          {double(e.x), double(e.y), double(e.psi)},
+          {double(star.u), double(star.v), double(star.r)},
+          {double(law.tau.X), double(law.tau.N)},
+          {double(thrust_.given.X), double(thrust_.given.N)},
+          {double(thrust_.thrust.port), double(thrust_.thrust.stbd)},
+          law.allocation.surge_limited,
+          law.allocation.yaw_limited,
+          thrust_.slew_limited,
+          counters_};
+}
+
+template class Boat<float>;
+template class Boat<double>;
+
+}  // namespace flotilla::app

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "app/parameters.hpp"
+
+#include <cmath>
+
+namespace flotilla::app {
+
+const ParameterInfo* find_parameter(std::string_view name) {
+  for (const ParameterInfo& info : kParameterList) {
+    if (info.name == name) return &info;
+  }
+  return nullptr;
+}
+
+bool is_valid(const ParameterInfo& info, float value) {
+  if (!std::isfinite(value) || value < info.least || value > info.greatest) return false;
+  if (!info.integer) return true;
+  const bool is_sign = info.least == -1.0F && info.greatest == 1.0F;
+  return std::nearbyint(value) == value && !(is_sign && value == 0.0F);
+}
+
+std::optional<std::string_view> contradiction(const Parameters& p) {
+  if (p.ESC_PORT == p.ESC_STBD) return "ESC_PORT and ESC_STBD are the same ESC";
+  if (p.FORM_LEADER == p.MAV_SYSID) return "FORM_LEADER is this boat's own MAV_SYSID";
+  return std::nullopt;
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// What is sent at a fixed rate from a tick of another rate.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace flotilla::app {
+
+/// Due on a grid that begins with the first question; after a gap, once, and the grid begins anew.
+class Schedule {
+ public:
+  /// Interval 0: never. `early_us`: half a tick, so that a loop's jitter does not skip a turn.
+  explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
+      : interval_us_(interval_us), early_us_(early_us) {}
+
+  bool due(std::int64_t now_us) {
+    if (interval_us_ <= 0) return false;
+    if (next_us_ && now_us + early_us_ < *next_us_) return false;
+    const bool on_grid = next_us_ && now_us - *next_us_ < interval_us_;
+    next_us_ = (on_grid ? *next_us_ : now_us) + interval_us_;
+    return true;
+  }
+
+ private:
+  std::int64_t interval_us_;
+  std::int64_t early_us_;
+  std::optional<std::int64_t> next_us_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Thrusts to the ESCs' raw commands, and what the propellers are thereby given.
+#pragma once
+
+#include <algorithm>
+
+#include "app/convert.hpp"
+#include "link/dronecan_messages.hpp"
+
+namespace flotilla::app {
+
+template <class S>
+class Thrusters {
+ public:
+  struct Output {
+    core::Thrust<S> thrust{};  ///< N, of the commands as sent
+    core::Tau<S> given{};
+    bool slew_limited = false;
+    link::RawCommand raw{};
+  };
+
+  explicit Thrusters(const Parameters& p)
+      : curve_(convert::thrust_curve_params<S>(p)),
+        propellers_(convert::controller_params<S>(p).propellers),
+        slew_(p.THR_SLEW),
+        port_{static_cast<std::uint8_t>(p.ESC_PORT), p.THR_PORT_DIR < 0},
+        stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
+
+  /// Zeros at once unless `drive`; else towards the wanted thrusts at no more than the slew rate.
+  Output step(bool drive, const core::Thrust<S>& wanted, S dt) {
+    Output out;
+    out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);
+    if (!drive) {
+      port_.command = stbd_.command = S(0);
+      return out;
+    }
+    out.thrust = {turn(port_, wanted.port, dt, out), turn(stbd_, wanted.stbd, dt, out)};
+    out.given = core::wrench_of(propellers_, out.thrust);
+    return out;
+  }
+
+ private:
+  struct Propeller {
+    std::uint8_t index;
+    bool reversed;
+    S command{};
+  };
+
+  S turn(Propeller& propeller, S wanted, S dt, Output& out) {
+    const S asked = core::command_from_thrust(curve_, wanted);
+    const S command = core::limit_slew(propeller.command, asked, S(slew_), dt);
+    out.slew_limited = out.slew_limited || command < asked || asked < command;
+    propeller.command = command;
+    const std::int16_t raw = convert::raw_of(command);
+    out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
+    return core::thrust_from_command(curve_, convert::command_of<S>(raw));
+  }
+
+  core::ThrustCurveParams<S> curve_;
+  core::AllocationParams<S> propellers_;
+  float slew_;
+  Propeller port_;
+  Propeller stbd_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// What is known of one vessel, own or leader, from its MAVLink state messages.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/clock_offset.hpp"
+#include "app/convert.hpp"
+#include "link/counters.hpp"
+
+namespace flotilla::app {
+
+/// Follows one system id and of its components the lowest that sends state. ODOMETRY is preferred
+/// to LOCAL_POSITION_NED + ATTITUDE while it comes. A message counts by its stamp: one that is not
+/// younger than the last is refused, unless the vessel was silent so long that it may have
+/// rebooted.
+template <class S>
+class VesselTrack {
+ public:
+  struct Identity {
+    std::uint8_t system;
+    std::uint8_t ignored_component;  ///< 0: none
+  };
+  struct Antenna {
+    double x_m, y_m;
+  };
+
+  explicit VesselTrack(Identity identity, Antenna antenna = {0, 0})
+      : identity_(identity), antenna_(antenna) {}
+
+  /// Takes any message; those of other vessels and of no use here are passed over.
+  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+
+  /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
+  void answered(link::Sender from, std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us);
+
+  /// Time since the state was true, not since it came; nothing where none is known.
+  std::optional<std::int64_t> age_us(std::int64_t now_us) const;
+
+  /// Its state is known and younger than the limit.
+  bool fresh(std::int64_t now_us, std::int64_t limit_us) const;
+
+  /// Position at the last sample; the origin is that of the sender's local frame.
+  convert::Position position() const { return position_; }
+  bool has_origin() const { return has_origin_; }
+
+  /// Motion since the last sample; ages below zero count as zero.
+  core::Motion<S> motion(std::int64_t now_us) const;
+
+  /// ODOMETRY in a frame without north was refused since the last call.
+  bool take_frame_complaint();
+
+ private:
+  enum class Source : std::uint8_t { kOdometry, kLocalPosition };
+  static constexpr std::int64_t kSilent_us = 1'000'000;
+
+  bool mine(link::Sender from) const;
+  bool chosen(std::uint8_t component, std::int64_t now_us);
+  bool preferred(Source source, std::int64_t now_us);
+  void accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
+  void forget();
+
+  Identity identity_;
+  Antenna antenna_;
+  std::uint8_t component_ = 0;
+  Source source_ = Source::kLocalPosition;
+  std::optional<convert::HeadingSample> heading_;
+  std::optional<std::int64_t> stamp_us_;
+  std::int64_t arrived_us_ = 0;
+  ClockOffset clock_;
+  convert::Position position_;
+  bool has_origin_ = false;
+  bool frame_complaint_ = false;
+  core::TrackState<S> track_;
+};
+
+}  // namespace flotilla::app

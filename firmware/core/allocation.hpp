@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Shares a wrench between the two propellers; what does not fit is taken from surge first.
+//
+//   D = clamp(N / 2a, ±(F + R)/2)     m = clamp(X / 2, −R + |D|, F − |D|)
+//   T_port = m + D                    T_stbd = m − D
+//   X_given = T_port + T_stbd         N_given = a (T_port − T_stbd)
+//
+//  symbol  meaning                                        unit   tested range
+//  a       half the distance between the propellers       m      0.05 … 5
+//  F, R    forward and reverse maximum of one propeller   N      0.1 … 500
+//  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
+//
+// Not in paper, which has no limits.
+#pragma once
+
+#include "core/scalar.hpp"
+#include "core/types.hpp"
+
+namespace flotilla::core {
+
+template <class S>
+struct AllocationParams {
+  S a{};
+  S F{};
+  S R{};
+};
+
+template <class S>
+struct Thrust {
+  S port{};
+  S stbd{};
+};
+
+template <class S>
+struct Allocation {
+  Thrust<S> thrust{};
+  Tau<S> given{};
+  Tau<S> missing{};  ///< asked − given
+  bool surge_limited = false;
+  bool yaw_limited = false;
+};
+
+template <class S>
+Tau<S> wrench_of(const AllocationParams<S>& params, const Thrust<S>& thrust) {
+  return {thrust.port + thrust.stbd, params.a * (thrust.port - thrust.stbd)};
+}
+
+template <class S>
+Allocation<S> allocate(const AllocationParams<S>& params, const Tau<S>& tau) {
+  const S D_asked = tau.N / (S(2) * params.a);
+  const S D_max = S(0.5) * (params.F + params.R);
+  const S D = clamp(D_asked, -D_max, D_max);
+  const S m_asked = S(0.5) * tau.X;
+  const S m = clamp(m_asked, abs(D) - params.R, params.F - abs(D));
+  Allocation<S> out;
+  // The clamps bound m ± D up to rounding; a propeller's limit is not to be passed by that either.
+  out.thrust = {clamp(m + D, -params.R, params.F), clamp(m - D, -params.R, params.F)};
+  out.given = wrench_of(params, out.thrust);
+  out.missing = {tau.X - out.given.X, tau.N - out.given.N};
+  out.surge_limited = m < m_asked || m_asked < m;
+  out.yaw_limited = D < D_asked || D_asked < D;
+  return out;
+}
+
+}  // namespace flotilla::core

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: MIT
+"""Fails where a file of core has a floating literal outside S(...): a scalar need not be a float."""
+
+import re
+import sys
+from pathlib import Path
+
+SCALAR = re.compile(r"\bS\(-?\d+(\.\d+)?\)")
+FLOATING = re.compile(r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=[eE][-+]?\d))([eE][-+]?\d+)?")
+
+found = [
+    f"{path}:{number}: floating literal outside S(...): {line.strip()}"
+    for path in sys.argv[1:]
+    for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1)
+    if FLOATING.search(SCALAR.sub("", line.split("//")[0]))
+]
+sys.exit("\n".join(found) or 0)

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// PD+: the wrench that makes the velocity follow ν*, τ = G†(M ν̇* + C(ν) ν* + D ν* − K_d (ν − ν*)).
+//
+//   X = m11 u̇* − m22 v r* + d11 u* − k_du (u − u*)
+//   N = m33 ṙ* + m22 v u* − m11 u v* + d33 r* − k_dr (r − r*)
+//
+//  symbol      meaning                       unit        tested range
+//  k_du, k_dr  velocity gains, surge, yaw    kg/s, kg m²/s  0 … 100
+//
+// Source: paper (eq:mas-underactuated-control), the two actuated rows written out.
+#pragma once
+
+#include "core/virtual_velocity.hpp"
+
+namespace flotilla::core {
+
+template <class S>
+struct PdPlusParams {
+  S k_du{};
+  S k_dr{};
+};
+
+template <class S>
+Tau<S> pd_plus(const PdPlusParams<S>& params, const Vessel<S>& m, const VirtualVelocity<S>& wanted,
+               const Nu<S>& nu) {
+  const Nu<S>& star = wanted.nu_star;
+  return {m.m11 * wanted.u_star_dot - m.m22 * nu.v * star.r + m.d11 * star.u -
+              params.k_du * (nu.u - star.u),
+          m.m33 * wanted.r_star_dot + m.m22 * nu.v * star.u - m.m11 * nu.u * star.v +
+              m.d33 * star.r - params.k_dr * (nu.r - star.r)};
+}
+
+}  // namespace flotilla::core

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// When the boat may push: condition bits and an operator's request → one ordered table → state.
+//
+// The first row that fits wins. A row fits when the state is one of `from`, the request is the
+// row's, every condition in `needs` is met and, where `lacks` is not empty, one of those is not.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace flotilla::core {
+
+enum class State : std::uint8_t {
+  kDisarmed,   ///< no thrust, ESCs told to stay disarmed
+  kHold,       ///< armed, no thrust
+  kFormation,  ///< armed, the law drives
+  kFault,      ///< no thrust, ESCs told to disarm; left by disarming only
+};
+constexpr std::size_t kStates = 4;
+
+enum class Request : std::uint8_t { kNone, kDisarm, kArm, kHold, kFormation };
+constexpr std::size_t kRequests = 5;
+
+/// A set of conditions; each is true when all is well.
+using Conditions = std::uint8_t;
+constexpr Conditions kOwnFresh = 1;     ///< own state is younger than its limit
+constexpr Conditions kLeaderFresh = 2;  ///< leader's state is, and both local origins are known
+constexpr Conditions kEscsOnline = 4;   ///< both ESCs report, healthy
+constexpr Conditions kAllConditions = kOwnFresh | kLeaderFresh | kEscsOnline;
+
+constexpr std::uint8_t in(State a) {
+  return static_cast<std::uint8_t>(1U << static_cast<unsigned>(a));
+}
+constexpr std::uint8_t in(State a, State b) { return in(a) | in(b); }
+constexpr std::uint8_t kAnyState = (1U << kStates) - 1U;
+
+struct Row {
+  std::uint8_t from;
+  Request request;
+  Conditions needs;
+  Conditions lacks;
+  State to;
+};
+
+constexpr std::array<Row, 10> kTable{{
+    {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
+    {in(State::kHold, State::kFormation), Request::kNone, 0, kEscsOnline, State::kFault},
+    {in(State::kFormation), Request::kNone, 0, kOwnFresh | kLeaderFresh, State::kHold},
+    {in(State::kDisarmed), Request::kArm, kOwnFresh | kEscsOnline, 0, State::kHold},
+    {in(State::kHold), Request::kFormation, kAllConditions, 0, State::kFormation},
+    {in(State::kHold, State::kFormation), Request::kHold, 0, 0, State::kHold},
+    // Asking for what already is: granted, because commands are repeated when an answer is lost.
+    {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
+    {in(State::kHold), Request::kArm, 0, 0, State::kHold},
+    {in(State::kFormation), Request::kArm, 0, 0, State::kFormation},
+    {in(State::kFormation), Request::kFormation, 0, 0, State::kFormation},
+}};
+
+struct Verdict {
+  State state;
+  bool granted;        ///< a row fitted; always false for Request::kNone when nothing changes
+  Conditions missing;  ///< refused for want of these; empty where the state itself forbids it
+};
+
+constexpr Verdict supervise(State state, Request request, Conditions met) {
+  Conditions missing = 0;
+  for (const Row& row : kTable) {
+    if ((row.from & in(state)) == 0 || row.request != request) continue;
+    const auto unmet = static_cast<Conditions>(row.needs & ~met);
+    const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
+    if (unmet == 0 && lacking) return {row.to, true, 0};
+    missing |= unmet;
+  }
+  return {state, false, missing};
+}
+
+constexpr bool armed(State state) { return state == State::kHold || state == State::kFormation; }
+
+/// The second, independent stop, asked after allocation: true only where thrust is allowed.
+constexpr bool may_drive(State state, Conditions met) {
+  return state == State::kFormation && (met & kAllConditions) == kAllConditions;
+}
+
+}  // namespace flotilla::core

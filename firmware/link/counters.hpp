@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// What was received, sent and thrown away. Counters wrap; nobody acts on them, people read them.
+#pragma once
+
+#include <cstdint>
+
+namespace flotilla::link {
+
+struct Counters {
+  std::uint32_t mavlink_received = 0;       ///< whole messages with a good checksum
+  std::uint32_t mavlink_bad_checksum = 0;   ///< frame of a known message whose checksum is wrong
+  std::uint32_t mavlink_skipped_bytes = 0;  ///< bytes outside any good message
+  std::uint32_t mavlink_bad_value = 0;      ///< not finite, out of range, quaternion of zeros
+  std::uint32_t mavlink_bad_frame = 0;      ///< coordinate frame that is not north-aligned
+  std::uint32_t mavlink_old_stamp = 0;      ///< repeated, late, or from a clock that went back
+  std::uint32_t mavlink_not_sent = 0;       ///< message that found no room in this tick's buffer
+  std::uint32_t commands_dropped = 0;       ///< more commands in one tick than the queue holds
+  std::uint32_t can_received = 0;           ///< whole transfers
+  std::uint32_t can_bad_frame = 0;          ///< no tail, wrong order, lost part, nonsense id
+  std::uint32_t can_bad_checksum = 0;       ///< multi-frame transfer whose CRC is wrong
+  std::uint32_t can_bad_value = 0;          ///< transfer too short for its type
+  std::uint32_t can_not_sent = 0;           ///< transfer that found no room in this tick's buffer
+  std::uint32_t clock_went_back = 0;        ///< calls with a time before that of the call before
+};
+
+}  // namespace flotilla::link

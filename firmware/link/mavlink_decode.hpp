@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// MAVLink 1 and 2 bytes to messages.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "link/counters.hpp"
+#include "link/messages.hpp"
+
+namespace flotilla::link {
+
+/// One link's receiver. Takes bytes in any chunks and finds its way back after any damage: a frame
+/// that turns out false costs its first byte only, so it never takes a good one down with it
+/// (the generated parser swallows what follows a stray start byte).
+///
+///   while (!bytes.empty()) {
+///     bytes = bytes.subspan(decoder.fill(bytes));
+///     while (auto received = decoder.next(counters)) …
+///   }
+class MavlinkDecoder {
+ public:
+  /// Takes as many bytes as there is room for, at least one after next() has returned nothing.
+  std::size_t fill(std::span<const std::uint8_t> bytes);
+
+  /// The next whole message with a good checksum.
+  std::optional<Received> next(Counters& counters);
+
+ private:
+  static constexpr std::size_t kLongestFrame = 10 + 255 + 2 + 13;
+  std::array<std::uint8_t, 2 * kLongestFrame> buffer_{};
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+};
+
+}  // namespace flotilla::link

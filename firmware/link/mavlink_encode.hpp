@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Messages to MAVLink 2 bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "link/messages.hpp"
+
+namespace flotilla::link {
+
+/// One link's sender: its frames carry one running sequence number.
+class MavlinkEncoder {
+ public:
+  MavlinkEncoder() = default;
+  explicit MavlinkEncoder(Sender self) : self_(self) {}
+
+  /// Writes one frame; its length, or 0 (and nothing written, no number used) where `out` is
+  /// too short or the message is std::monostate.
+  std::size_t encode(const Message& message, std::span<std::uint8_t> out);
+
+ private:
+  Sender self_{};
+  std::uint8_t sequence_ = 0;
+};
+
+}  // namespace flotilla::link

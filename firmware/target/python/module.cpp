@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// The native module `flotilla`: the boat's own object code, for the SIL, tests and notebooks.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "app/boat.hpp"
+#include "app/text.hpp"
+#include "app/version.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace flotilla;
+
+namespace {
+
+struct TickOutput {
+  nb::list mavlink;
+  nb::list can;
+};
+
+nb::bytes bytes_of(std::span<const std::uint8_t> data) {
+  return nb::bytes(data.data(), data.size());
+}
+
+std::span<const std::uint8_t> span_of(const nb::bytes& data) {
+  return {static_cast<const std::uint8_t*>(data.data()), data.size()};
+}
+
+std::string number(float value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+app::Parameters parameters_from(const nb::dict& values) {
+  app::Parameters parameters;
+  for (const auto& [key, value] : values) {
+    const auto name = nb::cast<std::string>(key);
+    const app::ParameterInfo* info = app::find_parameter(name);
+    if (info == nullptr) throw nb::value_error(("unknown parameter " + name).c_str());
+    double wanted = 0;
+    const bool is_number = nb::try_cast(value, wanted);
+    if (!is_number || !app::is_valid(*info, static_cast<float>(wanted))) {
+      const std::string kind = info->integer ? "a whole number" : "a number";
+      const std::string unit = info->unit.empty() ? "" : " " + std::string(info->unit);
+      throw nb::value_error((name + " = " + nb::cast<std::string>(nb::str(value)) +
+                             " is out of range: " + kind + " from " + number(info->least) + " to " +
+                             number(info->greatest) + unit +
+                             (info->integer && info->least < 0 ? ", not 0" : ""))
+                                .c_str());
+    }
+    parameters.*(info->member) = static_cast<float>(wanted);
+  }
+  if (const auto sentence = app::contradiction(parameters)) {
+    throw nb::value_error(std::string(*sentence).c_str());
+  }
+  return parameters;
+}
+
+nb::dict counters_dict(const link::Counters& c) {
+  nb::dict out;
+  out["mavlink_received"] = c.mavlink_received;
+  out["mavlink_bad_checksum"] = c.mavlink_bad_checksum;
+  out["mavlink_skipped_bytes"] = c.mavlink_skipped_bytes;
+  out["mavlink_bad_value"] = c.mavlink_bad_value;
+  out["mavlink_bad_frame"] = c.mavlink_bad_frame;
+  out["mavlink_old_stamp"] = c.mavlink_old_stamp;
+  out["mavlink_not_sent"] = c.mavlink_not_sent;
+  out["commands_dropped"] = c.commands_dropped;
+  out["can_received"] = c.can_received;
+  out["can_bad_frame"] = c.can_bad_frame;
+  out["can_bad_checksum"] = c.can_bad_checksum;
+  out["can_bad_value"] = c.can_bad_value;
+  out["can_not_sent"] = c.can_not_sent;
+  out["clock_went_back"] = c.clock_went_back;
+  return out;
+}
+
+nb::dict pair(const char* a, double x, const char* b, double y) {
+  nb::dict out;
+  out[a] = x;
+  out[b] = y;
+  return out;
+}
+
+nb::dict triple(const char* a, double x, const char* b, double y, const char* c, double z) {
+  nb::dict out = pair(a, x, b, y);
+  out[c] = z;
+  return out;
+}
+
+nb::dict snapshot_dict(const app::Snapshot& s) {
+  nb::dict conditions;
+  conditions["own_fresh"] = (s.conditions & core::kOwnFresh) != 0;
+  conditions["leader_fresh"] = (s.conditions & core::kLeaderFresh) != 0;
+  conditions["escs_online"] = (s.conditions & core::kEscsOnline) != 0;
+  nb::dict limited;
+  limited["surge"] = s.surge_limited;
+  limited["yaw"] = s.yaw_limited;
+  limited["slew"] = s.slew_limited;
+  nb::dict out;
+  out["state"] = nb::str(app::name_of(s.state).data(), app::name_of(s.state).size());
+  out["conditions"] = conditions;
+  out["own_age_s"] = s.own_age_s;
+  out["leader_age_s"] = s.leader_age_s;
+  out["error"] =
+      s.error_known ? nb::object(triple("x_m", s.error.x, "y_m", s.error.y, "psi_rad", s.error.psi))
+                    : nb::none();
+  out["virtual_velocity"] =
+      triple("u_mps", s.nu_star.u, "v_mps", s.nu_star.v, "r_radps", s.nu_star.r);
+  out["wrench_asked"] = pair("X_N", s.asked.X, "N_Nm", s.asked.N);
+  out["wrench_given"] = pair("X_N", s.given.X, "N_Nm", s.given.N);
+  out["limited"] = limited;
+  out["thrust_N"] = pair("port", s.thrust_N.port, "stbd", s.thrust_N.stbd);
+  out["counters"] = counters_dict(s.counters);
+  return out;
+}
+
+/// A boat of either scalar behind one Python type.
+class PyBoat {
+ public:
+  PyBoat(const nb::dict& values, int links, const std::string& scalar)
+      : links_(static_cast<std::size_t>(links)) {
+    if (links < 1 || links_ > app::kMaxLinks)
+      throw nb::value_error("links: a whole number from 1 to 4");
+    const app::Parameters parameters = parameters_from(values);
+    if (scalar == "float") {
+      boat_ = std::make_unique<app::Boat<float>>(parameters, links_);
+    } else if (scalar == "double") {
+      boat_ = std::make_unique<app::Boat<double>>(parameters, links_);
+    } else {
+      throw nb::value_error(("scalar: \"float\" or \"double\", not \"" + scalar + "\"").c_str());
+    }
+  }
+
+  void on_mavlink(const nb::bytes& data, std::int64_t now_us, int link) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) {
+      throw nb::value_error(("link: from 0 to " + std::to_string(links_ - 1)).c_str());
+    }
+    const auto bytes = span_of(data);
+    std::visit([&](auto& b) { b->on_mavlink(bytes, now_us, static_cast<std::size_t>(link)); },
+               boat_);
+  }
+
+  void on_can(std::uint32_t can_id, const nb::bytes& data, std::int64_t now_us) {
+    const auto bytes = span_of(data);
+    std::visit([&](auto& b) { b->on_can(can_id, bytes, now_us); }, boat_);
+  }
+
+  TickOutput tick(std::int64_t now_us) {
+    TickOutput out;
+    std::visit(
+        [&](auto& b) {
+          const auto sent = b->tick(now_us);
+          for (std::size_t link = 0; link < links_; ++link) {
+            const auto bytes = sent.links->bytes(link);
+            if (!bytes.empty()) out.mavlink.append(nb::make_tuple(link, bytes_of(bytes)));
+          }
+          for (const link::CanFrame& frame : sent.can) {
+            out.can.append(nb::make_tuple(frame.id, bytes_of(frame.bytes())));
+          }
+        },
+        boat_);
+    return out;
+  }
+
+  nb::dict snapshot() const {
+    return std::visit([](const auto& b) { return snapshot_dict(b->snapshot()); }, boat_);
+  }
+
+  nb::str state() const {
+    return std::visit(
+        [](const auto& b) {
+          const auto name = app::name_of(b->state());
+          return nb::str(name.data(), name.size());
+        },
+        boat_);
+  }
+
+  nb::dict parameters() const {
+    const auto& values =
+        std::visit([](const auto& b) -> const app::Parameters& { return b->parameters(); }, boat_);
+    nb::dict out;
+    for (const app::ParameterInfo& info : app::kParameterList) {
+      out[nb::str(info.name.data(), info.name.size())] = values.*(info.member);
+    }
+    return out;
+  }
+
+ private:
+  std::size_t links_;
+  std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>> boat_;
+};
+
+nb::list parameter_list() {
+  nb::list out;
+  for (const app::ParameterInfo& info : app::kParameterList) {
+    nb::dict entry;
+    entry["name"] = nb::str(info.name.data(), info.name.size());
+    entry["unit"] = nb::str(info.unit.data(), info.unit.size());
+    entry["default"] = info.default_value;
+    entry["least"] = info.least;
+    entry["greatest"] = info.greatest;
+    entry["integer"] = info.integer;
+    entry["sentence"] = nb::str(info.sentence.data(), info.sentence.size());
+    out.append(entry);
+  }
+  return out;
+}
+
+}  // namespace
+
+NB_MODULE(flotilla, m) {
+  m.doc() = "Flotilla's firmware: the autopilot of a twin-propeller boat, without I/O.";
+  m.attr("__version__") =
+      std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
+  m.def("parameter_list", &parameter_list,
+        "Every parameter with name, unit, default, least and greatest value, and a sentence.");
+
+  nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
+      .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
+      .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");
+
+  nb::class_<PyBoat>(m, "Boat",
+                     "One boat. parameters: by MAVLink name, the rest keep their defaults; links: "
+                     "number of MAVLink links, 1 to 4; scalar of the law: \"float\" or "
+                     "\"double\". ValueError names a parameter that is unknown or out of range.")
+      .def(nb::init<const nb::dict&, int, const std::string&>(), "parameters"_a = nb::dict(),
+           "links"_a = 1, "scalar"_a = "float")
+      .def("on_mavlink", &PyBoat::on_mavlink, "data"_a, "now_us"_a, "link"_a = 0,
+           "Any bytes, in any chunks; now_us: the boat's own monotonic clock, microseconds.")
+      .def("on_can", &PyBoat::on_can, "can_id"_a, "data"_a, "now_us"_a,
+           "One CAN frame with a 29-bit id and up to 8 bytes.")
+      .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
+      .def("snapshot", &PyBoat::snapshot,
+           "Last tick: state, conditions, ages, error, virtual velocity, wrench asked and given, "
+           "limits that acted, thrusts, counters; SI units.")
+      .def_prop_ro("state", &PyBoat::state, "State of the supervisor after the last tick.")
+      .def("parameters", &PyBoat::parameters, "Every parameter's value by name.");
+}

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of a run, drawn from the trace (arrays as in trace.npz, see `sil.metrics`)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from sil import metrics
+from sil.plant.hull import Array
+
+# Okabe and Ito's palette, told apart with every kind of colour vision
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+BLACK, GREY, FAINT = "#222222", "#666666", "#f4f4f4"
+
+_WIDTH_IN = 8.0
+_SHOWN_SAMPLES = 3000
+_FORMATIONS = 6
+_DASHED = (0, (4, 3))
+_HALO = patheffects.withStroke(linewidth=3, foreground="white")
+# outline of a hull of length 1, body axes: forward, starboard
+_OUTLINE = np.array([[0.5, 0.0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]])
+_STYLE: dict[Any, Any] = {
+    "figure.dpi": 200,
+    "font.size": 10.5,
+    "axes.titlesize": 12,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": GREY,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#eaeaea",
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+}
+
+
+def formation(name: str, trace: Mapping[str, Array]) -> Figure:
+    """Paths north up and east right, with the formation at evenly spaced times.
+
+    One map of the first fifth of the run, in which the formation closes up, one of all of it.
+    """
+    t_s, eta = trace["t_s"], trace["eta"]
+    first = max(2, t_s.size // 5)
+    windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, "the whole run": t_s.size}
+    shapes = [_height_to_width(eta[:end]) for end in windows.values()]
+    with matplotlib.rc_context(_STYLE):
+        height_in = _WIDTH_IN * sum(shapes) + 2.0
+        figure = Figure(figsize=(_WIDTH_IN, height_in), layout="constrained")
+        maps = figure.subplots(2, 1, height_ratios=shapes)
+        for axes, (title, end) in zip(maps, windows.items(), strict=True):
+            axes.set_title(title)
+            _draw_map(axes, t_s[:end], eta[:end])
+        handles, labels = maps[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
+    return figure
+
+
+def errors(name: str, trace: Mapping[str, Array]) -> Figure:
+    """Distance of each boat from its slot over time, logarithmic, with the settling level."""
+    t_s = trace["t_s"]
+    step = _step(t_s)
+    # zero has no logarithm
+    distance = np.maximum(metrics.distances(trace["error"][::step]), 1e-9)
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=(_WIDTH_IN, 4.6), layout="constrained")
+        axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
+        axes.set_title(f"{name}: distance of each boat from its slot")
+        axes.set_ylabel("formation error |e| (m)")
+        for i in range(distance.shape[1]):
+            axes.plot(t_s[::step], distance[:, i], color=colour(i + 1))
+        axes.axhline(metrics.SETTLED_M, color=BLACK, lw=1.0, ls=_DASHED)
+        by_level = axes.get_yaxis_transform()
+        level = f"settled: {metrics.SETTLED_M} m"
+        axes.text(0.01, metrics.SETTLED_M * 0.9, level, fontsize=9.5, va="top", transform=by_level)
+        third = t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
+        axes.axvspan(third, t_s[-1], color=FAINT, zorder=0)
+        by_time = axes.get_xaxis_transform()
+        axes.text(third, 0.97, " last third: RMS, maximum", color=GREY, va="top", transform=by_time)
+        axes.set_xlim(t_s[0], t_s[-1])
+        _label_ends(axes, distance[-1])
+    return figure
+
+
+def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
+    """Port and starboard thrust of each boat over time, on one scale; short peaks as numbers."""
+    t_s, values = trace["t_s"], trace["thrust"]
+    step, count = _step(t_s), values.shape[1]
+    low, high = np.quantile(values, [0.001, 0.999])
+    margin = 0.1 * max(high - low, 0.1)
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=(_WIDTH_IN, 1.0 + 1.4 * count), layout="constrained")
+        rows = figure.subplots(count, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+        for i, axes in enumerate(rows):
+            axes.plot(t_s[::step], values[::step, i, 0], color=COLOURS[1], label="port")
+            axes.plot(t_s[::step], values[::step, i, 1], color=COLOURS[2], label="starboard")
+            axes.set_ylabel(f"boat {i + 1} (N)")
+            least, most = values[:, i].min(), values[:, i].max()
+            if least < low - margin or most > high + margin:
+                text = f"from {least:.1f} to {most:.1f} N".replace("-", "−")
+                axes.text(1.0, 1.0, text, color=GREY, ha="right", transform=axes.transAxes)
+        rows[0].set_ylim(low - margin, high + margin)
+        rows[0].set_xlim(t_s[0], t_s[-1])
+        rows[0].set_title(f"{name}: propeller thrust")
+        rows[-1].set_xlabel("time since release (s)")
+        handles, labels = rows[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def colour(boat: int) -> str:
+    """The colour of boat 1, 2, … in every picture."""
+    return COLOURS[(boat - 1) % len(COLOURS)]
+
+
+def _draw_map(axes: Axes, t_s: Array, eta: Array) -> None:
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="east (m)", ylabel="north (m)")
+    axes.margins(0.05)
+    path = eta[:: _step(t_s)]
+    north, east = path[..., 0], path[..., 1]
+    extent_m = float(max(np.ptp(north), np.ptp(east), 1.0))
+    (leader,) = axes.plot(east[:, 0], north[:, 0], color=BLACK, lw=1.0, zorder=3)
+    leader.set(linestyle=_DASHED, label="virtual leader")
+    for boat in range(1, eta.shape[1]):
+        label = f"boat {boat}"
+        axes.plot(east[:, boat], north[:, boat], color=colour(boat), lw=1.0, label=label)
+    axes.plot(east[0, 1:], north[0, 1:], "o", ms=11, mfc="none", mec=GREY, label="start")
+    # true length where that can be seen
+    length_m = max(1.0, extent_m / 45.0)
+    order = _around(eta[-1, 1:])
+    for k in np.linspace(0, t_s.size - 1, _FORMATIONS).astype(int):
+        poses = eta[k, 1:]
+        ring = poses[[*order, order[0]]]
+        axes.plot(ring[:, 1], ring[:, 0], color=GREY, lw=0.8, zorder=4)
+        hulls = PolyCollection([_outline(pose, length_m) for pose in poses], zorder=5)
+        hulls.set(facecolor=[colour(i + 1) for i in range(len(poses))], edgecolor="white", lw=0.4)
+        axes.add_collection(hulls)
+        top = poses[np.argmax(poses[:, 0])]
+        text = axes.annotate(
+            f"{t_s[k]:.0f} s", (top[1], top[0]), (0, 9), textcoords="offset points"
+        )
+        text.set(ha="center", fontsize=9.5, zorder=6, path_effects=[_HALO])
+
+
+def _around(eta: Array) -> list[int]:
+    """Boats in the order in which they stand around their middle: joined, lines do not cross."""
+    north, east = (eta[:, :2] - eta[:, :2].mean(axis=0)).T
+    return list(np.argsort(np.arctan2(east, north)))
+
+
+def _outline(pose: Array, length_m: float) -> Array:
+    """Outline (K, 2) as [east north] of a hull at [x y ψ]."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    forward, starboard = length_m * _OUTLINE.T
+    north, east = cos * forward - sin * starboard, sin * forward + cos * starboard
+    return np.column_stack([pose[1] + east, pose[0] + north])
+
+
+def _label_ends(axes: Axes, values: Array) -> None:
+    """Name the boats beside the ends of their lines, moved apart where they would overlap."""
+    gap = 0.06
+    low, high = np.log10(axes.get_ylim())
+    wanted = (np.log10(values) - low) / (high - low)
+    order = np.argsort(wanted)
+    steps = gap * np.arange(order.size)
+    # pushed up from below and down from above; the mean leaves a bunch around its place
+    pushed_up = np.maximum.accumulate(wanted[order] - steps) + steps
+    pushed_down = np.minimum.accumulate((wanted[order] - steps)[::-1])[::-1] + steps
+    for i, place in zip(order, (pushed_up + pushed_down) / 2.0, strict=True):
+        text = axes.text(1.01, place, f"boat {i + 1}", color=colour(i + 1), va="center")
+        text.set_transform(axes.transAxes)
+
+
+def _height_to_width(eta: Array) -> float:
+    north_m, east_m = np.ptp(eta[..., 0]), np.ptp(eta[..., 1])
+    return float(np.clip(north_m / max(east_m, 1e-9), 0.35, 0.8))
+
+
+def _step(t_s: Array) -> int:
+    return max(1, t_s.size // _SHOWN_SAMPLES)

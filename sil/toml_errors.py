@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: MIT
+"""TOML that knows where its keys stand, so that an error names file, line, key and remedy."""
+
+import difflib
+import json
+import re
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+KeyPath = tuple[str, ...]
+"""Keys from the root of the document; elements of arrays are counted from "1"."""
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([\w.\s\"'-]+?)\s*\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(r"\s*([\w.\s\"'-]+?)\s*=")
+_POSITION = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
+
+# pydantic's own words, where a writer of TOML would not understand them
+_WORDS = {
+    "model_type": "must be a table",
+    "dict_type": "must be a table",
+    "tuple_type": "must be an array",
+}
+
+
+class ScenarioError(ValueError):
+    """A scenario that cannot be sailed; its text is for the person who wrote the file."""
+
+
+@dataclass
+class Source:
+    """A parsed document, the line of each key, and the overrides laid over it."""
+
+    file: str
+    document: dict[str, Any]
+    lines: dict[KeyPath, int]
+    overrides: dict[KeyPath, str] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Parse a file; ScenarioError where it cannot be read or is not TOML."""
+        file = _shown(path)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise ScenarioError(f"{file}: {error.strerror}") from None
+        except UnicodeDecodeError:
+            raise ScenarioError(f"{file}: not UTF-8, which TOML requires") from None
+        try:
+            return cls(file, tomllib.loads(text), locate(text))
+        except tomllib.TOMLDecodeError as error:
+            raise ScenarioError(_syntax_error(file, text, str(error))) from None
+
+    def override(self, text: str) -> None:
+        """Lay `KEY=VALUE` over the document; ScenarioError where it has no place there."""
+        key, _, value = text.partition("=")
+        path = tuple(key.strip().split("."))
+        try:
+            parsed = tomllib.loads(f"value = {value}")
+        except tomllib.TOMLDecodeError:
+            parsed = {}
+        if not all(path) or parsed.keys() != {"value"}:
+            wanted = """KEY=VALUE, the value as TOML has it: 0.1, [0, 0], '"text"'"""
+            raise ScenarioError(f'override "{text}": must be {wanted}')
+        try:
+            _lay(self.document, path, parsed["value"])
+        except LookupError as error:
+            raise ScenarioError(f'override "{text}": no key "{key}": {error.args[0]}') from None
+        self.overrides[path] = text
+
+    def error(self, path: KeyPath, problem: str) -> ScenarioError:
+        """The error `problem` of the key at `path`, with the place where it was written."""
+        return ScenarioError(f"{self._place(path)}: {problem}")
+
+    def errors(self, error: ValidationError, model: type[BaseModel]) -> ScenarioError:
+        """All that pydantic found wrong when it read the document as `model`, a line each."""
+        texts = []
+        for detail in error.errors(include_url=False):
+            loc = [part for part in detail["loc"] if part != "[key]"]
+            path = tuple(str(part + 1) if isinstance(part, int) else part for part in loc)
+            texts.append(f"{self._place(path)}: {_problem(detail, path, model)}")
+        return ScenarioError("\n".join(dict.fromkeys(texts)))
+
+    def _place(self, path: KeyPath) -> str:
+        for key, text in reversed(self.overrides.items()):
+            if key[: len(path)] == path or path[: len(key)] == key:
+                return f'override "{text}"'
+        while path and path not in self.lines:
+            path = path[:-1]
+        return f"{self.file}:{self.lines.get(path, 1)}"
+
+
+def locate(text: str) -> dict[KeyPath, int]:
+    """Line, from 1, of every table and key of a TOML text (keys of inline tables: not listed)."""
+    lines: dict[KeyPath, int] = {}
+    elements: dict[KeyPath, int] = {}
+    table: KeyPath = ()
+    for number, line in enumerate(text.split("\n"), start=1):
+        if header := _HEADER.match(line):
+            table = ()
+            *parents, last = _names(header[2])
+            for name in parents:
+                table += (name,)
+                if table in elements:
+                    table += (str(elements[table]),)
+            table += (last,)
+            lines.setdefault(table, number)
+            if header[1] == "[[":
+                elements[table] = elements.get(table, 0) + 1
+            if table in elements:
+                table += (str(elements[table]),)
+            lines.setdefault(table, number)
+        elif key := _KEY.match(line):
+            lines.setdefault(table + _names(key[1]), number)
+    return lines
+
+
+def _names(dotted: str) -> KeyPath:
+    return tuple(name.strip(" \t\"'") for name in dotted.split("."))
+
+
+def _lay(place: Any, path: KeyPath, value: Any) -> None:
+    """Set the key `path` of `place`, making tables on the way; LookupError says what is in it."""
+    head: Any = path[0]
+    if isinstance(place, list):
+        if not head.isdecimal() or not 1 <= int(head) <= len(place):
+            raise LookupError(f'"{head}" must be a number from 1 to {len(place)}')
+        head = int(head) - 1
+    elif not isinstance(place, dict):
+        raise LookupError(f"{json.dumps(place, default=str)} is no table")
+    if len(path) == 1:
+        place[head] = value
+        return
+    _lay(place.setdefault(head, {}) if isinstance(place, dict) else place[head], path[1:], value)
+
+
+def _problem(detail: ErrorDetails, path: KeyPath, model: type[BaseModel]) -> str:
+    kind, loc, key = detail["type"], detail["loc"], ".".join(path)
+    if kind == "extra_forbidden":
+        allowed = list(_annotation(model, loc[:-1]).model_fields)
+        close = difflib.get_close_matches(path[-1], allowed, n=1)
+        hint = f'did you mean "{close[0]}"?' if close else f"allowed: {', '.join(allowed)}"
+        return f'unknown key "{key}" ({hint})'
+    if kind == "string_pattern_mismatch":
+        return f'"{key}": a parameter\'s name is up to 16 of A-Z, 0-9 and _'
+    given = json.dumps(detail["input"], default=str)
+    if kind == "too_long" or (kind == "missing" and isinstance(loc[-1], int)):
+        array = loc if kind == "too_long" else loc[:-1]
+        key = ".".join(path[: len(array)])
+        return f'"{key}" = {given}: must have {len(get_args(_annotation(model, array)))} numbers'
+    if kind == "missing":
+        return f'missing key "{key}"'
+    return f'"{key}" = {given}: {_WORDS.get(kind, detail["msg"].replace("Input should", "must"))}'
+
+
+def _annotation(model: Any, loc: tuple[int | str, ...]) -> Any:
+    for part in loc:
+        is_element = isinstance(part, int)
+        model = get_args(model)[0] if is_element else model.model_fields[part].annotation
+    return model
+
+
+def _syntax_error(file: str, text: str, words: str) -> str:
+    position = _POSITION.search(words)
+    last = text.rstrip().count("\n") + 1
+    number = int(position[1]) if position and position[1] else last
+    line = text.split("\n")[number - 1].strip()
+    return f'{file}:{number}: not TOML: {_POSITION.sub("", words)}, in "{line}"'
+
+
+def _shown(path: Path) -> str:
+    resolved = path.resolve()
+    return str(resolved.relative_to(Path.cwd()) if resolved.is_relative_to(Path.cwd()) else path)

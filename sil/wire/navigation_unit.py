@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: MIT
+"""A navigation unit's MAVLink side: sends a state, its origin and heartbeats, answers TIMESYNC.
+
+Serves a boat's own unit (the boat's system id) and the virtual leader alike. Frames: north-east-
+down, heading clockwise from north; body x forward, y starboard.
+Source: mavlink.io, common message set.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from math import cos, nan, pi, remainder, sin, tau
+from typing import Any, Literal
+
+from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+
+from sil.wire.mavlink_frames import frames
+from sil.wire.rate import Rate
+from sil.wire.state_frame import StateFrame
+
+_TIMESYNC: int = mavlink.MAVLINK_MSG_ID_TIMESYNC
+_UNKNOWN_COVARIANCE = [nan] + [0.0] * 20
+
+
+def _wrap(psi: float) -> float:
+    psi = remainder(psi, tau)
+    return psi if psi > -pi else pi
+
+
+class NavigationUnit:
+    """One sender of state; times are its own clock's (us, positive).
+
+    `origin` is (latitude degE7, longitude degE7, altitude mm) of the local frame. `counters` counts
+    received `timesync` requests and `bad` frames (wrong CRC).
+    """
+
+    def __init__(
+        self,
+        system_id: int,
+        component_id: int,
+        *,
+        vehicle_type: int,
+        origin: tuple[int, int, int],
+        rate_hz: float,
+        message: Literal["local", "odometry"] = "local",
+    ) -> None:
+        self.counters: Counter[str] = Counter()
+        self._mav = mavlink.MAVLink(None, system_id, component_id)
+        self._attitude, self._position = (
+            StateFrame(message_class, system_id, component_id)
+            for message_class in (
+                mavlink.MAVLink_attitude_message,
+                mavlink.MAVLink_local_position_ned_message,
+            )
+        )
+        self._vehicle_type = vehicle_type
+        self._origin = origin
+        self._state = self._local if message == "local" else self._odometry
+        self._state_rate = Rate(rate_hz)
+        self._slow_rate = Rate(1.0)
+        self._requests: list[tuple[int, int]] = []
+
+    def tick(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        """What is due now: eta = [x y psi] (m, m, rad), nu = [u v r] (m/s, m/s, rad/s) of now."""
+        out = b""
+        if self._slow_rate.due(now_us):
+            out = self._heartbeat() + self._pack(
+                mavlink.MAVLink_gps_global_origin_message(*self._origin, now_us)
+            )
+        for ts1, arrived_us in self._requests:
+            # The instant of reading, not of answering: a requester bounds our clock by it.
+            out += self._pack(mavlink.MAVLink_timesync_message(1000 * arrived_us, ts1))
+        self._requests.clear()
+        if self._state_rate.due(now_us):
+            out += self._state(now_us, eta, nu)
+        return out
+
+    def on_mavlink(self, data: bytes, now_us: int) -> None:
+        """Takes any bytes; TIMESYNC requests to this unit are answered by the next tick."""
+        for message_id, _, _, frame in frames(data):
+            if message_id != _TIMESYNC:
+                continue
+            try:
+                request = self._mav.decode(bytearray(frame))
+            except mavlink.MAVError:
+                self.counters["bad"] += 1
+                continue
+            # Upstream's extension, unknown to the wheel's dialect; zeros are cut off the wire.
+            target = frame[26 : 10 + frame[1]]
+            own = (self._mav.srcSystem, self._mav.srcComponent)
+            if request.tc1 == 0 and all(t in (0, o) for t, o in zip(target, own, strict=False)):
+                self.counters["timesync"] += 1
+                self._requests.append((request.ts1, now_us))
+
+    def _pack(self, message: Any) -> bytes:
+        frame: bytes = message.pack(self._mav)
+        self._mav.seq = (self._mav.seq + 1) & 0xFF
+        return frame
+
+    def _heartbeat(self) -> bytes:
+        return self._pack(
+            mavlink.MAVLink_heartbeat_message(
+                self._vehicle_type,
+                mavlink.MAV_AUTOPILOT_INVALID,
+                0,
+                0,
+                mavlink.MAV_STATE_ACTIVE,
+                3,
+            )
+        )
+
+    def _local(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        x, y, psi = eta
+        u, v, r = nu
+        c, s = cos(psi), sin(psi)
+        ms = now_us // 1000 & 0xFFFFFFFF
+        sequence = self._mav.seq
+        self._mav.seq = (sequence + 2) & 0xFF
+        return self._attitude.pack(sequence, ms, 0.0, 0.0, _wrap(psi), 0.0, 0.0, r) + (
+            self._position.pack(
+                (sequence + 1) & 0xFF, ms, x, y, 0.0, c * u - s * v, s * u + c * v, 0.0
+            )
+        )
+
+    def _odometry(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        x, y, psi = eta
+        u, v, r = nu
+        half = 0.5 * _wrap(psi)
+        return self._pack(
+            mavlink.MAVLink_odometry_message(
+                now_us,
+                mavlink.MAV_FRAME_LOCAL_NED,
+                mavlink.MAV_FRAME_BODY_FRD,
+                x,
+                y,
+                0.0,
+                (cos(half), 0.0, 0.0, sin(half)),
+                u,
+                v,
+                0.0,
+                0.0,
+                0.0,
+                r,
+                _UNKNOWN_COVARIANCE,
+                _UNKNOWN_COVARIANCE,
+                estimator_type=mavlink.MAV_ESTIMATOR_TYPE_GPS_INS,
+            )
+        )

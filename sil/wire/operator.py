@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""An operator at a ground station: arms boats and puts them into a mode, by MAVLink commands."""
+
+from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+
+from sil.wire.mavlink_frames import frames
+
+SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
+HOLD, FORMATION = 4, 6
+
+_READ = {
+    mavlink.MAVLINK_MSG_ID_HEARTBEAT,
+    mavlink.MAVLINK_MSG_ID_STATUSTEXT,
+}
+
+
+class Operator:
+    """One ground station.
+
+    What it has heard, by system id: `armed`, `mode` (custom_mode of the heartbeat) and the last
+    `text` (STATUSTEXT).
+    """
+
+    def __init__(self) -> None:
+        self.armed: dict[int, bool] = {}
+        self.mode: dict[int, int] = {}
+        self.text: dict[int, str] = {}
+        self._mav = mavlink.MAVLink(None, SYSTEM, COMPONENT)
+
+    def arm(self, system: int) -> bytes:
+        """The command to arm."""
+        return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
+
+    def set_mode(self, system: int, mode: int) -> bytes:
+        """The command to change to HOLD or FORMATION."""
+        custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
+        return self._command(system, mavlink.MAV_CMD_DO_SET_MODE, custom, float(mode))
+
+    def on_mavlink(self, data: bytes) -> None:
+        """Takes what a boat sends, whole frames."""
+        for message_id, system, _, frame in frames(data):
+            if message_id not in _READ:
+                continue
+            message = self._mav.decode(bytearray(frame))
+            if message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
+                self.armed[system] = bool(message.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
+                self.mode[system] = message.custom_mode
+            elif message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
+                self.text[system] = message.text
+
+    def _command(self, system: int, command: int, *params: float) -> bytes:
+        seven = (*params, *(0.0,) * (7 - len(params)))
+        message = mavlink.MAVLink_command_long_message(
+            system, mavlink.MAV_COMP_ID_AUTOPILOT1, command, 0, *seven
+        )
+        frame: bytes = message.pack(self._mav)
+        self._mav.seq = (self._mav.seq + 1) & 0xFF
+        return frame

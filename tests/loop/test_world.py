@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""Courses, clocks, radios and beginnings other than the paper's."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sil import metrics, scenario
+from sil.world import StartError, World
+from tests.loop.conftest import Sail
+
+# A circle of 20 s, then no input: the leader drifts to a stop.
+CIRCLE_THEN_STOP = """
+duration_s = 90.0
+[leader]
+[[leader.input]]
+surge_N = 2.0
+yaw_Nm = 0.27
+[[leader.input]]
+from_s = 60.0
+[parameters]
+SR_STATE = 100
+THR_SLEW = 0
+[[boat]]
+follows = 0
+offset_m = [0.0, 0.0]
+eta = [1.0, 0.5, 0.3]
+[[boat]]
+follows = 1
+offset_m = [-2.0, -2.0]
+eta = [-3.0, -1.0, -0.2]
+"""
+
+
+@pytest.fixture
+def circle(tmp_path: Path) -> Path:
+    path = tmp_path / "circle.toml"
+    path.write_text(CIRCLE_THEN_STOP, encoding="utf-8")
+    return path
+
+
+def test_boats_follow_a_circle_and_stop_with_their_leader(sail: Sail, circle: Path) -> None:
+    run = sail(circle)
+    distance = metrics.distances(run.trace["error"])
+    assert (distance[5900] < 0.12).all(), distance[5900]
+    # The leader's input ends at 60 s like a switch: what it did not announce costs little.
+    assert (distance[6000:] < 0.15).all()
+    assert np.abs(run.trace["nu"][-1]).max() < 0.02
+    assert np.abs(run.trace["thrust"][-1]).max() < 0.1
+
+
+@pytest.mark.parametrize("message", ["local", "odometry"])
+def test_clocks_hours_apart_and_drifting_change_little(sail: Sail, message: str) -> None:
+    overrides = ["duration_s=60", f"navigation.message='{message}'"]
+    same = sail("diamond", *overrides)
+    apart = sail("diamond", *overrides, "clocks.offset_s=10000", "clocks.drift_ppm=20")
+    assert apart.digest != same.digest
+    difference = apart.trace["error"] - same.trace["error"]
+    difference[..., 2] = metrics.wrap(difference[..., 2])
+    assert np.abs(difference).max() < 0.05
+    assert np.abs(difference[-1000:]).max() < 0.01
+
+
+def test_a_slow_late_radio_that_loses_a_third_keeps_the_formation(sail: Sail) -> None:
+    radio = ["link.delay_s=0.2", "link.jitter_s=0.05", "link.loss=0.3"]
+    run = sail("diamond", "duration_s=80", *radio, "clocks.offset_s=5000")
+    assert (metrics.distances(run.trace["error"])[-1] < 0.3).all()
+
+
+def test_noisy_sensors_and_slow_propellers_keep_the_formation(sail: Sail) -> None:
+    run = sail(
+        "diamond",
+        "duration_s=80",
+        "navigation.position_noise_m=0.02",
+        "navigation.velocity_noise_mps=0.02",
+        "navigation.heading_noise_rad=0.01",
+        "propellers.lag_s=0.1",
+        "propellers.expo=1.0",
+        parameters={"THR_EXPO": 1.0},
+    )
+    assert (metrics.distances(run.trace["error"])[-1] < 0.3).all()
+
+
+def test_boats_that_hear_no_leader_do_not_start_and_say_why(tmp_path: Path) -> None:
+    deaf = scenario.load("diamond", ["link.loss=1.0"])
+    with pytest.raises(StartError, match=r"boat 1: Refused: leader's state is not fresh"):
+        World(deaf, {}).run(tmp_path / "recording.bin", lambda _: None)
+    assert not list(tmp_path.iterdir()), "half a recording was left behind"
+
+
+def test_a_parameter_that_the_firmware_refuses_is_named(sail: Sail) -> None:
+    with pytest.raises(ValueError, match="LAW_KX = 99"):
+        sail("diamond", parameters={"LAW_KX": 99.0})
+    with pytest.raises(ValueError, match="unknown parameter LAW_K"):
+        sail("diamond", parameters={"LAW_K": 1.0})

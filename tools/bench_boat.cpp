@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+// Work for the stop-watch and the instruction counter of tools/bench.
+//
+//   flotilla_bench tick N          N ticks in FORMATION: own and leader's ATTITUDE and
+//                                  LOCAL_POSITION_NED decoded, RawCommand encoded
+//   flotilla_bench tick_odometry N the same from an ODOMETRY each
+//   flotilla_bench odometry N      N ODOMETRY decoded by the link alone
+//   flotilla_bench replay N FILE BOAT NAME=VALUE...   first N ticks of that boat in a recording.bin
+//
+// Inputs are made, and for a replay read, before the clock starts; it prints ns for all N.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/boat.hpp"
+
+namespace {
+
+using namespace flotilla;
+
+constexpr std::int64_t kPeriod_us = 10'000;
+constexpr std::uint8_t kOwn = 1, kLeader = 100;
+// Made for this many ticks whatever N is: the difference of two N is then ticks alone.
+constexpr std::size_t kMade = 20'000;
+
+/// What reaches a boat at one instant; `tick` ends it.
+struct Event {
+  std::int64_t t_us;
+  enum class Kind : std::uint8_t { kMavlink, kCan, kTick } kind;
+  std::size_t link = 0;
+  std::uint32_t can_id = 0;
+  std::vector<std::uint8_t> bytes;
+};
+
+void add_frame(std::vector<std::uint8_t>& bytes, link::MavlinkEncoder& encoder,
+               const link::Message& message) {
+  std::array<std::uint8_t, 300> frame{};
+  const std::size_t size = encoder.encode(message, frame);
+  bytes.insert(bytes.end(), frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(size));
+}
+
+link::Odometry odometry_at(std::int64_t t_us, float x) {
+  return {static_cast<std::uint64_t>(t_us),
+          x,
+          2,
+          0,
+          {0.9F, 0, 0, 0.4F},
+          0.6F,
+          0,
+          0,
+          0,
+          0,
+          0.1F,
+          link::mav::kFrameLocalNed,
+          link::mav::kFrameBodyFrd};
+}
+
+std::vector<std::uint8_t> state_of(link::MavlinkEncoder& encoder, std::int64_t t_us, float x,
+                                   bool odometry) {
+  std::vector<std::uint8_t> bytes;
+  if (t_us % 1'000'000 == 0) add_frame(bytes, encoder, link::GpsGlobalOrigin{487, 22, 0, 0});
+  const auto ms = static_cast<std::uint32_t>(t_us / 1000);
+  if (odometry) {
+    add_frame(bytes, encoder, odometry_at(t_us, x));
+  } else {
+    add_frame(bytes, encoder, link::Attitude{ms, 0, 0, 0.8F, 0, 0, 0.1F});
+    add_frame(bytes, encoder, link::LocalPositionNed{ms, x, 2, 0, 0.4F, 0.4F, 0});
+  }
+  return bytes;
+}
+
+void add_esc_reports(std::vector<Event>& events, std::int64_t t_us, std::uint8_t transfer_id) {
+  for (std::uint8_t side = 0; side < 2; ++side) {
+    const auto node = static_cast<std::uint8_t>(21 + side);
+    const auto add = [&](const link::DataType& type, const auto& message) {
+      link::Payload payload;
+      std::array<link::CanFrame, 4> frames;
+      const std::size_t size = write_payload(message, payload);
+      const std::size_t n = split_transfer({16, type.kind, type.id, node, 0}, type, transfer_id,
+                                           std::span(payload).first(size), frames);
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto data = frames[i].bytes();
+        events.push_back({t_us, Event::Kind::kCan, 0, frames[i].id, {data.begin(), data.end()}});
+      }
+    };
+    link::EscStatus status;
+    status.esc_index = side;
+    add(link::EscStatus::kType, status);
+    add(link::NodeStatus::kType, link::NodeStatus{});
+  }
+}
+
+std::vector<Event> made_events(bool odometry) {
+  std::vector<Event> events;
+  link::MavlinkEncoder own({kOwn, 220}), leader({kLeader, 1}), operator_({255, 190});
+  for (std::size_t k = 1; k <= kMade; ++k) {
+    const auto t_us = static_cast<std::int64_t>(k) * kPeriod_us;
+    const float x = 0.006F * static_cast<float>(k);
+    if (k % 50 == 1) add_esc_reports(events, t_us, static_cast<std::uint8_t>(k / 50 % 32));
+    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(own, t_us, x, odometry)});
+    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(leader, t_us, x + 1, odometry)});
+    if (k == 150 || k == 151) {
+      link::CommandLong command{link::mav::kCmdComponentArmDisarm, {1}, kOwn, 1, 0};
+      if (k == 151) command = {link::mav::kCmdDoSetMode, {1, 6}, kOwn, 1, 0};
+      std::vector<std::uint8_t> bytes;
+      add_frame(bytes, operator_, command);
+      events.push_back({t_us, Event::Kind::kMavlink, 0, 0, bytes});
+    }
+    events.push_back({t_us, Event::Kind::kTick, 0, 0, {}});
+  }
+  return events;
+}
+
+/// The layout of sil/recording.py.
+std::vector<Event> recorded_events(const char* path, unsigned boat) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<std::uint8_t> content{std::istreambuf_iterator<char>(file), {}};
+  const auto number = [&]<class T>(std::size_t at, T value) {
+    std::memcpy(&value, content.data() + at, sizeof value);
+    return value;
+  };
+  std::vector<Event> events;
+  std::size_t at = 12 + number(8, std::uint32_t{0});
+  while (at + 12 <= content.size()) {
+    const auto t_us = static_cast<std::int64_t>(number(at, std::uint64_t{0}));
+    const unsigned port = number(at + 8, std::uint16_t{0});
+    const std::size_t length = number(at + 10, std::uint16_t{0});
+    at += 12;
+    if (port >> 8U == boat) {
+      const unsigned channel = port & 0xFFU;
+      const auto* data = content.data() + at;
+      if (channel < 8) {
+        events.push_back({t_us, Event::Kind::kMavlink, channel, 0, {data, data + length}});
+      } else if (channel == 8) {
+        events.push_back(
+            {t_us, Event::Kind::kCan, 0, number(at, std::uint32_t{0}), {data + 4, data + length}});
+      } else if (events.empty() || events.back().kind != Event::Kind::kTick) {
+        events.push_back({t_us, Event::Kind::kTick, 0, 0, {}});
+      }
+    }
+    at += length;
+  }
+  return events;
+}
+
+/// Plays events until n ticks are done; how many were.
+std::size_t play(app::Boat<float>& boat, const std::vector<Event>& events, std::size_t n) {
+  std::size_t ticks = 0;
+  for (const Event& event : events) {
+    if (ticks == n) break;
+    switch (event.kind) {
+      case Event::Kind::kMavlink:
+        boat.on_mavlink(event.bytes, event.t_us, event.link);
+        break;
+      case Event::Kind::kCan:
+        boat.on_can(event.can_id, event.bytes, event.t_us);
+        break;
+      case Event::Kind::kTick:
+        boat.tick(event.t_us);
+        ++ticks;
+        break;
+    }
+  }
+  return ticks;
+}
+
+std::size_t decode_odometry(std::size_t n) {
+  link::MavlinkEncoder encoder({kOwn, 220});
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t k = 0; k < 100; ++k) add_frame(bytes, encoder, odometry_at(1, 0));
+  link::MavlinkDecoder decoder;
+  link::Counters counters;
+  while (counters.mavlink_received < n) {
+    std::span<const std::uint8_t> left(bytes);
+    while (!left.empty()) {
+      left = left.subspan(decoder.fill(left));
+      while (counters.mavlink_received < n && decoder.next(counters)) {
+      }
+      if (counters.mavlink_received == n) break;
+    }
+  }
+  return n;
+}
+
+int fail(const char* why) {
+  std::fprintf(stderr, "flotilla_bench: %s\n", why);
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) return fail("CASE N [FILE BOAT NAME=VALUE...]");
+  const std::string_view what = argv[1];
+  const auto n = static_cast<std::size_t>(std::atoll(argv[2]));
+  const bool replay = what == "replay" && argc > 4;
+  app::Parameters parameters;
+  for (int i = 5; i < argc; ++i) {
+    const std::string_view text = argv[i];
+    const app::ParameterInfo* info = app::find_parameter(text.substr(0, text.find('=')));
+    if (info == nullptr) return fail("unknown parameter");
+    parameters.*(info->member) = std::strtof(argv[i] + text.find('=') + 1, nullptr);
+  }
+  std::vector<Event> events;
+  if (replay) {
+    events = recorded_events(argv[3], static_cast<unsigned>(std::atoi(argv[4])));
+  } else if (what != "odometry") {
+    events = made_events(what == "tick_odometry");
+  }
+  app::Boat<float> boat(parameters, replay ? 2 : 1);
+  const auto began = std::chrono::steady_clock::now();
+  const std::size_t done = what == "odometry" ? decode_odometry(n) : play(boat, events, n);
+  const std::chrono::nanoseconds took = std::chrono::steady_clock::now() - began;
+  if (done != n) return fail("fewer ticks than asked for");
+  if (what != "odometry" && n > 200 && boat.snapshot().state != core::State::kFormation) {
+    return fail("the boat is not in FORMATION");
+  }
+  std::printf("%lld\n", static_cast<long long>(took.count()));
+  return 0;
+}
