@@ -12,6 +12,8 @@ namespace mav = link::mav;
 using core::State;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
+// 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
+constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -34,8 +36,11 @@ Boat<S>::Boat(const Parameters& p, std::size_t links)
 
 template <class S>
 std::int64_t Boat<S>::monotonic(std::int64_t now_us) {
-  if (now_us < now_us_) ++counters_.clock_went_back;
-  now_us_ = std::max(now_us, now_us_);
+  if (now_us < now_us_ || now_us > kLatest_us) {
+    ++counters_.clock_went_back;
+  } else {
+    now_us_ = now_us;
+  }
   return now_us_;
 }
 

@@ -42,8 +42,8 @@ class Boat {
   /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks.
   Boat(const Parameters& parameters, std::size_t links);
 
-  /// Any bytes, in any chunks. Times are this boat's own monotonic clock; one that went back is
-  /// counted and taken as standing still.
+  /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on; one that went
+  /// back is counted and taken as standing still.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
@@ -85,7 +85,7 @@ class Boat {
   link::Counters counters_;
 
   std::optional<std::int64_t> last_tick_us_;
-  std::int64_t now_us_ = INT64_MIN;
+  std::int64_t now_us_ = 0;
   Schedule heartbeat_due_;
   Schedule state_due_;
   Schedule origin_due_;

@@ -22,7 +22,8 @@ bool VesselTrack<S>::mine(link::Sender from) const {
 template <class S>
 bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
   const bool silent = now_us - arrived_us_ > kSilent_us;
-  if (component_ == 0 || component < component_ || (component != component_ && silent)) {
+  if (component_ == 0) component_ = component;
+  if (component < component_ || (component != component_ && silent)) {
     forget();
     component_ = component;
   }
@@ -42,6 +43,7 @@ bool VesselTrack<S>::preferred(Source source, std::int64_t now_us) {
 
 template <class S>
 void VesselTrack<S>::forget() {
+  has_origin_ = false;
   heading_.reset();
   stamp_us_.reset();
   clock_.reset();
@@ -96,9 +98,8 @@ void VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
       ++counters.mavlink_old_stamp;
       return;
     }
-    stamp_us_.reset();
-    clock_.reset();
-    track_ = {};
+    // It may have rebooted, and its local frame may have another origin now.
+    forget();
   }
   sample = convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m);
   clock_.heard(sample.stamp_us, now_us);

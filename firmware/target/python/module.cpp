@@ -4,9 +4,12 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <array>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <variant>
 
 #include "app/boat.hpp"
@@ -215,6 +218,41 @@ nb::list parameter_list() {
   return out;
 }
 
+nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
+
+nb::list condition_names(core::Conditions set) {
+  constexpr std::array<std::pair<core::Conditions, const char*>, 3> kNames{
+      {{core::kOwnFresh, "own_fresh"},
+       {core::kLeaderFresh, "leader_fresh"},
+       {core::kEscsOnline, "escs_online"}}};
+  nb::list out;
+  for (const auto& [bit, name] : kNames) {
+    if ((set & bit) != 0) out.append(name);
+  }
+  return out;
+}
+
+nb::list supervisor_table() {
+  constexpr std::array<const char*, core::kRequests> kRequestNames{"nothing", "disarm", "arm",
+                                                                   "HOLD", "FORMATION"};
+  nb::list out;
+  for (const core::Row& row : core::kTable) {
+    nb::list from;
+    for (std::size_t i = 0; i < core::kStates; ++i) {
+      const auto state = static_cast<core::State>(i);
+      if ((row.from & core::in(state)) != 0) from.append(text(app::name_of(state)));
+    }
+    nb::dict entry;
+    entry["from"] = from;
+    entry["request"] = kRequestNames[static_cast<std::size_t>(row.request)];
+    entry["needs"] = condition_names(row.needs);
+    entry["lacks"] = condition_names(row.lacks);
+    entry["to"] = text(app::name_of(row.to));
+    out.append(entry);
+  }
+  return out;
+}
+
 }  // namespace
 
 NB_MODULE(flotilla, m) {
@@ -223,6 +261,8 @@ NB_MODULE(flotilla, m) {
       std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
   m.def("parameter_list", &parameter_list,
         "Every parameter with name, unit, default, least and greatest value, and a sentence.");
+  m.def("supervisor_table", &supervisor_table,
+        "The supervisor's transitions in order: from, request, needs, lacks, to.");
 
   nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
       .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
