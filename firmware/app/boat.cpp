@@ -35,12 +35,17 @@ Boat<S>::Boat(const Parameters& p, std::size_t links)
       complaint_due_(10 * kSecond_us) {}
 
 template <class S>
-std::int64_t Boat<S>::monotonic(std::int64_t now_us) {
-  if (now_us < now_us_ || now_us > kLatest_us) {
-    ++counters_.clock_went_back;
-  } else {
+std::int64_t Boat<S>::monotonic(std::int64_t now) {
+  const std::int64_t now_us = std::clamp<std::int64_t>(now, 0, kLatest_us) + clock_shift_us_;
+  if (now_us >= now_us_) {
+    behind_since_us_.reset();
     now_us_ = now_us;
+    return now_us_;
   }
+  ++counters_.clock_went_back;
+  behind_since_us_ = std::min(behind_since_us_.value_or(now_us), now_us);
+  // While ours stands still, old data stays fresh: a clock that was set back is followed again.
+  if (now_us - *behind_since_us_ > kSecond_us) clock_shift_us_ += now_us_ - now_us;
   return now_us_;
 }
 
@@ -143,7 +148,7 @@ void Boat<S>::enter(core::State state, core::Conditions missing) {
   const std::string_view why = complaint_of(missing);
   const std::uint8_t severity = missing != 0 ? mav::kSeverityError : mav::kSeverityInfo;
   links_.broadcast(text_of(severity, {name_of(state), why.empty() ? "" : ": ", why}), counters_);
-  links_.broadcast(heartbeat(), counters_);
+  announce_ = true;
 }
 
 template <class S>
@@ -191,7 +196,8 @@ void Boat<S>::report(std::int64_t now_us) {
     links_.send(owed.link, owed.answer, counters_);
   }
   time_.clear_owed();
-  if (heartbeat_due_.due(now_us)) links_.broadcast(heartbeat(), counters_);
+  if (heartbeat_due_.due(now_us) || announce_) links_.broadcast(heartbeat(), counters_);
+  announce_ = false;
   if (timesync_due_.due(now_us)) {
     links_.broadcast(time_.ask(now_us, byte_of(parameters_.MAV_SYSID)), counters_);
   }

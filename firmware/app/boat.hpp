@@ -42,8 +42,8 @@ class Boat {
   /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks.
   Boat(const Parameters& parameters, std::size_t links);
 
-  /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on; one that went
-  /// back is counted and taken as standing still.
+  /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
+  /// back is counted and stands still; one that stays behind for a second is followed from there.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
@@ -55,7 +55,7 @@ class Boat {
   const Parameters& parameters() const { return parameters_; }
 
  private:
-  std::int64_t monotonic(std::int64_t now_us);
+  std::int64_t monotonic(std::int64_t now);
   core::Conditions conditions(std::int64_t now_us) const;
   core::Encounter<S> encounter(std::int64_t now_us) const;
   void supervise();
@@ -72,6 +72,7 @@ class Boat {
   core::State state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   bool starting_ = false;
+  bool announce_ = false;  // a heartbeat at once: the state has changed
 
   VesselTrack<S> own_;
   VesselTrack<S> leader_;
@@ -86,6 +87,8 @@ class Boat {
 
   std::optional<std::int64_t> last_tick_us_;
   std::int64_t now_us_ = 0;
+  std::int64_t clock_shift_us_ = 0;
+  std::optional<std::int64_t> behind_since_us_;
   Schedule heartbeat_due_;
   Schedule state_due_;
   Schedule origin_due_;

@@ -88,12 +88,12 @@ core::ControllerParams<S> controller_params(const Parameters& p);
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
 
-/// Command in [−1, 1] to RawCommand's ±8191 (AM32 and VESC divide by 8192), and back. What is no
-/// command, NaN too, is zero.
+/// Command in [−1, 1] to RawCommand's ±8191 (AM32 and VESC divide by 8192), and back. NaN, which
+/// is no command, is zero.
 template <class S>
 std::int16_t raw_of(S command) {
-  if (!(S(-1) <= command && command <= S(1))) return 0;
-  const S scaled = command * S(8191);
+  if (!(command <= S(1)) && !(command > S(1))) return 0;
+  const S scaled = core::clamp(command, S(-1), S(1)) * S(8191);
   return static_cast<std::int16_t>(
       static_cast<int>(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
 }

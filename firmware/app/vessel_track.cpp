@@ -21,31 +21,27 @@ bool VesselTrack<S>::mine(link::Sender from) const {
 
 template <class S>
 bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
-  const bool silent = now_us - arrived_us_ > kSilent_us;
   if (component_ == 0) component_ = component;
-  if (component < component_ || (component != component_ && silent)) {
-    forget();
+  if (component < component_ || (component != component_ && silent(now_us))) {
     component_ = component;
+    restart();
   }
   return component == component_;
 }
 
 template <class S>
 bool VesselTrack<S>::preferred(Source source, std::int64_t now_us) {
-  if (source != source_ && (source < source_ || now_us - arrived_us_ > kSilent_us)) {
-    stamp_us_.reset();
-    clock_.reset();  // the stamps of the two need not count from the same instant
-    track_ = {};
+  if (source != source_ && (source < source_ || silent(now_us))) {
+    restart();  // the stamps of the two need not count from the same instant
     source_ = source;
   }
   return source == source_;
 }
 
 template <class S>
-void VesselTrack<S>::forget() {
-  has_origin_ = false;
-  heading_.reset();
+void VesselTrack<S>::restart() {
   stamp_us_.reset();
+  refused_stamp_us_.reset();
   clock_.reset();
   track_ = {};
 }
@@ -54,52 +50,92 @@ template <class S>
 void VesselTrack<S>::take(const link::Received& received, std::int64_t now_us,
                           link::Counters& counters) {
   if (!mine(received.from)) return;
+  const std::uint8_t component = received.from.component;
   if (const auto* odometry = std::get_if<link::Odometry>(&received.message)) {
-    const convert::Reading reading = convert::sample_of(*odometry);
-    if (!reading.sample) {
-      const bool bad_frame = reading.refusal == convert::Refusal::kBadFrame;
-      ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
-      frame_complaint_ = frame_complaint_ || bad_frame;
-    } else if (chosen(received.from.component, now_us) && preferred(Source::kOdometry, now_us)) {
-      accept(*reading.sample, now_us, counters);
-    }
+    take(*odometry, component, now_us, counters);
   } else if (const auto* attitude = std::get_if<link::Attitude>(&received.message)) {
-    const auto heading = convert::heading_of(*attitude);
-    if (!heading) {
-      ++counters.mavlink_bad_value;
-    } else if (chosen(received.from.component, now_us)) {
-      heading_ = heading;
-    }
-  } else if (const auto* local = std::get_if<link::LocalPositionNed>(&received.message)) {
-    if (!chosen(received.from.component, now_us) || !heading_ ||
-        !preferred(Source::kLocalPosition, now_us)) {
-      return;
-    }
-    const auto sample = convert::sample_of(*local, *heading_);
-    if (!sample) {
-      ++counters.mavlink_bad_value;
-    } else if (std::abs(sample->stamp_us - heading_->stamp_us) <= kHeadingUsable_us) {
-      accept(*sample, now_us, counters);
-    }
+    take(*attitude, component, now_us, counters);
+  } else if (const auto* position = std::get_if<link::LocalPositionNed>(&received.message)) {
+    take(*position, component, now_us, counters);
   } else if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
-    if (!convert::is_valid(*origin)) {
-      ++counters.mavlink_bad_value;
-    } else {
-      position_.origin = *origin;
-      has_origin_ = true;
-    }
+    take(*origin, component, counters);
   }
 }
 
 template <class S>
-void VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters) {
+void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
+                          std::int64_t now_us, link::Counters& counters) {
+  const convert::Reading reading = convert::sample_of(message);
+  if (!reading.sample) {
+    const bool bad_frame = reading.refusal == convert::Refusal::kBadFrame;
+    ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
+    frame_complaint_ = frame_complaint_ || bad_frame;
+  } else if (chosen(component, now_us) && preferred(Source::kOdometry, now_us) &&
+             accept(*reading.sample, now_us, counters)) {
+    heading_older_us_ = 0;
+  }
+}
+
+template <class S>
+void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
+                          std::int64_t now_us, link::Counters& counters) {
+  const auto sample = convert::heading_of(message);
+  if (!sample) {
+    ++counters.mavlink_bad_value;
+    return;
+  }
+  Heading& heading = component == component_ ? heading_ : other_heading_;
+  if (heading.component == component && sample->stamp_us <= heading.sample.stamp_us &&
+      !silent(now_us)) {
+    ++counters.mavlink_old_stamp;
+    return;
+  }
+  heading = {component, *sample};
+}
+
+template <class S>
+void VesselTrack<S>::take(const link::LocalPositionNed& message, std::uint8_t component,
+                          std::int64_t now_us, link::Counters& counters) {
+  const Heading heading = component == component_ ? heading_ : other_heading_;
+  if (heading.component != component) return;
+  const auto sample = convert::sample_of(message, heading.sample);
+  if (!sample) {
+    ++counters.mavlink_bad_value;
+    return;
+  }
+  const std::int64_t older_us = sample->stamp_us - heading.sample.stamp_us;
+  if (std::abs(older_us) > kHeadingUsable_us || !chosen(component, now_us) ||
+      !preferred(Source::kLocalPosition, now_us)) {
+    return;
+  }
+  heading_ = heading;
+  if (accept(*sample, now_us, counters)) {
+    heading_older_us_ = std::max<std::int64_t>(older_us, 0);
+  }
+}
+
+template <class S>
+void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t component,
+                          link::Counters& counters) {
+  if (!convert::is_valid(message)) {
+    ++counters.mavlink_bad_value;
+  } else if (component_ == 0 || component == component_) {
+    position_.origin = message;
+    origin_component_ = component;
+  }
+}
+
+template <class S>
+bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters) {
   if (stamp_us_ && sample.stamp_us <= *stamp_us_) {
-    if (now_us - arrived_us_ <= kSilent_us) {
+    const bool advances = refused_stamp_us_ && sample.stamp_us > *refused_stamp_us_;
+    refused_stamp_us_ = sample.stamp_us;
+    if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
       ++counters.mavlink_old_stamp;
-      return;
+      return false;
     }
-    // It may have rebooted, and its local frame may have another origin now.
-    forget();
+    restart();
+    origin_component_ = 0;  // after a reboot its local frame may have another origin
   }
   sample = convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m);
   clock_.heard(sample.stamp_us, now_us);
@@ -109,7 +145,9 @@ void VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
   position_.north_m = sample.north_m;
   position_.east_m = sample.east_m;
   stamp_us_ = sample.stamp_us;
+  refused_stamp_us_.reset();
   arrived_us_ = now_us;
+  return true;
 }
 
 template <class S>
@@ -128,7 +166,7 @@ std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
 template <class S>
 bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
   const auto age = age_us(now_us);
-  return age && *age < limit_us && now_us - arrived_us_ < limit_us;
+  return age && *age + heading_older_us_ < limit_us && now_us - arrived_us_ < limit_us;
 }
 
 template <class S>

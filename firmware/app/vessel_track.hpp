@@ -11,10 +11,10 @@
 
 namespace flotilla::app {
 
-/// Follows one system id and of its components the lowest that sends state. ODOMETRY is preferred
-/// to LOCAL_POSITION_NED + ATTITUDE while it comes. A message counts by its stamp: one that is not
-/// younger than the last is refused, unless the vessel was silent so long that it may have
-/// rebooted.
+/// Follows one system id and of its components the lowest that sends whole states. ODOMETRY is
+/// preferred to LOCAL_POSITION_NED + ATTITUDE while it comes. A message counts by its stamp: one
+/// that is not younger than the last is refused, unless nothing younger has come for so long, and
+/// the old stamps advance, that the vessel must have rebooted.
 template <class S>
 class VesselTrack {
  public:
@@ -43,7 +43,7 @@ class VesselTrack {
 
   /// Position at the last sample; the origin is that of the sender's local frame.
   convert::Position position() const { return position_; }
-  bool has_origin() const { return has_origin_; }
+  bool has_origin() const { return component_ != 0 && origin_component_ == component_; }
 
   /// Motion since the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
@@ -55,22 +55,38 @@ class VesselTrack {
   enum class Source : std::uint8_t { kOdometry, kLocalPosition };
   static constexpr std::int64_t kSilent_us = 1'000'000;
 
+  struct Heading {
+    std::uint8_t component = 0;
+    convert::HeadingSample sample{};
+  };
+
   bool mine(link::Sender from) const;
+  bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
+  void take(const link::Odometry& message, std::uint8_t component, std::int64_t now_us,
+            link::Counters& counters);
+  void take(const link::Attitude& message, std::uint8_t component, std::int64_t now_us,
+            link::Counters& counters);
+  void take(const link::LocalPositionNed& message, std::uint8_t component, std::int64_t now_us,
+            link::Counters& counters);
+  void take(const link::GpsGlobalOrigin& message, std::uint8_t component, link::Counters& counters);
   bool chosen(std::uint8_t component, std::int64_t now_us);
   bool preferred(Source source, std::int64_t now_us);
-  void accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
-  void forget();
+  bool accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
+  void restart();
 
   Identity identity_;
   Antenna antenna_;
   std::uint8_t component_ = 0;
   Source source_ = Source::kLocalPosition;
-  std::optional<convert::HeadingSample> heading_;
+  Heading heading_;        // of the chosen component
+  Heading other_heading_;  // of another, which may be chosen when its position comes too
   std::optional<std::int64_t> stamp_us_;
+  std::optional<std::int64_t> refused_stamp_us_;
+  std::int64_t heading_older_us_ = 0;  // by how much the heading was older than the position
   std::int64_t arrived_us_ = 0;
   ClockOffset clock_;
   convert::Position position_;
-  bool has_origin_ = false;
+  std::uint8_t origin_component_ = 0;
   bool frame_complaint_ = false;
   core::TrackState<S> track_;
 };

@@ -46,7 +46,8 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
                                     const Encounter<S>& in, S dt) {
   ControllerOutput<S> out;
   out.error = formation_error(in, params.d);
-  out.wanted = virtual_velocity(params.outer, params.vessel, state.outer, in, out.error, dt);
+  virtual_sway_forward(params.vessel, state.outer, dt);
+  out.wanted = virtual_velocity(params.outer, state.outer, in, out.error);
   out.tau = pd_plus(params.inner, params.vessel, out.wanted, in.nu);
   out.allocation = allocate(params.propellers, out.tau);
   return out;

@@ -36,11 +36,12 @@ S thrust_from_command(const ThrustCurveParams<S>& params, S c) {
 /// Command in [−1, 1] that gives a thrust in [−R, F]; beyond that ±1.
 template <class S>
 S command_from_thrust(const ThrustCurveParams<S>& params, S T) {
-  if (abs(T) < params.dead || abs(T) <= S(0)) return S(0);
   const bool astern = T < S(0);
   const S t = smaller(abs(T) / (astern ? params.R : params.F), S(1));
+  if (abs(T) < params.dead || t <= S(0)) return S(0);
   const S linear = S(1) - params.epsilon;
-  const S c = S(2) * t / (linear + sqrt(linear * linear + S(4) * params.epsilon * t));
+  const S root = sqrt(linear * linear + S(4) * params.epsilon * t);
+  const S c = smaller(S(2) * t / (linear + root), S(1));  // rounding may exceed 1 at t = 1
   return astern ? -c : c;
 }
 

@@ -39,19 +39,23 @@ struct VirtualVelocity {
   S r_star_dot{};
 };
 
-/// h: time since the step before, in which its u* and r* were held; 0 in the first.
+/// Carries v* over the h seconds since the step before, in which its u* and r* were held.
 template <class S>
-VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params, const Vessel<S>& vessel,
-                                    VirtualVelocityState<S>& state, const Encounter<S>& in,
-                                    const FormationError<S>& error, S h) {
+void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& state, S h) {
   const S decay = exp(-(vessel.d22 / vessel.m22) * h);
-  state.v_star = decay * state.v_star -
+  state.v_star = decay * state.v_star -  // (eq:mas-constraint)
                  (vessel.m11 / vessel.d22) * (S(1) - decay) * state.u_star_held * state.r_star_held;
+}
+
+template <class S>
+VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
+                                    VirtualVelocityState<S>& state, const Encounter<S>& in,
+                                    const FormationError<S>& error) {
   const S t = tanh(error.e.psi);
   VirtualVelocity<S> out;
   out.nu_star.u = in.nu_L.u - params.k_x * error.e.x;  // (eq:49a)
-  out.nu_star.v = state.v_star;                        // (eq:mas-constraint)
-  out.nu_star.r = in.nu_L.r - params.k_psi * t;        // (eq:49b)
+  out.nu_star.v = state.v_star;
+  out.nu_star.r = in.nu_L.r - params.k_psi * t;  // (eq:49b)
   out.u_star_dot = in.nu_L_dot.u - params.k_x * error.e_dot.x;
   out.r_star_dot = in.nu_L_dot.r - params.k_psi * (S(1) - t * t) * error.e_dot.psi;
   state.u_star_held = out.nu_star.u;

@@ -59,7 +59,7 @@ class BitReader {
   std::int64_t take_signed(unsigned bits) {
     const std::uint64_t value = take(bits);
     const std::uint64_t sign = std::uint64_t{1} << (bits - 1U);
-    return static_cast<std::int64_t>(value ^ sign) - static_cast<std::int64_t>(sign);
+    return static_cast<std::int64_t>((value ^ sign) - sign);
   }
 
  private:

@@ -20,7 +20,7 @@ struct Counters {
   std::uint32_t can_bad_checksum = 0;       ///< multi-frame transfer whose CRC is wrong
   std::uint32_t can_bad_value = 0;          ///< transfer too short for its type
   std::uint32_t can_not_sent = 0;           ///< transfer that found no room in this tick's buffer
-  std::uint32_t clock_went_back = 0;        ///< calls with a time before that of the call before, or absurd
+  std::uint32_t clock_went_back = 0;        ///< calls with a time before that of the call before
 };
 
 }  // namespace flotilla::link

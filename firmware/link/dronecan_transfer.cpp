@@ -14,7 +14,7 @@ constexpr std::int64_t kTransferIdTimeout_us = 2'000'000;
 constexpr std::uint16_t crc_add(std::uint16_t crc, std::uint8_t byte) {
   crc = static_cast<std::uint16_t>(crc ^ (byte << 8U));
   for (int bit = 0; bit < 8; ++bit) {
-    crc = static_cast<std::uint16_t>((crc << 1U) ^ ((crc & 0x8000U) != 0 ? 0x1021U : 0U));
+    crc = static_cast<std::uint16_t>((unsigned{crc} << 1U) ^ ((crc & 0x8000U) != 0 ? 0x1021U : 0U));
   }
   return crc;
 }

@@ -8,13 +8,13 @@
 
 namespace flotilla::link {
 
-/// Rounds to nearest even; beyond ±65504 saturates, infinity and NaN stay.
+/// Rounds to nearest even; beyond ±65504 saturates, infinity too (as "saturated float16" is); NaN
+/// stays.
 inline std::uint16_t float16_from(float x) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
   const auto sign = static_cast<std::uint16_t>((bits >> 16U) & 0x8000U);
   const auto signed_ = [sign](std::uint32_t h) { return static_cast<std::uint16_t>(sign | h); };
   if (std::isnan(x)) return signed_(0x7FFF);
-  if (std::isinf(x)) return signed_(0x7C00);
   const float magnitude = std::bit_cast<float>(bits & 0x7FFFFFFFU);
   if (magnitude >= 65504.0F) return signed_(0x7BFF);
   if (magnitude < 6.103515625e-5F) {  // subnormal: multiples of 2⁻²⁴

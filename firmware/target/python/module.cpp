@@ -45,7 +45,10 @@ std::string number(float value) {
 app::Parameters parameters_from(const nb::dict& values) {
   app::Parameters parameters;
   for (const auto& [key, value] : values) {
-    const auto name = nb::cast<std::string>(key);
+    std::string name;
+    if (!nb::try_cast(key, name)) {
+      throw nb::type_error("a parameter's name must be a string");
+    }
     const app::ParameterInfo* info = app::find_parameter(name);
     if (info == nullptr) throw nb::value_error(("unknown parameter " + name).c_str());
     double wanted = 0;

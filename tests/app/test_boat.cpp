@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "app/boat.hpp"
+#include "app/harbour.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using core::State;
+namespace mav = link::mav;
+
+template <class S>
+using Harbour = testing::Harbour<S>;
+
+TEST_CASE_TEMPLATE("a boat that is armed and told to, pushes towards its slot", S, float, double) {
+  Harbour<S> h;
+  h.cast_off();
+  CHECK(h.boat.state() == State::kFormation);
+  CHECK(h.boat.snapshot().conditions == core::kAllConditions);
+  CHECK(h.pushes());
+  CHECK(h.raw.cmd[0] > 0);  // the slot is ahead
+  CHECK(h.arming == 255);
+  CHECK(h.boat.snapshot().error.x == doctest::Approx(-3).epsilon(0.01));
+}
+
+TEST_CASE_TEMPLATE("disarmed, every tick sends exactly zeros to both propellers and ArmingStatus 0",
+                   S, float, double) {
+  Harbour<S> h;
+  const auto check_still = [&] {
+    for (int k = 0; k < 100; ++k) {
+      h.step();
+      REQUIRE(h.stopped());
+      REQUIRE(h.arming == 0);
+    }
+  };
+  check_still();
+  h.mode(6);
+  check_still();
+  h.cast_off();
+  REQUIRE(h.pushes());
+  h.disarm();
+  check_still();
+  CHECK(h.boat.state() == State::kDisarmed);
+}
+
+/// Steps until `limit_s` after the last message; that the boat pushes before and is stopped after.
+template <class S>
+void check_stops_at(Harbour<S>& h, std::int64_t last_us, double limit_s) {
+  const auto limit_us = static_cast<std::int64_t>(limit_s * 1e6);
+  while (h.now_us + Harbour<S>::kTick_us < last_us + limit_us) {
+    h.step();
+    REQUIRE(h.pushes());
+  }
+  for (int k = 0; k < 300; ++k) {
+    h.step();
+    REQUIRE(h.stopped());
+  }
+}
+
+TEST_CASE_TEMPLATE("own state silent: both propellers stop within a tick of the timeout, HOLD", S,
+                   float, double) {
+  Harbour<S> h;
+  h.cast_off();
+  h.navigation_talks = false;
+  check_stops_at(h, h.now_us, 0.5);
+  CHECK(h.boat.state() == State::kHold);
+  CHECK(h.arming == 255);
+  h.navigation_talks = true;
+  h.sail(2);
+  CHECK(h.stopped());  // back to FORMATION by the operator only
+  h.mode(6);
+  h.sail(1);
+  CHECK(h.pushes());
+}
+
+TEST_CASE_TEMPLATE("leader silent: both propellers stop within a tick of the timeout, HOLD", S,
+                   float, double) {
+  Harbour<S> h;
+  h.cast_off();
+  h.leader_talks = false;
+  check_stops_at(h, h.now_us, 1.0);
+  CHECK(h.boat.state() == State::kHold);
+  CHECK(h.arming == 255);
+}
+
+TEST_CASE_TEMPLATE("an ESC silent: both propellers stop, ArmingStatus 0, FAULT until disarmed", S,
+                   float, double) {
+  for (const bool port : {true, false}) {
+    Harbour<S> h;
+    h.cast_off();
+    while (h.now_us % 100'000 >= Harbour<S>::kTick_us) h.step();
+    (port ? h.port_talks : h.stbd_talks) = false;
+    check_stops_at(h, h.now_us, 1.2);
+    CHECK(h.boat.state() == State::kFault);
+    CHECK(h.arming == 0);
+    h.port_talks = h.stbd_talks = true;
+    h.sail(2);
+    h.arm();
+    h.mode(6);
+    h.sail(1);
+    CHECK(h.boat.state() == State::kFault);
+    CHECK(h.stopped());
+    h.disarm();
+    h.step();
+    CHECK(h.boat.state() == State::kDisarmed);
+    h.cast_off();
+    CHECK(h.pushes());
+  }
+}
+
+TEST_CASE_TEMPLATE(
+    "time that stands still makes neither NaN nor jump, time that goes back is counted", S, float,
+    double) {
+  Harbour<S> h;
+  h.cast_off();
+  h.sail(1);
+  const auto raw = h.raw.cmd;
+  for (int k = 0; k < 100; ++k) {
+    h.tick();
+    REQUIRE(h.pushes());
+    REQUIRE(std::abs(h.raw.cmd[0] - raw[0]) <= 1);
+  }
+  const std::int64_t now_us = h.now_us;
+  h.now_us -= 400'000;
+  for (int k = 0; k < 20; ++k) {
+    h.step();
+    REQUIRE(std::isfinite(h.boat.snapshot().asked.X + h.boat.snapshot().asked.N));
+    REQUIRE(std::abs(h.raw.cmd[0] - raw[0]) < 400);
+  }
+  CHECK(h.boat.snapshot().counters.clock_went_back > 0);
+  h.now_us = now_us;
+  h.sail(1);
+  CHECK(h.boat.state() == State::kFormation);
+  CHECK(h.pushes());
+}
+
+TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, granted or not", S,
+                   float, double) {
+  Harbour<S> h(Parameters{}, 2);
+  h.sail(2);
+  const auto answer_to = [&](std::uint16_t number, float first, float second) {
+    h.command(number, first, second, 1);
+    h.step();
+    CHECK(h.template all<link::CommandAck>(0).empty());
+    const auto acks = h.template all<link::CommandAck>(1);
+    REQUIRE(acks.size() == 1);
+    CHECK(acks[0].command == number);
+    CHECK(acks[0].target_system == 255);
+    CHECK(acks[0].target_component == 190);
+    h.sail(0.5);
+    CHECK(h.template all<link::CommandAck>(1).empty());
+    return acks[0].result;
+  };
+  CHECK(answer_to(mav::kCmdDoSetMode, 1, 6) == mav::kTemporarilyRejected);
+  CHECK(answer_to(mav::kCmdComponentArmDisarm, 1, 0) == mav::kAccepted);
+  CHECK(answer_to(mav::kCmdComponentArmDisarm, 1, 0) == mav::kAccepted);
+  CHECK(answer_to(mav::kCmdDoSetMode, 1, 6) == mav::kAccepted);
+  CHECK(answer_to(mav::kCmdDoSetMode, 1, 77) == mav::kDenied);
+  CHECK(answer_to(9999, 0, 0) == mav::kUnsupported);
+  CHECK(answer_to(mav::kCmdComponentArmDisarm, 0, 0) == mav::kAccepted);
+  h.say(h.operator_,
+        link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, 9, 1, 0});
+  h.step();
+  CHECK(h.template all<link::CommandAck>().empty());  // it was for another boat
+  CHECK(h.boat.state() == State::kDisarmed);
+}
+
+TEST_CASE_TEMPLATE(
+    "the force number arms no boat that a check keeps disarmed, and the operator hears why", S,
+    float, double) {
+  Harbour<S> h;
+  h.navigation_talks = false;
+  h.sail(2);
+  h.arm(21196);
+  h.step();
+  CHECK(h.boat.state() == State::kDisarmed);
+  CHECK(h.says("PreArm: own state"));
+  h.navigation_talks = true;
+  h.stbd_talks = false;
+  h.sail(2);
+  h.arm(21196);
+  h.step();
+  CHECK(h.boat.state() == State::kDisarmed);
+  CHECK(h.says("PreArm: ESCs"));
+  CHECK(h.arming == 0);
+}
+
+TEST_CASE_TEMPLATE("no foreign system id ever moves the own track or the leader's", S, float,
+                   double) {
+  Harbour<S> h, alone;
+  for (int k = 0; k < 300; ++k) {
+    for (const std::uint8_t system : std::initializer_list<std::uint8_t>{0, 2, 50, 99, 101, 255}) {
+      link::MavlinkEncoder foreign({system, 1});
+      h.say(foreign, Harbour<S>::state(h.now_us + k, 777, 9));
+      h.say(foreign, link::GpsGlobalOrigin{1, 1, 0, 0});
+    }
+    link::MavlinkEncoder echo({1, 1});  // our own voice, come back over another link
+    h.say(echo, Harbour<S>::state(h.now_us + k, 777, 9));
+    h.step();
+    alone.step();
+    CHECK(h.boat.snapshot().error.x == alone.boat.snapshot().error.x);
+    CHECK(h.boat.snapshot().own_age_s == alone.boat.snapshot().own_age_s);
+    CHECK(h.boat.snapshot().leader_age_s == alone.boat.snapshot().leader_age_s);
+  }
+}
+
+TEST_CASE_TEMPLATE("without both origins no leader is followed", S, float, double) {
+  Harbour<S> h;
+  for (int k = 0; k < 90; ++k) {
+    h.now_us += Harbour<S>::kTick_us;
+    h.say(h.navigation, Harbour<S>::state(h.now_us, 0, 0));
+    h.say(h.leader, Harbour<S>::state(h.now_us + h.leader_clock_us, 3, 0));
+    h.tick();
+    CHECK((h.boat.snapshot().conditions & core::kLeaderFresh) == 0);
+  }
+  h.sail(2);
+  CHECK((h.boat.snapshot().conditions & core::kLeaderFresh) != 0);
+}
+
+TEST_CASE_TEMPLATE(
+    "every link hears a heartbeat a second with state and mode, and the change at once", S, float,
+    double) {
+  Harbour<S> h(Parameters{}, 3);
+  std::size_t beats = 0;
+  for (int k = 0; k < 1000; ++k) {
+    h.step();
+    for (std::size_t link = 0; link < 3; ++link) {
+      for (const auto& beat : h.template all<link::Heartbeat>(link)) {
+        ++beats;
+        CHECK(beat.type == mav::kTypeSurfaceBoat);
+        CHECK(beat.custom_mode == 4);
+        CHECK((beat.base_mode & mav::kModeFlagArmed) == 0);
+      }
+    }
+  }
+  CHECK(beats == 30);
+  h.arm();
+  h.step();
+  CHECK(h.says("HOLD", 2));
+  h.mode(6);
+  h.step();
+  REQUIRE_FALSE(h.template all<link::Heartbeat>(2).empty());
+  CHECK(h.template all<link::Heartbeat>(2).back().custom_mode == 6);
+  CHECK((h.template all<link::Heartbeat>(2).back().base_mode & mav::kModeFlagArmed) != 0);
+}
+
+TEST_CASE_TEMPLATE("followers hear the state at SR_STATE while it is fresh, and never ODOMETRY", S,
+                   float, double) {
+  Harbour<S> h;
+  h.sail(2);
+  std::size_t positions = 0, attitudes = 0, origins = 0;
+  for (int k = 0; k < 500; ++k) {
+    h.step();
+    positions += h.template all<link::LocalPositionNed>().size();
+    attitudes += h.template all<link::Attitude>().size();
+    origins += h.template all<link::GpsGlobalOrigin>().size();
+    REQUIRE(h.template all<link::Odometry>().empty());
+  }
+  CHECK(positions == 50);
+  CHECK(attitudes == 50);
+  CHECK(origins == 5);
+  h.navigation_talks = false;
+  h.sail(0.6);
+  for (int k = 0; k < 100; ++k) {
+    h.step();
+    REQUIRE(h.template all<link::LocalPositionNed>().empty());
+    REQUIRE(h.template all<link::Attitude>().empty());
+  }
+}
+
+TEST_CASE_TEMPLATE("whoever asks for the time is told it, once, with his number", S, float,
+                   double) {
+  Harbour<S> h;
+  h.sail(1);
+  h.say(h.operator_, link::Timesync{0, 123'456'789});
+  const std::int64_t read_us = h.now_us;
+  std::size_t answers = 0;
+  for (int k = 0; k < 50; ++k) {
+    h.step();
+    for (const auto& t : h.template all<link::Timesync>()) {
+      if (t.tc1 == 0) continue;
+      ++answers;
+      CHECK(t.ts1 == 123'456'789);
+      CHECK(t.tc1 == read_us * 1000);
+    }
+  }
+  CHECK(answers == 1);
+}
+
+TEST_CASE_TEMPLATE("noise on every wire crashes nothing and starts no propeller", S, float,
+                   double) {
+  constexpr std::uint32_t kSeed = 91;
+  INFO("seed ", kSeed);
+  testing::AnyMessage any(kSeed);
+  Harbour<S> h;
+  link::MavlinkEncoder anyone({1, 2});
+  for (int k = 0; k < 5000; ++k) {
+    testing::Bytes noise(any.u32() % 100);
+    for (auto& byte : noise) byte = any.u8();
+    h.boat.on_mavlink(noise, h.now_us, 0);
+    h.say(anyone, any(1 + any.u32() % (testing::kMessages - 1)));
+    h.boat.on_can(any.u32(), std::span(noise).first(std::min<std::size_t>(noise.size(), 8)),
+                  h.now_us);
+    h.step();
+    REQUIRE(h.stopped());
+  }
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "link/any_message.hpp"
+#include "link/mavlink_decode.hpp"
+
+namespace flotilla::link {
+namespace {
+
+using testing::AnyMessage;
+using testing::Bytes;
+using testing::fields_of;
+using testing::frame_of;
+using testing::received_from;
+
+Bytes operator+(Bytes a, const Bytes& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// How many of these messages are that one.
+std::size_t count_of(const std::vector<Received>& got, const Message& message) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      got, [&](const Received& r) { return fields_of(r.message) == fields_of(message); }));
+}
+
+/// Longer than any frame that damage may have announced.
+const Bytes kQuiet(300, 0);
+
+TEST_CASE("a message split at any byte, or byte by byte, arrives once and with its last byte") {
+  constexpr std::uint32_t kSeed = 43;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkEncoder encoder({1, 1});
+  Counters counters;
+  for (std::size_t index = 1; index < testing::kMessages; ++index) {
+    const Message message = any(index);
+    const Bytes frame = frame_of(encoder, message);
+    const std::span<const std::uint8_t> all(frame);
+    for (std::size_t cut = 1; cut < frame.size(); ++cut) {
+      MavlinkDecoder decoder;
+      REQUIRE(received_from(decoder, all.first(cut), counters).empty());
+      REQUIRE(count_of(received_from(decoder, all.subspan(cut), counters), message) == 1);
+    }
+    MavlinkDecoder decoder;
+    for (std::size_t i = 0; i + 1 < frame.size(); ++i) {
+      REQUIRE(received_from(decoder, all.subspan(i, 1), counters).empty());
+    }
+    REQUIRE(received_from(decoder, all.last(1), counters).size() == 1);
+  }
+}
+
+TEST_CASE("many messages in one chunk arrive all, in their order") {
+  AnyMessage any(44);
+  MavlinkEncoder encoder({1, 1});
+  MavlinkDecoder decoder;
+  Counters counters;
+  Bytes stream;
+  std::vector<std::vector<double>> sent, got;
+  for (std::size_t i = 0; i < 500; ++i) {
+    const Message message = any(1 + i % (testing::kMessages - 1));
+    sent.push_back(fields_of(message));
+    stream = stream + frame_of(encoder, message);
+  }
+  for (const Received& r : received_from(decoder, stream, counters)) {
+    got.push_back(fields_of(r.message));
+  }
+  CHECK(got == sent);
+}
+
+TEST_CASE("whatever noise comes before a good message, it is delivered") {
+  constexpr std::uint32_t kSeed = 45;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkEncoder encoder({1, 1});
+  for (unsigned run = 0; run < 600; ++run) {
+    Bytes noise(any.u32() % 700);
+    for (auto& byte : noise) {
+      const std::uint8_t start = any.u8() % 2 == 0 ? 0xFD : 0xFE;
+      byte =
+          run % 3 == 0 ? any.u8() : (run % 3 == 1 ? start : (any.u8() % 4 == 0 ? start : any.u8()));
+    }
+    const Message message = any(1 + run % (testing::kMessages - 1));
+    MavlinkDecoder decoder;
+    Counters counters;
+    const auto got = received_from(decoder, noise + frame_of(encoder, message) + kQuiet, counters);
+    CAPTURE(run);
+    REQUIRE(count_of(got, message) == 1);
+    REQUIRE(got.size() == 1);
+  }
+}
+
+TEST_CASE("a message that breaks off takes none of those after it down with it") {
+  AnyMessage any(46);
+  MavlinkEncoder encoder({1, 1});
+  for (std::size_t index = 1; index < testing::kMessages; ++index) {
+    const Bytes broken = frame_of(encoder, any(index));
+    const Message next = any(2), last = any(3);
+    const Bytes after = frame_of(encoder, next) + frame_of(encoder, last) + kQuiet;
+    for (std::size_t length = 0; length < broken.size(); ++length) {
+      MavlinkDecoder decoder;
+      Counters counters;
+      const Bytes part(broken.begin(), broken.begin() + static_cast<std::ptrdiff_t>(length));
+      const auto got = received_from(decoder, part + after, counters);
+      CAPTURE(length);
+      REQUIRE(got.size() == 2);
+      REQUIRE(count_of(got, next) == 1);
+      REQUIRE(count_of(got, last) == 1);
+    }
+  }
+}
+
+TEST_CASE("a message with a flipped bit is not delivered, and its neighbours are") {
+  AnyMessage any(47);
+  MavlinkEncoder encoder({1, 1});
+  for (std::size_t index = 1; index < testing::kMessages; ++index) {
+    const Message before = any(1), next = any(2);
+    const Bytes good = frame_of(encoder, any(index));
+    const Bytes first = frame_of(encoder, before), after = frame_of(encoder, next) + kQuiet;
+    for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+      Bytes bad = good;
+      bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ (1U << (bit % 8)));
+      MavlinkDecoder decoder;
+      Counters counters;
+      const auto got = received_from(decoder, first + bad + after, counters);
+      CAPTURE(bit);
+      REQUIRE(got.size() == 2);
+      REQUIRE(count_of(got, before) == 1);
+      REQUIRE(count_of(got, next) == 1);
+      REQUIRE(counters.mavlink_received == 2);
+    }
+  }
+}
+
+TEST_CASE("an old MAVLink 1 heartbeat is understood") {
+  // HEARTBEAT of ArduPilot Rover in HOLD: system 3, component 1, sequence 0x12; extra byte 50.
+  Bytes frame{0xFE, 9, 0x12, 3, 1, 0, 4, 0, 0, 0, 10, 3, 81, 3, 3};
+  unsigned crc = 0xFFFF;
+  const auto add = [&](unsigned byte) {
+    unsigned x = (byte ^ crc) & 0xFFU;
+    x = (x ^ x << 4U) & 0xFFU;
+    crc = (crc >> 8U ^ x << 8U ^ x << 3U ^ x >> 4U) & 0xFFFFU;
+  };
+  for (std::size_t i = 1; i < frame.size(); ++i) add(frame[i]);
+  add(50);
+  frame.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  MavlinkDecoder decoder;
+  Counters counters;
+  const auto got = received_from(decoder, frame, counters);
+  REQUIRE(got.size() == 1);
+  CHECK(got[0].from.system == 3);
+  CHECK(fields_of(got[0].message) == fields_of(Heartbeat{4, 10, 3, 81, 3}));
+}
+
+TEST_CASE("a million bytes of noise crash nothing and are all accounted for") {
+  constexpr std::uint32_t kSeed = 48;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkDecoder decoder;
+  Counters counters;
+  std::size_t bytes = 0, messages = 0;
+  while (bytes < 1'000'000) {
+    Bytes chunk(1 + any.u32() % 400);
+    for (auto& byte : chunk)
+      byte = any.u8() % 8 == 0 ? (any.u8() % 2 == 0 ? 0xFD : 0xFE) : any.u8();
+    bytes += chunk.size();
+    messages += received_from(decoder, chunk, counters).size();
+  }
+  CHECK(messages == counters.mavlink_received);
+  CHECK(messages < 10);  // one in 65536 false frames has a good checksum
+  CHECK(counters.mavlink_skipped_bytes > 990'000);
+}
+
+}  // namespace
+}  // namespace flotilla::link

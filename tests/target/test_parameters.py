@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: MIT
+"""Parameters as an operator meets them: names, ranges, refusals that say what is wrong."""
+
+import math
+import re
+import struct
+from typing import Any
+
+import flotilla
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.target.harness import seeded
+
+LIST: list[dict[str, Any]] = flotilla.parameter_list()
+BY_NAME = {p["name"]: p for p in LIST}
+EACH = pytest.mark.parametrize("p", LIST, ids=list(BY_NAME))
+
+DESIGN_NAMES = [
+    "MAV_SYSID",
+    "MAV_COMPID",
+    "MAV_GCS_SYSID",
+    "FORM_LEADER",
+    "FORM_OFS_N",
+    "FORM_OFS_E",
+    "LAW_KX",
+    "LAW_KPSI",
+    "LAW_KDU",
+    "LAW_KDR",
+    "VES_M11",
+    "VES_M22",
+    "VES_M33",
+    "VES_D11",
+    "VES_D22",
+    "VES_D33",
+    "THR_ARM",
+    "THR_FWD_MAX",
+    "THR_REV_MAX",
+    "THR_EXPO",
+    "THR_DEAD",
+    "THR_SLEW",
+    "THR_PORT_DIR",
+    "THR_STBD_DIR",
+    "ESC_PORT",
+    "ESC_STBD",
+    "CAN_NODE",
+    "CTL_RATE",
+    "NAV_OFS_X",
+    "NAV_OFS_Y",
+    "SR_STATE",
+    "FS_LEADER_S",
+    "FS_NAV_S",
+    "FS_ESC_S",
+]
+
+# Two things that exclude each other, each of them allowed by itself.
+CONTRADICTIONS = [
+    ({"ESC_PORT": 3, "ESC_STBD": 3}, "ESC_PORT", "ESC_STBD"),
+    ({"MAV_SYSID": 7, "FORM_LEADER": 7}, "MAV_SYSID", "FORM_LEADER"),
+]
+
+
+def a_valid_value(p: dict[str, Any], fraction: float) -> float:
+    value = p["least"] + fraction * (p["greatest"] - p["least"])
+    return float(round(value)) if p["integer"] else float32(value, p)
+
+
+def float32(value: float, p: dict[str, Any]) -> float:
+    nearest = struct.unpack("<f", struct.pack("<f", value))[0]
+    return float(min(max(nearest, p["least"]), p["greatest"]))
+
+
+def other_names_kept_apart(name: str, value: float) -> dict[str, float]:
+    """The value, and its partner moved out of the way where the two must differ."""
+    partner = {
+        "ESC_PORT": "ESC_STBD",
+        "ESC_STBD": "ESC_PORT",
+        "MAV_SYSID": "FORM_LEADER",
+        "FORM_LEADER": "MAV_SYSID",
+    }
+    chosen = {name: value}
+    if name in partner:
+        chosen[partner[name]] = value - 1 if value > 1 else value + 1
+    return chosen
+
+
+def refusal(parameters: dict[Any, Any]) -> str:
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 (callers look at what it says)
+        flotilla.Boat(parameters)
+    return str(refused.value)
+
+
+def test_every_parameter_that_the_design_names_exists() -> None:
+    assert set(DESIGN_NAMES) <= set(BY_NAME)
+
+
+def test_names_are_unique_and_fit_into_mavlink() -> None:
+    assert len(BY_NAME) == len(LIST)
+    for name in BY_NAME:
+        assert re.fullmatch(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)+", name) and len(name) <= 16, name
+
+
+@EACH
+def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any]) -> None:
+    assert set(p) == {"name", "unit", "default", "least", "greatest", "integer", "sentence"}
+    assert isinstance(p["unit"], str)
+    assert re.fullmatch(r"[A-Z0-9].{8,}\.", p["sentence"]), p["sentence"]
+    assert all(math.isfinite(p[key]) for key in ("default", "least", "greatest"))
+    assert p["least"] < p["greatest"]
+
+
+def test_only_numbers_without_dimension_lack_a_unit() -> None:
+    dimensionless = {p["name"] for p in LIST if not p["unit"]}
+    assert all(BY_NAME[n]["integer"] or n == "THR_EXPO" for n in dimensionless), dimensionless
+
+
+@EACH
+def test_a_default_lies_within_its_range(p: dict[str, Any]) -> None:
+    assert p["least"] <= p["default"] <= p["greatest"]
+    if p["integer"]:
+        assert p["default"] == int(p["default"])
+
+
+@EACH
+def test_every_number_travels_as_real32_without_loss(p: dict[str, Any]) -> None:
+    for key in ("default", "least", "greatest"):
+        assert struct.unpack("<f", struct.pack("<f", p[key]))[0] == p[key]
+
+
+def test_a_boat_without_parameters_has_the_defaults() -> None:
+    assert flotilla.Boat().parameters() == {p["name"]: p["default"] for p in LIST}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("FS_LEADER_S", 1.0),
+        ("FS_NAV_S", 0.5),
+        ("FS_ESC_S", 1.2),
+        ("MAV_COMPID", 1.0),
+        ("MAV_GCS_SYSID", 0.0),
+        ("CTL_RATE", 100.0),
+    ],
+)
+def test_a_default_is_the_designs(name: str, value: float) -> None:
+    assert BY_NAME[name]["default"] == pytest.approx(value)
+
+
+def test_the_control_rate_is_at_least_50_hz() -> None:
+    assert BY_NAME["CTL_RATE"]["least"] >= 50.0
+
+
+@EACH
+@pytest.mark.parametrize("end", ["least", "greatest"])
+def test_both_ends_of_a_range_are_allowed(p: dict[str, Any], end: str) -> None:
+    boat = flotilla.Boat(other_names_kept_apart(p["name"], p[end]))
+    assert boat.parameters()[p["name"]] == p[end]
+
+
+@EACH
+@pytest.mark.parametrize("end", ["least", "greatest"])
+def test_a_value_beyond_its_range_is_refused_with_name_and_range(
+    p: dict[str, Any], end: str
+) -> None:
+    sign = -1.0 if end == "least" else 1.0
+    for step in (1.0 if p["integer"] else max(abs(p[end]) * 1e-5, 1e-6), 1e6, 1e30, 1e39, 1e300):
+        said = refusal({p["name"]: p[end] + sign * step})
+        assert p["name"] in said
+        numbers = [
+            float(n)
+            for n in re.findall(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?", said.replace(p["name"], ""))
+        ]
+        for bound in (p["least"], p["greatest"]):
+            assert any(math.isclose(n, bound, rel_tol=1e-4, abs_tol=1e-9) for n in numbers), said
+
+
+@EACH
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf], ids=["nan", "inf", "-inf"])
+def test_a_value_that_is_no_number_is_refused_by_name(p: dict[str, Any], value: float) -> None:
+    assert p["name"] in refusal({p["name"]: value})
+
+
+@pytest.mark.parametrize("name", [p["name"] for p in LIST if p["integer"]])
+def test_a_fraction_of_an_integer_is_refused_by_name(name: str) -> None:
+    p = BY_NAME[name]
+    assert name in refusal({name: (p["least"] + p["greatest"]) / 2 + 0.25})
+
+
+@pytest.mark.parametrize("name", [n for n in BY_NAME if n.endswith("_DIR")])
+def test_a_propeller_without_direction_is_refused(name: str) -> None:
+    assert name in refusal({name: 0.0})
+
+
+@pytest.mark.parametrize(
+    "value", ["2", b"2", None, [2], {}, object()], ids=lambda v: type(v).__name__
+)
+def test_a_value_of_another_type_is_refused(value: object) -> None:
+    with pytest.raises((ValueError, TypeError)) as refused:
+        flotilla.Boat({"MAV_SYSID": value})
+    if isinstance(refused.value, ValueError):
+        assert "MAV_SYSID" in str(refused.value)
+
+
+@pytest.mark.parametrize("value", ["2", b"2", None, [2]], ids=lambda v: type(v).__name__)
+def test_a_refused_type_names_its_parameter(value: object) -> None:
+    assert "MAV_SYSID" in refusal({"MAV_SYSID": value})
+
+
+@pytest.mark.parametrize(
+    "name", ["", "MAV_SYSI", "MAV_SYSID ", "mav_sysid", "MAV_SYSIDX", "X" * 200, "ÄÖ", "LAW_KX\0"]
+)
+def test_an_unknown_name_is_refused_and_said(name: str) -> None:
+    assert name.rstrip("\0") in refusal({name: 1.0})
+
+
+def test_a_key_that_is_no_text_is_refused() -> None:
+    with pytest.raises((ValueError, TypeError)):
+        flotilla.Boat({3: 1.0})
+
+
+@pytest.mark.parametrize(("parameters", "one", "other"), CONTRADICTIONS)
+def test_a_contradiction_is_refused_by_both_names(
+    parameters: dict[str, float], one: str, other: str
+) -> None:
+    said = refusal(parameters)
+    assert one in said and other in said
+
+
+def test_a_contradiction_with_a_default_is_refused() -> None:
+    assert "ESC_PORT" in refusal({"ESC_PORT": BY_NAME["ESC_STBD"]["default"]})
+    assert "FORM_LEADER" in refusal({"MAV_SYSID": BY_NAME["FORM_LEADER"]["default"]})
+
+
+def test_one_wrong_value_among_right_ones_is_the_one_named() -> None:
+    said = refusal({"MAV_SYSID": 2, "FORM_LEADER": 1, "LAW_KX": -1.0, "SR_STATE": 5})
+    assert "LAW_KX" in said
+    assert not any(name in said for name in ("MAV_SYSID", "FORM_LEADER", "SR_STATE"))
+
+
+def test_whole_numbers_and_booleans_are_numbers() -> None:
+    assert flotilla.Boat({"MAV_SYSID": 2}).parameters()["MAV_SYSID"] == 2.0
+    assert flotilla.Boat({"THR_PORT_DIR": True}).parameters()["THR_PORT_DIR"] == 1.0
+
+
+@seeded()
+@given(st.lists(st.floats(0.0, 1.0), min_size=len(LIST), max_size=len(LIST)))
+def test_parameters_come_back_as_they_were_given(fractions: list[float]) -> None:
+    given_values = {p["name"]: a_valid_value(p, f) for p, f in zip(LIST, fractions, strict=True)}
+    given_values |= {"ESC_PORT": 2.0, "ESC_STBD": 5.0, "MAV_SYSID": 9.0, "FORM_LEADER": 8.0}
+    given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0}
+    boat = flotilla.Boat(given_values)
+    assert boat.parameters() == given_values
+    assert flotilla.Boat(boat.parameters()).parameters() == given_values
+
+
+def test_parameters_is_a_copy_and_does_not_change_the_boat() -> None:
+    boat = flotilla.Boat()
+    boat.parameters()["LAW_KX"] = 99.0
+    assert boat.parameters()["LAW_KX"] == BY_NAME["LAW_KX"]["default"]
+
+
+@pytest.mark.parametrize("links", [1, 2, 3, 4])
+def test_one_to_four_links_are_allowed(links: int) -> None:
+    flotilla.Boat({}, links)
+
+
+@pytest.mark.parametrize("links", [-1, 0, 5, 1000, 2**31 - 1])
+def test_another_number_of_links_is_refused(links: int) -> None:
+    with pytest.raises((ValueError, TypeError)):
+        flotilla.Boat({}, links)
+
+
+@pytest.mark.parametrize("scalar", ["", "Float", "half", "float32"])
+def test_an_unknown_scalar_is_refused(scalar: str) -> None:
+    with pytest.raises(ValueError, match=r"(?i)scalar|float"):
+        flotilla.Boat({}, 1, scalar)
+
+
+@pytest.mark.parametrize("link", [-1, 1, 4, 255, 2**31 - 1])
+def test_bytes_on_a_link_that_does_not_exist_are_refused(link: int) -> None:
+    with pytest.raises((ValueError, IndexError, TypeError)):
+        flotilla.Boat({}, 1).on_mavlink(b"", 0, link)
