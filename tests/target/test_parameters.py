@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.target.harness import seeded
+from tests.target.sea import seeded
 
 LIST: list[dict[str, Any]] = flotilla.parameter_list()
 BY_NAME = {p["name"]: p for p in LIST}

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""The CAN bus of a boat and its ESCs, by PyPI dronecan: no mistake of ours can cancel."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import dronecan
+from dronecan.transport import Frame, Transfer, TransferManager
+
+RAW_COMMAND, ESC_STATUS, ARMING_STATUS, NODE_STATUS, GET_NODE_INFO = 1030, 1034, 1100, 341, 1
+FULL_SCALE = 8191
+NODE, TOOL = 20, 100
+
+Frames = list[tuple[int, bytes]]
+
+
+def reference(kind: str) -> list[Any]:
+    """Frames that another implementation has sent: "captured", "generated" or "damaged"."""
+    path = Path(__file__).parents[1] / "reference" / "dronecan_vectors.json"
+    return list(json.loads(path.read_text())[kind])
+
+
+def type_of(can_id: int) -> tuple[bool, int, int]:
+    """service?, data type, source node."""
+    service = bool(can_id & 0x80)
+    return service, (can_id >> 16) & 0xFF if service else (can_id >> 8) & 0xFFFF, can_id & 0x7F
+
+
+def of_type(frames: Iterable[tuple[int, bytes]], type_id: int, service: bool = False) -> Frames:
+    return [frame for frame in frames if type_of(frame[0])[:2] == (service, type_id)]
+
+
+def transfers(frames: Iterable[tuple[int, bytes]]) -> list[Transfer]:
+    """What PyPI dronecan makes of the frames; TransferError where it refuses one."""
+    manager, complete = TransferManager(), []
+    for can_id, data in frames:
+        parts = manager.receive_frame(Frame(can_id, data))
+        if parts:
+            transfer = Transfer()
+            transfer.from_frames(parts)
+            complete.append(transfer)
+    return complete
+
+
+@functools.cache
+def _slots(*frames: tuple[int, bytes]) -> tuple[int, ...]:
+    (transfer,) = transfers(frames)
+    return tuple(transfer.payload.cmd)
+
+
+def commands(frames: Frames) -> tuple[int, ...]:
+    """Slots of the one RawCommand among a tick's frames."""
+    return _slots(*of_type(frames, RAW_COMMAND))
+
+
+def arming_statuses(frames: Frames) -> list[int]:
+    return [t.payload.status for t in transfers(of_type(frames, ARMING_STATUS))]
+
+
+def to_wire(transfer: Transfer) -> Frames:
+    return [(frame.message_id, bytes(frame.bytes)) for frame in transfer.to_frames()]
+
+
+def esc_status(node: int, index: int, transfer_id: int = 0, **changes: Any) -> Frames:
+    fields = {
+        "error_count": 0,
+        "voltage": 24.5,
+        "current": 1.25,
+        "temperature": 310.5,
+        "rpm": 1234,
+        "power_rating_pct": 42,
+        "esc_index": index,
+    }
+    payload = dronecan.uavcan.equipment.esc.Status(**(fields | changes))
+    return to_wire(Transfer(transfer_id, node, payload=payload, transfer_priority=16))
+
+
+def node_status(node: int, uptime_s: int, transfer_id: int = 0, health: int = 0) -> Frames:
+    payload = dronecan.uavcan.protocol.NodeStatus(
+        uptime_sec=uptime_s, health=health, mode=0, sub_mode=0, vendor_specific_status_code=0
+    )
+    return to_wire(Transfer(transfer_id, node, payload=payload, transfer_priority=20))
+
+
+def node_info_request(asker: int, node: int, transfer_id: int = 0) -> Frames:
+    payload = dronecan.uavcan.protocol.GetNodeInfo.Request()
+    transfer = Transfer(transfer_id, asker, node, None, 24, True, True)
+    transfer.payload = bytearray()  # Transfer() refuses an empty payload
+    kind = dronecan.get_dronecan_data_type(payload)
+    transfer.data_type_id, transfer.data_type_crc = kind.default_dtid, kind.base_crc
+    return to_wire(transfer)
+
+
+cached_esc_status = functools.cache(esc_status)
+
+
+@dataclass
+class Esc:
+    """An ESC that only says how it is."""
+
+    node: int
+    index: int
+    on: bool = True
+    health: int = 0
+    sent: int = 0
+    beats: int = 0
+    next_status_us: int = 0
+    next_beat_us: int = 0
+
+    def frames(self, now_us: int) -> Iterator[tuple[int, bytes]]:
+        if not self.on:
+            return
+        if now_us >= self.next_status_us:
+            self.next_status_us = now_us + 100_000
+            self.sent += 1
+            yield from cached_esc_status(self.node, self.index, self.sent % 32)
+        if now_us >= self.next_beat_us:
+            self.next_beat_us = now_us + 1_000_000
+            self.beats += 1
+            yield from node_status(self.node, now_us // 1_000_000, self.beats % 32, self.health)

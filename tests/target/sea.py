@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: MIT
+"""A sea for one boat: navigation unit, leader, ground station, two ESCs, one virtual clock."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import flotilla
+from hypothesis import settings
+
+from tests.target.agent import START_US, Agent
+from tests.target.bus import Esc, Frames, arming_statuses, commands
+from tests.target.course import Course
+from tests.target.stations import (
+    ARM,
+    BOAT,
+    FORMATION,
+    GCS,
+    GCS_COMPONENT,
+    LEADER,
+    LEADER_COMPONENT,
+    NAVIGATION,
+    SET_MODE,
+    Station,
+    command_long,
+    decode,
+)
+
+TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
+
+#: Hypothesis with the same examples in every run.
+seeded = functools.partial(settings, derandomize=True, database=None, deadline=None)
+
+
+@dataclass
+class Tick:
+    now_us: int
+    mavlink: list[tuple[int, bytes]]
+    can: Frames
+
+    @property
+    def commands(self) -> tuple[int, ...]:
+        return commands(self.can)
+
+    @property
+    def arming(self) -> list[int]:
+        return arming_statuses(self.can)
+
+    def messages(self, link: int = 0) -> list[Any]:
+        return decode(data for at, data in self.mavlink if at == link)
+
+    def named(self, name: str, link: int = 0) -> list[Any]:
+        return [m for m in self.messages(link) if m.get_type() == name]
+
+
+class Sea:
+    """Drives one boat tick by tick; whoever shall fall silent has an `on`."""
+
+    def __init__(
+        self,
+        parameters: dict[str, float] | None = None,
+        links: int = 1,
+        scalar: str = "float",
+        own: Course | None = None,
+        leader: Course | None = None,
+        start_us: int = START_US,
+    ) -> None:
+        given = {"MAV_SYSID": BOAT, "FORM_LEADER": LEADER} | (parameters or {})
+        self.boat = flotilla.Boat(given, links, scalar)
+        self.period_us: int = round(1e6 / self.boat.parameters()["CTL_RATE"])
+        self.now_us = start_us
+        own = own or Course(1.0, 2.0, 0.3)
+        leader = leader or Course(5.0, 5.0, 0.5)
+        self.own = Agent(Station(BOAT, NAVIGATION), own, 50_000, beats=False)
+        self.leader = Agent(Station(LEADER, LEADER_COMPONENT), leader, 100_000)
+        self.gcs = Station(GCS, GCS_COMPONENT)
+        port = int(self.boat.parameters()["ESC_PORT"])
+        stbd = int(self.boat.parameters()["ESC_STBD"])
+        self.escs = [Esc(31, port), Esc(32, stbd)]
+        self.ticks: list[Tick] = []
+
+    def step(self) -> Tick:
+        """Everybody sends, the boat ticks, time goes on."""
+        for agent in (self.own, self.leader):
+            wire = agent.wire(self.now_us)
+            if wire:
+                self.boat.on_mavlink(wire, self.now_us)
+        for esc in self.escs:
+            self.on_can(esc.frames(self.now_us))
+        return self.tick_only()
+
+    def tick_only(self) -> Tick:
+        out = self.boat.tick(self.now_us)
+        tick = Tick(self.now_us, list(out.mavlink), list(out.can))
+        self.ticks.append(tick)
+        for agent in (self.own, self.leader):
+            if agent.answers_timesync and agent.on:
+                agent.hear(tick.messages(), self.now_us)
+        self.now_us += self.period_us
+        return tick
+
+    def on_can(self, frames: Iterable[tuple[int, bytes]]) -> None:
+        for can_id, data in frames:
+            self.boat.on_can(can_id, data, self.now_us)
+
+    def run(self, seconds: float) -> list[Tick]:
+        return [self.step() for _ in range(round(seconds * 1e6 / self.period_us))]
+
+    def run_until(self, state: str, seconds: float) -> None:
+        for _ in range(round(seconds * 1e6 / self.period_us)):
+            self.step()
+            if self.state == state:
+                return
+        raise AssertionError(f"{self.state}, not {state}, after {seconds} s: {self.snapshot()}")
+
+    def say(self, *messages: Any, sender: Station | None = None, link: int = 0) -> None:
+        self.boat.on_mavlink((sender or self.gcs).pack(*messages), self.now_us, link)
+
+    def order(self, command: int, *params: float, link: int = 0, **how: Any) -> Tick:
+        """A COMMAND_LONG from the ground station and the tick that follows it."""
+        self.say(command_long(command, *params, **how), link=link)
+        return self.step()
+
+    def arm(self) -> Tick:
+        return self.order(ARM, 1.0)
+
+    def disarm(self) -> Tick:
+        return self.order(ARM, 0.0)
+
+    def mode(self, number: int) -> Tick:
+        return self.order(SET_MODE, 1.0, float(number))
+
+    def settle(self) -> None:
+        """Long enough for every age to be known."""
+        self.run(0.3)
+
+    def silence(self, who: str) -> int:
+        """Nothing more from them; the time of the last word that the boat has heard."""
+        if who == "escs":
+            said = self.escs[0].sent
+            while self.escs[0].sent == said:
+                self.step()
+            self.escs[1].on = False
+        else:
+            agent = getattr(self, who)
+            due_us = agent.next_us
+            while agent.next_us == due_us:
+                self.step()
+            agent.on = False
+        return self.ticks[-1].now_us
+
+    def enter_hold(self) -> None:
+        self.settle()
+        self.arm()
+        self.step()
+        assert self.state == "HOLD", self.snapshot()
+
+    def enter_formation(self) -> None:
+        self.enter_hold()
+        self.mode(FORMATION)
+        self.step()
+        assert self.state == "FORMATION", self.snapshot()
+
+    @property
+    def state(self) -> str:
+        return str(self.boat.state)
+
+    def snapshot(self) -> dict[str, Any]:
+        return dict(self.boat.snapshot())
+
+    def counter(self, name: str) -> int:
+        return int(self.snapshot()["counters"][name])
+
+    def refused(self, bus: str) -> int:
+        """How much of "mavlink" or "can" the boat has counted as bad, whatever the reason."""
+        bad = ["bad_checksum", "bad_value", "bad_frame"]
+        if bus == "mavlink":
+            bad += ["skipped_bytes", "old_stamp"]
+        return sum(self.counter(f"{bus}_{name}") for name in bad)
+
+    def condition(self, name: str) -> bool:
+        return bool(self.snapshot()["conditions"][name])
+
+    @property
+    def commands(self) -> tuple[int, ...]:
+        return self.ticks[-1].commands
+
+    def own_course(self) -> Course:
+        """The boat's own state, as it tells others in its last pair of messages."""
+        position = named(self.ticks[-30:], "LOCAL_POSITION_NED")[-1]
+        turn = named(self.ticks[-30:], "ATTITUDE")[-1]
+        c, s = math.cos(turn.yaw), math.sin(turn.yaw)
+        u, v = c * position.vx + s * position.vy, -s * position.vx + c * position.vy
+        return Course(position.x, position.y, turn.yaw, u, v, turn.yawspeed)
+
+
+def at_sea(parameters: dict[str, float] | None = None) -> Sea:
+    """In FORMATION for a second, propellers turning."""
+    sea = Sea(parameters, leader=TURN)
+    sea.enter_formation()
+    sea.run(1.0)
+    assert sea.state == "FORMATION" and all(sea.commands)
+    return sea
+
+
+def messages(ticks: Iterable[Tick], link: int = 0) -> list[Any]:
+    return decode(data for tick in ticks for at, data in tick.mavlink if at == link)
+
+
+def named(ticks: Iterable[Tick], name: str, link: int = 0) -> list[Any]:
+    return [m for m in messages(ticks, link) if m.get_type() == name]
+
+
+def texts(ticks: Iterable[Tick], link: int = 0) -> list[str]:
+    return [m.text for m in named(ticks, "STATUSTEXT", link)]
+
+
+def acks(tick: Tick, link: int = 0) -> list[tuple[int, int]]:
+    return [(m.command, m.result) for m in tick.named("COMMAND_ACK", link)]
+
+
+def assert_finite(value: Any) -> None:
+    if isinstance(value, dict):
+        for each in value.values():
+            assert_finite(each)
+    elif isinstance(value, float):
+        assert math.isfinite(value)

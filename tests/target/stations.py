@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""Whoever talks MAVLink around a boat, by pymavlink: no mistake of ours can cancel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from pymavlink.dialects.v10 import common as mavlink1
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.course import Course, quaternion
+
+BOAT, LEADER, GCS, STRANGER = 2, 1, 255, 77
+NAVIGATION, LEADER_COMPONENT, GCS_COMPONENT = 197, 1, 190
+ARM, SET_MODE, FORCE = 400, 176, 21196
+ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
+HOLD, FORMATION = 4, 6
+ARMED_BIT = 128
+ORIGIN = (473977420, 85455940, 488000)
+UNKNOWN_COVARIANCE = [math.nan] + [0.0] * 20
+
+
+class Station:
+    """One system and component with pymavlink's own encoder and sequence numbers."""
+
+    def __init__(self, system: int, component: int = 1) -> None:
+        self.system, self.component = system, component
+        self.encoder = mavlink.MAVLink(None, system, component)
+
+    def pack(self, *messages: Any, version1: bool = False) -> bytes:
+        wire = b""
+        for message in messages:
+            if version1:  # the v2 dialect would put extensions into v1 frames
+                kind = getattr(mavlink1, type(message).__name__)
+                packed = kind(*[getattr(message, name) for name in kind.fieldnames])
+            else:
+                packed = message
+            wire += bytes(packed.pack(self.encoder))
+            self.encoder.seq = (self.encoder.seq + 1) % 256
+        return wire
+
+
+def odometry(truth: Course, time_us: int, **changes: Any) -> Any:
+    """ODOMETRY of a level boat: LOCAL_NED, velocity in BODY_FRD; any field may be changed."""
+    fields: dict[str, Any] = {
+        "time_usec": time_us,
+        "frame_id": 1,
+        "child_frame_id": 12,
+        "x": truth.north,
+        "y": truth.east,
+        "z": 0.0,
+        "q": quaternion(0.0, 0.0, truth.psi),
+        "vx": truth.u,
+        "vy": truth.v,
+        "vz": 0.0,
+        "rollspeed": 0.0,
+        "pitchspeed": 0.0,
+        "yawspeed": truth.r,
+        "pose_covariance": UNKNOWN_COVARIANCE,
+        "velocity_covariance": UNKNOWN_COVARIANCE,
+        "reset_counter": 0,
+        "estimator_type": 8,
+        "quality": 0,
+    }
+    return mavlink.MAVLink_odometry_message(**(fields | changes))
+
+
+def local_position(truth: Course, time_us: int, **changes: Any) -> Any:
+    north, east = truth.velocity_n
+    fields = {
+        "time_boot_ms": time_us // 1000 % 2**32,
+        "x": truth.north,
+        "y": truth.east,
+        "z": 0.0,
+        "vx": north,
+        "vy": east,
+        "vz": 0.0,
+    }
+    return mavlink.MAVLink_local_position_ned_message(**(fields | changes))
+
+
+def attitude(truth: Course, time_us: int, **changes: Any) -> Any:
+    fields = {
+        "time_boot_ms": time_us // 1000 % 2**32,
+        "roll": 0.0,
+        "pitch": 0.0,
+        "yaw": truth.psi,
+        "rollspeed": 0.0,
+        "pitchspeed": 0.0,
+        "yawspeed": truth.r,
+    }
+    return mavlink.MAVLink_attitude_message(**(fields | changes))
+
+
+def state_messages(kind: str, truth: Course, now_us: int, **changes: Any) -> list[Any]:
+    """A state of that kind, whole; the changes are made to the kind's own message."""
+    if kind == "ODOMETRY":
+        q = quaternion(0.0, 0.0, truth.psi)
+        for k in range(4):
+            q[k] = changes.pop(f"q{k}", q[k])
+        return [odometry(truth, now_us, **({"q": q} | changes))]
+    changed = {"LOCAL_POSITION_NED": {}, "ATTITUDE": {}, kind: changes}
+    return [
+        local_position(truth, now_us, **changed["LOCAL_POSITION_NED"]),
+        attitude(truth, now_us, **changed["ATTITUDE"]),
+    ]
+
+
+def origin(
+    time_us: int = 0,
+    latitude: int = ORIGIN[0],
+    longitude: int = ORIGIN[1],
+    altitude: int = ORIGIN[2],
+) -> Any:
+    return mavlink.MAVLink_gps_global_origin_message(latitude, longitude, altitude, time_us)
+
+
+def heartbeat(kind: int = mavlink.MAV_TYPE_SURFACE_BOAT) -> Any:
+    return mavlink.MAVLink_heartbeat_message(kind, 0, 0, 0, 4, 3)
+
+
+def command_long(
+    command: int, *params: float, target: tuple[int, int] = (BOAT, 1), confirmation: int = 0
+) -> Any:
+    """COMMAND_LONG whose unused parameters are NaN, as MAVSDK sends them."""
+    filled = [*params, *[math.nan] * (7 - len(params))]
+    return mavlink.MAVLink_command_long_message(*target, command, confirmation, *filled)
+
+
+def decode(chunks: Iterable[bytes]) -> list[Any]:
+    """Every message in the chunks; whatever is not a good frame comes as BAD_DATA."""
+    parser = mavlink.MAVLink(None)
+    parser.robust_parsing = True
+    return [message for chunk in chunks for message in parser.parse_buffer(chunk) or []]

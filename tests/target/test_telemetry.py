@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""What a boat tells of its own state, how often and of which moment."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from tests.target.course import Course, wrap
+from tests.target.sea import Sea, messages, named
+from tests.target.stations import ORIGIN, odometry
+
+
+@pytest.mark.parametrize("rate", [1, 5, 10, 30, 50])
+def test_state_goes_out_at_sr_state(rate: int) -> None:
+    sea = Sea({"SR_STATE": rate})
+    sea.run(10.0)
+    for name in ("LOCAL_POSITION_NED", "ATTITUDE"):
+        assert len(named(sea.ticks, name)) == pytest.approx(10 * rate, rel=0.02, abs=1)
+
+
+def test_no_state_goes_out_when_sr_state_is_zero() -> None:
+    sea = Sea({"SR_STATE": 0})
+    sea.run(5.0)
+    assert not named(sea.ticks, "LOCAL_POSITION_NED") and not named(sea.ticks, "ATTITUDE")
+    assert len(named(sea.ticks, "HEARTBEAT")) == 5
+
+
+def test_origin_and_timesync_requests_go_out_once_a_second(sea: Sea) -> None:
+    sea.run(10.0)
+    sent = named(sea.ticks, "GPS_GLOBAL_ORIGIN")
+    assert len(sent) == 10
+    assert all((m.latitude, m.longitude, m.altitude) == ORIGIN for m in sent)
+    requests = [m for m in named(sea.ticks, "TIMESYNC") if m.tc1 == 0]
+    assert len(requests) == 10
+    assert len({m.ts1 for m in requests}) == 10
+
+
+def test_a_state_is_stamped_with_the_time_of_that_state(voyage: Sea) -> None:
+    stamps = []
+    for tick in voyage.ticks:
+        turns = {m.time_boot_ms: m for m in tick.named("ATTITUDE")}
+        for m in tick.named("LOCAL_POSITION_NED"):
+            truth = voyage.own.truth(m.time_boot_ms * 1000)
+            assert abs(m.time_boot_ms - tick.now_us / 1000) < 500
+            assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.02
+            assert math.hypot(m.vx - truth.velocity_n[0], m.vy - truth.velocity_n[1]) < 0.02
+            turn = turns[m.time_boot_ms]
+            assert abs(wrap(turn.yaw - truth.psi)) < 0.02
+            assert turn.yawspeed == pytest.approx(truth.r, abs=1e-3)
+            stamps.append(m.time_boot_ms)
+    assert stamps == sorted(set(stamps))
+
+
+@pytest.mark.parametrize("rate_hz", [5.0, 20.0])
+def test_a_turning_boat_sends_the_position_that_belongs_to_the_stamp(rate_hz: float) -> None:
+    sea = Sea({"SR_STATE": 50}, own=Course(1.0, 2.0, 0.3, 1.0, 0.1, 0.2))
+    sea.own.period_us = round(1e6 / rate_hz)
+    sea.run(5.0)
+    for m in named(sea.ticks, "LOCAL_POSITION_NED"):
+        truth = sea.own.truth(m.time_boot_ms * 1000)
+        assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.001
+
+
+def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None:
+    about_own_state = {"LOCAL_POSITION_NED", "ATTITUDE", "GPS_GLOBAL_ORIGIN"}
+    assert not about_own_state & {m.get_type() for m in messages([sea.tick_only()])}
+    sea.run(1.0)
+    sea.own.on = False
+    sea.run(0.6)
+    sea.ticks.clear()
+    sea.run(5.0)
+    kinds = [m.get_type() for m in messages(sea.ticks)]
+    assert set(kinds) == {"HEARTBEAT", "TIMESYNC"} and kinds.count("HEARTBEAT") == 5
+    sea.own.on = True
+    sea.run(1.2)
+    assert about_own_state <= {m.get_type() for m in messages(sea.ticks)}
+
+
+def test_without_own_origin_no_origin_is_sent(sea: Sea) -> None:
+    sea.own.origin_on = False
+    sea.run(3.0)
+    assert not named(sea.ticks, "GPS_GLOBAL_ORIGIN")
+
+
+def test_the_antennas_place_is_taken_off_position_and_velocity() -> None:
+    # v of the antenna = v of the boat + r × place: u − r·y_ofs, v + r·x_ofs.
+    sea = Sea({"NAV_OFS_X": 2.0, "NAV_OFS_Y": -1.0})
+    sea.own.on = False
+    antenna = Course(10.0, 20.0, math.pi / 2, 1.0, 0.0, 0.5)
+    sea.say(odometry(antenna, sea.now_us), sender=sea.own.station)
+    sea.step()
+    # Heading east: ahead is east, starboard is south.
+    expected = Course(10.0 - 1.0, 20.0 - 2.0, math.pi / 2, 1.0 + 0.5 * -1.0, 0.0 - 0.5 * 2.0, 0.5)
+    assert sea.own_course().close_to(expected)

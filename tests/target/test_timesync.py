@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""TIMESYNC: how the boat answers, and how old it takes its leader's state to be."""
+
+from __future__ import annotations
+
+import random
+from collections import defaultdict
+
+import flotilla
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.agent import START_US
+from tests.target.course import Course
+from tests.target.sea import Sea, named
+from tests.target.stations import BOAT, GCS, LEADER, NAVIGATION, STRANGER, Station, odometry, origin
+
+
+@pytest.mark.parametrize("link", [0, 1])
+@pytest.mark.parametrize("ts1", [1, 123_456_789, 2**62 + 12345, 2**63 - 1, -1, -(2**63)])
+def test_a_timesync_request_is_answered_with_its_own_stamp(ts1: int, link: int) -> None:
+    sea = Sea(links=2)
+    sea.settle()
+    sea.say(mavlink.MAVLink_timesync_message(0, ts1), link=link)
+    tick = sea.step()
+    (answer,) = [m for m in tick.named("TIMESYNC", link) if m.tc1 != 0]
+    assert answer.ts1 == ts1
+    assert answer.tc1 == tick.now_us * 1000
+    assert not [m for m in tick.named("TIMESYNC", 1 - link) if m.tc1 != 0]
+
+
+@pytest.mark.parametrize("answer", [(1, 0), (-1, 5), (2**63 - 1, 2**63 - 1), (10**18, -1)])
+def test_a_timesync_answer_is_not_answered(sea: Sea, answer: tuple[int, int]) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_timesync_message(*answer))
+    assert not [m for m in named(sea.run(0.1), "TIMESYNC") if m.tc1 != 0]
+
+
+@pytest.mark.parametrize(
+    "offset_s", [0.0, 5 * 3600.0, -9.5, 1.7e9], ids=["none", "hours", "earlier", "Unix"]
+)
+@pytest.mark.parametrize("delay_s", [0.0, 0.02, 0.1])
+def test_timesync_tells_how_old_the_leaders_state_is(offset_s: float, delay_s: float) -> None:
+    sea = Sea(leader=Course(5, 5, 0.5, 0.5))
+    sea.leader.answers_timesync = True
+    sea.leader.clock_offset_us = round(offset_s * 1e6)
+    sea.leader.delay_us = round(delay_s * 1e6)
+    sea.run(2.0)
+    for _ in range(500):
+        tick = sea.step()
+        arrived = (tick.now_us - START_US - sea.leader.delay_us) // 100_000 * 100_000 + START_US
+        assert sea.snapshot()["leader_age_s"] == pytest.approx(
+            (tick.now_us - arrived) * 1e-6, abs=0.005
+        )
+
+
+def test_without_timesync_a_leaders_state_is_as_old_as_its_fastest_way(sea: Sea) -> None:
+    sea.leader.clock_offset_us = 7 * 3600 * 1_000_000
+    sea.run(2.0)
+    assert 0.0 <= sea.snapshot()["leader_age_s"] <= 0.105
+
+
+def test_a_leader_whose_messages_are_too_long_on_the_way_is_stale() -> None:
+    sea = Sea({"FS_LEADER_S": 0.5})
+    sea.leader.answers_timesync = True
+    sea.leader.clock_offset_us = 3600 * 1_000_000
+    sea.leader.delay_us = 700_000
+    sea.run(5.0)
+    assert not sea.condition("leader_fresh")
+    assert sea.snapshot()["leader_age_s"] == pytest.approx(0.75, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    "liar",
+    [Station(STRANGER, 1), Station(GCS, 190), Station(BOAT, NAVIGATION)],
+    ids=["77", "255", "own"],
+)
+def test_answers_of_others_do_not_shift_the_leaders_clock(sea: Sea, liar: Station) -> None:
+    sea.leader.answers_timesync = True
+    sea.run(2.0)
+    for _ in range(300):
+        tick = sea.step()
+        for m in tick.named("TIMESYNC"):
+            if m.tc1 == 0:
+                sea.say(mavlink.MAVLink_timesync_message(m.ts1 + 10**12, m.ts1), sender=liar)
+        assert sea.snapshot()["leader_age_s"] < 0.105
+        assert sea.condition("leader_fresh")
+
+
+def test_answers_to_questions_never_asked_do_not_shift_the_leaders_clock(sea: Sea) -> None:
+    rng = random.Random(5)
+    sea.leader.answers_timesync = True
+    sea.run(2.0)
+    for _ in range(300):
+        tc1, ts1 = rng.randrange(1, 2**62), rng.randrange(-(2**62), 2**62)
+        sea.say(mavlink.MAVLink_timesync_message(tc1, ts1), sender=sea.leader.station)
+        sea.step()
+        assert 0.0 <= sea.snapshot()["leader_age_s"] < 0.105
+
+
+def test_a_boat_and_its_follower_agree_about_time() -> None:
+    """Two boats alone: the follower's leader is a flotilla.Boat hours ahead, 50 ms away."""
+    sea = Sea({"CTL_RATE": 100})
+    sea.leader.on = False
+    ahead_us, delay = 4 * 3600 * 1_000_000, 5
+    first = flotilla.Boat({"MAV_SYSID": LEADER, "FORM_LEADER": 100})
+    unit = Station(LEADER, NAVIGATION)
+    to_first: dict[int, bytes] = defaultdict(bytes)
+    to_second: dict[int, bytes] = defaultdict(bytes)
+    course = Course(5.0, 5.0, 0.5, 0.5, 0.0, 0.1)
+    for k in range(600):
+        there_us = sea.now_us + ahead_us
+        if k % 5 == 0:
+            here = course.at((sea.now_us - START_US) * 1e-6)
+            first.on_mavlink(unit.pack(origin(), odometry(here, there_us)), there_us)
+        first.on_mavlink(to_first.pop(k, b""), there_us)
+        for _, data in first.tick(there_us).mavlink:
+            to_second[k + delay] += data
+        sea.boat.on_mavlink(to_second.pop(k, b""), sea.now_us)
+        for _, data in sea.step().mavlink:
+            to_first[k + delay] += data
+    truth = course.at((sea.ticks[-1].now_us - START_US) * 1e-6)
+    ahead, starboard, turn = sea.own.course.minus(truth)
+    error = sea.snapshot()["error"]
+    assert sea.condition("leader_fresh")
+    assert (error["x_m"], error["y_m"]) == pytest.approx((ahead, starboard), abs=0.02)
+    assert error["psi_rad"] == pytest.approx(turn, abs=0.005)
