@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""The command line: python -m sil run SCENARIO."""
+"""The command line: python -m sil run SCENARIO, python -m sil live SCENARIO --bus BUS."""
 
 import argparse
 import shlex
 import sys
 from pathlib import Path
 
+import can
 from rich.console import Console
 
 from sil import scenario
-from sil.run import parameters_of, run
+from sil.run import live, parameters_of, run
 from sil.world import StartError
 
 
@@ -17,39 +18,58 @@ def main(arguments: list[str]) -> int:
     """Exit status: 0, or 2 for a mistake of the caller, told in one line."""
     parser = argparse.ArgumentParser(prog="python -m sil", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
-    sail = commands.add_parser("run", help="sail a scenario in lockstep, as fast as it goes")
-    sail.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
-    sail.add_argument("--out", type=Path, help="folder of the results (out/SCENARIO)")
-    sail.add_argument("--seed", type=int, help="seed of every random number (the scenario's)")
-    sail.add_argument(
+    lockstep = commands.add_parser("run", help="sail a scenario in lockstep, as fast as it goes")
+    in_real_time = commands.add_parser(
+        "live", help="sail a scenario in real time, a flotillad process a boat"
+    )
+    for command in (lockstep, in_real_time):
+        _add_common(command)
+    in_real_time.add_argument(
+        "--bus",
+        required=True,
+        metavar="mcast:N|socketcan:NAMEn",
+        help="bus of boat 1, as mcast:0 or socketcan:vcan0; boat i takes the next one",
+    )
+    in_real_time.add_argument("--duration", type=float, help="seconds (the scenario's)")
+    options = parser.parse_args(arguments)
+    overrides = list(options.set)
+    if options.seed is not None:
+        overrides.append(f"seed={options.seed}")
+    if options.command == "live" and options.duration is not None:
+        overrides.append(f"duration_s={options.duration}")
+    try:
+        chosen = scenario.load(options.scenario, overrides)
+        out = options.out or Path("out") / chosen.name
+        parameters = parameters_of(options.param)
+        repeat = shlex.join(["python", "-m", "sil", *arguments])
+        if options.command == "run":
+            run(chosen, out, parameters, repeat, Console())
+        else:
+            live(chosen, options.bus, out, parameters, repeat, Console())
+    except (ValueError, OSError, StartError, can.CanError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _add_common(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
+    command.add_argument("--out", type=Path, help="folder of the results (out/SCENARIO)")
+    command.add_argument("--seed", type=int, help="seed of every random number (the scenario's)")
+    command.add_argument(
         "--param",
         action="append",
         default=[],
         metavar="NAME=VALUE",
         help="a firmware parameter of every boat; repeatable",
     )
-    sail.add_argument(
+    command.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="KEY=VALUE",
         help="a key of the scenario, as link.delay_s=0.1 or boat.2.eta=[0,0,0]; repeatable",
     )
-    options = parser.parse_args(arguments)
-    overrides = options.set + ([f"seed={options.seed}"] if options.seed is not None else [])
-    try:
-        chosen = scenario.load(options.scenario, overrides)
-        run(
-            chosen,
-            options.out or Path("out") / chosen.name,
-            parameters_of(options.param),
-            shlex.join(["python", "-m", "sil", *arguments]),
-            Console(),
-        )
-    except (ValueError, StartError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
 
 
 if __name__ == "__main__":

@@ -1,21 +1,25 @@
 # SPDX-License-Identifier: MIT
-"""Sails one scenario in lockstep and leaves its results in a folder."""
+"""Sails one scenario, in lockstep or live, and leaves its results in a folder."""
 
 import json
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import rich.progress
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from sil import metrics, report
+from sil.live import LiveWorld
+from sil.live import build as build_flotillad
 from sil.metrics import Summary
 from sil.plant.hull import Array
 from sil.scenario import Scenario
-from sil.world import World
+from sil.world import Progress, Run, World
 
 
 def run(
@@ -33,7 +37,39 @@ def run(
     """
     world = World(scenario, param_overrides)
     out.mkdir(parents=True, exist_ok=True)
-    bar = Progress(
+    began_s = time.perf_counter()
+    with _bar(scenario, console) as progress:
+        result = world.run(out / "recording.bin", progress)
+    wall_s = time.perf_counter() - began_s
+    return _finish(scenario, out, result, wall_s, command, console)
+
+
+def live(
+    scenario: Scenario,
+    bus: str,
+    out: Path,
+    param_overrides: dict[str, float],
+    command: str,
+    console: Console,
+) -> Summary:
+    """Sail `scenario` in real time, a flotillad a boat, and leave the same results but no digest.
+
+    `bus` is the address of boat 1's bus. Raises as `run`, and OSError or can.CanError where the
+    bus cannot be opened.
+    """
+    program = build_flotillad(console.print)
+    out.mkdir(parents=True, exist_ok=True)
+    began_s = time.perf_counter()
+    with LiveWorld(scenario, bus, param_overrides) as world, _bar(scenario, console) as progress:
+        tracer = world.run(program, out, progress)
+        console.print(f"latest step of the world: {world.late_us / 1000:.1f} ms behind its time")
+    result = Run(tracer.trace(), tracer.seconds(), None)
+    return _finish(scenario, out, result, time.perf_counter() - began_s, command, console)
+
+
+@contextmanager
+def _bar(scenario: Scenario, console: Console) -> Iterator[Progress]:
+    bar = rich.progress.Progress(
         TextColumn(f"{scenario.name}: sailing {scenario.duration_s:g} s"),
         BarColumn(),
         TaskProgressColumn(),
@@ -42,9 +78,13 @@ def run(
     )
     with bar:
         task = bar.add_task("", total=1.0)
-        began_s = time.perf_counter()
-        result = world.run(out / "recording.bin", lambda share: bar.update(task, completed=share))
-        wall_s = time.perf_counter() - began_s
+        yield lambda share: bar.update(task, completed=share)
+
+
+def _finish(
+    scenario: Scenario, out: Path, result: Run, wall_s: float, command: str, console: Console
+) -> Summary:
+    trace = result.trace
     summary: Summary = {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -52,16 +92,20 @@ def run(
         "wall_s": wall_s,
         "real_time_factor": scenario.duration_s / wall_s,
         "digest": result.digest,
-        "boats": metrics.boats(
-            result.trace["t_s"], result.trace["error"], result.trace["thrust"], result.states
-        ),
-        "min_separation_m": metrics.min_separation_m(result.trace["eta"]),
+        "boats": metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states),
+        "min_separation_m": metrics.min_separation_m(trace["eta"]),
     }
-    write(out, summary, result.trace, command)
+    write(out, summary, trace, command)
     console.print(report.table(summary))
+    for boat in summary["boats"]:
+        others = {name: s for name, s in boat["states"].items() if name != "FORMATION"}
+        if others:
+            told = ", ".join(f"{s:.1f} s in {name}" for name, s in others.items())
+            console.print(f"[bold red]boat {boat['id']} was not always in FORMATION: {told}")
+    digest = result.digest[:16] if result.digest else "none, a live run"
     console.print(
         f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "
-        f"{summary['real_time_factor']:.0f} × real time; digest {result.digest[:16]}"
+        f"{summary['real_time_factor']:.0f} × real time; digest {digest}"
     )
     console.print(f"results: {out}/report.html", soft_wrap=True)
     return summary

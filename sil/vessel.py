@@ -23,7 +23,8 @@ Record = Callable[[int, int, bytes], None]
 Sensed = Sequence[float]
 
 _NAVIGATION, _RADIO = 0, 1
-_FIRST_ESC_NODE = 21
+ESC_NODES = (21, 22)
+NAVIGATION_COMPONENT: int = mavlink.MAV_COMP_ID_GPS
 
 
 def _nowhere(t_us: int, port: int, data: bytes) -> None:
@@ -95,15 +96,15 @@ class Vessel:
         self._port = agent << 8
         self._unit = NavigationUnit(
             self.system,
-            mavlink.MAV_COMP_ID_GPS,
+            NAVIGATION_COMPONENT,
             vehicle_type=mavlink.MAV_TYPE_GENERIC,
             origin=ORIGIN,
             rate_hz=navigation_rate_hz,
             message=navigation_message,
         )
         self._escs = tuple(
-            EscNode(_FIRST_ESC_NODE + side, int(self.parameters[name]))
-            for side, name in enumerate(("ESC_PORT", "ESC_STBD"))
+            EscNode(node, int(self.parameters[name]))
+            for node, name in zip(ESC_NODES, ("ESC_PORT", "ESC_STBD"), strict=True)
         )
 
     def header(self) -> dict[str, Any]:

@@ -12,6 +12,8 @@ namespace mav = link::mav;
 using core::State;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
+// ESCs want to see zeros after they were armed, before they are driven.
+constexpr std::int64_t kArmedZeros_us = 200'000;
 // 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
@@ -26,25 +28,27 @@ Boat<S>::Boat(const Parameters& p, std::size_t links)
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID)}, {p.NAV_OFS_X, p.NAV_OFS_Y}),
       leader_({byte_of(p.FORM_LEADER), 0}),
       thrusters_(p),
-      can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}),
+      can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
       links_(links, {byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID)}),
       heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       state_due_(convert::period_us(p.SR_STATE), convert::half_period_us(p.CTL_RATE)),
+      slow_due_(convert::period_us(p.SR_SLOW), convert::half_period_us(p.CTL_RATE)),
       origin_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
-      complaint_due_(10 * kSecond_us) {}
+      complaint_due_(10 * kSecond_us),
+      refusal_due_(kSecond_us / 2) {}
 
 template <class S>
 std::int64_t Boat<S>::monotonic(std::int64_t now) {
   const std::int64_t now_us = std::clamp<std::int64_t>(now, 0, kLatest_us) + clock_shift_us_;
   if (now_us >= now_us_) {
     behind_since_us_.reset();
-    now_us_ = now_us;
+    now_us_ = std::min(now_us, kLatest_us);
     return now_us_;
   }
   ++counters_.clock_went_back;
-  behind_since_us_ = std::min(behind_since_us_.value_or(now_us), now_us);
-  // While ours stands still, old data stays fresh: a clock that was set back is followed again.
+  if (!behind_since_us_) behind_since_us_ = now_us;
+  // A clock that was set back and goes on from there is followed again.
   if (now_us - *behind_since_us_ > kSecond_us) clock_shift_us_ += now_us_ - now_us;
   return now_us_;
 }
@@ -83,10 +87,11 @@ void Boat<S>::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, s
 template <class S>
 typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   const std::int64_t now_us = monotonic(now);
-  links_.clear();
+  links_.begin(last_tick_us_ ? now_us - *last_tick_us_ : 0);
   can_output_.count = 0;
+  idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
   conditions_ = conditions(now_us);
-  supervise();
+  supervise(now_us);
   steer(now_us);
   can_.send(thrust_.raw, core::armed(state_), now_us, counters_, can_output_);
   report(now_us);
@@ -99,31 +104,37 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const Parameters& p = parameters_;
   const std::int64_t esc_limit_us = convert::microseconds(p.FS_ESC_S);
   core::Conditions met = 0;
+  // Where time stands still nothing grows old, and nothing can be trusted.
+  if (static_cast<float>(idle_ticks_) > p.FS_NAV_S * p.CTL_RATE) return met;
   if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
   if (leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
-      own_.has_origin()) {
+      own_.has_origin() && convert::near(own_.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
   if (can_.esc_online(byte_of(p.ESC_PORT), now_us, esc_limit_us) &&
       can_.esc_online(byte_of(p.ESC_STBD), now_us, esc_limit_us)) {
     met |= core::kEscsOnline;
   }
+  if (host_.bus_up) met |= core::kBusUp;
+  if (!can_.foreign_controller(now_us)) met |= core::kSoleController;
+  if (host_.parameters_saved) met |= core::kParametersSaved;
   return met;
 }
 
 template <class S>
-void Boat<S>::supervise() {
+void Boat<S>::supervise(std::int64_t now_us) {
   const core::Verdict verdict = core::supervise(state_, core::Request::kNone, conditions_);
   if (verdict.granted) {
-    enter(verdict.state, static_cast<core::Conditions>(core::kAllConditions & ~conditions_));
+    enter(verdict.state, static_cast<core::Conditions>(core::kDrive & ~conditions_), now_us);
   }
-  for (const PendingCommand& pending : commands_.pending()) answer(pending);
+  for (const PendingCommand& pending : commands_.pending()) answer(pending, now_us);
   commands_.clear();
 }
 
 template <class S>
-void Boat<S>::answer(const PendingCommand& pending) {
+void Boat<S>::answer(const PendingCommand& pending, std::int64_t now_us) {
   const Asked asked = meaning_of(pending, parameters_);
+  save_requested_ = save_requested_ || asked.save_parameters;
   core::Verdict verdict{state_, true, 0};
   std::uint8_t result = asked.result;
   if (asked.request != core::Request::kNone) {
@@ -134,15 +145,22 @@ void Boat<S>::answer(const PendingCommand& pending) {
               link::CommandAck{pending.command.command, result, pending.from.system,
                                pending.from.component},
               counters_);
-  if (verdict.state != state_) enter(verdict.state, 0);
-  if (verdict.granted) return;
-  const auto what = asked.request == core::Request::kArm ? "PreArm: " : "Refused: ";
-  const auto why = verdict.missing != 0 ? complaint_of(verdict.missing) : "not in this state";
+  if (verdict.state != state_) enter(verdict.state, 0, now_us);
+  if (!verdict.granted) refuse(asked.request, verdict.missing, now_us);
+}
+
+template <class S>
+void Boat<S>::refuse(core::Request request, core::Conditions missing, std::int64_t now_us) {
+  if (!refusal_due_.due(now_us)) return;
+  const auto what = request == core::Request::kArm ? "PreArm: " : "Refused: ";
+  const auto state = state_ == State::kFault ? "FAULT, disarm first" : "arm first";
+  const auto why = missing != 0 ? complaint_of(missing) : state;
   links_.broadcast(text_of(mav::kSeverityWarning, {what, why}), counters_);
 }
 
 template <class S>
-void Boat<S>::enter(core::State state, core::Conditions missing) {
+void Boat<S>::enter(core::State state, core::Conditions missing, std::int64_t now_us) {
+  if (core::armed(state) && !core::armed(state_)) armed_us_ = now_us;
   state_ = state;
   starting_ = state == State::kFormation;
   const std::string_view why = complaint_of(missing);
@@ -152,8 +170,20 @@ void Boat<S>::enter(core::State state, core::Conditions missing) {
 }
 
 template <class S>
+void Boat<S>::reckon(std::int64_t now_us) {
+  const std::int64_t since_us = now_us - last_tick_us_.value_or(now_us);
+  core::reckon_forward(law_.vessel, own_now_, thrust_.given, convert::seconds<S>(since_us));
+  if (own_.messages() == own_messages_) return;
+  own_messages_ = own_.messages();
+  const auto& last = own_.last();
+  const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
+  core::reckon_from(core::ReckoningParams<S>{}, law_.vessel, own_now_,
+                    {last.psi, last.nu, age, last.dt}, thrust_.given);
+}
+
+template <class S>
 core::Encounter<S> Boat<S>::encounter(std::int64_t now_us) const {
-  const core::Motion<S> own = own_.motion(now_us);
+  const core::Motion<S>& own = own_now_.motion;
   const core::Motion<S> leader = leader_.motion(now_us);
   const core::Vec2<S> then = convert::separation<S>(own_.position(), leader_.position());
   return {{then.x + own.moved_n.x - leader.moved_n.x, then.y + own.moved_n.y - leader.moved_n.y},
@@ -167,8 +197,10 @@ core::Encounter<S> Boat<S>::encounter(std::int64_t now_us) const {
 template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
   const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
+  const bool drive = core::may_drive(state_, conditions_) && now_us - armed_us_ >= kArmedZeros_us;
   law_output_ = {};
-  if (core::may_drive(state_, conditions_)) {
+  reckon(now_us);
+  if (drive) {
     const core::Encounter<S> in = encounter(now_us);
     if (starting_) law_state_ = core::controller_start(in);
     law_output_ = core::controller_step(law_, law_state_, in, starting_ ? S(0) : dt);
@@ -176,8 +208,8 @@ void Boat<S>::steer(std::int64_t now_us) {
   } else if ((conditions_ & core::kOwnFresh) != 0 && (conditions_ & core::kLeaderFresh) != 0) {
     law_output_.error = core::formation_error(encounter(now_us), law_.d);
   }
-  thrust_ =
-      thrusters_.step(core::may_drive(state_, conditions_), law_output_.allocation.thrust, dt);
+  thrust_ = thrusters_.step(drive && core::may_drive(state_, conditions_),
+                            law_output_.allocation.thrust, dt);
 }
 
 template <class S>
@@ -207,19 +239,33 @@ void Boat<S>::report(std::int64_t now_us) {
         text_of(mav::kSeverityWarning, {"ODOMETRY refused: frame is not north-aligned"}),
         counters_);
   }
+  if (slow_due_.due(now_us)) report_slowly(now_us);
   if ((conditions_ & core::kOwnFresh) == 0) return;
   if (state_due_.due(now_us)) {
     const std::uint32_t stamp_ms = convert::boot_ms(now_us);
     const convert::Position at = own_.position();
-    const convert::OwnState<S> own{at.north_m, at.east_m, own_.motion(convert::us_of_ms(now_us))};
-    links_.broadcast(convert::attitude_of(own, stamp_ms), counters_);
-    links_.broadcast(convert::local_position_of(own, stamp_ms), counters_);
+    const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
+    const convert::OwnState<S> own{at.north_m, at.east_m,
+                                   core::moment_before(own_now_.motion, since_stamp)};
+    links_.broadcast_telemetry(
+        {convert::attitude_of(own, stamp_ms), convert::local_position_of(own, stamp_ms)},
+        counters_);
   }
   if (own_.has_origin() && origin_due_.due(now_us)) {
     link::GpsGlobalOrigin origin = own_.position().origin;
     origin.time_usec = static_cast<std::uint64_t>(now_us);
     links_.broadcast(origin, counters_);
   }
+}
+
+template <class S>
+void Boat<S>::report_slowly(std::int64_t now_us) {
+  const auto say = [&](std::string_view name, float value) {
+    links_.broadcast_telemetry({value_of(name, value, convert::boot_ms(now_us))}, counters_);
+  };
+  if (const auto age = own_.age_us(now_us)) say("NAV_AGE", convert::seconds<float>(*age));
+  if (const auto age = leader_.age_us(now_us)) say("LEAD_AGE", convert::seconds<float>(*age));
+  say("OVERRUNS", static_cast<float>(host_.overruns));
 }
 
 template <class S>

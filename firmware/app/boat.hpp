@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "app/can_node.hpp"
 #include "app/commands.hpp"
@@ -29,6 +30,13 @@ struct Snapshot {
   link::Counters counters;
 };
 
+/// What only the boat's host can know.
+struct HostReport {
+  bool bus_up = true;            ///< the CAN interface is up and not bus-off
+  bool parameters_saved = true;  ///< false after a fall to defaults, until they were saved
+  std::uint32_t overruns = 0;    ///< control ticks that came more than a period late, so far
+};
+
 /// S: scalar of the law, float or double.
 template <class S>
 class Boat {
@@ -47,6 +55,20 @@ class Boat {
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
+  /// For the host that is about to leave: the ticks after it send zeros and ArmingStatus 0.
+  void disarm() { state_ = core::State::kDisarmed; }
+
+  /// Holds until the next report; without one, all is well.
+  void on_host(const HostReport& report) { host_ = report; }
+
+  /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
+  void limit_link(std::size_t link, std::uint32_t bytes_per_s) { links_.limit(link, bytes_per_s); }
+
+  /// An operator has asked since the last call that the parameters be saved.
+  bool take_save_request() { return std::exchange(save_requested_, false); }
+
+  link::NodeIdServer& node_ids() { return can_.node_ids(); }
+
   /// One control step. Everything the boat has to say leaves here.
   Output tick(std::int64_t now_us);
 
@@ -57,12 +79,15 @@ class Boat {
  private:
   std::int64_t monotonic(std::int64_t now);
   core::Conditions conditions(std::int64_t now_us) const;
+  void reckon(std::int64_t now_us);
   core::Encounter<S> encounter(std::int64_t now_us) const;
-  void supervise();
-  void answer(const PendingCommand& pending);
-  void enter(core::State state, core::Conditions missing);
+  void supervise(std::int64_t now_us);
+  void answer(const PendingCommand& pending, std::int64_t now_us);
+  void refuse(core::Request request, core::Conditions missing, std::int64_t now_us);
+  void enter(core::State state, core::Conditions missing, std::int64_t now_us);
   void steer(std::int64_t now_us);
   void report(std::int64_t now_us);
+  void report_slowly(std::int64_t now_us);
   link::Heartbeat heartbeat() const;
 
   Parameters parameters_;
@@ -72,6 +97,10 @@ class Boat {
   core::State state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   bool starting_ = false;
+  std::int64_t armed_us_ = 0;
+  core::Reckoning<S> own_now_{};
+  std::uint32_t own_messages_ = 0;
+  bool save_requested_ = false;
   bool announce_ = false;  // a heartbeat at once: the state has changed
 
   VesselTrack<S> own_;
@@ -81,6 +110,7 @@ class Boat {
   CanNode can_;
   CanOutput can_output_;
   MavlinkLinks links_;
+  HostReport host_;
   CommandQueue commands_;
   TimeRequests time_;
   link::Counters counters_;
@@ -89,11 +119,14 @@ class Boat {
   std::int64_t now_us_ = 0;
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
+  int idle_ticks_ = 0;  // in a row, in which time did not go on
   Schedule heartbeat_due_;
   Schedule state_due_;
+  Schedule slow_due_;
   Schedule origin_due_;
   Schedule timesync_due_;
   Schedule complaint_due_;
+  Schedule refusal_due_;
 };
 
 }  // namespace flotilla::app

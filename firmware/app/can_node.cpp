@@ -6,9 +6,11 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::uint8_t kCommandPriority = 7, kArmingPriority = 24, kStatusPriority = 20;
-constexpr std::int64_t kNodeOffline_us = 3'000'000;
-constexpr std::uint8_t kHealthOk = 0, kFullyArmed = 255;
+constexpr std::uint8_t kCommandPriority = 7, kArmingPriority = 24, kStatusPriority = 20,
+                       kAllocationPriority = 30;
+constexpr std::int64_t kForeignGone_us = 2'000'000;
+constexpr std::int64_t kNodeOffline_us = 3'000'000, kReboot_us = 500'000;
+constexpr std::uint8_t kHealthOk = 0, kOperational = 0, kFullyArmed = 255;
 
 std::uint32_t uptime_s(std::int64_t since_us, std::int64_t now_us) {
   return static_cast<std::uint32_t>((now_us - since_us) / 1'000'000);
@@ -23,14 +25,22 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
     ++counters.can_bad_frame;
     return;
   }
-  if (route->source == 0 || route->source == identity_.node) return;
   const auto is = [&](const link::DataType& type) {
     return route->kind == type.kind && route->type == type.id;
   };
   const auto complete = [&](const link::DataType& type) {
     return receiver_.push(*route, type, data, now_us, counters);
   };
-  if (is(link::EscStatus::kType)) {
+  if (is(link::RawCommand::kType) || is(link::ArmingStatus::kType)) {
+    foreign_us_ = now_us;  // whatever it says, and also under our own node id
+  } else if (is(link::Allocation::kType)) {
+    const auto transfer = complete(link::Allocation::kType);
+    const auto request = transfer ? link::read_allocation(transfer->payload) : std::nullopt;
+    // From a node with an id it is another allocator's answer.
+    if (request && route->source == 0) allocation_ = node_ids_.answer(*request, now_us);
+  } else if (route->source == 0 || route->source == identity_.node) {
+    return;
+  } else if (is(link::EscStatus::kType)) {
     const auto transfer = complete(link::EscStatus::kType);
     if (!transfer) return;
     const auto status = link::read_esc_status(transfer->payload);
@@ -38,7 +48,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
       ++counters.can_bad_value;
       return;
     }
-    escs_[status->esc_index] = {now_us, route->source};
+    take_esc_status(route->source, *status, now_us);
   } else if (is(link::NodeStatus::kType)) {
     const auto transfer = complete(link::NodeStatus::kType);
     if (!transfer) return;
@@ -47,36 +57,75 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
       ++counters.can_bad_value;
       return;
     }
-    nodes_[route->source] = {now_us, status->health};
+    take_node_status(route->source, *status, now_us);
   } else if (is(link::NodeInfo::kRequest) && route->destination == identity_.node) {
     if (const auto transfer = complete(link::NodeInfo::kRequest)) {
-      question_ = {route->source, route->priority, transfer->transfer_id};
+      if (question_count_ == questions_.size()) {
+        ++counters.can_not_sent;
+        return;
+      }
+      questions_[question_count_++] = {route->source, route->priority, transfer->transfer_id};
     }
   }
+}
+
+void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
+                              std::int64_t now_us) {
+  Esc& esc = escs_[status.esc_index];
+  const bool other = esc.heard_us && esc.node != node && now_us - *esc.heard_us < kNodeOffline_us;
+  if (other) {
+    esc.claimed_us = now_us;
+  } else {
+    esc.heard_us = now_us;
+    esc.node = node;
+  }
+}
+
+void CanNode::take_node_status(std::uint8_t node, const link::NodeStatus& status,
+                               std::int64_t now_us) {
+  Node& known = nodes_[node];
+  // Rebooted: it must see zeros before it is driven again, so an armed boat has to stop.
+  if (known.heard_us && status.uptime_sec < known.status.uptime_sec) known.rebooted_us = now_us;
+  known.heard_us = now_us;
+  known.status = status;
+  node_ids_.occupied(node);
 }
 
 bool CanNode::esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const {
   const Esc& esc = escs_[index % escs_.size()];
   if (!esc.heard_us || now_us - *esc.heard_us >= limit_us) return false;
+  if (esc.claimed_us && now_us - *esc.claimed_us < kNodeOffline_us) return false;
   const Node& node = nodes_[esc.node];
-  return node.heard_us && now_us - *node.heard_us < kNodeOffline_us && node.health == kHealthOk;
+  if (node.rebooted_us && now_us - *node.rebooted_us < kReboot_us) return false;
+  return node.heard_us && now_us - *node.heard_us < kNodeOffline_us &&
+         node.status.health == kHealthOk && node.status.mode == kOperational;
+}
+
+bool CanNode::foreign_controller(std::int64_t now_us) const {
+  return foreign_us_ && now_us - *foreign_us_ < kForeignGone_us;
 }
 
 template <class Message>
-void CanNode::send(const Message& message, const link::DataType& type, std::uint8_t priority,
-                   std::uint8_t& transfer_id, link::Counters& counters, CanOutput& out) {
+void CanNode::put(const Message& message, const link::Route& route, const link::DataType& type,
+                  std::uint8_t transfer_id, link::Counters& counters, CanOutput& out) {
   link::Payload payload;
   const std::size_t size = write_payload(message, payload);
-  const link::Route route{priority, type.kind, type.id, identity_.node, 0};
   const std::size_t frames =
       link::split_transfer(route, type, transfer_id, std::span(payload).first(size),
                            std::span(out.frames).subspan(out.count));
   out.count += frames;
   if (frames == 0) ++counters.can_not_sent;
+}
+
+template <class Message>
+void CanNode::send(const Message& message, const link::DataType& type, std::uint8_t priority,
+                   std::uint8_t& transfer_id, link::Counters& counters, CanOutput& out) {
+  put(message, {priority, type.kind, type.id, identity_.node, 0}, type, transfer_id, counters, out);
   transfer_id = static_cast<std::uint8_t>((transfer_id + 1U) & 0x1FU);
 }
 
-void CanNode::answer(std::int64_t now_us, link::Counters& counters, CanOutput& out) {
+void CanNode::answer(const Question& question, std::int64_t now_us, link::Counters& counters,
+                     CanOutput& out) {
   link::NodeInfo info;
   info.status.uptime_sec = uptime_s(*started_us_, now_us);
   info.software_major = kVersionMajor;
@@ -84,33 +133,32 @@ void CanNode::answer(std::int64_t now_us, link::Counters& counters, CanOutput& o
   info.unique_id[14] = identity_.system;
   info.unique_id[15] = identity_.node;
   info.name = "org.flotilla.autopilot";
-  link::Payload payload;
-  const std::size_t size = write_payload(info, payload);
-  const link::Route route{question_->priority, link::NodeInfo::kResponse.kind,
-                          link::NodeInfo::kResponse.id, identity_.node, question_->node};
-  const std::size_t frames = link::split_transfer(
-      route, link::NodeInfo::kResponse, question_->transfer_id, std::span(payload).first(size),
-      std::span(out.frames).subspan(out.count));
-  out.count += frames;
-  if (frames == 0) ++counters.can_not_sent;
-  question_.reset();
+  constexpr link::DataType type = link::NodeInfo::kResponse;
+  put(info, {question.priority, type.kind, type.id, identity_.node, question.node}, type,
+      question.transfer_id, counters, out);
 }
 
 void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now_us,
                    link::Counters& counters, CanOutput& out) {
   if (!started_us_) started_us_ = now_us;
-  send(command, link::RawCommand::kType, kCommandPriority, command_id_, counters, out);
+  // An ESC that is being armed shall know it before it gets its first command.
   if (arming_due_.due(now_us) || armed != armed_) {
     armed_ = armed;
     const link::ArmingStatus arming{armed ? kFullyArmed : std::uint8_t{0}};
     send(arming, link::ArmingStatus::kType, kArmingPriority, arming_id_, counters, out);
   }
+  send(command, link::RawCommand::kType, kCommandPriority, command_id_, counters, out);
   if (status_due_.due(now_us)) {
     link::NodeStatus status;
     status.uptime_sec = uptime_s(*started_us_, now_us);
     send(status, link::NodeStatus::kType, kStatusPriority, status_id_, counters, out);
   }
-  if (question_) answer(now_us, counters, out);
+  for (std::size_t i = 0; i < question_count_; ++i) answer(questions_[i], now_us, counters, out);
+  question_count_ = 0;
+  if (allocation_) {
+    send(*allocation_, link::Allocation::kType, kAllocationPriority, allocation_id_, counters, out);
+    allocation_.reset();
+  }
 }
 
 }  // namespace flotilla::app

@@ -8,6 +8,7 @@
 
 #include "app/schedule.hpp"
 #include "link/dronecan_messages.hpp"
+#include "link/node_id_server.hpp"
 
 namespace flotilla::app {
 
@@ -24,13 +25,24 @@ class CanNode {
     std::uint8_t system;  ///< MAVLink system id, shown in the unique id
   };
 
-  explicit CanNode(Identity identity) : identity_(identity) {}
+  /// early_us: half a control period, so that a loop's jitter does not skip a turn.
+  CanNode(Identity identity, std::int64_t early_us)
+      : identity_(identity),
+        node_ids_(identity.node),
+        arming_due_(100'000, early_us),
+        status_due_(1'000'000, early_us) {}
 
   void on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us,
                 link::Counters& counters);
 
-  /// That ESC's status came within the limit, from a node whose NodeStatus is recent and OK.
+  /// That ESC's status came within the limit, from one node alone, which is operational and OK.
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
+
+  /// Another node commands or arms ESCs, or has within the last two seconds.
+  bool foreign_controller(std::int64_t now_us) const;
+
+  /// Who was given which node id; for the host to keep over a restart.
+  link::NodeIdServer& node_ids() { return node_ids_; }
 
   /// One control tick: both propellers in one RawCommand, ArmingStatus, NodeStatus, answers.
   void send(const link::RawCommand& command, bool armed, std::int64_t now_us,
@@ -40,10 +52,12 @@ class CanNode {
   struct Esc {
     std::optional<std::int64_t> heard_us;
     std::uint8_t node = 0;
+    std::optional<std::int64_t> claimed_us;  // by a second node
   };
   struct Node {
     std::optional<std::int64_t> heard_us;
-    std::uint8_t health = 0;
+    std::optional<std::int64_t> rebooted_us;
+    link::NodeStatus status;
   };
   struct Question {
     std::uint8_t node;
@@ -54,20 +68,31 @@ class CanNode {
   template <class Message>
   void send(const Message& message, const link::DataType& type, std::uint8_t priority,
             std::uint8_t& transfer_id, link::Counters& counters, CanOutput& out);
-  void answer(std::int64_t now_us, link::Counters& counters, CanOutput& out);
+  template <class Message>
+  void put(const Message& message, const link::Route& route, const link::DataType& type,
+           std::uint8_t transfer_id, link::Counters& counters, CanOutput& out);
+  void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
+  void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
+  void answer(const Question& question, std::int64_t now_us, link::Counters& counters,
+              CanOutput& out);
 
   Identity identity_;
   link::TransferReceiver receiver_;
   std::array<Esc, 32> escs_{};
   std::array<Node, 128> nodes_{};
-  std::optional<Question> question_;
+  std::array<Question, 4> questions_{};
+  std::size_t question_count_ = 0;
+  link::NodeIdServer node_ids_;
+  std::optional<link::Allocation> allocation_;
+  std::optional<std::int64_t> foreign_us_;
   std::optional<std::int64_t> started_us_;
-  Schedule arming_due_{100'000};
-  Schedule status_due_{1'000'000};
+  Schedule arming_due_;
+  Schedule status_due_;
   bool armed_ = false;
   std::uint8_t command_id_ = 0;
   std::uint8_t arming_id_ = 0;
   std::uint8_t status_id_ = 0;
+  std::uint8_t allocation_id_ = 0;
 };
 
 }  // namespace flotilla::app

@@ -3,9 +3,8 @@
 //
 // offset = our time − their time. A message of theirs cannot arrive before it was stamped, so
 // arrival − stamp ≥ offset; a request of ours cannot be read before it was sent, so
-// sent − read ≤ offset. The truth lies between the least upper and the greatest lower bound of the
-// last seconds; their middle is exact where the way there is as quick as the way back. Bounds older
-// than two windows are forgotten, which lets the estimate follow a drift.
+// sent − read ≤ offset. The truth lies between the two bounds, which widen with time as clocks may
+// drift; their middle is exact where the way there is as quick as the way back.
 #pragma once
 
 #include <cstdint>
@@ -24,20 +23,17 @@ class ClockOffset {
   /// µs to add to their time to get ours; nothing before the first message.
   std::optional<std::int64_t> offset_us() const;
 
+  /// The same, at the least: what is stamped so may be that old.
+  std::optional<std::int64_t> least_us() const { return lower_ ? lower_ : upper_; }
+
   void reset() { *this = ClockOffset{}; }
 
  private:
-  static constexpr std::int64_t kWindow_us = 5'000'000;
-  struct Bounds {
-    std::optional<std::int64_t> upper;
-    std::optional<std::int64_t> lower;
-  };
+  void widen(std::int64_t now_us);
 
-  Bounds& window(std::int64_t now_us);
-
-  std::int64_t window_began_us_ = 0;
-  Bounds now_{};
-  Bounds before_{};
+  std::int64_t widened_us_ = 0;
+  std::optional<std::int64_t> upper_;
+  std::optional<std::int64_t> lower_;
 };
 
 }  // namespace flotilla::app

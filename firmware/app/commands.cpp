@@ -11,6 +11,10 @@ using core::Request;
 
 constexpr float kForce = 21196;
 
+bool is_disarm(const link::CommandLong& c) {
+  return c.command == mav::kCmdComponentArmDisarm && c.param[0] == 0.0F;
+}
+
 /// Unused parameters come as 0 or NaN; force is understood, and overrides no check.
 Asked arm_or_disarm(const link::CommandLong& c) {
   if (c.param[0] == 0.0F) return {Request::kDisarm, mav::kAccepted};
@@ -28,18 +32,26 @@ Asked set_mode(const link::CommandLong& c) {
   return {Request::kNone, mav::kDenied};
 }
 
+Asked storage(const link::CommandLong& c) {
+  if (c.param[0] == 1.0F) return {Request::kNone, mav::kAccepted, true};
+  return {Request::kNone, mav::kDenied};
+}
+
 }  // namespace
 
 void CommandQueue::push(const PendingCommand& pending, link::Counters& counters) {
-  if (count_ == queue_.size()) {
-    ++counters.commands_dropped;
+  if (count_ < queue_.size()) {
+    queue_[count_++] = pending;
     return;
   }
-  queue_[count_++] = pending;
+  ++counters.commands_dropped;
+  if (is_disarm(pending.command)) queue_.back() = pending;  // which always works
 }
 
 Asked meaning_of(const PendingCommand& pending, const Parameters& p) {
-  if (p.MAV_GCS_SYSID != 0.0F && static_cast<float>(pending.from.system) != p.MAV_GCS_SYSID) {
+  const bool stranger =
+      p.MAV_GCS_SYSID != 0.0F && static_cast<float>(pending.from.system) != p.MAV_GCS_SYSID;
+  if (stranger && !is_disarm(pending.command)) {
     return {Request::kNone, mav::kDenied};
   }
   switch (pending.command.command) {
@@ -47,6 +59,8 @@ Asked meaning_of(const PendingCommand& pending, const Parameters& p) {
       return arm_or_disarm(pending.command);
     case mav::kCmdDoSetMode:
       return set_mode(pending.command);
+    case mav::kCmdPreflightStorage:
+      return storage(pending.command);
     default:
       return {Request::kNone, mav::kUnsupported};
   }

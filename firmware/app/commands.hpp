@@ -26,6 +26,7 @@ struct PendingCommand {
 };
 
 /// Commands of one tick, first come first served; one too many is counted, its sender repeats it.
+/// A disarm is never one too many.
 class CommandQueue {
  public:
   void push(const PendingCommand& pending, link::Counters& counters);
@@ -41,6 +42,7 @@ class CommandQueue {
 struct Asked {
   core::Request request = core::Request::kNone;
   std::uint8_t result = link::mav::kUnsupported;
+  bool save_parameters = false;
 };
 Asked meaning_of(const PendingCommand& pending, const Parameters& parameters);
 

@@ -112,7 +112,8 @@ std::optional<Sample> sample_of(const link::LocalPositionNed& m, const HeadingSa
   if (!within(kFarthest_m, {m.x, m.y, m.z}) || !within(kFastest_mps, {m.vx, m.vy, m.vz})) {
     return std::nullopt;
   }
-  const std::int64_t stamp_us = m.time_boot_ms * kMicrosecondsPerMillisecond;
+  const std::int64_t stamp_us =
+      unwrapped_us(m.time_boot_ms * kMicrosecondsPerMillisecond, heading.stamp_us);
   const double later_s = static_cast<double>(stamp_us - heading.stamp_us) * 1e-6;
   const double psi = heading.psi_rad + heading.r_radps * later_s;
   return with_velocity_n({stamp_us, m.x, m.y, psi, 0, 0, heading.r_radps}, m.vx, m.vy);
@@ -129,7 +130,8 @@ Sample at_reference_point(const Sample& antenna, double x, double y) {
 }
 
 bool is_valid(const link::GpsGlobalOrigin& o) {
-  return std::abs(std::int64_t{o.latitude}) <= 890'000'000 &&
+  const bool no_fix = o.latitude == 0 && o.longitude == 0;
+  return !no_fix && std::abs(std::int64_t{o.latitude}) <= 890'000'000 &&
          std::abs(std::int64_t{o.longitude}) <= 1'800'000'000;
 }
 
@@ -146,6 +148,12 @@ core::Vec2<S> separation(const Position& own, const Position& leader) {
     between = {scale.x * static_cast<double>(d_lat), scale.y * static_cast<double>(d_lon), 0};
   }
   return {S(own.north_m - leader.north_m + between.x), S(own.east_m - leader.east_m + between.y)};
+}
+
+bool near(const Position& own, const Position& leader) {
+  constexpr double kNear_m = 5000;
+  const core::Vec2<double> d = separation<double>(own, leader);
+  return std::hypot(d.x, d.y) <= kNear_m;
 }
 
 template <class S>

@@ -7,6 +7,7 @@
 
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
+#include "core/dead_reckoning.hpp"
 #include "core/thrust_curve.hpp"
 #include "core/track.hpp"
 #include "link/messages.hpp"
@@ -54,7 +55,11 @@ struct Position {
   link::GpsGlobalOrigin origin{};
 };
 
+/// Not off the globe, too near a pole, or 0, 0, which is what units without a fix say.
 bool is_valid(const link::GpsGlobalOrigin& origin);
+
+/// Near enough for a slot: within 5 km, five times the farthest.
+bool near(const Position& own, const Position& leader);
 
 /// From the leader to us, north-east, m; origins are differenced as integers, metres as doubles.
 template <class S>
@@ -79,6 +84,14 @@ inline std::int64_t half_period_us(float rate_Hz) { return period_us(rate_Hz) / 
 /// The whole millisecond that has begun, as MAVLink counts it (wraps after 49 days) and in µs.
 inline std::uint32_t boot_ms(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 inline std::int64_t us_of_ms(std::int64_t us) { return us / 1000 * 1000; }
+
+/// A time that is known modulo 2³² ms, near another one.
+inline std::int64_t unwrapped_us(std::int64_t us, std::int64_t near_us) {
+  constexpr std::int64_t kTurn_us = (std::int64_t{1} << 32U) * 1000;
+  const std::int64_t off = (us - near_us) % kTurn_us;
+  const std::int64_t least = off > kTurn_us / 2 ? off - kTurn_us : off;
+  return near_us + (least < -kTurn_us / 2 ? least + kTurn_us : least);
+}
 
 inline std::int64_t microseconds(float s) { return static_cast<std::int64_t>(double{s} * 1e6); }
 

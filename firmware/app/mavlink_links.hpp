@@ -2,8 +2,10 @@
 // The boat's MAVLink links: a decoder, an encoder and this tick's outgoing bytes for each.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 
 #include "link/mavlink_decode.hpp"
@@ -24,11 +26,15 @@ class MavlinkLinks {
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
+  /// Telemetry on this link keeps to so many bytes a second; 0: no limit.
+  void limit(std::size_t link, std::uint32_t bytes_per_s) { links_[link].rate_Bps = bytes_per_s; }
+
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
     Link& l = links_[link];
     const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size));
     l.size += size;
+    l.credit -= static_cast<std::int64_t>(size) * kSecond_us;
     if (size == 0) ++counters.mavlink_not_sent;
   }
 
@@ -36,12 +42,28 @@ class MavlinkLinks {
     for (std::size_t link = 0; link < count_; ++link) send(link, message, counters);
   }
 
+  /// Messages that belong together; a link that has no credit left passes them over.
+  void broadcast_telemetry(std::initializer_list<link::Message> messages,
+                           link::Counters& counters) {
+    for (std::size_t link = 0; link < count_; ++link) {
+      if (links_[link].rate_Bps != 0 && links_[link].credit <= 0) continue;
+      for (const link::Message& message : messages) send(link, message, counters);
+    }
+  }
+
   std::span<const std::uint8_t> bytes(std::size_t link) const {
     return {links_[link].bytes.data(), links_[link].size};
   }
 
-  void clear() {
-    for (Link& link : links_) link.size = 0;
+  /// Begins a tick, dt_us after the one before.
+  void begin(std::int64_t dt_us) {
+    for (Link& link : links_) {
+      link.size = 0;
+      // Half a second's worth may be saved up.
+      const std::int64_t most = std::int64_t{link.rate_Bps} * kSecond_us / 2;
+      const std::int64_t earned = std::int64_t{link.rate_Bps} * std::min(dt_us, kSecond_us);
+      link.credit = std::min(link.credit + earned, most);
+    }
   }
 
  private:
@@ -50,7 +72,10 @@ class MavlinkLinks {
     link::MavlinkEncoder encoder;
     std::array<std::uint8_t, 1024> bytes{};
     std::size_t size = 0;
+    std::uint32_t rate_Bps = 0;
+    std::int64_t credit = 0;  // bytes × 10⁶
   };
+  static constexpr std::int64_t kSecond_us = 1'000'000;
 
   std::size_t count_;
   std::array<Link, kMaxLinks> links_{};

@@ -21,6 +21,9 @@ bool is_valid(const ParameterInfo& info, float value) {
 
 std::optional<std::string_view> contradiction(const Parameters& p) {
   if (p.ESC_PORT == p.ESC_STBD) return "ESC_PORT and ESC_STBD are the same ESC";
+  if (p.THR_DEAD >= p.THR_FWD_MAX || p.THR_DEAD >= p.THR_REV_MAX) {
+    return "THR_DEAD is not below THR_FWD_MAX and THR_REV_MAX";
+  }
   if (p.FORM_LEADER == p.MAV_SYSID) return "FORM_LEADER is this boat's own MAV_SYSID";
   return std::nullopt;
 }

@@ -31,7 +31,7 @@ bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
 
 template <class S>
 bool VesselTrack<S>::preferred(Source source, std::int64_t now_us) {
-  if (source != source_ && (source < source_ || silent(now_us))) {
+  if (source != source_ && (source < source_ || now_us - arrived_us_ > kSourceSilent_us)) {
     restart();  // the stamps of the two need not count from the same instant
     source_ = source;
   }
@@ -42,6 +42,7 @@ template <class S>
 void VesselTrack<S>::restart() {
   stamp_us_.reset();
   refused_stamp_us_.reset();
+  refused_in_a_row_ = 0;
   clock_.reset();
   track_ = {};
 }
@@ -79,12 +80,15 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
 template <class S>
 void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
                           std::int64_t now_us, link::Counters& counters) {
-  const auto sample = convert::heading_of(message);
+  auto sample = convert::heading_of(message);
   if (!sample) {
     ++counters.mavlink_bad_value;
     return;
   }
   Heading& heading = component == component_ ? heading_ : other_heading_;
+  if (heading.component == component) {
+    sample->stamp_us = convert::unwrapped_us(sample->stamp_us, heading.sample.stamp_us);
+  }
   if (heading.component == component && sample->stamp_us <= heading.sample.stamp_us &&
       !silent(now_us)) {
     ++counters.mavlink_old_stamp;
@@ -97,17 +101,21 @@ template <class S>
 void VesselTrack<S>::take(const link::LocalPositionNed& message, std::uint8_t component,
                           std::int64_t now_us, link::Counters& counters) {
   const Heading heading = component == component_ ? heading_ : other_heading_;
-  if (heading.component != component) return;
-  const auto sample = convert::sample_of(message, heading.sample);
+  if (heading.component != component) {
+    ++counters.mavlink_no_heading;
+    return;
+  }
+  const auto sample = convert::sample_of(message, heading.sample);  // its stamp near the heading's
   if (!sample) {
     ++counters.mavlink_bad_value;
     return;
   }
   const std::int64_t older_us = sample->stamp_us - heading.sample.stamp_us;
-  if (std::abs(older_us) > kHeadingUsable_us || !chosen(component, now_us) ||
-      !preferred(Source::kLocalPosition, now_us)) {
+  if (std::abs(older_us) > kHeadingUsable_us) {
+    ++counters.mavlink_no_heading;
     return;
   }
+  if (!chosen(component, now_us) || !preferred(Source::kLocalPosition, now_us)) return;
   heading_ = heading;
   if (accept(*sample, now_us, counters)) {
     heading_older_us_ = std::max<std::int64_t>(older_us, 0);
@@ -120,6 +128,10 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t com
   if (!convert::is_valid(message)) {
     ++counters.mavlink_bad_value;
   } else if (component_ == 0 || component == component_) {
+    const auto& old = position_.origin;
+    const bool moved = message.latitude != old.latitude || message.longitude != old.longitude;
+    // A position belongs to the origin that it was measured from.
+    if (moved && origin_component_ != 0) restart();
     position_.origin = message;
     origin_component_ = component;
   }
@@ -130,6 +142,7 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
   if (stamp_us_ && sample.stamp_us <= *stamp_us_) {
     const bool advances = refused_stamp_us_ && sample.stamp_us > *refused_stamp_us_;
     refused_stamp_us_ = sample.stamp_us;
+    refused_in_a_row_ = advances ? refused_in_a_row_ + 1 : 1;
     if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
       ++counters.mavlink_old_stamp;
       return false;
@@ -137,11 +150,17 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
     restart();
     origin_component_ = 0;  // after a reboot its local frame may have another origin
   }
+  // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead.
+  if (refused_in_a_row_ >= 3) clock_.reset();
+  refused_in_a_row_ = 0;
   sample = convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m);
   clock_.heard(sample.stamp_us, now_us);
   const S dt = stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_) : S(0);
-  core::track_update(core::TrackParams<S>{}, track_, S(sample.psi_rad), convert::nu_of<S>(sample),
-                     dt);
+  const std::int64_t age_us = now_us - (sample.stamp_us + clock_.offset_us().value_or(0));
+  core::track_update(core::TrackParams<S>{}, track_,
+                     {S(sample.psi_rad), convert::nu_of<S>(sample), dt,
+                      convert::seconds<S>(std::max<std::int64_t>(age_us, 0))});
+  ++messages_;
   position_.north_m = sample.north_m;
   position_.east_m = sample.east_m;
   stamp_us_ = sample.stamp_us;
@@ -153,7 +172,9 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
 template <class S>
 void VesselTrack<S>::answered(link::Sender from, std::int64_t sent_us, std::int64_t read_us,
                               std::int64_t now_us) {
-  if (mine(from) && from.component == component_) clock_.answered(sent_us, read_us, now_us);
+  if (!mine(from) || from.component != component_ || !stamp_us_) return;
+  const bool wraps = source_ == Source::kLocalPosition;
+  clock_.answered(sent_us, wraps ? convert::unwrapped_us(read_us, *stamp_us_) : read_us, now_us);
 }
 
 template <class S>
@@ -165,8 +186,10 @@ std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
 
 template <class S>
 bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
-  const auto age = age_us(now_us);
-  return age && *age + heading_older_us_ < limit_us && now_us - arrived_us_ < limit_us;
+  const auto least = clock_.least_us();
+  if (!stamp_us_ || !least) return false;
+  const std::int64_t worst_age_us = now_us - (*stamp_us_ + *least);
+  return worst_age_us + heading_older_us_ < limit_us && now_us - arrived_us_ < limit_us;
 }
 
 template <class S>

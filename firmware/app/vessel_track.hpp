@@ -38,7 +38,7 @@ class VesselTrack {
   /// Time since the state was true, not since it came; nothing where none is known.
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
 
-  /// Its state is known and younger than the limit.
+  /// Its state is known and younger than the limit, at the worst that its clock may be off.
   bool fresh(std::int64_t now_us, std::int64_t limit_us) const;
 
   /// Position at the last sample; the origin is that of the sender's local frame.
@@ -48,12 +48,17 @@ class VesselTrack {
   /// Motion since the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
 
+  /// The last message itself, and how many there have been.
+  const core::TrackState<S>& last() const { return track_; }
+  std::uint32_t messages() const { return messages_; }
+
   /// ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint();
 
  private:
   enum class Source : std::uint8_t { kOdometry, kLocalPosition };
   static constexpr std::int64_t kSilent_us = 1'000'000;
+  static constexpr std::int64_t kSourceSilent_us = 300'000;
 
   struct Heading {
     std::uint8_t component = 0;
@@ -85,6 +90,8 @@ class VesselTrack {
   std::int64_t heading_older_us_ = 0;  // by how much the heading was older than the position
   std::int64_t arrived_us_ = 0;
   ClockOffset clock_;
+  int refused_in_a_row_ = 0;
+  std::uint32_t messages_ = 0;
   convert::Position position_;
   std::uint8_t origin_component_ = 0;
   bool frame_complaint_ = false;

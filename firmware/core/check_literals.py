@@ -5,8 +5,10 @@ import re
 import sys
 from pathlib import Path
 
-SCALAR = re.compile(r"\bS\(-?\d+(\.\d+)?\)")
-FLOATING = re.compile(r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=[eE][-+]?\d))([eE][-+]?\d+)?")
+SCALAR = re.compile(r"\bS\(-?\d+(\.\d+)?([eE][-+]?\d+)?\)")
+FLOATING = re.compile(
+    r"(?<![\w.])((\d+\.\d*|\.\d+|\d+(?=[eE][-+]?\d))([eE][-+]?\d+)?|0[xX][\da-fA-F.]+[pP])"
+)
 
 found = [
     f"{path}:{number}: floating literal outside S(...): {line.strip()}"

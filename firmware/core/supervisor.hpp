@@ -24,10 +24,17 @@ constexpr std::size_t kRequests = 5;
 
 /// A set of conditions; each is true when all is well.
 using Conditions = std::uint8_t;
-constexpr Conditions kOwnFresh = 1;     ///< own state is younger than its limit
-constexpr Conditions kLeaderFresh = 2;  ///< leader's state is, and both local origins are known
-constexpr Conditions kEscsOnline = 4;   ///< both ESCs report, healthy
-constexpr Conditions kAllConditions = kOwnFresh | kLeaderFresh | kEscsOnline;
+constexpr Conditions kOwnFresh = 1;         ///< own state is younger than its limit
+constexpr Conditions kLeaderFresh = 2;      ///< leader's state is, and both local origins are known
+constexpr Conditions kEscsOnline = 4;       ///< both ESCs report, healthy
+constexpr Conditions kBusUp = 8;            ///< the CAN interface is up and not bus-off
+constexpr Conditions kSoleController = 16;  ///< nobody else on the bus commands or arms ESCs
+constexpr Conditions kParametersSaved = 32;  ///< they are the operator's, not a fall to defaults
+constexpr unsigned kConditionCount = 6;
+
+constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController;
+constexpr Conditions kDrive = kOwnFresh | kLeaderFresh | kPropulsion;
+constexpr Conditions kAllConditions = kDrive | kParametersSaved;
 
 constexpr std::uint8_t in(State a) {
   return static_cast<std::uint8_t>(1U << static_cast<unsigned>(a));
@@ -45,10 +52,11 @@ struct Row {
 
 constexpr std::array<Row, 10> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
-    {in(State::kHold, State::kFormation), Request::kNone, 0, kEscsOnline, State::kFault},
+    {in(State::kHold, State::kFormation), Request::kNone, 0, kPropulsion, State::kFault},
     {in(State::kFormation), Request::kNone, 0, kOwnFresh | kLeaderFresh, State::kHold},
-    {in(State::kDisarmed), Request::kArm, kOwnFresh | kEscsOnline, 0, State::kHold},
-    {in(State::kHold), Request::kFormation, kAllConditions, 0, State::kFormation},
+    {in(State::kDisarmed), Request::kArm, kOwnFresh | kPropulsion | kParametersSaved, 0,
+     State::kHold},
+    {in(State::kHold), Request::kFormation, kDrive, 0, State::kFormation},
     {in(State::kHold, State::kFormation), Request::kHold, 0, 0, State::kHold},
     // Asking for what already is: granted, because commands are repeated when an answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
@@ -77,9 +85,9 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
 
 constexpr bool armed(State state) { return state == State::kHold || state == State::kFormation; }
 
-/// The second, independent stop, asked after allocation: true only where thrust is allowed.
+/// Whether thrust is allowed; the propellers' path asks again, after allocation.
 constexpr bool may_drive(State state, Conditions met) {
-  return state == State::kFormation && (met & kAllConditions) == kAllConditions;
+  return state == State::kFormation && (met & kDrive) == kDrive;
 }
 
 }  // namespace flotilla::core

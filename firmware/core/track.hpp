@@ -2,7 +2,7 @@
 // A vessel's motion between its messages: heading and velocity of the last one, an estimate of its
 // acceleration, and where all that leads after a given age.
 //
-//   ν̇̂ ← ν̇̂ + (Δν − ν̇̂ Δt) / (Δt + T)          first-order lag T on the difference quotient Δν/Δt
+//   ν̇̂ ← ν̇̂ + (Δν − ν̇̂ Δt) / (Δt + T + age)    first-order lag on the difference quotient Δν/Δt
 //   ν(h) = ν + ν̇̂ h       ψ(h) = ψ + r h + ½ ṙ h²       Δp(h) = h R(ψ(h/2)) [u v]ᵀ(h/2)
 //
 //  symbol   meaning                                    frame  unit        tested range
@@ -13,7 +13,8 @@
 //  age      time since the last message                       s           0 … 10
 //
 // Not in paper: there the leader's u̇_L and ṙ_L are known. Dividing by Δt + T, not by Δt, keeps the
-// estimate bounded by Δν/T for any spacing of messages.
+// estimate bounded by Δν/T for any spacing of messages. What is carried far forward must be smooth:
+// noise in ν̇̂ counts `age` times, and each follower hands its share on to the next.
 #pragma once
 
 #include "core/rotation.hpp"
@@ -22,7 +23,7 @@ namespace flotilla::core {
 
 template <class S>
 struct TrackParams {
-  S lag_s = S(0.02);  ///< T: 0.05 s and more shows as overshoot when the leader casts off.
+  S lag_s = S(0.02);  ///< T, beside the message's age
   S gap_s = S(2);     ///< After a longer silence the old acceleration says nothing.
 };
 
@@ -31,7 +32,16 @@ struct TrackState {
   S psi{};
   Nu<S> nu{};
   Nu<S> nu_dot{};
+  S dt{};  ///< between the last two messages; 0 after the first, or a gap
   bool started = false;
+};
+
+template <class S>
+struct TrackMessage {
+  S psi{};
+  Nu<S> nu{};
+  S dt{};
+  S age{};
 };
 
 /// Motion at some age: displacement since the last message, heading, velocity, acceleration.
@@ -43,17 +53,19 @@ struct Motion {
   Nu<S> nu_dot{};
 };
 
-/// Takes a message that is dt seconds younger than the one before it.
+/// Takes a message that is dt seconds younger than the one before it, and was `age` old on arrival.
 template <class S>
-void track_update(const TrackParams<S>& params, TrackState<S>& state, S psi, const Nu<S>& nu,
-                  S dt) {
+void track_update(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
+  const auto& [psi, nu, dt, age] = in;
   if (state.started && S(0) < dt && dt < params.gap_s) {
-    const S gain = S(1) / (dt + params.lag_s);
+    const S gain = S(1) / (dt + params.lag_s + age);
     state.nu_dot.u = state.nu_dot.u + (nu.u - state.nu.u - state.nu_dot.u * dt) * gain;
     state.nu_dot.v = state.nu_dot.v + (nu.v - state.nu.v - state.nu_dot.v * dt) * gain;
     state.nu_dot.r = state.nu_dot.r + (nu.r - state.nu.r - state.nu_dot.r * dt) * gain;
+    state.dt = dt;
   } else {
     state.nu_dot = Nu<S>{};
+    state.dt = S(0);
   }
   state.psi = psi;
   state.nu = nu;

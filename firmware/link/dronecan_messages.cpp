@@ -83,6 +83,13 @@ std::size_t write_payload(const NodeInfo& m, Payload& out) {
   return bits.size_bytes();
 }
 
+std::size_t write_payload(const Allocation& m, Payload& out) {
+  const std::size_t size = std::min<std::size_t>(m.size, m.unique_id.size());
+  out[0] = static_cast<std::uint8_t>(m.node_id << 1U | (m.first_part ? 1U : 0U));
+  std::copy_n(m.unique_id.begin(), size, out.begin() + 1);
+  return 1 + size;
+}
+
 std::optional<RawCommand> read_raw_command(std::span<const std::uint8_t> payload) {
   BitReader bits(payload);
   RawCommand m;
@@ -106,6 +113,16 @@ std::optional<NodeStatus> read_node_status(std::span<const std::uint8_t> payload
   m.mode = static_cast<std::uint8_t>(bits.take(3));
   m.sub_mode = static_cast<std::uint8_t>(bits.take(3));
   m.vendor_specific_status_code = static_cast<std::uint16_t>(bits.take(16));
+  return m;
+}
+
+std::optional<Allocation> read_allocation(std::span<const std::uint8_t> payload) {
+  Allocation m;
+  if (payload.empty() || payload.size() - 1 > m.unique_id.size()) return std::nullopt;
+  m.node_id = payload[0] >> 1U;
+  m.first_part = (payload[0] & 1U) != 0;
+  m.size = static_cast<std::uint8_t>(payload.size() - 1);
+  std::copy(payload.begin() + 1, payload.end(), m.unique_id.begin());
   return m;
 }
 

@@ -49,6 +49,15 @@ struct EscStatus {
   std::uint8_t esc_index = 0;
 };
 
+/// uavcan.protocol.dynamic_node_id.Allocation: in requests node_id is the wish, 0 any.
+struct Allocation {
+  static constexpr DataType kType{TransferKind::kMessage, 1, 0x0B2A812620A11D40ULL};
+  std::uint8_t node_id = 0;
+  bool first_part = false;
+  std::uint8_t size = 0;  ///< bytes of unique_id that are here
+  std::array<std::uint8_t, 16> unique_id{};
+};
+
 /// uavcan.protocol.GetNodeInfo, response; the request has no fields.
 struct NodeInfo {
   static constexpr DataType kRequest{TransferKind::kRequest, 1, 0xEE468A8121C46A9EULL};
@@ -72,11 +81,13 @@ std::size_t write_payload(const ArmingStatus& message, Payload& out);
 std::size_t write_payload(const NodeStatus& message, Payload& out);
 std::size_t write_payload(const EscStatus& message, Payload& out);
 std::size_t write_payload(const NodeInfo& message, Payload& out);
+std::size_t write_payload(const Allocation& message, Payload& out);
 
 /// Each returns nothing when the payload is too short for its type.
 std::optional<RawCommand> read_raw_command(std::span<const std::uint8_t> payload);
 std::optional<ArmingStatus> read_arming_status(std::span<const std::uint8_t> payload);
 std::optional<NodeStatus> read_node_status(std::span<const std::uint8_t> payload);
 std::optional<EscStatus> read_esc_status(std::span<const std::uint8_t> payload);
+std::optional<Allocation> read_allocation(std::span<const std::uint8_t> payload);
 
 }  // namespace flotilla::link

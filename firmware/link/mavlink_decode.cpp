@@ -33,13 +33,18 @@ std::optional<Header> read_header(std::span<const std::uint8_t> b) {
   return std::nullopt;
 }
 
-/// Whether such a frame can exist; what cannot is noise, and waiting for its end would delay
-/// others.
+/// Whether such a frame can exist; what cannot is noise: waiting for its end would delay others.
 bool plausible(std::span<const std::uint8_t> b, const Header& h, const mavlink_msg_entry_t* entry) {
-  if (entry == nullptr) return false;
   const bool v1 = b[0] == MAVLINK_STX_MAVLINK1;
-  return v1 ? h.payload_bytes == entry->min_msg_len
+  return v1 ? entry != nullptr && h.payload_bytes == entry->min_msg_len
             : h.payload_bytes > 0 && (b[2] & ~MAVLINK_IFLAG_SIGNED) == 0;
+}
+
+/// A message that our dialect lacks cannot be checked. Where another frame follows it, or nothing,
+/// it is taken for whole, so that nobody looks for messages among its contents.
+bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
+  return b.size() == frame_bytes || b[frame_bytes] == MAVLINK_STX ||
+         b[frame_bytes] == MAVLINK_STX_MAVLINK1;
 }
 
 bool checksum_is_good(std::span<const std::uint8_t> b, const Header& h, std::uint8_t crc_extra) {
@@ -114,6 +119,12 @@ Message read_message(const mavlink_message_t& m) {
       std::copy(std::begin(w.text), std::end(w.text), text.text.begin());
       return text;
     }
+    case MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: {
+      const auto w = decoded<mavlink_named_value_float_t>(m, mavlink_msg_named_value_float_decode);
+      NamedValueFloat value{w.time_boot_ms, w.value, {}};
+      std::copy(std::begin(w.name), std::end(w.name), value.name.begin());
+      return value;
+    }
     default:
       return std::monostate{};
   }
@@ -163,6 +174,15 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters) {
       continue;
     }
     if (b.size() < header->frame_bytes) return std::nullopt;
+    if (entry == nullptr) {
+      if (!ends_well(b, header->frame_bytes)) {
+        skip_byte();
+        continue;
+      }
+      begin_ += header->frame_bytes;
+      ++counters.mavlink_unknown;
+      continue;
+    }
     if (!checksum_is_good(b, *header, entry->crc_extra)) {
       ++counters.mavlink_bad_checksum;
       skip_byte();

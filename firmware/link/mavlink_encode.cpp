@@ -79,6 +79,13 @@ struct Packer {
     w.target_component = a.target_component;
     put(mavlink_msg_command_ack_encode_status, w);
   }
+  void operator()(const NamedValueFloat& n) const {
+    mavlink_named_value_float_t w{};
+    w.time_boot_ms = n.time_boot_ms;
+    w.value = n.value;
+    std::copy(n.name.begin(), n.name.end(), w.name);
+    put(mavlink_msg_named_value_float_encode_status, w);
+  }
   void operator()(const Statustext& t) const {
     mavlink_statustext_t w{};
     w.severity = t.severity;

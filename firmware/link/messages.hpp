@@ -73,8 +73,15 @@ struct Statustext {
   std::array<char, 50> text;  ///< NUL-padded; 50 characters have no NUL
 };
 
-using Message = std::variant<std::monostate, Heartbeat, Attitude, LocalPositionNed, Odometry,
-                             GpsGlobalOrigin, Timesync, CommandLong, CommandAck, Statustext>;
+struct NamedValueFloat {
+  std::uint32_t time_boot_ms;
+  float value;
+  std::array<char, 10> name;  ///< NUL-padded
+};
+
+using Message =
+    std::variant<std::monostate, Heartbeat, Attitude, LocalPositionNed, Odometry, GpsGlobalOrigin,
+                 Timesync, CommandLong, CommandAck, Statustext, NamedValueFloat>;
 
 struct Sender {
   std::uint8_t system = 0;
@@ -94,7 +101,8 @@ constexpr std::uint8_t kModeFlagCustom = 1, kModeFlagArmed = 128;
 constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateEmergency = 6;
 constexpr std::uint8_t kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
                        kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12;
-constexpr std::uint16_t kCmdDoSetMode = 176, kCmdComponentArmDisarm = 400;
+constexpr std::uint16_t kCmdDoSetMode = 176, kCmdPreflightStorage = 245,
+                        kCmdComponentArmDisarm = 400;
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3;
 constexpr std::uint8_t kSeverityError = 3, kSeverityWarning = 4, kSeverityInfo = 6;
 }  // namespace mav

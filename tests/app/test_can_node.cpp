@@ -53,7 +53,7 @@ std::vector<std::uint8_t> first_bytes(const CanOutput& out, std::uint16_t type) 
 }
 
 TEST_CASE("an ESC is online while its status is fresh and its node is well") {
-  CanNode node({20, 1});
+  CanNode node({20, 1}, 0);
   link::Counters counters;
   Esc esc{30, 1};
   esc.status(node, 0, counters);
@@ -76,7 +76,7 @@ TEST_CASE("an ESC is online while its status is fresh and its node is well") {
 }
 
 TEST_CASE("every tick has a RawCommand, ArmingStatus comes at 10 Hz, NodeStatus at 1 Hz") {
-  CanNode node({20, 1});
+  CanNode node({20, 1}, 0);
   link::Counters counters;
   link::RawCommand command;
   command.count = 2;
@@ -99,7 +99,7 @@ TEST_CASE("every tick has a RawCommand, ArmingStatus comes at 10 Hz, NodeStatus 
 }
 
 TEST_CASE("arming and disarming are told with the very tick, not with the next tenth of a second") {
-  CanNode node({20, 1});
+  CanNode node({20, 1}, 0);
   link::Counters counters;
   for (int k = 0; k < 100; ++k) {
     CanOutput out;
@@ -112,7 +112,7 @@ TEST_CASE("arming and disarming are told with the very tick, not with the next t
 }
 
 TEST_CASE("who asks for node info gets one answer, with the number of the question") {
-  CanNode node({20, 7});
+  CanNode node({20, 7}, 0);
   link::Counters counters;
   const link::Route question{24, link::TransferKind::kRequest, 1, 127, 20};
   const std::array<std::uint8_t, 1> tail{0xC0 | 9};
@@ -137,7 +137,7 @@ TEST_CASE("who asks for node info gets one answer, with the number of the questi
 }
 
 TEST_CASE("our own frames that come back, and those of nobody, are not taken for an ESC's") {
-  CanNode node({20, 1});
+  CanNode node({20, 1}, 0);
   link::Counters counters;
   for (const std::uint8_t sender : std::initializer_list<std::uint8_t>{0, 20}) {
     Esc echo{sender, 1};
@@ -151,7 +151,7 @@ TEST_CASE("any frames crash nothing and put no ESC online") {
   constexpr std::uint32_t kSeed = 81;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  CanNode node({20, 1});
+  CanNode node({20, 1}, 0);
   link::Counters counters;
   for (int i = 0; i < 100'000; ++i) {
     std::array<std::uint8_t, 8> data;

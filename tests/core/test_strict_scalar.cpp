@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
 #include "core/closed_loop.hpp"
+#include "core/dead_reckoning.hpp"
 #include "core/strict_scalar.hpp"
 #include "core/supervisor.hpp"
 #include "core/thrust_curve.hpp"
@@ -50,8 +51,14 @@ template Allocation<Strict> allocate(const AllocationParams<Strict>&, const Tau<
 template Strict thrust_from_command(const ThrustCurveParams<Strict>&, Strict);
 template Strict command_from_thrust(const ThrustCurveParams<Strict>&, Strict);
 template Strict limit_slew(Strict, Strict, Strict, Strict);
-template void track_update(const TrackParams<Strict>&, TrackState<Strict>&, Strict,
-                           const Nu<Strict>&, Strict);
+template void track_update(const TrackParams<Strict>&, TrackState<Strict>&,
+                           const TrackMessage<Strict>&);
+template Motion<Strict> reckon_step(const Vessel<Strict>&, const Reckoning<Strict>&,
+                                    const Tau<Strict>&, Strict);
+template void reckon_forward(const Vessel<Strict>&, Reckoning<Strict>&, const Tau<Strict>&, Strict);
+template void reckon_from(const ReckoningParams<Strict>&, const Vessel<Strict>&, Reckoning<Strict>&,
+                          const Fix<Strict>&, const Tau<Strict>&);
+template Motion<Strict> moment_before(Motion<Strict>, Strict);
 template Motion<Strict> track_forward(const TrackState<Strict>&, Strict);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,

@@ -60,7 +60,7 @@ TEST_CASE("every row of the table decides some situation") {
 
 TEST_CASE("the boat may push in FORMATION with all well, and never else") {
   for_every_situation([](State state, Request, Conditions met) {
-    CHECK(may_drive(state, met) == (state == State::kFormation && met == kAllConditions));
+    CHECK(may_drive(state, met) == (state == State::kFormation && has(met, kDrive)));
     if (may_drive(state, met)) CHECK(armed(state));
   });
   CHECK_FALSE(armed(State::kDisarmed));
@@ -75,14 +75,14 @@ TEST_CASE("disarming always works") {
   });
 }
 
-TEST_CASE("FAULT is left by disarming only, and disarmed only by arming with own state and ESCs") {
+TEST_CASE("FAULT is left by disarming only; arming needs own state, propulsion, saved parameters") {
   for_every_situation([](State state, Request request, Conditions met) {
     const State next = supervise(state, request, met).state;
     if (state == State::kFault && next != State::kFault) CHECK(request == Request::kDisarm);
     if (state == State::kDisarmed && next != State::kDisarmed) {
       CHECK(request == Request::kArm);
       CHECK(next == State::kHold);
-      CHECK(has(met, kOwnFresh | kEscsOnline));
+      CHECK(has(met, kOwnFresh | kPropulsion | kParametersSaved));
     }
   });
 }
@@ -92,17 +92,17 @@ TEST_CASE("FORMATION is entered from HOLD, by request, with all well, and in no 
     if (state != State::kFormation && supervise(state, request, met).state == State::kFormation) {
       CHECK(state == State::kHold);
       CHECK(request == Request::kFormation);
-      CHECK(met == kAllConditions);
+      CHECK(has(met, kDrive));
     }
   });
 }
 
-TEST_CASE("ESCs lost while armed: FAULT; own or leader's state lost in FORMATION: HOLD") {
+TEST_CASE("ESCs or bus lost, or another controller, while armed: FAULT; a state lost: HOLD") {
   for_every_situation([](State state, Request, Conditions met) {
     const Verdict verdict = supervise(state, Request::kNone, met);
-    if (armed(state) && !has(met, kEscsOnline)) {
+    if (armed(state) && !has(met, kPropulsion)) {
       CHECK(verdict.state == State::kFault);
-    } else if (state == State::kFormation && met != kAllConditions) {
+    } else if (state == State::kFormation && !has(met, kDrive)) {
       CHECK(verdict.state == State::kHold);
     } else {
       CHECK(verdict.state == state);
@@ -129,7 +129,7 @@ TEST_CASE("a refusal for want of conditions names exactly those, and meeting the
     CHECK(supervise(state, request, completed).granted);
   });
   CHECK(supervise(State::kDisarmed, Request::kArm, kLeaderFresh).missing ==
-        (kOwnFresh | kEscsOnline));
+        (kOwnFresh | kPropulsion | kParametersSaved));
   CHECK(supervise(State::kFault, Request::kArm, 0).missing == 0);
 }
 

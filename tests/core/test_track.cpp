@@ -5,6 +5,12 @@
 namespace flotilla::core {
 namespace {
 
+/// A message that arrives the moment it was true.
+template <class S>
+void update(const TrackParams<S>& params, TrackState<S>& state, S psi, const Nu<S>& nu, S dt) {
+  track_update(params, state, TrackMessage<S>{psi, nu, dt, S(0)});
+}
+
 using testing::approx;
 using testing::Random;
 
@@ -19,7 +25,7 @@ TEST_CASE_TEMPLATE("a leader at constant velocity is carried forward along its s
                    float, double) {
   TrackState<S> state;
   for (int k = 0; k < 5; ++k) {
-    track_update(TrackParams<S>{}, state, S(0.7), Nu<S>{S(1.5), S(-0.2), S(0)}, S(k > 0 ? 0.1 : 0));
+    update(TrackParams<S>{}, state, S(0.7), Nu<S>{S(1.5), S(-0.2), S(0)}, S(k > 0 ? 0.1 : 0));
   }
   const Motion<S> m = track_forward(state, S(2));
   const Vec2<S> way = to_north_east(S(0.7), Vec2<S>{S(3), S(-0.4)});
@@ -38,7 +44,7 @@ TEST_CASE_TEMPLATE("a turning leader is carried forward along its circle", S, fl
     const double u = random(-3, 3), v = random(-1, 1), r = random(-1, 1), psi = random.angle();
     const double h = random(0, 1);
     TrackState<S> state;
-    track_update(TrackParams<S>{}, state, S(psi), Nu<S>{S(u), S(v), S(r)}, S(0));
+    update(TrackParams<S>{}, state, S(psi), Nu<S>{S(u), S(v), S(r)}, S(0));
     const Motion<S> m = track_forward(state, S(h));
     const double chord = std::abs(r) < 1e-9 ? h : 2 / r * std::sin(0.5 * r * h);
     const auto exact = to_north_east(psi + 0.5 * r * h, Vec2<double>{u * chord, v * chord});
@@ -61,8 +67,8 @@ TEST_CASE_TEMPLATE("a leader at constant acceleration is carried forward with it
     for (int k = 0; k < 60; ++k) {
       const double dt = k == 0 ? 0 : random(0.05, 0.3);
       t += dt;
-      track_update(TrackParams<S>{}, state, S(0.5 * a_r * t * t),
-                   Nu<S>{S(a_u * t), S(a_v * t), S(a_r * t)}, S(dt));
+      update(TrackParams<S>{}, state, S(0.5 * a_r * t * t),
+             Nu<S>{S(a_u * t), S(a_v * t), S(a_r * t)}, S(dt));
     }
     CHECK(std::abs(double(state.nu_dot.u) - a_u) < 1e-3);
     CHECK(std::abs(double(state.nu_dot.v) - a_v) < 1e-3);
@@ -76,9 +82,9 @@ TEST_CASE_TEMPLATE("a leader at constant acceleration is carried forward with it
 TEST_CASE_TEMPLATE("messages at no distance in time, or backwards, do no harm", S, float, double) {
   for (const double dt : {0.0, -0.1, -1e6}) {
     TrackState<S> state;
-    track_update(TrackParams<S>{}, state, S(0.1), Nu<S>{S(1), S(0), S(0)}, S(0));
-    track_update(TrackParams<S>{}, state, S(0.1), Nu<S>{S(1.1), S(0), S(0)}, S(0.1));
-    track_update(TrackParams<S>{}, state, S(0.3), Nu<S>{S(2), S(0), S(0.5)}, S(dt));
+    update(TrackParams<S>{}, state, S(0.1), Nu<S>{S(1), S(0), S(0)}, S(0));
+    update(TrackParams<S>{}, state, S(0.1), Nu<S>{S(1.1), S(0), S(0)}, S(0.1));
+    update(TrackParams<S>{}, state, S(0.3), Nu<S>{S(2), S(0), S(0.5)}, S(dt));
     const Motion<S> m = track_forward(state, S(0.2));
     CHECK(all_finite(m));
     CHECK(std::abs(m.nu_dot.u) <= S(5));
@@ -99,7 +105,7 @@ TEST_CASE_TEMPLATE(
     const double shortest = std::pow(10, random(-6, 0));
     for (int k = 0; k < 300; ++k) {
       const Nu<S> nu{S(random(-20, 20)), S(random(-20, 20)), S(random(-4, 4))};
-      track_update(params, state, S(random.angle()), nu, S(random(0, 3) * shortest));
+      update(params, state, S(random.angle()), nu, S(random(0, 3) * shortest));
       REQUIRE(std::abs(state.nu_dot.u) <= S(40) / params.lag_s * S(1.001));
       REQUIRE(std::abs(state.nu_dot.r) <= S(8) / params.lag_s * S(1.001));
       REQUIRE(all_finite(track_forward(state, S(random(0, 10)))));
@@ -109,10 +115,10 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE_TEMPLATE("after a gap the old acceleration is forgotten", S, float, double) {
   TrackState<S> state;
-  track_update(TrackParams<S>{}, state, S(0), Nu<S>{S(0), S(0), S(0)}, S(0));
-  track_update(TrackParams<S>{}, state, S(0), Nu<S>{S(1), S(0), S(0)}, S(0.5));
+  update(TrackParams<S>{}, state, S(0), Nu<S>{S(0), S(0), S(0)}, S(0));
+  update(TrackParams<S>{}, state, S(0), Nu<S>{S(1), S(0), S(0)}, S(0.5));
   CHECK(state.nu_dot.u > S(1));
-  track_update(TrackParams<S>{}, state, S(0), Nu<S>{S(3), S(0), S(0)}, S(2.5));
+  update(TrackParams<S>{}, state, S(0), Nu<S>{S(3), S(0), S(0)}, S(2.5));
   CHECK(state.nu_dot.u == S(0));
 }
 
@@ -120,7 +126,7 @@ TEST_CASE_TEMPLATE("a message of age zero says where the vessel is, not where it
                    double) {
   TrackState<S> state;
   CHECK(all_finite(track_forward(state, S(10))));  // before the first message
-  track_update(TrackParams<S>{}, state, S(1), Nu<S>{S(1), S(2), S(3)}, S(0));
+  update(TrackParams<S>{}, state, S(1), Nu<S>{S(1), S(2), S(3)}, S(0));
   const Motion<S> m = track_forward(state, S(0));
   CHECK(m.moved_n.x == S(0));
   CHECK(m.moved_n.y == S(0));

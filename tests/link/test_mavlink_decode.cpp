@@ -92,9 +92,12 @@ TEST_CASE("whatever noise comes before a good message, it is delivered") {
   }
 }
 
-TEST_CASE("a message that breaks off takes none of those after it down with it") {
+// A broken header may look like one of a message that our dialect lacks, whose end falls by chance
+// on the end of the frame behind it: that one is then lost, never the one after it.
+TEST_CASE("a message that breaks off takes hardly any of those after it down with it") {
   AnyMessage any(46);
   MavlinkEncoder encoder({1, 1});
+  std::size_t tried = 0, lost = 0;
   for (std::size_t index = 1; index < testing::kMessages; ++index) {
     const Bytes broken = frame_of(encoder, any(index));
     const Message next = any(2), last = any(3);
@@ -105,11 +108,28 @@ TEST_CASE("a message that breaks off takes none of those after it down with it")
       const Bytes part(broken.begin(), broken.begin() + static_cast<std::ptrdiff_t>(length));
       const auto got = received_from(decoder, part + after, counters);
       CAPTURE(length);
-      REQUIRE(got.size() == 2);
-      REQUIRE(count_of(got, next) == 1);
       REQUIRE(count_of(got, last) == 1);
+      REQUIRE(got.size() == count_of(got, next) + 1);
+      ++tried;
+      lost += 1 - count_of(got, next);
     }
   }
+  CHECK(tried > 300);
+  CHECK(lost <= tried / 100);
+}
+
+TEST_CASE("nobody looks for messages inside one that our dialect lacks") {
+  AnyMessage any(48);
+  MavlinkEncoder encoder({1, 1});
+  const Bytes inner = frame_of(encoder, any(1)), behind = frame_of(encoder, any(2));
+  Bytes unknown{0xFD, static_cast<std::uint8_t>(inner.size()), 0, 0, 7, 9, 1, 0x10, 0x27, 0};
+  unknown = unknown + inner + Bytes{0x12, 0x34};
+  MavlinkDecoder decoder;
+  Counters counters;
+  const auto got = received_from(decoder, unknown + unknown + behind, counters);
+  CHECK(got.size() == 1);
+  CHECK(counters.mavlink_unknown == 2);
+  CHECK(counters.mavlink_skipped_bytes == 0);
 }
 
 TEST_CASE("a message with a flipped bit is not delivered, and its neighbours are") {

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sil import metrics, scenario
+from sil.wire.esc_node import EscNode
 from sil.world import StartError, World
 from tests.loop.conftest import Sail
 
@@ -94,3 +95,48 @@ def test_a_parameter_that_the_firmware_refuses_is_named(sail: Sail) -> None:
         sail("diamond", parameters={"LAW_KX": 99.0})
     with pytest.raises(ValueError, match="unknown parameter LAW_K"):
         sail("diamond", parameters={"LAW_K": 1.0})
+
+
+@pytest.mark.parametrize("rate_hz", [5, 10, 20])
+def test_a_slow_navigation_unit_keeps_the_formation(sail: Sail, rate_hz: int) -> None:
+    run = sail("diamond", "duration_s=60", f"navigation.rate_hz={rate_hz}")
+    assert (metrics.distances(run.trace["error"])[-1] < 0.1).all()
+    assert np.abs(run.trace["thrust"]).max() < 14.0
+
+
+def test_noise_and_delay_do_not_grow_from_boat_to_boat(sail: Sail) -> None:
+    noise = ["position_noise_m=0.02", "velocity_noise_mps=0.02", "yaw_rate_noise_radps=0.01"]
+    overrides = ["duration_s=60", "link.delay_s=0.2", *(f"navigation.{n}" for n in noise)]
+    run = sail("diamond", *overrides)
+    steps_N = np.diff(run.trace["thrust"][3000:], axis=0)
+    rms_N = np.sqrt(np.mean(steps_N**2, axis=(0, 2)))
+    assert (rms_N < 2.0).all(), rms_N
+    assert rms_N[3] < 1.5 * rms_N[1], rms_N
+
+
+class Rebooting(EscNode):
+    """An ESC that boots anew at a given time of its clock."""
+
+    def __init__(self, at_us: int, *identity: int) -> None:
+        super().__init__(*identity)
+        self._identity, self._at_us = identity, at_us
+
+    def tick(
+        self, now_us: int, rpm: float, voltage_V: float, current_A: float
+    ) -> list[tuple[int, bytes]]:
+        if now_us >= self._at_us:
+            self._at_us = 1 << 62
+            EscNode.__init__(self, *self._identity)
+        return super().tick(now_us, rpm, voltage_V, current_A)
+
+
+def test_an_esc_that_reboots_under_way_stops_the_boat_until_it_is_armed_anew(
+    tmp_path: Path,
+) -> None:
+    world = World(scenario.load("diamond", ["duration_s=20"]), {})
+    boat = world._boats[1]
+    boat._escs = (Rebooting(10_000_000, 21, 0), boat._escs[1])
+    run = world.run(tmp_path / "recording.bin", lambda _: None)
+    assert run.states[0].keys() == {"FORMATION"}
+    assert run.states[1]["FAULT"] > 8.0
+    assert np.abs(run.trace["thrust"][-500:, 1]).max() == 0.0

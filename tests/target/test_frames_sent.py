@@ -19,6 +19,7 @@ KINDS = {
     "GPS_GLOBAL_ORIGIN",
     "COMMAND_ACK",
     "STATUSTEXT",
+    "NAMED_VALUE_FLOAT",
 }
 
 

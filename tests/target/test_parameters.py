@@ -154,7 +154,8 @@ def test_the_control_rate_is_at_least_50_hz() -> None:
 @EACH
 @pytest.mark.parametrize("end", ["least", "greatest"])
 def test_both_ends_of_a_range_are_allowed(p: dict[str, Any], end: str) -> None:
-    boat = flotilla.Boat(other_names_kept_apart(p["name"], p[end]))
+    roomy = {"THR_FWD_MAX": 1e5, "THR_REV_MAX": 1e5} if p["name"] == "THR_DEAD" else {}
+    boat = flotilla.Boat(roomy | other_names_kept_apart(p["name"], p[end]))
     assert boat.parameters()[p["name"]] == p[end]
 
 
@@ -248,7 +249,7 @@ def test_whole_numbers_and_booleans_are_numbers() -> None:
 def test_parameters_come_back_as_they_were_given(fractions: list[float]) -> None:
     given_values = {p["name"]: a_valid_value(p, f) for p, f in zip(LIST, fractions, strict=True)}
     given_values |= {"ESC_PORT": 2.0, "ESC_STBD": 5.0, "MAV_SYSID": 9.0, "FORM_LEADER": 8.0}
-    given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0}
+    given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0, "THR_DEAD": 0.0625}
     boat = flotilla.Boat(given_values)
     assert boat.parameters() == given_values
     assert flotilla.Boat(boat.parameters()).parameters() == given_values

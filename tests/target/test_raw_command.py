@@ -97,6 +97,7 @@ def test_commands_follow_the_slew_limit_and_stopping_does_not() -> None:
 def test_without_slew_limit_full_thrust_comes_at_once() -> None:
     sea = Sea({"THR_SLEW": 0.0}, own=Course(), leader=FAR_AHEAD)
     sea.enter_hold()
+    sea.run(0.2)
     assert sea.mode(FORMATION).commands == (FULL_SCALE, FULL_SCALE)
 
 

@@ -44,13 +44,25 @@ def test_a_state_is_stamped_with_the_time_of_that_state(voyage: Sea) -> None:
         for m in tick.named("LOCAL_POSITION_NED"):
             truth = voyage.own.truth(m.time_boot_ms * 1000)
             assert abs(m.time_boot_ms - tick.now_us / 1000) < 500
-            assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.02
-            assert math.hypot(m.vx - truth.velocity_n[0], m.vy - truth.velocity_n[1]) < 0.02
+            # Not less: this truth does not answer to the thrust that the boat reckons with.
+            assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.15
             turn = turns[m.time_boot_ms]
-            assert abs(wrap(turn.yaw - truth.psi)) < 0.02
-            assert turn.yawspeed == pytest.approx(truth.r, abs=1e-3)
+            assert abs(wrap(turn.yaw - truth.psi)) < 0.1
             stamps.append(m.time_boot_ms)
     assert stamps == sorted(set(stamps))
+
+
+def test_a_boat_adrift_says_how_fast_it_drifts(sea: Sea) -> None:
+    sea.own.course = Course(1.0, 2.0, 0.3, 0.6, 0.1, 0.05)
+    sea.run(5.0)
+    sea.ticks.clear()
+    sea.run(1.0)
+    for tick in sea.ticks:
+        for m in tick.named("LOCAL_POSITION_NED"):
+            velocity_n = sea.own.truth(m.time_boot_ms * 1000).velocity_n
+            assert (m.vx, m.vy) == pytest.approx(tuple(velocity_n), abs=0.01)
+        for turn in tick.named("ATTITUDE"):
+            assert turn.yawspeed == pytest.approx(0.05, abs=0.01)
 
 
 @pytest.mark.parametrize("rate_hz", [5.0, 20.0])
@@ -60,7 +72,9 @@ def test_a_turning_boat_sends_the_position_that_belongs_to_the_stamp(rate_hz: fl
     sea.run(5.0)
     for m in named(sea.ticks, "LOCAL_POSITION_NED"):
         truth = sea.own.truth(m.time_boot_ms * 1000)
-        assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.001
+        # Until it has learnt that somebody tows it, the boat expects to lose way.
+        assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.05
+    assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.001
 
 
 def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None:
@@ -72,7 +86,10 @@ def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None
     sea.ticks.clear()
     sea.run(5.0)
     kinds = [m.get_type() for m in messages(sea.ticks)]
-    assert set(kinds) == {"HEARTBEAT", "TIMESYNC"} and kinds.count("HEARTBEAT") == 5
+    assert (
+        set(kinds) == {"HEARTBEAT", "TIMESYNC", "NAMED_VALUE_FLOAT"}
+        and kinds.count("HEARTBEAT") == 5
+    )
     sea.own.on = True
     sea.run(1.2)
     assert about_own_state <= {m.get_type() for m in messages(sea.ticks)}

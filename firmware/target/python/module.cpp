@@ -22,6 +22,14 @@ using namespace flotilla;
 
 namespace {
 
+constexpr std::array<std::pair<core::Conditions, const char*>, core::kConditionCount>
+    kConditionNames{{{core::kOwnFresh, "own_fresh"},
+                     {core::kLeaderFresh, "leader_fresh"},
+                     {core::kEscsOnline, "escs_online"},
+                     {core::kBusUp, "bus_up"},
+                     {core::kSoleController, "sole_controller"},
+                     {core::kParametersSaved, "parameters_saved"}}};
+
 struct TickOutput {
   nb::list mavlink;
   nb::list can;
@@ -78,6 +86,8 @@ nb::dict counters_dict(const link::Counters& c) {
   out["mavlink_bad_value"] = c.mavlink_bad_value;
   out["mavlink_bad_frame"] = c.mavlink_bad_frame;
   out["mavlink_old_stamp"] = c.mavlink_old_stamp;
+  out["mavlink_no_heading"] = c.mavlink_no_heading;
+  out["mavlink_unknown"] = c.mavlink_unknown;
   out["mavlink_not_sent"] = c.mavlink_not_sent;
   out["commands_dropped"] = c.commands_dropped;
   out["can_received"] = c.can_received;
@@ -104,9 +114,7 @@ nb::dict triple(const char* a, double x, const char* b, double y, const char* c,
 
 nb::dict snapshot_dict(const app::Snapshot& s) {
   nb::dict conditions;
-  conditions["own_fresh"] = (s.conditions & core::kOwnFresh) != 0;
-  conditions["leader_fresh"] = (s.conditions & core::kLeaderFresh) != 0;
-  conditions["escs_online"] = (s.conditions & core::kEscsOnline) != 0;
+  for (const auto& [bit, name] : kConditionNames) conditions[name] = (s.conditions & bit) != 0;
   nb::dict limited;
   limited["surge"] = s.surge_limited;
   limited["yaw"] = s.yaw_limited;
@@ -177,6 +185,19 @@ class PyBoat {
     return out;
   }
 
+  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns) {
+    std::visit([&](auto& b) { b->on_host({bus_up, parameters_saved, overruns}); }, boat_);
+  }
+
+  void limit_link(int link, std::uint32_t bytes_per_s) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) throw nb::index_error("link");
+    std::visit([&](auto& b) { b->limit_link(static_cast<std::size_t>(link), bytes_per_s); }, boat_);
+  }
+
+  bool take_save_request() {
+    return std::visit([](auto& b) { return b->take_save_request(); }, boat_);
+  }
+
   nb::dict snapshot() const {
     return std::visit([](const auto& b) { return snapshot_dict(b->snapshot()); }, boat_);
   }
@@ -224,12 +245,8 @@ nb::list parameter_list() {
 nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
 
 nb::list condition_names(core::Conditions set) {
-  constexpr std::array<std::pair<core::Conditions, const char*>, 3> kNames{
-      {{core::kOwnFresh, "own_fresh"},
-       {core::kLeaderFresh, "leader_fresh"},
-       {core::kEscsOnline, "escs_online"}}};
   nb::list out;
-  for (const auto& [bit, name] : kNames) {
+  for (const auto& [bit, name] : kConditionNames) {
     if ((set & bit) != 0) out.append(name);
   }
   return out;
@@ -282,6 +299,12 @@ NB_MODULE(flotilla, m) {
       .def("on_can", &PyBoat::on_can, "can_id"_a, "data"_a, "now_us"_a,
            "One CAN frame with a 29-bit id and up to 8 bytes.")
       .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
+      .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
+           "overruns"_a = 0, "What only the boat's host can know; holds until the next report.")
+      .def("limit_link", &PyBoat::limit_link, "link"_a, "bytes_per_s"_a,
+           "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
+      .def("take_save_request", &PyBoat::take_save_request,
+           "Whether an operator has asked since the last call that the parameters be saved.")
       .def("snapshot", &PyBoat::snapshot,
            "Last tick: state, conditions, ages, error, virtual velocity, wrench asked and given, "
            "limits that acted, thrusts, counters; SI units.")

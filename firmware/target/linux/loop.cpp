@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+#include "target/linux/loop.hpp"
+
+#include <poll.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/signalfd.h>
+#include <sys/timerfd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <stdexcept>
+
+namespace flotilla::target {
+namespace {
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::int64_t kHouse_us = 100'000;
+constexpr int kFarewellTicks = 10;
+
+std::int64_t clock_us(clockid_t clock) {
+  timespec t{};
+  ::clock_gettime(clock, &t);
+  return std::int64_t{t.tv_sec} * kSecond_us + t.tv_nsec / 1000;
+}
+
+std::int64_t now() { return clock_us(CLOCK_MONOTONIC); }
+
+void say(std::string_view text) {
+  std::fprintf(stderr, "flotillad: %.*s\n", static_cast<int>(text.size()), text.data());
+}
+
+timespec time_of(std::int64_t us) { return {us / kSecond_us, us % kSecond_us * 1000}; }
+
+/// Real-time priority and locked memory are wishes: the boat sails without, and says so.
+void ask_for_real_time(const Config& config) {
+  if (config.priority > 0) {
+    sched_param wish{};
+    wish.sched_priority = config.priority;
+    if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
+      say("SCHED_FIFO refused (" + std::string(std::strerror(errno)) + "): ordinary priority");
+    }
+  }
+  if (config.lock_memory && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    say("locked memory refused (" + std::string(std::strerror(errno)) + "): memory may be paged");
+  }
+}
+
+FileDescriptor catch_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGINT);
+  ::sigprocmask(SIG_BLOCK, &set, nullptr);
+  return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
+}
+
+void make_directory(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw std::runtime_error("state-dir " + path.string() + ": " + error.message());
+}
+
+LoadedParameters load(const Config& config) {
+  make_directory(config.state_dir);
+  LoadedParameters loaded = load_parameters(config.parameter_file());
+  for (const std::string& note : loaded.notes) say(note);
+  return loaded;
+}
+
+/// What is in force: the saved ones, and those of the configuration over them.
+app::Parameters in_force(const Config& config, const LoadedParameters& loaded) {
+  app::Parameters values = loaded.values;
+  apply(config.param, values);
+  if (const auto sentence = app::contradiction(values)) {
+    throw std::runtime_error(std::string(*sentence));
+  }
+  return values;
+}
+
+}  // namespace
+
+Loop::Loop(const Config& config)
+    : config_(config),
+      parameters_(load(config)),
+      boat_(
+          std::make_unique<app::Boat<float>>(in_force(config, parameters_), config.mavlink.size())),
+      bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
+      node_table_(config.node_id_file()),
+      logs_({config.log, candump_name(config.can)}),
+      timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
+      signals_(catch_signals()),
+      period_us_(static_cast<std::int64_t>(1e6 / double{boat_->parameters().CTL_RATE} + 0.5)) {
+  for (std::size_t i = 0; i < config.mavlink.size(); ++i) {
+    links_.push_back(open_mavlink_endpoint(config.mavlink[i].address));
+    boat_->limit_link(i, config.mavlink[i].bytes_per_s);
+  }
+  node_table_.load(boat_->node_ids());
+}
+
+int Loop::run() {
+  ask_for_real_time(config_);
+  deadline_us_ = now() + period_us_;
+  const itimerspec grid{time_of(period_us_), time_of(deadline_us_)};
+  ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &grid, nullptr);
+  service_manager_.say("READY=1");
+  say("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) + " on " +
+      config_.can);
+  while (!stopping_) {
+    wait();
+    if (timer_fired_) tick();
+  }
+  shut_down();
+  return 0;
+}
+
+void Loop::wait() {
+  std::array<pollfd, 3 + app::kMaxLinks> waiting{};
+  std::size_t count = 0;
+  const auto wait_for = [&](int fd) { waiting[count++] = {fd, POLLIN, 0}; };
+  wait_for(timer_.get());
+  wait_for(signals_.get());
+  wait_for(bus_->descriptor());
+  for (const auto& link : links_) wait_for(link->descriptor());
+  ::poll(waiting.data(), count, 1000);
+
+  const std::int64_t now_us = now();
+  read_bus(now_us);
+  read_links(now_us);
+  std::uint64_t expirations = 0;
+  if (::read(timer_.get(), &expirations, sizeof expirations) > 0) {
+    timer_fired_ = true;
+    deadline_us_ += static_cast<std::int64_t>(expirations - 1) * period_us_;
+    overruns_ += static_cast<std::uint32_t>(expirations - 1);
+    lateness_.add(now_us - deadline_us_);
+    deadline_us_ += period_us_;
+  }
+  signalfd_siginfo signal{};
+  if (::read(signals_.get(), &signal, sizeof signal) > 0) stopping_ = true;
+}
+
+void Loop::read_bus(std::int64_t now_us) {
+  link::CanFrame frame;
+  while (bus_->receive(frame)) {
+    logs_.can(frame, clock_us(CLOCK_REALTIME));
+    boat_->on_can(frame.id, frame.bytes(), now_us);
+  }
+}
+
+void Loop::read_links(std::int64_t now_us) {
+  std::array<std::uint8_t, 2048> buffer;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    while (const std::size_t size = links_[i]->receive(buffer)) {
+      const auto bytes = std::span(buffer).first(size);
+      logs_.mavlink(i, Direction::kReceived, bytes, clock_us(CLOCK_REALTIME));
+      boat_->on_mavlink(bytes, now_us, i);
+      if (heard_us_ == 0) heard_us_ = now_us;
+    }
+  }
+}
+
+void Loop::tick() {
+  timer_fired_ = false;
+  const std::int64_t began_us = now();
+  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed, overruns_});
+  send(boat_->tick(began_us), began_us);
+  service_manager_.alive(began_us);
+  if (began_us - house_kept_us_ >= kHouse_us) keep_house(began_us);
+}
+
+void Loop::send(const app::Boat<float>::Output& out, std::int64_t now_us) {
+  bus_->send(out.can);
+  const std::int64_t sent_us = now();
+  processing_.add(sent_us - now_us);
+  if (heard_us_ != 0) response_.add(sent_us - heard_us_);
+  heard_us_ = 0;
+  const std::int64_t unix_us = clock_us(CLOCK_REALTIME);
+  for (const link::CanFrame& frame : out.can) logs_.can(frame, unix_us);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const auto bytes = out.links->bytes(i);
+    if (bytes.empty()) continue;
+    links_[i]->send(bytes);
+    logs_.mavlink(i, Direction::kSent, bytes, unix_us);
+  }
+}
+
+void Loop::keep_house(std::int64_t now_us) {
+  house_kept_us_ = now_us;
+  bus_->maintain();
+  for (const auto& link : links_) link->maintain();
+  if (const auto complaint = logs_.complaint()) say(*complaint);
+  save_requested_ = boat_->take_save_request() || save_requested_;
+  // A disk may take its time, which an armed boat has not.
+  if (core::armed(boat_->state())) return;
+  // What an operator saves is what he sees in force.
+  if (save_requested_) {
+    parameters_.values = boat_->parameters();
+    save("asked for");
+  }
+  save_requested_ = false;
+  if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
+    say(error);
+  }
+}
+
+void Loop::save(std::string_view why) {
+  const auto error =
+      save_parameters(config_.parameter_file(), parameters_.values, parameters_.unknown);
+  if (error) {
+    say(*error);
+    return;
+  }
+  parameters_.must_be_confirmed = false;
+  say("parameters saved (" + std::string(why) + ")");
+}
+
+void Loop::shut_down() {
+  boat_->disarm();
+  for (int i = 0; i < kFarewellTicks; ++i) {
+    const std::int64_t now_us = now();
+    read_bus(now_us);
+    send(boat_->tick(now_us), now_us);
+    const timespec next = time_of(now_us + period_us_);
+    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
+  }
+  service_manager_.say("STOPPING=1");
+  // After a fall to defaults only an operator says that they are right.
+  if (!parameters_.must_be_confirmed) save("at exit");
+  if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
+    say(error);
+  }
+  write_stats();
+}
+
+void Loop::write_stats() const {
+  if (config_.stats.empty()) return;
+  std::FILE* file = std::fopen(config_.stats.c_str(), "w");
+  if (file == nullptr) {
+    say("stats " + config_.stats.string() + ": " + std::strerror(errno));
+    return;
+  }
+  const auto put = [&](const char* name, const Latency& latency) {
+    std::fprintf(file,
+                 "  \"%s_us\": {\"p50\": %lld, \"p99\": %lld, \"p99.9\": %lld, \"max\": %lld},\n",
+                 name, static_cast<long long>(latency.percentile_us(0.5)),
+                 static_cast<long long>(latency.percentile_us(0.99)),
+                 static_cast<long long>(latency.percentile_us(0.999)),
+                 static_cast<long long>(latency.greatest_us()));
+  };
+  const CanBusCounters& can = bus_->counters();
+  std::fprintf(file, "{\n");
+  put("lateness", lateness_);
+  put("processing", processing_);
+  put("response", response_);
+  std::fprintf(file, "  \"ticks\": %llu, \"overruns\": %u,\n",
+               static_cast<unsigned long long>(lateness_.count()), overruns_);
+  std::fprintf(
+      file,
+      "  \"can\": {\"sent\": %llu, \"received\": %llu, \"transfers_dropped\": %llu, "
+      "\"receive_overflows\": %llu, \"error_frames\": %llu, \"bus_off\": %llu, "
+      "\"reopened\": %llu, \"bad_packets\": %llu}\n}\n",
+      static_cast<unsigned long long>(can.sent), static_cast<unsigned long long>(can.received),
+      static_cast<unsigned long long>(can.transfers_dropped),
+      static_cast<unsigned long long>(can.receive_overflows),
+      static_cast<unsigned long long>(can.error_frames),
+      static_cast<unsigned long long>(can.bus_off), static_cast<unsigned long long>(can.reopened),
+      static_cast<unsigned long long>(can.bad_packets));
+  std::fclose(file);
+}
+
+}  // namespace flotilla::target

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The control loop: buses, links and the clock of the operating system around one boat.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/boat.hpp"
+#include "target/linux/can_bus.hpp"
+#include "target/linux/config.hpp"
+#include "target/linux/file_descriptor.hpp"
+#include "target/linux/latency.hpp"
+#include "target/linux/logs.hpp"
+#include "target/linux/mavlink_endpoint.hpp"
+#include "target/linux/node_table.hpp"
+#include "target/linux/parameter_file.hpp"
+#include "target/linux/service_manager.hpp"
+
+namespace flotilla::target {
+
+class Loop {
+ public:
+  /// Opens everything. Throws std::runtime_error that says what is wrong with the configuration.
+  explicit Loop(const Config& config);
+
+  /// Ticks until SIGTERM or SIGINT, then stops the propellers and saves; the exit status.
+  int run();
+
+ private:
+  void wait();
+  void read_links(std::int64_t now_us);
+  void read_bus(std::int64_t now_us);
+  void tick();
+  void send(const app::Boat<float>::Output& out, std::int64_t now_us);
+  void keep_house(std::int64_t now_us);
+  void save(std::string_view why);
+  void shut_down();
+  void write_stats() const;
+
+  Config config_;
+  LoadedParameters parameters_;
+  std::unique_ptr<app::Boat<float>> boat_;
+  std::unique_ptr<CanBus> bus_;
+  std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
+  NodeTable node_table_;
+  Logs logs_;
+  ServiceManager service_manager_;
+
+  FileDescriptor timer_;
+  FileDescriptor signals_;
+  std::int64_t period_us_;
+  std::int64_t deadline_us_ = 0;
+  bool timer_fired_ = false;
+  bool stopping_ = false;
+  bool save_requested_ = false;
+  std::uint32_t overruns_ = 0;
+  std::int64_t house_kept_us_ = 0;
+
+  std::int64_t heard_us_ = 0;  // when the first bytes since the last tick came; 0: none did
+  Latency lateness_;           // of the wake-up
+  Latency processing_;         // from there until the command is sent
+  Latency response_;           // from the first bytes heard until the command is sent
+};
+
+}  // namespace flotilla::target

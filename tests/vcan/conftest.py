@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Tests on the kernel's own CAN, with vcan0 … vcan3: tools/with-vcan pytest tests/vcan."""
+
+import socket
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+ECHO = Path("/sys/module/vcan/parameters/echo")
+CAN_RAW_ERR_FILTER = 2  # linux/can/raw.h; Python's socket has it not everywhere
+
+OpenRaw = Callable[..., socket.socket]
+Shape = Callable[..., None]
+
+
+@pytest.fixture(autouse=True)
+def _vcan() -> None:
+    if "vcan0" not in {name for _, name in socket.if_nameindex()}:
+        pytest.skip("needs vcan: run tools/with-vcan pytest tests/vcan")
+
+
+@pytest.fixture
+def raw() -> Iterator[OpenRaw]:
+    """Opens raw CAN sockets with a timeout; they are closed after the test."""
+    with ExitStack() as sockets:
+
+        def raw(interface: str, error_mask: int = 0) -> socket.socket:
+            """`error_mask`: the classes of error frames that it wants."""
+            can = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+            sockets.enter_context(can)
+            can.setsockopt(socket.SOL_CAN_RAW, CAN_RAW_ERR_FILTER, error_mask)
+            can.bind((interface,))
+            can.settimeout(5.0)
+            return can
+
+        yield raw
+
+
+@pytest.fixture
+def shape() -> Iterator[Shape]:
+    """Gives an interface a queue that spoils frames, or its plain one back: tc(8)."""
+    if ECHO.read_text().strip() != "Y":
+        pytest.skip(f"needs vcan loaded with echo=1, {ECHO} says no")
+    shaped = set()
+
+    def shape(interface: str, *discipline: str) -> None:
+        verb = "replace" if discipline else "delete"
+        subprocess.run(["tc", "qdisc", verb, "dev", interface, "root", *discipline], check=True)
+        (shaped.add if discipline else shaped.discard)(interface)
+
+    yield shape
+    for interface in shaped.copy():
+        shape(interface)
