@@ -7,6 +7,7 @@ of the firmware alone: the difference of two runs of different length under call
 
 import argparse
 import json
+import os
 import re
 import statistics
 import subprocess
@@ -21,6 +22,8 @@ from rich.progress import Progress
 from rich.table import Table
 
 from sil import scenario
+from sil.live import LiveWorld
+from sil.live import build as build_flotillad
 from sil.recording import Recording
 from sil.world import World
 
@@ -121,14 +124,79 @@ def measure(progress: Progress) -> dict[str, Any]:
     return {"figures": figures, "diamond_real_time_factor": 1.0 / wall_s}
 
 
+def measure_live(bus: str, seconds: float, folder: Path, progress: Progress) -> dict[str, Any]:
+    """Latencies of boat 2's flotillad in `diamond`, its share of a core and its memory."""
+    chosen = scenario.load("diamond", [f"duration_s={seconds}"])
+    program = build_flotillad(print)
+    task = progress.add_task(f"sailing {seconds:g} s on {bus}", total=1.0)
+    used: list[float] = []
+
+    def watch(share: float) -> None:
+        progress.update(task, completed=share)
+        process = world.boats[BOAT - 1].process
+        if process is not None and share < 1.0:
+            used[:] = [*_process_figures(process.pid)]
+
+    with LiveWorld(chosen, bus, {}) as world:
+        began_s = time.perf_counter()
+        world.run(program, folder, watch)
+        lasted_s = time.perf_counter() - began_s
+    stats = json.loads((folder / f"boat{BOAT}" / "stats.json").read_text(encoding="utf-8"))
+    return {**stats, "cpu_share": used[0] / lasted_s, "resident_MB": used[1]}
+
+
+def _process_figures(pid: int) -> tuple[float, float]:
+    """Seconds of processor time and MB of resident memory of a process."""
+    stat = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    ticks_per_s = os.sysconf("SC_CLK_TCK")
+    pages = int(Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1])
+    return (int(stat[11]) + int(stat[12])) / ticks_per_s, pages * os.sysconf("SC_PAGESIZE") / 1e6
+
+
+def _print_live(live: dict[str, Any], console: Console) -> None:
+    table = Table("µs", title="flotillad at 100 Hz, one of four boats", title_justify="left")
+    for column in ("p50", "p99", "p99.9", "max"):
+        table.add_column(column, justify="right")
+    rows = {
+        "wake-up late by": "lateness_us",
+        "processing: wake-up → RawCommand sent": "processing_us",
+        "own state received → RawCommand sent": "response_us",
+    }
+    for what, key in rows.items():
+        table.add_row(what, *(str(live[key][p]) for p in ("p50", "p99", "p99.9", "max")))
+    console.print(table)
+    console.print(
+        f"processing p99 {live['processing_us']['p99']} µs (target 100); "
+        f"{100 * live['cpu_share']:.1f} % of a core (target 2); "
+        f"{live['resident_MB']:.1f} MB resident (target 10); "
+        f"{live['overruns']} overruns in {live['ticks']} ticks"
+    )
+
+
 def main(arguments: list[str]) -> int:
     """Prints a table; with --json also writes the figures to a file."""
     parser = argparse.ArgumentParser(prog="tools/bench", description=__doc__)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
+    parser.add_argument("--live", action="store_true", help="latencies of flotillad on a live bus")
+    parser.add_argument("--bus", default="mcast:5", help="bus of boat 1 for --live (mcast:5)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="how long for --live (60)")
     options = parser.parse_args(arguments)
     console = Console()
-    with Progress(console=console) as progress:
-        result = measure(progress)
+    with Progress(console=console) as progress, tempfile.TemporaryDirectory() as folder:
+        if options.live:
+            result = measure_live(options.bus, options.seconds, Path(folder), progress)
+        else:
+            result = measure(progress)
+    if options.live:
+        _print_live(result, console)
+    else:
+        _print(result, console)
+    if options.json:
+        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    return 0
+
+
+def _print(result: dict[str, Any], console: Console) -> None:
     table = Table("what", title="Flotilla: time and instructions", title_justify="left")
     for column in ("median (µs)", "target (µs)", "instructions"):
         table.add_column(column, justify="right")
@@ -142,9 +210,6 @@ def main(arguments: list[str]) -> int:
         )
     console.print(table)
     console.print(f"diamond: {result['diamond_real_time_factor']:.0f} × real time (target 50)")
-    if options.json:
-        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-    return 0
 
 
 if __name__ == "__main__":

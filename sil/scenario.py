@@ -208,11 +208,16 @@ def _merged(common: Section, own: Section) -> dict[str, Any]:
 
 
 def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    key: KeyPath
     for index, boat in enumerate(scenario.boat, start=1):
         if boat.follows >= index:
-            key: KeyPath = ("boat", str(index), "follows")
+            key = ("boat", str(index), "follows")
             allowed = f"boat {index} may follow agents 0 to {index - 1}"
             yield key, f'"{".".join(key)}" = {boat.follows}: {allowed}'
+    if scenario.navigation.rate_hz > scenario.rate_hz:
+        key = ("navigation", "rate_hz")
+        ticks = f"the world ticks at rate_hz = {scenario.rate_hz}"
+        yield key, f'"navigation.rate_hz" = {scenario.navigation.rate_hz}: {ticks}'
     starts = [segment.from_s for segment in scenario.leader.input]
     for index in range(1, len(starts)):
         if starts[index] <= starts[index - 1]:

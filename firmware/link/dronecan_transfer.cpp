@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "link/crc16.hpp"
+
 namespace flotilla::link {
 namespace {
 
@@ -10,22 +12,12 @@ constexpr std::uint8_t kStart = 0x80, kEnd = 0x40, kToggle = 0x20, kTransferIdMa
 constexpr std::size_t kFramePayload = 7;
 constexpr std::int64_t kTransferIdTimeout_us = 2'000'000;
 
-/// CRC-16-CCITT-FALSE.
-constexpr std::uint16_t crc_add(std::uint16_t crc, std::uint8_t byte) {
-  crc = static_cast<std::uint16_t>(crc ^ (byte << 8U));
-  for (int bit = 0; bit < 8; ++bit) {
-    crc = static_cast<std::uint16_t>((unsigned{crc} << 1U) ^ ((crc & 0x8000U) != 0 ? 0x1021U : 0U));
-  }
-  return crc;
-}
-
 std::uint16_t transfer_crc(const DataType& type, std::span<const std::uint8_t> payload) {
-  std::uint16_t crc = 0xFFFF;
+  std::array<std::uint8_t, 8> signature{};
   for (unsigned i = 0; i < 8; ++i) {
-    crc = crc_add(crc, static_cast<std::uint8_t>(type.signature >> (8U * i)));
+    signature[i] = static_cast<std::uint8_t>(type.signature >> (8U * i));
   }
-  for (const std::uint8_t byte : payload) crc = crc_add(crc, byte);
-  return crc;
+  return crc16(crc16(kCrc16Start, signature), payload);
 }
 
 constexpr std::uint8_t next_id(std::uint8_t transfer_id) {

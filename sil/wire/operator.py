@@ -17,13 +17,14 @@ _READ = {
 class Operator:
     """One ground station.
 
-    What it has heard, by system id: `armed`, `mode` (custom_mode of the heartbeat) and the last
-    `text` (STATUSTEXT).
+    What it has heard, by system id: `armed`, `mode` (custom_mode of the heartbeat), `fault` (its
+    system_status is EMERGENCY) and the last `text` (STATUSTEXT).
     """
 
     def __init__(self) -> None:
         self.armed: dict[int, bool] = {}
         self.mode: dict[int, int] = {}
+        self.fault: dict[int, bool] = {}
         self.text: dict[int, str] = {}
         self._mav = mavlink.MAVLink(None, SYSTEM, COMPONENT)
 
@@ -45,6 +46,7 @@ class Operator:
             if message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
                 self.armed[system] = bool(message.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
                 self.mode[system] = message.custom_mode
+                self.fault[system] = message.system_status == mavlink.MAV_STATE_EMERGENCY
             elif message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
                 self.text[system] = message.text
 

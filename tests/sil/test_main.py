@@ -15,6 +15,7 @@ from sil.__main__ import main
         (["run", "nowhere.toml"], "nowhere.toml: No such file"),
         (["run", "diamond", "--set", "link.dely_s=1"], 'did you mean "delay_s"?'),
         (["run", "diamond", "--set", "duration_s=-1"], "greater than 0"),
+        (["run", "diamond", "--set", "navigation.rate_hz=400"], "the world ticks at rate_hz = 100"),
         (["run", "diamond", "--seed", "-1"], "greater than or equal to 0"),
         (["run", "diamond", "--param", "LAW_KX"], "must be NAME=VALUE"),
         (["run", "diamond", "--param", "LAW_KX=9"], "LAW_KX = 9.0 is out of range"),
@@ -30,3 +31,11 @@ def test_a_mistake_is_told_in_one_line(
     assert error.startswith("error: ") and error.count("\n") == 1
     assert said in error
     assert not out.exists()
+
+
+def test_results_that_cannot_be_written_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    assert main(["run", "diamond", "--out", str(tmp_path / "file")]) == 2
+    assert "file" in capsys.readouterr().err

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "link/crc16.hpp"
+
 namespace flotilla::target {
 namespace {
 
@@ -20,14 +22,8 @@ constexpr std::size_t kCrcAt = 2, kFlagsAt = 4, kIdAt = 6, kDataAt = 10, kLonges
 
 using Packet = std::array<std::uint8_t, kLongest>;
 
-/// CRC-16-CCITT-FALSE.
 std::uint16_t crc_of(std::span<const std::uint8_t> bytes) {
-  std::uint32_t crc = 0xFFFF;
-  for (const std::uint8_t byte : bytes) {
-    crc ^= std::uint32_t{byte} << 8U;
-    for (int bit = 0; bit < 8; ++bit) crc = crc << 1U ^ ((crc & 0x8000U) != 0 ? 0x1021U : 0U);
-  }
-  return static_cast<std::uint16_t>(crc);
+  return link::crc16(link::kCrc16Start, bytes);
 }
 
 template <class Integer>

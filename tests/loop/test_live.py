@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: MIT
+"""Real flotillad processes on a real bus, against the lockstep run of the same scenario."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sil import metrics
+from sil.__main__ import main
+from sil.live import buses_of
+from sil.world import Run
+
+DURATION_S = 40
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short live run of `diamond` on mcast:1 … mcast:4."""
+    out = tmp_path_factory.mktemp("live")
+    arguments = ["live", "diamond", "--bus", "mcast:1", "--duration", str(DURATION_S)]
+    assert main([*arguments, "--out", str(out)]) == 0
+    return out
+
+
+def test_live_boats_are_where_the_lockstep_has_them(live: Path, diamond: tuple[Run, Path]) -> None:
+    with np.load(live / "trace.npz") as trace:
+        sailed = metrics.distances(trace["error"])
+    expected = metrics.distances(diamond[0].trace["error"])
+    for t_s in (20, DURATION_S):
+        difference = np.abs(sailed[100 * t_s] - expected[100 * t_s])
+        assert (difference < 0.05 + 0.1 * expected[100 * t_s]).all(), (t_s, difference)
+
+
+def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -> None:
+    summary = json.loads((live / "summary.json").read_text(encoding="utf-8"))
+    assert summary["digest"] is None
+    assert [boat["states"].keys() for boat in summary["boats"]] == [{"FORMATION"}] * 4
+    assert (live / "report.html").exists()
+
+
+def test_every_boat_left_its_latencies_and_lost_no_tick_worth_the_name(live: Path) -> None:
+    for boat in range(1, 5):
+        stats = json.loads((live / f"boat{boat}" / "stats.json").read_text(encoding="utf-8"))
+        assert stats["ticks"] > 100 * DURATION_S
+        assert stats["overruns"] < 0.02 * stats["ticks"]
+        assert stats["can"]["transfers_dropped"] == stats["can"]["bad_packets"] == 0
+
+
+def test_boat_i_takes_the_next_bus() -> None:
+    assert buses_of("mcast:0", 3) == ["mcast:0", "mcast:1", "mcast:2"]
+    assert buses_of("socketcan:vcan1", 2) == ["socketcan:vcan1", "socketcan:vcan2"]
+
+
+@pytest.mark.parametrize("bus", ["", "mcast", "mcast:", "mcast:x", "vcan0", "socketcan:can", "x:0"])
+def test_a_bus_that_is_none_is_told(
+    bus: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["live", "diamond", "--bus", bus, "--out", str(tmp_path)]) == 2
+    assert "must be mcast:N or socketcan:NAMEn" in capsys.readouterr().err
