@@ -125,7 +125,7 @@ template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
   const core::Verdict verdict = core::supervise(state_, core::Request::kNone, conditions_);
   if (verdict.granted) {
-    enter(verdict.state, static_cast<core::Conditions>(core::kDrive & ~conditions_), now_us);
+    enter(verdict.state, verdict.missing, now_us);
   }
   for (const PendingCommand& pending : commands_.pending()) answer(pending, now_us);
   commands_.clear();

@@ -56,7 +56,9 @@ class Boat {
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
   /// For the host that is about to leave: the ticks after it send zeros and ArmingStatus 0.
-  void disarm() { state_ = core::State::kDisarmed; }
+  void disarm() {
+    if (state_ != core::State::kDisarmed) enter(core::State::kDisarmed, 0, now_us_);
+  }
 
   /// Holds until the next report; without one, all is well.
   void on_host(const HostReport& report) { host_ = report; }

@@ -67,8 +67,10 @@ constexpr std::array<Row, 10> kTable{{
 
 struct Verdict {
   State state;
-  bool granted;        ///< a row fitted; always false for Request::kNone when nothing changes
-  Conditions missing;  ///< refused for want of these; empty where the state itself forbids it
+  bool granted;  ///< a row fitted; always false for Request::kNone when nothing changes
+  /// Refused for want of these, none where the state itself forbids it; or what was lost, where the
+  /// boat changed its state by itself.
+  Conditions missing;
 };
 
 constexpr Verdict supervise(State state, Request request, Conditions met) {
@@ -77,7 +79,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
     if ((row.from & in(state)) == 0 || row.request != request) continue;
     const auto unmet = static_cast<Conditions>(row.needs & ~met);
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
-    if (unmet == 0 && lacking) return {row.to, true, 0};
+    if (unmet == 0 && lacking) return {row.to, true, static_cast<Conditions>(row.lacks & ~met)};
     missing |= unmet;
   }
   return {state, false, missing};

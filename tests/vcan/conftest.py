@@ -16,7 +16,7 @@ OpenRaw = Callable[..., socket.socket]
 Shape = Callable[..., None]
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=True, scope="session")
 def _vcan() -> None:
     if "vcan0" not in {name for _, name in socket.if_nameindex()}:
         pytest.skip("needs vcan: run tools/with-vcan pytest tests/vcan")

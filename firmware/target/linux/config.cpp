@@ -119,7 +119,17 @@ std::variant<Config, Ending> read_config(std::span<const char* const> arguments)
   Options options;
   define(app, options);
   try {
-    app.parse(static_cast<int>(arguments.size()), arguments.data());
+    // "--log=" means an empty value; CLI11 would take the next option for it.
+    std::vector<const char*> words;
+    std::vector<std::string> names;
+    names.reserve(arguments.size());
+    for (const std::string_view word : arguments) {
+      const bool empty_value = word.starts_with("--") && word.ends_with('=');
+      if (empty_value) names.emplace_back(word.substr(0, word.size() - 1));
+      words.push_back(empty_value ? names.back().c_str() : word.data());
+      if (empty_value) words.push_back("");
+    }
+    app.parse(static_cast<int>(words.size()), words.data());
     return combined(app, options);
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, complaint;

@@ -26,7 +26,7 @@ class Loop {
   /// Opens everything. Throws std::runtime_error that says what is wrong with the configuration.
   explicit Loop(const Config& config);
 
-  /// Ticks until SIGTERM or SIGINT, then stops the propellers and saves; the exit status.
+  /// Ticks until SIGTERM, SIGINT or SIGHUP, then stops the propellers and saves; the exit status.
   int run();
 
  private:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <sstream>
+#include <utility>
 
 #include "target/linux/durable_file.hpp"
 
@@ -11,10 +12,12 @@ namespace flotilla::target {
 
 void NodeTable::load(link::NodeIdServer& server) {
   std::istringstream lines(read_file(path_).text);
-  std::string unique_id;
-  unsigned node = 0;
-  while (lines >> unique_id >> node) {
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string unique_id;
+    unsigned node = 0;
     link::NodeIdServer::Entry entry;
+    if (!(words >> unique_id >> node)) continue;
     if (unique_id.size() != 2 * entry.unique_id.size() || node > 127) continue;
     bool whole = true;
     for (std::size_t i = 0; i < entry.unique_id.size(); ++i) {
@@ -30,7 +33,6 @@ void NodeTable::load(link::NodeIdServer& server) {
 
 std::string NodeTable::save_if_changed(const link::NodeIdServer& server) {
   if (server.table().size() == saved_) return {};
-  saved_ = server.table().size();
   std::string text;
   for (const auto& entry : server.table()) {
     std::array<char, 4> digits{};
@@ -40,7 +42,10 @@ std::string NodeTable::save_if_changed(const link::NodeIdServer& server) {
     }
     text += " " + std::to_string(entry.node) + "\n";
   }
-  return replace_file(path_, text).value_or("");
+  const auto fault = replace_file(path_, text);
+  if (!fault) saved_ = server.table().size();
+  const bool known = std::exchange(faulty_, fault.has_value());
+  return fault && !known ? *fault : std::string();
 }
 
 }  // namespace flotilla::target

@@ -18,12 +18,14 @@ class NodeTable {
 
   void load(link::NodeIdServer& server);
 
-  /// Writes the table where it has grown since; what went wrong, or nothing.
+  /// Writes the table where it has grown since, until the disk has taken it; what went wrong, said
+  /// once, or nothing.
   std::string save_if_changed(const link::NodeIdServer& server);
 
  private:
   std::filesystem::path path_;
   std::size_t saved_ = 0;
+  bool faulty_ = false;  ///< the disk did not take it last time
 };
 
 }  // namespace flotilla::target

@@ -105,8 +105,8 @@ param = {MAV_SYSID = 2, LAW_KX = 0.25}
 )");
   const Config config =
       file.good({"--can", "socketcan:vcan1", "--mavlink", "udpin:127.0.0.1:1,rate=0", "--param",
-                 "LAW_KX=0.5", "--param=THR_ARM=1e0", "--state-dir", "here", "--log", "",
-                 "--priority=0", "--lock-memory=false"});
+                 "LAW_KX=0.5", "--param=THR_ARM=1e0", "--state-dir", "here",
+                 "--log=", "--priority=0", "--lock-memory=false"});
   CHECK(config.can == "socketcan:vcan1");
   CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:127.0.0.1:1", 0}});
   CHECK(config.param == ParameterOverrides{{"LAW_KX", 0.5F}, {"MAV_SYSID", 2}, {"THR_ARM", 1}});

@@ -1,0 +1,418 @@
+# SPDX-License-Identifier: MIT
+"""A flotillad process and the sea around it, in real time, from one loop that waits on sockets.
+
+Conditions are waited for, with generous deadlines; nothing here depends on exact timing. The boat's
+clock is CLOCK_MONOTONIC, and so is everybody else's.
+"""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import socket
+import subprocess
+import time
+import tty
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import can
+from pymavlink.dialects.v20 import common as mavlink
+
+from sil.wire.esc_node import EscNode
+from tests.target.agent import Agent
+from tests.target.bus import ARMING_STATUS, RAW_COMMAND, Frames, commands, type_of
+from tests.target.course import Course
+from tests.target.stations import (
+    ARM,
+    ARMED_BIT,
+    BOAT,
+    FORMATION,
+    GCS,
+    GCS_COMPONENT,
+    LEADER,
+    LEADER_COMPONENT,
+    NAVIGATION,
+    SET_MODE,
+    Station,
+    command_long,
+)
+
+ROOT = Path(__file__).parents[3]
+PROGRAM = ROOT / "build" / "release" / "firmware" / "flotillad"
+LOOPBACK = "127.0.0.1"
+TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
+STORAGE = mavlink.MAV_CMD_PREFLIGHT_STORAGE
+
+#: Who the boat is, and limits that a machine with other things to do keeps to.
+PATIENT = {
+    "MAV_SYSID": BOAT,
+    "FORM_LEADER": LEADER,
+    "FS_NAV_S": 2.0,
+    "FS_LEADER_S": 5.0,
+    "FS_ESC_S": 3.0,
+}
+
+_PATIENCE_S = 20.0
+_BEAT_S = 0.01
+_REPEAT_US = 200_000
+
+
+def now_us() -> int:
+    return time.monotonic_ns() // 1000
+
+
+class End(Protocol):
+    """The other end of a MAVLink link of flotillad."""
+
+    option: str
+
+    def fileno(self) -> int: ...
+    def receive(self) -> list[bytes]: ...
+    def send(self, data: bytes) -> None: ...
+    def close(self) -> None: ...
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind((LOOPBACK, 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+class Udp:
+    """Talks to whom it has heard last, or, given a port, to that one of this machine."""
+
+    def __init__(self, port: int | None = None, at: str = LOOPBACK) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind((at, 0))
+        self.socket.setblocking(False)
+        self.peer = (LOOPBACK, port) if port else None
+        own = self.socket.getsockname()[1]
+        self.option = f"udpin:{LOOPBACK}:{port}" if port else f"udpout:{LOOPBACK}:{own}"
+
+    def fileno(self) -> int:
+        return self.socket.fileno()
+
+    def receive(self) -> list[bytes]:
+        chunks = []
+        with suppress(BlockingIOError):
+            while True:
+                data, self.peer = self.socket.recvfrom(4096)
+                chunks.append(data)
+        return chunks
+
+    def send(self, data: bytes) -> None:
+        if self.peer is not None:
+            self.socket.sendto(data, self.peer)
+
+    def close(self) -> None:
+        self.socket.close()
+
+
+def broadcast_listener() -> Udp:
+    end = Udp(at="127.255.255.255")
+    end.option = f"udpbcast:127.255.255.255:{end.socket.getsockname()[1]}"
+    return end
+
+
+class Serial:
+    """A serial cable: `device` is flotillad's end, as long as this is open."""
+
+    def __init__(self, device: Path, baud: int = 57600) -> None:
+        self._master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self._device = device
+        device.symlink_to(os.ttyname(self._slave))
+        self.option = f"serial:{device}:{baud}"
+
+    def fileno(self) -> int:
+        return self._master
+
+    def receive(self) -> list[bytes]:
+        chunks = []
+        with suppress(BlockingIOError):
+            while data := os.read(self._master, 4096):
+                chunks.append(data)
+        return chunks
+
+    def send(self, data: bytes) -> None:
+        with suppress(BlockingIOError):
+            os.write(self._master, data)
+
+    def close(self) -> None:
+        self._device.unlink()
+        os.close(self._slave)
+        os.close(self._master)
+
+
+class CanFrame(NamedTuple):
+    heard_us: int
+    can_id: int
+    data: bytes
+
+
+class Flotillad:
+    """The process; what it says goes to a file, or to the descriptor `mouth`."""
+
+    def __init__(
+        self,
+        folder: Path,
+        options: Sequence[str],
+        environment: dict[str, str] | None = None,
+        prefix: Sequence[str] = (),
+        mouth: int | None = None,
+    ) -> None:
+        self._words = folder / "words"
+        with self._words.open("wb") as words:
+            self.process = subprocess.Popen(
+                [*prefix, PROGRAM, *options],
+                stdin=subprocess.DEVNULL,
+                stdout=words,
+                stderr=words if mouth is None else mouth,
+                env={**os.environ, **(environment or {})},
+            )
+
+    @property
+    def pid(self) -> int:
+        return self.process.pid
+
+    @property
+    def words(self) -> str:
+        return self._words.read_text()
+
+    @property
+    def status(self) -> int | None:
+        return self.process.poll()
+
+    def signal(self, number: signal.Signals) -> None:
+        self.process.send_signal(number)
+
+    def close(self) -> None:
+        if self.status is None:
+            self.process.kill()
+        self.process.wait()
+
+
+class RealSea:
+    """One flotillad, navigation unit, leader, ESCs and operator; who shall be silent has an `on`.
+
+    The navigation unit is at the first link's end, leader and operator are at the last one's.
+    """
+
+    def __init__(self, bus: int, folder: Path) -> None:
+        self.bus = bus
+        self.folder = folder
+        self.state_dir = folder / "state"
+        self.boat: Flotillad | None = None
+        self.can = can.Bus(interface="mcast", channel=str(bus))
+        self.own = Agent(Station(BOAT, NAVIGATION), Course(1.0, 2.0, 0.3), 50_000, beats=False)
+        self.leader = Agent(Station(LEADER, LEADER_COMPONENT), TURN, 100_000)
+        self.gcs = Station(GCS, GCS_COMPONENT)
+        self.escs = [EscNode(31, 0), EscNode(32, 1)]
+        self.escs_on = True
+        self.ends: list[End] = [Udp()]
+        self._leaving = False
+        self.forget()
+
+    def __enter__(self) -> RealSea:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.boat is not None:
+            self.boat.close()
+        self.can.shutdown()
+        for end in self.ends:
+            end.close()
+
+    def connect(self, *ends: End) -> None:
+        """Other links than the one over UDP."""
+        for end in self.ends:
+            end.close()
+        self.ends = list(ends)
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing was heard so far."""
+        self.heard: list[CanFrame] = []
+        self.messages: list[list[Any]] = [[] for _ in self.ends]
+        self.bytes_heard = [0 for _ in self.ends]
+        self._parsers = [mavlink.MAVLink(None) for _ in self.ends]
+        for parser in self._parsers:
+            parser.robust_parsing = True
+
+    def start(
+        self,
+        *options: str,
+        param: dict[str, float] | None = None,
+        environment: dict[str, str] | None = None,
+        prefix: Sequence[str] = (),
+        mouth: int | None = None,
+    ) -> None:
+        """Starts a flotillad, ended if it was running. `param` instead of PATIENT."""
+        if self.boat is not None:
+            self.boat.close()
+        self._listen()
+        self.forget()
+        given = [f"--can=mcast:{self.bus}", f"--state-dir={self.state_dir}"]
+        given += [f"--mavlink={option}" for option in dict.fromkeys(e.option for e in self.ends)]
+        values = PATIENT if param is None else param
+        given += [f"--param={name}={value}" for name, value in values.items()]
+        self._leaving = False
+        self.boat = Flotillad(self.folder, [*given, *options], environment, prefix, mouth)
+
+    @property
+    def process(self) -> Flotillad:
+        assert self.boat is not None
+        return self.boat
+
+    # -- time
+
+    def until(self, happened: Callable[[], object], seconds: float = _PATIENCE_S) -> None:
+        """Lets everybody do what is due until it has happened."""
+        deadline_us = now_us() + round(1e6 * seconds)
+        while not happened():
+            if now_us() > deadline_us:
+                raise AssertionError(f"not within {seconds} s; {self._story()}")
+            if self.boat is not None and self.boat.status is not None and not self._leaving:
+                raise AssertionError(f"left by itself; {self._story()}")
+            self._go_on()
+
+    def run(self, seconds: float) -> None:
+        end_us = now_us() + round(1e6 * seconds)
+        while now_us() < end_us:
+            self._go_on()
+
+    def _story(self) -> str:
+        beats = self.named("HEARTBEAT", -1)[-1:]
+        return (
+            f"{len(self.heard)} frames, last command {self.raw_commands()[-1:]}, "
+            f"{[len(each) for each in self.messages]} messages, {beats}, texts {self.texts()}, "
+            f"status {self.process.status}, words: {self.process.words}"
+        )
+
+    def _go_on(self) -> None:
+        select.select([self.can, *self.ends], [], [], _BEAT_S)
+        self._listen()
+        self._speak()
+
+    def _listen(self) -> None:
+        at_us = now_us()
+        while (message := self.can.recv(0.0)) is not None:
+            frame = CanFrame(at_us, message.arbitration_id, bytes(message.data))
+            self.heard.append(frame)
+            for esc in self.escs:
+                esc.on_can(frame.can_id, frame.data, at_us)
+        for i, end in enumerate(self.ends):
+            for data in end.receive():
+                self.bytes_heard[i] += len(data)
+                self.messages[i] += self._parsers[i].parse_buffer(data) or []
+
+    def _speak(self) -> None:
+        at_us = now_us()
+        for agent, link in ((self.own, 0), (self.leader, -1)):
+            if wire := agent.wire(at_us):
+                self.ends[link].send(wire)
+        for esc in self.escs if self.escs_on else []:
+            for can_id, data in esc.tick(at_us, 0.0, 24.0, float("nan")):
+                self.send_can(can_id, data)
+
+    # -- the operator, and others who speak
+
+    def say(self, *messages: Any, link: int = -1) -> None:
+        self.ends[link].send(self.gcs.pack(*messages))
+
+    def send_can(self, can_id: int, data: bytes) -> None:
+        self.can.send(can.Message(arbitration_id=can_id, data=data))
+
+    def repeat(self, ask: Callable[[], object], happened: Callable[[], object]) -> None:
+        """Asks five times a second until it has happened."""
+        asked_us = 0
+
+        def asked() -> object:
+            nonlocal asked_us
+            if now_us() >= asked_us + _REPEAT_US:
+                asked_us = now_us()
+                ask()
+            return happened()
+
+        self.until(asked)
+
+    def insist(self, happened: Callable[[], object], command: int, *params: float) -> None:
+        """The operator repeats a command until it is done."""
+        self.repeat(lambda: self.say(command_long(command, *params)), happened)
+
+    def arm(self) -> None:
+        self.insist(lambda: self.armed, ARM, 1.0)
+
+    def enter_formation(self) -> None:
+        """From whatever state; the propellers turn."""
+        self.arm()
+        self.insist(lambda: self.mode == FORMATION, SET_MODE, 1.0, float(FORMATION))
+        self.until(self.driven)
+
+    def save_parameters(self) -> None:
+        self.insist(lambda: "saved (asked for)" in self.process.words, STORAGE, 1.0)
+
+    def end(self, number: signal.Signals = signal.SIGTERM) -> int:
+        """Asks the flotillad to leave; its exit status. What it said is heard to the end."""
+        self._leaving = True
+        self.process.signal(number)
+        self.until(lambda: self.process.status is not None)
+        self._listen()
+        status = self.process.status
+        assert status is not None
+        return status
+
+    # -- what was heard
+
+    def ready(self) -> bool:
+        """It ticks and everybody knows where to reach it."""
+        return bool(self.heard) and all(self.messages)
+
+    def named(self, name: str, link: int = -1) -> list[Any]:
+        return [m for m in self.messages[link] if m.get_type() == name]
+
+    @property
+    def armed(self) -> bool:
+        beats = self.named("HEARTBEAT")
+        return bool(beats and beats[-1].base_mode & ARMED_BIT)
+
+    @property
+    def mode(self) -> int | None:
+        beats = self.named("HEARTBEAT")
+        return beats[-1].custom_mode if beats else None
+
+    def texts(self, link: int = -1) -> list[str]:
+        return [m.text for m in self.named("STATUSTEXT", link)]
+
+    def acks(self, link: int = -1) -> list[tuple[int, int]]:
+        return [(m.command, m.result) for m in self.named("COMMAND_ACK", link)]
+
+    def frames(self, *types: int) -> Frames:
+        """Message frames of these types; without one, every frame."""
+        wanted = {(False, each) for each in types}
+        return [
+            (can_id, data)
+            for _, can_id, data in self.heard
+            if not types or type_of(can_id)[:2] in wanted
+        ]
+
+    def raw_commands(self) -> list[tuple[int, ...]]:
+        return [commands([frame]) for frame in self.frames(RAW_COMMAND)]
+
+    def arming(self) -> list[int]:
+        """ArmingStatus is one byte and the tail."""
+        return [data[0] for _, data in self.frames(ARMING_STATUS)]
+
+    def driven(self) -> bool:
+        """An ESC tells its motor to turn."""
+        return any(esc.command(now_us()) for esc in self.escs)
+
+    def source_node(self) -> int:
+        return self.heard[-1].can_id & 0x7F

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""What an operator saved is in force after every start; what is damaged is said, and refused."""
+
+import zlib
+from pathlib import Path
+
+import pytest
+
+from tests.target.linux.process import PATIENT, STORAGE, RealSea
+from tests.target.stations import ACCEPTED, ARM, command_long
+
+NOT_SAVED = "PreArm: parameters are not saved"
+
+
+def text(*lines: str, **values: float) -> str:
+    """A whole parameter file, by another implementation of its checksum."""
+    named = [f"{name} = {value:g}" for name, value in (PATIENT | values).items()]
+    body = "\n".join(["flotilla-parameters 1", *named, *lines]) + "\n"
+    return body + f"crc32 = {zlib.crc32(body.encode()):08X}\n"
+
+
+def is_whole(content: str) -> bool:
+    body, _, checksum = content.rpartition("crc32 = ")
+    return int(checksum, 16) == zlib.crc32(body.encode())
+
+
+@pytest.fixture
+def file(sea: RealSea) -> Path:
+    sea.state_dir.mkdir()
+    return sea.state_dir / "parameters.txt"
+
+
+def previous(file: Path) -> Path:
+    return file.with_name("parameters.txt.previous")
+
+
+def test_a_first_start_is_no_complaint_and_arms(sea: RealSea) -> None:
+    sea.start()
+    sea.arm()
+    assert sea.process.words.splitlines() == [f"flotillad: ready: boat 2 on mcast:{sea.bus}"]
+
+
+def test_a_damaged_file_falls_back_to_the_previous_one_and_says_so(
+    sea: RealSea, file: Path
+) -> None:
+    file.write_text(text(CAN_NODE=34).replace("CAN_NODE = 34", "CAN_NODE = 35"))
+    previous(file).write_text(text(CAN_NODE=33))
+    sea.start(param={})
+    sea.arm()
+    assert sea.source_node() == 33
+    assert "parameters.txt is damaged" in sea.process.words
+    assert "the parameters are those of parameters.txt.previous" in sea.process.words
+    assert sea.end() == 0
+    assert is_whole(file.read_text()) and "CAN_NODE = 33\n" in file.read_text()
+
+
+def test_with_both_files_damaged_an_operator_has_to_look_at_the_defaults(
+    sea: RealSea, file: Path
+) -> None:
+    file.write_text(text(CAN_NODE=34)[:-1])
+    previous(file).write_text("")
+    sea.start()
+    sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
+    assert "ALL PARAMETERS ARE DEFAULTS" in sea.process.words
+    assert not sea.armed
+    assert sea.source_node() == 20
+
+    sea.save_parameters()
+    assert (STORAGE, ACCEPTED) in sea.acks()
+    sea.arm()
+    sea.say(command_long(ARM, 0.0))
+    sea.until(lambda: not sea.armed)
+    assert sea.end() == 0
+
+    sea.start(param={})
+    sea.arm()
+    assert NOT_SAVED not in sea.texts()
+
+
+def test_defaults_that_nobody_has_confirmed_are_not_written_at_exit(
+    sea: RealSea, file: Path
+) -> None:
+    damaged = text(CAN_NODE=34)[:-1]
+    file.write_text(damaged)
+    sea.start()
+    sea.until(sea.ready)
+    assert sea.end() == 0
+    assert file.read_text() == damaged
+
+
+def test_names_of_another_version_are_said_and_kept(sea: RealSea, file: Path) -> None:
+    file.write_text(text("LAW_MAGIC = 7", "a line of another age", LAW_KX=0.25))
+    sea.start(param={})
+    sea.until(sea.ready)
+    assert '"LAW_MAGIC" is unknown to this version and kept' in sea.process.words
+    sea.save_parameters()
+    saved = file.read_text()
+    assert is_whole(saved)
+    assert {"LAW_MAGIC = 7", "a line of another age", "LAW_KX = 0.25"} <= set(saved.splitlines())
+    sea.arm()
+    assert sea.end() == 0
+    assert file.read_text() == saved
+
+
+def test_a_parameter_on_the_command_line_wins_and_is_not_written_at_exit(
+    sea: RealSea, file: Path
+) -> None:
+    file.write_text(text(CAN_NODE=33))
+    sea.start("--param=CAN_NODE=44", param={})
+    sea.until(sea.ready)
+    assert sea.source_node() == 44
+    assert sea.end() == 0
+    assert "CAN_NODE = 33\n" in file.read_text()
+    sea.start(param={})
+    sea.until(sea.ready)
+    assert sea.source_node() == 33
+
+
+def test_a_disk_that_takes_nothing_is_said_and_the_boat_stays_unconfirmed(
+    sea: RealSea, file: Path
+) -> None:
+    file.write_text("")
+    file.with_name("parameters.txt.new").mkdir()  # where the new version would be written
+    sea.start()
+    sea.insist(lambda: "cannot be written" in sea.process.words, STORAGE, 1.0)
+    sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
+    assert not sea.armed
