@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: MIT
+"""One flotillad on vcan0 in real time, and everybody around it, played by one thread.
+
+Navigation unit, leader and operator talk MAVLink over one UDP link, two ESCs behave as AM32 does.
+They stay where they are told to be: the leader turns away, so that every propeller is kept busy.
+All waiting is for a socket or the next word that is due, until a deadline.
+"""
+
+import json
+import select
+import socket
+import subprocess
+import time
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import Any, Self
+
+from sil.wire.esc_node import EscNode
+from tests.target.agent import START_US, Agent
+from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
+from tests.target.course import Course
+from tests.target.sea import TURN
+from tests.target.stations import (
+    ARM,
+    ARMED_BIT,
+    BOAT,
+    FORMATION,
+    GCS,
+    GCS_COMPONENT,
+    HOLD,
+    LEADER,
+    LEADER_COMPONENT,
+    NAVIGATION,
+    SET_MODE,
+    Station,
+    command_long,
+    decode,
+)
+from tests.vcan.bus import INTERFACE, Can
+
+FLOTILLAD = Path(__file__).parents[2] / "build" / "release" / "firmware" / "flotillad"
+ESC_NODES = (31, 32)
+ACCEPTED, EMERGENCY = 0, 6
+
+_STEP_US = 10_000
+_PATIENCE_S = 5.0
+_RETRY_US = 50_000
+_MESSAGE = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | 0xFFFF80
+#: What the ESCs hear; a flood of anything else does not reach this process.
+_HEARD = [
+    (socket.CAN_EFF_FLAG | RAW_COMMAND << 8, _MESSAGE),
+    (socket.CAN_EFF_FLAG | ARMING_STATUS << 8, _MESSAGE),
+]
+
+
+def now_us() -> int:
+    return time.monotonic_ns() // 1000
+
+
+class Boat:
+    """A context manager; a boat that was not stopped is killed at its end.
+
+    Heard so far: `state`, `texts` (STATUSTEXT), `commands` (time and frame of each RawCommand),
+    `esc_frames` counts what the ESCs have sent.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.state = ""
+        self.texts: list[str] = []
+        self.commands: list[tuple[int, tuple[int, bytes]]] = []
+        self.esc_frames = 0
+        self.escs_speak = True
+        self.escs = [EscNode(node, index) for index, node in enumerate(ESC_NODES)]
+        self._folder = folder
+        self._results: list[int] = []
+        self._gcs = Station(GCS, GCS_COMPONENT)
+        self._agents = (
+            Agent(Station(BOAT, NAVIGATION), Course(1.0, 2.0, 0.3), 50_000, beats=False),
+            Agent(Station(LEADER, LEADER_COMPONENT), TURN, 100_000),
+        )
+        for agent in self._agents:
+            agent.answers_timesync = True
+        self._peer: tuple[str, int] | None = None
+        self._start_us = self._due_us = now_us()
+
+    def __enter__(self) -> Self:
+        with ExitStack() as opened:
+            self.can = Can(_HEARD)
+            opened.callback(self.can.close)
+            self._udp = opened.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+            self._udp.bind(("127.0.0.1", 0))
+            self._udp.setblocking(False)
+            self.start()
+            opened.callback(self.kill)
+            self._opened = opened.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._opened.close()
+
+    def start(self) -> None:
+        """A new process, and waits until it talks."""
+        self._peer = None
+        self.process = subprocess.Popen(
+            [
+                FLOTILLAD,
+                f"--can=socketcan:{INTERFACE}",
+                f"--mavlink=udpout:127.0.0.1:{self._udp.getsockname()[1]}",
+                f"--param=MAV_SYSID={BOAT}",
+                f"--param=FORM_LEADER={LEADER}",
+                f"--state-dir={self._folder / 'state'}",
+                f"--stats={self._folder / 'stats.json'}",
+            ],
+            stdin=subprocess.DEVNULL,
+        )
+        try:
+            self.wait(lambda: self._peer is not None, "a word of the boat")
+        except BaseException:
+            self.kill()
+            raise
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+    def stop(self) -> dict[str, Any]:
+        """Asks the process to leave; the statistics that it leaves behind."""
+        self.process.terminate()
+        self.wait(lambda: self.process.poll() is not None, "end of the process")
+        assert self.process.returncode == 0
+        return dict(json.loads((self._folder / "stats.json").read_text()))
+
+    # Time
+
+    def run(self, seconds: float) -> None:
+        end_us = now_us() + round(1e6 * seconds)
+        while now_us() < end_us:
+            self._turn()
+
+    def count_commands(self, seconds: float) -> int:
+        """How many RawCommands come in that time, without those that wait already."""
+        self._hear_bus()
+        known = len(self.commands)
+        self.run(seconds)
+        return len(self.commands) - known
+
+    def wait(self, done: Callable[[], bool], what: str) -> None:
+        end_us = now_us() + round(1e6 * _PATIENCE_S)
+        while not done():
+            if now_us() > end_us:
+                said = "; ".join(self.texts[-3:])
+                raise AssertionError(f"no {what} after {_PATIENCE_S} s: {self.state}; {said}")
+            self._turn()
+
+    def _turn(self) -> None:
+        """Everybody says what is due, and hears what comes until the next step."""
+        t_us = now_us()
+        if t_us >= self._due_us:
+            self._due_us = t_us + _STEP_US
+            if self._peer is not None:  # what nobody hears is not repeated for a second
+                self._speak(t_us)
+        left_s = max(0.0, 1e-6 * (self._due_us - now_us()))
+        select.select([self._udp, self.can.socket], [], [], left_s)
+        self._hear_bus()
+        self._hear_link()
+
+    def _clock(self, t_us: int) -> int:
+        return t_us - self._start_us + START_US
+
+    def _speak(self, t_us: int) -> None:
+        for agent in self._agents:
+            self._say(agent.wire(self._clock(t_us)))
+        if not self.escs_speak:
+            return
+        for esc in self.escs:
+            for frame in esc.tick(t_us, 1000.0, 24.0, 1.0):
+                self.esc_frames += 1
+                self.can.send(*frame)
+
+    def _say(self, wire: bytes) -> None:
+        if wire and self._peer is not None:
+            with suppress(ConnectionRefusedError):  # it was killed
+                self._udp.sendto(wire, self._peer)
+
+    def _hear_bus(self) -> None:
+        t_us = now_us()
+        for frame in self.can.receive():
+            if type_of(frame[0]) == (False, RAW_COMMAND, NODE):
+                self.commands.append((t_us, frame))
+            for esc in self.escs:
+                esc.on_can(*frame, t_us)
+
+    def _hear_link(self) -> None:
+        chunks = []
+        with suppress(BlockingIOError, ConnectionRefusedError):
+            while True:
+                data, self._peer = self._udp.recvfrom(4096)
+                chunks.append(data)
+        for message in decode(chunks):
+            match message.get_type():
+                case "HEARTBEAT":
+                    self.state = _state_of(message)
+                case "STATUSTEXT":
+                    self.texts.append(message.text)
+                case "COMMAND_ACK":
+                    self._results.append(message.result)
+                case "TIMESYNC":
+                    for agent in self._agents:
+                        agent.hear([message], self._clock(now_us()))
+
+    # The operator
+
+    def order(self, command: int, *params: float) -> int:
+        """A COMMAND_LONG; its result."""
+        answered = len(self._results)
+        self._say(self._gcs.pack(command_long(command, *params)))
+        self.wait(lambda: len(self._results) > answered, "answer")
+        return self._results[-1]
+
+    def arm(self) -> bool:
+        return self.order(ARM, 1.0) == ACCEPTED
+
+    def disarm(self) -> None:
+        assert self.order(ARM, 0.0) == ACCEPTED
+        self.wait(lambda: self.state == "DISARMED", "DISARMED")
+
+    def arm_when_it_may(self) -> None:
+        """Asks until the boat is in HOLD."""
+        self._insist("HOLD", ARM, 1.0)
+
+    def enter_formation(self) -> None:
+        """From DISARMED, until the propellers turn."""
+        self.arm_when_it_may()
+        self._insist("FORMATION", SET_MODE, 1.0, FORMATION)
+        self.wait(self.drives, "thrust")
+
+    def _insist(self, state: str, command: int, *params: float) -> None:
+        asked_us = 0
+
+        def there() -> bool:
+            nonlocal asked_us
+            if self.state != state and now_us() - asked_us > _RETRY_US:
+                asked_us = now_us()
+                self._say(self._gcs.pack(command_long(command, *params)))
+            return self.state == state
+
+        self.wait(there, state)
+
+    def drives(self) -> bool:
+        """Whether the ESCs tell their motors to turn."""
+        t_us = now_us()
+        return all(esc.command(t_us) != 0.0 for esc in self.escs)
+
+    def rests(self) -> bool:
+        """Whether the ESCs tell their motors to stand still."""
+        t_us = now_us()
+        return all(esc.command(t_us) == 0.0 for esc in self.escs)
+
+
+def _state_of(heartbeat: Any) -> str:
+    if heartbeat.base_mode & ARMED_BIT:
+        return {FORMATION: "FORMATION", HOLD: "HOLD"}[heartbeat.custom_mode]
+    return "FAULT" if heartbeat.system_status == EMERGENCY else "DISARMED"
