@@ -141,9 +141,7 @@ void Boat<S>::answer(const PendingCommand& pending, std::int64_t now_us) {
     verdict = core::supervise(state_, asked.request, conditions_);
     if (!verdict.granted) result = mav::kTemporarilyRejected;
   }
-  links_.send(pending.link,
-              link::CommandAck{pending.command.command, result, pending.from.system,
-                               pending.from.component},
+  links_.send(pending.link, link::CommandAck{pending.command.command, result, pending.from},
               counters_);
   if (verdict.state != state_) enter(verdict.state, 0, now_us);
   if (!verdict.granted) refuse(asked.request, verdict.missing, now_us);

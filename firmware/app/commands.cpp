@@ -27,8 +27,10 @@ Asked set_mode(const link::CommandLong& c) {
   const float base = c.param[0];
   const bool custom =
       base >= 0.0F && base < 256.0F && (static_cast<unsigned>(base) & mav::kModeFlagCustom) != 0;
-  if (custom && c.param[1] == float{mode::kHold}) return {Request::kHold, mav::kAccepted};
-  if (custom && c.param[1] == float{mode::kFormation}) return {Request::kFormation, mav::kAccepted};
+  if (custom && c.param[1] == static_cast<float>(mode::kHold))
+    return {Request::kHold, mav::kAccepted};
+  if (custom && c.param[1] == static_cast<float>(mode::kFormation))
+    return {Request::kFormation, mav::kAccepted};
   return {Request::kNone, mav::kDenied};
 }
 
@@ -70,7 +72,7 @@ bool addressed_to(const link::CommandLong& command, const Parameters& p) {
   const auto fits = [](std::uint8_t target, float self) {
     return target == 0 || static_cast<float>(target) == self;
   };
-  return fits(command.target_system, p.MAV_SYSID) && fits(command.target_component, p.MAV_COMPID);
+  return fits(command.target.system, p.MAV_SYSID) && fits(command.target.component, p.MAV_COMPID);
 }
 
 }  // namespace flotilla::app

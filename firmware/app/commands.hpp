@@ -14,14 +14,9 @@
 
 namespace flotilla::app {
 
-/// ArduPilot Rover's numbers, which clients name by vehicle type.
-namespace mode {
-constexpr std::uint32_t kHold = 4, kFormation = 6;
-}
-
 struct PendingCommand {
   std::size_t link = 0;
-  link::Sender from{};
+  link::Address from{};
   link::CommandLong command{};
 };
 

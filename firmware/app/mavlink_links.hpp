@@ -18,7 +18,7 @@ constexpr std::size_t kMaxLinks = 4;
 class MavlinkLinks {
  public:
   /// count: 1 … kMaxLinks
-  MavlinkLinks(std::size_t count, link::Sender self) : count_(count) {
+  MavlinkLinks(std::size_t count, link::Address self) : count_(count) {
     for (Link& link : links_) link.encoder = link::MavlinkEncoder(self);
   }
 

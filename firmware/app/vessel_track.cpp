@@ -14,7 +14,7 @@ constexpr std::int64_t kHeadingUsable_us = 300'000;
 }  // namespace
 
 template <class S>
-bool VesselTrack<S>::mine(link::Sender from) const {
+bool VesselTrack<S>::mine(link::Address from) const {
   return from.system == identity_.system && from.component != identity_.ignored_component &&
          from.component != 0;
 }
@@ -170,7 +170,7 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
 }
 
 template <class S>
-void VesselTrack<S>::answered(link::Sender from, std::int64_t sent_us, std::int64_t read_us,
+void VesselTrack<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                               std::int64_t now_us) {
   if (!mine(from) || from.component != component_ || !stamp_us_) return;
   const bool wraps = source_ == Source::kLocalPosition;

@@ -33,7 +33,8 @@ class VesselTrack {
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
-  void answered(link::Sender from, std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us);
+  void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                std::int64_t now_us);
 
   /// Time since the state was true, not since it came; nothing where none is known.
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
@@ -65,7 +66,7 @@ class VesselTrack {
     convert::HeadingSample sample{};
   };
 
-  bool mine(link::Sender from) const;
+  bool mine(link::Address from) const;
   bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
   void take(const link::Odometry& message, std::uint8_t component, std::int64_t now_us,
             link::Counters& counters);

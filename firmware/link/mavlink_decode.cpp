@@ -16,7 +16,7 @@ struct Header {
   std::size_t payload_bytes;
   std::size_t frame_bytes;
   std::uint32_t id;
-  Sender from;
+  Address from;
 };
 
 /// Reads a frame's header; nothing while it is not whole.
@@ -105,13 +105,12 @@ Message read_message(const mavlink_message_t& m) {
       const auto w = decoded<mavlink_command_long_t>(m, mavlink_msg_command_long_decode);
       return CommandLong{w.command,
                          {w.param1, w.param2, w.param3, w.param4, w.param5, w.param6, w.param7},
-                         w.target_system,
-                         w.target_component,
+                         {w.target_system, w.target_component},
                          w.confirmation};
     }
     case MAVLINK_MSG_ID_COMMAND_ACK: {
       const auto w = decoded<mavlink_command_ack_t>(m, mavlink_msg_command_ack_decode);
-      return CommandAck{w.command, w.result, w.target_system, w.target_component};
+      return CommandAck{w.command, w.result, {w.target_system, w.target_component}};
     }
     case MAVLINK_MSG_ID_STATUSTEXT: {
       const auto w = decoded<mavlink_statustext_t>(m, mavlink_msg_statustext_decode);

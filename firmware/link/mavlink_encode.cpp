@@ -10,7 +10,7 @@ namespace {
 
 /// Packs each message with the generated entry points that keep their state in `status`.
 struct Packer {
-  Sender self;
+  Address self;
   mavlink_status_t& status;
   mavlink_message_t& m;
 
@@ -19,6 +19,10 @@ struct Packer {
     encode(self.system, self.component, &status, &m, &wire);
   }
 
+  template <class Unpacked>
+  void operator()(const Unpacked&) const {
+    m.len = 0;
+  }
   void operator()(const std::monostate&) const {}
   void operator()(const Heartbeat& h) const {
     mavlink_heartbeat_t w{};
@@ -67,16 +71,16 @@ struct Packer {
   void operator()(const CommandLong& c) const {
     put(mavlink_msg_command_long_encode_status,
         mavlink_command_long_t{c.param[0], c.param[1], c.param[2], c.param[3], c.param[4],
-                               c.param[5], c.param[6], c.command, c.target_system,
-                               c.target_component, c.confirmation});
+                               c.param[5], c.param[6], c.command, c.target.system,
+                               c.target.component, c.confirmation});
   }
   void operator()(const CommandAck& a) const {
     mavlink_command_ack_t w{};
     w.command = a.command;
     w.result = a.result;
     w.progress = 255;  // not used
-    w.target_system = a.target_system;
-    w.target_component = a.target_component;
+    w.target_system = a.target.system;
+    w.target_component = a.target.component;
     put(mavlink_msg_command_ack_encode_status, w);
   }
   void operator()(const NamedValueFloat& n) const {

@@ -14,14 +14,14 @@ namespace flotilla::link {
 class MavlinkEncoder {
  public:
   MavlinkEncoder() = default;
-  explicit MavlinkEncoder(Sender self) : self_(self) {}
+  explicit MavlinkEncoder(Address self) : self_(self) {}
 
   /// Writes one frame; its length, or 0 (and nothing written, no number used) where `out` is
   /// too short or the message is std::monostate.
   std::size_t encode(const Message& message, std::span<std::uint8_t> out);
 
  private:
-  Sender self_{};
+  Address self_{};
   std::uint8_t sequence_ = 0;
 };
 

@@ -148,8 +148,8 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
     const auto acks = h.template all<link::CommandAck>(1);
     REQUIRE(acks.size() == 1);
     CHECK(acks[0].command == number);
-    CHECK(acks[0].target_system == 255);
-    CHECK(acks[0].target_component == 190);
+    CHECK(acks[0].target.system == 255);
+    CHECK(acks[0].target.component == 190);
     h.sail(0.5);
     CHECK(h.template all<link::CommandAck>(1).empty());
     return acks[0].result;

@@ -26,7 +26,7 @@ template <class S>
 struct Watch {
   VesselTrack<S> track{{5, 0}};
   link::Counters counters;
-  void hear(const link::Message& message, std::int64_t now_us, link::Sender from = {5, 1}) {
+  void hear(const link::Message& message, std::int64_t now_us, link::Address from = {5, 1}) {
     track.take({from, message}, now_us, counters);
   }
 };

@@ -84,10 +84,10 @@ inline std::vector<double> fields_of(const link::Message& message) {
   } else if (const auto* t = std::get_if<link::Timesync>(&message)) {
     put(t->tc1, t->ts1);
   } else if (const auto* c = std::get_if<link::CommandLong>(&message)) {
-    put(c->command, c->target_system, c->target_component, c->confirmation);
+    put(c->command, c->target.system, c->target.component, c->confirmation);
     for (const float x : c->param) put(x);
   } else if (const auto* k = std::get_if<link::CommandAck>(&message)) {
-    put(k->command, k->result, k->target_system, k->target_component);
+    put(k->command, k->result, k->target.system, k->target.component);
   } else if (const auto* s = std::get_if<link::Statustext>(&message)) {
     put(s->severity);
     for (const char x : s->text) put(x);

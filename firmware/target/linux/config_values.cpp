@@ -71,10 +71,10 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
   // Beyond float's range a conversion would be undefined.
   const bool fits = value && std::abs(*value) <= double{std::numeric_limits<float>::max()};
   if (fits && app::is_valid(*info, static_cast<float>(*value))) return static_cast<float>(*value);
-  const bool is_sign = info->integer && info->least == -1.0F && info->greatest == 1.0F;
+  const bool is_sign = info->kind == app::ParameterKind::kSign;
   throw ValueError(std::string(name) + " = " + std::string(text) + " (allowed: " +
                    (is_sign ? std::string("-1 or 1")
-                            : std::string(info->integer ? "whole numbers " : "numbers ") + "from " +
+                            : std::string(info->whole() ? "whole numbers " : "numbers ") + "from " +
                                   short_text(info->least) + " to " + short_text(info->greatest)) +
                    (info->unit.empty() ? "" : " " + std::string(info->unit)) + ")");
 }

@@ -88,7 +88,7 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
   loaded.must_be_confirmed = true;
   loaded.notes.push_back(where + ": " + std::string(info->name) + " = " + std::string(text) +
                          " is refused (allowed: " + number_text(info->least) + " to " +
-                         number_text(info->greatest) + (info->integer ? ", whole" : "") +
+                         number_text(info->greatest) + (info->whole() ? ", whole" : "") +
                          "); default " + number_text(info->default_value));
 }
 

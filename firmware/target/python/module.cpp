@@ -62,12 +62,12 @@ app::Parameters parameters_from(const nb::dict& values) {
     double wanted = 0;
     const bool is_number = nb::try_cast(value, wanted);
     if (!is_number || !app::is_valid(*info, static_cast<float>(wanted))) {
-      const std::string kind = info->integer ? "a whole number" : "a number";
+      const std::string kind = info->whole() ? "a whole number" : "a number";
       const std::string unit = info->unit.empty() ? "" : " " + std::string(info->unit);
       throw nb::value_error((name + " = " + nb::cast<std::string>(nb::str(value)) +
                              " is out of range: " + kind + " from " + number(info->least) + " to " +
                              number(info->greatest) + unit +
-                             (info->integer && info->least < 0 ? ", not 0" : ""))
+                             (info->kind == app::ParameterKind::kSign ? ", not 0" : ""))
                                 .c_str());
     }
     parameters.*(info->member) = static_cast<float>(wanted);
@@ -235,7 +235,7 @@ nb::list parameter_list() {
     entry["default"] = info.default_value;
     entry["least"] = info.least;
     entry["greatest"] = info.greatest;
-    entry["integer"] = info.integer;
+    entry["integer"] = info.whole();
     entry["sentence"] = nb::str(info.sentence.data(), info.sentence.size());
     out.append(entry);
   }

@@ -70,7 +70,7 @@ TEST_CASE("every value comes back to the last bit") {
     for (const auto& info : app::kParameterList) {
       std::uniform_real_distribution<float> any(info.least, info.greatest);
       const float value = any(random);
-      if (!info.integer && app::is_valid(info, value)) p.*info.member = value;
+      if (!info.whole() && app::is_valid(info, value)) p.*info.member = value;
     }
     REQUIRE_FALSE(save_parameters(folder / "p", p, {}));
     const auto loaded = load_parameters(folder / "p");
