@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <initializer_list>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include "link/mavlink_decode.hpp"
 #include "link/mavlink_encode.hpp"
@@ -29,6 +30,16 @@ class MavlinkLinks {
   /// Telemetry on this link keeps to so many bytes a second; 0: no limit.
   void limit(std::size_t link, std::uint32_t bytes_per_s) { links_[link].rate_Bps = bytes_per_s; }
 
+  std::uint32_t limit(std::size_t link) const { return links_[link].rate_Bps; }
+
+  /// Whether telemetry may be sent now, a whole tick's worth at once; what follows earns it back.
+  bool has_credit(std::size_t link) const {
+    return links_[link].rate_Bps == 0 || links_[link].credit > 0;
+  }
+
+  /// Bytes that still fit into this tick's output.
+  std::size_t room(std::size_t link) const { return links_[link].bytes.size() - links_[link].size; }
+
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
     Link& l = links_[link];
@@ -42,13 +53,39 @@ class MavlinkLinks {
     for (std::size_t link = 0; link < count_; ++link) send(link, message, counters);
   }
 
-  /// Messages that belong together; a link that has no credit left passes them over.
-  void broadcast_telemetry(std::initializer_list<link::Message> messages,
-                           link::Counters& counters) {
-    for (std::size_t link = 0; link < count_; ++link) {
-      if (links_[link].rate_Bps != 0 && links_[link].credit <= 0) continue;
-      for (const link::Message& message : messages) send(link, message, counters);
+  /// Another's frame, unchanged, with the next tick.
+  void forward(std::size_t link, std::span<const std::uint8_t> frame, link::Counters& counters) {
+    Link& l = links_[link];
+    if (frame.size() > l.forwarded.size() - l.forwarded_size) {
+      ++counters.mavlink_not_sent;
+      return;
     }
+    std::copy(frame.begin(), frame.end(), l.forwarded.data() + l.forwarded_size);
+    l.forwarded_size += frame.size();
+  }
+
+  /// Whether a heartbeat under our own ids is one that we sent ourselves, heard again (a broadcast
+  /// comes back to the link that listens for broadcasts).
+  bool is_echo(const link::Received& heartbeat) const {
+    for (const Link& link : links_) {
+      for (const auto sequence : link.beats) {
+        if (sequence == heartbeat.sequence) return true;
+      }
+    }
+    return false;
+  }
+
+  /// A heartbeat of ours to every link.
+  void beat(const link::Heartbeat& heartbeat, link::Counters& counters) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      send(i, heartbeat, counters);
+      links_[i].beats = {links_[i].beats[1], links_[i].encoder.last_sequence()};
+    }
+  }
+
+  /// Under another system id from now on.
+  void rename(link::Address self) {
+    for (Link& link : links_) link.encoder.rename(self);
   }
 
   std::span<const std::uint8_t> bytes(std::size_t link) const {
@@ -58,7 +95,9 @@ class MavlinkLinks {
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t dt_us) {
     for (Link& link : links_) {
-      link.size = 0;
+      std::copy_n(link.forwarded.begin(), link.forwarded_size, link.bytes.begin());
+      link.size = std::exchange(link.forwarded_size, 0);
+      link.credit -= static_cast<std::int64_t>(link.size) * kSecond_us;
       // Half a second's worth may be saved up.
       const std::int64_t most = std::int64_t{link.rate_Bps} * kSecond_us / 2;
       const std::int64_t earned = std::int64_t{link.rate_Bps} * std::min(dt_us, kSecond_us);
@@ -70,8 +109,11 @@ class MavlinkLinks {
   struct Link {
     link::MavlinkDecoder decoder;
     link::MavlinkEncoder encoder;
-    std::array<std::uint8_t, 1024> bytes{};
+    std::array<std::uint8_t, 1400> bytes{};  // a datagram that no network cuts up
     std::size_t size = 0;
+    std::array<std::uint8_t, 700> forwarded{};
+    std::size_t forwarded_size = 0;
+    std::array<std::optional<std::uint8_t>, 2> beats{};  // sequence numbers of the last heartbeats
     std::uint32_t rate_Bps = 0;
     std::int64_t credit = 0;  // bytes × 10⁶
   };

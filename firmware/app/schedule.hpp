@@ -10,6 +10,8 @@ namespace flotilla::app {
 /// Due on a grid that begins with the first question; after a gap, once, and the grid begins anew.
 class Schedule {
  public:
+  Schedule() = default;
+
   /// Interval 0: never. `early_us`: half a tick, so that a loop's jitter does not skip a turn.
   explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
       : interval_us_(interval_us), early_us_(early_us) {}
@@ -22,9 +24,15 @@ class Schedule {
     return true;
   }
 
+  /// Due at once, and the grid begins anew.
+  void hurry() { next_us_.reset(); }
+
+  /// From the next turn on.
+  void stretch(std::int64_t interval_us) { interval_us_ = interval_us; }
+
  private:
-  std::int64_t interval_us_;
-  std::int64_t early_us_;
+  std::int64_t interval_us_ = 0;
+  std::int64_t early_us_ = 0;
   std::optional<std::int64_t> next_us_;
 };
 

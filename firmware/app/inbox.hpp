@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What was asked since the last tick, kept until the tick that answers it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "app/commands.hpp"
+#include "link/counters.hpp"
+
+namespace flotilla::app {
+
+struct Letter {
+  std::size_t link = 0;
+  link::Received received{};
+};
+
+/// First come first served; one too many is counted, its sender repeats it. A disarm is never one
+/// too many.
+class Inbox {
+ public:
+  void push(std::size_t link, const link::Received& received, link::Counters& counters) {
+    if (count_ < letters_.size()) {
+      letters_[count_++] = {link, received};
+      return;
+    }
+    ++counters.requests_dropped;
+    const auto command = command_of(received.message);
+    if (command && is_disarm(*command)) letters_.back() = {link, received};
+  }
+
+  std::span<const Letter> letters() const { return {letters_.data(), count_}; }
+  void clear() { count_ = 0; }
+
+ private:
+  std::array<Letter, 24> letters_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace flotilla::app
