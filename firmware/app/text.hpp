@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <string_view>
 
@@ -12,19 +13,41 @@
 namespace flotilla::app {
 
 inline std::string_view name_of(core::State state) {
-  constexpr std::array<std::string_view, core::kStates> kNames{"DISARMED", "HOLD", "FORMATION",
-                                                               "FAULT"};
+  constexpr std::array<std::string_view, core::kStates> kNames{"DISARMED",  "HOLD", "MANUAL",
+                                                               "FORMATION", "TEST", "FAULT"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
-/// What is wrong, in words: the first condition of the set, or nothing for none.
+struct Complaint {
+  core::Conditions condition;
+  std::string_view sentence;
+};
+
+/// What is wrong where a condition is not met, the most important first.
+constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
+    {core::kSoleController, "another controller on the CAN bus"},
+    {core::kBusUp, "CAN bus is down"},
+    {core::kOwnFresh, "own state is not fresh"},
+    {core::kEscsOnline, "ESCs are not online"},
+    {core::kLeaderFresh, "leader's state is not fresh"},
+    {core::kParametersSaved, "parameters are not saved"},
+    {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
+    {core::kTestRunning, "no motor test is running"},
+}};
+
+/// Calls f(sentence) for every condition of the set, the most important first.
+template <class F>
+void for_each_complaint(core::Conditions unmet, F f) {
+  for (const Complaint& complaint : kComplaints) {
+    if ((unmet & complaint.condition) != 0) f(complaint.sentence);
+  }
+}
+
+/// The most important of them, or nothing for none.
 inline std::string_view complaint_of(core::Conditions unmet) {
-  if ((unmet & core::kSoleController) != 0) return "another controller on the CAN bus";
-  if ((unmet & core::kBusUp) != 0) return "CAN bus is down";
-  if ((unmet & core::kOwnFresh) != 0) return "own state is not fresh";
-  if ((unmet & core::kEscsOnline) != 0) return "ESCs are not online";
-  if ((unmet & core::kLeaderFresh) != 0) return "leader's state is not fresh";
-  if ((unmet & core::kParametersSaved) != 0) return "parameters are not saved";
+  for (const Complaint& complaint : kComplaints) {
+    if ((unmet & complaint.condition) != 0) return complaint.sentence;
+  }
   return {};
 }
 

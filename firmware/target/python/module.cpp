@@ -28,7 +28,9 @@ constexpr std::array<std::pair<core::Conditions, const char*>, core::kConditionC
                      {core::kEscsOnline, "escs_online"},
                      {core::kBusUp, "bus_up"},
                      {core::kSoleController, "sole_controller"},
-                     {core::kParametersSaved, "parameters_saved"}}};
+                     {core::kParametersSaved, "parameters_saved"},
+                     {core::kSticksFresh, "sticks_fresh"},
+                     {core::kTestRunning, "test_running"}}};
 
 struct TickOutput {
   nb::list mavlink;
@@ -253,8 +255,8 @@ nb::list condition_names(core::Conditions set) {
 }
 
 nb::list supervisor_table() {
-  constexpr std::array<const char*, core::kRequests> kRequestNames{"nothing", "disarm", "arm",
-                                                                   "HOLD", "FORMATION"};
+  constexpr std::array<const char*, core::kRequests> kRequestNames{
+      "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate"};
   nb::list out;
   for (const core::Row& row : core::kTable) {
     nb::list from;
