@@ -14,20 +14,21 @@ namespace flotilla::app {
 struct Letter {
   std::size_t link = 0;
   link::Received received{};
+  std::int64_t read_us = 0;
 };
 
 /// First come first served; one too many is counted, its sender repeats it. A disarm is never one
 /// too many.
 class Inbox {
  public:
-  void push(std::size_t link, const link::Received& received, link::Counters& counters) {
+  void push(const Letter& letter, link::Counters& counters) {
     if (count_ < letters_.size()) {
-      letters_[count_++] = {link, received};
+      letters_[count_++] = letter;
       return;
     }
     ++counters.requests_dropped;
-    const auto command = command_of(received.message);
-    if (command && is_disarm(*command)) letters_.back() = {link, received};
+    const auto command = command_of(letter.received.message);
+    if (command && is_disarm(*command)) letters_.back() = letter;
   }
 
   std::span<const Letter> letters() const { return {letters_.data(), count_}; }

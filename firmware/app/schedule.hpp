@@ -16,9 +16,13 @@ class Schedule {
   explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
       : interval_us_(interval_us), early_us_(early_us) {}
 
+  /// Whether its turn has come; due() says the same and takes it.
+  bool waits(std::int64_t now_us) const {
+    return interval_us_ > 0 && (!next_us_ || now_us + early_us_ >= *next_us_);
+  }
+
   bool due(std::int64_t now_us) {
-    if (interval_us_ <= 0) return false;
-    if (next_us_ && now_us + early_us_ < *next_us_) return false;
+    if (!waits(now_us)) return false;
     const bool on_grid = next_us_ && now_us - *next_us_ < interval_us_;
     next_us_ = (on_grid ? *next_us_ : now_us) + interval_us_;
     return true;

@@ -49,6 +49,14 @@ inline constexpr std::array kStreams{
     StreamInfo{link::mav::kExtendedSysStateId, 14, Pace::kOnRequest, 0, false},
 };
 
+/// Whether a companion, beside an autopilot, may send that message.
+constexpr bool is_companions(std::uint16_t id) {
+  for (const StreamInfo& info : kStreams) {
+    if (info.id == id) return info.companion;
+  }
+  return id != link::mav::kOdometryId;
+}
+
 /// Every link has intervals of its own, which a client may change.
 class Streams {
  public:
@@ -64,9 +72,7 @@ class Streams {
   /// As MESSAGE_INTERVAL says it: −1 where it is off, 0 where there is no such stream.
   std::int32_t interval_us(std::size_t link, std::uint16_t id) const;
 
-  bool due(std::size_t stream, std::size_t link, std::int64_t now_us) {
-    return turns_[stream][link].schedule.due(now_us);
-  }
+  Schedule& schedule(std::size_t stream, std::size_t link) { return turns_[stream][link].schedule; }
 
   /// That message once more at once, on every link that has it.
   void hurry(std::uint16_t id);

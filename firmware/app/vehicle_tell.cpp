@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// Vehicle, the part that speaks: heartbeat, streams, what clients are owed, sentences.
+#include <algorithm>
+
+#include "app/vehicle.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::State;
+
+constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
+// Per tick and link, beside the control tick's own traffic: files come at some 70 kB/s.
+constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
+
+std::uint8_t base_mode_of(State state) {
+  unsigned flags = mav::kModeFlagCustom;
+  if (core::armed(state)) flags |= mav::kModeFlagArmed;
+  if (state == State::kManual) flags |= mav::kModeFlagManual;
+  if (state == State::kFormation) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
+  if (state == State::kTest) flags |= mav::kModeFlagTest;
+  return static_cast<std::uint8_t>(flags);
+}
+
+std::uint8_t status_of(State state) {
+  if (state == State::kFault) return mav::kStateEmergency;
+  return core::armed(state) ? mav::kStateActive : mav::kStateStandby;
+}
+
+}  // namespace
+
+link::Heartbeat Vehicle::heartbeat() const {
+  const bool companion = identity_.companion();
+  return {static_cast<std::uint32_t>(parameters_.MODE),
+          companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
+          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric, base_mode_of(state_),
+          status_of(state_)};
+}
+
+void Vehicle::tell(const Report& report, link::Counters& counters) {
+  report_ = report;
+  if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
+  announce_ = false;
+  if (timesync_due_.due(now_us_)) {
+    const link::Timesync request = time_.ask(now_us_, self().system);
+    for (std::size_t link = 0; link < links_.count(); ++link) links_.send(link, request, counters);
+  }
+  tell_streams(counters);
+  tell_services(counters);
+}
+
+void Vehicle::tell_streams(link::Counters& counters) {
+  std::array<bool, kMaxLinks> may{};
+  for (std::size_t link = 0; link < links_.count(); ++link) may[link] = links_.has_credit(link);
+  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
+    const StreamInfo& info = kStreams[stream];
+    std::optional<link::Message> first;
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      if (!may[link] || links_.room(link) < info.bytes + link::kSignatureBlockBytes) continue;
+      Schedule& schedule = streams_.schedule(stream, link);
+      if (!schedule.waits(now_us_)) continue;
+      if (!first && !(first = compose(info.id, 0, report_))) break;  // nothing to tell yet
+      schedule.due(now_us_);
+      links_.send(link, *first, counters);
+      for (std::uint32_t turn = 1; const auto more = compose(info.id, turn, report_); ++turn) {
+        links_.send(link, *more, counters);
+      }
+    }
+  }
+}
+
+void Vehicle::tell_services(link::Counters& counters) {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    const auto may = [&] { return links_.room(link) >= kLargestFrame && links_.has_credit(link); };
+    for (int n = 0; n < kParametersPerTick && may(); ++n) {
+      const auto message = parameter_service_.next(link, parameters_);
+      if (!message) break;
+      links_.send(link, *message, counters);
+    }
+    for (int n = 0; n < kFtpPacketsPerTick && may(); ++n) {
+      const auto packet = ftp_.next(link);
+      if (!packet) break;
+      links_.send(link, *packet, counters);
+    }
+  }
+}
+
+void Vehicle::say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+                  link::Counters& counters) {
+  std::array<char, 200> text{};
+  std::size_t length = 0;
+  for (const std::string_view part : parts) {
+    const std::size_t n = std::min(part.size(), text.size() - length);
+    std::copy_n(part.begin(), n, text.begin() + static_cast<std::ptrdiff_t>(length));
+    length += n;
+  }
+  link::Statustext chunk{severity, {}};
+  // A NUL ends the last chunk, so a text that fills a chunk to the end needs one more.
+  const bool one_chunk = length <= chunk.text.size();
+  if (!one_chunk) chunk.id = ++text_id_ != 0 ? text_id_ : ++text_id_;
+  for (std::size_t at = 0; at == 0 || (!one_chunk && at <= length); at += chunk.text.size()) {
+    chunk.text = {};
+    const std::size_t n = std::min(chunk.text.size(), length - at);
+    std::copy_n(text.begin() + static_cast<std::ptrdiff_t>(at), n, chunk.text.begin());
+    for (std::size_t link = 0; link < links_.count(); ++link) links_.send(link, chunk, counters);
+    ++chunk.chunk_seq;
+  }
+}
+
+}  // namespace flotilla::app
