@@ -2,14 +2,12 @@
 #include "app/boat.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include "app/text.hpp"
+#include "core/manual.hpp"
 
 namespace flotilla::app {
 namespace {
-
-namespace mav = link::mav;
-using core::State;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 // ESCs want to see zeros after they were armed, before they are driven.
@@ -18,6 +16,13 @@ constexpr std::int64_t kArmedZeros_us = 200'000;
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
+
+template <class S>
+std::optional<double> age_of(const VesselTrack<S>& track, std::int64_t now_us) {
+  const auto age_us = track.age_us(now_us);
+  if (!age_us) return std::nullopt;
+  return convert::seconds<double>(*age_us);
+}
 
 }  // namespace
 
@@ -167,16 +172,16 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
   switch (state()) {
     case core::State::kManual: {
       const Sticks& sticks = vehicle_.sticks();
-      law_output_.tau =
-          core::stick_wrench(law_.propellers, static_cast<S>(sticks.surge), static_cast<S>(sticks.yaw));
+      law_output_.tau = core::stick_wrench(law_.propellers, static_cast<S>(sticks.surge),
+                                           static_cast<S>(sticks.yaw));
       law_output_.allocation = core::allocate(law_.propellers, law_output_.tau);
       break;
     }
     case core::State::kTest: {
       const MotorTest& test = *vehicle_.motor_test();
-      law_output_.allocation.thrust =
-          core::test_thrust(law_.propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
-                            static_cast<S>(test.share));
+      law_output_.allocation.thrust = core::test_thrust(
+          law_.propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
+          static_cast<S>(test.share));
       break;
     }
     default: {
@@ -218,8 +223,10 @@ std::optional<OwnReport> Boat<S>::own_report(std::int64_t now_us) const {
   if ((conditions_ & core::kOwnFresh) == 0) return std::nullopt;
   const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
   const core::Motion<S> then = core::moment_before(own_now_.motion, since_stamp);
-  OwnReport own{convert::boot_ms(now_us), {own_.position(), convert::motion_of<double>(then)}};
-  return own;
+  const convert::Position at = own_.position();
+  return OwnReport{convert::boot_ms(now_us),
+                   {at.north_m, at.east_m, convert::in_double(then), at.origin},
+                   own_.has_origin()};
 }
 
 template <class S>
@@ -232,14 +239,17 @@ Report Boat<S>::report(std::int64_t now_us) {
   out.self = vehicle_.self();
   out.own = own_report(now_us);
   const bool just_armed = core::armed(state()) && armed_us_ == now_us;
-  if (out.own && out.own->origin && (!home_ || just_armed)) home_ = convert::global_of(*out.own);
+  if (out.own && out.own->located && (!home_ || just_armed)) {
+    home_ = convert::global_of(own_.position(), own_now_.motion.moved_n);
+  }
   out.home = home_;
   if (seen()) {
-    const auto& [e, star] = std::pair(law_output_.error.e, law_output_.wanted.nu_star);
-    out.formation = FormationReport{convert::doubles(e), convert::doubles(star), missing()};
+    out.formation = FormationReport{convert::in_double(law_output_.error.e),
+                                    convert::in_double(law_output_.wanted.nu_star),
+                                    convert::in_double(law_output_.allocation.missing)};
   }
-  out.own_age_s = age_s(own_, now_us);
-  out.leader_age_s = age_s(leader_, now_us);
+  out.own_age_s = age_of(own_, now_us);
+  out.leader_age_s = age_of(leader_, now_us);
   const Parameters& p = parameters();
   out.escs = {EscReport{byte_of(p.ESC_PORT), can_.esc_status(byte_of(p.ESC_PORT), now_us)},
               EscReport{byte_of(p.ESC_STBD), can_.esc_status(byte_of(p.ESC_STBD), now_us)}};
@@ -249,24 +259,19 @@ Report Boat<S>::report(std::int64_t now_us) {
 
 template <class S>
 Snapshot Boat<S>::snapshot() const {
-  const auto age_s = [&](const VesselTrack<S>& track) -> std::optional<double> {
-    const auto age = last_tick_us_ ? track.age_us(*last_tick_us_) : std::nullopt;
-    if (!age) return std::nullopt;
-    return convert::seconds<double>(*age);
+  const auto age_s = [&](const VesselTrack<S>& track) {
+    return last_tick_us_ ? age_of(track, *last_tick_us_) : std::nullopt;
   };
   const auto& law = law_output_;
-  const auto& e = law.error.e;
-  const auto& star = law.wanted.nu_star;
-  constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
-  return {state_,
+  return {state(),
           conditions_,
           age_s(own_),
           age_s(leader_),
-          (conditions_ & kSeen) == kSeen,
-          {double(e.x), double(e.y), double(e.psi)},
-          {double(star.u), double(star.v), double(star.r)},
-          {double(law.tau.X), double(law.tau.N)},
-          {double(thrust_.given.X), double(thrust_.given.N)},
+          seen(),
+          convert::in_double(law.error.e),
+          convert::in_double(law.wanted.nu_star),
+          convert::in_double(law.tau),
+          convert::in_double(thrust_.given),
           {double(thrust_.thrust.port), double(thrust_.thrust.stbd)},
           law.allocation.surge_limited,
           law.allocation.yaw_limited,

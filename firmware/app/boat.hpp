@@ -54,7 +54,7 @@ class Boat {
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
   /// For the host that is about to leave: the ticks after it send zeros and ArmingStatus 0.
-  void disarm() { vehicle_.disarm(counters_); }
+  void disarm() { vehicle_.disarm(); }
 
   /// Holds until the next report; without one, all is well.
   void on_host(const HostReport& report) { host_ = report; }
@@ -85,6 +85,10 @@ class Boat {
   core::Encounter<S> encounter(std::int64_t now_us) const;
   void supervise(std::int64_t now_us);
   void configure();
+  bool seen() const {
+    constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
+    return (conditions_ & kSeen) == kSeen;
+  }
   bool may_drive(std::int64_t now_us) const;
   core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
@@ -93,6 +97,7 @@ class Boat {
   void complain(std::int64_t now_us);
 
   Vehicle vehicle_;
+  float tick_rate_Hz_;
   core::ControllerParams<S> law_;
   core::ControllerState<S> law_state_{};
   core::ControllerOutput<S> law_output_{};

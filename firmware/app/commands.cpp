@@ -83,9 +83,8 @@ Asked message_rate(const Command& c) {
   const double interval = c.param[1];
   if (!id || !(interval >= -1 && interval <= kLongestInterval_us)) return denied();
   Asked asked{mav::kAccepted};
-  asked.rate =
-      MessageRate{static_cast<std::uint16_t>(*id),
-                  interval < 0 ? -1 : static_cast<std::int64_t>(std::ceil(interval))};
+  asked.rate = MessageRate{static_cast<std::uint16_t>(*id),
+                           interval < 0 ? -1 : static_cast<std::int64_t>(std::ceil(interval))};
   return asked;
 }
 
@@ -112,9 +111,7 @@ std::optional<Command> command_of(const link::Message& message) {
   return std::nullopt;
 }
 
-bool is_disarm(const Command& c) {
-  return c.id == mav::kCmdComponentArmDisarm && c.param[0] == 0;
-}
+bool is_disarm(const Command& c) { return c.id == mav::kCmdComponentArmDisarm && c.param[0] == 0; }
 
 std::optional<core::Request> request_of_mode(double custom_mode) {
   if (custom_mode == mode::kManual) return Request::kManual;

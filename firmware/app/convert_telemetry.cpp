@@ -10,7 +10,7 @@ namespace {
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
 struct Slot {
-  double north_m, east_m;  ///< from the own origin
+  double north_m, east_m;   ///< from the own origin
   core::Vec2<double> to_n;  ///< from the boat to it
 };
 
@@ -56,8 +56,7 @@ link::NavControllerOutput nav_controller_output_of(const OwnState<double>& state
 }
 
 link::PositionTargetLocalNed slot_of(const OwnState<double>& state,
-                                     const core::Error<double>& error,
-                                     std::uint32_t time_boot_ms) {
+                                     const core::Error<double>& error, std::uint32_t time_boot_ms) {
   constexpr std::uint16_t kNotVelocity = 8 | 16 | 32, kNotAcceleration = 64 | 128 | 256,
                           kNotYawRate = 2048;
   const Slot slot = slot_from(state, error);

@@ -11,6 +11,27 @@
 
 namespace flotilla::app::convert {
 
+/// The law's numbers in the one scalar that telemetry has.
+template <class S>
+core::Nu<double> in_double(const core::Nu<S>& nu) {
+  return {double(nu.u), double(nu.v), double(nu.r)};
+}
+template <class S>
+core::Tau<double> in_double(const core::Tau<S>& tau) {
+  return {double(tau.X), double(tau.N)};
+}
+template <class S>
+core::Error<double> in_double(const core::Error<S>& e) {
+  return {double(e.x), double(e.y), double(e.psi)};
+}
+template <class S>
+core::Motion<double> in_double(const core::Motion<S>& m) {
+  return {{double(m.moved_n.x), double(m.moved_n.y)},
+          double(m.psi),
+          in_double(m.nu),
+          in_double(m.nu_dot)};
+}
+
 /// LOCAL_NED, velocity in BODY_FRD. Only for who asks: an autopilot that hears it takes it for its
 /// own external vision.
 link::Odometry odometry_of(const OwnState<double>& state, std::uint32_t time_boot_ms);

@@ -67,10 +67,9 @@ void Streams::radio_has_room(std::size_t link, std::uint8_t percent) {
 }
 
 std::size_t Streams::find(std::uint16_t id) const {
-  const auto* const found =
-      std::find_if(kStreams.begin(), kStreams.end(), [&](const StreamInfo& info) {
-        return info.id == id && (info.companion || !companion_);
-      });
+  const auto* const found = std::find_if(
+      kStreams.begin(), kStreams.end(),
+      [&](const StreamInfo& info) { return info.id == id && (info.companion || !companion_); });
   return static_cast<std::size_t>(found - kStreams.begin());
 }
 

@@ -37,7 +37,7 @@ link::SysStatus sys_status(const Report& r) {
   std::uint32_t health = mav::kSensorGeofence;  // there is none to be broken
   if ((r.conditions & core::kOwnFresh) != 0) health |= kSensors;
   if ((r.conditions & core::kPropulsion) == core::kPropulsion) health |= kMotors;
-  if ((r.conditions & core::kArm) == core::kArm) health |= mav::kSensorPrearm;
+  if ((r.conditions & core::kArming) == core::kArming) health |= mav::kSensorPrearm;
   const std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
   const auto battery = convert::battery_of(r.escs[0].status, r.escs[1].status);
   return {present, present, health, 0, battery.voltage_mV, battery.current_cA, -1};
@@ -48,7 +48,7 @@ link::AutopilotVersion autopilot_version(const Report& r) {
   version.capabilities = kCapabilities;
   version.uid = kUidFamily | r.self.system;
   version.flight_sw_version = std::uint32_t{kVersionMajor} << 24U | std::uint32_t{kVersionMinor}
-                                                                         << 16U;
+                                                                        << 16U;
   const std::string_view revision = source_revision();
   std::copy_n(revision.begin(), std::min(revision.size(), version.flight_custom_version.size()),
               version.flight_custom_version.begin());
@@ -169,17 +169,17 @@ std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own,
     default:
       break;
   }
-  if (!own.origin) return std::nullopt;
+  if (!own.located) return std::nullopt;
   switch (id) {
     case mav::kGpsGlobalOriginId: {
-      link::GpsGlobalOrigin origin = *own.origin;
+      link::GpsGlobalOrigin origin = own.state.origin;
       origin.time_usec = static_cast<std::uint64_t>(r.now_us);
       return origin;
     }
     case mav::kGlobalPositionIntId:
-      return convert::global_position_of(own.state, *own.origin, own.time_boot_ms);
+      return convert::global_position_of(own.state, own.time_boot_ms);
     case mav::kFollowTargetId:
-      return convert::follow_target_of(own.state, *own.origin, own.time_boot_ms);
+      return convert::follow_target_of(own.state, own.time_boot_ms);
     default:
       return std::nullopt;
   }
@@ -208,7 +208,13 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
       return link::SystemTime{static_cast<std::uint64_t>(r.unix_us), boot_ms(r)};
     case mav::kHomePositionId:
       if (!r.home) return std::nullopt;
-      return link::HomePosition{r.home->lat, r.home->lon, 0, 0, 0, 0, {1, 0, 0, 0},
+      return link::HomePosition{r.home->latitude,
+                                r.home->longitude,
+                                0,
+                                0,
+                                0,
+                                0,
+                                {1, 0, 0, 0},
                                 static_cast<std::uint64_t>(r.now_us)};
     case mav::kAutopilotVersionId:
       return autopilot_version(r);

@@ -16,7 +16,7 @@ namespace flotilla::app {
 struct OwnReport {
   std::uint32_t time_boot_ms = 0;
   convert::OwnState<double> state{};
-  std::optional<link::GpsGlobalOrigin> origin;  ///< of the local frame, where it is known
+  bool located = false;  ///< where on the globe the local frame's origin is, is known
 };
 
 /// Of both propellers' ESCs, where they are heard.

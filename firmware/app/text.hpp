@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
 #include <string_view>
 
 #include "core/supervisor.hpp"
@@ -51,23 +50,17 @@ inline std::string_view complaint_of(core::Conditions unmet) {
   return {};
 }
 
-/// Parts joined; what exceeds 50 characters is cut off.
-inline link::Statustext text_of(std::uint8_t severity,
-                                std::initializer_list<std::string_view> parts) {
-  link::Statustext message{severity, {}};
-  std::size_t length = 0;
-  for (const std::string_view part : parts) {
-    const std::size_t n = std::min(part.size(), message.text.size() - length);
-    std::copy_n(part.begin(), n, message.text.begin() + static_cast<std::ptrdiff_t>(length));
-    length += n;
-  }
-  return message;
+/// What fits of a text, the rest NUL.
+template <std::size_t N>
+void put_text(link::Text<N>& out, std::string_view text) {
+  out = {};
+  std::copy_n(text.begin(), std::min(text.size(), N), out.begin());
 }
 
 /// A number with a name of up to 10 characters, for plots.
 inline link::NamedValueFloat value_of(std::string_view name, float value, std::uint32_t boot_ms) {
   link::NamedValueFloat message{boot_ms, value, {}};
-  std::copy_n(name.begin(), std::min(name.size(), message.name.size()), message.name.begin());
+  put_text(message.name, name);
   return message;
 }
 

@@ -63,10 +63,7 @@ std::optional<link::Received> Vehicle::next(std::size_t link, std::int64_t now_u
   while (const auto received = links_.next(link, counters)) {
     const auto* beat = std::get_if<link::Heartbeat>(&received->message);
     if (received->from == self()) {
-      if (beat != nullptr && !links_.is_echo(*received) && double_due_.due(now_us)) {
-        say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
-            counters);
-      }
+      double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(*received));
       continue;
     }
     router_.heard(received->from, link);
@@ -137,6 +134,9 @@ void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
 void Vehicle::answer(std::int64_t now_us, link::Counters& counters) {
   for (const Letter& letter : inbox_.letters()) answer(letter, now_us, counters);
   inbox_.clear();
+  if (std::exchange(disarm_, false) && state_ != State::kDisarmed) {
+    enter(State::kDisarmed, 0, counters);
+  }
 }
 
 void Vehicle::answer(const Letter& letter, std::int64_t now_us, link::Counters& counters) {
@@ -179,8 +179,8 @@ void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t
     verdict = ask(asked, now_us);
     if (!verdict.granted) asked.result = mav::kTemporarilyRejected;
   }
-  if (asked.rate && !streams_.set(link, asked.rate->id, asked.rate->interval_us,
-                                  links_.limit(link))) {
+  if (asked.rate &&
+      !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.limit(link))) {
     asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.message && !first_of(link, *asked.message)) {
@@ -246,8 +246,8 @@ void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
     parameter_service_.refuse(link, received.from, asked, mav::kParamPermissionDenied);
     return;
   }
-  const SetResult result = parameter_service_.set(link, received.from, asked, parameters_,
-                                                  core::armed(state_));
+  const SetResult result =
+      parameter_service_.set(link, received.from, asked, parameters_, core::armed(state_));
   switch (result.what) {
     case SetResult::What::kSet:
       changed_ = true;
@@ -291,9 +291,8 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     say(mav::kSeverityWarning, {what, why}, counters);
     return;
   }
-  for_each_complaint(missing, [&](std::string_view why) {
-    say(mav::kSeverityWarning, {what, why}, counters);
-  });
+  for_each_complaint(
+      missing, [&](std::string_view why) { say(mav::kSeverityWarning, {what, why}, counters); });
 }
 
 void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {

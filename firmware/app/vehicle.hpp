@@ -71,9 +71,8 @@ class Vehicle {
   void say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
            link::Counters& counters);
 
-  void disarm(link::Counters& counters) {
-    if (state_ != core::State::kDisarmed) enter(core::State::kDisarmed, 0, counters);
-  }
+  /// With the next tick, whatever else was asked.
+  void disarm() { disarm_ = true; }
 
   core::State state() const { return state_; }
   link::Address self() const { return identity_.self(); }
@@ -126,7 +125,9 @@ class Vehicle {
   std::int64_t test_end_us_ = 0;
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
-  bool announce_ = false;  // a heartbeat at once: the state has changed
+  bool disarm_ = false;
+  bool double_seen_ = false;  // another sender under our ids
+  bool announce_ = false;     // a heartbeat at once: the state has changed
   std::uint16_t text_id_ = 0;
   std::int64_t now_us_ = 0;
 

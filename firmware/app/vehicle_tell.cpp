@@ -46,6 +46,10 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
     const link::Timesync request = time_.ask(now_us_, self().system);
     for (std::size_t link = 0; link < links_.count(); ++link) links_.send(link, request, counters);
   }
+  if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
+    say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
+        counters);
+  }
   tell_streams(counters);
   tell_services(counters);
 }

@@ -49,6 +49,7 @@ constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController;
 constexpr Conditions kDrive = kOwnFresh | kLeaderFresh | kPropulsion;
 // No own state: a boat that lost its navigation can be driven home.
 constexpr Conditions kManualDrive = kSticksFresh | kPropulsion;
+constexpr Conditions kArming = kOwnFresh | kPropulsion | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kPropulsion;
 constexpr Conditions kAllConditions = kDrive | kManualDrive | kTestDrive | kParametersSaved;
 
@@ -75,8 +76,7 @@ constexpr std::array<Row, 18> kTable{{
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kFormation), Request::kNone, 0, kOwnFresh | kLeaderFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
-    {in(State::kDisarmed), Request::kArm, kOwnFresh | kPropulsion | kParametersSaved, 0,
-     State::kHold},
+    {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
     {in(State::kHold, State::kFormation), Request::kManual, kManualDrive, 0, State::kManual},
     {in(State::kHold, State::kManual), Request::kFormation, kDrive, 0, State::kFormation},
