@@ -298,8 +298,11 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
 void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {
   if (state != State::kTest) test_.reset();
   state_ = state;
-  const std::string_view why = complaint_of(missing);
-  const std::uint8_t severity = missing != 0 ? mav::kSeverityError : mav::kSeverityInfo;
+  const bool terminated = state == State::kFault && missing == 0;
+  const std::string_view why = terminated ? "terminated, disarm to leave" : complaint_of(missing);
+  const std::uint8_t severity = terminated     ? mav::kSeverityCritical
+                                : missing != 0 ? mav::kSeverityError
+                                               : mav::kSeverityInfo;
   say(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(mav::kCurrentModeId);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <utility>
 
+#include "link/crc32.hpp"
 #include "target/linux/durable_file.hpp"
 
 namespace flotilla::target {
@@ -133,14 +134,7 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
 
 }  // namespace
 
-std::uint32_t crc32(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char c : bytes) {
-    crc ^= static_cast<std::uint8_t>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
-  }
-  return ~crc;
-}
+std::uint32_t crc32(std::string_view bytes) { return ~link::crc32(0xFFFFFFFFU, bytes); }
 
 std::string parameter_text(const app::Parameters& values, std::span<const std::string> unknown) {
   std::string text = std::string(kFirstLine) + '\n';

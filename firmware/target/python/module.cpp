@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "app/boat.hpp"
+#include "app/metadata.hpp"
 #include "app/text.hpp"
 #include "app/version.hpp"
 
@@ -244,6 +245,15 @@ nb::list parameter_list() {
   return out;
 }
 
+nb::dict metadata() {
+  nb::dict out;
+  for (const link::FtpFile& file : app::metadata_files()) {
+    out[nb::str(file.name.data(), file.name.size())] =
+        nb::bytes(file.content.data(), file.content.size());
+  }
+  return out;
+}
+
 nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
 
 nb::list condition_names(core::Conditions set) {
@@ -283,6 +293,8 @@ NB_MODULE(flotilla, m) {
       std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
   m.def("parameter_list", &parameter_list,
         "Every parameter with name, unit, default, least and greatest value, and a sentence.");
+  m.def("metadata", &metadata,
+        "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
   m.def("supervisor_table", &supervisor_table,
         "The supervisor's transitions in order: from, request, needs, lacks, to.");
 
