@@ -56,10 +56,9 @@ std::int64_t Boat<S>::monotonic(std::int64_t now) {
 template <class S>
 void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, std::size_t link) {
   const std::int64_t now_us = monotonic(now);
-  link::MavlinkDecoder& decoder = links_.decoder(link);
   while (!data.empty()) {
-    data = data.subspan(decoder.fill(data));
-    while (const auto received = decoder.next(counters_)) {
+    data = data.subspan(links_.decoder(link).fill(data));
+    while (const auto received = links_.next(link, counters_)) {
       if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
         if (timesync->tc1 == 0) {
           time_.asked(link, *timesync, now_us);
