@@ -4,12 +4,16 @@
 #include <flotilla/mavlink.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
+
+#include "link/mavlink_read.hpp"
 
 namespace flotilla::link {
 namespace {
 
 constexpr std::size_t kChecksumBytes = 2;
+constexpr std::uint8_t kEverybody = 0;
 
 struct Header {
   std::size_t header_bytes;
@@ -17,6 +21,7 @@ struct Header {
   std::size_t frame_bytes;
   std::uint32_t id;
   Address from;
+  std::uint8_t sequence;
 };
 
 /// Reads a frame's header; nothing while it is not whole.
@@ -25,10 +30,10 @@ std::optional<Header> read_header(std::span<const std::uint8_t> b) {
     const std::size_t signature =
         (b[2] & MAVLINK_IFLAG_SIGNED) != 0 ? MAVLINK_SIGNATURE_BLOCK_LEN : 0;
     const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
-    return Header{10, b[1], 10U + b[1] + kChecksumBytes + signature, id, {b[5], b[6]}};
+    return Header{10, b[1], 10U + b[1] + kChecksumBytes + signature, id, {b[5], b[6]}, b[4]};
   }
   if (b[0] == MAVLINK_STX_MAVLINK1 && b.size() >= 6) {
-    return Header{6, b[1], 6U + b[1] + kChecksumBytes, b[5], {b[3], b[4]}};
+    return Header{6, b[1], 6U + b[1] + kChecksumBytes, b[5], {b[3], b[4]}, b[2]};
   }
   return std::nullopt;
 }
@@ -54,95 +59,28 @@ bool checksum_is_good(std::span<const std::uint8_t> b, const Header& h, std::uin
   return b[covered] == (crc & 0xFFU) && b[covered + 1] == crc >> 8U;
 }
 
-template <class Wire, class Decode>
-Wire decoded(const mavlink_message_t& m, Decode decode) {
-  Wire wire{};
-  decode(&m, &wire);
-  return wire;
-}
-
-Message read_message(const mavlink_message_t& m) {
-  switch (m.msgid) {
-    case MAVLINK_MSG_ID_HEARTBEAT: {
-      const auto w = decoded<mavlink_heartbeat_t>(m, mavlink_msg_heartbeat_decode);
-      return Heartbeat{w.custom_mode, w.type, w.autopilot, w.base_mode, w.system_status};
-    }
-    case MAVLINK_MSG_ID_ATTITUDE: {
-      const auto w = decoded<mavlink_attitude_t>(m, mavlink_msg_attitude_decode);
-      return Attitude{w.time_boot_ms, w.roll,       w.pitch,   w.yaw,
-                      w.rollspeed,    w.pitchspeed, w.yawspeed};
-    }
-    case MAVLINK_MSG_ID_LOCAL_POSITION_NED: {
-      const auto w =
-          decoded<mavlink_local_position_ned_t>(m, mavlink_msg_local_position_ned_decode);
-      return LocalPositionNed{w.time_boot_ms, w.x, w.y, w.z, w.vx, w.vy, w.vz};
-    }
-    case MAVLINK_MSG_ID_ODOMETRY: {
-      const auto w = decoded<mavlink_odometry_t>(m, mavlink_msg_odometry_decode);
-      return Odometry{w.time_usec,
-                      w.x,
-                      w.y,
-                      w.z,
-                      {w.q[0], w.q[1], w.q[2], w.q[3]},
-                      w.vx,
-                      w.vy,
-                      w.vz,
-                      w.rollspeed,
-                      w.pitchspeed,
-                      w.yawspeed,
-                      w.frame_id,
-                      w.child_frame_id};
-    }
-    case MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: {
-      const auto w = decoded<mavlink_gps_global_origin_t>(m, mavlink_msg_gps_global_origin_decode);
-      return GpsGlobalOrigin{w.latitude, w.longitude, w.altitude, w.time_usec};
-    }
-    case MAVLINK_MSG_ID_TIMESYNC: {
-      const auto w = decoded<mavlink_timesync_t>(m, mavlink_msg_timesync_decode);
-      return Timesync{w.tc1, w.ts1};
-    }
-    case MAVLINK_MSG_ID_COMMAND_LONG: {
-      const auto w = decoded<mavlink_command_long_t>(m, mavlink_msg_command_long_decode);
-      return CommandLong{w.command,
-                         {w.param1, w.param2, w.param3, w.param4, w.param5, w.param6, w.param7},
-                         {w.target_system, w.target_component},
-                         w.confirmation};
-    }
-    case MAVLINK_MSG_ID_COMMAND_ACK: {
-      const auto w = decoded<mavlink_command_ack_t>(m, mavlink_msg_command_ack_decode);
-      return CommandAck{w.command, w.result, {w.target_system, w.target_component}};
-    }
-    case MAVLINK_MSG_ID_STATUSTEXT: {
-      const auto w = decoded<mavlink_statustext_t>(m, mavlink_msg_statustext_decode);
-      Statustext text{w.severity, {}};
-      std::copy(std::begin(w.text), std::end(w.text), text.text.begin());
-      return text;
-    }
-    case MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: {
-      const auto w = decoded<mavlink_named_value_float_t>(m, mavlink_msg_named_value_float_decode);
-      NamedValueFloat value{w.time_boot_ms, w.value, {}};
-      std::copy(std::begin(w.name), std::end(w.name), value.name.begin());
-      return value;
-    }
+/// Whom a message names: its table entry says where, except for two that the table does not know.
+Address target_of(std::span<const std::uint8_t> payload, const mavlink_msg_entry_t& entry) {
+  const auto byte = [&](std::size_t at) { return at < payload.size() ? payload[at] : kEverybody; };
+  switch (entry.msgid) {
+    case MAVLINK_MSG_ID_MANUAL_CONTROL:
+      return {byte(offsetof(mavlink_manual_control_t, target)), kEverybody};
+    case MAVLINK_MSG_ID_TIMESYNC:
+      return timesync_target(payload);
     default:
-      return std::monostate{};
+      return {(entry.flags & MAV_MSG_ENTRY_FLAG_HAVE_TARGET_SYSTEM) != 0
+                  ? byte(entry.target_system_ofs)
+                  : kEverybody,
+              (entry.flags & MAV_MSG_ENTRY_FLAG_HAVE_TARGET_COMPONENT) != 0
+                  ? byte(entry.target_component_ofs)
+                  : kEverybody};
   }
-}
-
-/// The payload alone matters to the generated decoders; what the frame leaves out is zero.
-Message read_payload(std::span<const std::uint8_t> payload, std::uint32_t id) {
-  mavlink_message_t m;
-  m.msgid = id & 0xFFFFFFU;
-  m.len = static_cast<std::uint8_t>(payload.size());
-  auto* bytes = _MAV_PAYLOAD_NON_CONST(&m);
-  std::memcpy(bytes, payload.data(), payload.size());
-  std::memset(bytes + payload.size(), 0, MAVLINK_MAX_PAYLOAD_LEN - payload.size());
-  return read_message(m);
 }
 
 }  // namespace
 
 std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
+  frame_size_ = 0;
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
@@ -155,6 +93,7 @@ std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<Received> MavlinkDecoder::next(Counters& counters) {
+  frame_size_ = 0;
   const auto skip_byte = [&] {
     ++begin_;
     ++counters.mavlink_skipped_bytes;
@@ -188,10 +127,11 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters) {
       continue;
     }
     begin_ += header->frame_bytes;
+    frame_size_ = header->frame_bytes;
     ++counters.mavlink_received;
-    return Received{
-        header->from,
-        read_payload(b.subspan(header->header_bytes, header->payload_bytes), header->id)};
+    const auto payload = b.subspan(header->header_bytes, header->payload_bytes);
+    return Received{header->from, read_payload(payload, header->id), target_of(payload, *entry),
+                    header->sequence};
   }
   return std::nullopt;
 }

@@ -29,11 +29,18 @@ class MavlinkDecoder {
   /// The next whole message with a good checksum.
   std::optional<Received> next(Counters& counters);
 
+  /// The bytes of the message that next() returned last, to be passed on unchanged; empty where it
+  /// returned nothing. Valid until the next call of next() or fill().
+  std::span<const std::uint8_t> frame() const {
+    return std::span(buffer_).subspan(begin_ - frame_size_, frame_size_);
+  }
+
  private:
   static constexpr std::size_t kLongestFrame = 10 + 255 + 2 + 13;
   std::array<std::uint8_t, 2 * kLongestFrame> buffer_{};
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
+  std::size_t frame_size_ = 0;  ///< of the message that ends at begin_
 };
 
 }  // namespace flotilla::link

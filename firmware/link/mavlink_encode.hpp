@@ -20,6 +20,9 @@ class MavlinkEncoder {
   /// too short or the message is std::monostate.
   std::size_t encode(const Message& message, std::span<std::uint8_t> out);
 
+  /// The sequence number of the frame written last.
+  std::uint8_t last_sequence() const { return static_cast<std::uint8_t>(sequence_ - 1U); }
+
  private:
   Address self_{};
   std::uint8_t sequence_ = 0;
