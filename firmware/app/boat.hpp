@@ -33,6 +33,7 @@ struct HostReport {
   bool bus_up = true;            ///< the CAN interface is up and not bus-off
   bool parameters_saved = true;  ///< false after a fall to defaults, until they were saved
   std::uint32_t overruns = 0;    ///< control ticks that came more than a period late, so far
+  std::int64_t unix_us = 0;      ///< now, µs since 1970; 0: unknown
 };
 
 /// S: scalar of the law, float or double.
@@ -57,7 +58,22 @@ class Boat {
   void disarm() { vehicle_.disarm(); }
 
   /// Holds until the next report; without one, all is well.
-  void on_host(const HostReport& report) { host_ = report; }
+  void on_host(const HostReport& report) {
+    host_ = report;
+    vehicle_.links().signing().advance(link::signing_time(report.unix_us));
+  }
+
+  /// The key of all links, and the later one of clock and last signing_timestamp(), in the units of
+  /// link::signing_time(). Links sign and look at signatures as their policy says, kOff at first.
+  void secure(const link::SigningKey& key, std::uint64_t timestamp) {
+    vehicle_.links().signing().start(key, timestamp);
+  }
+  void set_policy(std::size_t link, SigningPolicy policy) {
+    vehicle_.links().set_policy(link, policy);
+  }
+
+  /// To be kept over a restart, at least once a minute.
+  std::uint64_t signing_timestamp() const { return vehicle_.links().signing().timestamp(); }
 
   /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {

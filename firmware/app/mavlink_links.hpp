@@ -7,14 +7,31 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "link/mavlink_decode.hpp"
 #include "link/mavlink_encode.hpp"
+#include "link/signing.hpp"
 
 namespace flotilla::app {
 
 constexpr std::size_t kMaxLinks = 4;
+
+/// What a link's signatures are worth.
+enum class SigningPolicy : std::uint8_t {
+  kOff,       ///< sends unsigned, looks at no signature
+  kAccept,    ///< sends signed; takes unsigned messages too, but none that is signed wrongly
+  kRequired,  ///< sends signed; takes nothing unsigned but a radio's RADIO_STATUS
+};
+
+/// By its name in a configuration.
+constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
+  if (name == "off") return SigningPolicy::kOff;
+  if (name == "accept") return SigningPolicy::kAccept;
+  if (name == "required") return SigningPolicy::kRequired;
+  return std::nullopt;
+}
 
 class MavlinkLinks {
  public:
@@ -26,6 +43,23 @@ class MavlinkLinks {
   std::size_t count() const { return count_; }
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
+
+  link::Signing& signing() { return signing_; }
+  const link::Signing& signing() const { return signing_; }
+
+  /// Without a key in signing() no message counts as signed.
+  void set_policy(std::size_t link, SigningPolicy policy) { links_[link].policy = policy; }
+
+  /// The next message that this link's policy lets through.
+  std::optional<link::Received> next(std::size_t link, link::Counters& counters) {
+    Link& l = links_[link];
+    while (auto received = l.decoder.next(counters, signing_of(l))) {
+      const bool radio = std::holds_alternative<link::RadioStatus>(received->message);
+      if (l.policy != SigningPolicy::kRequired || received->is_signed || radio) return received;
+      ++counters.mavlink_unsigned_refused;
+    }
+    return std::nullopt;
+  }
 
   /// Telemetry on this link keeps to so many bytes a second; 0: no limit.
   void limit(std::size_t link, std::uint32_t bytes_per_s) { links_[link].rate_Bps = bytes_per_s; }
@@ -43,7 +77,8 @@ class MavlinkLinks {
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
     Link& l = links_[link];
-    const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size));
+    const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size),
+                                              signing_of(l), static_cast<std::uint8_t>(link));
     l.size += size;
     l.credit -= static_cast<std::int64_t>(size) * kSecond_us;
     if (size == 0) ++counters.mavlink_not_sent;
@@ -114,13 +149,19 @@ class MavlinkLinks {
     std::array<std::uint8_t, 700> forwarded{};
     std::size_t forwarded_size = 0;
     std::array<std::optional<std::uint8_t>, 2> beats{};  // sequence numbers of the last heartbeats
+    SigningPolicy policy = SigningPolicy::kOff;
     std::uint32_t rate_Bps = 0;
     std::int64_t credit = 0;  // bytes × 10⁶
   };
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
+  link::Signing* signing_of(const Link& link) {
+    return link.policy == SigningPolicy::kOff || !signing_.has_key() ? nullptr : &signing_;
+  }
+
   std::size_t count_;
   std::array<Link, kMaxLinks> links_{};
+  link::Signing signing_;
 };
 
 }  // namespace flotilla::app

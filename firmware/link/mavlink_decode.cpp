@@ -22,18 +22,20 @@ struct Header {
   std::uint32_t id;
   Address from;
   std::uint8_t sequence;
+  bool has_signature;
 };
 
 /// Reads a frame's header; nothing while it is not whole.
 std::optional<Header> read_header(std::span<const std::uint8_t> b) {
   if (b[0] == MAVLINK_STX && b.size() >= 10) {
-    const std::size_t signature =
-        (b[2] & MAVLINK_IFLAG_SIGNED) != 0 ? MAVLINK_SIGNATURE_BLOCK_LEN : 0;
+    const bool has_signature = (b[2] & MAVLINK_IFLAG_SIGNED) != 0;
+    const std::size_t signature = has_signature ? kSignatureBlockBytes : 0;
     const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
-    return Header{10, b[1], 10U + b[1] + kChecksumBytes + signature, id, {b[5], b[6]}, b[4]};
+    return Header{10,   b[1],         10U + b[1] + kChecksumBytes + signature, id, {b[5], b[6]},
+                  b[4], has_signature};
   }
   if (b[0] == MAVLINK_STX_MAVLINK1 && b.size() >= 6) {
-    return Header{6, b[1], 6U + b[1] + kChecksumBytes, b[5], {b[3], b[4]}, b[2]};
+    return Header{6, b[1], 6U + b[1] + kChecksumBytes, b[5], {b[3], b[4]}, b[2], false};
   }
   return std::nullopt;
 }
@@ -77,6 +79,28 @@ Address target_of(std::span<const std::uint8_t> payload, const mavlink_msg_entry
   }
 }
 
+bool accepted(SignatureVerdict verdict, Counters& counters) {
+  switch (verdict) {
+    case SignatureVerdict::kGood:
+      ++counters.mavlink_signed;
+      return true;
+    case SignatureVerdict::kForged:
+      ++counters.mavlink_forged;
+      return false;
+    case SignatureVerdict::kReplayed:
+    case SignatureVerdict::kStale:
+      ++counters.mavlink_replayed;
+      return false;
+    case SignatureVerdict::kFuture:
+      ++counters.mavlink_future_stamp;
+      return false;
+    case SignatureVerdict::kNoRoom:
+      ++counters.mavlink_streams_full;
+      return false;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
@@ -92,7 +116,7 @@ std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
   return taken;
 }
 
-std::optional<Received> MavlinkDecoder::next(Counters& counters) {
+std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signing) {
   frame_size_ = 0;
   const auto skip_byte = [&] {
     ++begin_;
@@ -127,11 +151,13 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters) {
       continue;
     }
     begin_ += header->frame_bytes;
+    const bool is_signed = signing != nullptr && header->has_signature;
+    if (is_signed && !accepted(signing->check(b.first(header->frame_bytes)), counters)) continue;
     frame_size_ = header->frame_bytes;
     ++counters.mavlink_received;
     const auto payload = b.subspan(header->header_bytes, header->payload_bytes);
     return Received{header->from, read_payload(payload, header->id), target_of(payload, *entry),
-                    header->sequence};
+                    header->sequence, is_signed};
   }
   return std::nullopt;
 }

@@ -10,6 +10,7 @@
 
 #include "link/counters.hpp"
 #include "link/messages.hpp"
+#include "link/signing.hpp"
 
 namespace flotilla::link {
 
@@ -26,8 +27,9 @@ class MavlinkDecoder {
   /// Takes as many bytes as there is room for, at least one after next() has returned nothing.
   std::size_t fill(std::span<const std::uint8_t> bytes);
 
-  /// The next whole message with a good checksum.
-  std::optional<Received> next(Counters& counters);
+  /// The next whole message with a good checksum, and, with `signing`, no bad signature. Without,
+  /// signatures are not looked at, and no message counts as signed.
+  std::optional<Received> next(Counters& counters, Signing* signing = nullptr);
 
   /// The bytes of the message that next() returned last, to be passed on unchanged; empty where it
   /// returned nothing. Valid until the next call of next() or fill().

@@ -7,6 +7,7 @@
 #include <sys/signalfd.h>
 #include <sys/timerfd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -16,12 +17,16 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "target/linux/signing_key.hpp"
+
 namespace flotilla::target {
 namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
 constexpr int kFarewellTicks = 10;
+// A signing timestamp that old messages or a quick restart leave behind is no matter.
+constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
 // Read at one go; more waits until the timer was looked at: a flood must not stop the tick.
 constexpr int kMostFrames = 256, kMostChunks = 64;
 
@@ -103,8 +108,24 @@ Loop::Loop(const Config& config)
   for (std::size_t i = 0; i < config.mavlink.size(); ++i) {
     links_.push_back(open_mavlink_endpoint(config.mavlink[i].address));
     boat_->limit_link(i, config.mavlink[i].bytes_per_s);
+    boat_->set_policy(i, config.policy(config.mavlink[i]));
   }
+  if (!config.signing_key.empty()) secure();
   node_table_.load(boat_->node_ids());
+}
+
+void Loop::secure() {
+  const link::SigningKey key = read_signing_key(config_.signing_key);
+  const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
+  if (!stored.note.empty()) say(stored.note);
+  const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
+  if (stored.timestamp > clock + kWorthSaying) {
+    say("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
+        " s behind " + config_.signing_time_file().filename().string() +
+        ": who signs by another clock may be refused");
+  }
+  boat_->secure(key, std::max(clock, stored.timestamp));
+  signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
 }
 
 int Loop::run() {
@@ -177,7 +198,9 @@ void Loop::read_links(std::int64_t now_us) {
 void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
-  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed, overruns_});
+  boat_->on_host(
+      {bus_->usable(), !parameters_.must_be_confirmed, overruns_, clock_us(CLOCK_REALTIME)});
+  if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);
   if (began_us - house_kept_us_ >= kHouse_us) keep_house(began_us);
@@ -204,6 +227,9 @@ void Loop::keep_house(std::int64_t now_us) {
   bus_->maintain();
   for (const auto& link : links_) link->maintain();
   if (const auto complaint = logs_.complaint()) say(*complaint);
+  if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
+    say(*complaint);
+  }
   save_requested_ = boat_->take_save_request() || save_requested_;
   // A disk may take its time, which an armed boat has not.
   if (core::armed(boat_->state())) return;
@@ -244,6 +270,7 @@ void Loop::shut_down() {
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     say(error);
   }
+  if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   write_stats();
 }
 

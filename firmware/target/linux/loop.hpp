@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "target/linux/node_table.hpp"
 #include "target/linux/parameter_file.hpp"
 #include "target/linux/service_manager.hpp"
+#include "target/linux/signing_time.hpp"
 
 namespace flotilla::target {
 
@@ -30,6 +32,7 @@ class Loop {
   int run();
 
  private:
+  void secure();
   void wait();
   void read_links(std::int64_t now_us);
   void read_bus(std::int64_t now_us);
@@ -47,6 +50,7 @@ class Loop {
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   NodeTable node_table_;
   Logs logs_;
+  std::optional<SigningTime> signing_time_;  // with a key only
   ServiceManager service_manager_;
 
   FileDescriptor timer_;

@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <stdexcept>
@@ -91,8 +92,14 @@ nb::dict counters_dict(const link::Counters& c) {
   out["mavlink_old_stamp"] = c.mavlink_old_stamp;
   out["mavlink_no_heading"] = c.mavlink_no_heading;
   out["mavlink_unknown"] = c.mavlink_unknown;
+  out["mavlink_signed"] = c.mavlink_signed;
+  out["mavlink_forged"] = c.mavlink_forged;
+  out["mavlink_replayed"] = c.mavlink_replayed;
+  out["mavlink_future_stamp"] = c.mavlink_future_stamp;
+  out["mavlink_streams_full"] = c.mavlink_streams_full;
+  out["mavlink_unsigned_refused"] = c.mavlink_unsigned_refused;
   out["mavlink_not_sent"] = c.mavlink_not_sent;
-  out["commands_dropped"] = c.commands_dropped;
+  out["requests_dropped"] = c.requests_dropped;
   out["can_received"] = c.can_received;
   out["can_bad_frame"] = c.can_bad_frame;
   out["can_bad_checksum"] = c.can_bad_checksum;
@@ -188,8 +195,23 @@ class PyBoat {
     return out;
   }
 
-  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns) {
-    std::visit([&](auto& b) { b->on_host({bus_up, parameters_saved, overruns}); }, boat_);
+  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us) {
+    std::visit([&](auto& b) { b->on_host({bus_up, parameters_saved, overruns, unix_us}); }, boat_);
+  }
+
+  void secure(const nb::bytes& key, std::int64_t unix_us) {
+    link::SigningKey wanted{};
+    const auto bytes = span_of(key);
+    if (bytes.size() != wanted.size()) throw nb::value_error("key: 32 bytes");
+    std::copy(bytes.begin(), bytes.end(), wanted.begin());
+    std::visit([&](auto& b) { b->secure(wanted, link::signing_time(unix_us)); }, boat_);
+  }
+
+  void set_signing(int link, const std::string& policy) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) throw nb::index_error("link");
+    const auto wanted = app::signing_policy(policy);
+    if (!wanted) throw nb::value_error("policy: \"off\", \"accept\" or \"required\"");
+    std::visit([&](auto& b) { b->set_policy(static_cast<std::size_t>(link), *wanted); }, boat_);
   }
 
   void limit_link(int link, std::uint32_t bytes_per_s) {
@@ -314,7 +336,12 @@ NB_MODULE(flotilla, m) {
            "One CAN frame with a 29-bit id and up to 8 bytes.")
       .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
-           "overruns"_a = 0, "What only the boat's host can know; holds until the next report.")
+           "overruns"_a = 0, "unix_us"_a = 0,
+           "What only the boat's host can know; holds until the next report.")
+      .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
+           "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")
+      .def("set_signing", &PyBoat::set_signing, "link"_a, "policy"_a,
+           "\"off\", \"accept\" or \"required\": what that link's signatures are worth.")
       .def("limit_link", &PyBoat::limit_link, "link"_a, "bytes_per_s"_a,
            "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
       .def("take_save_request", &PyBoat::take_save_request,
