@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/vehicle.hpp"
 
+#include <algorithm>
+
 #include "app/convert.hpp"
 #include "app/metadata.hpp"
 #include "app/text.hpp"
@@ -243,7 +245,11 @@ void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
                             link::Counters& counters) {
   const auto& [link, received, read_us] = letter;
   if (!may_command(received.from)) {
-    parameter_service_.refuse(link, received.from, asked, mav::kParamPermissionDenied);
+    const auto* const end = std::find(asked.param_id.begin(), asked.param_id.end(), '\0');
+    const auto size = static_cast<std::size_t>(end - asked.param_id.begin());
+    if (const auto* info = find_parameter({asked.param_id.data(), size})) {
+      parameter_service_.refuse(link, received.from, *info, mav::kParamPermissionDenied);
+    }
     return;
   }
   const SetResult result =
