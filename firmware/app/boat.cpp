@@ -134,7 +134,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
 template <class S>
 void Boat<S>::answer(const PendingCommand& pending, std::int64_t now_us) {
   const Asked asked = meaning_of(pending, parameters_);
-  save_requested_ = save_requested_ || asked.save_parameters;
+  if (asked.save_parameters) save_request_ = SaveRequest::kConfirmed;
   core::Verdict verdict{state_, true, 0};
   std::uint8_t result = asked.result;
   if (asked.request != core::Request::kNone) {

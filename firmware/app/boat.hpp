@@ -37,6 +37,13 @@ struct HostReport {
   std::uint32_t overruns = 0;    ///< control ticks that came more than a period late, so far
 };
 
+/// Why the host should save the parameters; the later reason counts.
+enum class SaveRequest : std::uint8_t {
+  kNone,
+  kChanged,    ///< an operator has changed one
+  kConfirmed,  ///< an operator has asked for it: those in force are the right ones
+};
+
 /// S: scalar of the law, float or double.
 template <class S>
 class Boat {
@@ -66,8 +73,8 @@ class Boat {
   /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) { links_.limit(link, bytes_per_s); }
 
-  /// An operator has asked since the last call that the parameters be saved.
-  bool take_save_request() { return std::exchange(save_requested_, false); }
+  /// Whether an operator has given reason to save the parameters since the last call.
+  SaveRequest take_save_request() { return std::exchange(save_request_, SaveRequest::kNone); }
 
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
@@ -102,7 +109,7 @@ class Boat {
   std::int64_t armed_us_ = 0;
   core::Reckoning<S> own_now_{};
   std::uint32_t own_messages_ = 0;
-  bool save_requested_ = false;
+  SaveRequest save_request_ = SaveRequest::kNone;
   bool announce_ = false;  // a heartbeat at once: the state has changed
 
   VesselTrack<S> own_;

@@ -8,18 +8,18 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <system_error>
 #include <utility>
 
+#include "target/linux/background_thread.hpp"
+
 namespace flotilla::target {
 namespace {
 
 constexpr int kDrainEvery_ms = 100;
-constexpr std::size_t kStackBytes = 256U << 10U;
 constexpr auto kTryAgainEvery = std::chrono::seconds(1);
 constexpr auto kSyncEvery = std::chrono::seconds(5);
 constexpr std::uint8_t kCan = 255;  // channels below: MAVLink, 2 · link + direction
@@ -27,24 +27,6 @@ constexpr std::size_t kCanIdBytes = 4;
 
 LogSeries series(const LogSettings& settings, const char* prefix, const char* extension) {
   return {settings.directory, prefix, extension, settings.file_bytes, settings.total_bytes};
-}
-
-pthread_t start(void* (*run)(void*), void* self) {
-  pthread_attr_t attributes;
-  sigset_t signals;
-  const sched_param normal{};
-  sigfillset(&signals);
-  pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStackBytes);
-  pthread_attr_setsigmask_np(&attributes, &signals);
-  pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
-  pthread_attr_setschedpolicy(&attributes, SCHED_OTHER);
-  pthread_attr_setschedparam(&attributes, &normal);
-  pthread_t thread{};
-  const int error = pthread_create(&thread, &attributes, run, self);
-  pthread_attr_destroy(&attributes);
-  if (error != 0) throw std::system_error(error, std::generic_category(), "thread of the logs");
-  return thread;
 }
 
 }  // namespace
@@ -56,7 +38,7 @@ Logs::Logs(LogSettings settings) : settings_(std::move(settings)) {
   candump_.emplace(series(settings_, "can", ".log"));
   stop_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC));
   if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of the logs");
-  writer_ = start(&Logs::run, this);
+  writer_ = start_background_thread(&Logs::run, this);
 }
 
 Logs::~Logs() {
