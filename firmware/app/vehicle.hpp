@@ -23,11 +23,11 @@
 
 namespace flotilla::app {
 
-/// What the host is asked to keep on its disk.
+/// Why the host should save the parameters; the later reason counts.
 enum class SaveRequest : std::uint8_t {
   kNone,
-  kChanged,    ///< a parameter was set
-  kConfirmed,  ///< an operator said that all are right (MAV_CMD_PREFLIGHT_STORAGE)
+  kChanged,    ///< an operator has changed one
+  kConfirmed,  ///< an operator has asked for it: those in force are the right ones
 };
 
 /// Sticks as shares of full thrust ahead and of full moment to starboard.

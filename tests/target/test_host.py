@@ -46,12 +46,12 @@ def test_parameters_that_were_never_saved_do_not_stop_a_boat_under_way() -> None
 
 def test_an_operator_who_asks_to_save_is_answered_and_heard_once(sea: Sea) -> None:
     sea.settle()
-    assert not sea.boat.take_save_request()
+    assert sea.boat.take_save_request() == "none"
     assert acks(sea.order(SAVE, 1.0)) == [(SAVE, 0)]
-    assert sea.boat.take_save_request()
-    assert not sea.boat.take_save_request()
+    assert sea.boat.take_save_request() == "confirmed"
+    assert sea.boat.take_save_request() == "none"
     assert acks(sea.order(SAVE, 2.0)) == [(SAVE, 2)]
-    assert not sea.boat.take_save_request()
+    assert sea.boat.take_save_request() == "none"
 
 
 def test_overruns_and_ages_are_slow_telemetry(sea: Sea) -> None:

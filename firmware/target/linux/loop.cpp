@@ -24,6 +24,8 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
+// Not every step of a slider goes to the disk.
+constexpr std::int64_t kSaveEvery_us = kSecond_us;
 constexpr int kFarewellTicks = 10;
 // A signing timestamp that old messages or a quick restart leave behind is no matter.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
@@ -99,6 +101,8 @@ Loop::Loop(const Config& config)
       parameters_(load(config)),
       boat_(
           std::make_unique<app::Boat<float>>(in_force(config, parameters_), config.mavlink.size())),
+      noted_(boat_->parameters()),
+      saver_(config.parameter_file(), parameters_.unknown),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
       node_table_(config.node_id_file()),
       logs_({config.log, candump_name(config.can)}),
@@ -230,25 +234,52 @@ void Loop::keep_house(std::int64_t now_us) {
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
     say(*complaint);
   }
-  save_requested_ = boat_->take_save_request() || save_requested_;
+  report_outcome();
+  note_changes();
+  save_changes(now_us);
   // A disk may take its time, which an armed boat has not.
   if (core::armed(boat_->state())) return;
-  // What an operator saves is what he sees in force.
-  if (save_requested_) {
-    parameters_.values = boat_->parameters();
-    save("asked for");
-  }
-  save_requested_ = false;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     say(error);
   }
 }
 
-void Loop::save(std::string_view why) {
-  const auto error =
-      save_parameters(config_.parameter_file(), parameters_.values, parameters_.unknown);
-  if (error) {
-    say(*error);
+/// What the operator has changed since the last call is to be saved, and what the configuration
+/// has laid over the saved values is not, unless he asks for all that he sees in force.
+void Loop::note_changes() {
+  const app::SaveRequest request = boat_->take_save_request();
+  if (request == app::SaveRequest::kNone) return;
+  const app::Parameters& values = boat_->parameters();
+  app::Parameters& saved = parameters_.values;
+  for (const app::ParameterInfo& info : app::kParameterList) {
+    if (values.*info.member != noted_.*info.member) saved.*info.member = values.*info.member;
+  }
+  if (request == app::SaveRequest::kConfirmed || app::contradiction(saved)) saved = values;
+  noted_ = values;
+  to_save_ = std::max(to_save_, request);
+}
+
+void Loop::save_changes(std::int64_t now_us) {
+  using app::SaveRequest;
+  if (to_save_ == SaveRequest::kNone) return;
+  // After a fall to defaults only an operator says that they are right.
+  const bool unasked = to_save_ == SaveRequest::kChanged;
+  if (unasked && (parameters_.must_be_confirmed || now_us - saved_us_ < kSaveEvery_us)) return;
+  if (!saver_.save(parameters_.values, to_save_)) return;
+  to_save_ = SaveRequest::kNone;
+  saved_us_ = now_us;
+}
+
+void Loop::report_outcome() {
+  const auto saved = saver_.outcome();
+  if (!saved) return;
+  const bool asked = saved->why == app::SaveRequest::kConfirmed;
+  report_saved(asked ? "asked for" : "changed", saved->fault);
+}
+
+void Loop::report_saved(std::string_view why, const std::optional<std::string>& fault) {
+  if (fault) {
+    say(*fault);
     return;
   }
   parameters_.must_be_confirmed = false;
@@ -265,8 +296,13 @@ void Loop::shut_down() {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
   service_manager_.say("STOPPING=1");
-  // After a fall to defaults only an operator says that they are right.
-  if (!parameters_.must_be_confirmed) save("at exit");
+  saver_.finish();
+  report_outcome();
+  note_changes();
+  if (!parameters_.must_be_confirmed || to_save_ == app::SaveRequest::kConfirmed) {
+    report_saved("at exit", save_parameters(config_.parameter_file(), parameters_.values,
+                                            parameters_.unknown));
+  }
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     say(error);
   }

@@ -18,6 +18,7 @@
 #include "target/linux/mavlink_endpoint.hpp"
 #include "target/linux/node_table.hpp"
 #include "target/linux/parameter_file.hpp"
+#include "target/linux/parameter_saver.hpp"
 #include "target/linux/service_manager.hpp"
 #include "target/linux/signing_time.hpp"
 
@@ -39,13 +40,20 @@ class Loop {
   void tick();
   void send(const app::Boat<float>::Output& out, std::int64_t now_us);
   void keep_house(std::int64_t now_us);
-  void save(std::string_view why);
+  void note_changes();
+  void save_changes(std::int64_t now_us);
+  void report_outcome();
+  void report_saved(std::string_view why, const std::optional<std::string>& fault);
   void shut_down();
   void write_stats() const;
 
   Config config_;
-  LoadedParameters parameters_;
+  LoadedParameters parameters_;  // as they are to be on the disk
   std::unique_ptr<app::Boat<float>> boat_;
+  app::Parameters noted_;  // the boat's, when an operator's changes were last looked for
+  app::SaveRequest to_save_ = app::SaveRequest::kNone;
+  std::int64_t saved_us_ = 0;
+  ParameterSaver saver_;
   std::unique_ptr<CanBus> bus_;
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   NodeTable node_table_;
@@ -59,7 +67,6 @@ class Loop {
   std::int64_t deadline_us_ = 0;
   bool timer_fired_ = false;
   bool stopping_ = false;
-  bool save_requested_ = false;
   std::uint32_t overruns_ = 0;
   std::int64_t house_kept_us_ = 0;
 

@@ -79,6 +79,10 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
                            "\" is unknown to this version and kept");
     return;
   }
+  if (!info->saved()) {
+    loaded.notes.push_back(where + ": " + std::string(line) + " is ignored: it is never saved");
+    return;
+  }
   seen[static_cast<std::size_t>(info - app::kParameterList.data())] = true;
   const std::string_view text = line.substr(equals + 3);
   const auto value = number(text);
@@ -98,7 +102,8 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
                   const std::string& where, LoadedParameters& loaded) {
   std::string names;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!seen[i]) names += (names.empty() ? "" : ", ") + std::string(app::kParameterList[i].name);
+    if (seen[i] || !app::kParameterList[i].saved()) continue;
+    names += (names.empty() ? "" : ", ") + std::string(app::kParameterList[i].name);
   }
   if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
 }
@@ -139,7 +144,8 @@ std::uint32_t crc32(std::string_view bytes) { return ~link::crc32(0xFFFFFFFFU, b
 std::string parameter_text(const app::Parameters& values, std::span<const std::string> unknown) {
   std::string text = std::string(kFirstLine) + '\n';
   for (const app::ParameterInfo& info : app::kParameterList) {
-    text += std::string(info.name) + " = " + number_text(values.*info.member) + '\n';
+    if (info.saved())
+      text += std::string(info.name) + " = " + number_text(values.*info.member) + '\n';
   }
   for (const std::string& line : unknown) text += line + '\n';
   return text + checksum_line(text);

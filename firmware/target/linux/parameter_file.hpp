@@ -45,8 +45,7 @@ struct LoadedParameters {
 /// Never throws for what is on the disk.
 LoadedParameters load_parameters(const std::filesystem::path& path);
 
-/// Waits for the disk, so not in the control tick of an armed boat. Nothing is written where the
-/// file says the same already. What went wrong, as a sentence.
+/// Waits for the disk: see ParameterSaver. Nothing is written where the file says the same already. What went wrong, as a sentence.
 std::optional<std::string> save_parameters(const std::filesystem::path& path,
                                            const app::Parameters& values,
                                            std::span<const std::string> unknown);

@@ -74,6 +74,9 @@ app::Parameters parameters_from(const nb::dict& values) {
                              (info->kind == app::ParameterKind::kSign ? ", not 0" : ""))
                                 .c_str());
     }
+    if (info->kind == app::ParameterKind::kMode && wanted != double{app::mode::kHold}) {
+      throw nb::value_error((name + ": every start is in HOLD").c_str());
+    }
     parameters.*(info->member) = static_cast<float>(wanted);
   }
   if (const auto sentence = app::contradiction(parameters)) {
@@ -219,8 +222,10 @@ class PyBoat {
     std::visit([&](auto& b) { b->limit_link(static_cast<std::size_t>(link), bytes_per_s); }, boat_);
   }
 
-  bool take_save_request() {
-    return std::visit([](auto& b) { return b->take_save_request(); }, boat_);
+  const char* take_save_request() {
+    constexpr std::array kNames{"none", "changed", "confirmed"};
+    const auto request = std::visit([](auto& b) { return b->take_save_request(); }, boat_);
+    return kNames[static_cast<std::size_t>(request)];
   }
 
   nb::dict snapshot() const {
@@ -251,6 +256,16 @@ class PyBoat {
   std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>> boat_;
 };
 
+const char* name_of(app::ParameterKind kind) {
+  constexpr std::array kNames{"real", "whole", "sign", "mode"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+const char* name_of(app::ParameterChange change) {
+  constexpr std::array kNames{"anytime", "disarmed", "restart", "mode"};
+  return kNames[static_cast<std::size_t>(change)];
+}
+
 nb::list parameter_list() {
   nb::list out;
   for (const app::ParameterInfo& info : app::kParameterList) {
@@ -261,6 +276,9 @@ nb::list parameter_list() {
     entry["least"] = info.least;
     entry["greatest"] = info.greatest;
     entry["integer"] = info.whole();
+    entry["group"] = nb::str(info.group.data(), info.group.size());
+    entry["kind"] = name_of(info.kind);
+    entry["change"] = name_of(info.change);
     entry["sentence"] = nb::str(info.sentence.data(), info.sentence.size());
     out.append(entry);
   }
@@ -314,7 +332,8 @@ NB_MODULE(flotilla, m) {
   m.attr("__version__") =
       std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
   m.def("parameter_list", &parameter_list,
-        "Every parameter with name, unit, default, least and greatest value, and a sentence.");
+        "Every parameter with name, unit, default, least and greatest value, group, kind, when it "
+        "may change, and a sentence.");
   m.def("metadata", &metadata,
         "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
   m.def("supervisor_table", &supervisor_table,
@@ -345,7 +364,8 @@ NB_MODULE(flotilla, m) {
       .def("limit_link", &PyBoat::limit_link, "link"_a, "bytes_per_s"_a,
            "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
       .def("take_save_request", &PyBoat::take_save_request,
-           "Whether an operator has asked since the last call that the parameters be saved.")
+           "Why the parameters should be saved since the last call: \"none\", \"changed\" by an "
+           "operator, or \"confirmed\": he has asked for it.")
       .def("snapshot", &PyBoat::snapshot,
            "Last tick: state, conditions, ages, error, virtual velocity, wrench asked and given, "
            "limits that acted, thrusts, counters; SI units.")

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: MIT
 """What an operator saved is in force after every start; what is damaged is said, and refused."""
 
+import os
+import signal
 import zlib
 from pathlib import Path
 
 import pytest
 
 from tests.target.linux.process import PATIENT, STORAGE, RealSea
-from tests.target.stations import ACCEPTED, ARM, command_long
+from tests.target.stations import ACCEPTED, ARM, FORMATION, command_long
 
 NOT_SAVED = "PreArm: parameters are not saved"
 
@@ -114,6 +116,30 @@ def test_a_parameter_on_the_command_line_wins_and_is_not_written_at_exit(
     sea.start(param={})
     sea.until(sea.ready)
     assert sea.source_node() == 33
+
+
+def test_what_is_saved_while_armed_survives_a_power_cut(sea: RealSea, file: Path) -> None:
+    sea.start("--param=LAW_KX=0.25")
+    sea.enter_formation()
+    sea.save_parameters()
+    assert sea.armed
+    sea.end(signal.SIGKILL)
+    saved = file.read_text()
+    assert is_whole(saved) and "LAW_KX = 0.25\n" in saved
+    assert "MODE" not in saved
+
+
+def test_a_disk_that_hangs_does_not_stop_the_control_loop(sea: RealSea, file: Path) -> None:
+    os.mkfifo(file.with_name("parameters.txt.new"))  # nobody reads it: the save waits for ever
+    sea.start()
+    sea.enter_formation()
+    sea.insist(lambda: (STORAGE, ACCEPTED) in sea.acks(), STORAGE, 1.0)
+    sea.run(0.5)
+    sea.forget()
+    sea.run(2.0)
+    assert len(sea.raw_commands()) > 100  # of 200
+    assert sea.mode == FORMATION and sea.driven()
+    assert "saved" not in sea.process.words
 
 
 def test_a_disk_that_takes_nothing_is_said_and_the_boat_stays_unconfirmed(
