@@ -12,6 +12,8 @@ namespace {
 constexpr std::int64_t kSecond_us = 1'000'000;
 // ESCs want to see zeros after they were armed, before they are driven.
 constexpr std::int64_t kArmedZeros_us = 200'000;
+// Another own source must take over before FS_NAV_S stops the boat.
+constexpr std::int64_t kOwnPatience_us = 300'000;
 // 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
@@ -31,7 +33,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links)
     : vehicle_(p, links),
       tick_rate_Hz_(p.CTL_RATE),
       law_(convert::controller_params<S>(p)),
-      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID)}, {p.NAV_OFS_X, p.NAV_OFS_Y}),
+      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
+           {p.NAV_OFS_X, p.NAV_OFS_Y}),
       leader_({byte_of(p.FORM_LEADER), 0}),
       thrusters_(p),
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
@@ -110,8 +113,11 @@ void Boat<S>::configure() {
   const Parameters& p = parameters();
   law_ = convert::controller_params<S>(p);
   own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
-  own_.follow(vehicle_.self().system);
-  if (leader_.follow(byte_of(p.FORM_LEADER))) starting_ = true;
+  if (vehicle_.self().system != own_.system()) own_.follow(vehicle_.self().system);
+  if (byte_of(p.FORM_LEADER) != leader_.system()) {
+    leader_.follow(byte_of(p.FORM_LEADER));
+    starting_ = true;
+  }
   if (!core::armed(state())) thrusters_ = Thrusters<S>(p);
 }
 
@@ -151,15 +157,8 @@ void Boat<S>::reckon(std::int64_t now_us) {
 
 template <class S>
 core::Encounter<S> Boat<S>::encounter(std::int64_t now_us) const {
-  const core::Motion<S>& own = own_now_.motion;
-  const core::Motion<S> leader = leader_.motion(now_us);
-  const core::Vec2<S> then = convert::separation<S>(own_.position(), leader_.position());
-  return {{then.x + own.moved_n.x - leader.moved_n.x, then.y + own.moved_n.y - leader.moved_n.y},
-          own.psi,
-          leader.psi,
-          own.nu,
-          leader.nu,
-          leader.nu_dot};
+  return convert::encounter_of<S>(own_.position(), own_now_.motion, leader_.position(),
+                                  leader_.motion(now_us));
 }
 
 template <class S>
