@@ -66,9 +66,14 @@ class MavlinkLinks {
 
   std::uint32_t limit(std::size_t link) const { return links_[link].rate_Bps; }
 
-  /// Whether telemetry may be sent now, a whole tick's worth at once; what follows earns it back.
+  /// Whether a limited link has earned what may be sent now; what is sent then is earned later.
   bool has_credit(std::size_t link) const {
     return links_[link].rate_Bps == 0 || links_[link].credit > 0;
+  }
+
+  /// The same for what can wait, so that what followers steer by need not.
+  bool has_spare_credit(std::size_t link) const {
+    return links_[link].rate_Bps == 0 || links_[link].credit > most(links_[link]) / 2;
   }
 
   /// Bytes that still fit into this tick's output.
@@ -133,10 +138,8 @@ class MavlinkLinks {
       std::copy_n(link.forwarded.begin(), link.forwarded_size, link.bytes.begin());
       link.size = std::exchange(link.forwarded_size, 0);
       link.credit -= static_cast<std::int64_t>(link.size) * kSecond_us;
-      // Half a second's worth may be saved up.
-      const std::int64_t most = std::int64_t{link.rate_Bps} * kSecond_us / 2;
       const std::int64_t earned = std::int64_t{link.rate_Bps} * std::min(dt_us, kSecond_us);
-      link.credit = std::min(link.credit + earned, most);
+      link.credit = std::min(link.credit + earned, most(link));
     }
   }
 
@@ -154,6 +157,11 @@ class MavlinkLinks {
     std::int64_t credit = 0;  // bytes × 10⁶
   };
   static constexpr std::int64_t kSecond_us = 1'000'000;
+
+  /// Half a second's worth may be saved up.
+  static std::int64_t most(const Link& link) {
+    return std::int64_t{link.rate_Bps} * kSecond_us / 2;
+  }
 
   link::Signing* signing_of(const Link& link) {
     return link.policy == SigningPolicy::kOff || !signing_.has_key() ? nullptr : &signing_;

@@ -141,7 +141,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"R_STAR", of([](const F& f) { return f.nu_star.r; })},
                                       {"LACK_X", of([](const F& f) { return f.missing.X; })},
                                       {"LACK_N", of([](const F& f) { return f.missing.N; })},
-                                      {"OWN_AGE", r.own_age_s},
+                                      {"NAV_AGE", r.own_age_s},
                                       {"LEAD_AGE", r.leader_age_s},
                                       {"OVERRUNS", double(r.overruns)}}};
   for (const Value& v : values) {

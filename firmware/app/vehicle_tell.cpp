@@ -55,13 +55,16 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
 }
 
 void Vehicle::tell_streams(link::Counters& counters) {
-  std::array<bool, kMaxLinks> may{};
-  for (std::size_t link = 0; link < links_.count(); ++link) may[link] = links_.has_credit(link);
+  std::array<bool, kMaxLinks> state_may{};  // attitude and position leave together or not at all
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    state_may[link] = links_.has_credit(link);
+  }
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const StreamInfo& info = kStreams[stream];
     std::optional<link::Message> first;
     for (std::size_t link = 0; link < links_.count(); ++link) {
-      if (!may[link] || links_.room(link) < info.bytes + link::kSignatureBlockBytes) continue;
+      const bool may = info.pace == Pace::kState ? state_may[link] : links_.has_spare_credit(link);
+      if (!may || links_.room(link) < info.bytes + link::kSignatureBlockBytes) continue;
       Schedule& schedule = streams_.schedule(stream, link);
       if (!schedule.waits(now_us_)) continue;
       if (!first && !(first = compose(info.id, 0, report_))) break;  // nothing to tell yet
@@ -76,7 +79,9 @@ void Vehicle::tell_streams(link::Counters& counters) {
 
 void Vehicle::tell_services(link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    const auto may = [&] { return links_.room(link) >= kLargestFrame && links_.has_credit(link); };
+    const auto may = [&] {
+      return links_.room(link) >= kLargestFrame && links_.has_spare_credit(link);
+    };
     for (int n = 0; n < kParametersPerTick && may(); ++n) {
       const auto message = parameter_service_.next(link, parameters_);
       if (!message) break;

@@ -45,6 +45,7 @@ void MavlinkWriter::operator()(const Odometry& x) const {
   w.velocity_covariance[0] = kUnknown;
   w.frame_id = x.frame_id;
   w.child_frame_id = x.child_frame_id;
+  w.estimator_type = MAV_ESTIMATOR_TYPE_AUTOPILOT;
   put(mavlink_msg_odometry_encode_status, w);
 }
 
