@@ -359,6 +359,18 @@ class RealSea:
     def save_parameters(self) -> None:
         self.insist(lambda: "saved (asked for)" in self.process.words, STORAGE, 1.0)
 
+    def set_parameter(self, name: str, value: float) -> None:
+        """Until the boat says that it is so."""
+        asked = mavlink.MAVLink_param_set_message(
+            BOAT, 0, name.encode(), value, mavlink.MAV_PARAM_TYPE_REAL32
+        )
+
+        def done() -> bool:
+            told = [m for m in self.named("PARAM_VALUE") if m.param_id == name]
+            return bool(told) and told[-1].param_value == value
+
+        self.repeat(lambda: self.say(asked), done)
+
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:
         """Asks the flotillad to leave; its exit status. What it said is heard to the end."""
         self._leaving = True

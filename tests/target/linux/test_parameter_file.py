@@ -129,6 +129,55 @@ def test_what_is_saved_while_armed_survives_a_power_cut(sea: RealSea, file: Path
     assert "MODE" not in saved
 
 
+def test_what_is_set_while_armed_survives_a_power_cut(sea: RealSea, file: Path) -> None:
+    sea.start("--param=FORM_OFS_N=2")
+    sea.enter_formation()
+    sea.set_parameter("LAW_KX", 0.25)
+    sea.until(lambda: "saved (changed)" in sea.process.words)
+    assert sea.armed
+    sea.end(signal.SIGKILL)
+    saved = file.read_text()
+    assert is_whole(saved) and "LAW_KX = 0.25\n" in saved
+    assert "FORM_OFS_N = 0\n" in saved  # the command line's is not the operator's
+
+
+def test_the_last_step_of_a_slider_is_the_one_that_is_saved(sea: RealSea, file: Path) -> None:
+    sea.start()
+    sea.until(sea.ready)
+    for step in range(30):
+        sea.set_parameter("LAW_KX", step / 32)
+    sea.until(lambda: file.exists() and "LAW_KX = 0.90625\n" in file.read_text())
+    assert sea.process.words.count("saved (changed)") < 10
+
+
+def test_what_is_set_after_a_fall_to_defaults_is_saved_when_an_operator_asks_for_it(
+    sea: RealSea, file: Path
+) -> None:
+    file.write_text("")
+    sea.start()
+    sea.until(sea.ready)
+    sea.set_parameter("LAW_KX", 0.25)
+    sea.run(1.5)
+    assert file.read_text() == ""
+    assert sea.end() == 0
+    assert file.read_text() == ""
+
+    sea.start()
+    sea.until(sea.ready)
+    sea.set_parameter("LAW_KX", 0.25)
+    sea.save_parameters()
+    assert "LAW_KX = 0.25\n" in file.read_text()
+
+
+def test_what_was_set_just_before_the_end_is_saved_at_exit(sea: RealSea, file: Path) -> None:
+    sea.start()
+    sea.until(sea.ready)
+    sea.set_parameter("LAW_KX", 0.5)
+    sea.set_parameter("LAW_KX", 0.25)
+    assert sea.end() == 0
+    assert "LAW_KX = 0.25\n" in file.read_text()
+
+
 def test_a_disk_that_hangs_does_not_stop_the_control_loop(sea: RealSea, file: Path) -> None:
     os.mkfifo(file.with_name("parameters.txt.new"))  # nobody reads it: the save waits for ever
     sea.start()
