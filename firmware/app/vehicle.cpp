@@ -2,6 +2,7 @@
 #include "app/vehicle.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "app/convert.hpp"
 #include "app/metadata.hpp"
@@ -32,18 +33,20 @@ std::uint8_t mode_of(State state) {
 /// of the whole system.
 bool drives(Request request) { return request != Request::kNone && request != Request::kDisarm; }
 
-bool is_request(const link::Received& received) {
-  const link::Message& m = received.message;
-  if (const auto* timesync = std::get_if<link::Timesync>(&m)) return timesync->tc1 == 0;
-  if (const auto* ping = std::get_if<link::Ping>(&m)) return ping->target == link::Address{};
-  return command_of(m) || std::holds_alternative<link::ParamRequestList>(m) ||
-         std::holds_alternative<link::ParamRequestRead>(m) ||
-         std::holds_alternative<link::ParamSet>(m) ||
-         std::holds_alternative<link::FileTransferProtocol>(m) ||
-         std::holds_alternative<link::MissionRequestList>(m) ||
-         std::holds_alternative<link::MissionCount>(m) ||
-         std::holds_alternative<link::MissionClearAll>(m);
-}
+/// Whether it is for the tick to answer.
+struct IsRequest {
+  bool operator()(const link::Timesync& m) const { return m.tc1 == 0; }
+  bool operator()(const link::Ping& m) const { return m.target == link::Address{}; }
+  template <class Message>
+  bool operator()(const Message&) const {
+    return is_one_of<Message, link::CommandLong, link::CommandInt, link::SetMode,
+                     link::ParamRequestList, link::ParamRequestRead, link::ParamSet,
+                     link::FileTransferProtocol, link::MissionRequestList, link::MissionCount,
+                     link::MissionClearAll>;
+  }
+  template <class Message, class... Requests>
+  static constexpr bool is_one_of = (std::is_same_v<Message, Requests> || ...);
+};
 
 }  // namespace
 
@@ -76,7 +79,7 @@ std::optional<link::Received> Vehicle::next(std::size_t link, std::int64_t now_u
       take_sticks(*received, *sticks, now_us, counters);
     } else if (const auto* radio = std::get_if<link::RadioStatus>(&received->message)) {
       streams_.radio_has_room(link, radio->txbuf);
-    } else if (is_request(*received)) {
+    } else if (std::visit(IsRequest{}, received->message)) {
       inbox_.push({link, *received, now_us}, counters);
     } else {
       return received;

@@ -103,6 +103,7 @@ class Vehicle {
   void enter(core::State state, core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
   void tell_streams(link::Counters& counters);
+  void tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
   void tell_services(link::Counters& counters);
 
   Parameters parameters_;

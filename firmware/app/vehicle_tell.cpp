@@ -60,20 +60,23 @@ void Vehicle::tell_streams(link::Counters& counters) {
     state_may[link] = links_.has_credit(link);
   }
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    const StreamInfo& info = kStreams[stream];
-    std::optional<link::Message> first;
     for (std::size_t link = 0; link < links_.count(); ++link) {
-      const bool may = info.pace == Pace::kState ? state_may[link] : links_.has_spare_credit(link);
-      if (!may || links_.room(link) < info.bytes + link::kSignatureBlockBytes) continue;
-      Schedule& schedule = streams_.schedule(stream, link);
-      if (!schedule.waits(now_us_)) continue;
-      if (!first && !(first = compose(info.id, 0, report_))) break;  // nothing to tell yet
-      schedule.due(now_us_);
-      links_.send(link, *first, counters);
-      for (std::uint32_t turn = 1; const auto more = compose(info.id, turn, report_); ++turn) {
-        links_.send(link, *more, counters);
+      if (!streams_.schedule(stream, link).waits(now_us_)) continue;
+      const bool state = kStreams[stream].pace == Pace::kState;
+      if (state ? state_may[link] : links_.has_spare_credit(link)) {
+        tell_stream(stream, link, counters);
       }
     }
+  }
+}
+
+/// It keeps its turn where there is no room, or nothing to tell yet.
+void Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
+  const StreamInfo& info = kStreams[stream];
+  if (links_.room(link) < info.bytes + link::kSignatureBlockBytes) return;
+  for (std::uint32_t turn = 0; const auto message = compose(info.id, turn, report_); ++turn) {
+    if (turn == 0) streams_.schedule(stream, link).due(now_us_);
+    links_.send(link, *message, counters);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "link/mavlink_crc.hpp"
 #include "link/mavlink_read.hpp"
 
 namespace flotilla::link {
@@ -56,8 +57,7 @@ bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
 
 bool checksum_is_good(std::span<const std::uint8_t> b, const Header& h, std::uint8_t crc_extra) {
   const std::size_t covered = h.header_bytes + h.payload_bytes;
-  std::uint16_t crc = crc_calculate(b.data() + 1, static_cast<std::uint16_t>(covered - 1));
-  crc_accumulate(crc_extra, &crc);
+  const std::uint16_t crc = mavlink_crc(b.first(covered).subspan(1), crc_extra);
   return b[covered] == (crc & 0xFFU) && b[covered + 1] == crc >> 8U;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "link/mavlink_encode.hpp"
 
+#include "link/mavlink_crc.hpp"
 #include "link/mavlink_write.hpp"
 
 namespace flotilla::link {
@@ -10,8 +11,7 @@ namespace {
 void mark_as_signed(const mavlink_message_t& m, std::span<std::uint8_t> frame) {
   const std::size_t covered = frame.size() - MAVLINK_NUM_CHECKSUM_BYTES;
   frame[2] |= MAVLINK_IFLAG_SIGNED;
-  std::uint16_t crc = crc_calculate(frame.data() + 1, static_cast<std::uint16_t>(covered - 1));
-  crc_accumulate(mavlink_get_crc_extra(&m), &crc);
+  const std::uint16_t crc = mavlink_crc(frame.first(covered).subspan(1), mavlink_get_crc_extra(&m));
   frame[covered] = static_cast<std::uint8_t>(crc);
   frame[covered + 1] = static_cast<std::uint8_t>(crc >> 8U);
 }
