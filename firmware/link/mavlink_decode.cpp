@@ -101,6 +101,12 @@ bool accepted(SignatureVerdict verdict, Counters& counters) {
   return false;
 }
 
+Received received(std::span<const std::uint8_t> b, const Header& h,
+                  const mavlink_msg_entry_t& entry, bool is_signed) {
+  const auto payload = b.subspan(h.header_bytes, h.payload_bytes);
+  return {h.from, read_payload(payload, h.id), target_of(payload, entry), h.sequence, is_signed};
+}
+
 }  // namespace
 
 std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
@@ -136,17 +142,13 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signin
       continue;
     }
     if (b.size() < header->frame_bytes) return std::nullopt;
-    if (entry == nullptr) {
-      if (!ends_well(b, header->frame_bytes)) {
-        skip_byte();
-        continue;
-      }
+    if (entry == nullptr && ends_well(b, header->frame_bytes)) {
       begin_ += header->frame_bytes;
       ++counters.mavlink_unknown;
       continue;
     }
-    if (!checksum_is_good(b, *header, entry->crc_extra)) {
-      ++counters.mavlink_bad_checksum;
+    if (entry == nullptr || !checksum_is_good(b, *header, entry->crc_extra)) {
+      if (entry != nullptr) ++counters.mavlink_bad_checksum;
       skip_byte();
       continue;
     }
@@ -155,9 +157,7 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signin
     if (is_signed && !accepted(signing->check(b.first(header->frame_bytes)), counters)) continue;
     frame_size_ = header->frame_bytes;
     ++counters.mavlink_received;
-    const auto payload = b.subspan(header->header_bytes, header->payload_bytes);
-    return Received{header->from, read_payload(payload, header->id), target_of(payload, *entry),
-                    header->sequence, is_signed};
+    return received(b, *header, *entry, is_signed);
   }
   return std::nullopt;
 }

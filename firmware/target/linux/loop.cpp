@@ -27,7 +27,7 @@ constexpr std::int64_t kHouse_us = 100'000;
 // Not every step of a slider goes to the disk.
 constexpr std::int64_t kSaveEvery_us = kSecond_us;
 constexpr int kFarewellTicks = 10;
-// A signing timestamp that old messages or a quick restart leave behind is no matter.
+// How far ahead of the clock a stored signing timestamp may be before it is worth a word.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
 // Read at one go; more waits until the timer was looked at: a flood must not stop the tick.
 constexpr int kMostFrames = 256, kMostChunks = 64;
