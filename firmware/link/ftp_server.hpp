@@ -82,9 +82,13 @@ class FtpServer {
 
   Client& client_of(const Peer& peer, std::int64_t now_us);
   Answer answer_to(const FileTransferProtocol& message, const Peer& peer, std::int64_t now_us);
+  /// These four return the error.
+  std::uint8_t carry_out(Answer& answer, std::string_view path, const Peer& peer,
+                         std::int64_t now_us);
   std::uint8_t open(const Peer& peer, Answer& answer, std::string_view path, std::int64_t now_us);
   std::uint8_t read(const Peer& peer, Answer& answer, std::int64_t now_us);
   std::uint8_t list(const Answer& answer, std::string_view path) const;
+
   Session* session_of(const Peer& peer, std::uint8_t number);
   Session& place_for(const Peer& peer, std::uint8_t number);
   const FtpFile* find(std::string_view path) const;
