@@ -76,7 +76,7 @@ void FtpServer::request(std::size_t link, Address from, const FileTransferProtoc
   const Peer peer{link, from};
   Client& client = client_of(peer, now_us);
   const Answer answer = answer_to(message, peer, now_us);
-  client.burst.reset();
+  if (opcode != kReadFile) client.burst.reset();
   if (opcode == kBurstReadFile && answer.error == kNoError) {
     client.burst = answer;
   } else if (client.count < kAnswers) {

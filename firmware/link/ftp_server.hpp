@@ -29,7 +29,8 @@ class FtpServer {
   /// The files must outlive the server.
   explicit FtpServer(std::span<const FtpFile> files) : files_(files) {}
 
-  /// Takes a request; the answer, if any, is queued. It ends the client's burst.
+  /// Takes a request; the answer, if any, is queued. It ends the client's burst,
+  /// unless it is a read: some clients ask for what they missed while the rest is on its way.
   void request(std::size_t link, Address from, const FileTransferProtocol& message,
                std::int64_t now_us);
 

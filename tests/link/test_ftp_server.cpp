@@ -246,6 +246,17 @@ TEST_CASE("a client's next request ends its burst, not another's") {
   }
 }
 
+TEST_CASE("a client that reads what it missed has that first, and its burst goes on") {
+  Harbour harbour;
+  Client client{harbour};
+  client.ask(kOpen, 0, "big.json");
+  client.send({8, 0, kBurst, 239, 0, 0, 0, {}});
+  REQUIRE(client.next());
+  client.send({9, 0, kRead, 239, 0, 0, 0, {}});
+  CHECK(client.next()->asked == kRead);
+  CHECK(client.next()->offset == 239);
+}
+
 TEST_CASE("clients of one link have their bursts in turn, and a newcomer no more than its share") {
   Harbour harbour;
   std::vector<Client> clients{{harbour, {1, 1}}, {harbour, {2, 1}}, {harbour, {3, 1}, 1}};
