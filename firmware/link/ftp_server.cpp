@@ -76,7 +76,7 @@ void FtpServer::request(std::size_t link, Address from, const FileTransferProtoc
   const Peer peer{link, from};
   Client& client = client_of(peer, now_us);
   const Answer answer = answer_to(message, peer, now_us);
-  client.burst.reset();
+  if (opcode != kReadFile) client.burst.reset();
   if (opcode == kBurstReadFile && answer.error == kNoError) {
     client.burst = answer;
   } else if (client.count < kAnswers) {
@@ -131,38 +131,36 @@ FtpServer::Answer FtpServer::answer_to(const FileTransferProtocol& message, cons
                 payload[kSize],
                 number_at(payload, kOffset, 4),
                 nullptr};
-  if (answer.size > kMaxData) {
-    answer.error = kInvalidDataSize;
-    return answer;
-  }
+  answer.error = answer.size > kMaxData ? std::uint8_t{kInvalidDataSize}
+                                        : carry_out(answer, path_in(payload), peer, now_us);
+  return answer;
+}
+
+std::uint8_t FtpServer::carry_out(Answer& answer, std::string_view path, const Peer& peer,
+                                  std::int64_t now_us) {
   switch (answer.asked) {
     case kNone:
-      break;
+      return kNoError;
     case kTerminateSession:  // of one that is closed already too: its first answer was lost
       if (Session* session = session_of(peer, answer.session)) *session = Session{};
-      break;
+      return kNoError;
     case kResetSessions:
       std::ranges::replace_if(
           sessions_, [&](const Session& s) { return s.peer == peer; }, Session{});
-      break;
+      return kNoError;
     case kListDirectory:
-      answer.error = list(answer, path_in(payload));
-      break;
+      return list(answer, path);
     case kOpenFileRO:
-      answer.error = open(peer, answer, path_in(payload), now_us);
-      break;
+      return open(peer, answer, path, now_us);
     case kReadFile:
     case kBurstReadFile:
-      answer.error = read(peer, answer, now_us);
-      break;
+      return read(peer, answer, now_us);
     case kCalcFileCRC32:
-      answer.file = find(path_in(payload));
-      if (answer.file == nullptr) answer.error = kFileNotFound;
-      break;
+      answer.file = find(path);
+      return answer.file == nullptr ? kFileNotFound : kNoError;
     default:
-      answer.error = kUnknownCommand;
+      return kUnknownCommand;
   }
-  return answer;
 }
 
 std::uint8_t FtpServer::list(const Answer& answer, std::string_view path) const {

@@ -29,7 +29,8 @@ class FtpServer {
   /// The files must outlive the server.
   explicit FtpServer(std::span<const FtpFile> files) : files_(files) {}
 
-  /// Takes a request; the answer, if any, is queued. It ends the client's burst.
+  /// Takes a request; the answer, if any, is queued. It ends the client's burst,
+  /// unless it is a read: some clients ask for what they missed while the rest is on its way.
   void request(std::size_t link, Address from, const FileTransferProtocol& message,
                std::int64_t now_us);
 
@@ -82,9 +83,13 @@ class FtpServer {
 
   Client& client_of(const Peer& peer, std::int64_t now_us);
   Answer answer_to(const FileTransferProtocol& message, const Peer& peer, std::int64_t now_us);
+  /// These four return the error.
+  std::uint8_t carry_out(Answer& answer, std::string_view path, const Peer& peer,
+                         std::int64_t now_us);
   std::uint8_t open(const Peer& peer, Answer& answer, std::string_view path, std::int64_t now_us);
   std::uint8_t read(const Peer& peer, Answer& answer, std::int64_t now_us);
   std::uint8_t list(const Answer& answer, std::string_view path) const;
+
   Session* session_of(const Peer& peer, std::uint8_t number);
   Session& place_for(const Peer& peer, std::uint8_t number);
   const FtpFile* find(std::string_view path) const;

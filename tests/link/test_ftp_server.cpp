@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -157,7 +158,7 @@ TEST_CASE("the root is listed with sizes, in as many parts as it takes") {
   for (const std::string& name : names) harbour.files.push_back({name, "123456789"});
   harbour.server = FtpServer(harbour.files);
   std::string listed;
-  for (std::uint32_t offset = 0; client.error(kList, 0, "/", offset) == 0;) {
+  for (std::uint32_t offset = 0; offset < names.size();) {
     const Fields part = client.ask(kList, 0, "/", offset);
     offset += static_cast<std::uint32_t>(std::ranges::count(part.data, '\0'));
     listed += part.data;
@@ -245,6 +246,17 @@ TEST_CASE("a client's next request ends its burst, not another's") {
   }
 }
 
+TEST_CASE("a client that reads what it missed has that first, and its burst goes on") {
+  Harbour harbour;
+  Client client{harbour};
+  client.ask(kOpen, 0, "big.json");
+  client.send({8, 0, kBurst, 239, 0, 0, 0, {}});
+  REQUIRE(client.next());
+  client.send({9, 0, kRead, 239, 0, 0, 0, {}});
+  CHECK(client.next()->asked == kRead);
+  CHECK(client.next()->offset == 239);
+}
+
 TEST_CASE("clients of one link have their bursts in turn, and a newcomer no more than its share") {
   Harbour harbour;
   std::vector<Client> clients{{harbour, {1, 1}}, {harbour, {2, 1}}, {harbour, {3, 1}, 1}};
@@ -262,6 +274,30 @@ TEST_CASE("clients of one link have their bursts in turn, and a newcomer no more
   CHECK(harbour.server.next(1)->target.system == 3);
   CHECK(harbour.server.next(1)->target.system == 4);
   CHECK(harbour.server.next(1)->target.system == 3);
+}
+
+TEST_CASE(
+    "a ninth client takes an idle one's place, and only without one that of the longest silent") {
+  Harbour harbour;
+  std::vector<Client> clients;
+  for (std::uint8_t i = 0; i < 10; ++i) clients.push_back({harbour, {i, 190}});
+  const auto start_burst = [](Client& client) {
+    client.send({6, 0, kOpen, 0, 0, 0, 0, "big.json"});
+    client.send({8, 0, kBurst, 239, 0, 0, 0, {}});
+  };
+  const auto served = [&] {  // who has packets waiting
+    std::set<std::uint8_t> systems;
+    for (int i = 0; i < 40; ++i) systems.insert(harbour.server.next(0)->target.system);
+    return systems;
+  };
+  for (std::size_t i = 0; i < 7; ++i) start_burst(clients[i]);
+  clients[7].send({0, 0, kNone, 0, 0, 0, 0, {}});
+  CHECK(served() == std::set<std::uint8_t>{0, 1, 2, 3, 4, 5, 6, 7});
+  start_burst(clients[8]);
+  CHECK(served() == std::set<std::uint8_t>{0, 1, 2, 3, 4, 5, 6, 8});
+  start_burst(clients[0]);
+  start_burst(clients[9]);
+  CHECK(served() == std::set<std::uint8_t>{0, 2, 3, 4, 5, 6, 8, 9});
 }
 
 TEST_CASE("requests in a row are answered in their order; of too many some are not") {

@@ -12,7 +12,7 @@ import pytest
 FILES: dict[str, bytes] = flotilla.metadata()
 LIST: list[dict[str, Any]] = flotilla.parameter_list()
 DESCRIBED: list[dict[str, Any]] = json.loads(FILES["parameters.json"])["parameters"]
-EACH = pytest.mark.parametrize(("entry", "p"), list(zip(DESCRIBED, LIST, strict=True)), ids=str)
+EACH = pytest.mark.parametrize(("entry", "p"), list(zip(DESCRIBED, LIST, strict=True)))
 
 # parameter.schema.json of mavlink/mavlink: names and types of an entry's members
 TYPES = {
