@@ -74,7 +74,7 @@ class LiveWorld:
         self._sigma = scenario.navigation.noise.sigma
         self._h_us = round(1e6 / scenario.rate_hz)
         self._operator = Operator()
-        self._leader = LiveLeader(scenario.navigation.rate_hz, clocks[0])
+        self._leader = LiveLeader(scenario.leader_unit(), clocks[0])
         self.late_us = 0
         with ExitStack() as opened:
             self.boats: list[LiveBoat] = []

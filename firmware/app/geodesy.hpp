@@ -36,7 +36,7 @@ class Plane {
   Vec3 sea_level(const NorthEast& local) const;
 
   /// By how much another plane's north is turned clockwise from this one's north, rad: about
-  /// Δλ sin φ, a quarter of a milliradian at 49° for origins 1.4 km apart.
+  /// −Δλ sin φ, a quarter of a milliradian at 49° for origins 1.4 km apart.
   double turn_of(const Plane& other) const;
 
  private:
