@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""What an operator says beside COMMAND_LONG, and what is found in the boat's answers."""
+"""What an operator says beside COMMAND_LONG, and how he gets a boat into each of its states."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.dialect import dialect
 from tests.target.sea import Sea, Tick
 from tests.target.stations import BOAT, Station
 
-MANUAL, COMMAND_STEP = 0, 0.05
+MANUAL, STICKS_EVERY_S = 0, 0.05
 MOTOR_TEST, TERMINATE, STORAGE, STANDARD_MODE = 209, 185, 245, 262
 REQUEST_MESSAGE, GET_INTERVAL, SET_INTERVAL = 512, 510, 511
 REAL32 = mavlink.MAV_PARAM_TYPE_REAL32
@@ -69,9 +67,9 @@ def drive(
 ) -> list[Tick]:
     """Somebody holds the sticks there, 20 times a second."""
     ticks: list[Tick] = []
-    for _ in range(round(seconds / COMMAND_STEP)):
+    for _ in range(round(seconds / STICKS_EVERY_S)):
         sea.say(sticks(x, r), sender=sender, link=link)
-        ticks += sea.run(COMMAND_STEP)
+        ticks += sea.run(STICKS_EVERY_S)
     return ticks
 
 
@@ -106,15 +104,3 @@ ENTER = {
     "TEST": enter_test,
     "FAULT": enter_fault,
 }
-
-
-def hear(ticks: Iterable[Tick], link: int = 0) -> list[Any]:
-    """Every message of our dialect on that link, also those that pymavlink's wheel lacks."""
-    parser = dialect().MAVLink(None)
-    parser.robust_parsing = True
-    chunks = [data for tick in ticks for at, data in tick.mavlink if at == link]
-    return [message for chunk in chunks for message in parser.parse_buffer(chunk) or []]
-
-
-def hear_named(ticks: Iterable[Tick], name: str, link: int = 0) -> list[Any]:
-    return [m for m in hear(ticks, link) if m.get_type() == name]
