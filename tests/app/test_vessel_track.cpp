@@ -396,6 +396,29 @@ TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the o
   CHECK(hear(1'200'000, 22'950'100));
 }
 
+TEST_CASE_TEMPLATE(
+    "after a reboot, whatever source comes first, the old origin is not the new one's", S, float,
+    double) {
+  for (const bool odometry : {false, true}) {
+    FourSources<S> w;
+    w.odometry = w.local = true;
+    w.sail(2);
+    CHECK(w.track.has_origin());
+    const auto before = w.track.messages();
+    for (std::int64_t t = 0; t < 4'000'000; t += kPeriod_us) {
+      const std::int64_t now_us = w.now_us + t;
+      w.hear(link::Attitude{convert::boot_ms(t), 0, 0, 0, 0, 0, 0}, now_us);
+      w.hear(local_at(t, 7), now_us);
+      if (odometry) w.hear(odometry_at(t, 7), now_us);
+      if (w.track.messages() != before) REQUIRE_FALSE(w.track.has_origin());
+    }
+    CHECK(w.track.messages() > before + 15);
+    CHECK(w.track.position().east_m == 7);
+    w.hear(kOrigin, w.now_us + 4'000'000);
+    CHECK(w.track.has_origin());
+  }
+}
+
 TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIMESYNC told", S,
                    float, double) {
   constexpr std::int64_t kDelay_us = 150'000, kClock_us = kHour_us;
@@ -421,6 +444,8 @@ TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIME
       CHECK(std::abs(motion - truth) < 0.05);
       CHECK(std::abs(double(m.nu.u) - (1 + 0.2e-6 * double(now))) < 0.05);
       CHECK(std::abs(double(m.nu_dot.u) - 0.2) < 0.08);
+      // ODOMETRY's last was 0.6 s before GLOBAL_POSITION_INT took over.
+      CHECK(double(w.track.last().dt) == doctest::Approx(t == 4'500'000 ? 0.6 : 0.1).epsilon(1e-3));
       CHECK(motion > before);
     }
     before = motion;
