@@ -18,16 +18,19 @@ Plane plane_at(const link::GpsGlobalOrigin& o) { return {o.latitude, o.longitude
 /// Where the leader is, north-east from us in our plane, and how far its plane's north is turned.
 struct Seen {
   double north_m, east_m, turn_rad;
+  bool same_side;  ///< of the globe
 };
 
 Seen seen_from(const Position& own, const Position& leader) {
   if (own.origin.latitude == leader.origin.latitude &&
       own.origin.longitude == leader.origin.longitude) {
-    return {leader.north_m - own.north_m, leader.east_m - own.east_m, 0};
+    return {leader.north_m - own.north_m, leader.east_m - own.east_m, 0, true};
   }
   const Plane ours = plane_at(own.origin), theirs = plane_at(leader.origin);
-  const auto [north_m, east_m] = ours.local_of(theirs.sea_level({leader.north_m, leader.east_m}));
-  return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs)};
+  constexpr double kSameSide_m = 6e6;
+  const auto [north_m, east_m, down_m] =
+      ours.local_of(theirs.sea_level({leader.north_m, leader.east_m}));
+  return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
 }
 
 std::int16_t cm_per_s(double mps) {
@@ -60,7 +63,7 @@ core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_
 
 Sample in_plane(const Sample& global, const link::GpsGlobalOrigin& origin) {
   const Plane plane = plane_at(origin), there{global.at->latitude, global.at->longitude};
-  const auto [north_m, east_m] = plane.local_of(there.origin());
+  const auto [north_m, east_m, down_m] = plane.local_of(there.origin());
   Sample sample = global;
   sample.north_m = north_m;
   sample.east_m = east_m;
@@ -85,8 +88,8 @@ GlobalPoint global_of(const Position& position, const core::Vec2<S>& moved_n) {
 
 bool near(const Position& own, const Position& leader) {
   constexpr double kNear_m = 5000;
-  const core::Vec2<double> d = separation<double>(own, leader);
-  return std::hypot(d.x, d.y) <= kNear_m;
+  const Seen seen = seen_from(own, leader);
+  return seen.same_side && std::hypot(seen.north_m, seen.east_m) <= kNear_m;
 }
 
 template <class S>

@@ -36,9 +36,9 @@ Plane::Plane(std::int32_t latitude_degE7, std::int32_t longitude_degE7) {
   down_ = {-cp * cl, -cp * sl, -sp};
 }
 
-NorthEast Plane::local_of(const Vec3& point) const {
+NorthEastDown Plane::local_of(const Vec3& point) const {
   const Vec3 from_origin = minus(point, origin_);
-  return {dot(from_origin, north_), dot(from_origin, east_)};
+  return {dot(from_origin, north_), dot(from_origin, east_), dot(from_origin, down_)};
 }
 
 Vec3 Plane::sea_level(const NorthEast& local) const {

@@ -22,6 +22,10 @@ struct NorthEast {
   double north_m, east_m;
 };
 
+struct NorthEastDown {
+  double north_m, east_m, down_m;
+};
+
 /// The plane that touches the ellipsoid at a point, its axes north and east there.
 class Plane {
  public:
@@ -30,7 +34,7 @@ class Plane {
   const Vec3& origin() const { return origin_; }
 
   /// Of any point, seen from the plane's origin.
-  NorthEast local_of(const Vec3& point) const;
+  NorthEastDown local_of(const Vec3& point) const;
 
   /// The point of the sea below.
   Vec3 sea_level(const NorthEast& local) const;

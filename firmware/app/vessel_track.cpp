@@ -50,7 +50,10 @@ void VesselTrack<S>::hear(Source source, std::int64_t stamp_us, std::int64_t now
   if (goes_on && stamp_us < in.stamp_us) return;
   // Another source's clock is kept ready; the chosen one's is set by what is accepted.
   if (source != source_ || !stamp_us_) {
-    if (stamp_us < in.stamp_us) in.clock.reset();
+    if (stamp_us < in.stamp_us) {  // it rebooted: its local frame may have another origin
+      in.clock.reset();
+      origin_component_ = 0;
+    }
     in.clock.heard(stamp_us, now_us);
   }
   in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;

@@ -281,11 +281,15 @@ TEST_CASE_TEMPLATE("a source gives way after half a second, to the next best tha
   FourSources<S> w;
   w.odometry = w.local = w.follow = w.global = true;
   w.sail(1);
-  const std::int64_t last_us = w.now_us - kPeriod_us;
   w.odometry = false;
-  while (w.believes(kOdometryEast)) w.sail(0.1);
+  w.sail(0.5);  // the last of it is exactly half a second later
+  CHECK(w.believes(kOdometryEast));
+  w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
+  w.hear(global_at(w.now_us, kGlobalEast), w.now_us);
+  w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
+  CHECK(w.believes(kOdometryEast));  // a better one is about to come
+  w.hear(local_at(w.now_us, kLocalEast), w.now_us);
   CHECK(w.believes(kLocalEast));
-  CHECK(w.now_us - kPeriod_us - last_us == 600'000);  // the first round later than half a second
 }
 
 TEST_CASE_TEMPLATE("a better source is believed again at its fifth message without a gap", S, float,
@@ -379,18 +383,40 @@ TEST_CASE_TEMPLATE("global positions need no origin, and the one that they get s
   }
 }
 
-TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen next to the old one", S, float,
+TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the old one", S, float,
                    double) {
-  FourSources<S> w;
-  w.global = true;
-  w.sail(1);
-  link::GlobalPositionInt m = global_at(w.now_us, 0);
-  m.lat = -m.lat;
-  m.lon -= 1'800'000'000;
-  w.hear(m, w.now_us);
-  CHECK_FALSE(convert::near({0, 0, kOrigin}, w.track.position()));
-  w.sail(0.2);
-  CHECK(convert::near({0, 0, kOrigin}, w.track.position()));
+  Watch<S> w;
+  const auto hear = [&](std::int64_t us, std::int32_t longitude) {
+    w.hear(link::Attitude{convert::boot_ms(us), 0, 0, 0, 0, 0, 0}, us);
+    w.hear(link::GlobalPositionInt{convert::boot_ms(us), 0, longitude, 0, 0, 0, 0, 0, 0}, us);
+    return convert::near({0, 0, {0, 22'950'000, 0, 0}}, w.track.position());
+  };
+  CHECK(hear(1'000'000, 22'950'000));
+  CHECK_FALSE(hear(1'100'000, 22'950'000 - 1'800'000'000));
+  CHECK(hear(1'200'000, 22'950'100));
+}
+
+TEST_CASE_TEMPLATE(
+    "after a reboot, whatever source comes first, the old origin is not the new one's", S, float,
+    double) {
+  for (const bool odometry : {false, true}) {
+    FourSources<S> w;
+    w.odometry = w.local = true;
+    w.sail(2);
+    CHECK(w.track.has_origin());
+    const auto before = w.track.messages();
+    for (std::int64_t t = 0; t < 4'000'000; t += kPeriod_us) {
+      const std::int64_t now_us = w.now_us + t;
+      w.hear(link::Attitude{convert::boot_ms(t), 0, 0, 0, 0, 0, 0}, now_us);
+      w.hear(local_at(t, 7), now_us);
+      if (odometry) w.hear(odometry_at(t, 7), now_us);
+      if (w.track.messages() != before) REQUIRE_FALSE(w.track.has_origin());
+    }
+    CHECK(w.track.messages() > before + 15);
+    CHECK(w.track.position().east_m == 7);
+    w.hear(kOrigin, w.now_us + 4'000'000);
+    CHECK(w.track.has_origin());
+  }
 }
 
 TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIMESYNC told", S,
@@ -418,6 +444,8 @@ TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIME
       CHECK(std::abs(motion - truth) < 0.05);
       CHECK(std::abs(double(m.nu.u) - (1 + 0.2e-6 * double(now))) < 0.05);
       CHECK(std::abs(double(m.nu_dot.u) - 0.2) < 0.08);
+      // ODOMETRY's last was 0.6 s before GLOBAL_POSITION_INT took over.
+      CHECK(double(w.track.last().dt) == doctest::Approx(t == 4'500'000 ? 0.6 : 0.1).epsilon(1e-3));
       CHECK(motion > before);
     }
     before = motion;

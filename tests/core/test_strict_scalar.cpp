@@ -56,6 +56,8 @@ template Strict command_from_thrust(const ThrustCurveParams<Strict>&, Strict);
 template Strict limit_slew(Strict, Strict, Strict, Strict);
 template void track_update(const TrackParams<Strict>&, TrackState<Strict>&,
                            const TrackMessage<Strict>&);
+template void track_resume(const TrackParams<Strict>&, TrackState<Strict>&,
+                           const TrackMessage<Strict>&);
 template Motion<Strict> reckon_step(const Vessel<Strict>&, const Reckoning<Strict>&,
                                     const Tau<Strict>&, Strict);
 template void reckon_forward(const Vessel<Strict>&, Reckoning<Strict>&, const Tau<Strict>&, Strict);
