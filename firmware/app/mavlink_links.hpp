@@ -71,9 +71,19 @@ class MavlinkLinks {
     return links_[link].rate_Bps == 0 || links_[link].credit > 0;
   }
 
-  /// The same for what can wait, so that what followers steer by need not.
+  /// The same for what can wait: two fifths of the rate are kept for it, and what the state leaves.
   bool has_spare_credit(std::size_t link) const {
-    return links_[link].rate_Bps == 0 || links_[link].credit > most(links_[link]) / 2;
+    const Link& l = links_[link];
+    return l.rate_Bps == 0 || l.reserve > 0 || l.credit > most(l) / 2;
+  }
+
+  /// send() of what can wait.
+  void send_spare(std::size_t link, const link::Message& message, link::Counters& counters) {
+    Link& l = links_[link];
+    const std::size_t before = l.size;
+    send(link, message, counters);
+    const auto sent = static_cast<std::int64_t>(l.size - before) * kSecond_us;
+    l.reserve = std::max(l.reserve - sent, -most(l));
   }
 
   /// Bytes that still fit into this tick's output.
@@ -140,6 +150,7 @@ class MavlinkLinks {
       link.credit -= static_cast<std::int64_t>(link.size) * kSecond_us;
       const std::int64_t earned = std::int64_t{link.rate_Bps} * std::min(dt_us, kSecond_us);
       link.credit = std::min(link.credit + earned, most(link));
+      link.reserve = std::min(link.reserve + earned * 2 / 5, most(link) * 2 / 5);
     }
   }
 
@@ -154,7 +165,8 @@ class MavlinkLinks {
     std::array<std::optional<std::uint8_t>, 2> beats{};  // sequence numbers of the last heartbeats
     SigningPolicy policy = SigningPolicy::kOff;
     std::uint32_t rate_Bps = 0;
-    std::int64_t credit = 0;  // bytes × 10⁶
+    std::int64_t credit = 0;   // bytes × 10⁶
+    std::int64_t reserve = 0;  // the same, of what is kept for what can wait
   };
   static constexpr std::int64_t kSecond_us = 1'000'000;
 

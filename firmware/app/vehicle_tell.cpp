@@ -76,7 +76,11 @@ void Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
   if (links_.room(link) < info.bytes + link::kSignatureBlockBytes) return;
   for (std::uint32_t turn = 0; const auto message = compose(info.id, turn, report_); ++turn) {
     if (turn == 0) streams_.schedule(stream, link).due(now_us_);
-    links_.send(link, *message, counters);
+    if (info.pace == Pace::kState) {
+      links_.send(link, *message, counters);
+    } else {
+      links_.send_spare(link, *message, counters);
+    }
   }
 }
 
@@ -88,12 +92,12 @@ void Vehicle::tell_services(link::Counters& counters) {
     for (int n = 0; n < kParametersPerTick && may(); ++n) {
       const auto message = parameter_service_.next(link, parameters_);
       if (!message) break;
-      links_.send(link, *message, counters);
+      links_.send_spare(link, *message, counters);
     }
     for (int n = 0; n < kFtpPacketsPerTick && may(); ++n) {
       const auto packet = ftp_.next(link);
       if (!packet) break;
-      links_.send(link, *packet, counters);
+      links_.send_spare(link, *packet, counters);
     }
   }
 }

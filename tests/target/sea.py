@@ -7,6 +7,7 @@ import functools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 import flotilla
@@ -24,6 +25,7 @@ from tests.target.stations import (
     LEADER,
     LEADER_COMPONENT,
     NAVIGATION,
+    REQUEST_MESSAGE,
     SET_MODE,
     Station,
     command_long,
@@ -124,6 +126,12 @@ class Sea:
         """A COMMAND_LONG from the ground station and the tick that follows it."""
         self.say(command_long(command, *params, **how), link=link)
         return self.step()
+
+    def ask(self, message_id: int, link: int = 0) -> list[Any]:
+        """The messages asked for that follow the ACK, without what the boat says anyway."""
+        ack, *others = self.order(REQUEST_MESSAGE, float(message_id), link=link).messages(link)
+        assert (ack.get_type(), ack.command, ack.result) == ("COMMAND_ACK", REQUEST_MESSAGE, 0)
+        return list(takewhile(lambda m: m.get_msgId() == message_id, others))
 
     def arm(self) -> Tick:
         return self.order(ARM, 1.0)

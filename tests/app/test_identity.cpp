@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include "app/identity.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::uint8_t kArdupilot = 3;
+
+Identity identity(bool companion, std::uint8_t system, std::uint8_t component) {
+  Parameters p;
+  p.MAV_SYSID = system;
+  p.MAV_COMPID = component;
+  p.MAV_IDENTITY = companion ? 1 : 0;
+  return Identity(p);
+}
+link::Heartbeat beat(std::uint8_t autopilot = kArdupilot) { return {0, 11, autopilot, 1, 4}; }
+
+TEST_CASE("a message is for us by our ids or by zeros, and for others by theirs") {
+  for (const bool companion : {false, true}) {
+    const Identity boat = identity(companion, 7, 191);
+    CHECK(boat.self() == link::Address{7, 191});
+    CHECK(boat.companion() == companion);
+    for (unsigned system = 0; system < 256; ++system) {
+      for (unsigned component = 0; component < 256; ++component) {
+        const link::Address target{static_cast<std::uint8_t>(system),
+                                   static_cast<std::uint8_t>(component)};
+        const bool ours =
+            (system == 0 || system == 7) && (component == 0 || component == 191);
+        REQUIRE(boat.addressed(target) == ours);
+        REQUIRE(boat.is_autopilots(target) == (companion && component == 0));
+      }
+    }
+  }
+}
+
+TEST_CASE("a companion takes the only autopilot's system id three seconds after hearing it") {
+  Identity boat = identity(true, 7, 191);
+  CHECK_FALSE(boat.latch(50 * kSecond_us));  // nobody is there yet
+  for (std::int64_t t = 0; t < 3; ++t) {
+    boat.heard({42, 1}, beat(), (60 + t) * kSecond_us);
+    CHECK_FALSE(boat.latch((60 + t) * kSecond_us));
+    CHECK(boat.self() == link::Address{7, 191});
+  }
+  CHECK_FALSE(boat.latch(63 * kSecond_us - 1));
+  CHECK(boat.latch(63 * kSecond_us));
+  CHECK(boat.self() == link::Address{42, 191});
+  CHECK(boat.addressed({42, 191}));
+  CHECK_FALSE(boat.addressed({7, 191}));
+  CHECK_FALSE(boat.latch(64 * kSecond_us));  // once
+}
+
+TEST_CASE("having taken an id, or having kept its own, a companion stays with it") {
+  for (const bool several : {false, true}) {
+    Identity boat = identity(true, 7, 191);
+    boat.heard({42, 1}, beat(), 0);
+    if (several) boat.heard({43, 1}, beat(), kSecond_us);
+    boat.latch(3 * kSecond_us);
+    const link::Address self = boat.self();
+    CHECK(self.system == (several ? 7 : 42));
+    for (std::int64_t t = 4; t < 20; ++t) {
+      boat.heard({99, 1}, beat(), t * kSecond_us);
+      CHECK_FALSE(boat.latch(t * kSecond_us));
+      CHECK(boat.self() == self);
+    }
+  }
+}
+
+TEST_CASE("of several autopilots a companion takes none, in whatever order they are heard") {
+  for (unsigned order = 0; order < 16; ++order) {
+    Identity boat = identity(true, 7, 191);
+    boat.heard({42, 1}, beat(), 0);
+    for (unsigned k = 0; k < 4; ++k) {
+      const std::uint8_t system = (order >> k & 1U) != 0 ? 43 : 42;
+      boat.heard({system, 1}, beat(), k * kSecond_us / 2);
+    }
+    CHECK(boat.latch(3 * kSecond_us) == (order == 0));
+    CHECK(boat.self().system == (order == 0 ? 42 : 7));
+  }
+}
+
+TEST_CASE("ground stations and other companions are no autopilots") {
+  Identity boat = identity(true, 7, 191);
+  boat.heard({255, 190}, beat(mav::kAutopilotInvalid), 0);
+  boat.heard({42, 191}, beat(mav::kAutopilotInvalid), 0);
+  CHECK_FALSE(boat.latch(10 * kSecond_us));
+  boat.heard({42, 1}, beat(), 11 * kSecond_us);
+  boat.heard({255, 190}, beat(mav::kAutopilotInvalid), 12 * kSecond_us);
+  CHECK(boat.latch(14 * kSecond_us));
+  CHECK(boat.self().system == 42);
+}
+
+TEST_CASE("system id 0 is nobody: a companion does not become it") {
+  Identity boat = identity(true, 7, 191);
+  boat.heard({0, 1}, beat(), 0);
+  boat.latch(3 * kSecond_us);
+  CHECK(boat.self().system == 7);
+}
+
+TEST_CASE("a companion configured with its autopilot's id changes nothing") {
+  Identity boat = identity(true, 42, 191);
+  boat.heard({42, 1}, beat(), 0);
+  CHECK_FALSE(boat.latch(3 * kSecond_us));
+  CHECK(boat.self() == link::Address{42, 191});
+}
+
+TEST_CASE("a vehicle of its own keeps its id whatever it hears") {
+  Identity boat = identity(false, 7, 1);
+  for (std::int64_t t = 0; t < 10; ++t) {
+    boat.heard({42, 1}, beat(), t * kSecond_us);
+    CHECK_FALSE(boat.latch(t * kSecond_us));
+  }
+  CHECK(boat.self() == link::Address{7, 1});
+}
+
+}  // namespace
+}  // namespace flotilla::app

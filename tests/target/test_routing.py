@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: MIT
+"""Handing on what is for others, and noticing who uses our own name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.operator_words import param_list, param_read, param_set, sticks
+from tests.target.sea import Sea, Tick, acks, messages, named
+from tests.target.stations import (
+    ACCEPTED,
+    ARM,
+    BOAT,
+    GCS,
+    GCS_COMPONENT,
+    LEADER,
+    NAVIGATION,
+    Station,
+    command_long,
+    heartbeat,
+    odometry,
+    origin,
+)
+
+OTHER = Station(7, 1)  # a boat beyond another link
+TO_OTHER = (7, 1)
+
+
+def sent(tick: Tick, link: int) -> bytes:
+    return b"".join(data for at, data in tick.mavlink if at == link)
+
+
+def known(links: int, where: dict[int, list[Station]]) -> Sea:
+    """Everybody has said a heartbeat on his link; it is over before the test begins."""
+    sea = Sea(links=links)
+    sea.run(0.5)
+    for link, stations in where.items():
+        for station in stations:
+            sea.say(heartbeat(), sender=station, link=link)
+    sea.run(0.35)
+    sea.ticks.clear()
+    return sea
+
+
+def two_links() -> Sea:
+    return known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+
+
+def signed(station: Station, *messages: Any) -> bytes:
+    """As that station signs, with a key that the boat does not know."""
+    station.encoder.signing.secret_key = bytes(range(32))
+    station.encoder.signing.sign_outgoing = True
+    station.encoder.signing.link_id = 3
+    station.encoder.signing.timestamp = 1_000_000
+    return station.pack(*messages)
+
+
+def with_extensions() -> bytes:
+    """A command from somebody who knows more fields than we do: longer, its checksum right."""
+    kind = mavlink.MAVLink_command_long_message
+    plain = bytearray(Station(GCS, GCS_COMPONENT).pack(command_long(ARM, 1.0, target=TO_OTHER)))
+    payload = bytes(plain[10 : 10 + plain[1]]).ljust(33, b"\0") + b"future"
+    body = bytes([len(payload)]) + bytes(plain[2:10]) + payload
+    crc = mavlink.x25crc(body + bytes([kind.crc_extra])).crc
+    return b"\xfd" + body + crc.to_bytes(2, "little")
+
+
+FRAMES = {
+    "command": lambda gcs: gcs.pack(command_long(ARM, 1.0, target=TO_OTHER)),
+    "command to any component": lambda gcs: gcs.pack(command_long(ARM, 1.0, target=(7, 0))),
+    "parameters": lambda gcs: gcs.pack(param_list(TO_OTHER)),
+    "set": lambda gcs: gcs.pack(param_set("LAW_KX", 1.0, target=TO_OTHER)),
+    "version 1": lambda gcs: gcs.pack(command_long(ARM, 1.0, target=TO_OTHER), version1=True),
+    "sticks": lambda gcs: gcs.pack(sticks(100, target=7)),
+    "signed": lambda gcs: signed(gcs, command_long(ARM, 1.0, target=TO_OTHER)),
+    "longer than we know": lambda gcs: with_extensions(),
+    "mission": lambda gcs: gcs.pack(
+        mavlink.MAVLink_mission_item_int_message(7, 1, 3, 0, 16, 0, 1, 0, 0, 0, 0, 1, 2, 3.0)
+    ),
+    "file": lambda gcs: gcs.pack(
+        mavlink.MAVLink_file_transfer_protocol_message(0, 7, 1, list(range(251)))
+    ),
+    "ping": lambda gcs: gcs.pack(mavlink.MAVLink_ping_message(123, 4, 7, 1)),
+}
+
+
+@pytest.mark.parametrize("what", FRAMES)
+def test_a_message_for_another_is_handed_on_byte_for_byte_with_the_next_tick(what: str) -> None:
+    sea = two_links()
+    frame = FRAMES[what](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert frame in sent(tick, 1)
+    assert frame not in sent(tick, 0)
+    later = sea.run(1.0)
+    assert not [t for t in later if frame in sent(t, 0) or frame in sent(t, 1)]
+    assert sea.state == "DISARMED" and not named(sea.ticks, "COMMAND_ACK")
+    assert not named(sea.ticks, "PARAM_VALUE")
+
+
+def test_the_answer_finds_its_way_back() -> None:
+    sea = two_links()
+    answer = OTHER.pack(
+        mavlink.MAVLink_command_ack_message(ARM, 0, 255, 0, GCS, GCS_COMPONENT),
+    )
+    sea.boat.on_mavlink(answer, sea.now_us, 1)
+    tick = sea.step()
+    assert answer in sent(tick, 0) and answer not in sent(tick, 1)
+
+
+def test_setup_signing_is_never_handed_on() -> None:
+    """It carries the key."""
+    sea = two_links()
+    frame = sea.gcs.pack(mavlink.MAVLink_setup_signing_message(7, 1, list(range(32)), 99))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if bytes(range(32)) in sent(t, 1)]
+
+
+@pytest.mark.parametrize("cuts", [1, 7, 40])
+def test_a_frame_that_comes_in_pieces_is_handed_on_whole(cuts: int) -> None:
+    sea = two_links()
+    frame = FRAMES["file"](Station(GCS, GCS_COMPONENT))
+    for at in range(0, len(frame), cuts):
+        sea.boat.on_mavlink(frame[at : at + cuts], sea.now_us, 0)
+    assert frame in sent(sea.step(), 1)
+
+
+def test_several_in_one_tick_keep_their_order() -> None:
+    sea = two_links()
+    frames = [FRAMES[what](sea.gcs) for what in ("command", "set", "parameters", "sticks")]
+    sea.boat.on_mavlink(b"".join(frames), sea.now_us, 0)
+    assert b"".join(frames) in sent(sea.step(), 1)
+
+
+def test_a_damaged_frame_is_not_handed_on() -> None:
+    sea = two_links()
+    frame = bytearray(FRAMES["set"](Station(GCS, GCS_COMPONENT)))
+    frame[14] ^= 1
+    sea.boat.on_mavlink(bytes(frame), sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if bytes(frame[10:20]) in sent(t, 1)]
+
+
+def test_a_message_for_somebody_unknown_goes_nowhere() -> None:
+    sea = two_links()
+    for target in ((9, 1), (7, 2)):
+        frame = sea.gcs.pack(command_long(ARM, 1.0, target=target))
+        sea.boat.on_mavlink(frame, sea.now_us, 0)
+        assert not [t for t in sea.run(0.3) if frame in sent(t, 0) + sent(t, 1)]
+
+
+@pytest.mark.parametrize("target", [(0, 0), (0, 1)])
+def test_what_is_for_all_is_not_handed_on(target: tuple[int, int]) -> None:
+    sea = two_links()
+    for message in (
+        heartbeat(),
+        origin(),
+        odometry(sea.own.course, sea.now_us),
+        command_long(512, 0.0, target=target),
+        param_read("LAW_KX", target),
+        mavlink.MAVLink_statustext_message(6, b"hello everybody"),
+        mavlink.MAVLink_timesync_message(0, 5),
+    ):
+        frame = OTHER.pack(message)
+        sea.boat.on_mavlink(frame, sea.now_us, 1)
+        tick = sea.step()
+        assert frame not in sent(tick, 0) + sent(tick, 1)
+
+
+def test_what_is_for_this_boat_is_not_handed_on() -> None:
+    sea = two_links()
+    frame = sea.gcs.pack(command_long(ARM, 1.0))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert acks(tick) == [(ARM, ACCEPTED)] and frame not in sent(tick, 1)
+
+
+def test_another_component_of_this_boat_gets_what_is_for_it() -> None:
+    """Its navigation unit on link 1: what is for it is handed on, what is for all goes to both."""
+    unit = Station(BOAT, NAVIGATION)
+    sea = Sea(links=2)
+    sea.own.on = False  # it would be heard on link 0 too
+    sea.say(heartbeat(), sender=unit, link=1)
+    sea.run(0.5)
+    to_unit = sea.gcs.pack(param_list((BOAT, NAVIGATION)))
+    sea.boat.on_mavlink(to_unit, sea.now_us, 0)
+    tick = sea.step()
+    assert to_unit in sent(tick, 1)
+    assert not named([tick, *sea.run(0.5)], "PARAM_VALUE")
+    to_all = sea.gcs.pack(param_read("LAW_KX", (BOAT, 0)))
+    sea.boat.on_mavlink(to_all, sea.now_us, 0)
+    tick = sea.step()
+    assert to_all in sent(tick, 1)
+    assert len(named([tick, *sea.run(0.5)], "PARAM_VALUE")) == 1
+
+
+def test_nothing_goes_back_where_it_came_from() -> None:
+    sea = known(2, {0: [Station(GCS, GCS_COMPONENT), OTHER]})
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if frame in sent(t, 0) + sent(t, 1)]
+
+
+def test_nothing_circles_where_two_links_reach_the_same_boats() -> None:
+    sea = known(3, {0: [OTHER, Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: []})
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    for link in (0, 1):  # its addressee hears it there himself
+        sea.boat.on_mavlink(frame, sea.now_us, link)
+        assert not [t for t in sea.run(0.5) if any(frame in sent(t, k) for k in range(3))]
+    sea.boat.on_mavlink(frame, sea.now_us, 2)
+    tick = sea.step()
+    assert frame in sent(tick, 0) and frame in sent(tick, 1) and frame not in sent(tick, 2)
+
+
+def test_of_three_links_only_the_addressees_gets_it() -> None:
+    sea = known(3, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: [Station(9, 1)]})
+    frame = FRAMES["set"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert [frame in sent(tick, k) for k in range(3)] == [False, True, False]
+
+
+def test_two_boats_between_two_links_do_not_make_a_message_circle() -> None:
+    """Both are on both links, a ground station on the first, the addressee on the second."""
+    one = known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+    two = Sea({"MAV_SYSID": 3, "FORM_LEADER": LEADER}, links=2)
+    two.say(heartbeat(), sender=Station(GCS, GCS_COMPONENT), link=0)
+    two.say(heartbeat(), sender=OTHER, link=1)
+    two.step()
+    frame = Station(GCS, GCS_COMPONENT).pack(command_long(512, 0.0, target=TO_OTHER))
+    copies = 0
+    wire = {0: frame, 1: b""}
+    for _ in range(200):
+        for sea in (one, two):
+            for link in (0, 1):
+                sea.boat.on_mavlink(wire[link], sea.now_us, link)
+        out = [sea.step() for sea in (one, two)]
+        wire = {link: b"".join(sent(tick, link) for tick in out) for link in (0, 1)}
+        copies += wire[1].count(frame)
+        assert not wire[0].count(frame)
+    assert copies <= 2
+
+
+def test_forwarding_does_not_spoil_the_boats_own_frames() -> None:
+    sea = two_links()
+    for k in range(300):
+        gcs = Station(GCS, GCS_COMPONENT)
+        sea.say(command_long(ARM, 1.0, target=TO_OTHER, confirmation=k % 256), sender=gcs)
+        sea.step()
+    heard = messages(sea.ticks, 1)
+    own = [m for m in heard if m.get_srcSystem() == BOAT]
+    assert len([m for m in heard if m.get_srcSystem() == GCS]) == 300
+    assert all(m.get_type() != "BAD_DATA" for m in heard)
+    first = own[0].get_seq()
+    assert [m.get_seq() for m in own] == [(first + k) % 256 for k in range(len(own))]
+
+
+def test_a_flood_for_another_does_not_silence_the_boat() -> None:
+    sea = two_links()
+    frame = FRAMES["file"](Station(GCS, GCS_COMPONENT))
+    ticks = []
+    for _ in range(300):
+        sea.boat.on_mavlink(frame * 20, sea.now_us, 0)
+        ticks.append(sea.step())
+    assert len(named(ticks, "HEARTBEAT", 1)) == 3
+    assert len(named(ticks, "ATTITUDE", 1)) in range(29, 32)
+    assert sea.counter("mavlink_not_sent") > 0
+    assert not [m for m in messages(ticks, 1) if m.get_type() == "BAD_DATA"]
+
+
+# Who else calls himself as we do.
+
+DOUBLE = "another sender"
+
+
+def doubles(ticks: list[Tick], link: int = 0) -> list[Any]:
+    return [m for m in named(ticks, "STATUSTEXT", link) if DOUBLE in m.text]
+
+
+def test_another_sender_under_our_name_is_told_at_most_every_ten_seconds() -> None:
+    sea = Sea(links=2)
+    double = Station(BOAT, 1)
+    double.encoder.seq = 100
+    sea.run(0.5)
+    ticks = []
+    for _ in range(25):
+        sea.say(heartbeat(), sender=double)
+        ticks += sea.run(1.0)
+    for link in (0, 1):
+        found = doubles(ticks, link)
+        assert 2 <= len(found) <= 3 * (1 + (len(found[0].text) > 50))
+        assert all(m.severity == mavlink.MAV_SEVERITY_CRITICAL for m in found)
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_our_own_broadcast_heard_again_is_no_double(links: int) -> None:
+    """On a link that hears itself, or a second one into the same network."""
+    sea = Sea(links=links)
+    for _ in range(2000):
+        tick = sea.step()
+        for link in range(links):
+            sea.boat.on_mavlink(sent(tick, link), sea.now_us, links - 1 - link)
+    assert not doubles(sea.ticks)
+    assert sea.state == "DISARMED" and sea.condition("own_fresh")
+
+
+def test_our_own_words_heard_again_are_neither_obeyed_nor_handed_on() -> None:
+    sea = known(2, {1: [OTHER]})
+    for message in (command_long(ARM, 1.0), command_long(ARM, 1.0, target=TO_OTHER)):
+        frame = Station(BOAT, 1).pack(message)
+        sea.boat.on_mavlink(frame, sea.now_us, 0)
+        tick = sea.step()
+        assert not acks(tick) and frame not in sent(tick, 1)
+    assert sea.state == "DISARMED"
+
+
+def test_two_boats_with_one_name_notice_each_other() -> None:
+    """Switched on half a second after each other, as two copies of one memory card are."""
+    one, two = Sea(), Sea()
+    ticks: dict[str, list[Tick]] = {"one": [], "two": []}
+    for k in range(1500):
+        a = one.step()
+        ticks["one"].append(a)
+        two.boat.on_mavlink(sent(a, 0), two.now_us)
+        if k >= 50:
+            b = two.step()
+            ticks["two"].append(b)
+            one.boat.on_mavlink(sent(b, 0), one.now_us)
+    assert doubles(ticks["one"]) and doubles(ticks["two"])
