@@ -135,6 +135,19 @@ def test_what_is_no_autopilot_is_not_taken_for_one() -> None:
     assert address(sea) == ME
 
 
+def test_its_leader_is_not_its_autopilot() -> None:
+    """Heard alone, before the own autopilot has started: a boat never takes that name for its own.
+
+    It would take the leader's state for its own too, and sail on it.
+    """
+    sea = companion()
+    sea.own.on = False
+    sea.leader.beats = True
+    sea.run(5.0)
+    assert address(sea) == (BOAT, COMPANION)
+    assert not sea.condition("own_fresh")
+
+
 def test_a_vehicle_never_takes_anothers_id(sea: Sea) -> None:
     sea.say(beat(), sender=Station(AUTOPILOT, 1))
     sea.run(6.0)
@@ -225,6 +238,19 @@ def test_what_drives_the_whole_system_is_the_autopilots_business(kind: str, arme
     tick = sea.step()
     assert not acks(tick) and not texts([tick])
     assert sea.state == state == ("HOLD" if armed else "DISARMED")
+
+
+@pytest.mark.parametrize("target", [(AUTOPILOT, 0), (0, 0)])
+def test_the_mission_of_the_whole_system_is_the_autopilots(target: tuple[int, int]) -> None:
+    """Two answers, one of them "none" or "cleared", would be taken for the autopilot's."""
+    sea = latched()
+    sea.say(
+        mavlink.MAVLink_mission_request_list_message(*target, 0),
+        mavlink.MAVLink_mission_clear_all_message(*target, 0),
+        mavlink.MAVLink_mission_count_message(*target, 5, 0),
+    )
+    ticks = sea.run(0.2)
+    assert not named(ticks, "MISSION_COUNT") and not named(ticks, "MISSION_ACK")
 
 
 @pytest.mark.parametrize("target", [ME, (AUTOPILOT, 0), (0, 0), (0, COMPANION)])

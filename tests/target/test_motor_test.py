@@ -104,6 +104,13 @@ def test_its_end_is_said(sea: Sea) -> None:
     assert said[:2] == ["HOLD", "TEST"] and len(said) == 3 and said[2].startswith("HOLD")
 
 
+def test_an_end_as_asked_is_no_error(sea: Sea) -> None:
+    """Ground stations read errors aloud."""
+    enter_test(sea, PORT, PERCENT, 10.0, 0.5)
+    (said,) = named(sea.run(1.0), "STATUSTEXT")
+    assert said.severity > 4
+
+
 @pytest.mark.parametrize(
     "params",
     [

@@ -101,6 +101,34 @@ def test_a_message_for_another_is_handed_on_byte_for_byte_with_the_next_tick(wha
     assert not named(sea.ticks, "PARAM_VALUE")
 
 
+@pytest.mark.parametrize("beyond", ["off", "accept", "required"])
+def test_what_was_signed_stays_signed_where_links_ask_for_signatures(beyond: str) -> None:
+    """By its first sender: not by us, who only hand it on."""
+    key, unix_s, other = bytes(range(32)), 1_800_000_000, Station(7, 1)
+    sea = Sea(links=2)
+    sea.boat.secure(key, unix_s * 1_000_000)
+    sea.boat.set_signing(0, "required")
+    sea.boat.set_signing(1, beyond)
+    sea.own.on = sea.leader.on = False
+    for station in (sea.gcs, other):
+        station.encoder.signing.secret_key = key
+        station.encoder.signing.sign_outgoing = True
+        station.encoder.signing.timestamp = (unix_s - 1_420_070_400) * 100_000
+    sea.say(heartbeat(), link=0)
+    sea.say(heartbeat(), sender=other, link=1)
+    sea.run(0.2)
+    frame = sea.gcs.pack(command_long(ARM, 1.0, target=TO_OTHER))
+    assert frame[2] & 1
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert frame in sent(sea.step(), 1)
+    forged = bytearray(sea.gcs.pack(command_long(ARM, 1.0, target=TO_OTHER)))
+    forged[-1] ^= 1
+    unsigned = Station(GCS, GCS_COMPONENT).pack(command_long(ARM, 1.0, target=TO_OTHER))
+    for refused in (bytes(forged), unsigned):
+        sea.boat.on_mavlink(refused, sea.now_us, 0)
+        assert refused not in sent(sea.step(), 1)
+
+
 def test_the_answer_finds_its_way_back() -> None:
     sea = two_links()
     answer = OTHER.pack(
