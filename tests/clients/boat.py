@@ -42,12 +42,12 @@ class Sea(RealSea):
 
     @property
     def words(self) -> str:
-        """What flotillad and the client said, for whom has to find out why a test fails."""
+        """What everybody said, for whom has to find out why a test fails."""
         client = "" if self.client is None else self.client.words
-        return f"flotillad: {self.process.words}\nclient: {client}"
+        return f"{super()._story()}\nclient: {client}"
 
     def _story(self) -> str:
-        return f"{super()._story()}\n{self.words}"
+        return self.words
 
     @property
     def armable(self) -> bool:
