@@ -233,13 +233,12 @@ Report Boat<S>::report(std::int64_t now_us) {
   Report out;
   out.now_us = now_us;
   out.unix_us = host_.unix_us;
-  out.state = state();
   out.conditions = conditions_;
-  out.self = vehicle_.self();
   out.own = own_report(now_us);
   const bool just_armed = core::armed(state()) && armed_us_ == now_us;
   if (out.own && out.own->located && (!home_ || just_armed)) {
-    home_ = convert::global_of(own_.position(), own_now_.motion.moved_n);
+    const auto at = convert::global_of(own_.position(), own_now_.motion.moved_n);
+    home_ = Home{at.latitude, at.longitude, own_.position().origin.altitude};
   }
   out.home = home_;
   if (seen()) {

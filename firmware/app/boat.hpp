@@ -123,7 +123,7 @@ class Boat {
   std::int64_t armed_us_ = 0;
   core::Reckoning<S> own_now_{};
   std::uint32_t own_messages_ = 0;
-  std::optional<convert::GlobalPoint> home_;
+  std::optional<Home> home_;
 
   VesselTrack<S> own_;
   VesselTrack<S> leader_;

@@ -52,6 +52,7 @@ Asked motor_test(const Command& c) {
     return denied();
   }
   Asked asked{mav::kAccepted, Request::kTest};
+  asked.repeated = c.repeated;
   asked.motor_test =
       MotorTest{*propeller == 2, percent / 100, static_cast<std::int64_t>(time_s * 1e6)};
   return asked;
@@ -92,7 +93,7 @@ Asked message_rate(const Command& c) {
 
 std::optional<Command> command_of(const link::Message& message) {
   if (const auto* c = std::get_if<link::CommandLong>(&message)) {
-    Command out{c->command, {}, c->target};
+    Command out{c->command, {}, c->target, c->confirmation > 0};
     for (std::size_t i = 0; i < out.param.size(); ++i) out.param[i] = double{c->param[i]};
     return out;
   }
@@ -106,6 +107,7 @@ std::optional<Command> command_of(const link::Message& message) {
     return Command{mav::kCmdDoSetMode,
                    {double(m->base_mode), double(m->custom_mode)},
                    {m->target_system, 0},
+                   false,
                    false};
   }
   return std::nullopt;
@@ -135,7 +137,7 @@ Asked meaning_of(const Command& c) {
     case mav::kCmdRequestMessage:
       return message(c.param[0], c.param[1]);
     case mav::kCmdGetMessageInterval:
-      return message(mav::kMessageIntervalId, c.param[0]);
+      return whole(c.param[0], 65535) ? message(mav::kMessageIntervalId, c.param[0]) : denied();
     case mav::kCmdRequestAutopilotCapabilities:
       return message(mav::kAutopilotVersionId, 0);
     case mav::kCmdRequestProtocolVersion:

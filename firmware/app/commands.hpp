@@ -17,6 +17,7 @@ struct Command {
   std::uint16_t id;
   std::array<double, 7> param;  ///< as they came; unused ones may be NaN
   link::Address target;
+  bool repeated = false;  ///< for want of an answer (COMMAND_LONG.confirmation)
   bool wants_ack = true;  ///< SET_MODE is a message: nobody waits for an answer
 };
 std::optional<Command> command_of(const link::Message& message);
@@ -46,6 +47,7 @@ struct Asked {
   core::Request request = core::Request::kNone;
   bool save_parameters = false;
   std::optional<MotorTest> motor_test{};  ///< with Request::kTest
+  bool repeated = false;
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
 

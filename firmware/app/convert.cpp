@@ -13,7 +13,12 @@ using geodesy::Plane;
 
 constexpr double kPi = 3.14159265358979323846;
 
-Plane plane_at(const link::GpsGlobalOrigin& o) { return {o.latitude, o.longitude}; }
+/// At the height that the origin says, where that can be one of a water.
+Plane plane_at(const link::GpsGlobalOrigin& o) {
+  constexpr double kHighest_m = 9000;
+  const double height_m = o.altitude * 1e-3;
+  return {o.latitude, o.longitude, std::abs(height_m) <= kHighest_m ? height_m : 0};
+}
 
 /// Where the leader is, north-east from us in our plane, and how far its plane's north is turned.
 struct Seen {
@@ -152,7 +157,7 @@ link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t time
   return {timestamp_ms,
           at.latitude,
           at.longitude,
-          0,
+          static_cast<float>(state.origin.altitude * 1e-3),
           {f(v_n.x), f(v_n.y), 0},
           {f(a_n.x), f(a_n.y), 0},
           {f(core::cos(half)), 0, 0, f(core::sin(half))},

@@ -74,7 +74,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
                                const std::optional<link::EscStatus>& stbd) {
   link::BatteryStatus out{UINT16_MAX, -1};
   double current_A = 0;
-  bool current_known = false;
+  int currents = 0;
   for (const auto* esc : {&port, &stbd}) {
     if (!*esc) continue;
     const double voltage_V = double{(*esc)->voltage}, amperes = double{(*esc)->current};
@@ -84,10 +84,10 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
     }
     if (std::abs(amperes) < 150) {  // false for NaN
       current_A += amperes;
-      current_known = true;
+      ++currents;
     }
   }
-  if (current_known && current_A >= 0) {
+  if (currents == 2 && current_A >= 0) {  // half of it would be no figure
     out.current_cA = static_cast<std::int16_t>(std::lround(current_A * 100));
   }
   return out;

@@ -11,6 +11,7 @@ constexpr double kA_m = 6378137.0;
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kE2 = kFlattening * (2 - kFlattening);
 constexpr double kB_m = kA_m * (1 - kFlattening);
+constexpr double kMeanRadius_m = 6371008.8;
 constexpr double kRadPerDegE7 = 3.14159265358979323846 / 180e7;
 
 double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -25,7 +26,8 @@ std::int32_t degE7_of(double rad) {
 
 }  // namespace
 
-Plane::Plane(std::int32_t latitude_degE7, std::int32_t longitude_degE7) {
+Plane::Plane(std::int32_t latitude_degE7, std::int32_t longitude_degE7, double height_m)
+    : scale_(kMeanRadius_m / (kMeanRadius_m + height_m)) {
   const double phi = latitude_degE7 * kRadPerDegE7, lambda = longitude_degE7 * kRadPerDegE7;
   const double sp = std::sin(phi), cp = std::cos(phi);
   const double sl = std::sin(lambda), cl = std::cos(lambda);
@@ -38,11 +40,12 @@ Plane::Plane(std::int32_t latitude_degE7, std::int32_t longitude_degE7) {
 
 NorthEastDown Plane::local_of(const Vec3& point) const {
   const Vec3 from_origin = minus(point, origin_);
-  return {dot(from_origin, north_), dot(from_origin, east_), dot(from_origin, down_)};
+  return {dot(from_origin, north_) / scale_, dot(from_origin, east_) / scale_,
+          dot(from_origin, down_)};
 }
 
 Vec3 Plane::sea_level(const NorthEast& local) const {
-  const auto [n, e] = local;
+  const double n = local.north_m * scale_, e = local.east_m * scale_;
   const Vec3 above{origin_.x + n * north_.x + e * east_.x, origin_.y + n * north_.y + e * east_.y,
                    origin_.z + n * north_.z + e * east_.z};
   // |scaled(above + t down)| = 1, the nearer of the two.

@@ -11,7 +11,7 @@
 namespace flotilla::app {
 
 /// A companion takes the system id of the only autopilot that is heard within three seconds of the
-/// first one; of several it takes none and keeps the configured id.
+/// first one; of several it takes none and keeps the configured id. The leader's is never its own.
 /// Source: mavlink.io, MAVLink ID assignment.
 class Identity {
  public:
@@ -31,8 +31,10 @@ class Identity {
   /// What is asked of the whole system, its autopilot does; we are only the companion.
   bool is_autopilots(link::Address target) const { return companion_ && target.component == 0; }
 
-  void heard(link::Address from, const link::Heartbeat& heartbeat, std::int64_t now_us) {
+  void heard(link::Address from, const link::Heartbeat& heartbeat, float leader,
+             std::int64_t now_us) {
     if (!companion_ || latched_ || heartbeat.autopilot == link::mav::kAutopilotInvalid) return;
+    if (static_cast<float>(from.system) == leader) return;
     several_ = several_ || (first_us_ && from.system != autopilot_);
     autopilot_ = from.system;
     if (!first_us_) first_us_ = now_us;

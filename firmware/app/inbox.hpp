@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 
 #include "app/commands.hpp"
 #include "link/counters.hpp"
@@ -31,8 +30,15 @@ class Inbox {
     if (command && is_disarm(*command)) letters_.back() = letter;
   }
 
-  std::span<const Letter> letters() const { return {letters_.data(), count_}; }
-  void clear() { count_ = 0; }
+  /// Calls answer(letter) for each in order; those that it returns false for stay for next time.
+  template <class F>
+  void take_each(F answer) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!answer(letters_[i])) letters_[kept++] = letters_[i];
+    }
+    count_ = kept;
+  }
 
  private:
   std::array<Letter, 24> letters_{};

@@ -38,8 +38,12 @@ link::SysStatus sys_status(const Report& r) {
   if ((r.conditions & core::kOwnFresh) != 0) health |= kSensors;
   if ((r.conditions & core::kPropulsion) == core::kPropulsion) health |= kMotors;
   if ((r.conditions & core::kArming) == core::kArming) health |= mav::kSensorPrearm;
-  const std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
+  std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
   const auto battery = convert::battery_of(r.escs[0].status, r.escs[1].status);
+  if (battery.voltage_mV != UINT16_MAX) {
+    present |= mav::kSensorBattery;
+    health |= mav::kSensorBattery;
+  }
   return {present, present, health, 0, battery.voltage_mV, battery.current_cA, -1};
 }
 
@@ -111,8 +115,12 @@ std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
   const auto group = esc_group(turn, r);
   if (!group) return std::nullopt;
   constexpr std::uint8_t kConnectionCan = 5;
-  link::MavEscInfo out{*group, static_cast<std::uint64_t>(r.now_us), 0, 2, kConnectionCan, 0, {},
-                       {}};
+  link::MavEscInfo out{};
+  out.index = *group;
+  out.time_usec = static_cast<std::uint64_t>(r.now_us);
+  // Clients ignore indices from here on.
+  out.count = static_cast<std::uint8_t>(std::max(r.escs[0].index, r.escs[1].index) + 1);
+  out.connection_type = kConnectionCan;
   out.temperature.fill(INT16_MAX);
   for (const EscReport& esc : r.escs) {
     if (esc.index / 4 * 4 != *group || !esc.status) continue;
@@ -210,7 +218,7 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
       if (!r.home) return std::nullopt;
       return link::HomePosition{r.home->latitude,
                                 r.home->longitude,
-                                0,
+                                r.home->altitude_mm,
                                 0,
                                 0,
                                 0,

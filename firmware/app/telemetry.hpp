@@ -32,15 +32,19 @@ struct FormationReport {
   core::Tau<double> missing;  ///< of the wrench that the law asked for
 };
 
+struct Home {
+  std::int32_t latitude = 0, longitude = 0;  ///< degE7
+  std::int32_t altitude_mm = 0;
+};
+
 /// All that telemetry is made of, of one tick.
 struct Report {
   std::int64_t now_us = 0;
   std::int64_t unix_us = 0;  ///< 0: unknown
-  core::State state = core::State::kDisarmed;
   core::Conditions conditions = 0;
   std::uint8_t mode = 0, intended_mode = 0;
   std::optional<OwnReport> own;              ///< while it is fresh
-  std::optional<convert::GlobalPoint> home;  ///< where the boat was first seen, then last armed
+  std::optional<Home> home;                  ///< where the boat was first seen, then last armed
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
   std::optional<double> own_age_s, leader_age_s;
   std::array<EscReport, 2> escs{};  ///< port, starboard

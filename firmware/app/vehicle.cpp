@@ -16,7 +16,9 @@ using core::Request;
 using core::State;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
-constexpr std::int64_t kSticksSilent_us = 500'000;
+constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
+// Of a tick's 1400 bytes, for the heartbeat, the state and 24 answers.
+constexpr std::size_t kKeptRoom = 1000;
 
 std::uint8_t mode_of(State state) {
   switch (state) {
@@ -48,6 +50,11 @@ struct IsRequest {
   static constexpr bool is_one_of = (std::is_same_v<Message, Requests> || ...);
 };
 
+bool asks_for_message(const Letter& letter) {
+  const auto command = command_of(letter.received.message);
+  return command && meaning_of(*command).message;
+}
+
 }  // namespace
 
 Vehicle::Vehicle(const Parameters& p, std::size_t links)
@@ -61,6 +68,13 @@ Vehicle::Vehicle(const Parameters& p, std::size_t links)
       refusal_due_(kSecond_us / 2),
       double_due_(10 * kSecond_us) {
   parameters_.MODE = mode::kHold;
+  freshen();
+}
+
+void Vehicle::freshen() {
+  report_.self = self();
+  report_.mode = mode_of(state_);
+  report_.intended_mode = intended_mode_;
 }
 
 std::optional<link::Received> Vehicle::next(std::size_t link, std::int64_t now_us,
@@ -72,7 +86,7 @@ std::optional<link::Received> Vehicle::next(std::size_t link, std::int64_t now_u
       continue;
     }
     router_.heard(received->from, link);
-    if (beat != nullptr) identity_.heard(received->from, *beat, now_us);
+    if (beat != nullptr) identity_.heard(received->from, *beat, parameters_.FORM_LEADER, now_us);
     hand_on(link, *received, counters);
     if (!identity_.addressed(received->target)) continue;
     if (const auto* sticks = std::get_if<link::ManualControl>(&received->message)) {
@@ -89,7 +103,7 @@ std::optional<link::Received> Vehicle::next(std::size_t link, std::int64_t now_u
 }
 
 void Vehicle::hand_on(std::size_t link, const link::Received& received, link::Counters& counters) {
-  if (received.target == self()) return;
+  if (received.target == self() || received.id == mav::kSetupSigningId) return;  // nobody's secret
   const std::uint8_t beyond = router_.beyond(received.target, link);
   for (std::size_t other = 0; other < links_.count(); ++other) {
     if ((beyond >> other & 1U) != 0) {
@@ -137,8 +151,12 @@ void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
 }
 
 void Vehicle::answer(std::int64_t now_us, link::Counters& counters) {
-  for (const Letter& letter : inbox_.letters()) answer(letter, now_us, counters);
-  inbox_.clear();
+  inbox_.take_each([&](const Letter& letter) {
+    // What brings further messages waits until the heartbeat and the state have their room too.
+    if (asks_for_message(letter) && links_.room(letter.link) < kKeptRoom) return false;
+    answer(letter, now_us, counters);
+    return true;
+  });
   if (std::exchange(disarm_, false) && state_ != State::kDisarmed) {
     enter(State::kDisarmed, 0, counters);
   }
@@ -161,13 +179,23 @@ void Vehicle::answer(const Letter& letter, std::int64_t now_us, link::Counters& 
     links_.send(link, TimeRequests::answer_to(*timesync, from, read_us), counters);
   } else if (const auto* ping = std::get_if<link::Ping>(&received.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
-  } else if (const auto* list = std::get_if<link::MissionRequestList>(&received.message)) {
-    links_.send(link, link::MissionCount{0, from, list->mission_type}, counters);
-  } else if (const auto* count = std::get_if<link::MissionCount>(&received.message)) {
-    links_.send(link, link::MissionAck{from, mav::kMissionUnsupported, count->mission_type},
-                counters);
-  } else if (const auto* clear = std::get_if<link::MissionClearAll>(&received.message)) {
-    links_.send(link, link::MissionAck{from, mav::kMissionAccepted, clear->mission_type}, counters);
+  } else if (!identity_.is_autopilots(received.target)) {
+    answer_mission(letter, counters);
+  }
+}
+
+/// There is none, and none is taken.
+void Vehicle::answer_mission(const Letter& letter, link::Counters& counters) {
+  const link::Address from = letter.received.from;
+  const link::Message& asked = letter.received.message;
+  if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
+    links_.send(letter.link, link::MissionCount{0, from, list->mission_type}, counters);
+  } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
+    const link::MissionAck no{from, mav::kMissionUnsupported, count->mission_type};
+    links_.send(letter.link, no, counters);
+  } else if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
+    const link::MissionAck yes{from, mav::kMissionAccepted, clear->mission_type};
+    links_.send(letter.link, yes, counters);
   }
 }
 
@@ -188,6 +216,7 @@ void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.limit(link))) {
     asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
   }
+  if (asked.message) freshen();
   if (asked.message && !first_of(link, *asked.message)) {
     asked.result = mav::kUnsupported;
     asked.message.reset();
@@ -203,11 +232,10 @@ void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t
 
 core::Verdict Vehicle::ask(const Asked& asked, std::int64_t now_us) {
   if (asked.motor_test) {
-    // The same once more is a repeated command: it does not make the test longer.
-    const bool repeated = state_ == State::kTest && test_ == asked.motor_test;
+    if (is_repeated(asked, now_us)) return {state_, true, 0};
     const core::Verdict verdict =
         core::supervise(state_, asked.request, conditions_ | core::kTestRunning);
-    if (verdict.granted && !repeated) {
+    if (verdict.granted) {
       test_ = asked.motor_test;
       test_end_us_ = now_us + test_->duration_us;
       conditions_ |= core::kTestRunning;
@@ -219,6 +247,12 @@ core::Verdict Vehicle::ask(const Asked& asked, std::int64_t now_us) {
   if (verdict.granted && asked.request == Request::kHold) intended_mode_ = mode::kHold;
   if (verdict.granted && asked.request == Request::kFormation) intended_mode_ = mode::kFormation;
   return verdict;
+}
+
+/// A test's answer may have been lost: asked for once more it is neither longer nor a second one.
+bool Vehicle::is_repeated(const Asked& asked, std::int64_t now_us) const {
+  if (test_ != asked.motor_test) return false;
+  return state_ == State::kTest || (asked.repeated && now_us - test_end_us_ < kRepeated_us);
 }
 
 std::optional<link::Message> Vehicle::first_of(std::size_t link,
@@ -247,19 +281,12 @@ void Vehicle::send_requested(std::size_t link, const MessageRequest& request,
 void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
                             link::Counters& counters) {
   const auto& [link, received, read_us] = letter;
-  if (!may_command(received.from)) {
-    const auto* const end = std::find(asked.param_id.begin(), asked.param_id.end(), '\0');
-    const auto size = static_cast<std::size_t>(end - asked.param_id.begin());
-    if (const auto* info = find_parameter({asked.param_id.data(), size})) {
-      parameter_service_.refuse(link, received.from, *info, mav::kParamPermissionDenied);
-    }
-    return;
-  }
   const SetResult result =
       parameter_service_.set(link, received.from, asked, parameters_, core::armed(state_));
   switch (result.what) {
     case SetResult::What::kSet:
       changed_ = true;
+      streams_.configure(parameters_);
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
     case SetResult::What::kUnchanged:
@@ -305,13 +332,16 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
 }
 
 void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {
-  if (state != State::kTest) test_.reset();
+  if (state_ == State::kTest) test_end_us_ = std::min(test_end_us_, now_us_);
   state_ = state;
   const bool terminated = state == State::kFault && missing == 0;
-  const std::string_view why = terminated ? "terminated, disarm to leave" : complaint_of(missing);
-  const std::uint8_t severity = terminated     ? mav::kSeverityCritical
-                                : missing != 0 ? mav::kSeverityError
-                                               : mav::kSeverityInfo;
+  const bool test_over = missing == core::kTestRunning;
+  const std::string_view why = terminated  ? "terminated, disarm to leave"
+                               : test_over ? "motor test is over"
+                                           : complaint_of(missing);
+  const std::uint8_t severity = terminated                   ? mav::kSeverityCritical
+                                : missing != 0 && !test_over ? mav::kSeverityError
+                                                             : mav::kSeverityInfo;
   say(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(mav::kCurrentModeId);

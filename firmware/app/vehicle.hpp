@@ -79,7 +79,6 @@ class Vehicle {
   const Parameters& parameters() const { return parameters_; }
   const Sticks& sticks() const { return sticks_; }
   const std::optional<MotorTest>& motor_test() const { return test_; }
-  std::uint8_t intended_mode() const { return intended_mode_; }
 
   /// Whether a parameter was set, or the identity found, since the last call.
   bool take_change() { return std::exchange(changed_, false); }
@@ -94,6 +93,9 @@ class Vehicle {
   void answer(const Letter& letter, std::int64_t now_us, link::Counters& counters);
   void execute(const Letter& letter, const Command& command, std::int64_t now_us,
                link::Counters& counters);
+  void answer_mission(const Letter& letter, link::Counters& counters);
+  bool is_repeated(const Asked& asked, std::int64_t now_us) const;
+  void freshen();
   core::Verdict ask(const Asked& asked, std::int64_t now_us);
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
   std::optional<link::Message> first_of(std::size_t link, const MessageRequest& request) const;
@@ -102,6 +104,7 @@ class Vehicle {
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
   void enter(core::State state, core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
+  bool origin_moved();
   void tell_streams(link::Counters& counters);
   void tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
   void tell_services(link::Counters& counters);
@@ -115,20 +118,21 @@ class Vehicle {
   link::FtpServer ftp_;
   Streams streams_;
   TimeRequests time_;
-  Report report_;  // of the last tick: requested messages are made of it
+  Report report_;  // of the last tick, and the mode of now: requested messages are made of it
 
   core::State state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   std::uint8_t intended_mode_ = mode::kHold;
   Sticks sticks_;
   std::optional<std::int64_t> sticks_us_;
-  std::optional<MotorTest> test_;
+  std::optional<MotorTest> test_;  // the last one
   std::int64_t test_end_us_ = 0;
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
   bool disarm_ = false;
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed
+  std::array<std::int32_t, 2> told_origin_{};
   std::uint16_t text_id_ = 0;
   std::int64_t now_us_ = 0;
 

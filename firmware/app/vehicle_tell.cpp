@@ -38,8 +38,18 @@ link::Heartbeat Vehicle::heartbeat() const {
           status_of(state_)};
 }
 
+/// Followers take our positions from another origin from now on.
+bool Vehicle::origin_moved() {
+  if (!report_.own || !report_.own->located) return false;
+  const link::GpsGlobalOrigin& origin = report_.own->state.origin;
+  const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
+  return std::exchange(told_origin_, here) != here;
+}
+
 void Vehicle::tell(const Report& report, link::Counters& counters) {
   report_ = report;
+  freshen();
+  if (origin_moved()) streams_.hurry(mav::kGpsGlobalOriginId);
   if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
   if (timesync_due_.due(now_us_)) {

@@ -80,7 +80,7 @@ constexpr std::array<Row, 18> kTable{{
     {kArmed, Request::kHold, 0, 0, State::kHold},
     {in(State::kHold, State::kFormation), Request::kManual, kManualDrive, 0, State::kManual},
     {in(State::kHold, State::kManual), Request::kFormation, kDrive, 0, State::kFormation},
-    {in(State::kHold, State::kTest), Request::kTest, kTestDrive, 0, State::kTest},
+    {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
     // Asking for what already is: granted, because commands are repeated when an answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
     {in(State::kHold), Request::kArm, 0, 0, State::kHold},

@@ -53,7 +53,7 @@ constexpr std::uint16_t kHeartbeatId = 0, kSysStatusId = 1, kSystemTimeId = 2, k
                         kBatteryStatusId = 147, kAutopilotVersionId = 148, kHomePositionId = 242,
                         kMessageIntervalId = 244, kExtendedSysStateId = 245,
                         kNamedValueFloatId = 251, kEscInfoId = 290, kEscStatusId = 291,
-                        kProtocolVersionId = 300, kOdometryId = 331,
+                        kSetupSigningId = 256, kProtocolVersionId = 300, kOdometryId = 331,
                         kComponentInformationBasicId = 396, kComponentMetadataId = 397,
                         kAvailableModesId = 435, kCurrentModeId = 436;
 

@@ -104,7 +104,8 @@ bool accepted(SignatureVerdict verdict, Counters& counters) {
 Received received(std::span<const std::uint8_t> b, const Header& h,
                   const mavlink_msg_entry_t& entry, bool is_signed) {
   const auto payload = b.subspan(h.header_bytes, h.payload_bytes);
-  return {h.from, read_payload(payload, h.id), target_of(payload, entry), h.sequence, is_signed};
+  return {h.from,   read_payload(payload, h.id), target_of(payload, entry), h.id, h.sequence,
+          is_signed};
 }
 
 }  // namespace

@@ -320,7 +320,8 @@ using Message =
 struct Received {
   Address from;
   Message message;
-  Address target{};  ///< of messages that name one, else 0, 0
+  Address target{};      ///< of messages that name one, else 0, 0
+  std::uint32_t id = 0;  ///< of the message
   std::uint8_t sequence = 0;
   bool is_signed = false;  ///< and the signature is good; a forged message never gets this far
 };

@@ -295,26 +295,26 @@ TEST_CASE_TEMPLATE("whoever asks for the time is told it, once, with his number"
 TEST_CASE_TEMPLATE("CURRENT_MODE tells the mode that is, and the one that was asked for", S, float,
                    double) {
   Harbour<S> h;
-  /// mode, intended mode
-  const auto current_mode = [&]() -> std::array<int, 2> {
+  /// mode, and 100 times the intended one
+  const auto current_mode = [&]() -> int {
     h.command(mav::kCmdRequestMessage, mav::kCurrentModeId);
     const auto out = h.boat.tick(h.now_us += Harbour<S>::kTick_us).links->bytes(0);
     for (std::size_t at = 0; at < out.size(); at += 12U + out[at + 1]) {
       if (out[at + 7] + 256U * out[at + 8] != mav::kCurrentModeId) continue;
       std::array<std::uint8_t, 9> payload{};  // custom mode, intended one, standard one
       std::copy_n(&out[at + 10], std::min<std::size_t>(9, out[at + 1]), payload.begin());
-      return {payload[0], payload[4]};
+      return payload[0] + 100 * payload[4];
     }
-    return {-1, -1};
+    return -1;
   };
   h.sail(2);
-  CHECK(current_mode() == std::array{4, 4});
+  CHECK(current_mode() == 404);
   h.cast_off();
-  CHECK(current_mode() == std::array{6, 6});
+  CHECK(current_mode() == 606);
   h.leader_talks = false;
   h.sail(1.5);
   REQUIRE(h.boat.state() == State::kHold);
-  CHECK(current_mode() == std::array{4, 6});
+  CHECK(current_mode() == 604);
 }
 
 TEST_CASE_TEMPLATE("noise on every wire crashes nothing and starts no propeller", S, float,
