@@ -13,8 +13,8 @@ using core::Request;
 
 constexpr double kForce = 21196;
 constexpr double kMostTestPercent = 20, kLongestTest_s = 5;
-constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
-constexpr double kLongestInterval_us = 3.6e9;
+constexpr double kThrottlePercent = 0;              // MOTOR_TEST_THROTTLE_PERCENT
+constexpr double kLongestInterval_us = 2147483647;  // what MESSAGE_INTERVAL can tell
 
 Asked denied() { return {mav::kDenied}; }
 

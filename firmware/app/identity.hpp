@@ -34,7 +34,7 @@ class Identity {
   void heard(link::Address from, const link::Heartbeat& heartbeat, float leader,
              std::int64_t now_us) {
     if (!companion_ || latched_ || heartbeat.autopilot == link::mav::kAutopilotInvalid) return;
-    if (static_cast<float>(from.system) == leader) return;
+    if (from.system == 0 || static_cast<float>(from.system) == leader) return;
     several_ = several_ || (first_us_ && from.system != autopilot_);
     autopilot_ = from.system;
     if (!first_us_) first_us_ = now_us;

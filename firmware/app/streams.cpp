@@ -46,7 +46,8 @@ std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
   const std::size_t stream = find(id);
   if (stream == kNone) return 0;
   const std::int64_t interval_us = plain_interval_us(stream, link);
-  return interval_us > 0 ? static_cast<std::int32_t>(interval_us) : -1;
+  return interval_us > 0 ? static_cast<std::int32_t>(std::min<std::int64_t>(interval_us, INT32_MAX))
+                         : -1;
 }
 
 void Streams::hurry(std::uint16_t id) {

@@ -105,9 +105,12 @@ class Vehicle {
   void enter(core::State state, core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
   bool origin_moved();
-  void tell_streams(link::Counters& counters);
-  void tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
-  void tell_services(link::Counters& counters);
+  void tell_state(std::size_t link, link::Counters& counters);
+  void tell_rest(std::size_t link, link::Counters& counters);
+  bool may_tell(std::size_t link) const;
+  bool tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
+  bool tell_parameters(std::size_t link, link::Counters& counters);
+  bool tell_files(std::size_t link, link::Counters& counters);
 
   Parameters parameters_;
   Identity identity_;
@@ -133,6 +136,7 @@ class Vehicle {
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed
   std::array<std::int32_t, 2> told_origin_{};
+  std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
   std::uint16_t text_id_ = 0;
   std::int64_t now_us_ = 0;
 

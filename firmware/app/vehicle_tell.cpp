@@ -60,56 +60,80 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
         counters);
   }
-  tell_streams(counters);
-  tell_services(counters);
-}
-
-void Vehicle::tell_streams(link::Counters& counters) {
-  std::array<bool, kMaxLinks> state_may{};  // attitude and position leave together or not at all
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    state_may[link] = links_.has_credit(link);
-  }
-  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    for (std::size_t link = 0; link < links_.count(); ++link) {
-      if (!streams_.schedule(stream, link).waits(now_us_)) continue;
-      const bool state = kStreams[stream].pace == Pace::kState;
-      if (state ? state_may[link] : links_.has_spare_credit(link)) {
-        tell_stream(stream, link, counters);
-      }
-    }
+    tell_state(link, counters);
+    tell_rest(link, counters);
   }
 }
 
-/// It keeps its turn where there is no room, or nothing to tell yet.
-void Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
+/// Attitude and position leave together or not at all.
+void Vehicle::tell_state(std::size_t link, link::Counters& counters) {
+  if (!links_.has_credit(link)) return;
+  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
+    if (kStreams[stream].pace == Pace::kState) tell_stream(stream, link, counters);
+  }
+}
+
+/// Everything else in turn: what a slow link has no room for is the first of a later tick.
+void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
+  constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1,
+                        kTurns = kFiles + 1;
+  const std::size_t first = turn_[link];
+  for (std::size_t n = 0; n < kTurns && may_tell(link); ++n) {
+    const std::size_t turn = (first + n) % kTurns;
+    bool told = false;
+    if (turn == kParameters) {
+      told = tell_parameters(link, counters);
+    } else if (turn == kFiles) {
+      told = tell_files(link, counters);
+    } else if (kStreams[turn].pace != Pace::kState) {
+      told = tell_stream(turn, link, counters);
+    }
+    if (told) turn_[link] = (turn + 1) % kTurns;
+  }
+}
+
+bool Vehicle::may_tell(std::size_t link) const {
+  return links_.has_spare_credit(link) && links_.room(link) >= kLargestFrame;
+}
+
+/// It keeps its turn where there is nothing to tell yet.
+bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   const StreamInfo& info = kStreams[stream];
-  if (links_.room(link) < info.bytes + link::kSignatureBlockBytes) return;
-  for (std::uint32_t turn = 0; const auto message = compose(info.id, turn, report_); ++turn) {
-    if (turn == 0) streams_.schedule(stream, link).due(now_us_);
+  Schedule& schedule = streams_.schedule(stream, link);
+  if (!schedule.waits(now_us_)) return false;
+  if (links_.room(link) < info.bytes + link::kSignatureBlockBytes) return false;
+  std::uint32_t turn = 0;
+  for (; const auto message = compose(info.id, turn, report_); ++turn) {
     if (info.pace == Pace::kState) {
       links_.send(link, *message, counters);
     } else {
       links_.send_spare(link, *message, counters);
     }
   }
+  return turn > 0 && schedule.due(now_us_);
 }
 
-void Vehicle::tell_services(link::Counters& counters) {
-  for (std::size_t link = 0; link < links_.count(); ++link) {
-    const auto may = [&] {
-      return links_.room(link) >= kLargestFrame && links_.has_spare_credit(link);
-    };
-    for (int n = 0; n < kParametersPerTick && may(); ++n) {
-      const auto message = parameter_service_.next(link, parameters_);
-      if (!message) break;
-      links_.send_spare(link, *message, counters);
-    }
-    for (int n = 0; n < kFtpPacketsPerTick && may(); ++n) {
-      const auto packet = ftp_.next(link);
-      if (!packet) break;
-      links_.send_spare(link, *packet, counters);
-    }
+bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kParametersPerTick && links_.room(link) >= kLargestFrame; ++n) {
+    const auto message = parameter_service_.next(link, parameters_);
+    if (!message) break;
+    links_.send_spare(link, *message, counters);
+    told = true;
   }
+  return told;
+}
+
+bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kFtpPacketsPerTick && may_tell(link); ++n) {
+    const auto packet = ftp_.next(link);
+    if (!packet) break;
+    links_.send_spare(link, *packet, counters);
+    told = true;
+  }
+  return told;
 }
 
 void Vehicle::say(std::uint8_t severity, std::initializer_list<std::string_view> parts,

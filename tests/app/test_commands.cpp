@@ -131,7 +131,8 @@ TEST_CASE("an interval is −1, 0 or microseconds; NaN and nonsense are denied")
   CHECK(interval(0.25F).rate->interval_us == 1);  // fast, not the default
   CHECK(interval(1e6F).rate->id == 30);
   CHECK_FALSE(interval(1e6F).reads_only());
-  for (const float us : {-2.0F, -1.001F, 1e10F, NAN, INFINITY, -INFINITY}) CHECK(denied(interval(us)));
+  for (const float us : {-2.0F, -1.001F, 1e10F, NAN, INFINITY, -INFINITY})
+    CHECK(denied(interval(us)));
 }
 
 TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
@@ -145,8 +146,8 @@ TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
     CHECK(as_int.wants_ack);
     CHECK(meaning_of(as_int).motor_test == meaning_of(as_long).motor_test);
   }
-  const auto extreme = command_of(
-      link::CommandInt{512, {30, 0, 0, 0}, INT32_MIN, INT32_MAX, INFINITY, {1, 1}, 0});
+  const auto extreme =
+      command_of(link::CommandInt{512, {30, 0, 0, 0}, INT32_MIN, INT32_MAX, INFINITY, {1, 1}, 0});
   CHECK(meaning_of(*extreme).message->id == 30);
   const Command mode = *command_of(link::SetMode{6, 7, 1});
   CHECK(mode.target == link::Address{7, 0});

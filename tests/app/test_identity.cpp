@@ -9,6 +9,7 @@ namespace {
 namespace mav = link::mav;
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::uint8_t kArdupilot = 3;
+constexpr float kLeader = 100;
 
 Identity identity(bool companion, std::uint8_t system, std::uint8_t component) {
   Parameters p;
@@ -28,8 +29,7 @@ TEST_CASE("a message is for us by our ids or by zeros, and for others by theirs"
       for (unsigned component = 0; component < 256; ++component) {
         const link::Address target{static_cast<std::uint8_t>(system),
                                    static_cast<std::uint8_t>(component)};
-        const bool ours =
-            (system == 0 || system == 7) && (component == 0 || component == 191);
+        const bool ours = (system == 0 || system == 7) && (component == 0 || component == 191);
         REQUIRE(boat.addressed(target) == ours);
         REQUIRE(boat.is_autopilots(target) == (companion && component == 0));
       }
@@ -41,7 +41,7 @@ TEST_CASE("a companion takes the only autopilot's system id three seconds after 
   Identity boat = identity(true, 7, 191);
   CHECK_FALSE(boat.latch(50 * kSecond_us));  // nobody is there yet
   for (std::int64_t t = 0; t < 3; ++t) {
-    boat.heard({42, 1}, beat(), (60 + t) * kSecond_us);
+    boat.heard({42, 1}, beat(), kLeader, (60 + t) * kSecond_us);
     CHECK_FALSE(boat.latch((60 + t) * kSecond_us));
     CHECK(boat.self() == link::Address{7, 191});
   }
@@ -56,13 +56,13 @@ TEST_CASE("a companion takes the only autopilot's system id three seconds after 
 TEST_CASE("having taken an id, or having kept its own, a companion stays with it") {
   for (const bool several : {false, true}) {
     Identity boat = identity(true, 7, 191);
-    boat.heard({42, 1}, beat(), 0);
-    if (several) boat.heard({43, 1}, beat(), kSecond_us);
+    boat.heard({42, 1}, beat(), kLeader, 0);
+    if (several) boat.heard({43, 1}, beat(), kLeader, kSecond_us);
     boat.latch(3 * kSecond_us);
     const link::Address self = boat.self();
     CHECK(self.system == (several ? 7 : 42));
     for (std::int64_t t = 4; t < 20; ++t) {
-      boat.heard({99, 1}, beat(), t * kSecond_us);
+      boat.heard({99, 1}, beat(), kLeader, t * kSecond_us);
       CHECK_FALSE(boat.latch(t * kSecond_us));
       CHECK(boat.self() == self);
     }
@@ -72,10 +72,10 @@ TEST_CASE("having taken an id, or having kept its own, a companion stays with it
 TEST_CASE("of several autopilots a companion takes none, in whatever order they are heard") {
   for (unsigned order = 0; order < 16; ++order) {
     Identity boat = identity(true, 7, 191);
-    boat.heard({42, 1}, beat(), 0);
+    boat.heard({42, 1}, beat(), kLeader, 0);
     for (unsigned k = 0; k < 4; ++k) {
       const std::uint8_t system = (order >> k & 1U) != 0 ? 43 : 42;
-      boat.heard({system, 1}, beat(), k * kSecond_us / 2);
+      boat.heard({system, 1}, beat(), kLeader, k * kSecond_us / 2);
     }
     CHECK(boat.latch(3 * kSecond_us) == (order == 0));
     CHECK(boat.self().system == (order == 0 ? 42 : 7));
@@ -84,25 +84,35 @@ TEST_CASE("of several autopilots a companion takes none, in whatever order they 
 
 TEST_CASE("ground stations and other companions are no autopilots") {
   Identity boat = identity(true, 7, 191);
-  boat.heard({255, 190}, beat(mav::kAutopilotInvalid), 0);
-  boat.heard({42, 191}, beat(mav::kAutopilotInvalid), 0);
+  boat.heard({255, 190}, beat(mav::kAutopilotInvalid), kLeader, 0);
+  boat.heard({42, 191}, beat(mav::kAutopilotInvalid), kLeader, 0);
   CHECK_FALSE(boat.latch(10 * kSecond_us));
-  boat.heard({42, 1}, beat(), 11 * kSecond_us);
-  boat.heard({255, 190}, beat(mav::kAutopilotInvalid), 12 * kSecond_us);
+  boat.heard({42, 1}, beat(), kLeader, 11 * kSecond_us);
+  boat.heard({255, 190}, beat(mav::kAutopilotInvalid), kLeader, 12 * kSecond_us);
   CHECK(boat.latch(14 * kSecond_us));
+  CHECK(boat.self().system == 42);
+}
+
+TEST_CASE("the leader's autopilot is not a companion's own, alone or beside it") {
+  Identity boat = identity(true, 7, 191);
+  boat.heard({100, 1}, beat(), kLeader, 0);
+  CHECK_FALSE(boat.latch(5 * kSecond_us));
+  boat.heard({42, 1}, beat(), kLeader, 6 * kSecond_us);
+  boat.heard({100, 1}, beat(), kLeader, 7 * kSecond_us);
+  CHECK(boat.latch(9 * kSecond_us));
   CHECK(boat.self().system == 42);
 }
 
 TEST_CASE("system id 0 is nobody: a companion does not become it") {
   Identity boat = identity(true, 7, 191);
-  boat.heard({0, 1}, beat(), 0);
+  boat.heard({0, 1}, beat(), kLeader, 0);
   boat.latch(3 * kSecond_us);
   CHECK(boat.self().system == 7);
 }
 
 TEST_CASE("a companion configured with its autopilot's id changes nothing") {
   Identity boat = identity(true, 42, 191);
-  boat.heard({42, 1}, beat(), 0);
+  boat.heard({42, 1}, beat(), kLeader, 0);
   CHECK_FALSE(boat.latch(3 * kSecond_us));
   CHECK(boat.self() == link::Address{42, 191});
 }
@@ -110,7 +120,7 @@ TEST_CASE("a companion configured with its autopilot's id changes nothing") {
 TEST_CASE("a vehicle of its own keeps its id whatever it hears") {
   Identity boat = identity(false, 7, 1);
   for (std::int64_t t = 0; t < 10; ++t) {
-    boat.heard({42, 1}, beat(), t * kSecond_us);
+    boat.heard({42, 1}, beat(), kLeader, t * kSecond_us);
     CHECK_FALSE(boat.latch(t * kSecond_us));
   }
   CHECK(boat.self() == link::Address{7, 1});

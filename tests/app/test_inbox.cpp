@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <random>
+#include <vector>
 
 #include "app/inbox.hpp"
 
@@ -18,6 +19,14 @@ Letter letter(const link::Message& message, std::size_t link = 0, std::int64_t r
 Letter command(std::uint16_t id, float first = 0) {
   return letter(link::CommandLong{id, {first, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
 }
+std::vector<Letter> all(Inbox& inbox) {
+  std::vector<Letter> out;
+  inbox.take_each([&](const Letter& letter) {
+    out.push_back(letter);
+    return true;
+  });
+  return out;
+}
 std::uint16_t id_of(const Letter& letter) { return command_of(letter.received.message)->id; }
 
 TEST_CASE("requests wait in their order with link and time of reading; one too many is counted") {
@@ -29,19 +38,44 @@ TEST_CASE("requests wait in their order with link and time of reading; one too m
     one.read_us = i * 1000;
     inbox.push(one, counters);
   }
-  REQUIRE(inbox.letters().size() == kHolds);
+  const auto letters = all(inbox);
+  REQUIRE(letters.size() == kHolds);
   for (std::uint16_t i = 0; i < kHolds; ++i) {
-    CHECK(id_of(inbox.letters()[i]) == i);
-    CHECK(inbox.letters()[i].link == i % 4U);
-    CHECK(inbox.letters()[i].read_us == i * 1000);
+    CHECK(id_of(letters[i]) == i);
+    CHECK(letters[i].link == i % 4U);
+    CHECK(letters[i].read_us == i * 1000);
   }
   CHECK(counters.requests_dropped == 3);
-  inbox.clear();
-  CHECK(inbox.letters().empty());
+  CHECK(all(inbox).empty());
   inbox.push(command(77), counters);
-  REQUIRE(inbox.letters().size() == 1);
-  CHECK(id_of(inbox.letters()[0]) == 77);
+  const auto next = all(inbox);
+  REQUIRE(next.size() == 1);
+  CHECK(id_of(next[0]) == 77);
   CHECK(counters.requests_dropped == 3);
+}
+
+TEST_CASE("what cannot be answered yet keeps its place before what comes later") {
+  constexpr std::uint32_t kSeed = 9;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  Inbox inbox;
+  link::Counters counters;
+  std::vector<std::uint16_t> waiting;
+  for (std::uint16_t next = 0; next < 20'000;) {
+    for (auto n = random() % 12; n > 0; --n) {
+      if (waiting.size() < kHolds) waiting.push_back(next);
+      inbox.push(letter(link::CommandLong{next++, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}), counters);
+    }
+    std::vector<std::uint16_t> seen, kept;
+    inbox.take_each([&](const Letter& letter) {
+      seen.push_back(id_of(letter));
+      if (random() % 3 == 0) return true;
+      kept.push_back(id_of(letter));
+      return false;
+    });
+    REQUIRE(seen == waiting);
+    waiting = kept;
+  }
 }
 
 TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
@@ -58,20 +92,20 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
       if (i != at) {
         // An arming is no disarm, whatever it is about.
         const bool arm = random() % 2 == 0;
-        inbox.push(arm ? command(mav::kCmdComponentArmDisarm, 1)
-                       : letter(link::ParamRequestList{{1, 1}}),
-                   counters);
+        inbox.push(
+            arm ? command(mav::kCmdComponentArmDisarm, 1) : letter(link::ParamRequestList{{1, 1}}),
+            counters);
       } else if (as_int) {
-        inbox.push(letter(link::CommandInt{
-                       mav::kCmdComponentArmDisarm, {0, 0, 0, 0}, 0, 0, 0, {1, 1}, 0}),
-                   counters);
+        inbox.push(
+            letter(link::CommandInt{mav::kCmdComponentArmDisarm, {0, 0, 0, 0}, 0, 0, 0, {1, 1}, 0}),
+            counters);
       } else {
         inbox.push(command(mav::kCmdComponentArmDisarm, 0), counters);
       }
     }
     CAPTURE(many);
     CAPTURE(at);
-    const auto letters = inbox.letters();
+    const auto letters = all(inbox);
     CHECK(letters.size() == std::min(many, kHolds));
     CHECK(counters.requests_dropped == many - letters.size());
     CHECK(std::count_if(letters.begin(), letters.end(), [](const Letter& l) {

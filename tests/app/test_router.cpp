@@ -48,8 +48,8 @@ struct Model {
 
   void heard(link::Address from, std::size_t link) {
     Place place{from, 1U << link};
-    const auto at = std::find_if(places.begin(), places.end(),
-                                 [&](const Place& p) { return p.who == from; });
+    const auto at =
+        std::find_if(places.begin(), places.end(), [&](const Place& p) { return p.who == from; });
     if (at != places.end()) {
       place.links |= at->links;
       places.erase(at);

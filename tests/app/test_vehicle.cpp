@@ -68,8 +68,8 @@ struct Ship {
   void set(std::string_view name, float value) {
     ask(link::ParamSet{value, {1, 1}, text<16>(name), mav::kParamReal32});
   }
-  void test_port(float percent = 5, float s = 2) {
-    ask(link::CommandLong{mav::kCmdDoMotorTest, {1, 0, percent, s, 0, 0, 0}, {1, 1}, 0});
+  void test_port(float percent = 5, float s = 2, std::uint8_t confirmation = 0) {
+    ask(link::CommandLong{mav::kCmdDoMotorTest, {1, 0, percent, s, 0, 0, 0}, {1, 1}, confirmation});
   }
 
   void tick() {
@@ -78,13 +78,11 @@ struct Ship {
     vehicle->answer(now_us, counters);
     Report r;
     r.now_us = now_us;
-    r.state = vehicle->state();
-    r.self = vehicle->self();
     r.conditions = world | vehicle->conditions(now_us);
     if (own_known) {
       r.own = OwnReport{convert::boot_ms(now_us), {}, true};
       r.own->state.origin = {410'000'000, 20'000'000, 0, 0};
-      r.home = convert::GlobalPoint{410'000'000, 20'000'000};
+      r.home = Home{410'000'000, 20'000'000, 0};
       r.formation = FormationReport{};
     }
     vehicle->tell(r, counters);
@@ -120,9 +118,14 @@ struct Ship {
     return acks[0].result;
   }
   std::vector<link::ParamValue> values(std::string_view name, std::size_t link = 0) const {
-    std::vector<link::ParamValue> out;
-    for (const auto& v : all<link::ParamValue>(link)) {
-      if (v.param_id == text<16>(name)) out.push_back(v);
+    std::vector<link::ParamValue> out;  // read by hand: the boat's decoder has no use for it
+    const auto bytes = vehicle->links().bytes(link);
+    for (std::size_t at = 0; at < bytes.size(); at += 12U + bytes[at + 1]) {
+      if (bytes[at + 7] + 256U * bytes[at + 8] != 22) continue;
+      link::ParamValue value{};
+      std::memcpy(&value.param_value, &bytes[at + 10], 4);
+      std::memcpy(value.param_id.data(), &bytes[at + 18], 16);
+      if (value.param_id == text<16>(name)) out.push_back(value);
     }
     return out;
   }
@@ -149,15 +152,30 @@ constexpr std::array kEveryState{State::kDisarmed,  State::kHold, State::kManual
 // Answers.
 
 TEST_CASE("every message that is asked for comes after its one ACK, in the same tick") {
-  for (const std::uint16_t id :
-       {mav::kHeartbeatId, mav::kSysStatusId, mav::kSystemTimeId, mav::kAttitudeId,
-        mav::kLocalPositionNedId, mav::kGlobalPositionIntId, mav::kGpsGlobalOriginId,
-        mav::kNavControllerOutputId, mav::kPositionTargetLocalNedId, mav::kFollowTargetId,
-        mav::kBatteryStatusId, mav::kAutopilotVersionId, mav::kHomePositionId,
-        mav::kMessageIntervalId, mav::kExtendedSysStateId, mav::kNamedValueFloatId,
-        mav::kEscInfoId, mav::kEscStatusId, mav::kProtocolVersionId, mav::kOdometryId,
-        mav::kComponentInformationBasicId, mav::kComponentMetadataId, mav::kAvailableModesId,
-        mav::kCurrentModeId}) {
+  for (const std::uint16_t id : {mav::kHeartbeatId,
+                                 mav::kSysStatusId,
+                                 mav::kSystemTimeId,
+                                 mav::kAttitudeId,
+                                 mav::kLocalPositionNedId,
+                                 mav::kGlobalPositionIntId,
+                                 mav::kGpsGlobalOriginId,
+                                 mav::kNavControllerOutputId,
+                                 mav::kPositionTargetLocalNedId,
+                                 mav::kFollowTargetId,
+                                 mav::kBatteryStatusId,
+                                 mav::kAutopilotVersionId,
+                                 mav::kHomePositionId,
+                                 mav::kMessageIntervalId,
+                                 mav::kExtendedSysStateId,
+                                 mav::kNamedValueFloatId,
+                                 mav::kEscInfoId,
+                                 mav::kEscStatusId,
+                                 mav::kProtocolVersionId,
+                                 mav::kOdometryId,
+                                 mav::kComponentInformationBasicId,
+                                 mav::kComponentMetadataId,
+                                 mav::kAvailableModesId,
+                                 mav::kCurrentModeId}) {
     Ship s;
     s.pass(0.05);
     s.command(mav::kCmdRequestMessage, static_cast<float>(id));
@@ -291,7 +309,8 @@ TEST_CASE("among however many requests of a tick, a disarm is heard and answered
     const auto at = static_cast<unsigned>(random() % many);
     for (unsigned k = 0; k < many; ++k) {
       if (k == at) {
-        s.command(mav::kCmdComponentArmDisarm, 0, 0, {1, k % 2 == 0 ? std::uint8_t{0} : std::uint8_t{1}});
+        s.command(mav::kCmdComponentArmDisarm, 0, 0,
+                  {1, k % 2 == 0 ? std::uint8_t{0} : std::uint8_t{1}});
       } else {
         s.ask(link::Ping{k, k, {}});
       }
@@ -454,20 +473,20 @@ TEST_CASE("sticks count for half a second, only whole ones, only the one command
   CHECK(s.vehicle->sticks().surge == doctest::Approx(0.1));
 }
 
-TEST_CASE("silent sticks end MANUAL in HOLD, and the mode asked for stays MANUAL") {
+TEST_CASE("silent sticks end MANUAL in HOLD") {
   Ship s;
   s.bring_to(State::kManual);
   s.pass(0.48);
   CHECK(s.state() == State::kManual);
   s.pass(0.03);
   CHECK(s.state() == State::kHold);
-  CHECK(s.vehicle->intended_mode() == mode::kManual);
   s.sticks(0, 0);
   s.pass(0.1);
   CHECK(s.state() == State::kHold);
 }
 
-TEST_CASE("a motor test begins in HOLD only, ends by itself, and repeating it does not lengthen it") {
+TEST_CASE(
+    "a motor test begins in HOLD only, ends by itself, and repeating it does not lengthen it") {
   for (const State from : kEveryState) {
     if (from == State::kTest) continue;
     Ship s;
@@ -483,12 +502,11 @@ TEST_CASE("a motor test begins in HOLD only, ends by itself, and repeating it do
   s.test_port(5, 2);
   int ticks = 0;
   for (s.tick(); s.state() == State::kTest; s.tick()) {
-    if (++ticks % 20 == 0) s.test_port(5, 2);
+    if (++ticks % 20 == 0) s.test_port(5, 2, static_cast<std::uint8_t>(ticks / 20));
     REQUIRE(ticks < 1000);
   }
   CHECK(ticks == 200);
   CHECK(s.state() == State::kHold);
-  CHECK_FALSE(s.vehicle->motor_test().has_value());
 }
 
 TEST_CASE("a refusal is said once for each failing check, and not more often than twice a second") {
@@ -571,7 +589,8 @@ TEST_CASE("what is meant for others is neither done nor answered") {
   CHECK(s.vehicle->parameters().FORM_OFS_N == 0);
 }
 
-TEST_CASE("a companion leaves to the autopilot what is asked of the whole system, but for disarming") {
+TEST_CASE(
+    "a companion leaves to the autopilot what is asked of the whole system, but for disarming") {
   Parameters p;
   p.MAV_IDENTITY = 1;
   p.MAV_COMPID = 191;
@@ -600,7 +619,8 @@ TEST_CASE("a companion leaves to the autopilot what is asked of the whole system
   CHECK(s.state() == State::kDisarmed);
 }
 
-TEST_CASE("a companion speaks under its autopilot's id once it knows it, and says that it changed") {
+TEST_CASE(
+    "a companion speaks under its autopilot's id once it knows it, and says that it changed") {
   Parameters p;
   p.MAV_IDENTITY = 1;
   p.MAV_COMPID = 191;
@@ -660,7 +680,6 @@ TEST_CASE("MODE follows the state, and every change of it is announced on every 
   s.tick();
   expect_announced(4);
   CHECK(s.says("HOLD: leader"));
-  CHECK(s.vehicle->intended_mode() == 6);
   s.set("MODE", 6);
   s.tick();
   CHECK(s.says("Refused: leader"));
@@ -727,7 +746,8 @@ TEST_CASE("what an operator confirms is more than what he changed, in either ord
 
 // Telling.
 
-TEST_CASE("a sentence of any length comes whole to every link, in chunks as the protocol has them") {
+TEST_CASE(
+    "a sentence of any length comes whole to every link, in chunks as the protocol has them") {
   std::uint16_t last_id = 0;
   Ship s(Parameters{}, 3);
   for (std::size_t length = 0; length <= 200; ++length) {
@@ -738,7 +758,8 @@ TEST_CASE("a sentence of any length comes whole to every link, in chunks as the 
     s.vehicle->say(5, {sentence.substr(0, cut), "", std::string_view(sentence).substr(cut)},
                    s.counters);
     for (std::size_t link = 0; link < 3; ++link) {
-      const auto heard = received_from(s.decoders[link], s.vehicle->links().bytes(link), s.counters);
+      const auto heard =
+          received_from(s.decoders[link], s.vehicle->links().bytes(link), s.counters);
       std::string whole;
       bool ended = false;
       std::uint16_t id = 0;

@@ -15,7 +15,7 @@ from tests.target.stations import FORMATION, ORIGIN, origin
 from tests.target.test_other_nodes import FOREIGN
 
 GYRO, ACCEL, MAG, GPS, XY_CONTROL, MOTORS, AHRS = 1, 2, 4, 32, 0x4000, 0x8000, 0x200000
-GEOFENCE, PREARM, PROPULSION = 0x100000, 0x10000000, 0x40000000
+GEOFENCE, BATTERY, PREARM, PROPULSION = 0x100000, 0x2000000, 0x10000000, 0x40000000
 NAVIGATION_BITS = GYRO | ACCEL | MAG | GPS | XY_CONTROL | AHRS
 MOTOR_BITS = MOTORS | PROPULSION
 SAIL = Course(30.0, -40.0, 2.5, 0.6, 0.1, 0.05)
@@ -82,7 +82,7 @@ def another_controller(sea: Sea) -> None:
 def test_the_prearm_bit_follows_each_check_both_ways(
     sea: Sea, toggle: Callable[[Sea], None], others: int | None
 ) -> None:
-    everything = NAVIGATION_BITS | MOTOR_BITS | PREARM | GEOFENCE
+    everything = NAVIGATION_BITS | MOTOR_BITS | PREARM | GEOFENCE | BATTERY
     wait_s = 0.0 if toggle is another_controller else 1.6
     sea.run(1.6)
     for _ in range(2):
@@ -181,8 +181,6 @@ def test_a_host_that_does_not_know_the_time_says_so(sea: Sea) -> None:
     assert {m.time_unix_usec for m in named(sea.ticks, "SYSTEM_TIME")} == {0}
 
 
-# The boat reckons at sea level; on its lake, two origins 0.7 km apart are so by 0.05 m more.
-SEA_LEVEL = Globe(*ORIGIN[:2])
 SLOT = {"FORM_OFS_N": -6.0, "FORM_OFS_E": 4.5}
 
 
@@ -198,7 +196,7 @@ def test_the_target_is_the_slot_beside_the_leader(where: tuple[int, ...], sailin
         sea.arm()
         sea.mode(FORMATION)
         assert sea.state == "FORMATION"
-    shift = SEA_LEVEL.local(Globe(*where[:2]))
+    shift = GLOBE.local(Globe(*where))
     told = named(sea.run(5.0), "POSITION_TARGET_LOCAL_NED")
     assert len(told) == 50
     for m in told:
