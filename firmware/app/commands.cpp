@@ -115,6 +115,10 @@ std::optional<Command> command_of(const link::Message& message) {
 
 bool is_disarm(const Command& c) { return c.id == mav::kCmdComponentArmDisarm && c.param[0] == 0; }
 
+bool is_stop(const Command& c) {
+  return is_disarm(c) || (c.id == mav::kCmdDoFlightTermination && c.param[0] == 1);
+}
+
 std::optional<core::Request> request_of_mode(double custom_mode) {
   if (custom_mode == mode::kManual) return Request::kManual;
   if (custom_mode == mode::kHold) return Request::kHold;

@@ -24,6 +24,9 @@ std::optional<Command> command_of(const link::Message& message);
 
 bool is_disarm(const Command& command);
 
+/// Disarming or flight termination.
+bool is_stop(const Command& command);
+
 struct MotorTest {
   bool stbd = false;
   double share = 0;  ///< of the greatest thrust, negative astern

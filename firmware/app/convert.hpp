@@ -111,9 +111,11 @@ S seconds(std::int64_t us) {
   return S(static_cast<double>(us) * 1e-6);
 }
 
-/// µs; 0 for a rate of 0.
+/// µs, at most an hour; 0 for a rate of 0.
 inline std::int64_t period_us(float rate_Hz) {
-  return rate_Hz > 0.0F ? static_cast<std::int64_t>(1e6 / double{rate_Hz} + 0.5) : 0;
+  if (!(rate_Hz > 0.0F)) return 0;
+  const double us = 1e6 / double{rate_Hz} + 0.5;
+  return static_cast<std::int64_t>(us < 3.6e9 ? us : 3.6e9);
 }
 inline std::int64_t half_period_us(float rate_Hz) { return period_us(rate_Hz) / 2; }
 

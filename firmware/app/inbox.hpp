@@ -16,8 +16,8 @@ struct Letter {
   std::int64_t read_us = 0;
 };
 
-/// First come first served; one too many is counted, its sender repeats it. A disarm is never one
-/// too many.
+/// First come first served; one too many is counted, its sender repeats it. What stops the boat is
+/// never one too many.
 class Inbox {
  public:
   void push(const Letter& letter, link::Counters& counters) {
@@ -27,7 +27,7 @@ class Inbox {
     }
     ++counters.requests_dropped;
     const auto command = command_of(letter.received.message);
-    if (command && is_disarm(*command)) letters_.back() = letter;
+    if (command && is_stop(*command)) letters_.back() = letter;
   }
 
   /// Calls answer(letter) for each in order; those that it returns false for stay for next time.

@@ -95,7 +95,7 @@ class MavlinkLinks {
     const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size),
                                               signing_of(l), static_cast<std::uint8_t>(link));
     l.size += size;
-    l.credit -= static_cast<std::int64_t>(size) * kSecond_us;
+    spend(l, size);
     if (size == 0) ++counters.mavlink_not_sent;
   }
 
@@ -147,7 +147,7 @@ class MavlinkLinks {
     for (Link& link : links_) {
       std::copy_n(link.forwarded.begin(), link.forwarded_size, link.bytes.begin());
       link.size = std::exchange(link.forwarded_size, 0);
-      link.credit -= static_cast<std::int64_t>(link.size) * kSecond_us;
+      spend(link, link.size);
       const std::int64_t earned = std::int64_t{link.rate_Bps} * std::min(dt_us, kSecond_us);
       link.credit = std::min(link.credit + earned, most(link));
       link.reserve = std::min(link.reserve + earned * 2 / 5, most(link) * 2 / 5);
@@ -173,6 +173,12 @@ class MavlinkLinks {
   /// Half a second's worth may be saved up.
   static std::int64_t most(const Link& link) {
     return std::int64_t{link.rate_Bps} * kSecond_us / 2;
+  }
+
+  /// What others' traffic or answers overdraw is forgotten soon: the state must go on.
+  static void spend(Link& link, std::size_t bytes) {
+    link.credit -= static_cast<std::int64_t>(bytes) * kSecond_us;
+    link.credit = std::max(link.credit, -most(link));
   }
 
   link::Signing* signing_of(const Link& link) {

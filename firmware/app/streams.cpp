@@ -81,9 +81,9 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
   if (companion_ && !info.companion) return 0;
   switch (info.pace) {
     case Pace::kState:
-      return state_us_;
+      return state_us_ > 0 ? std::max(state_us_, tick_us_) : 0;
     case Pace::kSlow:
-      return slow_us_;
+      return slow_us_ > 0 ? std::max(slow_us_, tick_us_) : 0;
     case Pace::kFixed:
       return info.fixed_us;
     case Pace::kOnRequest:

@@ -2,6 +2,7 @@
 // TIMESYNC, both ways: our requests and our answers.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +33,8 @@ class TimeRequests {
   /// The answer tells when the request was read, though it leaves with the tick.
   static link::Timesync answer_to(const link::Timesync& request, link::Address asker,
                                   std::int64_t read_us) {
-    return {read_us * 1000, request.ts1, asker};
+    return {std::max<std::int64_t>(read_us * 1000, 1), request.ts1,
+            asker};  // 0 would be a question
   }
 
  private:

@@ -305,6 +305,7 @@ void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
 void Vehicle::set_mode_parameter(const Letter& letter, const SetResult& result,
                                  link::Counters& counters) {
   const auto& [link, received, read_us] = letter;
+  if (identity_.is_autopilots(received.target)) return;
   const auto request = request_of_mode(result.mode);
   const Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
   const core::Verdict verdict = ask(asked, now_us_);
@@ -334,6 +335,7 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
 void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {
   if (state_ == State::kTest) test_end_us_ = std::min(test_end_us_, now_us_);
   state_ = state;
+  if (state == State::kDisarmed) intended_mode_ = mode::kHold;
   const bool terminated = state == State::kFault && missing == 0;
   const bool test_over = missing == core::kTestRunning;
   const std::string_view why = terminated  ? "terminated, disarm to leave"

@@ -102,7 +102,7 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
   const StreamInfo& info = kStreams[stream];
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.waits(now_us_)) return false;
-  if (links_.room(link) < info.bytes + link::kSignatureBlockBytes) return false;
+  if (links_.room(link) < std::size_t{2} * info.bytes) return false;  // signatures and all
   std::uint32_t turn = 0;
   for (; const auto message = compose(info.id, turn, report_); ++turn) {
     if (info.pace == Pace::kState) {
