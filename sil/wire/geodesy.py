@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Local frames on the WGS 84 ellipsoid, for units that tell where they are on the globe.
 
-A frame is the plane that touches the ellipsoid at its origin, x north, y east there; a vessel is
-the point of the sea straight below. Written independently of the firmware's: reduced latitudes,
-Bowring's formula and iteration on the height of the sea, where the firmware intersects a line.
+A frame is the plane that touches the water at its origin, x north, y east there; a vessel is the
+point of the water straight below, all of which is at one height above the ellipsoid. Written independently of the firmware's: reduced latitudes,
+Bowring's formula and iteration on the height of the water, where the firmware intersects a line
+with the sea and scales.
 Source: Bowring, Transformation from spatial to geographical coordinates, Survey Review 23, 1976.
 """
 
@@ -27,10 +28,11 @@ class Geodetic(NamedTuple):
     psi: float
 
 
-def _ecef(phi: float, lam: float) -> Vector:
-    """Earth-centred coordinates (m) of a point at sea level, by its reduced latitude."""
+def _ecef(phi: float, lam: float, height_m: float) -> Vector:
+    """Earth-centred coordinates (m) of a point, by its reduced latitude."""
     beta = atan2(_B_M * sin(phi), _A_M * cos(phi))
-    return _A_M * cos(beta) * cos(lam), _A_M * cos(beta) * sin(lam), _B_M * sin(beta)
+    p = _A_M * cos(beta) + height_m * cos(phi)
+    return p * cos(lam), p * sin(lam), _B_M * sin(beta) + height_m * sin(phi)
 
 
 def _bowring(x: float, y: float, z: float) -> tuple[float, float, float]:
@@ -43,12 +45,13 @@ def _bowring(x: float, y: float, z: float) -> tuple[float, float, float]:
 
 
 class LocalFrame:
-    """The tangent plane at a point (degE7)."""
+    """The tangent plane at a point (degE7) of a water at a height (m)."""
 
-    def __init__(self, latitude: int, longitude: int) -> None:
+    def __init__(self, latitude: int, longitude: int, height_m: float = 0.0) -> None:
         self.origin_degE7 = (latitude, longitude)
         self._phi, self._lam = radians(latitude * 1e-7), radians(longitude * 1e-7)
-        self._origin = _ecef(self._phi, self._lam)
+        self._height_m = height_m
+        self._origin = _ecef(self._phi, self._lam, height_m)
         sp, cp, sl, cl = sin(self._phi), cos(self._phi), sin(self._lam), cos(self._lam)
         self._axes: tuple[Vector, Vector, Vector] = (
             (-sp * cl, -sp * sl, cp),
@@ -59,7 +62,7 @@ class LocalFrame:
     def moved(self, north_m: float, east_m: float) -> Self:
         """The frame whose origin lies so far away, to the next degE7."""
         latitude, longitude, _ = self.geodetic(north_m, east_m, 0.0)
-        return type(self)(latitude, longitude)
+        return type(self)(latitude, longitude, self._height_m)
 
     def geodetic(self, north_m: float, east_m: float, psi: float) -> Geodetic:
         """A pose of this frame, on the globe."""
@@ -71,14 +74,14 @@ class LocalFrame:
     def seen_from(self, other: "LocalFrame", north_m: float, east_m: float, psi: float) -> Vector:
         """A pose of this frame, in another one: north (m), east (m), heading (rad)."""
         phi, lam = self._degrees(north_m, east_m)
-        point = _ecef(phi, lam)
+        point = _ecef(phi, lam, self._height_m)
         d = tuple(p - o for p, o in zip(point, other._origin, strict=True))
         north, east = (sum(a * b for a, b in zip(axis, d, strict=True)) for axis in other._axes[:2])
         turn = other._convergence(phi, lam) - self._convergence(phi, lam)
         return north, east, psi + turn
 
     def _degrees(self, north_m: float, east_m: float) -> tuple[float, float]:
-        """Latitude and longitude, rad, of the point of the sea below a point of the plane."""
+        """Latitude and longitude, rad, of the point of the water below a point of the plane."""
         up_m = 0.0
         for _ in range(3):
             x, y, z = (
@@ -86,7 +89,7 @@ class LocalFrame:
                 for o, n, e, u in zip(self._origin, *self._axes, strict=True)
             )
             phi, lam, height_m = _bowring(x, y, z)
-            up_m -= height_m
+            up_m -= height_m - self._height_m
         return phi, lam
 
     def _convergence(self, phi: float, lam: float) -> float:

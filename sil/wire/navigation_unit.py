@@ -70,7 +70,7 @@ class NavigationUnit:
             )
         )
         self._vehicle_type = vehicle_type
-        self._world = LocalFrame(*origin[:2])
+        self._world = LocalFrame(*origin[:2], 0.001 * origin[2])
         self._frame = self._world.moved(*settings.origin_m) if any(settings.origin_m) else None
         self._origin = (*self._frame.origin_degE7, origin[2]) if self._frame else origin
         self._state = {

@@ -73,6 +73,7 @@ CONSTANT = {
     ("HEARTBEAT", "mavlink_version"): 3,
     ("ODOMETRY", "pose_covariance"): [math.nan] + [0.0] * 20,
     ("ODOMETRY", "velocity_covariance"): [math.nan] + [0.0] * 20,
+    ("ODOMETRY", "estimator_type"): 8,  # AUTOPILOT
     ("COMMAND_ACK", "progress"): 255,
     ("RADIO_STATUS", "rssi"): 255,
     ("RADIO_STATUS", "remrssi"): 255,

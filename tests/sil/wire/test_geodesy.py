@@ -78,3 +78,16 @@ def test_a_frame_that_was_moved_begins_there_to_the_next_step_of_degE7() -> None
     there = here.moved(1400.0, -1400.0)
     north, east, _ = there.seen_from(here, 0.0, 0.0, 0.0)
     assert (north, east) == pytest.approx((1400.0, -1400.0), abs=0.006)
+
+
+def test_on_a_lake_above_the_sea_the_same_metres_span_fewer_degrees() -> None:
+    sea = LocalFrame(487_000_000, 22_950_000).geodetic(3000.0, -3000.0, 0.0)
+    lake = LocalFrame(487_000_000, 22_950_000, 500.0).geodetic(3000.0, -3000.0, 0.0)
+    fewer = 1.0 - 500.0 / 6_371_000.0
+    assert lake.latitude - 487_000_000 == pytest.approx(
+        fewer * (sea.latitude - 487_000_000), abs=1.5
+    )
+    assert lake.longitude - 22_950_000 == pytest.approx(
+        fewer * (sea.longitude - 22_950_000), abs=1.5
+    )
+    assert sea.latitude - lake.latitude == pytest.approx(21.2, abs=2.0)

@@ -113,7 +113,9 @@ def test_a_state_as_follow_target_comes_back() -> None:
 def test_a_unit_whose_frame_begins_elsewhere_is_at_the_same_place() -> None:
     m = by_name(unit(origin_m=(1400.0, -900.0)).tick(7_654_321, ETA, NU))
     origin, position = m["GPS_GLOBAL_ORIGIN"], m["LOCAL_POSITION_NED"]
-    own, world = LocalFrame(origin.latitude, origin.longitude), LocalFrame(*ORIGIN[:2])
+    height_m = 0.001 * ORIGIN[2]
+    own = LocalFrame(origin.latitude, origin.longitude, height_m)
+    world = LocalFrame(*ORIGIN[:2], height_m)
     assert own.seen_from(world, 0.0, 0.0, 0.0)[:2] == pytest.approx((1400.0, -900.0), abs=0.01)
     yaw = m["ATTITUDE"].yaw
     assert own.seen_from(world, position.x, position.y, yaw) == pytest.approx(ETA, abs=2e-4)

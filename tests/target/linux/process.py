@@ -24,6 +24,7 @@ import can
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.wire.esc_node import EscNode
+from tests.dialect import dialect
 from tests.target.agent import Agent
 from tests.target.bus import ARMING_STATUS, RAW_COMMAND, Frames, commands, type_of
 from tests.target.course import Course
@@ -242,7 +243,7 @@ class RealSea:
         self.heard: list[CanFrame] = []
         self.messages: list[list[Any]] = [[] for _ in self.ends]
         self.bytes_heard = [0 for _ in self.ends]
-        self._parsers = [mavlink.MAVLink(None) for _ in self.ends]
+        self._parsers = [dialect().MAVLink(None) for _ in self.ends]
         for parser in self._parsers:
             parser.robust_parsing = True
 
