@@ -60,17 +60,38 @@ void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, s
   const std::int64_t now_us = monotonic(now);
   while (!data.empty()) {
     data = data.subspan(vehicle_.links().decoder(link).fill(data));
-    while (const auto received = vehicle_.next(link, now_us, counters_)) {
-      if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
-        if (const auto sent_us = vehicle_.sent_us(*timesync)) {
-          own_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
-          leader_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
-        }
-      } else {
-        own_.take(*received, now_us, counters_);
-        leader_.take(*received, now_us, counters_);
+    take_all(link, now_us);
+  }
+}
+
+template <class S>
+void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
+  give_up(link, monotonic(now));
+}
+
+template <class S>
+void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
+  while (const auto received = vehicle_.next(link, now_us, counters_)) {
+    if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
+      if (const auto sent_us = vehicle_.sent_us(*timesync)) {
+        own_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
+        leader_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
       }
+    } else {
+      own_.take(*received, now_us, counters_);
+      leader_.take(*received, now_us, counters_);
     }
+  }
+  vehicle_.links().note_waiting(link, now_us);
+}
+
+/// Nothing more of the message that is waited for will come; another may be hidden behind it.
+template <class S>
+void Boat<S>::give_up(std::size_t link, std::int64_t now_us) {
+  link::MavlinkDecoder& decoder = vehicle_.links().decoder(link);
+  while (decoder.waits()) {
+    decoder.give_up(counters_);
+    take_all(link, now_us);
   }
 }
 
@@ -85,6 +106,9 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
   can_output_.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
+  for (std::size_t link = 0; link < vehicle_.links().count(); ++link) {
+    if (vehicle_.links().waits_in_vain(link, now_us)) give_up(link, now_us);
+  }
   supervise(now_us);
   steer(now_us);
   can_.send(thrust_.raw, core::armed(state()), now_us, counters_, can_output_);
@@ -97,10 +121,12 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
 template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
   vehicle_.heed(conditions_ = conditions(now_us), counters_);
-  vehicle_.answer(now_us, counters_);
-  if (vehicle_.take_change()) {
+  bool more = true;
+  while (more) {
+    more = vehicle_.answer(now_us, counters_);
+    if (!vehicle_.take_change()) continue;
+    // What was set is in force before the next request: another leader, say, was not heard yet.
     configure();
-    // Another leader, say, has not been heard yet.
     vehicle_.heed(conditions_ = conditions(now_us), counters_);
   }
   const core::State was = std::exchange(last_state_, state());
@@ -129,7 +155,8 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
   if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
-  if (leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
+  if (leader_.system() != own_.system() &&
+      leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
       own_.has_origin() && convert::near(own_.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
@@ -205,7 +232,9 @@ void Boat<S>::steer(std::int64_t now_us) {
   if (!formation && seen()) {
     law_output_.error = core::formation_error(encounter(now_us), law_.d);
   }
-  thrust_ = thrusters_.step(may_drive(now_us), wanted, dt);
+  // Asked once more, of conditions that are looked at anew.
+  const bool still = drive && core::may_drive(state(), conditions(now_us));
+  thrust_ = thrusters_.step(still, wanted, dt);
 }
 
 template <class S>

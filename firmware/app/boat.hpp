@@ -52,6 +52,11 @@ class Boat {
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);
+
+  /// For a host that hears datagrams: no message goes on in the next one. Elsewhere a message may
+  /// come in pieces, but not for longer than 0.3 s.
+  void end_of_datagram(std::int64_t now_us, std::size_t link);
+
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
   /// For the host that is about to leave: the ticks after it send zeros and ArmingStatus 0.
@@ -60,13 +65,16 @@ class Boat {
   /// Holds until the next report; without one, all is well.
   void on_host(const HostReport& report) {
     host_ = report;
-    vehicle_.links().signing().advance(link::signing_time(report.unix_us));
+    if (report.unix_us > 0) {
+      vehicle_.links().signing().set_clock(link::signing_time(report.unix_us));
+    }
   }
 
-  /// The key of all links, and the later one of clock and last signing_timestamp(), in the units of
-  /// link::signing_time(). Links sign and look at signatures as their policy says, kOff at first.
-  void secure(const link::SigningKey& key, std::uint64_t timestamp) {
-    vehicle_.links().signing().start(key, timestamp);
+  /// The key of all links, the clock, and the last signing_timestamp() of an earlier run, in the
+  /// units of link::signing_time(). Links sign and look at signatures as their policy says, kOff at
+  /// first.
+  void secure(const link::SigningKey& key, std::uint64_t clock, std::uint64_t stored) {
+    vehicle_.links().signing().start(key, clock, stored);
   }
   void set_policy(std::size_t link, SigningPolicy policy) {
     vehicle_.links().set_policy(link, policy);
@@ -77,7 +85,7 @@ class Boat {
 
   /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
-    vehicle_.links().limit(link, bytes_per_s);
+    vehicle_.links().credit(link).limit(bytes_per_s);
   }
 
   /// What was asked since the last call of the parameters on the disk.
@@ -96,6 +104,8 @@ class Boat {
 
  private:
   std::int64_t monotonic(std::int64_t now);
+  void take_all(std::size_t link, std::int64_t now_us);
+  void give_up(std::size_t link, std::int64_t now_us);
   core::Conditions conditions(std::int64_t now_us) const;
   void reckon(std::int64_t now_us);
   core::Encounter<S> encounter(std::int64_t now_us) const;

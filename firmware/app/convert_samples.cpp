@@ -104,6 +104,7 @@ Reading sample_of(const link::Odometry& m) {
     return {std::nullopt, Refusal::kBadFrame};
   }
   const auto q = normalised(m.q);
+  if (m.quality < 0) return {};
   if (!within(kFarthest_m, {m.x, m.y, m.z}) || !within(kFastest_mps, {m.vx, m.vy, m.vz}) ||
       !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed}) || !q ||
       m.time_usec > INT64_MAX / 4) {

@@ -99,6 +99,11 @@ std::int16_t centidegrees_of_kelvin(float kelvin) {
   return static_cast<std::int16_t>(std::lround(celsius * 100));
 }
 
+bool is_dead(double share, const Parameters& p) {
+  const float most_N = share < 0 ? p.THR_REV_MAX : p.THR_FWD_MAX;
+  return std::abs(share) * double{most_N} < double{p.THR_DEAD};
+}
+
 std::optional<double> stick_of(std::int16_t axis) {
   if (axis < -1000 || axis > 1000) return std::nullopt;
   return axis / 1000.0;

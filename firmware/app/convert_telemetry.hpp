@@ -51,6 +51,9 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
 /// INT16_MAX, unknown, for what is no temperature.
 std::int16_t centidegrees_of_kelvin(float kelvin);
 
+/// A propeller does not turn for that share of its greatest thrust.
+bool is_dead(double share, const Parameters& p);
+
 /// A stick's −1000 … 1000 as −1 … 1; nothing for an axis that is not used, or nonsense.
 std::optional<double> stick_of(std::int16_t axis);
 

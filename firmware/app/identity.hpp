@@ -12,6 +12,7 @@ namespace flotilla::app {
 
 /// A companion takes the system id of the only autopilot that is heard within three seconds of the
 /// first one; of several it takes none and keeps the configured id. The leader's is never its own.
+/// A boat that is armed stays who it is.
 /// Source: mavlink.io, MAVLink ID assignment.
 class Identity {
  public:
@@ -33,24 +34,30 @@ class Identity {
 
   void heard(link::Address from, const link::Heartbeat& heartbeat, float leader,
              std::int64_t now_us) {
-    if (!companion_ || latched_ || heartbeat.autopilot == link::mav::kAutopilotInvalid) return;
-    if (from.system == 0 || static_cast<float>(from.system) == leader) return;
+    if (!companion_ || latched_ || !is_autopilot(from, heartbeat)) return;
+    if (static_cast<float>(from.system) == leader) return;
     several_ = several_ || (first_us_ && from.system != autopilot_);
     autopilot_ = from.system;
     if (!first_us_) first_us_ = now_us;
   }
 
   /// Whether the system id has changed just now.
-  bool latch(std::int64_t now_us) {
+  bool latch(bool armed, std::int64_t now_us) {
     if (latched_ || !first_us_ || now_us - *first_us_ < kListen_us) return false;
     latched_ = true;
-    if (several_ || autopilot_ == self_.system) return false;
+    if (several_ || armed || autopilot_ == self_.system) return false;
     self_.system = autopilot_;
     return true;
   }
 
  private:
   static constexpr std::int64_t kListen_us = 3'000'000;
+
+  static bool is_autopilot(link::Address from, const link::Heartbeat& heartbeat) {
+    return from.system != 0 && from.component == link::mav::kComponentAutopilot &&
+           heartbeat.type != link::mav::kTypeGcs &&
+           heartbeat.autopilot != link::mav::kAutopilotInvalid;
+  }
 
   link::Address self_;
   bool companion_;

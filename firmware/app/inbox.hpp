@@ -26,21 +26,41 @@ class Inbox {
       return;
     }
     ++counters.requests_dropped;
-    const auto command = command_of(letter.received.message);
-    if (command && is_stop(*command)) letters_.back() = letter;
+    if (!stops(letter)) return;
+    for (std::size_t i = count_; i-- > 0;) {
+      if (stops(letters_[i])) continue;
+      letters_[i] = letter;
+      return;
+    }
   }
 
-  /// Calls answer(letter) for each in order; those that it returns false for stay for next time.
+  enum class Taken : std::uint8_t {
+    kAnswered,
+    kKept,  ///< for the next time
+    kLast,  ///< answered, and those behind it are kept
+  };
+
+  /// Calls answer(letter) for each in order; whether that ended with kLast.
   template <class F>
-  void take_each(F answer) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      if (!answer(letters_[i])) letters_[kept++] = letters_[i];
+  bool take_each(F answer) {
+    std::size_t kept = 0, i = 0;
+    bool last = false;
+    for (; i < count_ && !last; ++i) {
+      const Taken taken = answer(letters_[i]);
+      if (taken == Taken::kKept) letters_[kept++] = letters_[i];
+      last = taken == Taken::kLast;
     }
+    while (i < count_) letters_[kept++] = letters_[i++];
     count_ = kept;
+    return last;
   }
 
  private:
+  static bool stops(const Letter& letter) {
+    const auto command = command_of(letter.received.message);
+    return command && is_stop(*command);
+  }
+
   std::array<Letter, 24> letters_{};
   std::size_t count_ = 0;
 };

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "app/credit.hpp"
 #include "link/mavlink_decode.hpp"
 #include "link/mavlink_encode.hpp"
 #include "link/signing.hpp"
@@ -44,6 +45,23 @@ class MavlinkLinks {
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
+  /// To be called when next() has returned nothing.
+  void note_waiting(std::size_t link, std::int64_t now_us) {
+    Link& l = links_[link];
+    if (!l.decoder.waits()) {
+      l.waiting_us.reset();
+    } else if (!l.waiting_us || l.decoder.position() != l.waiting_at) {
+      l.waiting_us = now_us;
+      l.waiting_at = l.decoder.position();
+    }
+  }
+
+  /// The rest of a message has not come for so long that it will not.
+  bool waits_in_vain(std::size_t link, std::int64_t now_us) const {
+    const auto& since_us = links_[link].waiting_us;
+    return since_us && now_us - *since_us > kPatience_us;
+  }
+
   link::Signing& signing() { return signing_; }
   const link::Signing& signing() const { return signing_; }
 
@@ -61,42 +79,20 @@ class MavlinkLinks {
     return std::nullopt;
   }
 
-  /// Telemetry on this link keeps to so many bytes a second; 0: no limit.
-  void limit(std::size_t link, std::uint32_t bytes_per_s) { links_[link].rate_Bps = bytes_per_s; }
-
-  std::uint32_t limit(std::size_t link) const { return links_[link].rate_Bps; }
-
-  /// Whether a limited link has earned what may be sent now; what is sent then is earned later.
-  bool has_credit(std::size_t link) const {
-    return links_[link].rate_Bps == 0 || links_[link].credit > 0;
-  }
-
-  /// The same for what can wait: two fifths of the rate are kept for it, and what the state leaves.
-  bool has_spare_credit(std::size_t link) const {
-    const Link& l = links_[link];
-    return l.rate_Bps == 0 || l.reserve > 0 || l.credit > most(l) / 2;
-  }
-
-  /// send() of what can wait.
-  void send_spare(std::size_t link, const link::Message& message, link::Counters& counters) {
-    Link& l = links_[link];
-    const std::size_t before = l.size;
-    send(link, message, counters);
-    const auto sent = static_cast<std::int64_t>(l.size - before) * kSecond_us;
-    l.reserve = std::max(l.reserve - sent, -most(l));
-  }
+  Credit& credit(std::size_t link) { return links_[link].credit; }
+  const Credit& credit(std::size_t link) const { return links_[link].credit; }
 
   /// Bytes that still fit into this tick's output.
   std::size_t room(std::size_t link) const { return links_[link].bytes.size() - links_[link].size; }
 
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
-    Link& l = links_[link];
-    const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size),
-                                              signing_of(l), static_cast<std::uint8_t>(link));
-    l.size += size;
-    spend(l, size);
-    if (size == 0) ++counters.mavlink_not_sent;
+    links_[link].credit.spend_on_rest(put(link, message, counters));
+  }
+
+  /// The same for what followers steer by.
+  void send_state(std::size_t link, const link::Message& message, link::Counters& counters) {
+    links_[link].credit.spend_on_state(put(link, message, counters));
   }
 
   void broadcast(const link::Message& message, link::Counters& counters) {
@@ -106,7 +102,7 @@ class MavlinkLinks {
   /// Another's frame, unchanged, with the next tick.
   void forward(std::size_t link, std::span<const std::uint8_t> frame, link::Counters& counters) {
     Link& l = links_[link];
-    if (frame.size() > l.forwarded.size() - l.forwarded_size) {
+    if (frame.size() > l.forwarded.size() - l.forwarded_size || !l.credit.for_rest()) {
       ++counters.mavlink_not_sent;
       return;
     }
@@ -129,7 +125,8 @@ class MavlinkLinks {
   void beat(const link::Heartbeat& heartbeat, link::Counters& counters) {
     for (std::size_t i = 0; i < count_; ++i) {
       send(i, heartbeat, counters);
-      links_[i].beats = {links_[i].beats[1], links_[i].encoder.last_sequence()};
+      Link& link = links_[i];
+      link.beats[link.next_beat++ % link.beats.size()] = link.encoder.last_sequence();
     }
   }
 
@@ -147,10 +144,8 @@ class MavlinkLinks {
     for (Link& link : links_) {
       std::copy_n(link.forwarded.begin(), link.forwarded_size, link.bytes.begin());
       link.size = std::exchange(link.forwarded_size, 0);
-      spend(link, link.size);
-      const std::int64_t earned = std::int64_t{link.rate_Bps} * std::min(dt_us, kSecond_us);
-      link.credit = std::min(link.credit + earned, most(link));
-      link.reserve = std::min(link.reserve + earned * 2 / 5, most(link) * 2 / 5);
+      link.credit.spend_on_rest(link.size);
+      link.credit.earn(dt_us);
     }
   }
 
@@ -160,25 +155,25 @@ class MavlinkLinks {
     link::MavlinkEncoder encoder;
     std::array<std::uint8_t, 1400> bytes{};  // a datagram that no network cuts up
     std::size_t size = 0;
-    std::array<std::uint8_t, 700> forwarded{};
+    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
     std::size_t forwarded_size = 0;
-    std::array<std::optional<std::uint8_t>, 2> beats{};  // sequence numbers of the last heartbeats
+    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
+    std::size_t next_beat = 0;
+    std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
+    std::uint64_t waiting_at = 0;            // and where in all that has come it begins
     SigningPolicy policy = SigningPolicy::kOff;
-    std::uint32_t rate_Bps = 0;
-    std::int64_t credit = 0;   // bytes × 10⁶
-    std::int64_t reserve = 0;  // the same, of what is kept for what can wait
+    Credit credit;
   };
-  static constexpr std::int64_t kSecond_us = 1'000'000;
+  static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
 
-  /// Half a second's worth may be saved up.
-  static std::int64_t most(const Link& link) {
-    return std::int64_t{link.rate_Bps} * kSecond_us / 2;
-  }
-
-  /// What others' traffic or answers overdraw is forgotten soon: the state must go on.
-  static void spend(Link& link, std::size_t bytes) {
-    link.credit -= static_cast<std::int64_t>(bytes) * kSecond_us;
-    link.credit = std::max(link.credit, -most(link));
+  /// Its size; 0 where there was no room.
+  std::size_t put(std::size_t link, const link::Message& message, link::Counters& counters) {
+    Link& l = links_[link];
+    const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size),
+                                              signing_of(l), static_cast<std::uint8_t>(link));
+    l.size += size;
+    if (size == 0) ++counters.mavlink_not_sent;
+    return size;
   }
 
   link::Signing* signing_of(const Link& link) {

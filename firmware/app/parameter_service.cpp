@@ -71,7 +71,7 @@ bool is_stranger(link::Address from, const Parameters& values) {
 
 /// What is to become of the set; nothing is changed.
 SetResult judge(const ParameterInfo& info, link::Address from, const link::ParamSet& asked,
-                const Parameters& values, bool armed) {
+                const Parameters& values, Standing boat) {
   const float value = asked.param_value;
   if (is_stranger(from, values)) {
     return refusal(info, mav::kParamPermissionDenied, value, "only MAV_GCS_SYSID may set it");
@@ -89,8 +89,11 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
   }
   // Also while armed: a client that repeats itself asks for nothing new.
   if (value == values.*info.member) return {SetResult::What::kUnchanged, &info};
-  if (armed && info.change != ParameterChange::kAnytime) {
+  if (boat.armed && info.change != ParameterChange::kAnytime) {
     return refusal(info, mav::kParamPermissionDenied, value, "only while disarmed");
+  }
+  if (info.member == &Parameters::FORM_LEADER && value == static_cast<float>(boat.system)) {
+    return refusal(info, mav::kParamOutOfRange, value, "it is this boat's own system id");
   }
   Parameters wanted = values;
   wanted.*info.member = value;
@@ -142,6 +145,10 @@ std::optional<std::size_t> ParameterService::Owed::take_of_list() {
   return list_at++;
 }
 
+bool ParameterService::knows(const link::ParamSet& asked) {
+  return find_parameter(name_in(asked.param_id)) != nullptr;
+}
+
 void ParameterService::list(std::size_t link) { links_[link].list_at = 0; }
 
 void ParameterService::read(std::size_t link, link::Address from,
@@ -160,13 +167,13 @@ void ParameterService::read(std::size_t link, link::Address from,
 }
 
 SetResult ParameterService::set(std::size_t link, link::Address from, const link::ParamSet& asked,
-                                Parameters& values, bool armed) {
+                                Parameters& values, Standing boat) {
   const ParameterInfo* info = find_parameter(name_in(asked.param_id));
   if (info == nullptr) {
     links_[link].errors.push({-1, from, asked.param_id, mav::kParamDoesNotExist});
     return {SetResult::What::kRefused, nullptr, 0, mav::kParamDoesNotExist};
   }
-  SetResult result = judge(*info, from, asked, values, armed);
+  SetResult result = judge(*info, from, asked, values, boat);
   switch (result.what) {
     case SetResult::What::kSet:
       values.*info->member = asked.param_value;

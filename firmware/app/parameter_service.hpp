@@ -43,8 +43,17 @@ struct SetResult {
   Sentence sentence{};     ///< for the operator: why a known parameter keeps its value
 };
 
+/// What of the boat decides about a PARAM_SET.
+struct Standing {
+  Standing(bool is_armed, std::uint8_t own_system = 0) : armed(is_armed), system(own_system) {}
+  bool armed;
+  std::uint8_t system;  ///< in force; 0: not known here
+};
+
 class ParameterService {
  public:
+  static bool knows(const link::ParamSet& asked);
+
   /// Every parameter, from the first one on; asked again, from the first one on again.
   void list(std::size_t link);
 
@@ -53,7 +62,7 @@ class ParameterService {
   /// Carries it out where that is allowed, and answers every link with the value then in force.
   /// A mode is left to the supervisor: announce() or refuse() it when the decision is known.
   SetResult set(std::size_t link, link::Address from, const link::ParamSet& asked,
-                Parameters& values, bool armed);
+                Parameters& values, Standing boat);
 
   /// The value in force goes to every link.
   void announce(const ParameterInfo& info);

@@ -2,10 +2,13 @@
 // Which system is behind which link, so that what is addressed to it can be handed on.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
+#include "app/mavlink_links.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::app {
@@ -16,44 +19,47 @@ namespace flotilla::app {
 /// circles where two links reach the same boats. Source: mavlink.io, routing.
 class Router {
  public:
-  void heard(link::Address from, std::size_t link) {
+  void heard(link::Address from, std::size_t link, std::int64_t now_us) {
     Place* free = &places_[0];
     for (Place& place : places_) {
-      if (place.links != 0 && place.who == from) {
-        place.links = static_cast<std::uint8_t>(place.links | bit(link));
-        place.last = ++clock_;
+      if (place.who == from && place.last_us() != kNever) {
+        place.heard_us[link] = now_us;
         return;
       }
-      if (place.last < free->last) free = &place;
+      if (place.last_us() < free->last_us()) free = &place;
     }
-    *free = {from, bit(link), ++clock_};
+    *free = Place{};
+    free->who = from;
+    free->heard_us[link] = now_us;
   }
 
   /// Links, a bit each, that a message from one link is to be handed on to.
-  std::uint8_t beyond(link::Address target, std::size_t from_link) const {
+  std::uint8_t beyond(link::Address target, std::size_t from_link, std::int64_t now_us) const {
     if (target.system == 0) return 0;
-    std::uint8_t links = 0;
+    unsigned links = 0;
     for (const Place& place : places_) {
       const bool meant = place.who.system == target.system &&
                          (target.component == 0 || place.who.component == target.component);
-      if (meant) links = static_cast<std::uint8_t>(links | place.links);
+      for (std::size_t link = 0; meant && link < kMaxLinks; ++link) {
+        if (now_us - kGone_us < place.heard_us[link]) links |= 1U << link;
+      }
     }
-    return (links & bit(from_link)) != 0 ? 0 : links;
+    return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
   }
 
  private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
+  static constexpr std::int64_t kGone_us = 10'000'000;
+
   struct Place {
+    Place() { heard_us.fill(kNever); }
+    std::int64_t last_us() const { return *std::max_element(heard_us.begin(), heard_us.end()); }
+
     link::Address who{};
-    std::uint8_t links = 0;
-    std::uint32_t last = 0;
+    std::array<std::int64_t, kMaxLinks> heard_us;
   };
 
-  static constexpr std::uint8_t bit(std::size_t link) {
-    return static_cast<std::uint8_t>(1U << link);
-  }
-
   std::array<Place, 32> places_{};  // the one unheard for longest gives way
-  std::uint32_t clock_ = 0;
 };
 
 }  // namespace flotilla::app

@@ -56,12 +56,23 @@ void Streams::hurry(std::uint16_t id) {
   for (Turn& turn : turns_[stream]) turn.schedule.hurry();
 }
 
-void Streams::radio_has_room(std::size_t link, std::uint8_t percent) {
+void Streams::radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us) {
   constexpr std::uint8_t kCritical = 25, kLow = 35, kHalf = 50;  // as PX4 does it
   if (percent > 100) return;
+  radio_us_[link] = now_us;
   const double factor = percent < kCritical ? 0.8 : percent < kLow ? 0.975 : 1;
-  share_[link] *= percent > kHalf ? 1.025 : factor;
-  share_[link] = std::clamp(share_[link], 0.05, 1.0);
+  set_share(link, share_[link] * (percent > kHalf ? 1.025 : factor));
+}
+
+void Streams::forget_silent_radios(std::int64_t now_us) {
+  constexpr std::int64_t kSilent_us = 5'000'000;
+  for (std::size_t link = 0; link < kMaxLinks; ++link) {
+    if (share_[link] < 1 && now_us - radio_us_[link] > kSilent_us) set_share(link, 1);
+  }
+}
+
+void Streams::set_share(std::size_t link, double share) {
+  share_[link] = std::clamp(share, 0.05, 1.0);
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     turns_[stream][link].schedule.stretch(stretched_us(stream, link));
   }
@@ -93,8 +104,11 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
 }
 
 std::int64_t Streams::stretched_us(std::size_t stream, std::size_t link) const {
-  const auto plain_us = static_cast<double>(plain_interval_us(stream, link));
-  return static_cast<std::int64_t>(plain_us / share_[link]);
+  constexpr std::int64_t kSlowestState_us = 500'000;
+  const std::int64_t plain_us = plain_interval_us(stream, link);
+  const auto us = static_cast<std::int64_t>(static_cast<double>(plain_us) / share_[link]);
+  if (kStreams[stream].pace != Pace::kState) return us;
+  return std::min(us, std::max(plain_us, kSlowestState_us));
 }
 
 void Streams::restart(std::size_t stream, std::size_t link) {

@@ -31,10 +31,10 @@ struct StreamInfo {
 
 /// In sending order: what followers steer by comes first.
 inline constexpr std::array kStreams{
+    StreamInfo{link::mav::kGpsGlobalOriginId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::mav::kAttitudeId, 40, Pace::kState, 0, false},
     StreamInfo{link::mav::kLocalPositionNedId, 40, Pace::kState, 0, false},
     StreamInfo{link::mav::kFollowTargetId, 105, Pace::kOnRequest, 0, false},
-    StreamInfo{link::mav::kGpsGlobalOriginId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::mav::kGlobalPositionIntId, 40, Pace::kFixed, 500'000, false},
     StreamInfo{link::mav::kSysStatusId, 43, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::mav::kSystemTimeId, 24, Pace::kFixed, 1'000'000, false},
@@ -48,6 +48,8 @@ inline constexpr std::array kStreams{
     StreamInfo{link::mav::kNamedValueFloatId, 300, Pace::kSlow, 0, true},
     StreamInfo{link::mav::kExtendedSysStateId, 14, Pace::kOnRequest, 0, false},
 };
+
+constexpr std::size_t kOriginStream = 0;
 
 /// Whether a companion, beside an autopilot, may send that message.
 constexpr bool is_companions(std::uint16_t id) {
@@ -77,8 +79,10 @@ class Streams {
   /// That message once more at once, on every link that has it.
   void hurry(std::uint16_t id);
 
-  /// A radio says how much of its send buffer is free (%): slower while it fills.
-  void radio_has_room(std::size_t link, std::uint8_t percent);
+  /// A radio says how much of its send buffer is free (%): slower while it fills, but no state
+  /// slower than followers can bear. One that says nothing more has no complaints.
+  void radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us);
+  void forget_silent_radios(std::int64_t now_us);
 
  private:
   struct Turn {
@@ -91,12 +95,14 @@ class Streams {
   std::int64_t plain_interval_us(std::size_t stream, std::size_t link) const;
   std::int64_t stretched_us(std::size_t stream, std::size_t link) const;
   void restart(std::size_t stream, std::size_t link);
+  void set_share(std::size_t link, double share);
 
   bool companion_;
   bool configured_ = false;
   std::int64_t tick_us_;
   std::int64_t state_us_ = 0, slow_us_ = 0;
-  std::array<double, kMaxLinks> share_;  // of the full rate, as the radio allows
+  std::array<std::int64_t, kMaxLinks> radio_us_{};  // when it complained last
+  std::array<double, kMaxLinks> share_;             // of the full rate, as the radio allows
   std::array<std::array<Turn, kMaxLinks>, kStreams.size()> turns_{};
 };
 

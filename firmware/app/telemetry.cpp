@@ -6,6 +6,7 @@
 
 #include "app/metadata.hpp"
 #include "app/parameters.hpp"
+#include "app/streams.hpp"
 #include "app/text.hpp"
 #include "app/version.hpp"
 
@@ -165,7 +166,8 @@ std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own,
     case mav::kAttitudeId:
       return convert::attitude_of(own.state, own.time_boot_ms);
     case mav::kLocalPositionNedId:
-      return convert::local_position_of(own.state, own.time_boot_ms);
+      if (!own.adrift) return convert::local_position_of(own.state, own.time_boot_ms);
+      break;
     case mav::kOdometryId:
       return convert::odometry_of(own.state, own.time_boot_ms);
     case mav::kNavControllerOutputId:
@@ -194,6 +196,15 @@ std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own,
 }
 
 }  // namespace
+
+bool can_compose(std::uint16_t id) {
+  constexpr std::array kOnceOnly{
+      mav::kAutopilotVersionId,  mav::kProtocolVersionId, mav::kComponentInformationBasicId,
+      mav::kComponentMetadataId, mav::kAvailableModesId,  mav::kOdometryId};
+  return std::find(kOnceOnly.begin(), kOnceOnly.end(), id) != kOnceOnly.end() ||
+         std::any_of(kStreams.begin(), kStreams.end(),
+                     [&](const StreamInfo& info) { return info.id == id; });
+}
 
 std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const Report& r) {
   switch (id) {  // those of several messages

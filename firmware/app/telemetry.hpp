@@ -17,6 +17,7 @@ struct OwnReport {
   std::uint32_t time_boot_ms = 0;
   convert::OwnState<double> state{};
   bool located = false;  ///< where on the globe the local frame's origin is, is known
+  bool adrift = false;   ///< it was, and followers still take positions from there
 };
 
 /// Of both propellers' ESCs, where they are heard.
@@ -51,6 +52,9 @@ struct Report {
   std::uint32_t overruns = 0;
   link::Address self{};
 };
+
+/// Whether there is such a message at all, though perhaps nothing to tell now.
+bool can_compose(std::uint16_t id);
 
 /// The `turn`-th message of that id, from 0 on; nothing after the last, or while there is nothing
 /// to tell. What no stream or request may name is not made here.

@@ -61,8 +61,9 @@ class Vehicle {
   /// What the conditions force, and nothing else.
   void heed(core::Conditions conditions, link::Counters& counters);
 
-  /// What was asked since the last tick, in order.
-  void answer(std::int64_t now_us, link::Counters& counters);
+  /// What was asked since the last tick, in order, but no farther than to something that changes
+  /// the boat: whether it is to be called again, when that is in force (take_change()).
+  bool answer(std::int64_t now_us, link::Counters& counters);
 
   /// Telemetry, and what is still owed to clients.
   void tell(const Report& report, link::Counters& counters);
@@ -87,7 +88,8 @@ class Vehicle {
  private:
   void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                    std::int64_t now_us, link::Counters& counters);
-  void hand_on(std::size_t link, const link::Received& received, link::Counters& counters);
+  void hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
+               link::Counters& counters);
   bool may_command(link::Address from) const;
 
   void answer(const Letter& letter, std::int64_t now_us, link::Counters& counters);
@@ -96,9 +98,12 @@ class Vehicle {
   void answer_mission(const Letter& letter, link::Counters& counters);
   bool is_repeated(const Asked& asked, std::int64_t now_us) const;
   void freshen();
-  core::Verdict ask(const Asked& asked, std::int64_t now_us);
+  core::Verdict ask(Asked& asked, std::int64_t now_us);
+  core::Verdict ask_for_test(Asked& asked, std::int64_t now_us);
+  std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
-  std::optional<link::Message> first_of(std::size_t link, const MessageRequest& request) const;
+  std::optional<link::Message> requested(std::size_t link, const MessageRequest& request,
+                                         std::uint32_t turn) const;
   void set_parameter(const Letter& letter, const link::ParamSet& asked, link::Counters& counters);
   void set_mode_parameter(const Letter& letter, const SetResult& result, link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
@@ -127,6 +132,7 @@ class Vehicle {
   core::Conditions conditions_ = 0;
   std::uint8_t intended_mode_ = mode::kHold;
   Sticks sticks_;
+  link::Address sticks_from_{};
   std::optional<std::int64_t> sticks_us_;
   std::optional<MotorTest> test_;  // the last one
   std::int64_t test_end_us_ = 0;
@@ -135,14 +141,16 @@ class Vehicle {
   bool disarm_ = false;
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed
-  std::array<std::int32_t, 2> told_origin_{};
+  std::optional<std::array<std::int32_t, 2>> told_origin_;
   std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
   std::uint16_t text_id_ = 0;
   std::int64_t now_us_ = 0;
 
   Schedule heartbeat_due_;
   Schedule timesync_due_;
+  Schedule arm_refusal_due_;
   Schedule refusal_due_;
+  Schedule parameter_refusal_due_;
   Schedule double_due_;
 };
 

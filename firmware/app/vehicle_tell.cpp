@@ -40,27 +40,32 @@ link::Heartbeat Vehicle::heartbeat() const {
 
 /// Followers take our positions from another origin from now on.
 bool Vehicle::origin_moved() {
-  if (!report_.own || !report_.own->located) return false;
+  if (!report_.own) return false;
   const link::GpsGlobalOrigin& origin = report_.own->state.origin;
   const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
-  return std::exchange(told_origin_, here) != here;
+  report_.own->adrift = !report_.own->located && told_origin_;
+  if (!report_.own->located || told_origin_ == here) return false;
+  told_origin_ = here;
+  return true;
 }
 
 void Vehicle::tell(const Report& report, link::Counters& counters) {
   report_ = report;
   freshen();
-  if (origin_moved()) streams_.hurry(mav::kGpsGlobalOriginId);
   if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
   if (timesync_due_.due(now_us_)) {
-    const link::Timesync request = time_.ask(now_us_, self().system);
-    for (std::size_t link = 0; link < links_.count(); ++link) links_.send(link, request, counters);
+    links_.broadcast(time_.ask(now_us_, self().system), counters);
   }
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
         counters);
   }
+  streams_.forget_silent_radios(now_us_);
+  const bool moved = origin_moved();
+  if (moved) streams_.hurry(mav::kGpsGlobalOriginId);
   for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (moved) tell_stream(kOriginStream, link, counters);  // before any position from there
     tell_state(link, counters);
     tell_rest(link, counters);
   }
@@ -68,7 +73,7 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
 
 /// Attitude and position leave together or not at all.
 void Vehicle::tell_state(std::size_t link, link::Counters& counters) {
-  if (!links_.has_credit(link)) return;
+  if (!links_.credit(link).for_state()) return;
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     if (kStreams[stream].pace == Pace::kState) tell_stream(stream, link, counters);
   }
@@ -94,7 +99,7 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
 }
 
 bool Vehicle::may_tell(std::size_t link) const {
-  return links_.has_spare_credit(link) && links_.room(link) >= kLargestFrame;
+  return links_.credit(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
 /// It keeps its turn where there is nothing to tell yet.
@@ -106,9 +111,9 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
   std::uint32_t turn = 0;
   for (; const auto message = compose(info.id, turn, report_); ++turn) {
     if (info.pace == Pace::kState) {
-      links_.send(link, *message, counters);
+      links_.send_state(link, *message, counters);
     } else {
-      links_.send_spare(link, *message, counters);
+      links_.send(link, *message, counters);
     }
   }
   return turn > 0 && schedule.due(now_us_);
@@ -119,7 +124,7 @@ bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {
   for (int n = 0; n < kParametersPerTick && links_.room(link) >= kLargestFrame; ++n) {
     const auto message = parameter_service_.next(link, parameters_);
     if (!message) break;
-    links_.send_spare(link, *message, counters);
+    links_.send(link, *message, counters);
     told = true;
   }
   return told;
@@ -130,7 +135,7 @@ bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
   for (int n = 0; n < kFtpPacketsPerTick && may_tell(link); ++n) {
     const auto packet = ftp_.next(link);
     if (!packet) break;
-    links_.send_spare(link, *packet, counters);
+    links_.send(link, *packet, counters);
     told = true;
   }
   return told;
@@ -153,7 +158,7 @@ void Vehicle::say(std::uint8_t severity, std::initializer_list<std::string_view>
     chunk.text = {};
     const std::size_t n = std::min(chunk.text.size(), length - at);
     std::copy_n(text.begin() + static_cast<std::ptrdiff_t>(at), n, chunk.text.begin());
-    for (std::size_t link = 0; link < links_.count(); ++link) links_.send(link, chunk, counters);
+    links_.broadcast(chunk, counters);
     ++chunk.chunk_seq;
   }
 }

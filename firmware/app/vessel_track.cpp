@@ -50,9 +50,11 @@ void VesselTrack<S>::hear(Source source, std::int64_t stamp_us, std::int64_t now
   if (goes_on && stamp_us < in.stamp_us) return;
   // Another source's clock is kept ready; the chosen one's is set by what is accepted.
   if (source != source_ || !stamp_us_) {
-    if (stamp_us < in.stamp_us) {  // it rebooted: its local frame may have another origin
+    if (stamp_us < in.stamp_us) {
       in.clock.reset();
-      origin_component_ = 0;
+      // It rebooted: its local frame may have another origin. Beside a source that goes on it is
+      // only late.
+      if (!stamp_us_) origin_component_ = 0;
     }
     in.clock.heard(stamp_us, now_us);
   }
@@ -141,6 +143,9 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
+    const bool jumped = odometry_resets_.value_or(message.reset_counter) != message.reset_counter;
+    odometry_resets_ = message.reset_counter;
+    if (jumped && source_ == Source::kOdometry) restart();  // no motion led from there to here
     hear(Source::kOdometry, reading.sample->stamp_us, now_us);
     if (preferred(Source::kOdometry, now_us) && accept(*reading.sample, now_us, counters)) {
       heading_older_us_ = 0;
@@ -261,6 +266,11 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
     }
     restart();
     origin_component_ = 0;  // after a reboot its local frame may have another origin
+  }
+  // A clock of 32 bits that begins anew after 25 days looks as if it had run ahead.
+  if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
+    restart();
+    origin_component_ = 0;
   }
   // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead.
   if (refused_in_a_row_ >= 3) clock().reset();

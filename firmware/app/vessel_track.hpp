@@ -74,7 +74,7 @@ class VesselTrack {
  private:
   enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGlobalPosition };
   static constexpr std::size_t kSources = 4;
-  static constexpr std::int64_t kSilent_us = 1'000'000;
+  static constexpr std::int64_t kSilent_us = 1'000'000, kLeap_us = 600'000'000;
 
   struct Heading {
     std::uint8_t component = 0;
@@ -124,6 +124,7 @@ class VesselTrack {
   std::array<Heard, kSources> heard_{};
   Heading heading_;        // of the chosen component
   Heading other_heading_;  // of another, which may be chosen when its position comes too
+  std::optional<std::uint8_t> odometry_resets_;
   std::optional<std::int64_t> stamp_us_;
   std::optional<std::int64_t> refused_stamp_us_;
   std::optional<std::int64_t> other_source_us_;  // our time of the state of the source before

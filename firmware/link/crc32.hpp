@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // CRC-32, reflected polynomial 0xEDB88320. What surrounds it differs: MAVLink starts with 0 and
-// takes the result as it is; IEEE (zlib, parameter files) starts with ~0 and inverts the result.
+// takes the result as it is; IEEE 802.3 (zlib, files) starts with ~0 and inverts the result.
 #pragma once
 
 #include <array>
@@ -29,5 +29,8 @@ constexpr std::uint32_t crc32(std::uint32_t crc, std::string_view bytes) {
   }
   return crc;
 }
+
+/// As zlib computes it.
+constexpr std::uint32_t ieee_crc32(std::string_view bytes) { return ~crc32(0xFFFFFFFFU, bytes); }
 
 }  // namespace flotilla::link

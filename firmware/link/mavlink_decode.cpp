@@ -115,12 +115,19 @@ std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
+    dropped_ += begin_;
     begin_ = 0;
   }
   const std::size_t taken = std::min(bytes.size(), buffer_.size() - end_);
   std::memcpy(buffer_.data() + end_, bytes.data(), taken);
   end_ += taken;
   return taken;
+}
+
+void MavlinkDecoder::give_up(Counters& counters) {
+  if (!waits()) return;
+  ++begin_;
+  ++counters.mavlink_skipped_bytes;
 }
 
 std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signing) {

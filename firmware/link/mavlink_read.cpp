@@ -53,7 +53,9 @@ Message odometry(const mavlink_message_t& m) {
                   w.pitchspeed,
                   w.yawspeed,
                   w.frame_id,
-                  w.child_frame_id};
+                  w.child_frame_id,
+                  w.reset_counter,
+                  w.quality};
 }
 
 Message gps_global_origin(const mavlink_message_t& m) {

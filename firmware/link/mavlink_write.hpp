@@ -5,9 +5,18 @@
 
 #include <flotilla/mavlink.h>
 
+#include <algorithm>
+#include <array>
+
 #include "link/messages.hpp"
 
 namespace flotilla::link {
+
+/// An array into a field that has as many elements of the same type, or it does not compile.
+template <class T, std::size_t kCount>
+void copy(T (&field)[kCount], const std::array<T, kCount>& from) {
+  std::copy(from.begin(), from.end(), field);
+}
 
 /// Writes a message into `m`, as a visitor of link::Message.
 struct MavlinkWriter {

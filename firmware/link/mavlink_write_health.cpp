@@ -22,7 +22,7 @@ void MavlinkWriter::operator()(const RadioStatus& x) const {
 void MavlinkWriter::operator()(const Statustext& x) const {
   mavlink_statustext_t w{};
   w.severity = x.severity;
-  std::memcpy(w.text, x.text.data(), sizeof w.text);
+  copy(w.text, x.text);
   w.id = x.id;
   w.chunk_seq = x.chunk_seq;
   put(mavlink_msg_statustext_encode_status, w);
@@ -32,7 +32,7 @@ void MavlinkWriter::operator()(const NamedValueFloat& x) const {
   mavlink_named_value_float_t w{};
   w.time_boot_ms = x.time_boot_ms;
   w.value = x.value;
-  std::memcpy(w.name, x.name.data(), sizeof w.name);
+  copy(w.name, x.name);
   put(mavlink_msg_named_value_float_encode_status, w);
 }
 
@@ -53,8 +53,7 @@ void MavlinkWriter::operator()(const AutopilotVersion& x) const {
   w.capabilities = x.capabilities;
   w.uid = x.uid;
   w.flight_sw_version = x.flight_sw_version;
-  std::memcpy(w.flight_custom_version, x.flight_custom_version.data(),
-              sizeof w.flight_custom_version);
+  copy(w.flight_custom_version, x.flight_custom_version);
   put(mavlink_msg_autopilot_version_encode_status, w);
 }
 
@@ -70,9 +69,9 @@ void MavlinkWriter::operator()(const ComponentInformationBasic& x) const {
   mavlink_component_information_basic_t w{};
   w.capabilities = x.capabilities;
   w.time_boot_ms = x.time_boot_ms;
-  std::memcpy(w.vendor_name, x.vendor_name.data(), sizeof w.vendor_name);
-  std::memcpy(w.model_name, x.model_name.data(), sizeof w.model_name);
-  std::memcpy(w.software_version, x.software_version.data(), sizeof w.software_version);
+  copy(w.vendor_name, x.vendor_name);
+  copy(w.model_name, x.model_name);
+  copy(w.software_version, x.software_version);
   put(mavlink_msg_component_information_basic_encode_status, w);
 }
 
@@ -80,7 +79,7 @@ void MavlinkWriter::operator()(const ComponentMetadata& x) const {
   mavlink_component_metadata_t w{};
   w.time_boot_ms = x.time_boot_ms;
   w.file_crc = x.file_crc;
-  std::memcpy(w.uri, x.uri.data(), sizeof w.uri);
+  copy(w.uri, x.uri);
   put(mavlink_msg_component_metadata_encode_status, w);
 }
 
@@ -91,7 +90,7 @@ void MavlinkWriter::operator()(const AvailableModes& x) const {
   w.number_modes = x.number_modes;
   w.mode_index = x.mode_index;
   w.standard_mode = x.standard_mode;
-  std::memcpy(w.mode_name, x.mode_name.data(), sizeof w.mode_name);
+  copy(w.mode_name, x.mode_name);
   put(mavlink_msg_available_modes_encode_status, w);
 }
 
@@ -103,9 +102,9 @@ void MavlinkWriter::operator()(const CurrentMode& x) const {
 void MavlinkWriter::operator()(const MavEscInfo& x) const {
   mavlink_esc_info_t w{};
   w.time_usec = x.time_usec;
-  std::memcpy(w.error_count, x.error_count.data(), sizeof w.error_count);
+  copy(w.error_count, x.error_count);
   w.counter = x.counter;
-  std::memcpy(w.temperature, x.temperature.data(), sizeof w.temperature);
+  copy(w.temperature, x.temperature);
   w.index = x.index;
   w.count = x.count;
   w.connection_type = x.connection_type;
@@ -116,22 +115,20 @@ void MavlinkWriter::operator()(const MavEscInfo& x) const {
 void MavlinkWriter::operator()(const MavEscStatus& x) const {
   mavlink_esc_status_t w{};
   w.time_usec = x.time_usec;
-  std::memcpy(w.rpm, x.rpm.data(), sizeof w.rpm);
-  std::memcpy(w.voltage, x.voltage.data(), sizeof w.voltage);
-  std::memcpy(w.current, x.current.data(), sizeof w.current);
+  copy(w.rpm, x.rpm);
+  copy(w.voltage, x.voltage);
+  copy(w.current, x.current);
   w.index = x.index;
   put(mavlink_msg_esc_status_encode_status, w);
 }
 
 void MavlinkWriter::operator()(const BatteryStatus& x) const {
-  std::array<std::uint16_t, 10> cells_mV;
-  cells_mV.fill(std::numeric_limits<std::uint16_t>::max());
-  cells_mV[0] = x.voltage_mV;  // of all cells, as they are not measured one by one
   mavlink_battery_status_t w{};
   w.current_consumed = -1;
   w.energy_consumed = -1;
   w.temperature = std::numeric_limits<std::int16_t>::max();
-  std::memcpy(w.voltages, cells_mV.data(), sizeof w.voltages);
+  std::memset(w.voltages, 0xFF, sizeof w.voltages);  // cells are not measured one by one
+  w.voltages[0] = x.voltage_mV;                      // of all of them
   w.current_battery = x.current_cA;
   w.battery_remaining = -1;
   put(mavlink_msg_battery_status_encode_status, w);

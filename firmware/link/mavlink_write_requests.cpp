@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // What operators ask for, and what they get as an answer.
-#include <cstring>
-
 #include "link/mavlink_write.hpp"
 
 namespace flotilla::link {
@@ -67,7 +65,7 @@ void MavlinkWriter::operator()(const ParamRequestRead& x) const {
   w.param_index = x.param_index;
   w.target_system = x.target.system;
   w.target_component = x.target.component;
-  std::memcpy(w.param_id, x.param_id.data(), sizeof w.param_id);
+  copy(w.param_id, x.param_id);
   put(mavlink_msg_param_request_read_encode_status, w);
 }
 
@@ -76,7 +74,7 @@ void MavlinkWriter::operator()(const ParamSet& x) const {
   w.param_value = x.param_value;
   w.target_system = x.target.system;
   w.target_component = x.target.component;
-  std::memcpy(w.param_id, x.param_id.data(), sizeof w.param_id);
+  copy(w.param_id, x.param_id);
   w.param_type = x.param_type;
   put(mavlink_msg_param_set_encode_status, w);
 }
@@ -86,7 +84,7 @@ void MavlinkWriter::operator()(const ParamValue& x) const {
   w.param_value = x.param_value;
   w.param_count = x.param_count;
   w.param_index = x.param_index;
-  std::memcpy(w.param_id, x.param_id.data(), sizeof w.param_id);
+  copy(w.param_id, x.param_id);
   w.param_type = x.param_type;
   put(mavlink_msg_param_value_encode_status, w);
 }
@@ -96,7 +94,7 @@ void MavlinkWriter::operator()(const ParamError& x) const {
   w.param_index = x.param_index;
   w.target_system = x.target.system;
   w.target_component = x.target.component;
-  std::memcpy(w.param_id, x.param_id.data(), sizeof w.param_id);
+  copy(w.param_id, x.param_id);
   w.error = x.error;
   put(mavlink_msg_param_error_encode_status, w);
 }
@@ -133,7 +131,7 @@ void MavlinkWriter::operator()(const FileTransferProtocol& x) const {
   mavlink_file_transfer_protocol_t w{};
   w.target_system = x.target.system;
   w.target_component = x.target.component;
-  std::memcpy(w.payload, x.payload.data(), sizeof w.payload);
+  copy(w.payload, x.payload);
   put(mavlink_msg_file_transfer_protocol_encode_status, w);
 }
 

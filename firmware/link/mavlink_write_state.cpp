@@ -38,13 +38,15 @@ void MavlinkWriter::operator()(const Odometry& x) const {
   mavlink_odometry_t w{};
   w.time_usec = x.time_usec;
   w.x = x.x, w.y = x.y, w.z = x.z;
-  std::memcpy(w.q, x.q.data(), sizeof w.q);
+  copy(w.q, x.q);
   w.vx = x.vx, w.vy = x.vy, w.vz = x.vz;
   w.rollspeed = x.rollspeed, w.pitchspeed = x.pitchspeed, w.yawspeed = x.yawspeed;
   w.pose_covariance[0] = kUnknown;
   w.velocity_covariance[0] = kUnknown;
   w.frame_id = x.frame_id;
   w.child_frame_id = x.child_frame_id;
+  w.reset_counter = x.reset_counter;
+  w.quality = x.quality;
   w.estimator_type = MAV_ESTIMATOR_TYPE_AUTOPILOT;
   put(mavlink_msg_odometry_encode_status, w);
 }
@@ -88,10 +90,10 @@ void MavlinkWriter::operator()(const FollowTarget& x) const {
   w.lat = x.lat;
   w.lon = x.lon;
   w.alt = x.alt;
-  std::memcpy(w.vel, x.vel.data(), sizeof w.vel);
-  std::memcpy(w.acc, x.acc.data(), sizeof w.acc);
-  std::memcpy(w.attitude_q, x.q.data(), sizeof w.attitude_q);
-  std::memcpy(w.rates, x.rates.data(), sizeof w.rates);
+  copy(w.vel, x.vel);
+  copy(w.acc, x.acc);
+  copy(w.attitude_q, x.q);
+  copy(w.rates, x.rates);
   w.est_capabilities = x.est_capabilities;
   put(mavlink_msg_follow_target_encode_status, w);
 }
@@ -107,7 +109,8 @@ void MavlinkWriter::operator()(const HomePosition& x) const {
   w.longitude = x.longitude;
   w.altitude = x.altitude;
   w.x = x.x, w.y = x.y, w.z = x.z;
-  std::memcpy(w.q, x.q.data(), sizeof w.q);
+  static_assert(sizeof w.q == sizeof x.q);
+  std::memcpy(w.q, x.q.data(), sizeof w.q);  // packed: nothing may refer to it
   w.time_usec = x.time_usec;
   put(mavlink_msg_home_position_encode_status, w);
 }

@@ -52,6 +52,8 @@ struct Odometry {
   float rollspeed, pitchspeed, yawspeed;
   std::uint8_t frame_id;
   std::uint8_t child_frame_id;
+  std::uint8_t reset_counter = 0;  ///< another number: the estimate has jumped
+  std::int8_t quality = 0;         ///< %, 0: unknown, below 0: the estimator has failed
 };
 
 struct GpsGlobalOrigin {

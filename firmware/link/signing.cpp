@@ -50,15 +50,16 @@ std::uint64_t signing_time(std::int64_t unix_us) {
   return std::min(static_cast<std::uint64_t>(unix_us - kEpoch_us) / 10, kLatest);
 }
 
-void Signing::start(const SigningKey& key, std::uint64_t timestamp) {
+void Signing::start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored) {
   key_ = key;
   has_key_ = true;
-  clock_ = timestamp_ = std::min(timestamp, kLatest);
   stream_count_ = 0;
+  timestamp_ = std::min(stored, kLatest);
+  set_clock(clock);
 }
 
-void Signing::advance(std::uint64_t now) {
-  clock_ = std::max(clock_, std::min(now, kLatest));
+void Signing::set_clock(std::uint64_t now) {
+  clock_ = std::min(now, kLatest);
   timestamp_ = std::max(timestamp_, clock_);
 }
 
@@ -87,12 +88,11 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
   if (stream != nullptr) {
     if (timestamp <= stream->timestamp) return kReplayed;
   } else {
-    if (timestamp + kMinute < timestamp_) return kStale;
+    if (timestamp + kMinute < clock_) return kStale;
     if (stream_count_ == kStreams) return kNoRoom;
     stream = &streams_[stream_count_++];
   }
   *stream = {from, link_id, timestamp};
-  timestamp_ = std::max(timestamp_, timestamp);
   return kGood;
 }
 

@@ -2,9 +2,9 @@
 // MAVLink 2 message signing, one for all links of a component.
 //
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
-// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: the limit on
-// timestamps from the future, without which one of them drags ours along and shuts out everybody
-// whose clock is right.
+// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: timestamps are
+// judged by our clock alone, a minute either way. There a received timestamp drags the receiver's
+// along, and one from the future shuts out everybody whose clock is right.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ enum class SignatureVerdict : std::uint8_t {
   kGood,
   kForged,    ///< another key, or a bit was changed
   kReplayed,  ///< not newer than what this stream has brought already
-  kStale,     ///< a new stream, more than a minute behind our timestamp
+  kStale,     ///< a new stream, more than a minute behind our clock
   kFuture,    ///< more than a minute ahead of our clock
   kNoRoom,    ///< a new stream, and there are kStreams already
 };
@@ -37,15 +37,16 @@ class Signing {
   /// A stream is what one (system, component, link id) sends.
   static constexpr std::size_t kStreams = 255;
 
-  /// timestamp: the later one of clock and stored timestamp(). Forgets all streams.
-  void start(const SigningKey& key, std::uint64_t timestamp);
+  /// clock: as for set_clock(); stored: the last timestamp() of an earlier run, or 0. Forgets all
+  /// streams.
+  void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
 
-  /// The clock as a timestamp; one that goes back stands still.
-  void advance(std::uint64_t now);
+  /// The host's clock, by which received timestamps are judged; what we send never goes back.
+  void set_clock(std::uint64_t now);
 
-  /// To be stored for the next start, at least once a minute.
+  /// Of what we sent last. To be stored for the next start, at least once a minute.
   std::uint64_t timestamp() const { return timestamp_; }
 
   /// Judges a whole signed frame of MAVLink 2. Only a good one leaves a trace in here.
@@ -66,9 +67,8 @@ class Signing {
 
   SigningKey key_{};
   bool has_key_ = false;
-  std::uint64_t clock_ = 0;  // the host's alone: no message moves the limit on the future
-  std::uint64_t timestamp_ =
-      0;  // the latest of the clock, of what was accepted and of what was sent
+  std::uint64_t clock_ = 0;      // the host's
+  std::uint64_t timestamp_ = 0;  // of what was sent last
   std::array<Stream, kStreams> streams_{};
   std::size_t stream_count_ = 0;
 };

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/every_id.hpp"
 #include "app/streams.hpp"
 #include "app/telemetry.hpp"
 #include "link/any_message.hpp"
@@ -35,34 +36,6 @@ Report full() {
   r.escs = {EscReport{0, link::EscStatus{}}, EscReport{1, link::EscStatus{}}};
   r.self = {7, 1};
   return r;
-}
-
-const std::vector<std::uint16_t>& every_id() {
-  static const std::vector<std::uint16_t> kIds{mav::kHeartbeatId,
-                                               mav::kSysStatusId,
-                                               mav::kSystemTimeId,
-                                               mav::kAttitudeId,
-                                               mav::kLocalPositionNedId,
-                                               mav::kGlobalPositionIntId,
-                                               mav::kGpsGlobalOriginId,
-                                               mav::kNavControllerOutputId,
-                                               mav::kPositionTargetLocalNedId,
-                                               mav::kFollowTargetId,
-                                               mav::kBatteryStatusId,
-                                               mav::kAutopilotVersionId,
-                                               mav::kHomePositionId,
-                                               mav::kMessageIntervalId,
-                                               mav::kExtendedSysStateId,
-                                               mav::kNamedValueFloatId,
-                                               mav::kEscInfoId,
-                                               mav::kEscStatusId,
-                                               mav::kProtocolVersionId,
-                                               mav::kOdometryId,
-                                               mav::kComponentInformationBasicId,
-                                               mav::kComponentMetadataId,
-                                               mav::kAvailableModesId,
-                                               mav::kCurrentModeId};
-  return kIds;
 }
 
 std::vector<link::Message> all(std::uint16_t id, const Report& r) {
@@ -111,7 +84,7 @@ Report any_report(std::mt19937& random) {
 }
 
 TEST_CASE("all that is streamed or asked for is told while everything is known, under its number") {
-  for (const std::uint16_t id : every_id()) {
+  for (const std::uint16_t id : testing::kEveryId) {
     CAPTURE(id);
     const auto messages = all(id, full());
     // These two are the vehicle's own to say.
@@ -130,13 +103,13 @@ TEST_CASE("no other number makes a message, and after the last message of one th
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
   std::vector<bool> known(UINT16_MAX + 1U);
-  for (const std::uint16_t id : every_id()) known[id] = true;
+  for (const std::uint16_t id : testing::kEveryId) known[id] = true;
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     if (!known[id]) REQUIRE_FALSE(compose(static_cast<std::uint16_t>(id), 0, full()));
   }
   for (int k = 0; k < 300; ++k) {
     const Report r = any_report(random);
-    for (const std::uint16_t id : every_id()) {
+    for (const std::uint16_t id : testing::kEveryId) {
       const auto count = static_cast<std::uint32_t>(all(id, r).size());
       CAPTURE(id);
       for (std::uint32_t turn = count; turn < count + 30; ++turn)

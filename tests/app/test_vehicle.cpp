@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/convert.hpp"
+#include "app/every_id.hpp"
 #include "app/text.hpp"
 #include "app/vehicle.hpp"
 #include "link/any_message.hpp"
@@ -152,30 +153,7 @@ constexpr std::array kEveryState{State::kDisarmed,  State::kHold, State::kManual
 // Answers.
 
 TEST_CASE("every message that is asked for comes after its one ACK, in the same tick") {
-  for (const std::uint16_t id : {mav::kHeartbeatId,
-                                 mav::kSysStatusId,
-                                 mav::kSystemTimeId,
-                                 mav::kAttitudeId,
-                                 mav::kLocalPositionNedId,
-                                 mav::kGlobalPositionIntId,
-                                 mav::kGpsGlobalOriginId,
-                                 mav::kNavControllerOutputId,
-                                 mav::kPositionTargetLocalNedId,
-                                 mav::kFollowTargetId,
-                                 mav::kBatteryStatusId,
-                                 mav::kAutopilotVersionId,
-                                 mav::kHomePositionId,
-                                 mav::kMessageIntervalId,
-                                 mav::kExtendedSysStateId,
-                                 mav::kNamedValueFloatId,
-                                 mav::kEscInfoId,
-                                 mav::kEscStatusId,
-                                 mav::kProtocolVersionId,
-                                 mav::kOdometryId,
-                                 mav::kComponentInformationBasicId,
-                                 mav::kComponentMetadataId,
-                                 mav::kAvailableModesId,
-                                 mav::kCurrentModeId}) {
+  for (const std::uint16_t id : testing::kEveryId) {
     Ship s;
     s.pass(0.05);
     s.command(mav::kCmdRequestMessage, static_cast<float>(id));

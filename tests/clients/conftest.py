@@ -2,6 +2,7 @@
 """A boat at sea for each test, and the programs of its operator."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -42,13 +43,11 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def mavsdk(sea: Sea, home: Path) -> Iterator[MavsdkClient]:
-    client = MavsdkClient(sea)
-    yield client
-    client.close()
+    with closing(MavsdkClient(sea)) as client:
+        yield client
 
 
 @pytest.fixture
 def mavproxy(sea: Sea, home: Path) -> Iterator[MavProxy]:
-    client = MavProxy(sea, home)
-    yield client
-    client.close()
+    with closing(MavProxy(sea, home)) as client:
+        yield client

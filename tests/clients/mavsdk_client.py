@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import Any
 
 import mavsdk
@@ -22,6 +22,8 @@ from tests.clients.boat import Sea
 from tests.target.linux.process import LOOPBACK
 from tests.target.stations import BOAT
 
+_LONGEST_CALL_S = 30.0
+
 
 class MavsdkClient:
     """The synchronous API: what blocks runs in a thread, what is subscribed fills lists."""
@@ -31,13 +33,21 @@ class MavsdkClient:
         sea.client = self
         self._log: list[str] = []
         self._pool = ThreadPoolExecutor()
-        mavsdk.log_subscribe(self._on_log)
+        self._calls: list[Future[Any]] = []
         kind = ComponentType.GROUND_STATION
         self._sdk = Mavsdk(Configuration.create_with_component_type(kind))
-        address = f"udpin://{LOOPBACK}:{sea.port}"
+        mavsdk.log_subscribe(self._on_log)
+        try:
+            self._find_boat()
+        except BaseException:
+            self.close()
+            raise
+
+    def _find_boat(self) -> None:
+        address = f"udpin://{LOOPBACK}:{self.sea.port}"
         assert self._sdk.add_any_connection(address) == ConnectionResult.SUCCESS
         self.system = self.call(self._sdk.first_autopilot, 10.0)
-        assert self.system is not None, sea.words
+        assert self.system is not None, self.sea.words
         self.telemetry = Telemetry(self.system)
         self.action = Action(self.system)
         self.param = Param(self.system)
@@ -48,9 +58,13 @@ class MavsdkClient:
         self._texts = self.watch("status_text")
 
     def close(self) -> None:
-        self._sdk.destroy()
-        mavsdk.log_unsubscribe()
-        self._pool.shutdown()
+        """A call that a failed test has left ends first: it must not lose the SDK it is in."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        try:
+            assert not wait(self._calls, _LONGEST_CALL_S).not_done, f"blocked; {self.words}"
+            self._sdk.destroy()
+        finally:
+            mavsdk.log_unsubscribe()
 
     def _on_log(self, level: mavsdk.LogLevel, message: str, *_: object) -> bool:
         self._log.append(f"{level.name} {message}")
@@ -67,6 +81,7 @@ class MavsdkClient:
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """What a blocking function returns or raises."""
         future = self._pool.submit(function, *arguments)
+        self._calls.append(future)
         self.sea.until(future.done)
         return future.result()
 

@@ -271,13 +271,13 @@ def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient
 def test_the_metadata_is_downloaded_and_is_the_firmwares(
     sea: Sea, mavsdk: MavsdkClient, home: Path
 ) -> None:
-    assert not list(home.rglob("compid*"))  # nothing is there from another time
     come: list[MetadataType] = []
     mavsdk.metadata.subscribe_metadata_available(lambda update, _: come.append(update.type))
     mavsdk.metadata.request_autopilot_component()
     sea.until(lambda: MetadataType.ALL_COMPLETED in come)
     got = mavsdk.call(mavsdk.metadata.get_metadata, 1, MetadataType.PARAMETER)
     assert got.json_metadata.encode() == flotilla.metadata()["parameters.json"]
+    assert list(home.rglob("compid*"))  # kept here, and nothing could be left from another time
 
 
 @pytest.mark.parametrize("burst", [False, True])

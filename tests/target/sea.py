@@ -30,6 +30,8 @@ from tests.target.stations import (
     Station,
     command_long,
     decode,
+    origin,
+    state_messages,
 )
 
 TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
@@ -160,6 +162,14 @@ class Sea:
                 self.step()
             agent.on = False
         return self.ticks[-1].now_us
+
+    def speak_for(self, agent: Agent, kind: str) -> None:
+        """In its place: half a second of its states, in messages of that kind, and no more."""
+        agent.on = False
+        for _ in range(10):
+            states = state_messages(kind, agent.course, self.now_us)
+            self.say(origin(self.now_us), *states, sender=agent.station)
+            self.run(0.05)
 
     def enter_hold(self) -> None:
         self.settle()

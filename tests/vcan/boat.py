@@ -145,6 +145,12 @@ class Boat:
         self.run(seconds)
         return len(self.commands) - known
 
+    def execute(self, *command: str) -> None:
+        """A program of the system; on a busy machine its start takes longer than a boat waits."""
+        with subprocess.Popen(command) as process:
+            self.wait(lambda: process.poll() is not None, f"end of {command[0]}")
+        assert process.returncode == 0
+
     def wait(self, done: Callable[[], bool], what: str) -> None:
         end_us = now_us() + round(1e6 * _PATIENCE_S)
         while not done():

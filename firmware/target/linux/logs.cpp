@@ -75,21 +75,12 @@ LogCounters Logs::counters() const {
           lost_.load(std::memory_order_relaxed)};
 }
 
-std::optional<std::string> Logs::complaint() {
-  if (complained_ || !has_complaint_.load(std::memory_order_acquire)) return std::nullopt;
-  complained_ = true;
-  return std::move(complaint_);
-}
-
 void* Logs::run(void* self) {
   auto& logs = *static_cast<Logs*>(self);
   try {
     logs.write_until_stopped();
   } catch (const std::exception& error) {  // the boat sails on; the ring fills, drops are counted
-    if (!logs.has_complaint_.load(std::memory_order_relaxed)) {
-      logs.complaint_ = std::string("logs end: ") + error.what();
-      logs.has_complaint_.store(true, std::memory_order_release);
-    }
+    logs.complaint_.put(std::string("logs end: ") + error.what());
   }
   return nullptr;
 }
@@ -132,6 +123,7 @@ void Logs::write_mavlink(const LogRecord& record, std::span<const std::uint8_t> 
     out[i] = static_cast<std::uint8_t>(time >> (8U * (kTimeBytes - 1 - i)));
   }
   splitters_[record.channel].split(bytes, [&](std::span<const std::uint8_t> packet) {
+    if (holds_key(packet)) return;
     std::copy(packet.begin(), packet.end(), out.begin() + kTimeBytes);
     tlog_->append(std::span(out).first(kTimeBytes + packet.size()));
   });
@@ -157,11 +149,8 @@ void Logs::write_can(const LogRecord& record, std::span<const std::uint8_t> payl
 void Logs::publish() {
   written_.store(tlog_->written() + candump_->written(), std::memory_order_relaxed);
   lost_.store(tlog_->lost() + candump_->lost(), std::memory_order_relaxed);
-  if (has_complaint_.load(std::memory_order_relaxed)) return;
   const auto& fault = tlog_->fault() ? tlog_->fault() : candump_->fault();
-  if (!fault) return;
-  complaint_ = *fault;
-  has_complaint_.store(true, std::memory_order_release);
+  if (fault) complaint_.put(*fault);
 }
 
 std::string candump_name(std::string_view can_address) {

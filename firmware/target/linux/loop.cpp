@@ -16,6 +16,7 @@
 #include <ctime>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "target/linux/signing_key.hpp"
 
@@ -31,6 +32,7 @@ constexpr int kFarewellTicks = 10;
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
 // Read at one go; more waits until the timer was looked at: a flood must not stop the tick.
 constexpr int kMostFrames = 256, kMostChunks = 64;
+constexpr std::int64_t kReadBeforeTick_us = 1000;
 
 std::int64_t clock_us(clockid_t clock) {
   timespec t{};
@@ -128,7 +130,7 @@ void Loop::secure() {
         " s behind " + config_.signing_time_file().filename().string() +
         ": who signs by another clock may be refused");
   }
-  boat_->secure(key, std::max(clock, stored.timestamp));
+  boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
 }
 
@@ -187,13 +189,19 @@ void Loop::read_bus(std::int64_t now_us) {
 
 void Loop::read_links(std::int64_t now_us) {
   std::array<std::uint8_t, 2048> buffer;
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    for (int n = 0; n < kMostChunks; ++n) {
+  // A flood must not stop the tick, nor one link the others.
+  const std::int64_t until_us = timer_fired_ ? now_us + kReadBeforeTick_us : deadline_us_;
+  bool heard = true;
+  for (int n = 0; heard && n < kMostChunks && now() < until_us; ++n) {
+    heard = false;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
       const std::size_t size = links_[i]->receive(buffer);
-      if (size == 0) break;
+      if (size == 0) continue;
+      heard = true;
       const auto bytes = std::span(buffer).first(size);
       logs_.mavlink(i, Direction::kReceived, bytes, clock_us(CLOCK_REALTIME));
       boat_->on_mavlink(bytes, now_us, i);
+      if (links_[i]->datagrams()) boat_->end_of_datagram(now_us, i);
       if (heard_us_ == 0) heard_us_ = now_us;
     }
   }
@@ -264,7 +272,8 @@ void Loop::save_changes(std::int64_t now_us) {
   if (to_save_ == SaveRequest::kNone) return;
   // After a fall to defaults only an operator says that they are right.
   const bool unasked = to_save_ == SaveRequest::kChanged;
-  if (unasked && (parameters_.must_be_confirmed || now_us - saved_us_ < kSaveEvery_us)) return;
+  if (unasked && parameters_.must_be_confirmed) return;
+  if ((unasked || save_failed_) && now_us - saved_us_ < kSaveEvery_us) return;
   if (!saver_.save(parameters_.values, to_save_)) return;
   to_save_ = SaveRequest::kNone;
   saved_us_ = now_us;
@@ -273,13 +282,15 @@ void Loop::save_changes(std::int64_t now_us) {
 void Loop::report_outcome() {
   const auto saved = saver_.outcome();
   if (!saved) return;
+  if (saved->fault) to_save_ = std::max(to_save_, saved->why);  // to be tried again
   const bool asked = saved->why == app::SaveRequest::kConfirmed;
   report_saved(asked ? "asked for" : "changed", saved->fault);
 }
 
 void Loop::report_saved(std::string_view why, const std::optional<std::string>& fault) {
+  const bool failed_before = std::exchange(save_failed_, fault.has_value());
   if (fault) {
-    say(*fault);
+    if (!failed_before) say(*fault);
     return;
   }
   parameters_.must_be_confirmed = false;

@@ -52,7 +52,8 @@ class Loop {
   std::unique_ptr<app::Boat<float>> boat_;
   app::Parameters noted_;  // the boat's, when an operator's changes were last looked for
   app::SaveRequest to_save_ = app::SaveRequest::kNone;
-  std::int64_t saved_us_ = 0;
+  std::int64_t saved_us_ = 0;  // when the last save began
+  bool save_failed_ = false;   // the last one did, which was said
   ParameterSaver saver_;
   std::unique_ptr<CanBus> bus_;
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;

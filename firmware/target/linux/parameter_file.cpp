@@ -4,11 +4,9 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
-#include "link/crc32.hpp"
 #include "target/linux/durable_file.hpp"
 
 namespace flotilla::target {
@@ -16,13 +14,6 @@ namespace {
 
 constexpr std::string_view kTitle = "flotilla-parameters ";
 constexpr std::string_view kFirstLine = "flotilla-parameters 1";
-constexpr std::size_t kChecksumLineSize = std::string_view("crc32 = 89ABCDEF\n").size();
-
-std::string checksum_line(std::string_view body) {
-  std::array<char, kChecksumLineSize + 1> line{};
-  std::snprintf(line.data(), line.size(), "crc32 = %08X\n", static_cast<unsigned>(crc32(body)));
-  return line.data();
-}
 
 /// The shortest text that reads back as the same number.
 std::string number_text(float value) {
@@ -138,8 +129,6 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
 }
 
 }  // namespace
-
-std::uint32_t crc32(std::string_view bytes) { return ~link::crc32(0xFFFFFFFFU, bytes); }
 
 std::string parameter_text(const app::Parameters& values, std::span<const std::string> unknown) {
   std::string text = std::string(kFirstLine) + '\n';

@@ -33,7 +33,15 @@ std::optional<std::string> indiscretion(const struct stat& about) {
   std::array<char, 8> octal{};
   std::snprintf(octal.data(), octal.size(), "%04o", mode);
   return "has mode " + std::string(octal.data()) +
-         ": others may use the key (allowed: 0600; chmod 600 it, and better make a new key)";
+         ": others may use the key (allowed: nothing for group and others; chmod 600 it, and "
+         "better make a new key)";
+}
+
+/// 32 bytes of chance do not look like that.
+bool is_half_a_key(std::string_view content) {
+  if (content.ends_with('\n')) content.remove_suffix(1);
+  return (content.size() == kKeyBytes || content.size() == kKeyBytes - 1) &&
+         content.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
 std::optional<link::SigningKey> parse(std::string_view content) {
@@ -67,8 +75,11 @@ link::SigningKey read_signing_key(const std::filesystem::path& path) {
     size = ::read(file.get(), content.data(), content.size());
   }
   if (!file || size < 0) complain(std::string("cannot be read: ") + std::strerror(errno));
-  const auto key = parse({content.data(), static_cast<std::size_t>(size)});
-  if (!key) complain("is no key (allowed: 32 bytes, or 64 hexadecimal digits)");
+  const std::string_view text(content.data(), static_cast<std::size_t>(size));
+  const std::string allowed = " (allowed: 32 bytes, or 64 hexadecimal digits)";
+  if (is_half_a_key(text)) complain("is half of a hexadecimal key" + allowed);
+  const auto key = parse(text);
+  if (!key) complain("is no key" + allowed);
   return *key;
 }
 

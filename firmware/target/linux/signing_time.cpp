@@ -4,10 +4,8 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 
-#include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <string_view>
@@ -16,20 +14,15 @@
 
 #include "target/linux/background_thread.hpp"
 #include "target/linux/durable_file.hpp"
-#include "target/linux/parameter_file.hpp"
 
 namespace flotilla::target {
 namespace {
 
-constexpr int kEvery_ms = 30'000;
 constexpr std::string_view kTitle = "flotilla-signing-time 1 ";
 
 std::string text_of(std::uint64_t timestamp) {
   const std::string body = std::string(kTitle) + std::to_string(timestamp) + "\n";
-  std::array<char, 32> checksum{};
-  std::snprintf(checksum.data(), checksum.size(), "crc32 = %08X\n",
-                static_cast<unsigned>(crc32(body)));
-  return body + checksum.data();
+  return body + checksum_line(body);
 }
 
 }  // namespace
@@ -50,8 +43,12 @@ StoredSigningTime load_signing_time(const std::filesystem::path& path) {
   return {timestamp, {}};
 }
 
-SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp)
-    : path_(std::move(path)), timestamp_(timestamp), stop_(::eventfd(0, EFD_CLOEXEC)) {
+SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp,
+                         std::chrono::milliseconds every)
+    : path_(std::move(path)),
+      timestamp_(timestamp),
+      every_(every),
+      stop_(::eventfd(0, EFD_CLOEXEC)) {
   if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of signing-time");
   writer_ = start_background_thread(&SigningTime::run, this, "signing-time");
 }
@@ -59,12 +56,6 @@ SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp)
 SigningTime::~SigningTime() {
   ::eventfd_write(stop_.get(), 1);
   pthread_join(writer_, nullptr);
-}
-
-std::optional<std::string> SigningTime::complaint() {
-  if (complained_ || !has_complaint_.load(std::memory_order_acquire)) return std::nullopt;
-  complained_ = true;
-  return std::move(complaint_);
 }
 
 void* SigningTime::run(void* self) {
@@ -76,21 +67,18 @@ void SigningTime::write_until_stopped() {
   for (bool stopped = false; !stopped;) {
     write();
     pollfd stop{stop_.get(), POLLIN, 0};
-    stopped = ::poll(&stop, 1, kEvery_ms) > 0;
+    stopped = ::poll(&stop, 1, static_cast<int>(every_.count())) > 0;
   }
   write();
 }
 
 void SigningTime::write() {
-  std::optional<std::string> fault;
   try {
-    fault = replace_file(path_, text_of(timestamp_.load(std::memory_order_relaxed)));
+    const std::string text = text_of(timestamp_.load(std::memory_order_relaxed));
+    if (const auto fault = replace_file(path_, text)) complaint_.put(*fault);
   } catch (const std::exception& error) {  // out of memory: tried again as well
-    fault = error.what();
+    complaint_.put(error.what());
   }
-  if (!fault || has_complaint_.load(std::memory_order_relaxed)) return;
-  complaint_ = std::move(*fault);
-  has_complaint_.store(true, std::memory_order_release);
 }
 
 }  // namespace flotilla::target

@@ -9,12 +9,14 @@
 #include <pthread.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "target/linux/file_descriptor.hpp"
+#include "target/linux/first_complaint.hpp"
 
 namespace flotilla::target {
 
@@ -26,12 +28,13 @@ struct StoredSigningTime {
 /// Never throws for what is on the disk.
 StoredSigningTime load_signing_time(const std::filesystem::path& path);
 
-/// Writes at once, every 30 s and at its end, in a thread of its own: an armed boat waits for no
+/// Writes at once, then in that interval, and at its end, in a thread of its own: an armed boat waits for no
 /// disk. put() and complaint() belong to the control loop and never block, throw or allocate.
 class SigningTime {
  public:
   /// Throws std::system_error where no thread can be made.
-  SigningTime(std::filesystem::path path, std::uint64_t timestamp);
+  SigningTime(std::filesystem::path path, std::uint64_t timestamp,
+              std::chrono::milliseconds every = std::chrono::seconds(30));
   ~SigningTime();
   SigningTime(const SigningTime&) = delete;
   SigningTime& operator=(const SigningTime&) = delete;
@@ -39,7 +42,7 @@ class SigningTime {
   void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
 
   /// The first thing that went wrong with the file, once. Writing is tried again.
-  std::optional<std::string> complaint();
+  std::optional<std::string> complaint() { return complaint_.take(); }
 
  private:
   static void* run(void* self);
@@ -48,11 +51,8 @@ class SigningTime {
 
   std::filesystem::path path_;
   std::atomic<std::uint64_t> timestamp_;
-
-  // from the writer to the loop, once
-  std::string complaint_;
-  std::atomic<bool> has_complaint_{false};
-  bool complained_ = false;
+  std::chrono::milliseconds every_;
+  FirstComplaint complaint_;
 
   FileDescriptor stop_;
   pthread_t writer_{};

@@ -207,7 +207,7 @@ class PyBoat {
     const auto bytes = span_of(key);
     if (bytes.size() != wanted.size()) throw nb::value_error("key: 32 bytes");
     std::copy(bytes.begin(), bytes.end(), wanted.begin());
-    std::visit([&](auto& b) { b->secure(wanted, link::signing_time(unix_us)); }, boat_);
+    std::visit([&](auto& b) { b->secure(wanted, link::signing_time(unix_us), 0); }, boat_);
   }
 
   void set_signing(int link, const std::string& policy) {

@@ -46,6 +46,7 @@ TEST_CASE("a key is 32 bytes, or 64 digits, perhaps with a newline") {
   CHECK(read_signing_key(KeyFile(kHex).path) == key);
   CHECK(read_signing_key(KeyFile(kHex + "\n").path) == key);
   CHECK(read_signing_key(KeyFile(raw_key(), 0400).path) == key);
+  CHECK(read_signing_key(KeyFile(raw_key(), 0700).path) == key);
 }
 
 TEST_CASE("anything else is no key") {
@@ -66,10 +67,22 @@ TEST_CASE("anything else is no key") {
   }
 }
 
+TEST_CASE("32 digits are half of a key, not 32 bytes of chance") {
+  for (const std::string& half : {kHex.substr(0, 32), kHex.substr(32), kHex.substr(0, 31) + "\n",
+                                  kHex.substr(0, 32) + "\n"}) {
+    CAPTURE(half);
+    CHECK(KeyFile(half).refusal() ==
+          "is half of a hexadecimal key (allowed: 32 bytes, or 64 hexadecimal digits)");
+  }
+  CHECK(KeyFile(kHex.substr(0, 31) + "g").refusal().empty());
+}
+
 TEST_CASE("a key that others may read or write is none") {
   for (const mode_t mode : {0640U, 0604U, 0620U, 0602U, 0610U, 0601U, 0644U, 0777U}) {
     CAPTURE(mode);
-    CHECK(KeyFile(raw_key(), mode).refusal().find("others may use the key (allowed: 0600") !=
+    CHECK(KeyFile(raw_key(), mode)
+              .refusal()
+              .find("others may use the key (allowed: nothing for group and others") !=
           std::string::npos);
   }
   CHECK(KeyFile(raw_key(), 0644).refusal().starts_with("has mode 0644"));

@@ -3,6 +3,7 @@
 
 #include "target/linux/scratch.hpp"
 #include "target/linux/signing_time.hpp"
+#include "target/linux/soon.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -20,6 +21,16 @@ TEST_CASE("the time of the last voyage is there at the next start") {
   const StoredSigningTime stored = load_signing_time(file);
   CHECK(stored.timestamp == kThen + 77);
   CHECK(stored.note.empty());
+}
+
+TEST_CASE("the time goes to the disk again and again while the boat sails") {
+  const Scratch folder;
+  const auto file = folder / "signing_time.txt";
+  SigningTime time(file, kThen, std::chrono::milliseconds(5));
+  for (std::uint64_t now = kThen; now < kThen + 4; ++now) {
+    time.put(now);
+    CHECK(soon([&] { return load_signing_time(file).timestamp == now; }));
+  }
 }
 
 TEST_CASE("a first start has no time, and that is no complaint") {
@@ -58,7 +69,7 @@ TEST_CASE("a disk that does not take the time is said once") {
   put(folder / "state", "a file, no directory");
   SigningTime time(folder / "state" / "signing_time.txt", kThen);
   std::optional<std::string> complaint;
-  while (!complaint) complaint = time.complaint();
+  REQUIRE(soon([&] { return (complaint = time.complaint()).has_value(); }));
   CHECK(complaint->find("signing_time.txt.new cannot be written") != std::string::npos);
   CHECK_FALSE(time.complaint());
 }
