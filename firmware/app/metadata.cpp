@@ -49,6 +49,8 @@ constexpr bool is_json_number(std::string_view text) {
 #define FLOTILLA_KIND_Whole "\"decimalPlaces\":0,\"increment\":1"
 #define FLOTILLA_KIND_Sign "\"decimalPlaces\":0,\"values\":[" FLOTILLA_SIGNS "]"
 #define FLOTILLA_KIND_Mode "\"decimalPlaces\":0,\"values\":[" FLOTILLA_MODES "]"
+#define FLOTILLA_KIND_Identity "\"decimalPlaces\":0,\"values\":[" FLOTILLA_IDENTITIES "]"
+#define FLOTILLA_IDENTITIES FLOTILLA_VALUE(0, "vehicle") "," FLOTILLA_VALUE(1, "companion")
 #define FLOTILLA_SIGNS FLOTILLA_VALUE(-1, "reversed") "," FLOTILLA_VALUE(1, "normal")
 #define FLOTILLA_MODES        \
   FLOTILLA_VALUE(0, "MANUAL") \

@@ -43,6 +43,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
                << float{mode::kFormation};
       return;
     case ParameterKind::kWhole:
+    case ParameterKind::kIdentity:
       sentence << "whole numbers, ";
       break;
     case ParameterKind::kReal:

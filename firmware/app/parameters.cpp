@@ -18,6 +18,7 @@ bool is_valid(const ParameterInfo& info, float value) {
     case ParameterKind::kReal:
       return true;
     case ParameterKind::kWhole:
+    case ParameterKind::kIdentity:
       return std::nearbyint(value) == value;
     case ParameterKind::kSign:
       return std::abs(value) == 1.0F;

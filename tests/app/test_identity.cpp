@@ -39,18 +39,18 @@ TEST_CASE("a message is for us by our ids or by zeros, and for others by theirs"
 
 TEST_CASE("a companion takes the only autopilot's system id three seconds after hearing it") {
   Identity boat = identity(true, 7, 191);
-  CHECK_FALSE(boat.latch(50 * kSecond_us));  // nobody is there yet
+  CHECK_FALSE(boat.latch(false, 50 * kSecond_us));  // nobody is there yet
   for (std::int64_t t = 0; t < 3; ++t) {
     boat.heard({42, 1}, beat(), kLeader, (60 + t) * kSecond_us);
-    CHECK_FALSE(boat.latch((60 + t) * kSecond_us));
+    CHECK_FALSE(boat.latch(false, (60 + t) * kSecond_us));
     CHECK(boat.self() == link::Address{7, 191});
   }
-  CHECK_FALSE(boat.latch(63 * kSecond_us - 1));
-  CHECK(boat.latch(63 * kSecond_us));
+  CHECK_FALSE(boat.latch(false, 63 * kSecond_us - 1));
+  CHECK(boat.latch(false, 63 * kSecond_us));
   CHECK(boat.self() == link::Address{42, 191});
   CHECK(boat.addressed({42, 191}));
   CHECK_FALSE(boat.addressed({7, 191}));
-  CHECK_FALSE(boat.latch(64 * kSecond_us));  // once
+  CHECK_FALSE(boat.latch(false, 64 * kSecond_us));  // once
 }
 
 TEST_CASE("having taken an id, or having kept its own, a companion stays with it") {
@@ -58,12 +58,12 @@ TEST_CASE("having taken an id, or having kept its own, a companion stays with it
     Identity boat = identity(true, 7, 191);
     boat.heard({42, 1}, beat(), kLeader, 0);
     if (several) boat.heard({43, 1}, beat(), kLeader, kSecond_us);
-    boat.latch(3 * kSecond_us);
+    boat.latch(false, 3 * kSecond_us);
     const link::Address self = boat.self();
     CHECK(self.system == (several ? 7 : 42));
     for (std::int64_t t = 4; t < 20; ++t) {
       boat.heard({99, 1}, beat(), kLeader, t * kSecond_us);
-      CHECK_FALSE(boat.latch(t * kSecond_us));
+      CHECK_FALSE(boat.latch(false, t * kSecond_us));
       CHECK(boat.self() == self);
     }
   }
@@ -77,7 +77,7 @@ TEST_CASE("of several autopilots a companion takes none, in whatever order they 
       const std::uint8_t system = (order >> k & 1U) != 0 ? 43 : 42;
       boat.heard({system, 1}, beat(), kLeader, k * kSecond_us / 2);
     }
-    CHECK(boat.latch(3 * kSecond_us) == (order == 0));
+    CHECK(boat.latch(false, 3 * kSecond_us) == (order == 0));
     CHECK(boat.self().system == (order == 0 ? 42 : 7));
   }
 }
@@ -86,34 +86,34 @@ TEST_CASE("ground stations and other companions are no autopilots") {
   Identity boat = identity(true, 7, 191);
   boat.heard({255, 190}, beat(mav::kAutopilotInvalid), kLeader, 0);
   boat.heard({42, 191}, beat(mav::kAutopilotInvalid), kLeader, 0);
-  CHECK_FALSE(boat.latch(10 * kSecond_us));
+  CHECK_FALSE(boat.latch(false, 10 * kSecond_us));
   boat.heard({42, 1}, beat(), kLeader, 11 * kSecond_us);
   boat.heard({255, 190}, beat(mav::kAutopilotInvalid), kLeader, 12 * kSecond_us);
-  CHECK(boat.latch(14 * kSecond_us));
+  CHECK(boat.latch(false, 14 * kSecond_us));
   CHECK(boat.self().system == 42);
 }
 
 TEST_CASE("the leader's autopilot is not a companion's own, alone or beside it") {
   Identity boat = identity(true, 7, 191);
   boat.heard({100, 1}, beat(), kLeader, 0);
-  CHECK_FALSE(boat.latch(5 * kSecond_us));
+  CHECK_FALSE(boat.latch(false, 5 * kSecond_us));
   boat.heard({42, 1}, beat(), kLeader, 6 * kSecond_us);
   boat.heard({100, 1}, beat(), kLeader, 7 * kSecond_us);
-  CHECK(boat.latch(9 * kSecond_us));
+  CHECK(boat.latch(false, 9 * kSecond_us));
   CHECK(boat.self().system == 42);
 }
 
 TEST_CASE("system id 0 is nobody: a companion does not become it") {
   Identity boat = identity(true, 7, 191);
   boat.heard({0, 1}, beat(), kLeader, 0);
-  boat.latch(3 * kSecond_us);
+  boat.latch(false, 3 * kSecond_us);
   CHECK(boat.self().system == 7);
 }
 
 TEST_CASE("a companion configured with its autopilot's id changes nothing") {
   Identity boat = identity(true, 42, 191);
   boat.heard({42, 1}, beat(), kLeader, 0);
-  CHECK_FALSE(boat.latch(3 * kSecond_us));
+  CHECK_FALSE(boat.latch(false, 3 * kSecond_us));
   CHECK(boat.self() == link::Address{42, 191});
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("a vehicle of its own keeps its id whatever it hears") {
   Identity boat = identity(false, 7, 1);
   for (std::int64_t t = 0; t < 10; ++t) {
     boat.heard({42, 1}, beat(), kLeader, t * kSecond_us);
-    CHECK_FALSE(boat.latch(t * kSecond_us));
+    CHECK_FALSE(boat.latch(false, t * kSecond_us));
   }
   CHECK(boat.self() == link::Address{7, 1});
 }

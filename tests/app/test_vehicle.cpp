@@ -856,7 +856,7 @@ TEST_CASE("what is no request and nothing of the vehicle's is left to the boat")
 
 TEST_CASE("a limited link hears the state before all else, and keeps to its limit") {
   Ship s;
-  s.vehicle->links().limit(0, 1500);
+  s.vehicle->links().credit(0).limit(1500);
   s.pass(1);
   std::size_t bytes = 0, states = 0;
   for (int k = 0; k < 3000; ++k) {

@@ -65,10 +65,13 @@ void each_field(T& x, F f) {
   } else if constexpr (n == 11) {
     auto& [a, b, c, d, e, g, h, i, j, k, l] = x;
     all(a, b, c, d, e, g, h, i, j, k, l);
-  } else {
-    static_assert(n == 13, "add this number of members");
+  } else if constexpr (n == 13) {
     auto& [a, b, c, d, e, g, h, i, j, k, l, m, o] = x;
     all(a, b, c, d, e, g, h, i, j, k, l, m, o);
+  } else {
+    static_assert(n == 15, "add this number of members");
+    auto& [a, b, c, d, e, g, h, i, j, k, l, m, o, p, q] = x;
+    all(a, b, c, d, e, g, h, i, j, k, l, m, o, p, q);
   }
 }
 

@@ -100,6 +100,10 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
         {"value": 1, "description": "normal"},
     ]
     assert choices == {
+        "MAV_IDENTITY": [
+            {"value": 0, "description": "vehicle"},
+            {"value": 1, "description": "companion"},
+        ],
         "MODE": [
             {"value": 0, "description": "MANUAL"},
             {"value": 4, "description": "HOLD"},

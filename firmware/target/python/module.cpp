@@ -257,7 +257,7 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real", "whole", "sign", "mode"};
+  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
