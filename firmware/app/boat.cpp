@@ -244,6 +244,10 @@ void Boat<S>::complain(std::int64_t now_us) {
     vehicle_.say(link::mav::kSeverityWarning, {"ODOMETRY refused: frame is not north-aligned"},
                  counters_);
   }
+  if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
+    vehicle_.say(link::mav::kSeverityError, {"parameters could not be saved: see the host's disk"},
+                 counters_);
+  }
 }
 
 template <class S>

@@ -34,6 +34,7 @@ struct HostReport {
   bool parameters_saved = true;  ///< false after a fall to defaults, until they were saved
   std::uint32_t overruns = 0;    ///< control ticks that came more than a period late, so far
   std::int64_t unix_us = 0;      ///< now, µs since 1970; 0: unknown
+  bool save_failed = false;      ///< the last try to write the parameters
 };
 
 /// S: scalar of the law, float or double.
@@ -142,6 +143,7 @@ class Boat {
   CanNode can_;
   CanOutput can_output_;
   HostReport host_;
+  bool save_failed_ = false;  // as told to the operator
   link::Counters counters_;
 
   std::optional<std::int64_t> last_tick_us_;

@@ -6,16 +6,14 @@
 
 namespace flotilla::link::mav {
 
-constexpr std::uint8_t kTypeGeneric = 0, kTypeGcs = 6, kTypeSurfaceBoat = 11,
-                       kTypeOnboardController = 18;
+constexpr std::uint8_t kTypeGcs = 6, kTypeSurfaceBoat = 11, kTypeOnboardController = 18;
 constexpr std::uint8_t kAutopilotGeneric = 0, kAutopilotInvalid = 8;
-constexpr std::uint8_t kComponentAutopilot = 1, kComponentOnboardComputer = 191;
+constexpr std::uint8_t kComponentAutopilot = 1;
 constexpr std::uint8_t kModeFlagCustom = 1, kModeFlagTest = 2, kModeFlagAuto = 4,
                        kModeFlagGuided = 8, kModeFlagManual = 64, kModeFlagArmed = 128;
-constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateCritical = 5, kStateEmergency = 6;
+constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateEmergency = 6;
 constexpr std::uint8_t kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
-                       kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12, kFrameLocalFrd = 20,
-                       kFrameLocalFlu = 21;
+                       kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12;
 constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAcceleration = 4,
                        kFollowAttitude = 8;
 
@@ -42,8 +40,8 @@ constexpr std::uint32_t kSensorGyro = 1, kSensorAccel = 2, kSensorMag = 4, kSens
                         kSensorBattery = 0x2000000, kSensorPrearm = 0x10000000,
                         kSensorPropulsion = 0x40000000;
 
-constexpr std::uint8_t kSeverityEmergency = 0, kSeverityCritical = 2, kSeverityError = 3,
-                       kSeverityWarning = 4, kSeverityNotice = 5, kSeverityInfo = 6;
+constexpr std::uint8_t kSeverityCritical = 2, kSeverityError = 3, kSeverityWarning = 4,
+                       kSeverityInfo = 6;
 
 /// Message ids that commands name.
 constexpr std::uint16_t kHeartbeatId = 0, kSysStatusId = 1, kSystemTimeId = 2, kAttitudeId = 30,

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <type_traits>
 
 #include "app/boat.hpp"
 #include "app/harbour.hpp"
@@ -168,6 +170,66 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
   h.step();
   CHECK(h.template all<link::CommandAck>().empty());  // it was for another boat
   CHECK(h.boat.state() == State::kDisarmed);
+}
+
+TEST_CASE_TEMPLATE("a command behind a message that broke off is heard: with its datagram, or 0.3 s later",
+                   S, float, double) {
+  const bool datagrams = std::is_same_v<S, float>;
+  for (const std::size_t cut : {1U, 5U, 10U, 20U}) {
+    Harbour<S> h(Parameters{}, 2);
+    h.sail(2);
+    testing::Bytes bytes = testing::frame_of(h.leader, Harbour<S>::state(1, 1, 1));
+    bytes.resize(cut);
+    const testing::Bytes command = testing::frame_of(
+        h.operator_,
+        link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
+    bytes.insert(bytes.end(), command.begin(), command.end());
+    h.boat.on_mavlink(bytes, h.now_us, 1);
+    if (datagrams) h.boat.end_of_datagram(h.now_us, 1);
+    h.step();
+    CAPTURE(cut);
+    if (datagrams) CHECK(h.boat.state() == State::kHold);
+    h.sail(0.32);
+    CHECK(h.boat.state() == State::kHold);
+    h.disarm();
+    h.step();
+    CHECK(h.boat.state() == State::kDisarmed);
+  }
+}
+
+TEST_CASE_TEMPLATE("a message may come in pieces while others' ticks pass", S, float, double) {
+  Harbour<S> h(Parameters{}, 2);
+  h.sail(2);
+  const testing::Bytes command = testing::frame_of(
+      h.operator_,
+      link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
+  for (std::size_t i = 0; i < command.size(); ++i) {  // in less than 0.3 s
+    h.boat.on_mavlink(std::span(command).subspan(i, 1), h.now_us, 1);
+    if (i % 2 == 0) h.step();
+  }
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+}
+
+TEST_CASE_TEMPLATE("told to follow another and to go on in the same tick, a boat goes nowhere", S,
+                   float, double) {
+  Harbour<S> h;
+  h.sail(2);
+  h.arm();
+  h.step();
+  link::ParamSet leader{55, {1, 1}, {}, mav::kParamReal32};
+  std::strncpy(leader.param_id.data(), "FORM_LEADER", leader.param_id.size());
+  h.say(h.operator_, leader);
+  h.mode(6);
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+  CHECK(h.template all<link::CommandAck>().at(0).result == mav::kTemporarilyRejected);
+  leader.param_value = 100;
+  h.say(h.operator_, leader);
+  h.sail(2);
+  h.mode(6);
+  h.step();
+  CHECK(h.boat.state() == State::kFormation);
 }
 
 TEST_CASE_TEMPLATE(

@@ -103,6 +103,38 @@ TEST_CASE("the leader's autopilot is not a companion's own, alone or beside it")
   CHECK(boat.self().system == 42);
 }
 
+TEST_CASE("only component 1 is an autopilot, and only one that does not call itself a ground station") {
+  for (unsigned component = 0; component < 256; ++component) {
+    Identity boat = identity(true, 7, 191);
+    boat.heard({42, static_cast<std::uint8_t>(component)}, beat(), kLeader, 0);
+    CAPTURE(component);
+    CHECK(boat.latch(false, 3 * kSecond_us) == (component == 1));
+    CHECK(boat.self().system == (component == 1 ? 42 : 7));
+  }
+  Identity boat = identity(true, 7, 191);
+  link::Heartbeat station = beat();
+  station.type = mav::kTypeGcs;
+  boat.heard({255, 1}, station, kLeader, 0);
+  CHECK_FALSE(boat.latch(false, 3 * kSecond_us));
+  boat.heard({42, 1}, beat(), kLeader, 4 * kSecond_us);
+  CHECK(boat.latch(false, 7 * kSecond_us));
+}
+
+TEST_CASE("a companion that is armed when it would take an id stays who it is, for good") {
+  Identity boat = identity(true, 7, 191);
+  boat.heard({42, 1}, beat(), kLeader, 0);
+  CHECK_FALSE(boat.latch(true, 3 * kSecond_us));
+  CHECK_FALSE(boat.latch(false, 4 * kSecond_us));
+  boat.heard({42, 1}, beat(), kLeader, 5 * kSecond_us);
+  CHECK_FALSE(boat.latch(false, 20 * kSecond_us));
+  CHECK(boat.self() == link::Address{7, 191});
+
+  Identity other = identity(true, 7, 191);  // armed before the three seconds are over, and not then
+  other.heard({42, 1}, beat(), kLeader, 0);
+  CHECK_FALSE(other.latch(true, 3 * kSecond_us - 1));
+  CHECK(other.latch(false, 3 * kSecond_us));
+}
+
 TEST_CASE("system id 0 is nobody: a companion does not become it") {
   Identity boat = identity(true, 7, 191);
   boat.heard({0, 1}, beat(), kLeader, 0);

@@ -23,7 +23,7 @@ std::vector<Letter> all(Inbox& inbox) {
   std::vector<Letter> out;
   inbox.take_each([&](const Letter& letter) {
     out.push_back(letter);
-    return true;
+    return Inbox::Taken::kAnswered;
   });
   return out;
 }
@@ -54,28 +54,119 @@ TEST_CASE("requests wait in their order with link and time of reading; one too m
   CHECK(counters.requests_dropped == 3);
 }
 
-TEST_CASE("what cannot be answered yet keeps its place before what comes later") {
+TEST_CASE("what cannot be answered yet keeps its place, and so does what comes behind the last") {
   constexpr std::uint32_t kSeed = 9;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
+  using enum Inbox::Taken;
   Inbox inbox;
   link::Counters counters;
   std::vector<std::uint16_t> waiting;
+  int lasts = 0, dropped = 0;
   for (std::uint16_t next = 0; next < 20'000;) {
     for (auto n = random() % 12; n > 0; --n) {
-      if (waiting.size() < kHolds) waiting.push_back(next);
+      if (waiting.size() < kHolds) {
+        waiting.push_back(next);
+      } else {
+        ++dropped;
+      }
       inbox.push(letter(link::CommandLong{next++, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}), counters);
     }
     std::vector<std::uint16_t> seen, kept;
-    inbox.take_each([&](const Letter& letter) {
+    bool last = false;
+    const bool said_last = inbox.take_each([&](const Letter& letter) {
+      REQUIRE_FALSE(last);  // nobody is asked behind the last
       seen.push_back(id_of(letter));
-      if (random() % 3 == 0) return true;
+      const auto chance = random() % 8;
+      last = chance == 0;
+      if (last) return kLast;
+      if (chance < 6) return kAnswered;
       kept.push_back(id_of(letter));
-      return false;
+      return kKept;
     });
-    REQUIRE(seen == waiting);
+    REQUIRE(said_last == last);
+    lasts += last ? 1 : 0;
+    REQUIRE(seen.size() <= waiting.size());
+    REQUIRE(std::equal(seen.begin(), seen.end(), waiting.begin()));
+    if (!last) REQUIRE(seen.size() == waiting.size());
+    kept.insert(kept.end(), waiting.begin() + static_cast<std::ptrdiff_t>(seen.size()),
+                waiting.end());
     waiting = kept;
   }
+  CHECK(lasts > 1000);
+  CHECK(dropped > 100);
+  CHECK(counters.requests_dropped == static_cast<std::uint32_t>(dropped));
+}
+
+TEST_CASE("the last of all, or of none, leaves nothing behind") {
+  using enum Inbox::Taken;
+  Inbox inbox;
+  link::Counters counters;
+  CHECK_FALSE(inbox.take_each([](const Letter&) { return kLast; }));
+  inbox.push(command(5), counters);
+  inbox.push(command(6), counters);
+  CHECK(inbox.take_each([](const Letter&) { return kLast; }));
+  CHECK(inbox.take_each([](const Letter& one) { return id_of(one) == 6 ? kLast : kAnswered; }));
+  CHECK(all(inbox).empty());
+}
+
+/// Disarms and terminations, in either form.
+Letter stop(std::size_t any) {
+  const bool terminate = any % 2 == 0;
+  const std::uint16_t id = terminate ? mav::kCmdDoFlightTermination : mav::kCmdComponentArmDisarm;
+  const float first = terminate ? 1 : 0;
+  if (any / 2 % 2 == 0) return command(id, first);
+  return letter(link::CommandInt{id, {first, 0, 0, 0}, 0, 0, 0, {1, 1}, 0});
+}
+bool stops(const Letter& one) {
+  const auto found = command_of(one.received.message);
+  return found && is_stop(*found);
+}
+
+// read_us numbers the letters.
+TEST_CASE("no stop is ever lost, however full the inbox, nor answered before what came before it") {
+  constexpr std::uint32_t kSeed = 10;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  using enum Inbox::Taken;
+  Inbox inbox;
+  link::Counters counters;
+  std::size_t owed = 0, pushed = 0, taken = 0, stops_taken = 0;
+  for (int tick = 0; tick < 5000; ++tick) {
+    const std::size_t most = random() % 5 == 0 ? 60 : 10;
+    for (auto n = random() % most; n > 0; --n) {
+      Letter one = random() % 8 == 0 ? stop(random()) : command(mav::kCmdComponentArmDisarm, 1);
+      if (stops(one) && owed == kHolds) continue;  // as many stops are waiting already
+      one.read_us = static_cast<std::int64_t>(++pushed);
+      owed += stops(one) ? 1U : 0U;
+      inbox.push(one, counters);
+    }
+    std::int64_t latest_other = 0, latest_stop = 0;
+    inbox.take_each([&](const Letter& one) {
+      if (stops(one)) {
+        REQUIRE(one.read_us > latest_other);
+        latest_stop = std::max(latest_stop, one.read_us);
+      } else {
+        REQUIRE(one.read_us > latest_other);
+        REQUIRE(one.read_us > latest_stop);
+        latest_other = one.read_us;
+      }
+      const auto chance = random() % 4;
+      if (chance == 0) return kKept;
+      ++taken;
+      owed -= stops(one) ? 1U : 0U;
+      stops_taken += stops(one) ? 1U : 0U;
+      return chance == 1 && random() % 4 == 0 ? kLast : kAnswered;
+    });
+  }
+  std::size_t left = 0;
+  for (const Letter& one : all(inbox)) {
+    ++left;
+    owed -= stops(one) ? 1U : 0U;
+  }
+  CHECK(owed == 0);
+  CHECK(stops_taken > 1000);
+  CHECK(pushed == taken + left + counters.requests_dropped);
 }
 
 TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {

@@ -34,109 +34,78 @@ Bytes any_bytes(std::size_t size, std::uint8_t first) {
   return out;
 }
 
-TEST_CASE("a link without a limit may always send, one with a limit not before it earned") {
+TEST_CASE("each link has a limit of its own, and the state and the rest have purses of their own") {
   Ship s;
-  s.links.limit(1, 1000);
-  CHECK(s.links.limit(0) == 0);
-  CHECK(s.links.limit(1) == 1000);
-  CHECK(s.links.has_credit(0));
-  CHECK(s.links.has_spare_credit(0));
-  CHECK_FALSE(s.links.has_credit(1));
-  s.links.begin(0);
-  CHECK_FALSE(s.links.has_credit(1));
-  s.links.begin(kTick_us);
-  CHECK(s.links.has_credit(1));
+  s.links.credit(1).limit(1000);
+  CHECK(s.links.credit(0).limit() == 0);
+  s.links.begin(kSecond_us);  // 300 and 200 bytes
   for (int k = 0; k < 20; ++k) s.send(0, kAttitude);
-  CHECK(s.links.has_spare_credit(0));
+  CHECK(s.links.credit(0).for_state());
+  CHECK(s.links.credit(0).for_rest());
+  for (int k = 0; k < 5; ++k) {
+    CHECK(s.links.credit(1).for_rest());
+    s.send(1, kAttitude);
+  }
+  CHECK_FALSE(s.links.credit(1).for_rest());
+  for (int k = 0; k < 8; ++k) {
+    CHECK(s.links.credit(1).for_state());
+    s.links.send_state(1, kAttitude, s.counters);
+  }
+  CHECK_FALSE(s.links.credit(1).for_state());
 }
 
 TEST_CASE("whatever a limited link is given to send, in the long run it keeps to its limit") {
   constexpr std::uint32_t kSeed = 31;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  for (const std::uint32_t rate_Bps : {100U, 1000U, 5700U, 20'000U}) {
+  for (const std::uint32_t rate_Bps : {200U, 1000U, 5700U, 20'000U}) {
     Ship s;
-    s.links.limit(0, rate_Bps);
+    s.links.credit(0).limit(rate_Bps);
     std::int64_t sent = 0, time_us = 0;
     while (time_us < 120 * kSecond_us) {
       const auto dt_us = static_cast<std::int64_t>(1 + random() % 30'000);
       s.links.begin(dt_us);
       time_us += dt_us;
-      while (s.links.has_credit(0) && s.links.room(0) >= 40) s.send(0, kAttitude);
+      while (s.links.credit(0).for_state() && s.links.room(0) >= 700)
+        s.links.send_state(0, kAttitude, s.counters);
+      while (s.links.credit(0).for_rest() && s.links.room(0) >= 40) s.send(0, kAttitude);
       sent += static_cast<std::int64_t>(s.links.bytes(0).size());
     }
     const double wanted = double(rate_Bps) * double(time_us) / 1e6;
     CAPTURE(rate_Bps);
-    CHECK(double(sent) <= wanted + 40);
-    CHECK(double(sent) >= wanted - 40);
+    CHECK(double(sent) <= wanted + 80);
+    CHECK(double(sent) >= wanted - 80);
   }
 }
 
-TEST_CASE("a silent link saves up half a second's worth and no more, a long gap gives no more") {
-  for (const std::int64_t gap_us : {kTick_us, kSecond_us, 3600 * kSecond_us, INT64_MAX / 8}) {
-    Ship s;
-    s.links.limit(0, 1000);
-    for (int k = 0; k < 500; ++k) s.links.begin(gap_us);
-    std::size_t sent = 0;
-    while (s.links.has_credit(0)) {
-      s.send(0, kAttitude);
-      sent += 40;
-      REQUIRE(sent < 2000);
-    }
-    CHECK(sent >= 500);
-    CHECK(sent < 540);
-  }
-}
-
-TEST_CASE("what can wait has two fifths of the rate, however much the state asks for") {
-  for (const std::uint32_t rate_Bps : {500U, 1000U, 4000U}) {
-    Ship s;
-    s.links.limit(0, rate_Bps);
-    std::int64_t spare = 0, state = 0;
-    for (int k = 0; k < 12'000; ++k) {
-      s.links.begin(kTick_us);
-      while (s.links.has_credit(0) && s.links.room(0) > 700) s.send(0, kAttitude), state += 40;
-      while (s.links.has_spare_credit(0) && s.links.room(0) >= 40) {
-        s.links.send_spare(0, kAttitude, s.counters);
-        spare += 40;
-      }
-    }
-    CAPTURE(rate_Bps);
-    CHECK(double(spare) / 120 == doctest::Approx(0.4 * rate_Bps).epsilon(0.05));
-    CHECK(double(state + spare) / 120 == doctest::Approx(rate_Bps).epsilon(0.05));
-  }
-}
-
-TEST_CASE("what can wait has what the state leaves, to the last byte") {
+TEST_CASE("what was dropped for want of room is not paid for") {
   Ship s;
-  s.links.limit(0, 1000);
-  std::int64_t spare = 0;
-  for (int k = 0; k < 12'000; ++k) {
-    s.links.begin(kTick_us);
-    while (s.links.has_spare_credit(0) && s.links.room(0) >= 40) {
-      s.links.send_spare(0, kAttitude, s.counters);
-      spare += 40;
-    }
-  }
-  CHECK(double(spare) / 120 == doctest::Approx(1000).epsilon(0.05));
+  s.links.credit(0).limit(4000);
+  s.links.begin(kSecond_us);  // 1200 and 800 bytes
+  for (int k = 0; k < 35; ++k) s.links.send_state(0, kAttitude, s.counters);
+  REQUIRE(s.links.room(0) == 0);
+  for (int k = 0; k < 1000; ++k) s.send(0, kAttitude);
+  CHECK(s.links.credit(0).for_rest());
+  CHECK_FALSE(s.links.credit(0).for_state());
 }
 
-TEST_CASE(
-    "after others' traffic has flooded a slow link, the boat is heard on it again in a minute") {
+TEST_CASE("others' traffic on a slow link keeps to what is not the state's, which is never late") {
   Ship s;
-  s.links.limit(0, 1000);
+  s.links.credit(0).limit(1000);
   const Bytes file = any_bytes(280, 1);
-  for (int k = 0; k < 1000; ++k) {  // ten seconds of somebody's file
+  std::size_t handed_on = 0, states = 0;
+  for (int k = 0; k < 12'000; ++k) {  // two minutes of somebody's file
     s.links.forward(0, file, s.counters);
     s.links.forward(0, file, s.counters);
     s.links.begin(kTick_us);
+    handed_on += s.links.bytes(0).size();
+    if (k % 10 != 0) continue;
+    states += s.links.credit(0).for_state() ? 1U : 0U;
+    s.links.send_state(0, kAttitude, s.counters);
   }
-  int ticks = 0;
-  while (!s.links.has_credit(0) && ticks < 1'000'000) {
-    s.links.begin(kTick_us);
-    ++ticks;
-  }
-  CHECK(ticks * kTick_us <= 60 * kSecond_us);
+  CHECK(states == 1200);  // 400 of 600 B/s
+  CHECK(handed_on >= 120 * 400);
+  CHECK(handed_on <= 120 * 620);
 }
 
 TEST_CASE(
@@ -189,7 +158,7 @@ TEST_CASE("what is handed on leaves unchanged with the next tick, before our own
   CHECK(s.counters.mavlink_not_sent == 0);
 }
 
-TEST_CASE("half of a tick's output is for what is handed on; a frame too many is counted, whole") {
+TEST_CASE("400 bytes of a tick's output are for what is handed on; a frame too many is counted, whole") {
   constexpr std::uint32_t kSeed = 37;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
@@ -199,7 +168,7 @@ TEST_CASE("half of a tick's output is for what is handed on; a frame too many is
     std::uint32_t refused = 0;
     for (int k = 0; k < 12; ++k) {
       const Bytes frame = any_bytes(12 + random() % 269, static_cast<std::uint8_t>(random()));
-      if (expected.size() + frame.size() <= 700) {
+      if (expected.size() + frame.size() <= 400) {
         expected.insert(expected.end(), frame.begin(), frame.end());
       } else {
         ++refused;
@@ -268,6 +237,55 @@ TEST_CASE("under a new id every link goes on counting where it was") {
   for (std::uint8_t k = 0; k < 4; ++k) CHECK(on_0[k].sequence == k);
 }
 
+// A message that breaks off.
+
+TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, and no longer") {
+  const Bytes frame = [] {
+    link::MavlinkEncoder encoder({255, 190});
+    return testing::frame_of(encoder, kAttitude);
+  }();
+  for (std::size_t cut = 1; cut < frame.size(); ++cut) {
+    Ship s;
+    CHECK_FALSE(s.links.waits_in_vain(0, kSecond_us));
+    const auto come = [&](std::span<const std::uint8_t> bytes, std::int64_t now_us) {
+      s.links.decoder(0).fill(bytes);
+      int found = 0;
+      while (s.links.next(0, s.counters)) ++found;
+      s.links.note_waiting(0, now_us);
+      return found;
+    };
+    const auto all = std::span(frame);
+    CHECK(come(all.first(1), 0) == 0);
+    for (std::size_t k = 1; k < cut; ++k) {
+      CHECK(come(all.subspan(k, 1), static_cast<std::int64_t>(k) * 7000) == 0);
+    }
+    CHECK_FALSE(s.links.waits_in_vain(0, 300'000));
+    CHECK(s.links.waits_in_vain(0, 300'001));
+    CHECK_FALSE(s.links.waits_in_vain(1, 300'001));
+    CHECK(come(all.subspan(cut), 300'001) == 1);  // still whole where nobody gave it up
+    CHECK_FALSE(s.links.waits_in_vain(0, 3600 * kSecond_us));
+  }
+}
+
+TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
+  link::MavlinkEncoder encoder({255, 190});
+  Ship s;
+  Bytes stream;
+  while (stream.size() < 4000) {
+    const Bytes frame = testing::frame_of(encoder, kAttitude);
+    stream.insert(stream.end(), frame.begin(), frame.end());
+  }
+  std::int64_t now_us = 0;
+  int found = 0;
+  for (const std::uint8_t byte : stream) {  // 200 B/s: a message in 0.2 s
+    s.links.decoder(0).fill(std::span(&byte, 1));
+    while (s.links.next(0, s.counters)) ++found;
+    s.links.note_waiting(0, now_us += 5000);
+    REQUIRE_FALSE(s.links.waits_in_vain(0, now_us));
+  }
+  CHECK(found == static_cast<int>(stream.size() / 40));
+}
+
 // What comes in, as a link's policy sees it.
 
 enum class Mark { kNone, kGood, kForged };
@@ -276,7 +294,7 @@ Bytes incoming(Mark mark, const link::Message& message) {
   link::Signing signing;
   link::SigningKey key{1, 2, 3};
   if (mark == Mark::kForged) key[0] = 99;
-  signing.start(key, kNow);
+  signing.start(key, kNow, 0);
   link::MavlinkEncoder encoder({255, 190});
   Bytes out(300);
   out.resize(encoder.encode(message, out, mark == Mark::kNone ? nullptr : &signing, 5));
@@ -286,7 +304,7 @@ Bytes incoming(Mark mark, const link::Message& message) {
 std::optional<link::Received> let_in(SigningPolicy policy, bool key, Mark mark,
                                      const link::Message& message, link::Counters& counters) {
   MavlinkLinks links(2, kSelf);
-  if (key) links.signing().start({1, 2, 3}, kNow);
+  if (key) links.signing().start({1, 2, 3}, kNow, 0);
   links.set_policy(1, policy);
   const Bytes bytes = incoming(mark, message);
   CHECK(links.decoder(1).fill(bytes) == bytes.size());
@@ -333,7 +351,7 @@ TEST_CASE("a link signs what it sends if its policy says so and there is a key, 
   for (const bool key : {false, true}) {
     MavlinkLinks links(3, kSelf);
     link::Counters counters;
-    if (key) links.signing().start({1, 2, 3}, kNow);
+    if (key) links.signing().start({1, 2, 3}, kNow, 0);
     links.set_policy(1, SigningPolicy::kAccept);
     links.set_policy(2, SigningPolicy::kRequired);
     links.broadcast(kBeat, counters);
@@ -343,7 +361,7 @@ TEST_CASE("a link signs what it sends if its policy says so and there is a key, 
       if (!key) continue;
       CHECK(links.bytes(link)[21] == link);
       link::Signing reader;
-      reader.start({1, 2, 3}, kNow);
+      reader.start({1, 2, 3}, kNow, 0);
       CHECK(reader.check(links.bytes(link)) == link::SignatureVerdict::kGood);
     }
   }

@@ -36,9 +36,11 @@ struct Boat {
   ParameterService service;
   Parameters values;
   bool armed = false;
+  std::uint8_t system = 0;
 
   SetResult set(const std::string& name, float value, std::uint8_t type = mav::kParamReal32) {
-    return service.set(kHere, kOperator, {value, {1, 1}, name_of(name), type}, values, armed);
+    return service.set(kHere, kOperator, {value, {1, 1}, name_of(name), type}, values,
+                       {armed, system});
   }
   void read(std::int16_t index, const std::string& name = "") {
     service.read(kHere, kOperator, {index, {1, 1}, name_of(name)});
@@ -269,6 +271,28 @@ TEST_CASE("a mode is asked of the supervisor, and told to all when it has decide
   boat.values.MODE = mode::kFormation;
   boat.service.announce(mode);
   check_answer_to_all(boat, mode);
+}
+
+TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {
+  Boat companion;  // MAV_SYSID 1 is configured, 42 was taken of its autopilot
+  companion.system = 42;
+  CHECK(companion.set("FORM_LEADER", 42).what == What::kRefused);
+  check_refusal(companion, *find_parameter("FORM_LEADER"), mav::kParamOutOfRange);
+  CHECK(companion.set("FORM_LEADER", 1).what == What::kRefused);
+  CHECK(companion.set("FORM_LEADER", 43).what == What::kSet);
+  companion.values.FORM_LEADER = 42;  // it was so when the id was taken: the operator may go on
+  CHECK(companion.set("FORM_LEADER", 42).what == What::kUnchanged);
+  CHECK(companion.set("LAW_KX", 0.5F).what == What::kSet);
+  CHECK(companion.set("FORM_LEADER", 100).what == What::kSet);
+}
+
+TEST_CASE("names that it knows are those of the list, whatever the value") {
+  const auto knows = [](const std::string& name) {
+    return ParameterService::knows({NAN, {9, 9}, name_of(name), 77});
+  };
+  for (const ParameterInfo& info : kParameterList) CHECK(knows(std::string(info.name)));
+  for (const char* name : {"", "LAW_K", "LAW_KX2", "law_kx", "MAV_GCS_SYSIDENTIFIER", "SYSID_THISMAV"})
+    CHECK_FALSE(knows(name));
 }
 
 TEST_CASE("the list is complete and in order, on the link that asked for it alone") {

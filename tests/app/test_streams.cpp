@@ -216,36 +216,82 @@ TEST_CASE("that which is hurried leaves at once on every link that has it, and o
   streams.hurry(9999);  // nothing of the kind
 }
 
+/// What leaves on a link in 100 s, as a share of ten a second.
+struct Rates {
+  Streams streams{Parameters{}, false, kTick_us};
+  std::int64_t now_us = 0;
+
+  double of(std::uint16_t id, std::size_t link) {
+    now_us += 1000 * kSecond_us;
+    const auto count = sent(streams, index_of(id), link, now_us, 100 * kSecond_us);
+    return static_cast<double>(count) / 1000;
+  }
+  void hear(std::uint8_t percent, std::size_t link = 1) {
+    streams.radio_has_room(link, percent, now_us);
+  }
+};
+
 TEST_CASE("a radio whose buffer fills slows its link's telemetry down to a twentieth, and back") {
-  Streams streams(Parameters{}, false, kTick_us);
-  const std::size_t attitude = index_of(mav::kAttitudeId);
-  const auto rate = [&](std::size_t link) {
-    static std::int64_t now = 0;
-    now += 1000 * kSecond_us;
-    return static_cast<double>(sent(streams, attitude, link, now, 100 * kSecond_us)) / 1000;
-  };
-  CHECK(rate(1) == doctest::Approx(1).epsilon(0.01));
+  constexpr std::uint16_t kSlow = mav::kEscStatusId;
+  Rates rates;
+  for (const std::size_t link : {0U, 1U}) REQUIRE(rates.streams.set(link, kSlow, 100'000, 0));
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(1).epsilon(0.01));
   double share = 1;
   for (int k = 0; k < 40; ++k) {
     const auto percent = static_cast<std::uint8_t>(k % 2 == 0 ? 24 : 34);
     share = std::max(0.05, share * (percent == 24 ? 0.8 : 0.975));
-    streams.radio_has_room(1, percent);
-    REQUIRE(rate(1) == doctest::Approx(share).epsilon(0.02));
+    rates.hear(percent);
+    REQUIRE(rates.of(kSlow, 1) == doctest::Approx(share).epsilon(0.02));
   }
-  CHECK(rate(1) == doctest::Approx(0.05).epsilon(0.02));
-  CHECK(rate(0) == doctest::Approx(1).epsilon(0.01));
-  CHECK(streams.interval_us(1, mav::kAttitudeId) == 100'000);
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(0.05).epsilon(0.02));
+  CHECK(rates.of(kSlow, 0) == doctest::Approx(1).epsilon(0.01));
+  CHECK(rates.streams.interval_us(1, kSlow) == 100'000);
   for (const std::uint8_t neither : std::initializer_list<std::uint8_t>{35, 50, 101, 255})
-    streams.radio_has_room(1, neither);
-  CHECK(rate(1) == doctest::Approx(0.05).epsilon(0.02));
-  for (int k = 0; k < 60; ++k) streams.radio_has_room(1, 51);
-  CHECK(rate(1) == doctest::Approx(0.05 * std::pow(1.025, 60)).epsilon(0.02));
-  for (int k = 0; k < 200; ++k) streams.radio_has_room(1, 100);
-  CHECK(rate(1) == doctest::Approx(1).epsilon(0.01));
-  streams.radio_has_room(1, 0);
-  CHECK(rate(1) == doctest::Approx(0.8).epsilon(0.02));
-  REQUIRE(streams.set(1, mav::kAttitudeId, 50'000, 0));  // slowed too
-  CHECK(rate(1) == doctest::Approx(1.6).epsilon(0.02));
+    rates.hear(neither);
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(0.05).epsilon(0.02));
+  for (int k = 0; k < 60; ++k) rates.hear(51);
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(0.05 * std::pow(1.025, 60)).epsilon(0.02));
+  for (int k = 0; k < 200; ++k) rates.hear(100);
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(1).epsilon(0.01));
+  rates.hear(0);
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(0.8).epsilon(0.02));
+  REQUIRE(rates.streams.set(1, kSlow, 50'000, 0));  // slowed too
+  CHECK(rates.of(kSlow, 1) == doctest::Approx(1.6).epsilon(0.02));
+}
+
+TEST_CASE("however full a radio, followers hear the state twice a second, or as rarely as asked") {
+  Rates rates;
+  for (int k = 0; k < 40; ++k) rates.hear(0);
+  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
+  for (const std::uint16_t id : {mav::kAttitudeId, mav::kLocalPositionNedId}) {
+    CHECK(rates.of(id, 1) == doctest::Approx(0.2).epsilon(0.02));
+    CHECK(rates.of(id, 0) == doctest::Approx(1).epsilon(0.02));
+    REQUIRE(rates.streams.set(1, id, 20'000, 0));
+    CHECK(rates.of(id, 1) == doctest::Approx(0.25).epsilon(0.02));
+    REQUIRE(rates.streams.set(1, id, 2'000'000, 0));
+    CHECK(rates.of(id, 1) == doctest::Approx(0.05).epsilon(0.02));
+    REQUIRE(rates.streams.set(1, id, -1, 0));
+    CHECK(rates.of(id, 1) == 0);
+    REQUIRE(rates.streams.set(1, id, 0, 0));
+    CHECK(rates.of(id, 1) == doctest::Approx(0.2).epsilon(0.02));
+  }
+}
+
+TEST_CASE("a radio that says nothing for more than five seconds has no complaints") {
+  Rates rates;
+  for (int k = 0; k < 40; ++k) rates.hear(0);
+  rates.hear(40, 2);  // neither full nor empty
+  const std::int64_t heard_us = rates.now_us;
+  rates.streams.forget_silent_radios(heard_us + 5 * kSecond_us);
+  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
+  rates.now_us = heard_us + 4 * kSecond_us;
+  rates.hear(101);  // that is no percentage: not heard
+  rates.streams.forget_silent_radios(heard_us + 5 * kSecond_us + 1);
+  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(rates.of(mav::kAttitudeId, 1) == doctest::Approx(1).epsilon(0.02));
+  rates.hear(0);
+  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.08).epsilon(0.02));
+  CHECK(rates.of(mav::kSysStatusId, 2) == doctest::Approx(0.1).epsilon(0.02));
 }
 
 }  // namespace

@@ -158,6 +158,23 @@ TEST_CASE("what tells the own state is silent without it, what needs the globe w
   CHECK(all(mav::kHomePositionId, new_here).empty());
 }
 
+TEST_CASE("positions from an origin that is no longer ours are not told, as nobody could place them") {
+  Report r = full();
+  r.own->located = false;
+  r.own->adrift = true;
+  CHECK(all(mav::kLocalPositionNedId, r).empty());
+  CHECK(all(mav::kGlobalPositionIntId, r).empty());
+  CHECK(all(mav::kAttitudeId, r).size() == 1);
+}
+
+TEST_CASE("whether there is such a message at all does not depend on what is known") {
+  for (unsigned id = 0; id <= UINT16_MAX; ++id) {
+    const bool is_made = compose(static_cast<std::uint16_t>(id), 0, full()).has_value();
+    CAPTURE(id);
+    REQUIRE(can_compose(static_cast<std::uint16_t>(id)) == is_made);
+  }
+}
+
 TEST_CASE("modes are listed from 1 on, each once, MANUAL, HOLD and FOLLOW") {
   const auto modes = all_as<link::AvailableModes>(mav::kAvailableModesId, full());
   REQUIRE(modes.size() == 3);

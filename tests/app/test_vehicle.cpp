@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/convert.hpp"
@@ -47,6 +48,7 @@ struct Ship {
   core::Conditions world = kFair;
   std::int64_t now_us = kSecond_us;
   bool own_known = true;
+  bool changed = false;  ///< since somebody looked: a parameter or the identity
   std::vector<std::vector<link::Received>> heard;  ///< of the last tick
   std::vector<link::MavlinkDecoder> decoders;
   std::vector<link::Received> left_over;  ///< what the vehicle leaves to the boat
@@ -76,7 +78,8 @@ struct Ship {
   void tick() {
     vehicle->begin(now_us, kTick_us);
     vehicle->heed(world | vehicle->conditions(now_us), counters);
-    vehicle->answer(now_us, counters);
+    while (vehicle->answer(now_us, counters)) changed = vehicle->take_change() || changed;
+    changed = vehicle->take_change() || changed;
     Report r;
     r.now_us = now_us;
     r.conditions = world | vehicle->conditions(now_us);
@@ -131,6 +134,7 @@ struct Ship {
     return out;
   }
   State state() const { return vehicle->state(); }
+  bool take_change() { return vehicle->take_change() || std::exchange(changed, false); }
 
   /// In that state, by its operator.
   void bring_to(State wanted) {
@@ -174,21 +178,96 @@ TEST_CASE("every message that is asked for comes after its one ACK, in the same 
   }
 }
 
-TEST_CASE("what there is not, or not now, is unsupported at once, and nothing follows") {
+TEST_CASE("what there is not is unsupported, what there is not now comes later; nothing follows") {
   Ship s;
   s.own_known = false;
   s.pass(0.05);
-  for (const std::uint16_t id :
-       {mav::kAttitudeId, mav::kLocalPositionNedId, mav::kOdometryId, mav::kHomePositionId,
-        mav::kGpsGlobalOriginId, std::uint16_t{24}, std::uint16_t{65535}}) {
+  const auto answer_to = [&](std::uint16_t id) {
     s.command(mav::kCmdRequestMessage, id);
     s.tick();
-    CHECK(s.result() == mav::kUnsupported);
+    return s.result();
+  };
+  for (const std::uint16_t id : {mav::kAttitudeId, mav::kLocalPositionNedId, mav::kOdometryId,
+                                 mav::kHomePositionId, mav::kGpsGlobalOriginId}) {
+    CAPTURE(id);
+    CHECK(answer_to(id) == mav::kTemporarilyRejected);
   }
+  for (const std::uint16_t id : {std::uint16_t{24}, std::uint16_t{147 + 1000}, std::uint16_t{65535}})
+    CHECK(answer_to(id) == mav::kUnsupported);
   s.command(mav::kCmdRequestMessage, mav::kAvailableModesId, 4);
   s.tick();
   CHECK(s.result() == mav::kUnsupported);
   CHECK(s.all<link::AvailableModes>().empty());
+}
+
+TEST_CASE("what was set is in force before anything that was asked behind it") {
+  Ship s;
+  s.tick();
+  s.set("MAV_GCS_SYSID", 99);
+  s.command(mav::kCmdComponentArmDisarm, 1);  // of 255
+  s.set("LAW_KX", 0.5F);                      // too
+  s.vehicle->begin(s.now_us, kTick_us);
+  s.vehicle->heed(s.world, s.counters);
+  CHECK(s.vehicle->answer(s.now_us, s.counters));  // there is more, but first:
+  CHECK(s.vehicle->parameters().MAV_GCS_SYSID == 99);
+  CHECK(s.vehicle->links().bytes(0).empty());
+  CHECK(s.take_change());
+  CHECK_FALSE(s.vehicle->answer(s.now_us, s.counters));
+  CHECK_FALSE(s.take_change());
+  CHECK(s.state() == State::kDisarmed);
+  s.vehicle->tell({}, s.counters);
+  const auto heard = received_from(s.decoders[0], s.vehicle->links().bytes(0), s.counters);
+  const auto ack = std::find_if(heard.begin(), heard.end(), [](const link::Received& r) {
+    return std::holds_alternative<link::CommandAck>(r.message);
+  });
+  REQUIRE(ack != heard.end());
+  CHECK(std::get<link::CommandAck>(ack->message).result == mav::kDenied);
+}
+
+TEST_CASE("however many parameters are set in a tick, all that is asked is answered, in order") {
+  Ship s;
+  s.tick();
+  for (int k = 0; k < 6; ++k) {
+    s.set("LAW_KX", 0.25F + 0.125F * float(k % 2));
+    s.command(mav::kCmdComponentArmDisarm, k % 2 == 0 ? 1 : 0);
+  }
+  s.tick();
+  CHECK(s.changed);
+  const auto acks = s.all<link::CommandAck>();
+  REQUIRE(acks.size() == 6);
+  for (const auto& ack : acks) CHECK(ack.result == mav::kAccepted);
+  CHECK(s.state() == State::kDisarmed);
+  CHECK(s.vehicle->parameters().LAW_KX == 0.375F);
+}
+
+TEST_CASE("a disarm behind any flood of requests is answered with the next tick") {
+  constexpr std::uint32_t kSeed = 61;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  for (const State from : {State::kHold, State::kManual, State::kFormation, State::kTest}) {
+    for (int round = 0; round < 30; ++round) {
+      Ship s;
+      s.bring_to(from);
+      for (auto n = random() % 80; n > 0; --n) {
+        switch (random() % 4) {
+          case 0:
+            s.command(mav::kCmdRequestMessage, mav::kAutopilotVersionId);
+            break;
+          case 1:
+            s.set("LAW_KX", 0.25F + 0.125F * float(random() % 4));
+            break;
+          case 2:
+            s.command(mav::kCmdComponentArmDisarm, 1);
+            break;
+          default:
+            s.ask(link::ParamRequestList{{1, 1}});
+        }
+      }
+      s.command(mav::kCmdComponentArmDisarm, 0);
+      s.tick();
+      REQUIRE(s.state() == State::kDisarmed);
+    }
+  }
 }
 
 TEST_CASE("modes are listed all for 0, and one by one for their index") {
@@ -544,7 +623,7 @@ TEST_CASE("where one ground station commands, no other does; all may read and di
   CHECK(s.values("FORM_OFS_N").size() <= 1);
   CHECK(s.state() == State::kFormation);
   CHECK(s.vehicle->parameters().FORM_OFS_N == 0);
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK_FALSE(s.take_change());
   CHECK(result(512, 148) == mav::kAccepted);
   CHECK(result(510, 30) == mav::kAccepted);
   CHECK(result(519, 1) == mav::kAccepted);
@@ -609,12 +688,12 @@ TEST_CASE(
   for (int k = 0; k < 4; ++k) {
     s.hear(autopilot, link::Heartbeat{0, 11, 3, 1, 4});
     CHECK(s.vehicle->self().system == 7);
-    CHECK_FALSE(s.vehicle->take_change());
+    CHECK_FALSE(s.take_change());
     s.pass(0.9);
   }
   CHECK(s.vehicle->self() == link::Address{42, 191});
-  CHECK(s.vehicle->take_change());
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK(s.take_change());
+  CHECK_FALSE(s.take_change());
   s.command(mav::kCmdComponentArmDisarm, 1, 0, {42, 191});
   s.tick();
   CHECK(s.result() == mav::kAccepted);
@@ -666,7 +745,7 @@ TEST_CASE("MODE follows the state, and every change of it is announced on every 
   s.set("MODE", 5);
   s.tick();
   CHECK(mode_now() == 4);
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK_FALSE(s.take_change());
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 
@@ -685,20 +764,20 @@ TEST_CASE("every start is in HOLD, whatever MODE the parameters bring along") {
 TEST_CASE("a parameter that was set is a change once, and a request to save it, once") {
   Ship s;
   s.tick();
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK_FALSE(s.take_change());
   s.set("FORM_OFS_N", 5);
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK_FALSE(s.take_change());
   s.tick();
   CHECK(s.vehicle->parameters().FORM_OFS_N == 5);
-  CHECK(s.vehicle->take_change());
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK(s.take_change());
+  CHECK_FALSE(s.take_change());
   CHECK(s.vehicle->take_save_request() == SaveRequest::kChanged);
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
   s.set("FORM_OFS_N", 5);
   s.set("FORM_OFS_N", NAN);
   s.set("NO_SUCH", 5);
   s.tick();
-  CHECK_FALSE(s.vehicle->take_change());
+  CHECK_FALSE(s.take_change());
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 

@@ -99,6 +99,79 @@ TEST_CASE_TEMPLATE("one stamp from the far future costs two seconds at most", S,
   }
 }
 
+TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where it is after it", S,
+                   float, double) {
+  Watch<S> w;
+  link::Odometry m;
+  for (std::int64_t t = 0; t <= 2'000'000; t += 100'000) {
+    m = at(t, 2e-6F * float(t));
+    m.reset_counter = 255;
+    w.hear(m, t);
+  }
+  m = at(2'100'000, 50, -2);
+  m.reset_counter = 0;
+  w.hear(m, 2'100'000);
+  CHECK(w.track.position().north_m == 50);
+  CHECK(w.track.age_us(2'100'000) == 0);
+  CHECK(w.track.fresh(2'100'000, kLimit_us));
+  const auto motion = w.track.motion(2'100'000);
+  CHECK(double(motion.nu_dot.u) == doctest::Approx(0));  // the velocity's leap is no acceleration
+  CHECK(double(motion.nu.u) == doctest::Approx(-2));
+}
+
+TEST_CASE_TEMPLATE("a state from before a reset that comes late, over another radio, is still late",
+                   S, float, double) {
+  Watch<S> w;
+  const auto told = [](std::int64_t stamp_us, std::uint8_t resets) {
+    link::Odometry m = at(stamp_us, resets == 0 ? 1 : 50);
+    m.reset_counter = resets;
+    return m;
+  };
+  for (std::int64_t t = 0; t <= 1'000'000; t += 100'000) w.hear(told(t, 0), t);
+  for (std::int64_t t = 1'100'000; t <= 2'000'000; t += 100'000) {
+    w.hear(told(t, 1), t);
+    REQUIRE(w.track.position().north_m == 50);
+    if (t <= 1'300'000) w.hear(told(t - 300'000, 0), t);
+    REQUIRE(w.track.position().north_m == 50);
+    REQUIRE(w.track.age_us(t) == 0);
+  }
+}
+
+TEST_CASE_TEMPLATE("a vessel whose estimator says that it has failed says nothing", S, float,
+                   double) {
+  Watch<S> w;
+  for (const int quality : {0, 1, 100, -1, -128}) {
+    link::Odometry m = at(1'000'000 + 1000 * quality, 1);
+    m.time_usec = w.counters.mavlink_bad_value * 1000U + static_cast<std::uint64_t>(quality + 200);
+    m.quality = static_cast<std::int8_t>(quality);
+    const auto before = w.track.age_us(5'000'000);
+    w.hear(m, 1'000'000);
+    if (quality < 0) CHECK(w.track.age_us(5'000'000) == before);
+    CHECK(w.track.age_us(5'000'000).has_value());
+  }
+  CHECK(w.counters.mavlink_bad_value == 2);
+}
+
+TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with no motion between", S,
+                   float, double) {
+  Watch<S> w;
+  std::int64_t t = 0;
+  for (; t <= 1'000'000; t += 100'000) w.hear(at(t, 1, 2), t);
+  w.hear(at(t + kHour_us, 30, -2), t);
+  CHECK(w.track.position().north_m == 30);
+  CHECK(w.track.age_us(t) == 0);
+  CHECK(double(w.track.motion(t).nu_dot.u) == doctest::Approx(0));
+  for (int k = 0; k < 20; ++k) {
+    t += 100'000;
+    w.hear(at(t + kHour_us, 30, -2), t);
+    REQUIRE(w.track.fresh(t, kLimit_us));
+    REQUIRE(w.track.age_us(t) == 0);
+  }
+  // An hour of silence is no leap.
+  w.hear(at(t + 2 * kHour_us, 31, 2), t + kHour_us);
+  CHECK(w.track.age_us(t + kHour_us) == 0);
+}
+
 TEST_CASE_TEMPLATE(
     "a message with NaN is counted and forgotten, one without north complained about", S, float,
     double) {

@@ -128,6 +128,154 @@ TEST_CASE("a message that breaks off takes hardly any of those after it down wit
   CHECK(lost <= tried / 100);
 }
 
+/// As a host does that knows that nothing more will come.
+std::vector<Received> give_up(MavlinkDecoder& decoder, Counters& counters) {
+  std::vector<Received> out;
+  while (decoder.waits()) {
+    const std::uint64_t before = decoder.position();
+    decoder.give_up(counters);
+    CHECK(decoder.position() == before + 1);
+    while (const auto received = decoder.next(counters)) out.push_back(*received);
+    CHECK(decoder.position() > before);
+  }
+  return out;
+}
+
+/// Whether nothing in there, but the first byte, can be taken for the beginning of a message.
+bool is_plain(std::span<const std::uint8_t> frame) {
+  return std::ranges::none_of(frame.subspan(1), [](auto b) { return b == 0xFD || b == 0xFE; });
+}
+
+TEST_CASE("behind a message that breaks off, all are found once it is given up, and at any byte") {
+  constexpr std::uint32_t kSeed = 50;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkEncoder encoder({1, 1});
+  std::size_t tried = 0;
+  for (std::size_t index = 1; index < testing::kMessages; ++index) {
+    const Message first = any(index), next = any(2), last = any(3);
+    const Bytes broken = frame_of(encoder, first);
+    if (!is_plain(broken)) continue;
+    const Bytes after = frame_of(encoder, next) + frame_of(encoder, last);
+    for (std::size_t length = 10; length < broken.size(); ++length) {
+      MavlinkDecoder decoder;
+      Counters counters;
+      const Bytes part(broken.begin(), broken.begin() + static_cast<std::ptrdiff_t>(length));
+      auto got = received_from(decoder, part + after, counters);
+      const auto late = give_up(decoder, counters);
+      got.insert(got.end(), late.begin(), late.end());
+      CAPTURE(index);
+      CAPTURE(length);
+      if (length + 1 == broken.size() && broken.back() == 0xFD) continue;  // whole after all
+      REQUIRE(got.size() == 2);
+      REQUIRE(fields_of(got[0].message) == fields_of(as_read(next)));
+      REQUIRE(fields_of(got[1].message) == fields_of(as_read(last)));
+      REQUIRE(decoder.position() == length + after.size());
+      REQUIRE(counters.mavlink_skipped_bytes == length);
+      ++tried;
+    }
+  }
+  CHECK(tried > 900);
+}
+
+// A header of a message that our dialect lacks, made of what broke off and of what follows, may end
+// well, with the datagram too: what lies in between is lost, as it would be without giving up.
+TEST_CASE("broken off within its header, a message costs hardly any of those behind it") {
+  constexpr std::uint32_t kSeed = 51;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkEncoder encoder({1, 1});
+  std::size_t sent = 0, found = 0;
+  for (std::size_t run = 0; run < 2000; ++run) {
+    const Bytes broken = frame_of(encoder, any(1 + run % (testing::kMessages - 1)));
+    const Message next = any(1 + any.u32() % (testing::kMessages - 1));
+    const Bytes part(broken.begin(), broken.begin() + 1 + static_cast<std::ptrdiff_t>(run % 9));
+    MavlinkDecoder decoder;
+    Counters counters;
+    const Bytes all = part + frame_of(encoder, next);
+    const auto got = received_from(decoder, all, counters);
+    ++sent;
+    found += count_of(got, next) + count_of(give_up(decoder, counters), next);
+    REQUIRE(decoder.position() == all.size());
+  }
+  CHECK(found >= sent - sent / 50);
+}
+
+TEST_CASE("datagrams of good messages and broken ones, given up at each end: no good one is lost") {
+  constexpr std::uint32_t kSeed = 52;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkEncoder encoder({1, 1});
+  MavlinkDecoder decoder;
+  Counters counters;
+  std::uint64_t bytes = 0;
+  std::size_t broken = 0;
+  for (int k = 0; k < 2000; ++k) {
+    Bytes datagram;
+    std::vector<std::vector<long double>> sent, got;
+    for (auto n = any.u32() % 8; n > 0; --n) {
+      const Message message = any(1 + any.u32() % (testing::kMessages - 1));
+      const Bytes frame = frame_of(encoder, message);
+      if (any.u32() % 3 != 0) {
+        datagram = datagram + frame;
+        sent.push_back(fields_of(as_read(message)));
+      } else if (is_plain(frame) && frame.size() > 13) {
+        const std::size_t length = 10 + any.u32() % (frame.size() - 12);
+        datagram.insert(datagram.end(), frame.begin(),
+                        frame.begin() + static_cast<std::ptrdiff_t>(length));
+        ++broken;
+      }
+    }
+    std::span<const std::uint8_t> left(datagram);
+    const auto take = [&](const std::vector<Received>& all) {
+      for (const Received& r : all) got.push_back(fields_of(r.message));
+    };
+    while (!left.empty()) {  // in chunks of any size
+      const std::size_t n = std::min<std::size_t>(left.size(), 1 + any.u32() % 400);
+      const std::uint64_t before = decoder.position();
+      take(received_from(decoder, left.first(n), counters));
+      REQUIRE(decoder.position() >= before);
+      left = left.subspan(n);
+    }
+    take(give_up(decoder, counters));
+    bytes += datagram.size();
+    CAPTURE(k);
+    REQUIRE(got == sent);
+    REQUIRE(decoder.position() == bytes);
+    REQUIRE_FALSE(decoder.waits());
+  }
+  CHECK(broken > 1000);
+}
+
+TEST_CASE("whatever noise is given up, and when, every byte is accounted for and none is read twice") {
+  constexpr std::uint32_t kSeed = 53;
+  INFO("seed ", kSeed);
+  AnyMessage any(kSeed);
+  MavlinkEncoder encoder({1, 1});
+  MavlinkDecoder decoder;
+  Counters counters;
+  std::uint64_t bytes = 0, position = 0;
+  for (int k = 0; k < 5000; ++k) {
+    Bytes chunk(any.u32() % 300);
+    for (auto& byte : chunk)
+      byte = any.u8() % 8 == 0 ? (any.u8() % 2 == 0 ? 0xFD : 0xFE) : any.u8();
+    if (k % 3 == 0) chunk = chunk + frame_of(encoder, any(1 + any.u32() % 20));
+    (void)received_from(decoder, chunk, counters);
+    bytes += chunk.size();
+    if (any.u32() % 4 == 0) decoder.give_up(counters);
+    REQUIRE(decoder.position() >= position);
+    REQUIRE(decoder.position() <= bytes);
+    REQUIRE(decoder.waits() == (decoder.position() < bytes));
+    position = decoder.position();
+  }
+  (void)give_up(decoder, counters);
+  CHECK(decoder.position() == bytes);
+  const std::uint32_t skipped = counters.mavlink_skipped_bytes;
+  decoder.give_up(counters);  // nothing is waited for
+  CHECK(decoder.position() == bytes);
+  CHECK(counters.mavlink_skipped_bytes == skipped);
+}
+
 TEST_CASE("a message can be passed on as it came, whatever came before it") {
   constexpr std::uint32_t kSeed = 49;
   INFO("seed ", kSeed);

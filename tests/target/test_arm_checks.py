@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
+from typing import Any
 
 import pytest
 
-from tests.target.operator_words import ENTER, command_int
+from tests.target.operator_words import ENTER, MOTOR_TEST, command_int, param_set
 from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
@@ -89,6 +90,41 @@ def test_refusals_are_told_at_most_twice_a_second(sea: Sea) -> None:
         assert acks(tick) == [(ARM, TEMPORARILY_REJECTED)]
         ticks.append(tick)
     assert 3 <= len(prearm(texts(ticks))) <= 5
+
+
+@pytest.mark.parametrize("apart", [False, True], ids=["same tick", "next tick"])
+@pytest.mark.parametrize(
+    "before",
+    [
+        param_set("THR_FWD_MAX", -5.0),
+        param_set("MODE", 6.0),
+        command_long(SET_MODE, 1.0, 6.0),
+        command_long(MOTOR_TEST, 1.0, 0.0, 10.0, 1.0),
+    ],
+    ids=["parameter", "MODE", "mode", "test"],
+)
+def test_another_refusal_does_not_swallow_why_the_boat_does_not_arm(
+    sea: Sea, before: Any, apart: bool
+) -> None:
+    sea.own.on = False
+    sea.settle()
+    sea.say(before)
+    ticks = [sea.step()] if apart else []
+    ticks.append(sea.arm())
+    said = texts(ticks)
+    assert len(prearm(said)) == 1 and CHECKS["own"] in prearm(said)[0]
+    assert [t for t in said if "efused: " in t]
+    sea.say(before)  # and within half a second neither is told again
+    assert not texts([sea.arm()])
+
+
+def test_nor_does_a_prearm_reason_swallow_another_refusal(sea: Sea) -> None:
+    sea.own.on = False
+    sea.settle()
+    assert prearm(texts([sea.arm()]))
+    sea.say(param_set("THR_FWD_MAX", -5.0))
+    assert any("THR_FWD_MAX" in text for text in texts([sea.step()]))
+    assert any(text.startswith("Refused: ") for text in texts([sea.mode(6)]))
 
 
 def test_a_check_that_no_longer_fails_lets_the_boat_arm() -> None:

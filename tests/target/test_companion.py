@@ -16,6 +16,8 @@ from tests.target.operator_words import (
     command_int,
     param_list,
     param_read,
+    param_set,
+    sticks,
 )
 from tests.target.sea import TURN, Sea, acks, messages, named, texts
 from tests.target.stations import (
@@ -135,6 +137,42 @@ def test_what_is_no_autopilot_is_not_taken_for_one() -> None:
     assert address(sea) == ME
 
 
+@pytest.mark.parametrize(
+    ("component", "kind"),
+    [(2, mavlink.MAV_TYPE_SURFACE_BOAT), (191, 18), (190, mavlink.MAV_TYPE_GCS), (1, 6)],
+    ids=["another component", "companion", "station", "station as component 1"],
+)
+def test_only_a_vehicles_component_1_is_an_autopilot(component: int, kind: int) -> None:
+    """Whatever autopilot its heartbeat names."""
+    sea = companion()
+    for _ in range(6):
+        sea.say(beat(3, kind), sender=Station(AUTOPILOT, component))
+        sea.run(1.0)
+    assert address(sea) == (BOAT, COMPANION)
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(LISTEN_S + 1.2)
+    assert address(sea) == ME
+
+
+@pytest.mark.parametrize("armed_first", [True, False])
+def test_an_armed_boat_stays_who_it_is(armed_first: bool) -> None:
+    """Another id would take its own state from it, under way."""
+    sea = companion()
+    sea.settle()
+    if not armed_first:
+        sea.say(beat(), sender=Station(AUTOPILOT, 1))
+        sea.run(1.0)
+    for order in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*order, target=(BOAT, COMPANION)))
+        sea.step()
+    assert sea.state == "FORMATION"
+    for _ in range(6):
+        sea.say(beat(), sender=Station(AUTOPILOT, 1))
+        sea.run(1.0)
+    assert address(sea) == (BOAT, COMPANION)
+    assert sea.state == "FORMATION" and any(sea.commands)
+
+
 def test_its_leader_is_not_its_autopilot() -> None:
     """Heard alone, before the own autopilot has started: a boat never takes that name for its own.
 
@@ -186,7 +224,7 @@ def test_nor_does_it_on_request(message: int) -> None:
     ):
         sea.say(command)
         ((_, result),) = acks(sea.step())
-        assert result != ACCEPTED
+        assert result == UNSUPPORTED
     sea.run(1.0)
     assert {m.get_type() for m in messages(sea.ticks)} <= SPOKEN | {"COMMAND_ACK"}
 
@@ -209,35 +247,86 @@ def test_its_parameters_are_read_as_any_components() -> None:
     assert len(named(sea.run(2.0), "PARAM_VALUE")) == value.param_count
 
 
-def all_of_the_system(kind: str) -> Any:
-    target = (AUTOPILOT, 0)
+def of_the_system(kind: str, target: tuple[int, int]) -> Any:
     return {
         "arm": command_long(ARM, 1.0, target=target),
         "arm by force": command_long(ARM, 1.0, 21196.0, target=target),
         "arm by COMMAND_INT": command_int(ARM, 1.0, target=target),
-        "mode": command_long(SET_MODE, 1.0, 6.0, target=target),
-        "hold": command_long(SET_MODE, 1.0, 4.0, target=target),
+        "FORMATION": command_long(SET_MODE, 1.0, 6.0, target=target),
+        "MANUAL": command_long(SET_MODE, 1.0, 0.0, target=target),
         "test": command_long(MOTOR_TEST, 1.0, 0.0, 10.0, 1.0, target=target),
-        "terminate": command_long(TERMINATE, 1.0, target=target),
-        "SET_MODE": mavlink.MAVLink_set_mode_message(AUTOPILOT, 1, FORMATION),
+        "SET_MODE": mavlink.MAVLink_set_mode_message(target[0], 1, FORMATION),
+        "unknown command": command_long(31010, 1.0, target=target),
+        "take off": command_int(22, 1.0, target=target),
+        "unknown parameter": param_set("ARMING_CHECK", 1.0, target=target),
+        "MODE": param_set("MODE", 6.0, target=target),
+        "MODE HOLD": param_set("MODE", 4.0, target=target),
     }[kind]
 
 
-@pytest.mark.parametrize(
-    "kind",
-    ["arm", "arm by force", "arm by COMMAND_INT", "mode", "hold", "test", "terminate", "SET_MODE"],
-)
+LEFT_TO_THE_AUTOPILOT = [
+    "arm",
+    "arm by force",
+    "arm by COMMAND_INT",
+    "FORMATION",
+    "MANUAL",
+    "test",
+    "SET_MODE",
+    "unknown command",
+    "take off",
+    "unknown parameter",
+    "MODE",
+    "MODE HOLD",
+]
+
+
+@pytest.mark.parametrize("kind", LEFT_TO_THE_AUTOPILOT)
 @pytest.mark.parametrize("armed", [False, True], ids=["disarmed", "armed"])
-def test_what_drives_the_whole_system_is_the_autopilots_business(kind: str, armed: bool) -> None:
+@pytest.mark.parametrize("system", [AUTOPILOT, 0], ids=["system", "all"])
+def test_what_drives_the_whole_system_is_the_autopilots_business(
+    kind: str, armed: bool, system: int
+) -> None:
+    """No state changes, and no answer would be taken for the autopilot's."""
     sea = latched()
+    sea.say(sticks(100, target=AUTOPILOT))
     if armed:
         sea.say(command_long(ARM, 1.0, target=ME))
         sea.step()
     state = sea.state
-    sea.say(all_of_the_system(kind))
-    tick = sea.step()
-    assert not acks(tick) and not texts([tick])
+    sea.run(0.3)
+    sea.say(of_the_system(kind, (system, 0)))
+    ticks = sea.run(0.3)
+    said = {m.get_type() for m in messages(ticks)}
+    assert not said & {"COMMAND_ACK", "STATUSTEXT", "PARAM_VALUE", "PARAM_ERROR"}
     assert sea.state == state == ("HOLD" if armed else "DISARMED")
+
+
+@pytest.mark.parametrize("target", [ME, (AUTOPILOT, 0), (0, 0), (0, COMPANION)])
+@pytest.mark.parametrize("make", [command_long, command_int])
+@pytest.mark.parametrize(
+    ("order", "state"), [((SET_MODE, 1.0, 4.0), "HOLD"), ((TERMINATE, 1.0), "FAULT")]
+)
+def test_what_stops_the_boat_is_obeyed_however_it_is_addressed(
+    target: tuple[int, int], make: Any, order: tuple[float, ...], state: str
+) -> None:
+    sea = latched()
+    for first in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*first, target=ME))
+        sea.run(1.0)
+    assert sea.state == "FORMATION" and any(sea.commands)
+    sea.say(make(*order, target=target))
+    tick = sea.step()
+    assert acks(tick) == [(order[0], ACCEPTED)]
+    assert sea.state == state and tick.commands == (0, 0)
+
+
+def test_the_old_message_for_hold_stops_it_too() -> None:
+    sea = latched()
+    for first in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*first, target=ME))
+        sea.run(1.0)
+    sea.say(mavlink.MAVLink_set_mode_message(AUTOPILOT, 1, 4))
+    assert sea.step().commands == (0, 0) and sea.state == "HOLD"
 
 
 @pytest.mark.parametrize("target", [(AUTOPILOT, 0), (0, 0)])

@@ -79,3 +79,13 @@ def test_a_slow_radio_keeps_to_its_rate_and_still_carries_what_matters() -> None
     assert kinds.count("HEARTBEAT") == 30
     assert kinds.count("LOCAL_POSITION_NED") > 50
     assert acks(sea.order(400, 0.0, link=1), link=1) == [(400, 0)]
+
+
+def test_a_disk_that_takes_no_parameters_is_told_to_the_operator_once(sea: Sea) -> None:
+    sea.settle()
+    sea.ticks.clear()
+    for failed in (False, True, True, True, False, True):
+        sea.boat.on_host(save_failed=failed)
+        sea.run(1.0)
+    told = [m.text for m in messages(sea.ticks) if m.get_type() == "STATUSTEXT"]
+    assert len([text for text in told if text.startswith("parameters could not be saved")]) == 2

@@ -22,6 +22,7 @@ from tests.target.stations import (
     GCS,
     GCS_COMPONENT,
     ORIGIN,
+    TEMPORARILY_REJECTED,
     UNSUPPORTED,
     Station,
     command_long,
@@ -95,7 +96,7 @@ def test_a_boat_that_does_not_know_where_it_is_says_so_at_once(message_id: int) 
     sea = Sea(QUIET)
     sea.own.on = False
     sea.run(1.1)
-    assert answered(sea.order(REQUEST, message_id), REQUEST, UNSUPPORTED) == []
+    assert answered(sea.order(REQUEST, message_id), REQUEST, TEMPORARILY_REJECTED) == []
     sea.own.on = True
     sea.run(0.55)
     (told,) = answered(sea.order(REQUEST, message_id), REQUEST, ACCEPTED)
@@ -107,8 +108,20 @@ def test_a_boat_without_an_origin_has_no_place_on_the_globe(message_id: int) -> 
     sea = Sea(QUIET)
     sea.own.origin_on = False
     sea.run(1.1)
-    assert answered(sea.order(REQUEST, message_id), REQUEST, UNSUPPORTED) == []
+    assert answered(sea.order(REQUEST, message_id), REQUEST, TEMPORARILY_REJECTED) == []
     assert answered(sea.order(REQUEST, 32.0), REQUEST, ACCEPTED)
+
+
+def test_a_boat_without_a_leader_has_no_slot_to_tell_for_now() -> None:
+    sea = Sea(QUIET)
+    sea.leader.on = False
+    sea.run(1.1)
+    for message_id in (62, 85):
+        assert answered(sea.order(REQUEST, message_id), REQUEST, TEMPORARILY_REJECTED) == []
+    sea.leader.on = True
+    sea.run(1.5)
+    for message_id in (62, 85):
+        assert len(answered(sea.order(REQUEST, message_id), REQUEST, ACCEPTED)) == 1
 
 
 def test_the_answer_goes_only_where_the_question_came_from() -> None:

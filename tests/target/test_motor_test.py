@@ -324,3 +324,40 @@ def test_a_stranger_tests_nothing() -> None:
     sea.run(0.3)
     sea.say(command_long(MOTOR_TEST, PORT, PERCENT, 10.0, 1.0), sender=Station(255, 190))
     assert acks(sea.step()) == [(MOTOR_TEST, DENIED)] and sea.state == "HOLD"
+
+
+@BOTH
+@pytest.mark.parametrize("percent", [9.9, 1.0, -9.9])
+def test_a_thrust_that_the_boat_would_command_as_zero_is_no_test(
+    propeller: float, percent: float
+) -> None:
+    """The dead zone is 2 N of 20 N; what does not turn looks broken."""
+    sea = Sea({"THR_DEAD": 2})
+    sea.enter_hold()
+    sea.run(0.6)
+    tick = sea.order(MOTOR_TEST, propeller, PERCENT, percent, 1.0)
+    assert acks(tick) == [(MOTOR_TEST, DENIED)]
+    assert texts([tick]) == ["Refused: THR_DEAD is above that thrust"]
+    assert {t.commands for t in [tick, *sea.run(1.0)]} == {(0, 0)} and sea.state == "HOLD"
+    tick = sea.order(MOTOR_TEST, propeller, PERCENT, math.copysign(10.2, percent), 1.0)
+    assert acks(tick) == [(MOTOR_TEST, ACCEPTED)]
+    sea.run(0.5)
+    assert abs(of(propeller, sea.ticks[-1])) == pytest.approx(0.102 * FULL_SCALE, abs=1)
+
+
+def test_astern_the_dead_zone_is_a_larger_share_of_a_smaller_thrust() -> None:
+    sea = Sea({"THR_DEAD": 2, "THR_FWD_MAX": 40, "THR_REV_MAX": 12})
+    sea.enter_hold()
+    sea.run(0.6)
+    for percent, result in ((10.0, ACCEPTED), (-10.0, DENIED), (-17.0, ACCEPTED)):
+        assert acks(sea.order(MOTOR_TEST, PORT, PERCENT, percent, 0.2)) == [(MOTOR_TEST, result)]
+        sea.run(0.6)
+
+
+@pytest.mark.parametrize("state", ["DISARMED", "FORMATION", "MANUAL", "FAULT"])
+def test_a_test_below_the_dead_zone_is_refused_in_every_state(state: str) -> None:
+    sea = Sea({"THR_DEAD": 2})
+    ENTER[state](sea)
+    tick = sea.order(MOTOR_TEST, PORT, PERCENT, 5.0, 1.0)
+    assert acks(tick)[0][1] in (DENIED, TEMPORARILY_REJECTED)
+    assert any(t.startswith("Refused: ") for t in texts([tick])) and sea.state == state

@@ -9,7 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.operator_words import param_list, param_read, param_set, sticks
-from tests.target.sea import Sea, Tick, acks, messages, named
+from tests.target.sea import TURN, Sea, Tick, acks, messages, named
 from tests.target.stations import (
     ACCEPTED,
     ARM,
@@ -298,6 +298,161 @@ def test_a_flood_for_another_does_not_silence_the_boat() -> None:
     assert not [m for m in messages(ticks, 1) if m.get_type() == "BAD_DATA"]
 
 
+# Where somebody is, changes.
+
+
+@pytest.mark.parametrize("silent_s", [8.0, 10.5, 30.0])
+def test_who_moved_to_another_link_gets_what_is_for_him_there(silent_s: float) -> None:
+    """A ground station, first by radio, then by cable."""
+    gcs = Station(GCS, GCS_COMPONENT)
+    sea = known(3, {0: [gcs], 2: [OTHER]})
+    for _ in range(round(silent_s / 0.5)):
+        sea.say(heartbeat(), sender=gcs, link=1)
+        sea.say(heartbeat(), sender=OTHER, link=2)
+        sea.run(0.5)
+    answer = OTHER.pack(mavlink.MAVLink_command_ack_message(ARM, 0, 255, 0, GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(answer, sea.now_us, 2)
+    tick = sea.step()
+    assert answer in sent(tick, 1)
+    assert (answer in sent(tick, 0)) == (silent_s < 10)
+
+
+def test_what_comes_by_the_old_link_finds_the_new_one() -> None:
+    """While somebody counts as being on the link that a message came by, it is not handed on."""
+    gcs = Station(GCS, GCS_COMPONENT)
+    sea = known(2, {0: [gcs, OTHER]})
+    sea.say(heartbeat(), sender=OTHER, link=1)
+    sea.run(10.2)
+    sea.say(heartbeat(), sender=OTHER, link=1)
+    frame = FRAMES["command"](gcs)
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert frame in sent(tick, 1) and frame not in sent(tick, 0)
+
+
+def test_who_says_nothing_for_ten_seconds_is_gone() -> None:
+    sea = two_links()
+    sea.run(9.0)
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert frame in sent(sea.step(), 1)
+    sea.run(1.0)
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert frame not in sent(sea.step(), 1)
+
+
+def radio_status(txbuf: int = 40) -> Any:
+    return mavlink.MAVLink_radio_status_message(200, 200, txbuf, 40, 40, 0, 0)
+
+
+@pytest.mark.parametrize("policy", ["off", "required"])
+def test_a_radio_does_not_say_where_somebody_is(policy: str) -> None:
+    """Its word comes unsigned, whoever's name it bears."""
+    sea = Sea(links=3)
+    sea.boat.secure(bytes(range(32)), 1_800_000_000_000_000)
+    sea.boat.set_signing(1, policy)
+    sea.say(heartbeat(), link=0)
+    sea.step()
+    sea.say(radio_status(), sender=OTHER, link=1)
+    sea.run(0.1)
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if frame in sent(t, 1) or frame in sent(t, 2)]
+
+
+def test_a_radio_does_not_keep_somebody_where_he_was() -> None:
+    sea = two_links()
+    for _ in range(24):
+        sea.say(radio_status(), sender=OTHER, link=1)
+        sea.run(0.5)
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if frame in sent(t, 1)]
+
+
+@pytest.mark.parametrize("station", [(BOAT, 197), (LEADER, 1), (BOAT, 1)], ids=str)
+def test_a_radios_word_under_our_own_or_our_leaders_name_does_no_harm(
+    station: tuple[int, int],
+) -> None:
+    plain, beset = Sea(leader=TURN), Sea(leader=TURN)
+    for sea in (plain, beset):
+        sea.enter_formation()
+        for k in range(300):
+            if sea is beset and k % 5 == 0:
+                sea.say(radio_status(), sender=Station(*station))
+            sea.step()
+    assert [t.commands for t in plain.ticks] == [t.commands for t in beset.ticks]
+    assert beset.state == "FORMATION" and not named(beset.ticks, "STATUSTEXT")[2:]
+
+
+# How much is handed on.
+
+
+def forwarded(tick: Tick, frame: bytes, link: int) -> int:
+    return sent(tick, link).count(frame) * len(frame)
+
+
+@pytest.mark.parametrize("what", ["file", "command", "ping"])
+def test_in_a_tick_400_bytes_at_most_are_handed_on_to_a_link(what: str) -> None:
+    sea = two_links()
+    frame = FRAMES[what](Station(GCS, GCS_COMPONENT))
+    most = 0
+    for _ in range(100):
+        sea.boat.on_mavlink(frame * 40, sea.now_us, 0)
+        most = max(most, forwarded(sea.step(), frame, 1))
+    assert 400 - len(frame) < most <= 400
+
+
+def states_per_s(ticks: list[Tick], link: int) -> float:
+    return len(named(ticks, "ATTITUDE", link)) * 100 / len(ticks)
+
+
+@pytest.mark.parametrize("bytes_per_s", [400, 1200, 5760])
+@pytest.mark.parametrize("flood", ["forwards", "pings", "questions", "parameters", "all"])
+def test_nothing_slows_the_state_below_its_share_of_a_slow_link(
+    bytes_per_s: int, flood: str
+) -> None:
+    """Three fifths; ATTITUDE and LOCAL_POSITION_NED are 40 bytes each."""
+    sea = known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+    sea.boat.limit_link(1, bytes_per_s)
+    here, there = Station(GCS, GCS_COMPONENT), Station(88, 190)
+    wire = {
+        "forwards": (FRAMES["file"](here) * 2, b""),
+        "pings": (b"", there.pack(mavlink.MAVLink_ping_message(1, 2, 0, 0)) * 24),
+        "questions": (b"", there.pack(command_long(512, 251.0)) * 24),
+        "parameters": (b"", there.pack(param_list((BOAT, 1)))),
+    }
+    wire["all"] = (wire["forwards"][0], b"".join(b for _, b in wire.values()))
+    ticks = []
+    for k in range(1000):
+        for link, data in enumerate(wire[flood]):
+            sea.boat.on_mavlink(data, sea.now_us, link)
+        if k % 100 == 0:
+            sea.say(heartbeat(), sender=OTHER, link=1)
+        ticks.append(sea.step())
+    carried = min(10.0, 0.6 * bytes_per_s / 80)
+    assert states_per_s(ticks, 1) >= 0.95 * carried - 0.1
+    assert len(named(ticks, "HEARTBEAT", 1)) == 10
+    assert states_per_s(ticks, 0) == pytest.approx(10, abs=0.2)
+
+
+@pytest.mark.parametrize("bytes_per_s", [400, 1200, 5760])
+def test_a_slow_link_is_handed_no_more_than_it_carries(bytes_per_s: int) -> None:
+    sea = two_links()
+    sea.boat.limit_link(1, bytes_per_s)
+    frame = FRAMES["file"](Station(GCS, GCS_COMPONENT))
+    ticks = []
+    for k in range(3000):
+        sea.boat.on_mavlink(frame, sea.now_us, 0)
+        if k % 100 == 0:
+            sea.say(heartbeat(), sender=OTHER, link=1)
+        ticks.append(sea.step())
+    assert sea.counter("mavlink_not_sent") > 0
+    handed = sum(forwarded(t, frame, 1) for t in ticks)
+    assert handed >= len(frame)
+    assert sum(len(sent(t, 1)) for t in ticks) < 30 * bytes_per_s * 1.15
+
+
 # Who else calls himself as we do.
 
 DOUBLE = "another sender"
@@ -332,6 +487,44 @@ def test_our_own_broadcast_heard_again_is_no_double(links: int) -> None:
             sea.boat.on_mavlink(sent(tick, link), sea.now_us, links - 1 - link)
     assert not doubles(sea.ticks)
     assert sea.state == "DISARMED" and sea.condition("own_fresh")
+
+
+@pytest.mark.parametrize("late_s", [0.02, 0.8, 3.3, 6.9])
+def test_a_late_echo_is_no_double(late_s: float) -> None:
+    """By a slow radio, a modem, a bridge: within the link's last eight heartbeats."""
+    sea = Sea(links=2)
+    late = round(late_s * 100)
+    for k in range(2000):
+        sea.step()
+        if k >= late:
+            for link in (0, 1):
+                sea.boat.on_mavlink(sent(sea.ticks[k - late], link), sea.now_us, 1 - link)
+    assert not doubles(sea.ticks) and not doubles(sea.ticks, 1)
+
+
+def test_an_echo_through_a_change_of_state_is_no_double(sea: Sea) -> None:
+    """Every change of state is a heartbeat more."""
+    sea.settle()
+    late = 150
+    for k in range(1500):
+        if k % 100 == 50:
+            sea.arm() if sea.state == "DISARMED" else sea.disarm()
+        else:
+            sea.step()
+        if len(sea.ticks) > late:
+            sea.boat.on_mavlink(sent(sea.ticks[-late], 0), sea.now_us, 0)
+    assert not doubles(sea.ticks)
+
+
+def test_what_was_said_long_ago_is_a_doubles(sea: Sea) -> None:
+    """Another boat of that name, or a recording that somebody plays."""
+    recorded = [sent(sea.step(), 0) for _ in range(250)]
+    sea.run(12.0)
+    assert not doubles(sea.ticks)
+    for data in recorded:
+        sea.boat.on_mavlink(data, sea.now_us)
+        sea.step()
+    assert doubles(sea.ticks)
 
 
 def test_our_own_words_heard_again_are_neither_obeyed_nor_handed_on() -> None:

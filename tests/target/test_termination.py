@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
@@ -20,11 +21,13 @@ from tests.target.sea import TURN, Sea, acks, named
 from tests.target.stations import (
     ACCEPTED,
     ARM,
+    BOAT,
     DENIED,
     FORCE,
     FORMATION,
     GCS,
     HOLD,
+    LEADER,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,
@@ -113,14 +116,29 @@ def test_it_may_be_repeated(sea: Sea) -> None:
         assert not tick.named("STATUSTEXT")
 
 
-def test_a_stranger_terminates_nothing_and_anybody_may_disarm() -> None:
+@EACH_STATE
+@pytest.mark.parametrize("sender", [(GCS, 190), (77, 1), (LEADER, 1), (BOAT, 197)], ids=str)
+@pytest.mark.parametrize("make", [command_long, command_int])
+def test_anybody_terminates_as_anybody_disarms(
+    state: str, sender: tuple[int, int], make: Any
+) -> None:
+    sea = Sea({"MAV_GCS_SYSID": 250})
+    sea.gcs = Station(250, 190)
+    ENTER[state](sea)
+    stranger = Station(*sender)
+    sea.say(make(TERMINATE, 1.0), sender=stranger)
+    tick = sea.step()
+    assert acks(tick) == [(TERMINATE, ACCEPTED)]
+    assert sea.state == "FAULT" and tick.commands == (0, 0)
+    sea.say(make(ARM, 0.0), sender=stranger)
+    assert acks(sea.step()) == [(ARM, ACCEPTED)] and sea.state == "DISARMED"
+
+
+@pytest.mark.parametrize("value", [0.0, 2.0, math.nan])
+def test_a_stranger_may_not_do_with_it_what_it_does_not_mean(value: float) -> None:
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.gcs = Station(250, 190)
     sea.enter_formation()
     sea.gcs = Station(GCS, 190)
-    assert acks(sea.order(TERMINATE, 1.0)) == [(TERMINATE, DENIED)]
+    assert acks(sea.order(TERMINATE, value)) == [(TERMINATE, DENIED)]
     assert sea.state == "FORMATION"
-    sea.gcs = Station(250, 190)
-    sea.order(TERMINATE, 1.0)
-    sea.gcs = Station(GCS, 190)
-    assert acks(sea.disarm()) == [(ARM, ACCEPTED)] and sea.state == "DISARMED"

@@ -162,7 +162,7 @@ def test_a_boat_that_never_knew_its_place_has_no_home(sea: Sea) -> None:
     sea.own.origin_on = False
     sea.run(5.0)
     assert not named(sea.ticks, "HOME_POSITION")
-    assert acks(sea.order(512, 242.0)) == [(512, 3)]
+    assert acks(sea.order(512, 242.0)) == [(512, 1)]
 
 
 def test_the_clock_is_the_hosts(sea: Sea) -> None:
@@ -235,7 +235,7 @@ def test_without_a_leader_or_an_own_state_there_is_no_slot(sea: Sea, who: str) -
     ticks = sea.run(3.0)
     for message_id, name in ((62, "NAV_CONTROLLER_OUTPUT"), (85, "POSITION_TARGET_LOCAL_NED")):
         assert not named(ticks, name)
-        assert acks(sea.order(512, float(message_id))) == [(512, 3)]
+        assert acks(sea.order(512, float(message_id))) == [(512, 1)]
 
 
 def test_a_boat_on_the_screen_of_its_followers() -> None:

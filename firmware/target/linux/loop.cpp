@@ -210,8 +210,8 @@ void Loop::read_links(std::int64_t now_us) {
 void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
-  boat_->on_host(
-      {bus_->usable(), !parameters_.must_be_confirmed, overruns_, clock_us(CLOCK_REALTIME)});
+  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed, overruns_,
+                  clock_us(CLOCK_REALTIME), save_failed_});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);

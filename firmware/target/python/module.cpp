@@ -198,8 +198,10 @@ class PyBoat {
     return out;
   }
 
-  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us) {
-    std::visit([&](auto& b) { b->on_host({bus_up, parameters_saved, overruns, unix_us}); }, boat_);
+  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us,
+               bool save_failed) {
+    const app::HostReport report{bus_up, parameters_saved, overruns, unix_us, save_failed};
+    std::visit([&](auto& b) { b->on_host(report); }, boat_);
   }
 
   void secure(const nb::bytes& key, std::int64_t unix_us) {
@@ -355,7 +357,7 @@ NB_MODULE(flotilla, m) {
            "One CAN frame with a 29-bit id and up to 8 bytes.")
       .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
-           "overruns"_a = 0, "unix_us"_a = 0,
+           "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false,
            "What only the boat's host can know; holds until the next report.")
       .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
            "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")
