@@ -38,6 +38,7 @@ class Inbox {
     kAnswered,
     kKept,  ///< for the next time
     kLast,  ///< answered, and those behind it are kept
+    kStop,  ///< answered; what was kept before it is void, or it would be undone next time
   };
 
   /// Calls answer(letter) for each in order; whether that ended with kLast.
@@ -48,6 +49,7 @@ class Inbox {
     for (; i < count_ && !last; ++i) {
       const Taken taken = answer(letters_[i]);
       if (taken == Taken::kKept) letters_[kept++] = letters_[i];
+      if (taken == Taken::kStop) kept = 0;
       last = taken == Taken::kLast;
     }
     while (i < count_) letters_[kept++] = letters_[i++];

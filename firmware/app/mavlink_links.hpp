@@ -45,14 +45,14 @@ class MavlinkLinks {
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
-  /// To be called when next() has returned nothing.
-  void note_waiting(std::size_t link, std::int64_t now_us) {
+  /// To be called when next() has returned nothing. What waits behind a whole message has come with
+  /// it or later; behind a false beginning it may be as old as that.
+  void note_waiting(std::size_t link, bool heard, std::int64_t now_us) {
     Link& l = links_[link];
     if (!l.decoder.waits()) {
       l.waiting_us.reset();
-    } else if (!l.waiting_us || l.decoder.position() != l.waiting_at) {
+    } else if (heard || !l.waiting_us) {
       l.waiting_us = now_us;
-      l.waiting_at = l.decoder.position();
     }
   }
 
@@ -160,7 +160,6 @@ class MavlinkLinks {
     std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
     std::size_t next_beat = 0;
     std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
-    std::uint64_t waiting_at = 0;            // and where in all that has come it begins
     SigningPolicy policy = SigningPolicy::kOff;
     Credit credit;
   };

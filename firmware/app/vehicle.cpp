@@ -171,6 +171,7 @@ bool Vehicle::answer(std::int64_t now_us, link::Counters& counters) {
     const std::size_t kept = asks_for_message(letter) ? kKeptRoom : kOwnRoom;
     if (links_.room(letter.link) < kept && !stops(letter)) return Taken::kKept;
     answer(letter, now_us, counters);
+    if (stops(letter)) return Taken::kStop;
     return changed_ ? Taken::kLast : Taken::kAnswered;
   });
   if (!more && std::exchange(disarm_, false) && state_ != State::kDisarmed) {

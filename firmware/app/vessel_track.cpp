@@ -143,9 +143,12 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
-    const bool jumped = odometry_resets_.value_or(message.reset_counter) != message.reset_counter;
-    odometry_resets_ = message.reset_counter;
-    if (jumped && source_ == Source::kOdometry) restart();  // no motion led from there to here
+    const bool younger = !stamp_us_ || reading.sample->stamp_us > *stamp_us_;
+    if (source_ == Source::kOdometry && younger) {
+      // Another number: no motion led from there to here.
+      if (odometry_resets_.value_or(message.reset_counter) != message.reset_counter) restart();
+      odometry_resets_ = message.reset_counter;
+    }
     hear(Source::kOdometry, reading.sample->stamp_us, now_us);
     if (preferred(Source::kOdometry, now_us) && accept(*reading.sample, now_us, counters)) {
       heading_older_us_ = 0;

@@ -115,7 +115,6 @@ std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
-    dropped_ += begin_;
     begin_ = 0;
   }
   const std::size_t taken = std::min(bytes.size(), buffer_.size() - end_);

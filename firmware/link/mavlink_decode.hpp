@@ -41,16 +41,12 @@ class MavlinkDecoder {
   /// Bytes are kept that may be the beginning of a message.
   bool waits() const { return begin_ < end_; }
 
-  /// Where in all that has come they begin.
-  std::uint64_t position() const { return dropped_ + begin_; }
-
   /// What is waited for will not come: the next call of next() looks behind that beginning.
   void give_up(Counters& counters);
 
  private:
   static constexpr std::size_t kLongestFrame = 10 + 255 + 2 + 13;
   std::array<std::uint8_t, 2 * kLongestFrame> buffer_{};
-  std::uint64_t dropped_ = 0;  ///< bytes before those in the buffer
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::size_t frame_size_ = 0;  ///< of the message that ends at begin_
