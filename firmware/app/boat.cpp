@@ -71,7 +71,7 @@ void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
 
 template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
-  const std::uint32_t before = counters_.mavlink_received;
+  const std::uint32_t before = vehicle_.links().decoder(link).whole();
   while (const auto received = vehicle_.next(link, now_us, counters_)) {
     if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
       if (const auto sent_us = vehicle_.sent_us(*timesync)) {
@@ -83,7 +83,8 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
       leader_.take(*received, now_us, counters_);
     }
   }
-  vehicle_.links().note_waiting(link, counters_.mavlink_received != before, now_us);
+  const bool heard = vehicle_.links().decoder(link).whole() != before;
+  vehicle_.links().note_waiting(link, heard, now_us);
 }
 
 /// Nothing more of the message that is waited for will come; another may be hidden behind it.
@@ -121,6 +122,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
 
 template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
+  if (vehicle_.take_change()) configure();
   vehicle_.heed(conditions_ = conditions(now_us), counters_);
   bool more = true;
   while (more) {

@@ -59,7 +59,9 @@ void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t
   const auto& [link, received, read_us] = letter;
   Asked asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
-  if (identity_.is_autopilots(command.target) && (drives(asked.request) || unknown)) return;
+  const bool at_rest = asked.request == Request::kHold && !core::armed(state_);
+  const bool autopilots = drives(asked.request) || unknown || at_rest;
+  if (identity_.is_autopilots(command.target) && autopilots) return;
   if (!may_command(received.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
   }

@@ -50,14 +50,12 @@ void VesselTrack<S>::hear(Source source, std::int64_t stamp_us, std::int64_t now
   if (goes_on && stamp_us < in.stamp_us) return;
   // Another source's clock is kept ready; the chosen one's is set by what is accepted.
   if (source != source_ || !stamp_us_) {
-    if (stamp_us < in.stamp_us) {
-      in.clock.reset();
-      // It rebooted: its local frame may have another origin. Beside a source that goes on it is
-      // only late.
-      if (!stamp_us_) origin_component_ = 0;
-    }
+    if (stamp_us < in.stamp_us) in.clock.reset();
     in.clock.heard(stamp_us, now_us);
   }
+  // It rebooted, unless it is only late beside a source that goes on: change_to() will know.
+  in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
+  in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
   in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;
   in.arrived_us = now_us;
   in.stamp_us = stamp_us;
@@ -102,6 +100,12 @@ void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
   refused_stamp_us_.reset();
   refused_in_a_row_ = 0;
   source_ = source;
+  Heard& in = heard(source);
+  if (std::exchange(in.went_back,
+                    false)) {  // after a reboot its local frame may have another origin
+    in.newest_us = in.stamp_us;
+    origin_component_ = 0;
+  }
 }
 
 template <class S>

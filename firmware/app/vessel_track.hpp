@@ -84,7 +84,9 @@ class VesselTrack {
   /// A source of the chosen component, in use or not.
   struct Heard {
     std::int64_t arrived_us = 0, stamp_us = 0;
-    int in_a_row = 0;  ///< messages without a gap; 0: there was none
+    std::int64_t newest_us = 0;  ///< the latest stamp
+    bool went_back = false;      ///< the last one was earlier
+    int in_a_row = 0;            ///< messages without a gap; 0: there was none
     ClockOffset clock;
   };
 

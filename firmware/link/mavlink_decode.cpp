@@ -151,6 +151,7 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signin
     if (b.size() < header->frame_bytes) return std::nullopt;
     if (entry == nullptr && ends_well(b, header->frame_bytes)) {
       begin_ += header->frame_bytes;
+      ++whole_;
       ++counters.mavlink_unknown;
       continue;
     }
@@ -160,6 +161,7 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signin
       continue;
     }
     begin_ += header->frame_bytes;
+    ++whole_;
     const bool is_signed = signing != nullptr && header->has_signature;
     if (is_signed && !accepted(signing->check(b.first(header->frame_bytes)), counters)) continue;
     frame_size_ = header->frame_bytes;

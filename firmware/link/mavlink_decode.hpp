@@ -41,12 +41,16 @@ class MavlinkDecoder {
   /// Bytes are kept that may be the beginning of a message.
   bool waits() const { return begin_ < end_; }
 
+  /// How many whole messages there have been, those included that were not returned.
+  std::uint32_t whole() const { return whole_; }
+
   /// What is waited for will not come: the next call of next() looks behind that beginning.
   void give_up(Counters& counters);
 
  private:
   static constexpr std::size_t kLongestFrame = 10 + 255 + 2 + 13;
   std::array<std::uint8_t, 2 * kLongestFrame> buffer_{};
+  std::uint32_t whole_ = 0;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::size_t frame_size_ = 0;  ///< of the message that ends at begin_

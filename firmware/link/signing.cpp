@@ -98,7 +98,7 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
 
 void Signing::sign(std::span<const std::uint8_t> frame, std::uint8_t link_id,
                    std::span<std::uint8_t, kSignatureBlockBytes> block) {
-  ++timestamp_;
+  timestamp_ = std::min(timestamp_ + 1, kLatest);
   block[0] = link_id;
   for (std::size_t i = 0; i < kTimestampBytes; ++i) {
     block[1 + i] = static_cast<std::uint8_t>(timestamp_ >> 8 * i);

@@ -172,8 +172,9 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
   CHECK(h.boat.state() == State::kDisarmed);
 }
 
-TEST_CASE_TEMPLATE("a command behind a message that broke off is heard: with its datagram, or 0.3 s later",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "a command behind a message that broke off is heard: with its datagram, or 0.3 s later", S,
+    float, double) {
   const bool datagrams = std::is_same_v<S, float>;
   for (const std::size_t cut : {1U, 5U, 10U, 20U}) {
     Harbour<S> h(Parameters{}, 2);
@@ -209,6 +210,39 @@ TEST_CASE_TEMPLATE("a message may come in pieces while others' ticks pass", S, f
   }
   h.step();
   CHECK(h.boat.state() == State::kHold);
+}
+
+/// A message that our dialect lacks.
+testing::Bytes foreign_frame() {
+  testing::Bytes out(37, 0x11);
+  const std::array<std::uint8_t, 10> header{0xFD, 25, 0, 0, 0, 9, 1, 0x10, 0x27, 0};
+  std::copy(header.begin(), header.end(), out.begin());
+  return out;
+}
+
+TEST_CASE_TEMPLATE("on a serial line busy with another dialect's messages no command is given up",
+                   S, float, double) {
+  for (int before = 10; before < 80; ++before) {
+    Harbour<S> h(Parameters{}, 2);
+    h.sail(2);
+    testing::Bytes stream;
+    const auto add = [&](const testing::Bytes& frame) {
+      stream.insert(stream.end(), frame.begin(), frame.end());
+    };
+    for (int k = 0; k < before; ++k) add(foreign_frame());
+    add(testing::frame_of(
+        h.operator_,
+        link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}));
+    for (int k = 0; k < 10; ++k) add(foreign_frame());
+    for (std::size_t at = 0; at < stream.size(); at += 36) {  // what a tick brings
+      h.boat.on_mavlink(
+          std::span(stream).subspan(at, std::min<std::size_t>(36, stream.size() - at)), h.now_us,
+          1);
+      h.step();
+    }
+    CAPTURE(before);
+    CHECK(h.boat.state() == State::kHold);
+  }
 }
 
 TEST_CASE_TEMPLATE("told to follow another and to go on in the same tick, a boat goes nowhere", S,

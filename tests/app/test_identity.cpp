@@ -103,7 +103,8 @@ TEST_CASE("the leader's autopilot is not a companion's own, alone or beside it")
   CHECK(boat.self().system == 42);
 }
 
-TEST_CASE("only component 1 is an autopilot, and only one that does not call itself a ground station") {
+TEST_CASE(
+    "only component 1 is an autopilot, and only one that does not call itself a ground station") {
   for (unsigned component = 0; component < 256; ++component) {
     Identity boat = identity(true, 7, 191);
     boat.heard({42, static_cast<std::uint8_t>(component)}, beat(), kLeader, 0);

@@ -110,6 +110,21 @@ TEST_CASE("the last of all, or of none, leaves nothing behind") {
   CHECK(all(inbox).empty());
 }
 
+TEST_CASE("a stop makes void what was kept before it, and nothing behind it") {
+  using enum Inbox::Taken;
+  Inbox inbox;
+  link::Counters counters;
+  for (std::uint16_t i = 0; i < 9; ++i) inbox.push(command(i), counters);
+  CHECK_FALSE(inbox.take_each([](const Letter& one) {
+    if (id_of(one) == 4) return kStop;
+    return id_of(one) % 2 == 0 ? kKept : kAnswered;
+  }));
+  const auto left = all(inbox);
+  REQUIRE(left.size() == 2);
+  CHECK(id_of(left[0]) == 6);
+  CHECK(id_of(left[1]) == 8);
+}
+
 /// Disarms and terminations, in either form.
 Letter stop(std::size_t any) {
   const bool terminate = any % 2 == 0;

@@ -291,7 +291,8 @@ TEST_CASE("names that it knows are those of the list, whatever the value") {
     return ParameterService::knows({NAN, {9, 9}, name_of(name), 77});
   };
   for (const ParameterInfo& info : kParameterList) CHECK(knows(std::string(info.name)));
-  for (const char* name : {"", "LAW_K", "LAW_KX2", "law_kx", "MAV_GCS_SYSIDENTIFIER", "SYSID_THISMAV"})
+  for (const char* name :
+       {"", "LAW_K", "LAW_KX2", "law_kx", "MAV_GCS_SYSIDENTIFIER", "SYSID_THISMAV"})
     CHECK_FALSE(knows(name));
 }
 

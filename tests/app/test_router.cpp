@@ -123,8 +123,7 @@ TEST_CASE("of the 33rd sender on, the one unheard for longest is forgotten") {
     if (random() % 500 == 0) now_us += static_cast<std::int64_t>(random() % 15'000'000);
     hear(from);
     for (std::size_t from_link = 0; from_link < 4; ++from_link) {
-      REQUIRE(router.beyond(target, from_link, now_us) ==
-              model.beyond(target, from_link, now_us));
+      REQUIRE(router.beyond(target, from_link, now_us) == model.beyond(target, from_link, now_us));
     }
   }
 }

@@ -281,11 +281,13 @@ TEST_CASE("a radio that says nothing for more than five seconds has no complaint
   Rates rates;
   for (int k = 0; k < 40; ++k) rates.hear(0);
   rates.hear(40, 2);  // neither full nor empty
+  rates.streams.forget_silent_radios(rates.now_us + 5 * kSecond_us);
+  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
+  rates.hear(40);  // as full as before
   const std::int64_t heard_us = rates.now_us;
   rates.streams.forget_silent_radios(heard_us + 5 * kSecond_us);
+  rates.streams.radio_has_room(1, 101, heard_us + 4 * kSecond_us);  // no percentage: not heard
   CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
-  rates.now_us = heard_us + 4 * kSecond_us;
-  rates.hear(101);  // that is no percentage: not heard
   rates.streams.forget_silent_radios(heard_us + 5 * kSecond_us + 1);
   CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.1).epsilon(0.02));
   CHECK(rates.of(mav::kAttitudeId, 1) == doctest::Approx(1).epsilon(0.02));

@@ -158,7 +158,8 @@ TEST_CASE("what tells the own state is silent without it, what needs the globe w
   CHECK(all(mav::kHomePositionId, new_here).empty());
 }
 
-TEST_CASE("positions from an origin that is no longer ours are not told, as nobody could place them") {
+TEST_CASE(
+    "positions from an origin that is no longer ours are not told, as nobody could place them") {
   Report r = full();
   r.own->located = false;
   r.own->adrift = true;

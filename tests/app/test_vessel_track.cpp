@@ -152,8 +152,8 @@ TEST_CASE_TEMPLATE("a vessel whose estimator says that it has failed says nothin
   CHECK(w.counters.mavlink_bad_value == 2);
 }
 
-TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with no motion between", S,
-                   float, double) {
+TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with no motion between",
+                   S, float, double) {
   Watch<S> w;
   std::int64_t t = 0;
   for (; t <= 1'000'000; t += 100'000) w.hear(at(t, 1, 2), t);

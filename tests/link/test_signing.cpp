@@ -173,7 +173,8 @@ TEST_CASE("255 senders are known; the next is refused, and the old ones are stil
   CHECK(boat.check(sender(255).frame(kNow + 4)) == kNoRoom);
 }
 
-TEST_CASE("what is sent goes on with the clock, never back; what is heard is judged by it, set back") {
+TEST_CASE(
+    "what is sent goes on with the clock, never back; what is heard is judged by it, set back") {
   Signing boat = keyed();
   boat.set_clock(kNow + kSecond);
   CHECK(boat.timestamp() == kNow + kSecond);
@@ -193,7 +194,8 @@ Bytes sent_by(Signing& boat, MavlinkEncoder& encoder, std::uint8_t link_id = 0) 
   return bytes;
 }
 
-TEST_CASE("a station 59 s ahead shuts out nobody whose clock is right, nor drags our stamps along") {
+TEST_CASE(
+    "a station 59 s ahead shuts out nobody whose clock is right, nor drags our stamps along") {
   Signing boat = keyed();
   Sender fast{{255, 190}};
   std::uint64_t clock = kNow;
