@@ -2,9 +2,9 @@
 """Local frames on the WGS 84 ellipsoid, for units that tell where they are on the globe.
 
 A frame is the plane that touches the water at its origin, x north, y east there; a vessel is the
-point of the water straight below, all of which is at one height above the ellipsoid. Written independently of the firmware's: reduced latitudes,
-Bowring's formula and iteration on the height of the water, where the firmware intersects a line
-with the sea and scales.
+point of the water straight below, all of which is at one height above the ellipsoid. Written
+independently of the firmware's: reduced latitudes, Bowring's formula and iteration on the height of
+the water, where the firmware intersects a line with the sea and scales.
 Source: Bowring, Transformation from spatial to geographical coordinates, Survey Review 23, 1976.
 """
 

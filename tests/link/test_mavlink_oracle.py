@@ -23,7 +23,8 @@ ENTRIES = f"""
 HEARTBEAT custom_mode type autopilot base_mode system_status
 ATTITUDE time_boot_ms roll pitch yaw rollspeed pitchspeed yawspeed
 LOCAL_POSITION_NED time_boot_ms x y z vx vy vz
-ODOMETRY time_usec x y z q vx vy vz rollspeed pitchspeed yawspeed frame_id child_frame_id reset_counter quality
+ODOMETRY time_usec x y z q vx vy vz rollspeed pitchspeed yawspeed frame_id child_frame_id \
+  reset_counter quality
 GPS_GLOBAL_ORIGIN latitude longitude altitude time_usec
 TIMESYNC tc1 ts1 {TARGET}
 GLOBAL_POSITION_INT time_boot_ms lat lon alt relative_alt vx vy vz hdg
