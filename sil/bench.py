@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from sil import scenario
+from sil import bench_radio, scenario
 from sil.live import LiveWorld
 from sil.live import build as build_flotillad
 from sil.recording import Recording
@@ -96,7 +96,7 @@ def _diamond(folder: Path) -> tuple[float, list[str]]:
 
 def measure(progress: Progress) -> dict[str, Any]:
     """All figures, as --json writes them."""
-    task = progress.add_task("measuring", total=5)
+    task = progress.add_task("measuring", total=6)
     figures: list[Figure] = []
 
     def add(figure: Figure) -> None:
@@ -112,6 +112,8 @@ def measure(progress: Progress) -> dict[str, Any]:
         add(_figure("ODOMETRY decoded", ["odometry"], 20_000, 1, None))
         ticks = FIRMWARE_S * TICKS_PER_S
         add(_figure("boat-second in diamond, firmware", replay, ticks, TICKS_PER_S, None))
+        radio = bench_radio.measure(Path(folder))
+        progress.advance(task)
     boats = len(scenario.load("diamond").boat)
     figures.append(
         {
@@ -121,7 +123,7 @@ def measure(progress: Progress) -> dict[str, Any]:
             "target_us": 1e6 / boats / 50,
         }
     )
-    return {"figures": figures, "diamond_real_time_factor": 1.0 / wall_s}
+    return {"figures": figures, "diamond_real_time_factor": 1.0 / wall_s, "radio": radio}
 
 
 def measure_live(bus: str, seconds: float, folder: Path, progress: Progress) -> dict[str, Any]:
@@ -210,6 +212,7 @@ def _print(result: dict[str, Any], console: Console) -> None:
         )
     console.print(table)
     console.print(f"diamond: {result['diamond_real_time_factor']:.0f} × real time (target 50)")
+    console.print(bench_radio.table(result["radio"]))
 
 
 if __name__ == "__main__":

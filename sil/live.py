@@ -23,7 +23,7 @@ from sil.plant.hull import Array
 from sil.scenario import Scenario
 from sil.trace import Tracer
 from sil.wire.link import Link
-from sil.wire.operator import FORMATION, HOLD, Operator
+from sil.wire.operator import FORMATION, HOLD, MANUAL, Operator
 from sil.world import Progress, StartError, clocks_of, fleet_of, parameters_of
 
 ROOT = Path(__file__).parent.parent
@@ -31,7 +31,7 @@ FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
 
 _PATIENCE_S = 30.0
 _RETRY_US = 500_000
-_NAMES = {HOLD: "HOLD", FORMATION: "FORMATION"}
+_NAMES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION"}
 
 
 def now_us() -> int:
@@ -74,7 +74,7 @@ class LiveWorld:
         self._sigma = scenario.navigation.noise.sigma
         self._h_us = round(1e6 / scenario.rate_hz)
         self._operator = Operator()
-        self._leader = LiveLeader(scenario.navigation.rate_hz, clocks[0])
+        self._leader = LiveLeader(scenario.leader_unit(), clocks[0])
         self.late_us = 0
         with ExitStack() as opened:
             self.boats: list[LiveBoat] = []

@@ -14,7 +14,7 @@ from sil.scenario import Scenario
 from sil.vessel import BATTERY_V, ESC_NODES, NAVIGATION_COMPONENT, ORIGIN, VIRTUAL_LEADER_SYSTEM
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
-from sil.wire.navigation_unit import NavigationUnit
+from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import Operator
 
 _LOOPBACK = "127.0.0.1"
@@ -72,8 +72,7 @@ class LiveBoat:
             NAVIGATION_COMPONENT,
             vehicle_type=0,
             origin=ORIGIN,
-            rate_hz=scenario.navigation.rate_hz,
-            message=scenario.navigation.message,
+            settings=scenario.boat_unit(scenario.boat[agent - 1]),
         )
         indices = (parameters.get("ESC_PORT", 0), parameters.get("ESC_STBD", 1))
         self._escs = [
@@ -144,12 +143,12 @@ class LiveBoat:
 class LiveLeader:
     """Agent 0: sends its state over the radio of its followers."""
 
-    def __init__(self, rate_hz: float, clock: Clock) -> None:
+    def __init__(self, navigation: Settings, clock: Clock) -> None:
         self.inbox: list[Link] = []
         self.outbox: list[Link] = []
         self._clock = clock
         self._unit = NavigationUnit(
-            VIRTUAL_LEADER_SYSTEM, 1, vehicle_type=0, origin=ORIGIN, rate_hz=rate_hz
+            VIRTUAL_LEADER_SYSTEM, 1, vehicle_type=0, origin=ORIGIN, settings=navigation
         )
 
     def listen(self, t_us: int) -> None:

@@ -12,11 +12,12 @@ PAGE = Path(__file__).parent.parent / "firmware" / "README.md"
 
 def parameter_table() -> str:
     """Every parameter as a Markdown table."""
-    lines = ["| name | unit | default | range | meaning |", "|---|---|---|---|---|"]
+    lines = ["| name | unit | default | range | change | meaning |", "|---|---|---|---|---|---|"]
     for p in flotilla.parameter_list():
         span = f"{p['least']:.6g} … {p['greatest']:.6g}" + (", whole" if p["integer"] else "")
         default, unit = f"{p['default']:.6g}", p["unit"] or "–"
-        lines.append(f"| `{p['name']}` | {unit} | {default} | {span} | {p['sentence']} |")
+        cells = [f"`{p['name']}`", unit, default, span, p["change"], p["sentence"]]
+        lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 

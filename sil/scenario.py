@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Scenarios: TOML files that say who sails where, in what hull, over what radio.
 
-`sil/scenarios/diamond.toml` shows every key with its unit; `sil/README.md` lists the scenarios.
+`sil/scenarios/diamond.toml` shows every key with its unit; `sil/README.md` lists the scenarios. A
+file with `base = "NAME"` is that scenario with its own keys over it, boats by number: `[boat.2]`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,6 +17,7 @@ from sil.plant.hull import Array, HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.plant.sensors import SensorNoise
 from sil.toml_errors import KeyPath, ScenarioError
+from sil.wire.navigation_unit import Message, Settings
 
 __all__ = ["Scenario", "ScenarioError", "load"]
 
@@ -60,15 +62,22 @@ class Propellers(Section):
     lag_s: NotNegative = 0.0
 
 
-class Navigation(Section):
-    """Navigation unit: rate, standard deviations of its noise, the message it speaks."""
+class Unit(Section):
+    """What a navigation unit says: `sil.wire.navigation_unit.Settings` explains the keys."""
 
     rate_hz: Positive = 100.0
+    message: Message = "local"
+    attitude_rate_hz: NotNegative = 0.0
+    origin_m: Pair = (0.0, 0.0)
+
+
+class Navigation(Unit):
+    """The boats' navigation units: what they say, standard deviations of their noise."""
+
     position_noise_m: NotNegative = 0.0
     heading_noise_rad: NotNegative = 0.0
     velocity_noise_mps: NotNegative = 0.0
     yaw_rate_noise_radps: NotNegative = 0.0
-    message: Literal["local", "odometry"] = "local"
 
     @property
     def noise(self) -> SensorNoise:
@@ -108,10 +117,14 @@ class Input(Section):
 
 
 class Leader(Section):
-    """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input."""
+    """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input.
+
+    Its unit says what it says itself, at the boats' rate unless it has its own.
+    """
 
     eta: Triple = (0.0, 0.0, 0.0)
     nu: Triple = (0.0, 0.0, 0.0)
+    navigation: Unit = Unit()
     input: Annotated[tuple[Input, ...], Strict(False)] = ()
 
     def tau(self, t_s: Array) -> Array:
@@ -135,6 +148,7 @@ class Boat(Section):
     parameters: dict[ParameterName, float] = {}
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
+    navigation: Unit = Unit()
 
 
 class Scenario(Section):
@@ -167,6 +181,16 @@ class Scenario(Section):
         deviations = [boat.propellers for boat in self.boat]
         return [PropellerParameters(**_merged(self.propellers, own)) for own in deviations]
 
+    def leader_unit(self) -> Settings:
+        """What the virtual leader says."""
+        own = self.leader.navigation.model_dump(exclude_unset=True)
+        return Settings(**{"rate_hz": self.navigation.rate_hz, **own})
+
+    def boat_unit(self, boat: Boat) -> Settings:
+        """What the navigation unit of `boat` says."""
+        common = self.navigation.model_dump(include=set(Unit.model_fields))
+        return Settings(**{**common, **boat.navigation.model_dump(exclude_unset=True)})
+
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
         """Firmware parameters that the file gives `boat`: those of all, then its own."""
         return {**self.parameters, **boat.parameters}
@@ -181,7 +205,7 @@ def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     Raises ScenarioError, whose text names file, line and key (or the override) and what is allowed.
     """
     path = _find(name_or_path)
-    source = toml_errors.Source.read(path)
+    source = _read(path)
     for override in overrides:
         source.override(override)
     try:
@@ -191,6 +215,20 @@ def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     for key, problem in _contradictions(scenario):
         raise source.error(key, problem)
     return scenario
+
+
+def _read(path: Path) -> toml_errors.Source:
+    source = toml_errors.Source.read(path)
+    if "base" in source.document:
+        name = source.document.pop("base")
+        try:
+            base = toml_errors.Source.read(_find(name))
+        except (ScenarioError, TypeError) as error:
+            raise source.error(("base",), f'"base": {error}') from None
+        if "base" in base.document:
+            raise source.error(("base",), f'"base" = "{name}": that scenario has a base itself')
+        source.lay_over(base)
+    return source
 
 
 def _find(name_or_path: str | Path) -> Path:
@@ -214,13 +252,30 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             key = ("boat", str(index), "follows")
             allowed = f"boat {index} may follow agents 0 to {index - 1}"
             yield key, f'"{".".join(key)}" = {boat.follows}: {allowed}'
-    if scenario.navigation.rate_hz > scenario.rate_hz:
-        key = ("navigation", "rate_hz")
-        ticks = f"the world ticks at rate_hz = {scenario.rate_hz}"
-        yield key, f'"navigation.rate_hz" = {scenario.navigation.rate_hz}: {ticks}'
+    yield from _unit_contradictions(scenario)
     starts = [segment.from_s for segment in scenario.leader.input]
     for index in range(1, len(starts)):
         if starts[index] <= starts[index - 1]:
             key = ("leader", "input", str(index + 1), "from_s")
             later = f"must be later than {starts[index - 1]}"
             yield key, f'"{".".join(key)}" = {starts[index]}: {later}'
+
+
+def _unit_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    units: list[tuple[KeyPath, Settings]] = [(("leader", "navigation"), scenario.leader_unit())]
+    for index, boat in enumerate(scenario.boat, start=1):
+        units.append((("boat", str(index), "navigation"), scenario.boat_unit(boat)))
+    common = scenario.navigation.model_dump(include=set(Unit.model_fields))
+    units.insert(0, (("navigation",), Settings(**common)))
+    for place, unit in units:
+        path = ".".join(place)
+        for name in ("rate_hz", "attitude_rate_hz"):
+            if getattr(unit, name) > scenario.rate_hz:
+                ticks = f"the world ticks at rate_hz = {scenario.rate_hz}"
+                yield (*place, name), f'"{path}.{name}" = {getattr(unit, name)}: {ticks}'
+        if unit.attitude_rate_hz and unit.message not in ("local", "global"):
+            key = f'"{path}.attitude_rate_hz" = {unit.attitude_rate_hz}'
+            yield (*place, "attitude_rate_hz"), f'{key}: "{unit.message}" sends no ATTITUDE'
+        if any(unit.origin_m) and unit.message != "local":
+            key = f'"{path}.origin_m" = {list(unit.origin_m)}'
+            yield (*place, "origin_m"), f'{key}: only "local" has an origin of its own'

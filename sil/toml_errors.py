@@ -5,6 +5,7 @@ import difflib
 import json
 import re
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self, get_args
@@ -33,12 +34,16 @@ class ScenarioError(ValueError):
 
 @dataclass
 class Source:
-    """A parsed document, the line of each key, and the overrides laid over it."""
+    """A parsed document, the line of each key, and the overrides laid over it.
+
+    Keys that the file leaves to its `base` are that source's.
+    """
 
     file: str
     document: dict[str, Any]
     lines: dict[KeyPath, int]
     overrides: dict[KeyPath, str] = field(default_factory=dict)
+    base: Self | None = None
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -54,6 +59,18 @@ class Source:
             return cls(file, tomllib.loads(text), locate(text))
         except tomllib.TOMLDecodeError as error:
             raise ScenarioError(_syntax_error(file, text, str(error))) from None
+
+    def lay_over(self, base: Self) -> None:
+        """Keep of the document what it says otherwise than `base`; elements of arrays by number.
+
+        ScenarioError where a key has no place there.
+        """
+        for path, value in _leaves(self.document):
+            try:
+                _lay(base.document, path, value)
+            except LookupError as error:
+                raise self.error(path, f'no key "{".".join(path)}": {error.args[0]}') from None
+        self.document, self.base = base.document, base
 
     def override(self, text: str) -> None:
         """Lay `KEY=VALUE` over the document; ScenarioError where it has no place there."""
@@ -89,9 +106,13 @@ class Source:
         for key, text in reversed(self.overrides.items()):
             if key[: len(path)] == path or path[: len(key)] == key:
                 return f'override "{text}"'
-        while path and path not in self.lines:
-            path = path[:-1]
-        return f"{self.file}:{self.lines.get(path, 1)}"
+        shown: Source = self
+        while path and path not in shown.lines:
+            if self.base is not None and path in self.base.lines:
+                shown = self.base
+            else:
+                path = path[:-1]
+        return f"{shown.file}:{shown.lines.get(path, 1)}"
 
 
 def locate(text: str) -> dict[KeyPath, int]:
@@ -121,6 +142,14 @@ def locate(text: str) -> dict[KeyPath, int]:
 
 def _names(dotted: str) -> KeyPath:
     return tuple(name.strip(" \t\"'") for name in dotted.split("."))
+
+
+def _leaves(table: dict[str, Any], at: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+    for key, value in table.items():
+        if isinstance(value, dict) and value:
+            yield from _leaves(value, (*at, key))
+        else:
+            yield (*at, key), value
 
 
 def _lay(place: Any, path: KeyPath, value: Any) -> None:

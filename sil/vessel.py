@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import Any
 
 import flotilla
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
@@ -12,7 +12,7 @@ from sil.clock import Clock
 from sil.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
-from sil.wire.navigation_unit import NavigationUnit
+from sil.wire.navigation_unit import NavigationUnit, Settings
 
 VIRTUAL_LEADER_SYSTEM = 100
 # Longjumeau's latitude and longitude in degE7, altitude in mm: any place will do.
@@ -39,7 +39,7 @@ class VirtualLeader:
 
     system = VIRTUAL_LEADER_SYSTEM
 
-    def __init__(self, rate_hz: float, clock: Clock) -> None:
+    def __init__(self, navigation: Settings, clock: Clock) -> None:
         self._clock = clock
         self.record: Record = _nowhere
         self._unit = NavigationUnit(
@@ -47,7 +47,7 @@ class VirtualLeader:
             mavlink.MAV_COMP_ID_AUTOPILOT1,
             vehicle_type=mavlink.MAV_TYPE_GENERIC,
             origin=ORIGIN,
-            rate_hz=rate_hz,
+            settings=navigation,
         )
         self.inbox: list[Link] = []
         self.outbox: list[Link] = []
@@ -80,8 +80,7 @@ class Vessel:
         parameters: dict[str, float],
         scalar: str,
         *,
-        navigation_rate_hz: float,
-        navigation_message: Literal["local", "odometry"],
+        navigation: Settings,
         clock: Clock,
     ) -> None:
         self.boat = flotilla.Boat(parameters, links=2, scalar=scalar)
@@ -99,8 +98,7 @@ class Vessel:
             NAVIGATION_COMPONENT,
             vehicle_type=mavlink.MAV_TYPE_GENERIC,
             origin=ORIGIN,
-            rate_hz=navigation_rate_hz,
-            message=navigation_message,
+            settings=navigation,
         )
         self._escs = tuple(
             EscNode(node, int(self.parameters[name]))

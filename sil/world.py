@@ -88,15 +88,13 @@ class World:
         clock_rng, self._sensor_rng, link_rng = (np.random.default_rng(seed) for seed in seeds)
 
         clocks = clocks_of(scenario, clock_rng)
-        rate_hz = scenario.navigation.rate_hz
-        self._leader = VirtualLeader(rate_hz, clocks[0])
+        self._leader = VirtualLeader(scenario.leader_unit(), clocks[0])
         self._boats = [
             Vessel(
                 agent,
                 parameters_of(scenario, agent, param_overrides),
                 scenario.scalar,
-                navigation_rate_hz=rate_hz,
-                navigation_message=scenario.navigation.message,
+                navigation=scenario.boat_unit(scenario.boat[agent - 1]),
                 clock=clocks[agent],
             )
             for agent in range(1, len(scenario.boat) + 1)

@@ -8,10 +8,8 @@
 #include <utility>
 
 #include "app/can_node.hpp"
-#include "app/commands.hpp"
-#include "app/mavlink_links.hpp"
 #include "app/thrusters.hpp"
-#include "app/time_requests.hpp"
+#include "app/vehicle.hpp"
 #include "app/vessel_track.hpp"
 
 namespace flotilla::app {
@@ -35,6 +33,8 @@ struct HostReport {
   bool bus_up = true;            ///< the CAN interface is up and not bus-off
   bool parameters_saved = true;  ///< false after a fall to defaults, until they were saved
   std::uint32_t overruns = 0;    ///< control ticks that came more than a period late, so far
+  std::int64_t unix_us = 0;      ///< now, µs since 1970; 0: unknown
+  bool save_failed = false;      ///< the last try to write the parameters
 };
 
 /// S: scalar of the law, float or double.
@@ -53,21 +53,44 @@ class Boat {
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);
+
+  /// For a host that hears datagrams: no message goes on in the next one. Elsewhere a message may
+  /// come in pieces, but not for longer than 0.3 s.
+  void end_of_datagram(std::int64_t now_us, std::size_t link);
+
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
   /// For the host that is about to leave: the ticks after it send zeros and ArmingStatus 0.
-  void disarm() {
-    if (state_ != core::State::kDisarmed) enter(core::State::kDisarmed, 0, now_us_);
-  }
+  void disarm() { vehicle_.disarm(); }
 
   /// Holds until the next report; without one, all is well.
-  void on_host(const HostReport& report) { host_ = report; }
+  void on_host(const HostReport& report) {
+    host_ = report;
+    if (report.unix_us > 0) {
+      vehicle_.links().signing().set_clock(link::signing_time(report.unix_us));
+    }
+  }
+
+  /// The key of all links, the clock, and the last signing_timestamp() of an earlier run, in the
+  /// units of link::signing_time(). Links sign and look at signatures as their policy says, kOff at
+  /// first.
+  void secure(const link::SigningKey& key, std::uint64_t clock, std::uint64_t stored) {
+    vehicle_.links().signing().start(key, clock, stored);
+  }
+  void set_policy(std::size_t link, SigningPolicy policy) {
+    vehicle_.links().set_policy(link, policy);
+  }
+
+  /// To be kept over a restart, at least once a minute.
+  std::uint64_t signing_timestamp() const { return vehicle_.links().signing().timestamp(); }
 
   /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
-  void limit_link(std::size_t link, std::uint32_t bytes_per_s) { links_.limit(link, bytes_per_s); }
+  void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
+    vehicle_.links().credit(link).limit(bytes_per_s);
+  }
 
-  /// An operator has asked since the last call that the parameters be saved.
-  bool take_save_request() { return std::exchange(save_requested_, false); }
+  /// What was asked since the last call of the parameters on the disk.
+  SaveRequest take_save_request() { return vehicle_.take_save_request(); }
 
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
@@ -75,35 +98,43 @@ class Boat {
   Output tick(std::int64_t now_us);
 
   Snapshot snapshot() const;
-  core::State state() const { return state_; }
-  const Parameters& parameters() const { return parameters_; }
+  core::State state() const { return vehicle_.state(); }
+
+  /// As set; those that need a restart are in force from the next one on.
+  const Parameters& parameters() const { return vehicle_.parameters(); }
 
  private:
   std::int64_t monotonic(std::int64_t now);
+  void take_all(std::size_t link, std::int64_t now_us);
+  void give_up(std::size_t link, std::int64_t now_us);
   core::Conditions conditions(std::int64_t now_us) const;
   void reckon(std::int64_t now_us);
   core::Encounter<S> encounter(std::int64_t now_us) const;
   void supervise(std::int64_t now_us);
-  void answer(const PendingCommand& pending, std::int64_t now_us);
-  void refuse(core::Request request, core::Conditions missing, std::int64_t now_us);
-  void enter(core::State state, core::Conditions missing, std::int64_t now_us);
+  void configure();
+  bool seen() const {
+    constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
+    return (conditions_ & kSeen) == kSeen;
+  }
+  bool may_drive(std::int64_t now_us) const;
+  core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
-  void report(std::int64_t now_us);
-  void report_slowly(std::int64_t now_us);
-  link::Heartbeat heartbeat() const;
+  Report report(std::int64_t now_us);
+  std::optional<OwnReport> own_report(std::int64_t now_us) const;
+  void complain(std::int64_t now_us);
 
-  Parameters parameters_;
+  Vehicle vehicle_;
+  float tick_rate_Hz_;
   core::ControllerParams<S> law_;
   core::ControllerState<S> law_state_{};
   core::ControllerOutput<S> law_output_{};
-  core::State state_ = core::State::kDisarmed;
+  core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   bool starting_ = false;
   std::int64_t armed_us_ = 0;
   core::Reckoning<S> own_now_{};
   std::uint32_t own_messages_ = 0;
-  bool save_requested_ = false;
-  bool announce_ = false;  // a heartbeat at once: the state has changed
+  std::optional<Home> home_;
 
   VesselTrack<S> own_;
   VesselTrack<S> leader_;
@@ -111,10 +142,8 @@ class Boat {
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;
   CanOutput can_output_;
-  MavlinkLinks links_;
   HostReport host_;
-  CommandQueue commands_;
-  TimeRequests time_;
+  bool save_failed_ = false;  // as told to the operator
   link::Counters counters_;
 
   std::optional<std::int64_t> last_tick_us_;
@@ -122,13 +151,7 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // in a row, in which time did not go on
-  Schedule heartbeat_due_;
-  Schedule state_due_;
-  Schedule slow_due_;
-  Schedule origin_due_;
-  Schedule timesync_due_;
   Schedule complaint_due_;
-  Schedule refusal_due_;
 };
 
 }  // namespace flotilla::app

@@ -78,7 +78,14 @@ void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
   } else {
     esc.heard_us = now_us;
     esc.node = node;
+    esc.status = status;
   }
+}
+
+std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int64_t now_us) const {
+  const Esc& esc = escs_[index];
+  if (!esc.heard_us || now_us - *esc.heard_us > kNodeOffline_us) return std::nullopt;
+  return esc.status;
 }
 
 void CanNode::take_node_status(std::uint8_t node, const link::NodeStatus& status,

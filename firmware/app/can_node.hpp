@@ -38,6 +38,9 @@ class CanNode {
   /// That ESC's status came within the limit, from one node alone, which is operational and OK.
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
+  /// What that ESC said last; nothing where it has been silent for some seconds.
+  std::optional<link::EscStatus> esc_status(std::uint8_t index, std::int64_t now_us) const;
+
   /// Another node commands or arms ESCs, or has within the last two seconds.
   bool foreign_controller(std::int64_t now_us) const;
 
@@ -52,6 +55,7 @@ class CanNode {
   struct Esc {
     std::optional<std::int64_t> heard_us;
     std::uint8_t node = 0;
+    link::EscStatus status{};
     std::optional<std::int64_t> claimed_us;  // by a second node
   };
   struct Node {

@@ -1,52 +1,65 @@
 // SPDX-License-Identifier: MIT
-// What an operator asks for by COMMAND_LONG, kept until the tick that answers it.
+// What an operator's command means.
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <optional>
 
-#include "app/parameters.hpp"
 #include "core/supervisor.hpp"
-#include "link/counters.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::app {
 
-/// ArduPilot Rover's numbers, which clients name by vehicle type.
-namespace mode {
-constexpr std::uint32_t kHold = 4, kFormation = 6;
-}
+/// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. No command of ours has a position, so the
+/// frame of a COMMAND_INT says nothing.
+struct Command {
+  std::uint16_t id;
+  std::array<double, 7> param;  ///< as they came; unused ones may be NaN
+  link::Address target;
+  bool repeated = false;  ///< for want of an answer (COMMAND_LONG.confirmation)
+  bool wants_ack = true;  ///< SET_MODE is a message: nobody waits for an answer
+};
+std::optional<Command> command_of(const link::Message& message);
 
-struct PendingCommand {
-  std::size_t link = 0;
-  link::Sender from{};
-  link::CommandLong command{};
+bool is_disarm(const Command& command);
+
+/// Disarming or flight termination.
+bool is_stop(const Command& command);
+
+struct MotorTest {
+  bool stbd = false;
+  double share = 0;  ///< of the greatest thrust, negative astern
+  std::int64_t duration_us = 0;
+  bool operator==(const MotorTest&) const = default;
 };
 
-/// Commands of one tick, first come first served; one too many is counted, its sender repeats it.
-/// A disarm is never one too many.
-class CommandQueue {
- public:
-  void push(const PendingCommand& pending, link::Counters& counters);
-  std::span<const PendingCommand> pending() const { return {queue_.data(), count_}; }
-  void clear() { count_ = 0; }
-
- private:
-  std::array<PendingCommand, 8> queue_{};
-  std::size_t count_ = 0;
+struct MessageRequest {
+  std::uint16_t id = 0;
+  std::uint32_t index = 0;  ///< meaning depends on the message; 0: all
 };
 
-/// What a command asks of the supervisor; where that is nothing, the answer is final already.
+struct MessageRate {
+  std::uint16_t id = 0;
+  std::int64_t interval_us = 0;  ///< 0: the default, −1: off
+};
+
+/// What a command asks; where that is nothing, the result is final already.
 struct Asked {
-  core::Request request = core::Request::kNone;
   std::uint8_t result = link::mav::kUnsupported;
+  core::Request request = core::Request::kNone;
   bool save_parameters = false;
-};
-Asked meaning_of(const PendingCommand& pending, const Parameters& parameters);
+  std::optional<MotorTest> motor_test{};  ///< with Request::kTest
+  bool repeated = false;
+  std::optional<MessageRequest> message{};
+  std::optional<MessageRate> rate{};
 
-/// Whether a command is addressed to this component.
-bool addressed_to(const link::CommandLong& command, const Parameters& parameters);
+  /// Changes nothing that others see: anybody may.
+  bool reads_only() const { return message.has_value(); }
+};
+Asked meaning_of(const Command& command);
+
+/// The supervisor's request for a mode number; nothing where there is no such mode.
+std::optional<core::Request> request_of_mode(double custom_mode);
 
 }  // namespace flotilla::app

@@ -14,13 +14,22 @@
 
 namespace flotilla::app::convert {
 
+/// Degrees, as MAVLink counts them, and how far the true north there is turned clockwise from the
+/// north of the local frame that the point was taken from.
+struct GlobalPoint {
+  std::int32_t latitude, longitude;  ///< degE7
+  double turn_rad = 0;
+};
+
 /// A vessel's state as one message or pair of messages gave it: north-east from the sender's own
-/// origin, heading clockwise from north, velocity over ground in the vessel's axes.
+/// origin, or from a point of the globe; heading clockwise from north, velocity over ground in the
+/// vessel's axes.
 struct Sample {
   std::int64_t stamp_us;  ///< sender's clock
   double north_m, east_m;
   double psi_rad;
   double u_mps, v_mps, r_radps;
+  std::optional<GlobalPoint> at{};
 };
 
 /// Why a message is not taken.
@@ -46,6 +55,17 @@ std::optional<HeadingSample> heading_of(const link::Attitude& message);
 std::optional<Sample> sample_of(const link::LocalPositionNed& message,
                                 const HeadingSample& heading);
 
+std::optional<Sample> sample_of(const link::GlobalPositionInt& message,
+                                const HeadingSample& heading);
+
+/// The same of FOLLOW_TARGET, whose position and velocity must be known; its own heading, where it
+/// has one.
+std::optional<Sample> sample_of(const link::FollowTarget& message, const HeadingSample& heading);
+std::optional<HeadingSample> own_heading_of(const link::FollowTarget& message);
+
+/// Its position and velocity are known, and all that is said to be known can be.
+bool is_usable(const link::FollowTarget& message);
+
 /// From the navigation antenna, x_m ahead and y_m to starboard, to the vessel's reference point.
 Sample at_reference_point(const Sample& antenna, double x_m, double y_m);
 
@@ -55,15 +75,31 @@ struct Position {
   link::GpsGlobalOrigin origin{};
 };
 
+/// A state at a point of the globe, north-east from an origin, heading from that origin's north.
+Sample in_plane(const Sample& sample, const link::GpsGlobalOrigin& origin);
+
+/// Near enough for one local frame: 100 km.
+bool reaches(const link::GpsGlobalOrigin& origin, const GlobalPoint& at);
+
+/// Of a point of the own local frame, whose origin must be known.
+template <class S>
+GlobalPoint global_of(const Position& position, const core::Vec2<S>& moved_n);
+
 /// Not off the globe, too near a pole, or 0, 0, which is what units without a fix say.
 bool is_valid(const link::GpsGlobalOrigin& origin);
 
 /// Near enough for a slot: within 5 km, five times the farthest.
 bool near(const Position& own, const Position& leader);
 
-/// From the leader to us, north-east, m; origins are differenced as integers, metres as doubles.
+/// From the leader to us, m, north-east in the plane of our origin; all differences are taken as
+/// doubles.
 template <class S>
 core::Vec2<S> separation(const Position& own, const Position& leader);
+
+/// What the law sees: two positions and the motions since, in the plane of our origin.
+template <class S>
+core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_motion,
+                                const Position& leader, const core::Motion<S>& leader_motion);
 
 template <class S>
 core::Nu<S> nu_of(const Sample& sample) {
@@ -75,9 +111,11 @@ S seconds(std::int64_t us) {
   return S(static_cast<double>(us) * 1e-6);
 }
 
-/// µs; 0 for a rate of 0.
+/// µs, at most an hour; 0 for a rate of 0.
 inline std::int64_t period_us(float rate_Hz) {
-  return rate_Hz > 0.0F ? static_cast<std::int64_t>(1e6 / double{rate_Hz} + 0.5) : 0;
+  if (!(rate_Hz > 0.0F)) return 0;
+  const double us = 1e6 / double{rate_Hz} + 0.5;
+  return static_cast<std::int64_t>(us < 3.6e9 ? us : 3.6e9);
 }
 inline std::int64_t half_period_us(float rate_Hz) { return period_us(rate_Hz) / 2; }
 
@@ -120,10 +158,15 @@ template <class S>
 struct OwnState {
   double north_m, east_m;
   core::Motion<S> motion;
+  link::GpsGlobalOrigin origin{};  ///< of north and east; global messages need it
 };
 template <class S>
 link::Attitude attitude_of(const OwnState<S>& state, std::uint32_t time_boot_ms);
 template <class S>
 link::LocalPositionNed local_position_of(const OwnState<S>& state, std::uint32_t time_boot_ms);
+template <class S>
+link::GlobalPositionInt global_position_of(const OwnState<S>& state, std::uint32_t time_boot_ms);
+template <class S>
+link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t timestamp_ms);
 
 }  // namespace flotilla::app::convert

@@ -14,15 +14,27 @@ const ParameterInfo* find_parameter(std::string_view name) {
 
 bool is_valid(const ParameterInfo& info, float value) {
   if (!std::isfinite(value) || value < info.least || value > info.greatest) return false;
-  if (!info.integer) return true;
-  const bool is_sign = info.least == -1.0F && info.greatest == 1.0F;
-  return std::nearbyint(value) == value && !(is_sign && value == 0.0F);
+  switch (info.kind) {
+    case ParameterKind::kReal:
+      return true;
+    case ParameterKind::kWhole:
+    case ParameterKind::kIdentity:
+      return std::nearbyint(value) == value;
+    case ParameterKind::kSign:
+      return std::abs(value) == 1.0F;
+    case ParameterKind::kMode:
+      return value == mode::kManual || value == mode::kHold || value == mode::kFormation;
+  }
+  return false;
 }
 
 std::optional<std::string_view> contradiction(const Parameters& p) {
   if (p.ESC_PORT == p.ESC_STBD) return "ESC_PORT and ESC_STBD are the same ESC";
   if (p.THR_DEAD >= p.THR_FWD_MAX || p.THR_DEAD >= p.THR_REV_MAX) {
     return "THR_DEAD is not below THR_FWD_MAX and THR_REV_MAX";
+  }
+  if (p.MAV_IDENTITY == 1.0F && p.MAV_COMPID == 1.0F) {
+    return "MAV_COMPID 1 is the autopilot's own, a companion (MAV_IDENTITY 1) takes 191";
   }
   if (p.FORM_LEADER == p.MAV_SYSID) return "FORM_LEADER is this boat's own MAV_SYSID";
   return std::nullopt;

@@ -4,38 +4,55 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
 namespace flotilla::app {
 
+/// ArduPilot Rover's numbers, which clients name by vehicle type.
+namespace mode {
+constexpr std::uint8_t kManual = 0, kHold = 4, kFormation = 6;
+}
+
 struct Parameters {
-#define FLOTILLA_PARAMETER(name, unit, value, least, greatest, integer, sentence) \
+#define FLOTILLA_PARAMETER(group, name, unit, value, least, greatest, kind, change, sentence) \
   float name = static_cast<float>(value);
 #include "app/parameters.def"
 #undef FLOTILLA_PARAMETER
 };
 
+enum class ParameterKind : std::uint8_t { kReal, kWhole, kSign, kMode, kIdentity };
+enum class ParameterChange : std::uint8_t { kAnytime, kDisarmed, kRestart, kMode };
+
 struct ParameterInfo {
+  std::string_view group;
   std::string_view name;
   std::string_view unit;
   float default_value;
   float least;
   float greatest;
-  bool integer;
+  ParameterKind kind;
+  ParameterChange change;
   std::string_view sentence;
   float Parameters::* member;
+
+  bool whole() const { return kind != ParameterKind::kReal; }
+  /// Kept over a restart.
+  bool saved() const { return change != ParameterChange::kMode; }
 };
 
 inline constexpr std::array kParameterList{
-#define FLOTILLA_PARAMETER(name, unit, value, least, greatest, integer, sentence) \
-  ParameterInfo{#name,                                                            \
-                unit,                                                             \
-                static_cast<float>(value),                                        \
-                static_cast<float>(least),                                        \
-                static_cast<float>(greatest),                                     \
-                integer,                                                          \
-                sentence,                                                         \
+#define FLOTILLA_PARAMETER(group, name, unit, value, least, greatest, kind, change, sentence) \
+  ParameterInfo{group,                                                                        \
+                #name,                                                                        \
+                unit,                                                                         \
+                static_cast<float>(value),                                                    \
+                static_cast<float>(least),                                                    \
+                static_cast<float>(greatest),                                                 \
+                ParameterKind::k##kind,                                                       \
+                ParameterChange::k##change,                                                   \
+                sentence,                                                                     \
                 &Parameters::name},
 #include "app/parameters.def"
 #undef FLOTILLA_PARAMETER
@@ -44,7 +61,7 @@ inline constexpr std::array kParameterList{
 /// The entry of that name.
 const ParameterInfo* find_parameter(std::string_view name);
 
-/// Whether the value is finite, in range, and whole (and not 0 for a ±1) where it must be.
+/// Whether the value is finite, in range, and whole, ±1 or a mode where it must be.
 bool is_valid(const ParameterInfo& info, float value);
 
 /// The first pair of parameters that are each in range but not together, as a sentence.

@@ -10,21 +10,33 @@ namespace flotilla::app {
 /// Due on a grid that begins with the first question; after a gap, once, and the grid begins anew.
 class Schedule {
  public:
+  Schedule() = default;
+
   /// Interval 0: never. `early_us`: half a tick, so that a loop's jitter does not skip a turn.
   explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
       : interval_us_(interval_us), early_us_(early_us) {}
 
+  /// Whether its turn has come; due() says the same and takes it.
+  bool waits(std::int64_t now_us) const {
+    return interval_us_ > 0 && (!next_us_ || now_us + early_us_ >= *next_us_);
+  }
+
   bool due(std::int64_t now_us) {
-    if (interval_us_ <= 0) return false;
-    if (next_us_ && now_us + early_us_ < *next_us_) return false;
+    if (!waits(now_us)) return false;
     const bool on_grid = next_us_ && now_us - *next_us_ < interval_us_;
     next_us_ = (on_grid ? *next_us_ : now_us) + interval_us_;
     return true;
   }
 
+  /// Due at once, and the grid begins anew.
+  void hurry() { next_us_.reset(); }
+
+  /// From the next turn on.
+  void stretch(std::int64_t interval_us) { interval_us_ = interval_us; }
+
  private:
-  std::int64_t interval_us_;
-  std::int64_t early_us_;
+  std::int64_t interval_us_ = 0;
+  std::int64_t early_us_ = 0;
   std::optional<std::int64_t> next_us_;
 };
 

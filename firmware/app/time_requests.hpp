@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// TIMESYNC, both ways: our requests and the answers we owe.
+// TIMESYNC, both ways: our requests and our answers.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "link/messages.hpp"
 
@@ -30,23 +30,16 @@ class TimeRequests {
     return std::nullopt;
   }
 
-  struct Owed {
-    std::size_t link;
-    link::Timesync answer;
-  };
-
-  /// Someone asked: the answer tells when the request was read; it leaves with the next tick.
-  void asked(std::size_t link, const link::Timesync& request, std::int64_t now_us) {
-    if (owed_count_ < owed_.size()) owed_[owed_count_++] = {link, {now_us * 1000, request.ts1}};
+  /// The answer tells when the request was read, though it leaves with the tick.
+  static link::Timesync answer_to(const link::Timesync& request, link::Address asker,
+                                  std::int64_t read_us) {
+    return {std::max<std::int64_t>(read_us * 1000, 1), request.ts1,
+            asker};  // 0 would be a question
   }
-  std::span<const Owed> owed() const { return {owed_.data(), owed_count_}; }
-  void clear_owed() { owed_count_ = 0; }
 
  private:
   std::array<std::int64_t, 4> asked_{};
   std::size_t next_ = 0;
-  std::array<Owed, 8> owed_{};
-  std::size_t owed_count_ = 0;
 };
 
 }  // namespace flotilla::app

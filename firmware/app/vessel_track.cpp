@@ -10,13 +10,23 @@ namespace {
 
 /// A heading older than this cannot be carried over to a position.
 constexpr std::int64_t kHeadingUsable_us = 300'000;
+/// A better source must have come so often before it is chosen again.
+constexpr int kSteady = 5;
 
 }  // namespace
 
 template <class S>
-bool VesselTrack<S>::mine(link::Sender from) const {
+bool VesselTrack<S>::mine(link::Address from) const {
   return from.system == identity_.system && from.component != identity_.ignored_component &&
          from.component != 0;
+}
+
+template <class S>
+void VesselTrack<S>::follow(std::uint8_t system) {
+  if (system == identity_.system) return;
+  Identity identity = identity_;
+  identity.system = system;
+  *this = VesselTrack(identity, antenna_);
 }
 
 template <class S>
@@ -24,26 +34,87 @@ bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
   if (component_ == 0) component_ = component;
   if (component < component_ || (component != component_ && silent(now_us))) {
     component_ = component;
+    heard_ = {};
+    anchored_ = false;
     restart();
   }
   return component == component_;
 }
 
+/// A message that came twice, or was overtaken on another way, neither counts nor breaks the row.
+template <class S>
+void VesselTrack<S>::hear(Source source, std::int64_t stamp_us, std::int64_t now_us) {
+  Heard& in = heard(source);
+  if (in.in_a_row > 0 && stamp_us == in.stamp_us) return;
+  const bool goes_on = in.in_a_row > 0 && now_us - in.arrived_us <= identity_.patience_us;
+  if (goes_on && stamp_us < in.stamp_us) return;
+  // Another source's clock is kept ready; the chosen one's is set by what is accepted.
+  if (source != source_ || !stamp_us_) {
+    if (stamp_us < in.stamp_us) in.clock.reset();
+    in.clock.heard(stamp_us, now_us);
+  }
+  // It rebooted, unless it is only late beside a source that goes on: change_to() will know.
+  in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
+  in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
+  in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;
+  in.arrived_us = now_us;
+  in.stamp_us = stamp_us;
+}
+
+template <class S>
+bool VesselTrack<S>::comes(Source source, std::int64_t now_us) const {
+  const Heard& in = heard(source);
+  return in.in_a_row > 0 && now_us - in.arrived_us <= identity_.patience_us;
+}
+
+template <class S>
+int VesselTrack<S>::rank(Source source) const {
+  const bool nowhere = source < Source::kFollowTarget && !origin_known();
+  return static_cast<int>(source) + (nowhere ? int{kSources} : 0);
+}
+
 template <class S>
 bool VesselTrack<S>::preferred(Source source, std::int64_t now_us) {
-  if (source != source_ && (source < source_ || now_us - arrived_us_ > kSourceSilent_us)) {
-    restart();  // the stamps of the two need not count from the same instant
-    source_ = source;
+  if (source == source_) return true;
+  const auto better = [&](Source one, Source other) { return rank(one) < rank(other); };
+  if (comes(source_, now_us)) {
+    if (!better(source, source_) || heard(source).in_a_row < kSteady) return false;
+  } else {
+    for (const Source other : {Source::kOdometry, Source::kLocalPosition, Source::kFollowTarget,
+                               Source::kGlobalPosition}) {
+      const bool steady = comes(other, now_us) && heard(other).in_a_row >= kSteady;
+      if (steady && better(other, source)) return false;
+    }
   }
-  return source == source_;
+  change_to(source, now_us);
+  return true;
+}
+
+/// The track goes on from the old source's motion, with the new one's own stamps and clock: those
+/// of the two need not count from the same instant.
+template <class S>
+void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
+  const auto age = age_us(now_us);
+  other_source_us_ = age ? std::optional(now_us - *age) : std::nullopt;
+  stamp_us_.reset();
+  refused_stamp_us_.reset();
+  refused_in_a_row_ = 0;
+  source_ = source;
+  Heard& in = heard(source);
+  if (std::exchange(in.went_back,
+                    false)) {  // after a reboot its local frame may have another origin
+    in.newest_us = in.stamp_us;
+    origin_component_ = 0;
+  }
 }
 
 template <class S>
 void VesselTrack<S>::restart() {
   stamp_us_.reset();
   refused_stamp_us_.reset();
+  other_source_us_.reset();
   refused_in_a_row_ = 0;
-  clock_.reset();
+  clock().reset();
   track_ = {};
 }
 
@@ -57,7 +128,11 @@ void VesselTrack<S>::take(const link::Received& received, std::int64_t now_us,
   } else if (const auto* attitude = std::get_if<link::Attitude>(&received.message)) {
     take(*attitude, component, now_us, counters);
   } else if (const auto* position = std::get_if<link::LocalPositionNed>(&received.message)) {
-    take(*position, component, now_us, counters);
+    take_joined(Source::kLocalPosition, *position, component, now_us, counters);
+  } else if (const auto* global = std::get_if<link::GlobalPositionInt>(&received.message)) {
+    take_joined(Source::kGlobalPosition, *global, component, now_us, counters);
+  } else if (const auto* target = std::get_if<link::FollowTarget>(&received.message)) {
+    take(*target, component, now_us, counters);
   } else if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take(*origin, component, counters);
   }
@@ -71,9 +146,17 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     const bool bad_frame = reading.refusal == convert::Refusal::kBadFrame;
     ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
     frame_complaint_ = frame_complaint_ || bad_frame;
-  } else if (chosen(component, now_us) && preferred(Source::kOdometry, now_us) &&
-             accept(*reading.sample, now_us, counters)) {
-    heading_older_us_ = 0;
+  } else if (chosen(component, now_us)) {
+    const bool younger = !stamp_us_ || reading.sample->stamp_us > *stamp_us_;
+    if (source_ == Source::kOdometry && younger) {
+      // Another number: no motion led from there to here.
+      if (odometry_resets_.value_or(message.reset_counter) != message.reset_counter) restart();
+      odometry_resets_ = message.reset_counter;
+    }
+    hear(Source::kOdometry, reading.sample->stamp_us, now_us);
+    if (preferred(Source::kOdometry, now_us) && accept(*reading.sample, now_us, counters)) {
+      heading_older_us_ = 0;
+    }
   }
 }
 
@@ -98,8 +181,30 @@ void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
 }
 
 template <class S>
-void VesselTrack<S>::take(const link::LocalPositionNed& message, std::uint8_t component,
+void VesselTrack<S>::take(const link::FollowTarget& message, std::uint8_t component,
                           std::int64_t now_us, link::Counters& counters) {
+  if (!convert::is_usable(message)) {
+    ++counters.mavlink_bad_value;
+    return;
+  }
+  const auto heading = convert::own_heading_of(message);
+  if (!heading) {
+    take_joined(Source::kFollowTarget, message, component, now_us, counters);
+    return;
+  }
+  if (!chosen(component, now_us)) return;
+  const auto sample = convert::sample_of(message, *heading);
+  hear(Source::kFollowTarget, sample->stamp_us, now_us);
+  if (preferred(Source::kFollowTarget, now_us) && accept(*sample, now_us, counters)) {
+    heading_older_us_ = 0;
+  }
+}
+
+/// A position whose heading is ATTITUDE's.
+template <class S>
+template <class Message>
+void VesselTrack<S>::take_joined(Source source, const Message& message, std::uint8_t component,
+                                 std::int64_t now_us, link::Counters& counters) {
   const Heading heading = component == component_ ? heading_ : other_heading_;
   if (heading.component != component) {
     ++counters.mavlink_no_heading;
@@ -115,9 +220,10 @@ void VesselTrack<S>::take(const link::LocalPositionNed& message, std::uint8_t co
     ++counters.mavlink_no_heading;
     return;
   }
-  if (!chosen(component, now_us) || !preferred(Source::kLocalPosition, now_us)) return;
+  if (!chosen(component, now_us)) return;
   heading_ = heading;
-  if (accept(*sample, now_us, counters)) {
+  hear(source, sample->stamp_us, now_us);
+  if (preferred(source, now_us) && accept(*sample, now_us, counters)) {
     heading_older_us_ = std::max<std::int64_t>(older_us, 0);
   }
 }
@@ -128,12 +234,30 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t com
   if (!convert::is_valid(message)) {
     ++counters.mavlink_bad_value;
   } else if (component_ == 0 || component == component_) {
-    const auto& old = position_.origin;
-    const bool moved = message.latitude != old.latitude || message.longitude != old.longitude;
-    // A position belongs to the origin that it was measured from.
-    if (moved && origin_component_ != 0) restart();
-    position_.origin = message;
+    const bool moved =
+        message.latitude != origin_.latitude || message.longitude != origin_.longitude;
+    // A local position belongs to the origin that it was measured from.
+    if (moved && origin_component_ != 0 && !anchored_) restart();
+    origin_ = message;
     origin_component_ = component;
+    if (!anchored_) position_.origin = message;
+  }
+}
+
+/// A global position gets an origin that stays: followers of this vessel rely on it.
+template <class S>
+void VesselTrack<S>::place(convert::Sample& sample) {
+  if (sample.at) {
+    const auto& at = *sample.at;
+    if (!anchored_ || !convert::reaches(position_.origin, at)) {
+      const bool near = origin_known() && convert::reaches(origin_, at);
+      position_.origin = near ? origin_ : link::GpsGlobalOrigin{at.latitude, at.longitude, 0, 0};
+    }
+    sample = convert::in_plane(sample, position_.origin);
+    anchored_ = true;
+  } else if (anchored_) {
+    position_.origin = origin_;
+    anchored_ = false;
   }
 }
 
@@ -150,43 +274,66 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
     restart();
     origin_component_ = 0;  // after a reboot its local frame may have another origin
   }
+  // A clock of 32 bits that begins anew after 25 days looks as if it had run ahead.
+  if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
+    restart();
+    origin_component_ = 0;
+  }
   // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead.
-  if (refused_in_a_row_ >= 3) clock_.reset();
+  if (refused_in_a_row_ >= 3) clock().reset();
   refused_in_a_row_ = 0;
-  sample = convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m);
-  clock_.heard(sample.stamp_us, now_us);
-  const S dt = stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_) : S(0);
-  const std::int64_t age_us = now_us - (sample.stamp_us + clock_.offset_us().value_or(0));
-  core::track_update(core::TrackParams<S>{}, track_,
-                     {S(sample.psi_rad), convert::nu_of<S>(sample), dt,
-                      convert::seconds<S>(std::max<std::int64_t>(age_us, 0))});
+  place(sample);
+  update(convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m), now_us);
+  return true;
+}
+
+template <class S>
+void VesselTrack<S>::update(const convert::Sample& sample, std::int64_t now_us) {
+  clock().heard(sample.stamp_us, now_us);
+  const std::int64_t true_us = sample.stamp_us + clock().offset_us().value_or(0);
+  const S age = convert::seconds<S>(std::max<std::int64_t>(now_us - true_us, 0));
+  const core::TrackParams<S> params{};
+  if (other_source_us_) {
+    const std::int64_t since_us = std::max<std::int64_t>(true_us - *other_source_us_, 1000);
+    core::track_resume(
+        params, track_,
+        {S(sample.psi_rad), convert::nu_of<S>(sample), convert::seconds<S>(since_us), age});
+    other_source_us_.reset();
+  } else {
+    const S dt = stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_) : S(0);
+    core::track_update(params, track_, {S(sample.psi_rad), convert::nu_of<S>(sample), dt, age});
+  }
   ++messages_;
   position_.north_m = sample.north_m;
   position_.east_m = sample.east_m;
   stamp_us_ = sample.stamp_us;
   refused_stamp_us_.reset();
   arrived_us_ = now_us;
-  return true;
 }
 
 template <class S>
-void VesselTrack<S>::answered(link::Sender from, std::int64_t sent_us, std::int64_t read_us,
+void VesselTrack<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                               std::int64_t now_us) {
-  if (!mine(from) || from.component != component_ || !stamp_us_) return;
-  const bool wraps = source_ == Source::kLocalPosition;
-  clock_.answered(sent_us, wraps ? convert::unwrapped_us(read_us, *stamp_us_) : read_us, now_us);
+  if (!mine(from) || from.component != component_) return;
+  for (Heard& in : heard_) {
+    if (in.in_a_row == 0) continue;
+    // ODOMETRY's stamps do not wrap; what differs by whole turns of 49 days is another clock.
+    const bool wraps = &in != &heard(Source::kOdometry);
+    in.clock.answered(sent_us, wraps ? convert::unwrapped_us(read_us, in.stamp_us) : read_us,
+                      now_us);
+  }
 }
 
 template <class S>
 std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
-  const auto offset = clock_.offset_us();
+  const auto offset = clock().offset_us();
   if (!stamp_us_ || !offset) return std::nullopt;
   return std::max<std::int64_t>(now_us - (*stamp_us_ + *offset), 0);
 }
 
 template <class S>
 bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
-  const auto least = clock_.least_us();
+  const auto least = clock().least_us();
   if (!stamp_us_ || !least) return false;
   const std::int64_t worst_age_us = now_us - (*stamp_us_ + *least);
   return worst_age_us + heading_older_us_ < limit_us && now_us - arrived_us_ < limit_us;

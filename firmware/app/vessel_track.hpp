@@ -2,6 +2,7 @@
 // What is known of one vessel, own or leader, from its MAVLink state messages.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -11,16 +12,20 @@
 
 namespace flotilla::app {
 
-/// Follows one system id and of its components the lowest that sends whole states. ODOMETRY is
-/// preferred to LOCAL_POSITION_NED + ATTITUDE while it comes. A message counts by its stamp: one
-/// that is not younger than the last is refused, unless nothing younger has come for so long, and
-/// the old stamps advance, that the vessel must have rebooted.
+/// Follows one system id and of its components the lowest that sends whole states. Of several
+/// sources the most precise one that comes wins: ODOMETRY, LOCAL_POSITION_NED + ATTITUDE,
+/// FOLLOW_TARGET, GLOBAL_POSITION_INT + ATTITUDE; a local one whose origin is unknown comes last.
+/// It gives way when it was silent for `patience_us`, and comes back when it has come five times in
+/// a row. A message counts by its stamp: one that is not younger than the last is refused, unless
+/// nothing younger has come for so long, and the old stamps advance, that the vessel must have
+/// rebooted.
 template <class S>
 class VesselTrack {
  public:
   struct Identity {
     std::uint8_t system;
-    std::uint8_t ignored_component;  ///< 0: none
+    std::uint8_t ignored_component;      ///< 0: none
+    std::int64_t patience_us = 500'000;  ///< with the chosen source
   };
   struct Antenna {
     double x_m, y_m;
@@ -29,11 +34,19 @@ class VesselTrack {
   explicit VesselTrack(Identity identity, Antenna antenna = {0, 0})
       : identity_(identity), antenna_(antenna) {}
 
+  std::uint8_t system() const { return identity_.system; }
+
+  /// Another vessel from now on; nothing that is known of the old one is kept.
+  void follow(std::uint8_t system);
+
+  void set_antenna(Antenna antenna) { antenna_ = antenna; }
+
   /// Takes any message; those of other vessels and of no use here are passed over.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
-  void answered(link::Sender from, std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us);
+  void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                std::int64_t now_us);
 
   /// Time since the state was true, not since it came; nothing where none is known.
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
@@ -41,9 +54,12 @@ class VesselTrack {
   /// Its state is known and younger than the limit, at the worst that its clock may be off.
   bool fresh(std::int64_t now_us, std::int64_t limit_us) const;
 
-  /// Position at the last sample; the origin is that of the sender's local frame.
+  /// Position at the last sample; the origin is that of the sender's local frame, or, while it
+  /// tells global positions only, its first one.
   convert::Position position() const { return position_; }
-  bool has_origin() const { return component_ != 0 && origin_component_ == component_; }
+
+  /// The position can be compared with others.
+  bool has_origin() const { return component_ != 0 && (anchored_ || origin_known()); }
 
   /// Motion since the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
@@ -56,44 +72,72 @@ class VesselTrack {
   bool take_frame_complaint();
 
  private:
-  enum class Source : std::uint8_t { kOdometry, kLocalPosition };
-  static constexpr std::int64_t kSilent_us = 1'000'000;
-  static constexpr std::int64_t kSourceSilent_us = 300'000;
+  enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGlobalPosition };
+  static constexpr std::size_t kSources = 4;
+  static constexpr std::int64_t kSilent_us = 1'000'000, kLeap_us = 600'000'000;
 
   struct Heading {
     std::uint8_t component = 0;
     convert::HeadingSample sample{};
   };
 
-  bool mine(link::Sender from) const;
+  /// A source of the chosen component, in use or not.
+  struct Heard {
+    std::int64_t arrived_us = 0, stamp_us = 0;
+    std::int64_t newest_us = 0;  ///< the latest stamp
+    bool went_back = false;      ///< the last one was earlier
+    int in_a_row = 0;            ///< messages without a gap; 0: there was none
+    ClockOffset clock;
+  };
+
+  bool mine(link::Address from) const;
   bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
+  bool origin_known() const { return origin_component_ == component_; }
   void take(const link::Odometry& message, std::uint8_t component, std::int64_t now_us,
             link::Counters& counters);
   void take(const link::Attitude& message, std::uint8_t component, std::int64_t now_us,
             link::Counters& counters);
-  void take(const link::LocalPositionNed& message, std::uint8_t component, std::int64_t now_us,
+  void take(const link::FollowTarget& message, std::uint8_t component, std::int64_t now_us,
             link::Counters& counters);
+  template <class Message>
+  void take_joined(Source source, const Message& message, std::uint8_t component,
+                   std::int64_t now_us, link::Counters& counters);
   void take(const link::GpsGlobalOrigin& message, std::uint8_t component, link::Counters& counters);
   bool chosen(std::uint8_t component, std::int64_t now_us);
+  void hear(Source source, std::int64_t stamp_us, std::int64_t now_us);
   bool preferred(Source source, std::int64_t now_us);
+  bool comes(Source source, std::int64_t now_us) const;
+  int rank(Source source) const;
+  void change_to(Source source, std::int64_t now_us);
   bool accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
+  void update(const convert::Sample& sample, std::int64_t now_us);
+  void place(convert::Sample& sample);
   void restart();
+
+  Heard& heard(Source source) { return heard_[static_cast<std::size_t>(source)]; }
+  const Heard& heard(Source source) const { return heard_[static_cast<std::size_t>(source)]; }
+  ClockOffset& clock() { return heard(source_).clock; }
+  const ClockOffset& clock() const { return heard(source_).clock; }
 
   Identity identity_;
   Antenna antenna_;
   std::uint8_t component_ = 0;
-  Source source_ = Source::kLocalPosition;
+  Source source_ = Source::kGlobalPosition;
+  std::array<Heard, kSources> heard_{};
   Heading heading_;        // of the chosen component
   Heading other_heading_;  // of another, which may be chosen when its position comes too
+  std::optional<std::uint8_t> odometry_resets_;
   std::optional<std::int64_t> stamp_us_;
   std::optional<std::int64_t> refused_stamp_us_;
+  std::optional<std::int64_t> other_source_us_;  // our time of the state of the source before
   std::int64_t heading_older_us_ = 0;  // by how much the heading was older than the position
   std::int64_t arrived_us_ = 0;
-  ClockOffset clock_;
   int refused_in_a_row_ = 0;
   std::uint32_t messages_ = 0;
   convert::Position position_;
-  std::uint8_t origin_component_ = 0;
+  bool anchored_ = false;  // position_.origin was chosen for global positions
+  link::GpsGlobalOrigin origin_{};
+  std::uint8_t origin_component_ = 0;  // 0: the sender has told no origin
   bool frame_complaint_ = false;
   core::TrackState<S> track_;
 };

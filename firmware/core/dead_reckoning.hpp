@@ -58,10 +58,11 @@ Motion<S> reckon_step(const Vessel<S>& m, const Reckoning<S>& now, const Tau<S>&
   const S turned = half * (r + next.r);
   const Vec2<S> way = to_north_east(now.motion.psi + S(0.5) * turned,
                                     Vec2<S>{half * (u + next.u), half * (v + next.v)});
-  return {{now.motion.moved_n.x + way.x, now.motion.moved_n.y + way.y},
-          now.motion.psi + turned,
-          next,
-          {}};
+  return {
+      {now.motion.moved_n.x + way.x, now.motion.moved_n.y + way.y},
+      now.motion.psi + turned,
+      next,
+      {a_u - m.d11 / m.m11 * next.u, a_v - m.d22 / m.m22 * next.v, a_r - m.d33 / m.m33 * next.r}};
 }
 
 /// Within the reach of any boat: what is greater is no motion but an arithmetic that ran away.
@@ -87,7 +88,7 @@ template <class S>
 void reckon_from(const ReckoningParams<S>& params, const Vessel<S>& vessel, Reckoning<S>& state,
                  const Fix<S>& fix, const Tau<S>& tau) {
   const Nu<S> expected = state.motion.nu;
-  state.motion = {{}, fix.psi, fix.nu, {}};
+  state.motion = {{}, fix.psi, fix.nu, state.motion.nu_dot};
   reckon_forward(vessel, state, tau, fix.age);
   if (S(0) < fix.dt) {
     const S gain = S(1) / (fix.dt + params.bias_lag_s);

@@ -72,6 +72,14 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   state.started = true;
 }
 
+/// Takes a message of another source, whose state was true dt seconds after the last one's. What the
+/// two say differs by their errors, which is no acceleration: the old one is kept.
+template <class S>
+void track_resume(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
+  const bool kept = state.started && S(0) < in.dt && in.dt < params.gap_s;
+  state = {in.psi, in.nu, kept ? state.nu_dot : Nu<S>{}, kept ? in.dt : S(0), true};
+}
+
 /// The motion `age` seconds after the last message.
 template <class S>
 Motion<S> track_forward(const TrackState<S>& state, S age) {

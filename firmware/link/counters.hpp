@@ -16,13 +16,20 @@ struct Counters {
   std::uint32_t mavlink_no_heading = 0;     ///< position without an ATTITUDE of about its time
   std::uint32_t mavlink_unknown = 0;        ///< whole frames of messages that our dialect lacks
   std::uint32_t mavlink_not_sent = 0;       ///< message that found no room in this tick's buffer
-  std::uint32_t commands_dropped = 0;       ///< more commands in one tick than the queue holds
+  std::uint32_t requests_dropped = 0;       ///< more of them in one tick than the inbox holds
   std::uint32_t can_received = 0;           ///< whole transfers
   std::uint32_t can_bad_frame = 0;          ///< no tail, wrong order, lost part, nonsense id
   std::uint32_t can_bad_checksum = 0;       ///< multi-frame transfer whose CRC is wrong
   std::uint32_t can_bad_value = 0;          ///< transfer too short for its type
   std::uint32_t can_not_sent = 0;           ///< transfer that found no room in this tick's buffer
   std::uint32_t clock_went_back = 0;        ///< calls with a time before that of the call before
+
+  std::uint32_t mavlink_signed = 0;            ///< messages whose signature is good
+  std::uint32_t mavlink_forged = 0;            ///< signed with another key, or changed on the way
+  std::uint32_t mavlink_replayed = 0;          ///< signed, but not new: heard before, or too old
+  std::uint32_t mavlink_future_stamp = 0;      ///< signed more than a minute ahead of our clock
+  std::uint32_t mavlink_streams_full = 0;      ///< signed, by more senders than there is room for
+  std::uint32_t mavlink_unsigned_refused = 0;  ///< unsigned on a link that requires signatures
 };
 
 }  // namespace flotilla::link

@@ -4,31 +4,39 @@
 #include <flotilla/mavlink.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
+
+#include "link/mavlink_crc.hpp"
+#include "link/mavlink_read.hpp"
 
 namespace flotilla::link {
 namespace {
 
 constexpr std::size_t kChecksumBytes = 2;
+constexpr std::uint8_t kEverybody = 0;
 
 struct Header {
   std::size_t header_bytes;
   std::size_t payload_bytes;
   std::size_t frame_bytes;
   std::uint32_t id;
-  Sender from;
+  Address from;
+  std::uint8_t sequence;
+  bool has_signature;
 };
 
 /// Reads a frame's header; nothing while it is not whole.
 std::optional<Header> read_header(std::span<const std::uint8_t> b) {
   if (b[0] == MAVLINK_STX && b.size() >= 10) {
-    const std::size_t signature =
-        (b[2] & MAVLINK_IFLAG_SIGNED) != 0 ? MAVLINK_SIGNATURE_BLOCK_LEN : 0;
+    const bool has_signature = (b[2] & MAVLINK_IFLAG_SIGNED) != 0;
+    const std::size_t signature = has_signature ? kSignatureBlockBytes : 0;
     const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
-    return Header{10, b[1], 10U + b[1] + kChecksumBytes + signature, id, {b[5], b[6]}};
+    return Header{10,   b[1],         10U + b[1] + kChecksumBytes + signature, id, {b[5], b[6]},
+                  b[4], has_signature};
   }
   if (b[0] == MAVLINK_STX_MAVLINK1 && b.size() >= 6) {
-    return Header{6, b[1], 6U + b[1] + kChecksumBytes, b[5], {b[3], b[4]}};
+    return Header{6, b[1], 6U + b[1] + kChecksumBytes, b[5], {b[3], b[4]}, b[2], false};
   }
   return std::nullopt;
 }
@@ -49,101 +57,61 @@ bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
 
 bool checksum_is_good(std::span<const std::uint8_t> b, const Header& h, std::uint8_t crc_extra) {
   const std::size_t covered = h.header_bytes + h.payload_bytes;
-  std::uint16_t crc = crc_calculate(b.data() + 1, static_cast<std::uint16_t>(covered - 1));
-  crc_accumulate(crc_extra, &crc);
+  const std::uint16_t crc = mavlink_crc(b.first(covered).subspan(1), crc_extra);
   return b[covered] == (crc & 0xFFU) && b[covered + 1] == crc >> 8U;
 }
 
-template <class Wire, class Decode>
-Wire decoded(const mavlink_message_t& m, Decode decode) {
-  Wire wire{};
-  decode(&m, &wire);
-  return wire;
-}
-
-Message read_message(const mavlink_message_t& m) {
-  switch (m.msgid) {
-    case MAVLINK_MSG_ID_HEARTBEAT: {
-      const auto w = decoded<mavlink_heartbeat_t>(m, mavlink_msg_heartbeat_decode);
-      return Heartbeat{w.custom_mode, w.type, w.autopilot, w.base_mode, w.system_status};
-    }
-    case MAVLINK_MSG_ID_ATTITUDE: {
-      const auto w = decoded<mavlink_attitude_t>(m, mavlink_msg_attitude_decode);
-      return Attitude{w.time_boot_ms, w.roll,       w.pitch,   w.yaw,
-                      w.rollspeed,    w.pitchspeed, w.yawspeed};
-    }
-    case MAVLINK_MSG_ID_LOCAL_POSITION_NED: {
-      const auto w =
-          decoded<mavlink_local_position_ned_t>(m, mavlink_msg_local_position_ned_decode);
-      return LocalPositionNed{w.time_boot_ms, w.x, w.y, w.z, w.vx, w.vy, w.vz};
-    }
-    case MAVLINK_MSG_ID_ODOMETRY: {
-      const auto w = decoded<mavlink_odometry_t>(m, mavlink_msg_odometry_decode);
-      return Odometry{w.time_usec,
-                      w.x,
-                      w.y,
-                      w.z,
-                      {w.q[0], w.q[1], w.q[2], w.q[3]},
-                      w.vx,
-                      w.vy,
-                      w.vz,
-                      w.rollspeed,
-                      w.pitchspeed,
-                      w.yawspeed,
-                      w.frame_id,
-                      w.child_frame_id};
-    }
-    case MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: {
-      const auto w = decoded<mavlink_gps_global_origin_t>(m, mavlink_msg_gps_global_origin_decode);
-      return GpsGlobalOrigin{w.latitude, w.longitude, w.altitude, w.time_usec};
-    }
-    case MAVLINK_MSG_ID_TIMESYNC: {
-      const auto w = decoded<mavlink_timesync_t>(m, mavlink_msg_timesync_decode);
-      return Timesync{w.tc1, w.ts1};
-    }
-    case MAVLINK_MSG_ID_COMMAND_LONG: {
-      const auto w = decoded<mavlink_command_long_t>(m, mavlink_msg_command_long_decode);
-      return CommandLong{w.command,
-                         {w.param1, w.param2, w.param3, w.param4, w.param5, w.param6, w.param7},
-                         w.target_system,
-                         w.target_component,
-                         w.confirmation};
-    }
-    case MAVLINK_MSG_ID_COMMAND_ACK: {
-      const auto w = decoded<mavlink_command_ack_t>(m, mavlink_msg_command_ack_decode);
-      return CommandAck{w.command, w.result, w.target_system, w.target_component};
-    }
-    case MAVLINK_MSG_ID_STATUSTEXT: {
-      const auto w = decoded<mavlink_statustext_t>(m, mavlink_msg_statustext_decode);
-      Statustext text{w.severity, {}};
-      std::copy(std::begin(w.text), std::end(w.text), text.text.begin());
-      return text;
-    }
-    case MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: {
-      const auto w = decoded<mavlink_named_value_float_t>(m, mavlink_msg_named_value_float_decode);
-      NamedValueFloat value{w.time_boot_ms, w.value, {}};
-      std::copy(std::begin(w.name), std::end(w.name), value.name.begin());
-      return value;
-    }
+/// Whom a message names: its table entry says where, except for two that the table does not know.
+Address target_of(std::span<const std::uint8_t> payload, const mavlink_msg_entry_t& entry) {
+  const auto byte = [&](std::size_t at) { return at < payload.size() ? payload[at] : kEverybody; };
+  switch (entry.msgid) {
+    case MAVLINK_MSG_ID_MANUAL_CONTROL:
+      return {byte(offsetof(mavlink_manual_control_t, target)), kEverybody};
+    case MAVLINK_MSG_ID_TIMESYNC:
+      return timesync_target(payload);
     default:
-      return std::monostate{};
+      return {(entry.flags & MAV_MSG_ENTRY_FLAG_HAVE_TARGET_SYSTEM) != 0
+                  ? byte(entry.target_system_ofs)
+                  : kEverybody,
+              (entry.flags & MAV_MSG_ENTRY_FLAG_HAVE_TARGET_COMPONENT) != 0
+                  ? byte(entry.target_component_ofs)
+                  : kEverybody};
   }
 }
 
-/// The payload alone matters to the generated decoders; what the frame leaves out is zero.
-Message read_payload(std::span<const std::uint8_t> payload, std::uint32_t id) {
-  mavlink_message_t m;
-  m.msgid = id & 0xFFFFFFU;
-  m.len = static_cast<std::uint8_t>(payload.size());
-  auto* bytes = _MAV_PAYLOAD_NON_CONST(&m);
-  std::memcpy(bytes, payload.data(), payload.size());
-  std::memset(bytes + payload.size(), 0, MAVLINK_MAX_PAYLOAD_LEN - payload.size());
-  return read_message(m);
+bool accepted(SignatureVerdict verdict, Counters& counters) {
+  switch (verdict) {
+    case SignatureVerdict::kGood:
+      ++counters.mavlink_signed;
+      return true;
+    case SignatureVerdict::kForged:
+      ++counters.mavlink_forged;
+      return false;
+    case SignatureVerdict::kReplayed:
+    case SignatureVerdict::kStale:
+      ++counters.mavlink_replayed;
+      return false;
+    case SignatureVerdict::kFuture:
+      ++counters.mavlink_future_stamp;
+      return false;
+    case SignatureVerdict::kNoRoom:
+      ++counters.mavlink_streams_full;
+      return false;
+  }
+  return false;
+}
+
+Received received(std::span<const std::uint8_t> b, const Header& h,
+                  const mavlink_msg_entry_t& entry, bool is_signed) {
+  const auto payload = b.subspan(h.header_bytes, h.payload_bytes);
+  return {h.from,   read_payload(payload, h.id), target_of(payload, entry), h.id, h.sequence,
+          is_signed};
 }
 
 }  // namespace
 
 std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
+  frame_size_ = 0;
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
@@ -155,7 +123,14 @@ std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
   return taken;
 }
 
-std::optional<Received> MavlinkDecoder::next(Counters& counters) {
+void MavlinkDecoder::give_up(Counters& counters) {
+  if (!waits()) return;
+  ++begin_;
+  ++counters.mavlink_skipped_bytes;
+}
+
+std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signing) {
+  frame_size_ = 0;
   const auto skip_byte = [&] {
     ++begin_;
     ++counters.mavlink_skipped_bytes;
@@ -174,25 +149,24 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters) {
       continue;
     }
     if (b.size() < header->frame_bytes) return std::nullopt;
-    if (entry == nullptr) {
-      if (!ends_well(b, header->frame_bytes)) {
-        skip_byte();
-        continue;
-      }
+    if (entry == nullptr && ends_well(b, header->frame_bytes)) {
       begin_ += header->frame_bytes;
+      ++whole_;
       ++counters.mavlink_unknown;
       continue;
     }
-    if (!checksum_is_good(b, *header, entry->crc_extra)) {
-      ++counters.mavlink_bad_checksum;
+    if (entry == nullptr || !checksum_is_good(b, *header, entry->crc_extra)) {
+      if (entry != nullptr) ++counters.mavlink_bad_checksum;
       skip_byte();
       continue;
     }
     begin_ += header->frame_bytes;
+    ++whole_;
+    const bool is_signed = signing != nullptr && header->has_signature;
+    if (is_signed && !accepted(signing->check(b.first(header->frame_bytes)), counters)) continue;
+    frame_size_ = header->frame_bytes;
     ++counters.mavlink_received;
-    return Received{
-        header->from,
-        read_payload(b.subspan(header->header_bytes, header->payload_bytes), header->id)};
+    return received(b, *header, *entry, is_signed);
   }
   return std::nullopt;
 }

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "link/messages.hpp"
+#include "link/signing.hpp"
 
 namespace flotilla::link {
 
@@ -14,14 +15,21 @@ namespace flotilla::link {
 class MavlinkEncoder {
  public:
   MavlinkEncoder() = default;
-  explicit MavlinkEncoder(Sender self) : self_(self) {}
+  explicit MavlinkEncoder(Address self) : self_(self) {}
 
   /// Writes one frame; its length, or 0 (and nothing written, no number used) where `out` is
-  /// too short or the message is std::monostate.
-  std::size_t encode(const Message& message, std::span<std::uint8_t> out);
+  /// too short or the message is std::monostate. With `signing` it is signed, as from `link_id`.
+  std::size_t encode(const Message& message, std::span<std::uint8_t> out,
+                     Signing* signing = nullptr, std::uint8_t link_id = 0);
+
+  /// Under other ids from now on.
+  void rename(Address self) { self_ = self; }
+
+  /// The sequence number of the frame written last.
+  std::uint8_t last_sequence() const { return static_cast<std::uint8_t>(sequence_ - 1U); }
 
  private:
-  Sender self_{};
+  Address self_{};
   std::uint8_t sequence_ = 0;
 };
 

@@ -9,16 +9,33 @@ Source: mavlink.io, common message set.
 from collections import Counter
 from collections.abc import Sequence
 from math import cos, nan, pi, remainder, sin, tau
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
+from sil.wire.geodesy import LocalFrame
 from sil.wire.mavlink_frames import frames
 from sil.wire.rate import Rate
 from sil.wire.state_frame import StateFrame
 
 _TIMESYNC: int = mavlink.MAVLINK_MSG_ID_TIMESYNC
 _UNKNOWN_COVARIANCE = [nan] + [0.0] * 20
+_UNKNOWN_HEADING = 65535
+_FOLLOW_CAPABILITIES = 1 | 2 | 8  # position, velocity, attitude and rates
+
+Message = Literal["local", "odometry", "global", "follow_target"]
+
+
+class Settings(NamedTuple):
+    """What a unit says and how often; `attitude_rate_hz` 0: with every position.
+
+    `origin_m`: where its local frame begins, north and east of the world's.
+    """
+
+    rate_hz: float
+    message: Message = "local"
+    attitude_rate_hz: float = 0.0
+    origin_m: tuple[float, float] = (0.0, 0.0)
 
 
 def _wrap(psi: float) -> float:
@@ -29,8 +46,9 @@ def _wrap(psi: float) -> float:
 class NavigationUnit:
     """One sender of state; times are its own clock's (us, positive).
 
-    `origin` is (latitude degE7, longitude degE7, altitude mm) of the local frame. `counters` counts
-    received `timesync` requests and `bad` frames (wrong CRC).
+    `origin` is (latitude degE7, longitude degE7, altitude mm) of the world's frame, the tangent
+    plane in which eta counts; vessels are at sea level. `counters` counts received `timesync`
+    requests and `bad` frames (wrong CRC).
     """
 
     def __init__(
@@ -40,8 +58,7 @@ class NavigationUnit:
         *,
         vehicle_type: int,
         origin: tuple[int, int, int],
-        rate_hz: float,
-        message: Literal["local", "odometry"] = "local",
+        settings: Settings,
     ) -> None:
         self.counters: Counter[str] = Counter()
         self._mav = mavlink.MAVLink(None, system_id, component_id)
@@ -53,9 +70,17 @@ class NavigationUnit:
             )
         )
         self._vehicle_type = vehicle_type
-        self._origin = origin
-        self._state = self._local if message == "local" else self._odometry
-        self._state_rate = Rate(rate_hz)
+        self._world = LocalFrame(*origin[:2], 0.001 * origin[2])
+        self._frame = self._world.moved(*settings.origin_m) if any(settings.origin_m) else None
+        self._origin = (*self._frame.origin_degE7, origin[2]) if self._frame else origin
+        self._state = {
+            "local": self._local,
+            "odometry": self._odometry,
+            "global": self._global,
+            "follow_target": self._follow_target,
+        }[settings.message]
+        self._state_rate = Rate(settings.rate_hz)
+        self._attitude_rate = Rate(settings.attitude_rate_hz) if settings.attitude_rate_hz else None
         self._slow_rate = Rate(1.0)
         self._requests: list[tuple[int, int]] = []
 
@@ -70,6 +95,8 @@ class NavigationUnit:
             # The instant of reading, not of answering: a requester bounds our clock by it.
             out += self._pack(mavlink.MAVLink_timesync_message(1000 * arrived_us, ts1))
         self._requests.clear()
+        if self._attitude_rate is not None and self._attitude_rate.due(now_us):
+            out += self._attitude_frame(now_us, eta, nu)
         if self._state_rate.due(now_us):
             out += self._state(now_us, eta, nu)
         return out
@@ -108,16 +135,65 @@ class NavigationUnit:
             )
         )
 
+    def _next(self) -> int:
+        sequence: int = self._mav.seq
+        self._mav.seq = (sequence + 1) & 0xFF
+        return sequence
+
+    def _attitude_frame(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        ms = now_us // 1000 & 0xFFFFFFFF
+        return self._attitude.pack(self._next(), ms, 0.0, 0.0, _wrap(eta[2]), 0.0, 0.0, nu[2])
+
     def _local(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        if self._frame is not None:
+            eta = self._world.seen_from(self._frame, *eta)
         x, y, psi = eta
-        u, v, r = nu
+        u, v, _ = nu
         c, s = cos(psi), sin(psi)
         ms = now_us // 1000 & 0xFFFFFFFF
-        sequence = self._mav.seq
-        self._mav.seq = (sequence + 2) & 0xFF
-        return self._attitude.pack(sequence, ms, 0.0, 0.0, _wrap(psi), 0.0, 0.0, r) + (
-            self._position.pack(
-                (sequence + 1) & 0xFF, ms, x, y, 0.0, c * u - s * v, s * u + c * v, 0.0
+        out = b"" if self._attitude_rate else self._attitude_frame(now_us, eta, nu)
+        return out + self._position.pack(
+            self._next(), ms, x, y, 0.0, c * u - s * v, s * u + c * v, 0.0
+        )
+
+    def _global(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        latitude, longitude, psi = self._world.geodetic(*eta)
+        u, v, _ = nu
+        c, s = cos(psi), sin(psi)
+        out = b"" if self._attitude_rate else self._attitude_frame(now_us, eta, nu)
+        return out + self._pack(
+            mavlink.MAVLink_global_position_int_message(
+                now_us // 1000 & 0xFFFFFFFF,
+                latitude,
+                longitude,
+                self._origin[2],
+                0,
+                round(100.0 * (c * u - s * v)),
+                round(100.0 * (s * u + c * v)),
+                0,
+                _UNKNOWN_HEADING,
+            )
+        )
+
+    def _follow_target(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        latitude, longitude, psi = self._world.geodetic(*eta)
+        u, v, r = nu
+        c, s = cos(psi), sin(psi)
+        half = 0.5 * _wrap(psi)
+        zeros = (0.0, 0.0, 0.0)
+        return self._pack(
+            mavlink.MAVLink_follow_target_message(
+                now_us // 1000,
+                _FOLLOW_CAPABILITIES,
+                latitude,
+                longitude,
+                0.001 * self._origin[2],
+                (c * u - s * v, s * u + c * v, 0.0),
+                zeros,
+                (cos(half), 0.0, 0.0, sin(half)),
+                (0.0, 0.0, r),
+                zeros,
+                0,
             )
         )
 

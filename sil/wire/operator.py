@@ -6,7 +6,7 @@ from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-unty
 from sil.wire.mavlink_frames import frames
 
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
-HOLD, FORMATION = 4, 6
+MANUAL, HOLD, FORMATION = 0, 4, 6
 
 _READ = {
     mavlink.MAVLINK_MSG_ID_HEARTBEAT,
@@ -33,7 +33,7 @@ class Operator:
         return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
 
     def set_mode(self, system: int, mode: int) -> bytes:
-        """The command to change to HOLD or FORMATION."""
+        """The command to change to MANUAL, HOLD or FORMATION."""
         custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         return self._command(system, mavlink.MAV_CMD_DO_SET_MODE, custom, float(mode))
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <type_traits>
 
 #include "app/boat.hpp"
 #include "app/harbour.hpp"
@@ -19,7 +23,7 @@ TEST_CASE_TEMPLATE("a boat that is armed and told to, pushes towards its slot", 
   Harbour<S> h;
   h.cast_off();
   CHECK(h.boat.state() == State::kFormation);
-  CHECK(h.boat.snapshot().conditions == core::kAllConditions);
+  CHECK(h.boat.snapshot().conditions == (core::kDrive | core::kParametersSaved));
   CHECK(h.pushes());
   CHECK(h.raw.cmd[0] > 0);  // the slot is ahead
   CHECK(h.arming == 255);
@@ -148,8 +152,8 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
     const auto acks = h.template all<link::CommandAck>(1);
     REQUIRE(acks.size() == 1);
     CHECK(acks[0].command == number);
-    CHECK(acks[0].target_system == 255);
-    CHECK(acks[0].target_component == 190);
+    CHECK(acks[0].target.system == 255);
+    CHECK(acks[0].target.component == 190);
     h.sail(0.5);
     CHECK(h.template all<link::CommandAck>(1).empty());
     return acks[0].result;
@@ -166,6 +170,100 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
   h.step();
   CHECK(h.template all<link::CommandAck>().empty());  // it was for another boat
   CHECK(h.boat.state() == State::kDisarmed);
+}
+
+TEST_CASE_TEMPLATE(
+    "a command behind a message that broke off is heard: with its datagram, or 0.3 s later", S,
+    float, double) {
+  const bool datagrams = std::is_same_v<S, float>;
+  for (const std::size_t cut : {1U, 5U, 10U, 20U}) {
+    Harbour<S> h(Parameters{}, 2);
+    h.sail(2);
+    testing::Bytes bytes = testing::frame_of(h.leader, Harbour<S>::state(1, 1, 1));
+    bytes.resize(cut);
+    const testing::Bytes command = testing::frame_of(
+        h.operator_,
+        link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
+    bytes.insert(bytes.end(), command.begin(), command.end());
+    h.boat.on_mavlink(bytes, h.now_us, 1);
+    if (datagrams) h.boat.end_of_datagram(h.now_us, 1);
+    h.step();
+    CAPTURE(cut);
+    if (datagrams) CHECK(h.boat.state() == State::kHold);
+    h.sail(0.32);
+    CHECK(h.boat.state() == State::kHold);
+    h.disarm();
+    h.step();
+    CHECK(h.boat.state() == State::kDisarmed);
+  }
+}
+
+TEST_CASE_TEMPLATE("a message may come in pieces while others' ticks pass", S, float, double) {
+  Harbour<S> h(Parameters{}, 2);
+  h.sail(2);
+  const testing::Bytes command = testing::frame_of(
+      h.operator_,
+      link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
+  for (std::size_t i = 0; i < command.size(); ++i) {  // in less than 0.3 s
+    h.boat.on_mavlink(std::span(command).subspan(i, 1), h.now_us, 1);
+    if (i % 2 == 0) h.step();
+  }
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+}
+
+/// A message that our dialect lacks.
+testing::Bytes foreign_frame() {
+  testing::Bytes out(37, 0x11);
+  const std::array<std::uint8_t, 10> header{0xFD, 25, 0, 0, 0, 9, 1, 0x10, 0x27, 0};
+  std::copy(header.begin(), header.end(), out.begin());
+  return out;
+}
+
+TEST_CASE_TEMPLATE("on a serial line busy with another dialect's messages no command is given up",
+                   S, float, double) {
+  for (int before = 10; before < 80; ++before) {
+    Harbour<S> h(Parameters{}, 2);
+    h.sail(2);
+    testing::Bytes stream;
+    const auto add = [&](const testing::Bytes& frame) {
+      stream.insert(stream.end(), frame.begin(), frame.end());
+    };
+    for (int k = 0; k < before; ++k) add(foreign_frame());
+    add(testing::frame_of(
+        h.operator_,
+        link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}));
+    for (int k = 0; k < 10; ++k) add(foreign_frame());
+    for (std::size_t at = 0; at < stream.size(); at += 36) {  // what a tick brings
+      h.boat.on_mavlink(
+          std::span(stream).subspan(at, std::min<std::size_t>(36, stream.size() - at)), h.now_us,
+          1);
+      h.step();
+    }
+    CAPTURE(before);
+    CHECK(h.boat.state() == State::kHold);
+  }
+}
+
+TEST_CASE_TEMPLATE("told to follow another and to go on in the same tick, a boat goes nowhere", S,
+                   float, double) {
+  Harbour<S> h;
+  h.sail(2);
+  h.arm();
+  h.step();
+  link::ParamSet leader{55, {1, 1}, {}, mav::kParamReal32};
+  std::strncpy(leader.param_id.data(), "FORM_LEADER", leader.param_id.size());
+  h.say(h.operator_, leader);
+  h.mode(6);
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+  CHECK(h.template all<link::CommandAck>().at(0).result == mav::kTemporarilyRejected);
+  leader.param_value = 100;
+  h.say(h.operator_, leader);
+  h.sail(2);
+  h.mode(6);
+  h.step();
+  CHECK(h.boat.state() == State::kFormation);
 }
 
 TEST_CASE_TEMPLATE(
@@ -288,6 +386,31 @@ TEST_CASE_TEMPLATE("whoever asks for the time is told it, once, with his number"
     }
   }
   CHECK(answers == 1);
+}
+
+TEST_CASE_TEMPLATE("CURRENT_MODE tells the mode that is, and the one that was asked for", S, float,
+                   double) {
+  Harbour<S> h;
+  /// mode, and 100 times the intended one
+  const auto current_mode = [&]() -> int {
+    h.command(mav::kCmdRequestMessage, mav::kCurrentModeId);
+    const auto out = h.boat.tick(h.now_us += Harbour<S>::kTick_us).links->bytes(0);
+    for (std::size_t at = 0; at < out.size(); at += 12U + out[at + 1]) {
+      if (out[at + 7] + 256U * out[at + 8] != mav::kCurrentModeId) continue;
+      std::array<std::uint8_t, 9> payload{};  // custom mode, intended one, standard one
+      std::copy_n(&out[at + 10], std::min<std::size_t>(9, out[at + 1]), payload.begin());
+      return payload[0] + 100 * payload[4];
+    }
+    return -1;
+  };
+  h.sail(2);
+  CHECK(current_mode() == 404);
+  h.cast_off();
+  CHECK(current_mode() == 606);
+  h.leader_talks = false;
+  h.sail(1.5);
+  REQUIRE(h.boat.state() == State::kHold);
+  CHECK(current_mode() == 604);
 }
 
 TEST_CASE_TEMPLATE("noise on every wire crashes nothing and starts no propeller", S, float,

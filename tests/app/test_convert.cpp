@@ -169,6 +169,99 @@ TEST_CASE("a position takes the heading that the boat has turned to since the at
   }
 }
 
+link::GlobalPositionInt global() { return {1000, 410'000'000, 20'000'000, 0, 0, 200, 0, 0, 65535}; }
+
+link::FollowTarget follow_target() {
+  link::FollowTarget m{};
+  m.timestamp = 1000;
+  m.lat = 410'000'000, m.lon = 20'000'000;
+  m.vel = {2, 0, 0};
+  m.acc = {kNaN, kNaN, kNaN};  // unknown, and not used
+  const Quaternion q = from_euler(0.1, -0.2, 1.5);
+  for (std::size_t i = 0; i < 4; ++i) m.q[i] = static_cast<float>(q[i]);
+  m.rates = {0, 0.1F, 0.4F};
+  m.est_capabilities = 1 | 2 | 8;
+  return m;
+}
+
+TEST_CASE("GLOBAL_POSITION_INT: centimetres a second, and the heading turned to since") {
+  const HeadingSample heading{900'000, 1.0, 0.5};
+  const auto sample = sample_of(global(), heading);
+  REQUIRE(sample);
+  CHECK(sample->stamp_us == 1'000'000);
+  CHECK(sample->at->latitude == 410'000'000);
+  CHECK(sample->at->longitude == 20'000'000);
+  CHECK(sample->psi_rad == doctest::Approx(1.05));
+  CHECK(sample->u_mps == doctest::Approx(2 * std::cos(1.05)));
+  CHECK(sample->v_mps == doctest::Approx(-2 * std::sin(1.05)));
+  CHECK(sample->r_radps == 0.5);
+  link::GlobalPositionInt m = global();
+  m.lat = m.lon = 0;  // no fix
+  CHECK_FALSE(sample_of(m, heading));
+  for (const std::int32_t far : {INT32_MIN, INT32_MAX, 900'000'001}) {
+    m = global();
+    m.lat = far;
+    CHECK_FALSE(sample_of(m, heading));
+  }
+  m = global();
+  m.lon = 1'800'000'001;
+  CHECK_FALSE(sample_of(m, heading));
+  m = global();
+  m.vy = INT16_MIN;
+  CHECK_FALSE(sample_of(m, heading));
+}
+
+TEST_CASE("FOLLOW_TARGET with attitude: a whole state, psi's own rate when rolling") {
+  const auto heading = own_heading_of(follow_target());
+  REQUIRE(heading);
+  CHECK(heading->psi_rad == doctest::Approx(1.5));
+  CHECK(heading->r_radps ==
+        doctest::Approx((0.1 * std::sin(0.1) + 0.4 * std::cos(0.1)) / std::cos(0.2)));
+  const auto sample = sample_of(follow_target(), *heading);
+  REQUIRE(sample);
+  CHECK(sample->stamp_us == 1'000'000);
+  CHECK(sample->at->longitude == 20'000'000);
+  CHECK(sample->u_mps == doctest::Approx(2 * std::cos(1.5)));
+  CHECK(sample->v_mps == doctest::Approx(-2 * std::sin(1.5)));
+}
+
+TEST_CASE("FOLLOW_TARGET whose attitude is unknown takes that of ATTITUDE") {
+  const HeadingSample attitude{900'000, 1.0, 0.5};
+  link::FollowTarget m = follow_target();
+  m.q = {0, 0, 0, 0};
+  CHECK(is_usable(m));
+  CHECK_FALSE(own_heading_of(m));
+  m = follow_target();
+  m.est_capabilities = 1 | 2;
+  m.q = {kNaN, kNaN, kNaN, kNaN};
+  CHECK(is_usable(m));
+  CHECK_FALSE(own_heading_of(m));
+  CHECK(sample_of(m, attitude)->psi_rad == doctest::Approx(1.05));
+}
+
+TEST_CASE("FOLLOW_TARGET without position, velocity or a fix, or with absurd numbers, is refused") {
+  const auto refused = [](auto change) {
+    link::FollowTarget m = follow_target();
+    change(m);
+    return !is_usable(m) && !sample_of(m, {});
+  };
+  CHECK_FALSE(refused([](auto&) {}));
+  CHECK(refused([](auto& m) { m.est_capabilities = 1 | 8; }));
+  CHECK(refused([](auto& m) { m.est_capabilities = 2 | 8; }));
+  CHECK(refused([](auto& m) { m.lat = m.lon = 0; }));
+  CHECK(refused([](auto& m) { m.lat = 900'000'001; }));
+  CHECK(refused([](auto& m) { m.timestamp = UINT64_MAX; }));
+  for (const float bad : {kNaN, HUGE_VALF, -HUGE_VALF, 1e30F}) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      CAPTURE(i);
+      CHECK(refused([&](auto& m) { m.q[i] = bad; }));
+      if (i == 3) continue;
+      CHECK(refused([&](auto& m) { m.vel[i] = bad; }));
+      CHECK(refused([&](auto& m) { m.rates[i] = bad; }));
+    }
+  }
+}
+
 TEST_CASE("a boat that turns on the spot stands still, though its antenna runs round it") {
   const double x = 2, y = -1, r = 0.7;
   for (double psi = -3; psi < 3; psi += 0.5) {
@@ -184,47 +277,128 @@ TEST_CASE("a boat that turns on the spot stands still, though its antenna runs r
   }
 }
 
-/// Earth-centred WGS 84.
-Vector ecef(double latitude, double longitude) {
-  constexpr double a = 6378137.0, f = 1 / 298.257223563, e2 = f * (2 - f);
-  const double n = a / std::sqrt(1 - e2 * std::sin(latitude) * std::sin(latitude));
-  return {n * std::cos(latitude) * std::cos(longitude),
-          n * std::cos(latitude) * std::sin(longitude), n * (1 - e2) * std::sin(latitude)};
-}
-
 link::GpsGlobalOrigin origin_at(double latitude_deg, double longitude_deg) {
   return {static_cast<std::int32_t>(std::lround(latitude_deg * 1e7)),
           static_cast<std::int32_t>(std::lround(longitude_deg * 1e7)), 0, 0};
 }
 
-TEST_CASE_TEMPLATE("origins a kilometre apart: the separation is that on the ellipsoid", S, float,
+/// A leader at (north, east) of its own plane, seen from another origin. The last three numbers come
+/// from geodesics that were integrated numerically, as in tests/sil/wire/test_geodesy.py.
+struct TwoOrigins {
+  link::GpsGlobalOrigin own, leader;
+  double north_m, east_m;
+  double seen_north_m, seen_east_m, turn_rad;
+};
+constexpr TwoOrigins kTwoOrigins[] = {
+    {{410126000, 20238000, 0, 0},
+     {410000000, 20000000, 0, 0},
+     500,
+     -300,
+     -898.92609,
+     -2302.28105,
+     0.00027255},
+    {{487000000, 22950000, 0, 0},
+     {487125918, 23140342, 0, 0},
+     -1400,
+     -1400,
+     0.08447,
+     1.11202,
+     -0.00024960},
+    {{126000, 1799910000, 0, 0},
+     {0, -1799910000, 0, 0},
+     100,
+     2000,
+     -1293.23559,
+     4003.75060,
+     -0.00000003},
+    {{-330000000, -1220000000, 0, 0},
+     {-330126000, -1219790000, 0, 0},
+     -700,
+     900,
+     -2097.77302,
+     2862.09860,
+     0.00019965},
+    {{600000000, 50000000, 0, 0},
+     {600126000, 50250000, 0, 0},
+     0,
+     0,
+     1404.05963,
+     1394.46950,
+     -0.00037790},
+    {{-780000000, 0, 0, 0},
+     {-780126000, 600000, 0, 0},
+     1500,
+     1500,
+     91.02002,
+     2893.24055,
+     0.00102434},
+};
+
+TEST_CASE("a leader whose origin is 2 km away is seen where geodesics say, within a millimetre") {
+  for (const TwoOrigins& t : kTwoOrigins) {
+    CAPTURE(t.own.latitude);
+    const Position own{-20, 30, t.own}, leader{t.north_m, t.east_m, t.leader};
+    const auto got = separation<double>(own, leader);
+    CHECK(std::abs(got.x - (-20 - t.seen_north_m)) < 1e-3);
+    CHECK(std::abs(got.y - (30 - t.seen_east_m)) < 1e-3);
+    const auto coarse = separation<float>(own, leader);
+    CHECK(std::abs(double(coarse.x) - got.x) < 3e-4);
+    CHECK(std::abs(double(coarse.y) - got.y) < 3e-4);
+  }
+}
+
+TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours", S, float,
                    double) {
-  for (const double latitude : {0.0, 41.0, -33.0, 60.0}) {
-    for (const double longitude : {-122.0, 2.0, 179.9995}) {
-      const double east_deg = 0.7 / 111.3 / std::cos(latitude * kPi / 180);
-      const auto own = origin_at(latitude + 0.0065, std::remainder(longitude + east_deg, 360));
-      const auto leader = origin_at(latitude, longitude);
-      const double unit = kPi / 180e7;
-      const double phi = 0.5 * (own.latitude + leader.latitude) * unit;
-      const double lambda = (longitude + 0.5 * east_deg) * kPi / 180;
-      const Vector a = ecef(own.latitude * unit, own.longitude * unit);
-      const Vector b = ecef(leader.latitude * unit, leader.longitude * unit);
-      const Vector d{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-      const double outward = std::cos(lambda) * d[0] + std::sin(lambda) * d[1];
-      const double north = std::cos(phi) * d[2] - std::sin(phi) * outward;
-      const double east = std::cos(lambda) * d[1] - std::sin(lambda) * d[0];
-      CAPTURE(latitude);
-      CAPTURE(longitude);
-      const auto got = separation<S>(Position{0, 0, own}, Position{0, 0, leader});
-      CHECK(std::abs(double(got.x) - north) < 0.01);
-      CHECK(std::abs(double(got.y) - east) < 0.01);
-      const auto back = separation<S>(Position{0, 0, leader}, Position{0, 0, own});
-      CHECK(back.x == -got.x);
-      CHECK(back.y == -got.y);
-      const auto moved = separation<S>(Position{30, -40, own}, Position{-5, 7, leader});
-      CHECK(std::abs(double(moved.x) - (north + 35)) < 0.02);
-      CHECK(std::abs(double(moved.y) - (east - 47)) < 0.02);
-    }
+  for (const TwoOrigins& t : kTwoOrigins) {
+    CAPTURE(t.own.latitude);
+    const core::Motion<S> still{{}, S(0.3), {S(1), S(2), S(3)}, {}};
+    const core::Motion<S> moving{{S(200), S(100)}, S(-1), {S(4), S(5), S(6)}, {S(7), S(8), S(9)}};
+    const Position own{0, 0, t.own}, leader{t.north_m, t.east_m, t.leader};
+    const auto in = encounter_of<S>(own, still, leader, moving);
+    CHECK(double(in.psi) == doctest::Approx(0.3));
+    CHECK(std::abs(double(in.psi_L) - (-1 + t.turn_rad)) < 1e-6);
+    // Where it would be, had it told that place itself.
+    const auto there = separation<double>(own, {t.north_m + 200, t.east_m + 100, t.leader});
+    CHECK(std::abs(double(in.separation_n.x) - there.x) < 2e-3);
+    CHECK(std::abs(double(in.separation_n.y) - there.y) < 2e-3);
+    CHECK(in.nu.v == S(2));
+    CHECK(in.nu_L.v == S(5));
+    CHECK(in.nu_L_dot.v == S(8));
+  }
+}
+
+TEST_CASE("a global position is at the same place as a local one of any origin that reaches it") {
+  const Sample sample{7, 0, 0, 0.5, 1, 2, 3, GlobalPoint{487'125'918, 23'140'342}};
+  const link::GpsGlobalOrigin origin{487'000'000, 22'950'000, 0, 0};
+  const Sample got = in_plane(sample, origin);
+  CHECK(std::abs(got.north_m - 1400.43387) < 1e-3);
+  CHECK(std::abs(got.east_m - 1400.76253) < 1e-3);
+  CHECK(std::abs(got.psi_rad - (0.5 - 0.00024960)) < 1e-7);
+  CHECK(got.u_mps == 1);
+  CHECK_FALSE(got.at);
+  CHECK(reaches(origin, *sample.at));
+  CHECK_FALSE(reaches({487'000'000, -1'777'050'000, 0, 0}, *sample.at));
+  CHECK_FALSE(reaches({-487'000'000, -1'777'050'000, 0, 0}, *sample.at));
+}
+
+TEST_CASE("any point of the local frame, told in degrees and read again, is that point") {
+  constexpr std::uint32_t kSeed = 72;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  const auto draw = [&](double limit) {
+    return std::uniform_real_distribution<double>(-limit, limit)(random);
+  };
+  for (int i = 0; i < 500; ++i) {
+    const auto origin = origin_at(draw(80), draw(180));
+    const double far = i < 250 ? 5'000 : 90'000;
+    const double north = draw(far), east = draw(far);
+    const GlobalPoint at =
+        global_of<double>({north - 10, east + 10, origin}, core::Vec2<double>{10, -10});
+    const Sample back = in_plane({0, 0, 0, 1 - at.turn_rad, 0, 0, 0, at}, origin);
+    CAPTURE(origin.latitude);
+    CHECK(std::abs(back.north_m - north) < 0.006);
+    CHECK(std::abs(back.east_m - east) < 0.006);
+    CHECK(std::abs(std::remainder(back.psi_rad - 1, 2 * kPi)) < 1e-9);
   }
 }
 
@@ -268,6 +442,59 @@ TEST_CASE_TEMPLATE("the state for followers, read by a follower, is the state", 
   CHECK(sample->u_mps == doctest::Approx(1.5));
   CHECK(sample->v_mps == doctest::Approx(-0.2));
   CHECK(sample->r_radps == doctest::Approx(0.3));
+}
+
+TEST_CASE_TEMPLATE("the state told globally, read by a follower, is the state", S, float, double) {
+  const auto origin = origin_at(48.7, 2.295);
+  const OwnState<S> state{
+      3000, -2000, {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}}, origin};
+  const auto heading = heading_of(attitude_of(state, 4000));
+  const link::GlobalPositionInt position = global_position_of(state, 4000);
+  const link::FollowTarget target = follow_target_of(state, 4000);
+  CHECK(target.lat == position.lat);
+  CHECK(target.est_capabilities == 15);
+  CHECK(target.alt == 0);
+  for (const auto& sample :
+       {sample_of(position, *heading), sample_of(target, own_heading_of(target).value())}) {
+    REQUIRE(sample);
+    CHECK(sample->stamp_us == 4'000'000);
+    const Sample local = in_plane(*sample, origin);
+    CHECK(std::abs(local.north_m - 3000.5) < 0.006);
+    CHECK(std::abs(local.east_m + 2000.25) < 0.006);
+    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // a centimetre a second is the step of one
+    CHECK(std::abs(local.v_mps + 0.2) < 0.008);
+    CHECK(local.r_radps == doctest::Approx(0.3));
+  }
+  // ATTITUDE counts from the north of the local frame, these two from the true north.
+  const double turn = global_of<S>({3000, -2000, origin}, {S(0.5), S(-0.25)}).turn_rad;
+  CHECK(turn == doctest::Approx(3.57e-4).epsilon(0.01));
+  CHECK(own_heading_of(target)->psi_rad == doctest::Approx(2.5 - turn));
+  CHECK(position.hdg == std::lround(18'000 / kPi * (2.5 - turn)));
+}
+
+TEST_CASE_TEMPLATE("FOLLOW_TARGET's acceleration is that of a boat on a circle", S, float, double) {
+  const auto origin = origin_at(48.7, 2.295);
+  const double u = 1.5, v = 0.2, r = 0.3, h = 1e-3, psi = 0.8;
+  const auto at = [&](double t) {
+    return core::to_north_east(psi + r * t, core::Vec2<double>{u + 0.1 * t, v - 0.4 * t});
+  };
+  const link::FollowTarget m = follow_target_of<S>(
+      {0, 0, {{}, S(psi), {S(u), S(v), S(r)}, {S(0.1), S(-0.4), S(0)}}, origin}, 1);
+  CHECK(std::abs(double{m.acc[0]} - (at(h).x - at(-h).x) / (2 * h)) < 1e-4);
+  CHECK(std::abs(double{m.acc[1]} - (at(h).y - at(-h).y) / (2 * h)) < 1e-4);
+}
+
+TEST_CASE("the true heading is told from 0 to 359.99 degrees") {
+  const auto origin = origin_at(48.7, 2.295);
+  const auto told = [&](double psi) {
+    return global_position_of<double>({0, 0, {{}, psi, {}, {}}, origin}, 1).hdg;
+  };
+  CHECK(told(0) == 0);
+  CHECK(told(-1e-7) == 0);
+  CHECK(told(-kPi / 2) == 27'000);
+  CHECK(told(kPi) == 18'000);
+  CHECK(told(5 * kPi) == 18'000);
+  CHECK(told(-0.01 * kPi / 180) == 35'999);
 }
 
 TEST_CASE("rates and times: a rate of zero has no period, milliseconds are those that have begun") {

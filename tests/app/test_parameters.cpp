@@ -36,7 +36,7 @@ TEST_CASE("what is not a number, out of range, or not whole where it must be, is
     CHECK(is_valid(info, info.greatest));
     CHECK_FALSE(is_valid(info, std::nextafter(info.least, -1e9F)));
     CHECK_FALSE(is_valid(info, std::nextafter(info.greatest, 1e9F)));
-    if (info.integer) CHECK_FALSE(is_valid(info, info.least + 0.5F));
+    if (info.whole()) CHECK_FALSE(is_valid(info, info.least + 0.5F));
   }
   CHECK_FALSE(is_valid(*find_parameter("THR_PORT_DIR"), 0));
   CHECK_FALSE(is_valid(*find_parameter("CTL_RATE"), 49));

@@ -26,7 +26,7 @@ template <class S>
 struct Watch {
   VesselTrack<S> track{{5, 0}};
   link::Counters counters;
-  void hear(const link::Message& message, std::int64_t now_us, link::Sender from = {5, 1}) {
+  void hear(const link::Message& message, std::int64_t now_us, link::Address from = {5, 1}) {
     track.take({from, message}, now_us, counters);
   }
 };
@@ -99,6 +99,79 @@ TEST_CASE_TEMPLATE("one stamp from the far future costs two seconds at most", S,
   }
 }
 
+TEST_CASE_TEMPLATE("no motion led from before a reset of the estimate to where it is after it", S,
+                   float, double) {
+  Watch<S> w;
+  link::Odometry m;
+  for (std::int64_t t = 0; t <= 2'000'000; t += 100'000) {
+    m = at(t, 2e-6F * float(t));
+    m.reset_counter = 255;
+    w.hear(m, t);
+  }
+  m = at(2'100'000, 50, -2);
+  m.reset_counter = 0;
+  w.hear(m, 2'100'000);
+  CHECK(w.track.position().north_m == 50);
+  CHECK(w.track.age_us(2'100'000) == 0);
+  CHECK(w.track.fresh(2'100'000, kLimit_us));
+  const auto motion = w.track.motion(2'100'000);
+  CHECK(double(motion.nu_dot.u) == doctest::Approx(0));  // the velocity's leap is no acceleration
+  CHECK(double(motion.nu.u) == doctest::Approx(-2));
+}
+
+TEST_CASE_TEMPLATE("a state from before a reset that comes late, over another radio, is still late",
+                   S, float, double) {
+  Watch<S> w;
+  const auto told = [](std::int64_t stamp_us, std::uint8_t resets) {
+    link::Odometry m = at(stamp_us, resets == 0 ? 1 : 50);
+    m.reset_counter = resets;
+    return m;
+  };
+  for (std::int64_t t = 0; t <= 1'000'000; t += 100'000) w.hear(told(t, 0), t);
+  for (std::int64_t t = 1'100'000; t <= 2'000'000; t += 100'000) {
+    w.hear(told(t, 1), t);
+    REQUIRE(w.track.position().north_m == 50);
+    if (t <= 1'300'000) w.hear(told(t - 300'000, 0), t);
+    REQUIRE(w.track.position().north_m == 50);
+    REQUIRE(w.track.age_us(t) == 0);
+  }
+}
+
+TEST_CASE_TEMPLATE("a vessel whose estimator says that it has failed says nothing", S, float,
+                   double) {
+  Watch<S> w;
+  for (const int quality : {0, 1, 100, -1, -128}) {
+    link::Odometry m = at(1'000'000 + 1000 * quality, 1);
+    m.time_usec = w.counters.mavlink_bad_value * 1000U + static_cast<std::uint64_t>(quality + 200);
+    m.quality = static_cast<std::int8_t>(quality);
+    const auto before = w.track.age_us(5'000'000);
+    w.hear(m, 1'000'000);
+    if (quality < 0) CHECK(w.track.age_us(5'000'000) == before);
+    CHECK(w.track.age_us(5'000'000).has_value());
+  }
+  CHECK(w.counters.mavlink_bad_value == 2);
+}
+
+TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with no motion between",
+                   S, float, double) {
+  Watch<S> w;
+  std::int64_t t = 0;
+  for (; t <= 1'000'000; t += 100'000) w.hear(at(t, 1, 2), t);
+  w.hear(at(t + kHour_us, 30, -2), t);
+  CHECK(w.track.position().north_m == 30);
+  CHECK(w.track.age_us(t) == 0);
+  CHECK(double(w.track.motion(t).nu_dot.u) == doctest::Approx(0));
+  for (int k = 0; k < 20; ++k) {
+    t += 100'000;
+    w.hear(at(t + kHour_us, 30, -2), t);
+    REQUIRE(w.track.fresh(t, kLimit_us));
+    REQUIRE(w.track.age_us(t) == 0);
+  }
+  // An hour of silence is no leap.
+  w.hear(at(t + 2 * kHour_us, 31, 2), t + kHour_us);
+  CHECK(w.track.age_us(t + kHour_us) == 0);
+}
+
 TEST_CASE_TEMPLATE(
     "a message with NaN is counted and forgotten, one without north complained about", S, float,
     double) {
@@ -128,7 +201,10 @@ TEST_CASE_TEMPLATE("position and attitude apart make a state; ODOMETRY is prefer
   w.hear(local(1100, 5), 1'100'000);
   CHECK(w.track.position().north_m == 5);
   CHECK(double(w.track.motion(1'100'000).psi) == doctest::Approx(0.5));
-  w.hear(at(1'200'000, 6), 1'200'000);
+  for (int k = 0; k < 5; ++k) {
+    CHECK(w.track.position().north_m == 5);
+    w.hear(at(1'150'000 + k * 10'000, 6), 1'150'000 + k * 10'000);
+  }
   w.hear(local(1300, 7), 1'300'000);
   CHECK(w.track.position().north_m == 6);
   w.hear(link::Attitude{2350, 0, 0, 0.5F, 0, 0, 0}, 2'350'000);
@@ -192,6 +268,332 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   track.take({{5, 1}, at(1000, 10)}, 1000, w.counters);
   CHECK(track.position().north_m == doctest::Approx(8.5));
   CHECK(track.position().east_m == doctest::Approx(-0.5));
+}
+
+// What the four sources say of a vessel that sails north at 2 m/s; each is told by its own place.
+
+constexpr std::int64_t kPeriod_us = 100'000;
+const link::GpsGlobalOrigin kOrigin{487'000'000, 22'950'000, 0, 0};
+
+link::LocalPositionNed local_at(std::int64_t us, float east_m) {
+  return {convert::boot_ms(us), 0, east_m, 0, 2, 0, 0};
+}
+
+link::GlobalPositionInt global_at(std::int64_t us, double east_m) {
+  const auto at = convert::global_of<double>({0, east_m, kOrigin}, {});
+  return {convert::boot_ms(us), at.latitude, at.longitude, 0, 0, 200, 0, 0, 65535};
+}
+
+link::FollowTarget follow_target_at(std::int64_t us, double east_m) {
+  const auto at = convert::global_of<double>({0, east_m, kOrigin}, {});
+  link::FollowTarget m{};
+  m.timestamp = static_cast<std::uint64_t>(us / 1000);
+  m.lat = at.latitude, m.lon = at.longitude;
+  m.vel = {2, 0, 0};
+  m.q = {1, 0, 0, 0};
+  m.est_capabilities = 1 | 2 | 8;
+  return m;
+}
+
+link::Odometry odometry_at(std::int64_t us, float east_m) {
+  link::Odometry m = at(us, 0);
+  m.y = east_m;
+  return m;
+}
+
+constexpr double kOdometryEast = 10, kLocalEast = 20, kFollowEast = 30, kGlobalEast = 40;
+
+template <class S>
+struct FourSources : Watch<S> {
+  bool odometry = false, local = false, follow = false, global = false, origin = true;
+  std::int64_t now_us = 1'000'000;
+
+  /// Ten rounds a second.
+  void sail(double seconds) {
+    const std::int64_t end = now_us + static_cast<std::int64_t>(seconds * 1e6);
+    for (; now_us < end; now_us += kPeriod_us) {
+      if (origin) this->hear(kOrigin, now_us);
+      this->hear(link::Attitude{convert::boot_ms(now_us), 0, 0, 0, 0, 0, 0}, now_us);
+      if (global) this->hear(global_at(now_us, kGlobalEast), now_us);
+      if (follow) this->hear(follow_target_at(now_us, kFollowEast), now_us);
+      if (local) this->hear(local_at(now_us, kLocalEast), now_us);
+      if (odometry) this->hear(odometry_at(now_us, kOdometryEast), now_us);
+    }
+  }
+  /// East of the origin, and to the centimetre which source was believed.
+  bool believes(double east_m) const {
+    return std::abs(this->track.position().east_m - east_m) < 0.01;
+  }
+};
+
+TEST_CASE_TEMPLATE("the most precise source that comes is believed", S, float, double) {
+  FourSources<S> w;
+  w.global = true;
+  w.sail(1);
+  CHECK(w.believes(kGlobalEast));
+  w.follow = true;
+  w.sail(1);
+  CHECK(w.believes(kFollowEast));
+  w.local = true;
+  w.sail(1);
+  CHECK(w.believes(kLocalEast));
+  w.odometry = true;
+  w.sail(1);
+  CHECK(w.believes(kOdometryEast));
+  w.odometry = false;
+  w.sail(1);
+  CHECK(w.believes(kLocalEast));
+  w.local = w.follow = false;
+  w.sail(1);
+  CHECK(w.believes(kGlobalEast));
+  CHECK(w.counters.mavlink_bad_value + w.counters.mavlink_no_heading == 0);
+}
+
+TEST_CASE_TEMPLATE("a source gives way after half a second, to the next best that comes", S, float,
+                   double) {
+  FourSources<S> w;
+  w.odometry = w.local = w.follow = w.global = true;
+  w.sail(1);
+  w.odometry = false;
+  w.sail(0.5);  // the last of it is exactly half a second later
+  CHECK(w.believes(kOdometryEast));
+  w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
+  w.hear(global_at(w.now_us, kGlobalEast), w.now_us);
+  w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
+  CHECK(w.believes(kOdometryEast));  // a better one is about to come
+  w.hear(local_at(w.now_us, kLocalEast), w.now_us);
+  CHECK(w.believes(kLocalEast));
+}
+
+TEST_CASE_TEMPLATE("a better source is believed again at its fifth message without a gap", S, float,
+                   double) {
+  FourSources<S> w;
+  w.global = true;
+  w.sail(1);
+  const auto better = [&](int messages) {
+    for (int k = 0; k < messages; ++k) {
+      w.follow = true;
+      w.sail(0.1);
+      w.follow = false;
+    }
+  };
+  better(4);
+  CHECK(w.believes(kGlobalEast));
+  w.sail(0.5);  // a gap
+  better(4);
+  CHECK(w.believes(kGlobalEast));
+  w.sail(0.3);  // none: the messages before count
+  better(1);
+  CHECK(w.believes(kFollowEast));
+}
+
+TEST_CASE_TEMPLATE("a source that repeats an old message is silent, and never comes back", S, float,
+                   double) {
+  FourSources<S> w;
+  w.global = w.follow = true;
+  w.sail(1);
+  w.follow = false;
+  const auto frozen = follow_target_at(w.now_us - kPeriod_us, kFollowEast);
+  for (int k = 0; k < 50; ++k) {
+    w.hear(frozen, w.now_us);
+    w.sail(0.1);
+    if (k > 6) REQUIRE(w.believes(kGlobalEast));
+    REQUIRE(w.track.fresh(w.now_us, 800'000));
+  }
+}
+
+TEST_CASE_TEMPLATE("messages that come twice, over two radios, climb like those that come once", S,
+                   float, double) {
+  FourSources<S> w;
+  w.global = true;
+  w.sail(1);
+  for (int k = 0; k < 6; ++k) {
+    w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
+    w.hear(follow_target_at(w.now_us - kPeriod_us, kFollowEast), w.now_us);
+    w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
+    w.sail(0.1);
+  }
+  CHECK(w.believes(kFollowEast));
+}
+
+TEST_CASE_TEMPLATE("a local position of no known origin comes after every global one", S, float,
+                   double) {
+  FourSources<S> w;
+  w.origin = false;
+  w.odometry = true;
+  w.sail(1);
+  CHECK(w.believes(kOdometryEast));  // better than nothing
+  CHECK_FALSE(w.track.has_origin());
+  w.global = true;
+  w.sail(1);
+  CHECK(w.track.has_origin());
+  CHECK(w.believes(0));  // from its own first fix
+  w.origin = true;
+  w.sail(1);
+  CHECK(w.believes(kOdometryEast));
+  CHECK(w.track.position().origin.longitude == kOrigin.longitude);
+}
+
+TEST_CASE_TEMPLATE("global positions need no origin, and the one that they get stays", S, float,
+                   double) {
+  for (const bool follow : {false, true}) {
+    FourSources<S> w;
+    w.origin = false;
+    w.follow = follow;
+    w.global = !follow;
+    w.sail(0.1);
+    CHECK(w.track.has_origin());
+    const auto first = w.track.position().origin;
+    CHECK(std::abs(w.track.position().east_m) < 1e-6);
+    const double east_m = follow ? kFollowEast : kGlobalEast;
+    w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
+    if (follow) w.hear(follow_target_at(w.now_us, east_m + 2500), w.now_us);
+    if (!follow) w.hear(global_at(w.now_us, east_m + 2500), w.now_us);
+    CHECK(w.track.position().origin.longitude == first.longitude);
+    CHECK(std::abs(w.track.position().east_m - 2500) < 0.01);
+    w.hear(kOrigin, w.now_us);
+    CHECK(w.track.position().origin.longitude == first.longitude);
+  }
+}
+
+TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the old one", S, float,
+                   double) {
+  Watch<S> w;
+  const auto hear = [&](std::int64_t us, std::int32_t longitude) {
+    w.hear(link::Attitude{convert::boot_ms(us), 0, 0, 0, 0, 0, 0}, us);
+    w.hear(link::GlobalPositionInt{convert::boot_ms(us), 0, longitude, 0, 0, 0, 0, 0, 0}, us);
+    return convert::near({0, 0, {0, 22'950'000, 0, 0}}, w.track.position());
+  };
+  CHECK(hear(1'000'000, 22'950'000));
+  CHECK_FALSE(hear(1'100'000, 22'950'000 - 1'800'000'000));
+  CHECK(hear(1'200'000, 22'950'100));
+}
+
+TEST_CASE_TEMPLATE(
+    "after a reboot, whatever source comes first, the old origin is not the new one's", S, float,
+    double) {
+  for (const bool odometry : {false, true}) {
+    FourSources<S> w;
+    w.odometry = w.local = true;
+    w.sail(2);
+    CHECK(w.track.has_origin());
+    const auto before = w.track.messages();
+    for (std::int64_t t = 0; t < 4'000'000; t += kPeriod_us) {
+      const std::int64_t now_us = w.now_us + t;
+      w.hear(link::Attitude{convert::boot_ms(t), 0, 0, 0, 0, 0, 0}, now_us);
+      w.hear(local_at(t, 7), now_us);
+      if (odometry) w.hear(odometry_at(t, 7), now_us);
+      if (w.track.messages() != before) REQUIRE_FALSE(w.track.has_origin());
+    }
+    CHECK(w.track.messages() > before + 15);
+    CHECK(w.track.position().east_m == 7);
+    w.hear(kOrigin, w.now_us + 4'000'000);
+    CHECK(w.track.has_origin());
+  }
+}
+
+TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIMESYNC told", S,
+                   float, double) {
+  constexpr std::int64_t kDelay_us = 150'000, kClock_us = kHour_us;
+  Watch<S> w;
+  double before = 0, motion = 0;
+  w.hear(kOrigin, 0);
+  for (std::int64_t t = 1'000'000; t < 6'000'000; t += kPeriod_us) {
+    const double v = 1 + 0.2e-6 * double(t), way = 1e-6 * double(t) * (1 + 0.1e-6 * double(t));
+    link::GlobalPositionInt global = global_at(t + kClock_us, 0);
+    const auto place = convert::global_of<double>({way, 0, kOrigin}, {});
+    global.lat = place.latitude, global.lon = place.longitude;
+    global.vx = static_cast<std::int16_t>(std::lround(100 * v));
+    const std::int64_t now = t + kDelay_us;
+    w.hear(link::Attitude{convert::boot_ms(t + kClock_us), 0, 0, 0, 0, 0, 0}, now);
+    w.hear(global, now);
+    if (t < 4'000'000) w.hear(at(t + kClock_us, float(way), float(v)), now);
+    w.track.answered({5, 1}, now - 2 * kDelay_us, now - kDelay_us + kClock_us, now);
+    const auto m = w.track.motion(now);
+    motion = w.track.position().north_m + double(m.moved_n.x);
+    const double truth = 1e-6 * double(now) * (1 + 0.1e-6 * double(now));
+    if (t > 2'000'000) {
+      CAPTURE(t);
+      CHECK(std::abs(motion - truth) < 0.05);
+      CHECK(std::abs(double(m.nu.u) - (1 + 0.2e-6 * double(now))) < 0.05);
+      CHECK(std::abs(double(m.nu_dot.u) - 0.2) < 0.08);
+      // ODOMETRY's last was 0.6 s before GLOBAL_POSITION_INT took over.
+      CHECK(double(w.track.last().dt) == doctest::Approx(t == 4'500'000 ? 0.6 : 0.1).epsilon(1e-3));
+      CHECK(motion > before);
+    }
+    before = motion;
+  }
+}
+
+TEST_CASE_TEMPLATE("a vessel whose FOLLOW_TARGET has no attitude takes ATTITUDE's of its time", S,
+                   float, double) {
+  Watch<S> w;
+  link::FollowTarget m = follow_target_at(1'000'000, 0);
+  m.est_capabilities = 1 | 2;
+  w.hear(m, 1'000'000);
+  CHECK(w.counters.mavlink_no_heading == 1);
+  w.hear(link::Attitude{900, 0, 0, 0.5F, 0, 0, 0.1F}, 1'000'000);
+  w.hear(m, 1'000'000);
+  CHECK(double(w.track.last().psi) == doctest::Approx(0.51));
+  m.timestamp = 1'700'000'000'000;  // a clock that ATTITUDE does not know
+  w.hear(m, 1'100'000);
+  CHECK(w.counters.mavlink_no_heading == 2);
+}
+
+TEST_CASE_TEMPLATE("what is no fix, no number or no state is counted and moves nothing", S, float,
+                   double) {
+  FourSources<S> w;
+  w.global = w.follow = true;
+  w.sail(1);
+  const auto before = w.track.messages();
+  link::GlobalPositionInt global = global_at(w.now_us, 0);
+  global.lat = global.lon = 0;
+  w.hear(global, w.now_us);
+  global.lat = INT32_MIN;
+  w.hear(global, w.now_us);
+  link::FollowTarget target = follow_target_at(w.now_us, 0);
+  target.vel[1] = NAN;
+  w.hear(target, w.now_us);
+  target = follow_target_at(w.now_us, 0);
+  target.est_capabilities = 1;
+  w.hear(target, w.now_us);
+  w.hear(link::LocalPositionNed{convert::boot_ms(w.now_us), NAN, 0, 0, 0, 0, 0}, w.now_us);
+  CHECK(w.counters.mavlink_bad_value == 5);
+  CHECK(w.track.messages() == before);
+}
+
+TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before", S, float, double) {
+  FourSources<S> w;
+  w.odometry = w.local = true;
+  w.sail(2);
+  link::Odometry frd = odometry_at(w.now_us, 0);
+  frd.frame_id = 20;
+  w.hear(frd, w.now_us);
+  w.track.follow(5);  // nobody new
+  CHECK(w.track.fresh(w.now_us, kLimit_us));
+  w.track.follow(7);
+  CHECK_FALSE(w.track.age_us(w.now_us));
+  CHECK_FALSE(w.track.fresh(w.now_us, kLimit_us));
+  CHECK_FALSE(w.track.has_origin());
+  CHECK_FALSE(w.track.take_frame_complaint());
+  w.hear(odometry_at(w.now_us, 0), w.now_us);
+  CHECK_FALSE(w.track.age_us(w.now_us));  // the old one's voice
+  w.hear(local_at(w.now_us, 3), w.now_us, {7, 1});
+  CHECK(w.counters.mavlink_no_heading == 1);  // the old one's ATTITUDE is not the new one's
+  w.hear(at(50'000, 3), w.now_us, {7, 1});
+  CHECK(w.track.age_us(w.now_us) == 0);  // nor are its clock and stamps
+  CHECK(w.track.position().north_m == 3);
+  CHECK(double(w.track.last().nu_dot.u) == 0);
+}
+
+TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message on", S, float,
+                   double) {
+  Watch<S> w;
+  w.hear(at(1'000'000, 10), 1'000'000);
+  w.track.set_antenna({1.5, 0.5});
+  CHECK(w.track.position().north_m == 10);
+  w.hear(at(1'100'000, 10), 1'100'000);
+  CHECK(w.track.position().north_m == doctest::Approx(8.5));
 }
 
 }  // namespace

@@ -35,6 +35,28 @@ TEST_CASE_TEMPLATE("a boat is where its model takes it under the thrust that it 
   }
 }
 
+TEST_CASE_TEMPLATE("a boat knows its acceleration, at a fix as between two", S, float, double) {
+  const Vessel<S> vessel = testing::papers_vessel<S>();
+  const Tau<S> tau{S(2), S(0.1)};
+  Reckoning<S> state;
+  const Fix<S> fix{S(0.3), {S(0.2), S(0.05), S(0.1)}, S(0), S(0)};
+  reckon_from(ReckoningParams<S>{}, vessel, state, fix, tau);
+  // 0.0401: the last of the steps is so short that a difference over it is all rounding.
+  for (const double time : {0.01, 0.0401}) {
+    const Nu<S> before = state.motion.nu;
+    reckon_forward(vessel, state, tau, S(time));
+    const Nu<S>& a = state.motion.nu_dot;
+    CHECK(std::abs(double(a.u) - double(state.motion.nu.u - before.u) / time) < 0.15);
+    CHECK(std::abs(double(a.v) - double(state.motion.nu.v - before.v) / time) < 0.15);
+    CHECK(std::abs(double(a.r) - double(state.motion.nu.r - before.r) / time) < 0.05);
+    CHECK(std::abs(double(a.u)) > 0.3);
+    const Nu<S> kept = a;
+    reckon_from(ReckoningParams<S>{}, vessel, state, {fix.psi, state.motion.nu, S(0), S(0.1)}, tau);
+    CHECK(state.motion.nu_dot.u == kept.u);
+    CHECK(state.motion.nu_dot.r == kept.r);
+  }
+}
+
 TEST_CASE_TEMPLATE("an old fix is carried forward to now", S, float, double) {
   const Vessel<S> vessel = testing::papers_vessel<S>();
   const Tau<S> tau{S(2), S(0.1)};

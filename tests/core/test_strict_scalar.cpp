@@ -2,6 +2,7 @@
 // All of core with a scalar that can do nothing but what core's contract promises.
 #include "core/closed_loop.hpp"
 #include "core/dead_reckoning.hpp"
+#include "core/manual.hpp"
 #include "core/strict_scalar.hpp"
 #include "core/supervisor.hpp"
 #include "core/thrust_curve.hpp"
@@ -48,10 +49,14 @@ template Tau<Strict> pd_plus(const PdPlusParams<Strict>&, const Vessel<Strict>&,
                              const VirtualVelocity<Strict>&, const Nu<Strict>&);
 template Tau<Strict> wrench_of(const AllocationParams<Strict>&, const Thrust<Strict>&);
 template Allocation<Strict> allocate(const AllocationParams<Strict>&, const Tau<Strict>&);
+template Tau<Strict> stick_wrench(const AllocationParams<Strict>&, Strict, Strict);
+template Thrust<Strict> test_thrust(const AllocationParams<Strict>&, Propeller, Strict);
 template Strict thrust_from_command(const ThrustCurveParams<Strict>&, Strict);
 template Strict command_from_thrust(const ThrustCurveParams<Strict>&, Strict);
 template Strict limit_slew(Strict, Strict, Strict, Strict);
 template void track_update(const TrackParams<Strict>&, TrackState<Strict>&,
+                           const TrackMessage<Strict>&);
+template void track_resume(const TrackParams<Strict>&, TrackState<Strict>&,
                            const TrackMessage<Strict>&);
 template Motion<Strict> reckon_step(const Vessel<Strict>&, const Reckoning<Strict>&,
                                     const Tau<Strict>&, Strict);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
-#include <optional>
+#include <array>
 
 #include "core/supervisor.hpp"
 
@@ -25,24 +25,63 @@ void for_every_situation(F f) {
 
 bool has(Conditions met, Conditions wanted) { return (met & wanted) == wanted; }
 
-/// The rule as the header words it.
-std::optional<std::size_t> first_fit(State state, Request request, Conditions met) {
-  for (std::size_t i = 0; i < kTable.size(); ++i) {
-    const Row& row = kTable[i];
-    const bool from = ((row.from >> static_cast<unsigned>(state)) & 1U) != 0;
-    const bool lacks = row.lacks == 0 || !has(met, row.lacks);
-    if (from && row.request == request && has(met, row.needs) && lacks) return i;
+/// What an operator reads in DESIGN.md, section 6; knows nothing of the table.
+struct Expected {
+  State state;
+  bool granted;
+};
+
+Expected by_itself(State state, bool propulsion, Conditions met) {
+  const bool is_armed = state != State::kDisarmed && state != State::kFault;
+  if (is_armed && !propulsion) return {State::kFault, true};
+  if (state == State::kFormation && (!has(met, kOwnFresh) || !has(met, kLeaderFresh))) {
+    return {State::kHold, true};
   }
-  return std::nullopt;
+  if (state == State::kManual && !has(met, kSticksFresh)) return {State::kHold, true};
+  if (state == State::kTest && !has(met, kTestRunning)) return {State::kHold, true};
+  return {state, false};
 }
 
-TEST_CASE("every situation is decided by the first row that fits, or nothing changes") {
+Expected when_armed_and_asked(State state, Request request, bool propulsion, Conditions met) {
+  if (request == Request::kArm) return {state, true};
+  if (request == Request::kHold) return {State::kHold, true};
+  if (request == Request::kManual) {
+    if (state == State::kManual) return {state, true};
+    if (state != State::kTest && propulsion && has(met, kSticksFresh)) {
+      return {State::kManual, true};
+    }
+  }
+  if (request == Request::kFormation) {
+    if (state == State::kFormation) return {state, true};
+    if (state != State::kTest && propulsion && has(met, kOwnFresh) && has(met, kLeaderFresh)) {
+      return {State::kFormation, true};
+    }
+  }
+  if (request == Request::kTest && state == State::kHold) {
+    if (propulsion && has(met, kTestRunning)) return {State::kTest, true};
+  }
+  return {state, false};
+}
+
+Expected specified(State state, Request request, Conditions met) {
+  const bool propulsion = has(met, kEscsOnline) && has(met, kBusUp) && has(met, kSoleController);
+  if (request == Request::kDisarm) return {State::kDisarmed, true};
+  if (request == Request::kTerminate) return {State::kFault, true};
+  if (request == Request::kNone) return by_itself(state, propulsion, met);
+  if (state == State::kFault) return {state, false};
+  if (state != State::kDisarmed) return when_armed_and_asked(state, request, propulsion, met);
+  if (request == Request::kHold) return {state, true};
+  const bool fit = propulsion && has(met, kOwnFresh) && has(met, kParametersSaved);
+  if (request == Request::kArm && fit) return {State::kHold, true};
+  return {state, false};
+}
+
+TEST_CASE("every state, request and set of conditions ends where the specification says") {
   for_every_situation([](State state, Request request, Conditions met) {
+    const Expected expected = specified(state, request, met);
     const Verdict verdict = supervise(state, request, met);
-    const auto row = first_fit(state, request, met);
-    CHECK(verdict.granted == row.has_value());
-    CHECK(verdict.state == (row ? kTable[*row].to : state));
-    if (verdict.granted) CHECK(verdict.missing == (row ? kTable[*row].lacks & ~met : 0));
+    CHECK(verdict.state == expected.state);
+    CHECK(verdict.granted == expected.granted);
     CHECK((verdict.missing & met) == 0);
   });
 }
@@ -50,7 +89,14 @@ TEST_CASE("every situation is decided by the first row that fits, or nothing cha
 TEST_CASE("every row of the table decides some situation") {
   std::array<bool, kTable.size()> used{};
   for_every_situation([&](State state, Request request, Conditions met) {
-    if (const auto row = first_fit(state, request, met)) used[*row] = true;
+    for (std::size_t i = 0; i < kTable.size(); ++i) {
+      const Row& row = kTable[i];
+      const bool from = ((row.from >> static_cast<unsigned>(state)) & 1U) != 0;
+      const bool lacks = row.lacks == 0 || !has(met, row.lacks);
+      if (!from || row.request != request || !has(met, row.needs) || !lacks) continue;
+      used[i] = true;
+      break;
+    }
   });
   for (std::size_t i = 0; i < used.size(); ++i) {
     CAPTURE(i);
@@ -58,13 +104,34 @@ TEST_CASE("every row of the table decides some situation") {
   }
 }
 
-TEST_CASE("the boat may push in FORMATION with all well, and never else") {
+TEST_CASE("the boat may push in MANUAL, FORMATION and TEST, each with its conditions, never else") {
+  constexpr Conditions kBothEscsOurs = kEscsOnline | kBusUp | kSoleController;
   for_every_situation([](State state, Request, Conditions met) {
-    CHECK(may_drive(state, met) == (state == State::kFormation && has(met, kDrive)));
-    if (may_drive(state, met)) CHECK(armed(state));
+    bool fit = has(met, kBothEscsOurs);
+    if (state == State::kManual) {
+      fit = fit && has(met, kSticksFresh);
+    } else if (state == State::kFormation) {
+      fit = fit && has(met, kOwnFresh | kLeaderFresh);
+    } else if (state == State::kTest) {
+      fit = fit && has(met, kTestRunning);
+    } else {
+      fit = false;
+    }
+    CHECK(may_drive(state, met) == fit);
+    if (fit) CHECK(armed(state));
   });
+  CHECK(armed(State::kHold));
   CHECK_FALSE(armed(State::kDisarmed));
   CHECK_FALSE(armed(State::kFault));
+}
+
+TEST_CASE("a boat that stays or comes into a state that pushes may push at once") {
+  for_every_situation([](State state, Request request, Conditions met) {
+    const State own = supervise(state, Request::kNone, met).state;  // as each tick begins
+    const State next = supervise(own, request, met).state;
+    const bool pushes = next == State::kManual || next == State::kFormation || next == State::kTest;
+    if (pushes) CHECK(may_drive(next, met));
+  });
 }
 
 TEST_CASE("disarming always works") {
@@ -79,7 +146,7 @@ TEST_CASE("FAULT is left by disarming only; arming needs own state, propulsion, 
   for_every_situation([](State state, Request request, Conditions met) {
     const State next = supervise(state, request, met).state;
     if (state == State::kFault && next != State::kFault) CHECK(request == Request::kDisarm);
-    if (state == State::kDisarmed && next != State::kDisarmed) {
+    if (state == State::kDisarmed && armed(next)) {
       CHECK(request == Request::kArm);
       CHECK(next == State::kHold);
       CHECK(has(met, kOwnFresh | kPropulsion | kParametersSaved));
@@ -87,33 +154,56 @@ TEST_CASE("FAULT is left by disarming only; arming needs own state, propulsion, 
   });
 }
 
-TEST_CASE("FORMATION is entered from HOLD, by request, with all well, and in no other way") {
+TEST_CASE("the flight is terminated from any state, and only disarming ends that") {
   for_every_situation([](State state, Request request, Conditions met) {
-    if (state != State::kFormation && supervise(state, request, met).state == State::kFormation) {
-      CHECK(state == State::kHold);
+    const Verdict verdict = supervise(state, Request::kTerminate, met);
+    CHECK(verdict.granted);
+    CHECK(verdict.state == State::kFault);
+    const Verdict after = supervise(verdict.state, request, met);
+    CHECK(after.state == (request == Request::kDisarm ? State::kDisarmed : State::kFault));
+  });
+}
+
+TEST_CASE("a state that pushes is entered by its own request, and TEST from HOLD only") {
+  for_every_situation([](State state, Request request, Conditions met) {
+    const State next = supervise(state, request, met).state;
+    if (next == state) return;
+    if (next == State::kManual) {
+      CHECK(request == Request::kManual);
+      CHECK((state == State::kHold || state == State::kFormation));
+    } else if (next == State::kFormation) {
       CHECK(request == Request::kFormation);
-      CHECK(has(met, kDrive));
+      CHECK((state == State::kHold || state == State::kManual));
+    } else if (next == State::kTest) {
+      CHECK(request == Request::kTest);
+      CHECK(state == State::kHold);
     }
   });
 }
 
-TEST_CASE("ESCs or bus lost, or another controller, while armed: FAULT; a state lost: HOLD") {
-  for_every_situation([](State state, Request, Conditions met) {
-    const Verdict verdict = supervise(state, Request::kNone, met);
-    if (armed(state) && !has(met, kPropulsion)) {
-      CHECK(verdict.state == State::kFault);
-    } else if (state == State::kFormation && !has(met, kDrive)) {
-      CHECK(verdict.state == State::kHold);
-    } else {
-      CHECK(verdict.state == state);
-      CHECK_FALSE(verdict.granted);
-    }
-  });
+TEST_CASE("a boat that lost its navigation and its leader can be driven home") {
+  constexpr Conditions kBlind = kEscsOnline | kBusUp | kSoleController | kSticksFresh;
+  const State held = supervise(State::kFormation, Request::kNone, kBlind).state;
+  CHECK(held == State::kHold);
+  CHECK(supervise(held, Request::kManual, kBlind).state == State::kManual);
+  CHECK(supervise(State::kManual, Request::kNone, kBlind).state == State::kManual);
+  CHECK(may_drive(State::kManual, kBlind));
 }
 
-TEST_CASE("a request that was granted is granted again and changes nothing more") {
+TEST_CASE("what the boat lost is named when it stops by itself") {
+  const auto lost = [](State state, Conditions unmet) {
+    return supervise(state, Request::kNone, static_cast<Conditions>(kAllConditions & ~unmet))
+        .missing;
+  };
+  CHECK(lost(State::kManual, kSticksFresh | kOwnFresh) == kSticksFresh);
+  CHECK(lost(State::kFormation, kLeaderFresh | kSticksFresh) == kLeaderFresh);
+  CHECK(lost(State::kTest, kTestRunning | kOwnFresh) == kTestRunning);
+  CHECK(lost(State::kHold, kBusUp | kOwnFresh) == kBusUp);
+}
+
+TEST_CASE("a request that was granted is granted again, but for a test, and changes nothing more") {
   for_every_situation([](State state, Request request, Conditions met) {
-    if (request == Request::kNone) return;
+    if (request == Request::kNone || request == Request::kTest) return;
     const Verdict first = supervise(state, request, met);
     const Verdict again = supervise(first.state, request, met);
     CHECK(again.state == first.state);
@@ -130,7 +220,10 @@ TEST_CASE("a refusal for want of conditions names exactly those, and meeting the
   });
   CHECK(supervise(State::kDisarmed, Request::kArm, kLeaderFresh).missing ==
         (kOwnFresh | kPropulsion | kParametersSaved));
+  CHECK(supervise(State::kHold, Request::kManual, 0).missing == (kPropulsion | kSticksFresh));
+  CHECK(supervise(State::kHold, Request::kTest, kPropulsion).missing == kTestRunning);
   CHECK(supervise(State::kFault, Request::kArm, 0).missing == 0);
+  CHECK(supervise(State::kFormation, Request::kTest, 0).missing == 0);
 }
 
 static_assert(supervise(State::kHold, Request::kFormation, kAllConditions).granted);

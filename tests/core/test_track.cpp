@@ -122,6 +122,25 @@ TEST_CASE_TEMPLATE("after a gap the old acceleration is forgotten", S, float, do
   CHECK(state.nu_dot.u == S(0));
 }
 
+TEST_CASE_TEMPLATE("told by another source, a vessel goes on with the acceleration that it had", S,
+                   float, double) {
+  for (const double silence : {0.1, 1.9, 2.5, 0.0}) {
+    TrackState<S> state;
+    update(TrackParams<S>{}, state, S(0), Nu<S>{S(0), S(0), S(0)}, S(0));
+    update(TrackParams<S>{}, state, S(0), Nu<S>{S(1), S(0), S(0)}, S(0.5));
+    const S before = state.nu_dot.u;
+    // 0.1 m/s of disagreement is no acceleration.
+    track_resume(TrackParams<S>{}, state,
+                 TrackMessage<S>{S(1), {S(1.1), S(0), S(2)}, S(silence), S(0.1)});
+    const bool goes_on = 0 < silence && silence < 2;
+    CHECK(state.nu_dot.u == (goes_on ? before : S(0)));
+    CHECK(state.nu_dot.r == S(0));
+    CHECK(state.dt == (goes_on ? S(silence) : S(0)));
+    CHECK(state.nu.u == S(1.1));
+    CHECK(state.psi == S(1));
+  }
+}
+
 TEST_CASE_TEMPLATE("a message of age zero says where the vessel is, not where it may be", S, float,
                    double) {
   TrackState<S> state;

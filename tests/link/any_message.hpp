@@ -2,9 +2,12 @@
 // Random MAVLink messages of every type that the firmware has, and their fields as numbers.
 #pragma once
 
+#include <algorithm>
 #include <random>
+#include <type_traits>
 #include <vector>
 
+#include "link/fields.hpp"
 #include "link/mavlink_decode.hpp"
 #include "link/mavlink_encode.hpp"
 
@@ -13,85 +16,91 @@ namespace flotilla::testing {
 using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kMessages = std::variant_size_v<link::Message>;  // the first is monostate
 
+template <class M, class... Others>
+constexpr bool is_one_of = (std::is_same_v<M, Others> || ...);
+
+/// What a boat only says, and what it is told by others that it has no use for.
+template <class M>
+constexpr bool is_only_sent =
+    is_one_of<M, link::HomePosition, link::MessageInterval, link::ParamValue, link::ParamError,
+              link::MissionAck, link::SysStatus, link::AutopilotVersion, link::ProtocolVersion,
+              link::ComponentInformationBasic, link::ComponentMetadata, link::AvailableModes,
+              link::CurrentMode, link::MavEscInfo, link::MavEscStatus, link::NavControllerOutput,
+              link::PositionTargetLocalNed, link::BatteryStatus, link::ExtendedSysState>;
+
+/// As a boat gets it.
+inline link::Message as_read(const link::Message& message) {
+  return std::visit([&]<class M>(const M&) { return is_only_sent<M> ? link::Message{} : message; },
+                    message);
+}
+
 struct AnyMessage {
   explicit AnyMessage(std::uint32_t seed) : engine(seed) {}
 
   std::uint8_t u8() { return static_cast<std::uint8_t>(engine()); }
-  std::uint16_t u16() { return static_cast<std::uint16_t>(engine()); }
   std::uint32_t u32() { return static_cast<std::uint32_t>(engine()); }
-  std::int32_t i32() { return static_cast<std::int32_t>(engine()); }
-  std::int64_t i64() { return static_cast<std::int64_t>(engine()) << 20U; }  // exact as a double
-  float real() { return std::uniform_real_distribution<float>(-1000, 1000)(engine); }
+
+  template <class Number>
+  void fill(Number& x) {
+    if constexpr (std::is_floating_point_v<Number>) {
+      x = std::uniform_real_distribution<Number>(-1000, 1000)(engine);
+    } else {
+      x = static_cast<Number>(std::uint64_t{engine()} << 32U | engine());
+    }
+  }
+
+  template <class Number, std::size_t N>
+  void fill(std::array<Number, N>& numbers) {
+    for (Number& x : numbers) fill(x);
+  }
+
+  /// Of any length, up to one that leaves no room for a NUL.
+  template <std::size_t N>
+  void fill(link::Text<N>& text) {
+    text = {};
+    const std::size_t length = engine() % (N + 1);
+    for (std::size_t i = 0; i < length; ++i) text[i] = static_cast<char>('A' + u8() % 26);
+  }
 
   /// 1 … kMessages − 1
   link::Message operator()(std::size_t index) {
-    switch (index) {
-      case 1:
-        return link::Heartbeat{u32(), u8(), u8(), u8(), u8()};
-      case 2:
-        return link::Attitude{u32(), real(), real(), real(), real(), real(), real()};
-      case 3:
-        return link::LocalPositionNed{u32(), real(), real(), real(), real(), real(), real()};
-      case 4:
-        return link::Odometry{static_cast<std::uint64_t>(i64()),
-                              real(),
-                              real(),
-                              real(),
-                              {real(), real(), real(), real()},
-                              real(),
-                              real(),
-                              real(),
-                              real(),
-                              real(),
-                              real(),
-                              u8(),
-                              u8()};
-      case 5:
-        return link::GpsGlobalOrigin{i32(), i32(), i32(), static_cast<std::uint64_t>(i64())};
-      case 6:
-        return link::Timesync{i64(), i64()};
-      case 7:
-        return link::CommandLong{
-            u16(), {real(), real(), real(), real(), real(), real(), real()}, u8(), u8(), u8()};
-      case 8:
-        return link::CommandAck{u16(), u8(), u8(), u8()};
-      default: {
-        link::Statustext text{u8(), {}};
-        for (char& c : text.text) c = static_cast<char>('A' + u8() % 26);
-        return text;
-      }
+    link::Message message = of_type<1>(index);
+    std::visit(
+        [&]<class M>(M& m) {
+          if constexpr (!std::is_same_v<M, std::monostate>) {
+            each_field(m, [&](auto& field) { fill(field); });
+          }
+        },
+        message);
+    return message;
+  }
+
+  template <std::size_t I>
+  static link::Message of_type(std::size_t index) {
+    if constexpr (I + 1 < kMessages) {
+      if (index != I) return of_type<I + 1>(index);
     }
+    return link::Message(std::in_place_index<I>);
   }
 
   std::mt19937 engine;
 };
 
-/// All fields of a message, its type first.
-inline std::vector<double> fields_of(const link::Message& message) {
-  std::vector<double> out{static_cast<double>(message.index())};
-  const auto put = [&](auto... values) { (out.push_back(static_cast<double>(values)), ...); };
-  if (const auto* h = std::get_if<link::Heartbeat>(&message)) {
-    put(h->custom_mode, h->type, h->autopilot, h->base_mode, h->system_status);
-  } else if (const auto* a = std::get_if<link::Attitude>(&message)) {
-    put(a->time_boot_ms, a->roll, a->pitch, a->yaw, a->rollspeed, a->pitchspeed, a->yawspeed);
-  } else if (const auto* p = std::get_if<link::LocalPositionNed>(&message)) {
-    put(p->time_boot_ms, p->x, p->y, p->z, p->vx, p->vy, p->vz);
-  } else if (const auto* o = std::get_if<link::Odometry>(&message)) {
-    put(o->time_usec, o->x, o->y, o->z, o->q[0], o->q[1], o->q[2], o->q[3], o->vx, o->vy, o->vz,
-        o->rollspeed, o->pitchspeed, o->yawspeed, o->frame_id, o->child_frame_id);
-  } else if (const auto* g = std::get_if<link::GpsGlobalOrigin>(&message)) {
-    put(g->latitude, g->longitude, g->altitude, g->time_usec);
-  } else if (const auto* t = std::get_if<link::Timesync>(&message)) {
-    put(t->tc1, t->ts1);
-  } else if (const auto* c = std::get_if<link::CommandLong>(&message)) {
-    put(c->command, c->target_system, c->target_component, c->confirmation);
-    for (const float x : c->param) put(x);
-  } else if (const auto* k = std::get_if<link::CommandAck>(&message)) {
-    put(k->command, k->result, k->target_system, k->target_component);
-  } else if (const auto* s = std::get_if<link::Statustext>(&message)) {
-    put(s->severity);
-    for (const char x : s->text) put(x);
-  }
+/// All fields of a message, its type first; a long double holds each of them exactly.
+inline std::vector<long double> fields_of(const link::Message& message) {
+  std::vector<long double> out{static_cast<long double>(message.index())};
+  const auto put = [&](const auto& field) {
+    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(field)>>) {
+      out.push_back(static_cast<long double>(field));
+    } else {
+      for (const auto x : field) out.push_back(static_cast<long double>(x));
+    }
+  };
+  std::visit(
+      [&]<class M>(const M& m) {
+        if constexpr (!std::is_same_v<M, std::monostate>) each_field(m, put);
+      },
+      message);
   return out;
 }
 

@@ -12,7 +12,7 @@ using testing::Bytes;
 using testing::fields_of;
 using testing::frame_of;
 
-TEST_CASE("every message arrives as it was sent, from whom it was sent") {
+TEST_CASE("every message arrives as it was sent and from whom, or as one that no boat reads") {
   constexpr std::uint32_t kSeed = 41;
   INFO("seed ", kSeed);
   AnyMessage any(kSeed);
@@ -27,7 +27,8 @@ TEST_CASE("every message arrives as it was sent, from whom it was sent") {
       REQUIRE(got.size() == 1);
       CHECK(got[0].from.system == 7);
       CHECK(got[0].from.component == 191);
-      CHECK(fields_of(got[0].message) == fields_of(sent));
+      CHECK(got[0].sequence == encoder.last_sequence());
+      CHECK(fields_of(got[0].message) == fields_of(testing::as_read(sent)));
     }
   }
   CHECK(counters.mavlink_skipped_bytes == 0);
@@ -51,6 +52,7 @@ TEST_CASE("sequence numbers run from 0 to 255 and again, each encoder's its own"
     const Bytes frame = frame_of(encoder, Heartbeat{});
     REQUIRE(frame[0] == 0xFD);
     CHECK(frame[4] == (i & 0xFFU));
+    CHECK(encoder.last_sequence() == frame[4]);
     if (i == 300) CHECK(frame_of(other, Heartbeat{})[4] == 0);
   }
 }
@@ -71,6 +73,10 @@ TEST_CASE("a buffer that is too short takes nothing and uses no sequence number"
     Bytes exact(size);
     CHECK(encoder.encode(message, exact) == size);
     CHECK(exact[4] == 0);
+    CHECK(encoder.last_sequence() == 0);
+    Bytes none(size - 1);
+    CHECK(encoder.encode(message, none) == 0);
+    CHECK(encoder.last_sequence() == 0);
   }
 }
 

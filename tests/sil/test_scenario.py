@@ -155,6 +155,77 @@ def test_mistake_in_the_file_is_told_by_line_and_key(
     assert told in complaint(tmp_path, changed(line, new))
 
 
+OVER_DIAMOND = """\
+base = "diamond"
+duration_s = 20
+[leader.navigation]
+message = "global"
+[boat.2]
+eta = [1, 2, 3]
+[boat.2.navigation]
+rate_hz = 5
+[boat.3.parameters]
+LAW_KX = 0.3
+"""
+
+
+def test_a_scenario_over_a_base_is_the_base_but_for_its_own_keys(tmp_path: Path) -> None:
+    own, diamond = load(written(tmp_path, OVER_DIAMOND)), load("diamond")
+    assert (own.name, own.duration_s) == ("pair", 20)
+    assert own.leader.input == diamond.leader.input
+    assert own.boat[0] == diamond.boat[0]
+    assert own.boat[1].eta == (1, 2, 3)
+    assert own.boat[1].offset_m == diamond.boat[1].offset_m
+    assert own.firmware_parameters(own.boat[2])["LAW_KX"] == 0.3
+    assert load(written(tmp_path, OVER_DIAMOND), ["boat.2.eta.1=7"]).boat[1].eta == (7, 2, 3)
+
+
+def test_units_say_what_the_boats_units_say_but_for_their_own_keys(tmp_path: Path) -> None:
+    own = load(written(tmp_path, OVER_DIAMOND), ["navigation.message='odometry'"])
+    assert own.leader_unit() == (100.0, "global", 0.0, (0.0, 0.0))
+    assert own.boat_unit(own.boat[0]) == (100.0, "odometry", 0.0, (0.0, 0.0))
+    assert own.boat_unit(own.boat[1]) == (5.0, "odometry", 0.0, (0.0, 0.0))
+    # What the virtual leader says is its own affair, at the rate of all.
+    slow = load("diamond", ["navigation.message='odometry'", "navigation.rate_hz=20"])
+    assert slow.leader_unit() == (20.0, "local", 0.0, (0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("line", "new", "told"),
+    [
+        ('message = "global"', 'message = "gps"', 'pair.toml:4: "leader.navigation.message" = '),
+        ("eta = [1, 2, 3]", "eta = [1, 2]", '6: "boat.2.eta" = [1, 2]: must have 3 numbers'),
+        ("eta = [1, 2, 3]", "follows = 2", 'pair.toml:6: "boat.2.follows" = 2: boat 2 may follow'),
+        ("[boat.2]", "[boat.7]", 'pair.toml:6: no key "boat.7.eta": "7" must be a number from 1'),
+        ("[boat.3.parameters]", "[boat.3.param]", '9: unknown key "boat.3.param" (did you mean'),
+        ('base = "diamond"', 'base = "dimond"', 'pair.toml:1: "base": unknown scenario "dimond"'),
+        ('base = "diamond"', "base = 3", 'pair.toml:1: "base": '),
+        ('base = "diamond"', 'base = "leader_global"', "that scenario has a base itself"),
+        ("rate_hz = 5", "rate_hz = 500", 'pair.toml:8: "boat.2.navigation.rate_hz" = 500.0: the'),
+        (
+            "rate_hz = 5",
+            'message = "follow_target"\nattitude_rate_hz = 5',
+            'pair.toml:9: "boat.2.navigation.attitude_rate_hz" = 5.0: "follow_target" sends no',
+        ),
+        (
+            'message = "global"',
+            'message = "global"\norigin_m = [1, 2]',
+            'pair.toml:5: "leader.navigation.origin_m" = [1.0, 2.0]: only "local" has an origin',
+        ),
+    ],
+)
+def test_mistake_over_a_base_is_told_by_line_and_key(
+    tmp_path: Path, line: str, new: str, told: str
+) -> None:
+    assert OVER_DIAMOND.count(f"{line}\n") == 1
+    assert told in complaint(tmp_path, OVER_DIAMOND.replace(line, new))
+
+
+def test_mistake_that_only_the_base_can_have_made_is_told_in_the_base(tmp_path: Path) -> None:
+    text = complaint(tmp_path, 'base = "diamond"\nrate_hz = 50\n')
+    assert re.search(r'diamond\.toml:\d+: "navigation\.rate_hz" = 100\.0: the world ticks', text)
+
+
 @pytest.mark.parametrize(
     ("override", "told"),
     [

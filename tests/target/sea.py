@@ -7,6 +7,7 @@ import functools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 import flotilla
@@ -24,10 +25,13 @@ from tests.target.stations import (
     LEADER,
     LEADER_COMPONENT,
     NAVIGATION,
+    REQUEST_MESSAGE,
     SET_MODE,
     Station,
     command_long,
     decode,
+    origin,
+    state_messages,
 )
 
 TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
@@ -125,6 +129,12 @@ class Sea:
         self.say(command_long(command, *params, **how), link=link)
         return self.step()
 
+    def ask(self, message_id: int, link: int = 0) -> list[Any]:
+        """The messages asked for that follow the ACK, without what the boat says anyway."""
+        ack, *others = self.order(REQUEST_MESSAGE, float(message_id), link=link).messages(link)
+        assert (ack.get_type(), ack.command, ack.result) == ("COMMAND_ACK", REQUEST_MESSAGE, 0)
+        return list(takewhile(lambda m: m.get_msgId() == message_id, others))
+
     def arm(self) -> Tick:
         return self.order(ARM, 1.0)
 
@@ -152,6 +162,14 @@ class Sea:
                 self.step()
             agent.on = False
         return self.ticks[-1].now_us
+
+    def speak_for(self, agent: Agent, kind: str) -> None:
+        """In its place: half a second of its states, in messages of that kind, and no more."""
+        agent.on = False
+        for _ in range(10):
+            states = state_messages(kind, agent.course, self.now_us)
+            self.say(origin(self.now_us), *states, sender=agent.station)
+            self.run(0.05)
 
     def enter_hold(self) -> None:
         self.settle()

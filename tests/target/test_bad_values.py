@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.target.sea import Sea
-from tests.target.stations import origin, state_messages
+from tests.target.stations import state_messages
 
 POSITION = ["x", "y", "z", "vx", "vy", "vz"]
 RATES = ["rollspeed", "pitchspeed", "yawspeed"]
@@ -23,14 +23,7 @@ FIELDS = [
 def spoil(sea: Sea, agent: str, kind: str, **changes: Any) -> None:
     """Good states, then only bad ones: counted, ignored; the last good one is kept until stale."""
     whose = getattr(sea, agent)
-    whose.on = False
-    for _ in range(10):
-        sea.say(
-            origin(sea.now_us),
-            *state_messages(kind, whose.course, sea.now_us),
-            sender=whose.station,
-        )
-        sea.run(0.05)
+    sea.speak_for(whose, kind)
     assert sea.condition(f"{agent}_fresh") and sea.refused("mavlink") == 0
     good, error = sea.own_course(), sea.snapshot()["error"]
     limit_s = {"own": 0.5, "leader": 1.0}[agent]

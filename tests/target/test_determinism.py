@@ -4,12 +4,28 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 import pytest
 
 from tests.target.course import Course
 from tests.target.sea import TURN, Sea, Tick
 from tests.target.stations import LEADER
+
+OF_THE_LAW = {"NAMED_VALUE_FLOAT", "NAV_CONTROLLER_OUTPUT", "POSITION_TARGET_LOCAL_NED"}
+
+
+def assert_alike(these: list[Any], those: list[Any]) -> None:
+    """The same bytes, but for the law's own numbers, which are the same but for rounding."""
+    assert [m.get_type() for m in these] == [m.get_type() for m in those]
+    for a, b in zip(these, those, strict=True):
+        if a.get_type() in OF_THE_LAW:
+            for name in a.fieldnames:
+                here, there = getattr(a, name), getattr(b, name)
+                same = there if name == "name" else pytest.approx(there, rel=1e-5, abs=1e-6)
+                assert here == same, (a.get_type(), name)
+        else:
+            assert bytes(a.get_msgbuf()) == bytes(b.get_msgbuf())
 
 
 @pytest.mark.parametrize(
@@ -21,7 +37,8 @@ def test_double_and_float_sail_alike(parameters: dict[str, float]) -> None:
     for sea in (one, two):
         sea.enter_formation()
         sea.run(20.0)
-    assert [t.mavlink for t in one.ticks][:5] == [t.mavlink for t in two.ticks][:5]
+    for a, b in zip(one.ticks[:5], two.ticks[:5], strict=True):
+        assert_alike(a.messages(), b.messages())
     for a, b in zip(one.ticks, two.ticks, strict=True):
         assert all(abs(x - y) <= 4 for x, y in zip(a.commands, b.commands, strict=True))
     shown, expected = one.snapshot(), two.snapshot()

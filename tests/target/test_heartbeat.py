@@ -9,14 +9,15 @@ from tests.target.sea import Sea
 from tests.target.stations import ARMED_BIT, FORMATION, HOLD
 
 STANDBY, ACTIVE, EMERGENCY = 3, 4, 6
+CUSTOM, AUTO, GUIDED = 1, 4, 8
 
 
 def test_the_heartbeat_tells_vehicle_mode_and_status(voyage: Sea) -> None:
     expected = {
-        "DISARMED": (1, HOLD, STANDBY),
-        "HOLD": (1 | ARMED_BIT, HOLD, ACTIVE),
-        "FORMATION": (1 | ARMED_BIT, FORMATION, ACTIVE),
-        "FAULT": (1, HOLD, EMERGENCY),
+        "DISARMED": (CUSTOM, HOLD, STANDBY),
+        "HOLD": (CUSTOM | ARMED_BIT, HOLD, ACTIVE),
+        "FORMATION": (CUSTOM | ARMED_BIT | AUTO | GUIDED, FORMATION, ACTIVE),
+        "FAULT": (CUSTOM, HOLD, EMERGENCY),
     }
     seen, state = set(), "DISARMED"
     for tick in voyage.ticks:

@@ -10,11 +10,14 @@ import pytest
 from tests.target.sea import Sea, acks
 from tests.target.stations import ACCEPTED, DENIED, FORMATION, SET_MODE, TEMPORARILY_REJECTED
 
+MANUAL = 0
+
 
 @pytest.mark.parametrize(
     "params",
     [
-        (1.0, 0.0),
+        (1.0, 0.5),
+        (1.0, 1.0),
         (1.0, 5.0),
         (1.0, 99.0),
         (1.0, -1.0),
@@ -36,6 +39,16 @@ def test_a_mode_that_does_not_exist_is_denied(sea: Sea, params: tuple[float, ...
     sea.settle()
     sea.arm()
     assert acks(sea.order(SET_MODE, *params)) == [(SET_MODE, DENIED)]
+    assert sea.state == "HOLD"
+
+
+def test_manual_is_refused_without_sticks_and_says_so(sea: Sea) -> None:
+    sea.settle()
+    sea.arm()
+    sea.run(1.0)
+    tick = sea.mode(MANUAL)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert [m.text for m in tick.named("STATUSTEXT") if m.text.startswith("Refused: ")]
     assert sea.state == "HOLD"
 
 

@@ -20,6 +20,8 @@ EACH = pytest.mark.parametrize("p", LIST, ids=list(BY_NAME))
 DESIGN_NAMES = [
     "MAV_SYSID",
     "MAV_COMPID",
+    "MAV_IDENTITY",
+    "MODE",
     "MAV_GCS_SYSID",
     "FORM_LEADER",
     "FORM_OFS_N",
@@ -58,6 +60,7 @@ DESIGN_NAMES = [
 CONTRADICTIONS = [
     ({"ESC_PORT": 3, "ESC_STBD": 3}, "ESC_PORT", "ESC_STBD"),
     ({"MAV_SYSID": 7, "FORM_LEADER": 7}, "MAV_SYSID", "FORM_LEADER"),
+    ({"MAV_IDENTITY": 1, "MAV_COMPID": 1}, "MAV_IDENTITY", "MAV_COMPID"),
 ]
 
 
@@ -71,8 +74,13 @@ def float32(value: float, p: dict[str, Any]) -> float:
     return float(min(max(nearest, p["least"]), p["greatest"]))
 
 
+HOLD = 4.0
+
+
 def other_names_kept_apart(name: str, value: float) -> dict[str, float]:
     """The value, and its partner moved out of the way where the two must differ."""
+    if name == "MAV_IDENTITY":
+        return {name: value, "MAV_COMPID": 191.0}
     partner = {
         "ESC_PORT": "ESC_STBD",
         "ESC_STBD": "ESC_PORT",
@@ -98,16 +106,33 @@ def test_every_parameter_that_the_design_names_exists() -> None:
 def test_names_are_unique_and_fit_into_mavlink() -> None:
     assert len(BY_NAME) == len(LIST)
     for name in BY_NAME:
-        assert re.fullmatch(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)+", name) and len(name) <= 16, name
+        assert re.fullmatch(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*", name) and len(name) <= 16, name
 
 
 @EACH
 def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any]) -> None:
-    assert set(p) == {"name", "unit", "default", "least", "greatest", "integer", "sentence"}
+    numbers = {"default", "least", "greatest"}
+    assert set(p) == {"name", "unit", "group", "kind", "integer", "change", "sentence"} | numbers
     assert isinstance(p["unit"], str)
     assert re.fullmatch(r"[A-Z0-9].{8,}\.", p["sentence"]), p["sentence"]
     assert all(math.isfinite(p[key]) for key in ("default", "least", "greatest"))
     assert p["least"] < p["greatest"]
+
+
+@EACH
+def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
+    assert p["kind"] in ("real", "whole", "sign", "mode", "identity")
+    assert p["integer"] == (p["kind"] != "real")
+    assert p["change"] in ("anytime", "disarmed", "restart", "mode")
+    assert (p["kind"] == "mode") == (p["change"] == "mode") == (p["name"] == "MODE")
+    assert (p["kind"] == "sign") == p["name"].endswith("_DIR")
+    assert re.fullmatch(r"[A-Z][A-Za-z]+", p["group"])
+
+
+def test_what_a_sailor_trims_may_change_under_way_and_what_the_boat_is_may_not() -> None:
+    anytime = {p["name"] for p in LIST if p["change"] == "anytime"}
+    assert {"LAW_KX", "LAW_KPSI", "FORM_OFS_N", "FORM_OFS_E"} <= anytime
+    assert not any(n.startswith(("VES_", "THR_", "ESC_", "FS_", "CAN_", "MAV_")) for n in anytime)
 
 
 def test_only_numbers_without_dimension_lack_a_unit() -> None:
@@ -155,7 +180,11 @@ def test_the_control_rate_is_at_least_50_hz() -> None:
 @pytest.mark.parametrize("end", ["least", "greatest"])
 def test_both_ends_of_a_range_are_allowed(p: dict[str, Any], end: str) -> None:
     roomy = {"THR_FWD_MAX": 1e5, "THR_REV_MAX": 1e5} if p["name"] == "THR_DEAD" else {}
-    boat = flotilla.Boat(roomy | other_names_kept_apart(p["name"], p[end]))
+    given_values = roomy | other_names_kept_apart(p["name"], p[end])
+    if p["name"] == "MODE":
+        assert "HOLD" in refusal(given_values)
+        return
+    boat = flotilla.Boat(given_values)
     assert boat.parameters()[p["name"]] == p[end]
 
 
@@ -191,6 +220,16 @@ def test_a_fraction_of_an_integer_is_refused_by_name(name: str) -> None:
 @pytest.mark.parametrize("name", [n for n in BY_NAME if n.endswith("_DIR")])
 def test_a_propeller_without_direction_is_refused(name: str) -> None:
     assert name in refusal({name: 0.0})
+
+
+@pytest.mark.parametrize("mode", range(8))
+def test_every_start_is_in_hold(mode: int) -> None:
+    if mode == HOLD:
+        assert flotilla.Boat({"MODE": mode}).parameters()["MODE"] == HOLD
+    else:
+        said = refusal({"MODE": mode})
+        assert "MODE" in said
+        assert ("every start is in HOLD" in said) == (mode in (0, 6))
 
 
 @pytest.mark.parametrize(
@@ -249,6 +288,7 @@ def test_whole_numbers_and_booleans_are_numbers() -> None:
 def test_parameters_come_back_as_they_were_given(fractions: list[float]) -> None:
     given_values = {p["name"]: a_valid_value(p, f) for p, f in zip(LIST, fractions, strict=True)}
     given_values |= {"ESC_PORT": 2.0, "ESC_STBD": 5.0, "MAV_SYSID": 9.0, "FORM_LEADER": 8.0}
+    given_values |= {"MODE": HOLD, "MAV_IDENTITY": 1.0, "MAV_COMPID": 191.0}
     given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0, "THR_DEAD": 0.0625}
     boat = flotilla.Boat(given_values)
     assert boat.parameters() == given_values

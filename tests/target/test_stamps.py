@@ -16,14 +16,7 @@ def test_a_duplicate_and_an_older_state_are_counted_and_ignored(
     sea: Sea, agent: str, kind: str
 ) -> None:
     whose = getattr(sea, agent)
-    whose.on = False
-    for _ in range(10):
-        sea.say(
-            origin(sea.now_us),
-            *state_messages(kind, whose.course, sea.now_us),
-            sender=whose.station,
-        )
-        sea.run(0.05)
+    sea.speak_for(whose, kind)
     stamp_us, good = sea.now_us - 50_000, sea.own_course()
     error = sea.snapshot()["error"]
     elsewhere = Course(500.0, 500.0, 2.0, 1.0, 1.0, 1.0)

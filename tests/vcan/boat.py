@@ -20,6 +20,7 @@ from sil.wire.esc_node import EscNode
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
 from tests.target.course import Course
+from tests.target.linux.process import PATIENT
 from tests.target.sea import TURN
 from tests.target.stations import (
     ARM,
@@ -107,8 +108,7 @@ class Boat:
                 FLOTILLAD,
                 f"--can=socketcan:{INTERFACE}",
                 f"--mavlink=udpout:127.0.0.1:{self._udp.getsockname()[1]}",
-                f"--param=MAV_SYSID={BOAT}",
-                f"--param=FORM_LEADER={LEADER}",
+                *(f"--param={name}={value}" for name, value in PATIENT.items()),
                 f"--state-dir={self._folder / 'state'}",
                 f"--stats={self._folder / 'stats.json'}",
             ],
@@ -144,6 +144,12 @@ class Boat:
         known = len(self.commands)
         self.run(seconds)
         return len(self.commands) - known
+
+    def execute(self, *command: str) -> None:
+        """A program of the system; on a busy machine its start takes longer than a boat waits."""
+        with subprocess.Popen(command) as process:
+            self.wait(lambda: process.poll() is not None, f"end of {command[0]}")
+        assert process.returncode == 0
 
     def wait(self, done: Callable[[], bool], what: str) -> None:
         end_us = now_us() + round(1e6 * _PATIENCE_S)

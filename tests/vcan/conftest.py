@@ -2,12 +2,13 @@
 """Tests on the kernel's own CAN, with vcan0 … vcan3: tools/with-vcan pytest tests/vcan."""
 
 import socket
-import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+
+from tests.vcan.bus import run
 
 ECHO = Path("/sys/module/vcan/parameters/echo")
 CAN_RAW_ERR_FILTER = 2  # linux/can/raw.h; Python's socket has it not everywhere
@@ -46,9 +47,10 @@ def shape() -> Iterator[Shape]:
         pytest.skip(f"needs vcan loaded with echo=1, {ECHO} says no")
     shaped = set()
 
-    def shape(interface: str, *discipline: str) -> None:
+    def shape(interface: str, *discipline: str, execute: Callable[..., None] = run) -> None:
+        """`execute`: how to run tc where somebody must go on meanwhile."""
         verb = "replace" if discipline else "delete"
-        subprocess.run(["tc", "qdisc", verb, "dev", interface, "root", *discipline], check=True)
+        execute("tc", "qdisc", verb, "dev", interface, "root", *discipline)
         (shaped.add if discipline else shaped.discard)(interface)
 
     yield shape

@@ -211,12 +211,13 @@ def test_a_full_queue_drops_whole_transfers_and_counts_them(boat: Boat, shape: S
     # A bus of 62 frames per second for the boat, where 10 may wait; the ESCs' frames pass by.
     bands = ["1"] * 16
     bands[URGENT] = "0"
-    shape(INTERFACE, "handle", "1:", "prio", "bands", "2", "priomap", *bands)
+    two = ["handle", "1:", "prio", "bands", "2", "priomap", *bands]
+    shape(INTERFACE, *two, execute=boat.execute)
     slow = ["tbf", "rate", "8kbit", "burst", "32", "limit", "160"]
-    run("tc", "qdisc", "add", "dev", INTERFACE, "parent", "1:2", "handle", "2:", *slow)
+    boat.execute("tc", "qdisc", "add", "dev", INTERFACE, "parent", "1:2", "handle", "2:", *slow)
     assert 60 < boat.count_commands(1.5) < 130
     assert boat.state == "FORMATION"
-    shape(INTERFACE)
+    shape(INTERFACE, execute=boat.execute)
     assert boat.count_commands(1.0) == pytest.approx(100, abs=15)
     assert boat.state == "FORMATION" and boat.drives()
     can = boat.stop()["can"]
@@ -225,12 +226,12 @@ def test_a_full_queue_drops_whole_transfers_and_counts_them(boat: Boat, shape: S
 
 def test_a_bus_that_loses_every_tenth_frame_carries_a_formation(boat: Boat, shape: Shape) -> None:
     boat.enter_formation()
-    shape(INTERFACE, "netem", "loss", "10%")
+    shape(INTERFACE, "netem", "loss", "10%", execute=boat.execute)
     assert boat.count_commands(3.0) == pytest.approx(270, abs=40)
     # NodeStatus comes once in a second: three in a row may well be lost, if seldom.
     assert boat.state == "FORMATION" or boat.texts[-1] == "FAULT: ESCs are not online"
     assert boat.state == "FAULT" or boat.drives()
-    shape(INTERFACE)
+    shape(INTERFACE, execute=boat.execute)
     can = boat.stop()["can"]
     assert can["transfers_dropped"] == can["receive_overflows"] == 0
     assert can["received"] < boat.esc_frames - 20

@@ -23,8 +23,11 @@ CAN buses:
   socketcan:IF           a CAN interface of Linux, such as can0 or vcan0
   mcast:N[:ADDRESS]      DroneCAN over UDP multicast, bus N; stays on this machine without ADDRESS
 
-MAVLink links, each with ",rate=BYTES" behind it where telemetry has to keep to so many bytes per
-second (0 or nothing: no limit):
+MAVLink links, each with options behind it:
+  ,rate=BYTES            telemetry keeps to so many bytes per second; 0 or nothing: no limit
+  ,signing=POLICY        off: no signatures; accept: signs, takes unsigned messages too; required:
+                         takes signed ones only. accept where there is a signing-key, else off
+and these addresses:
   udpin:HOST:PORT        waits there, answers everybody who has talked to it
   udpout:HOST:PORT       talks to one
   udpbcast:HOST:PORT     talks to a broadcast address
@@ -33,7 +36,7 @@ second (0 or nothing: no limit):
 A parameter given here wins over the saved one at every start.)";
 
 struct Options {
-  std::string config, can, state_dir, log, stats, priority;
+  std::string config, can, state_dir, signing_key, log, stats, priority;
   std::vector<std::string> mavlink, param;
   bool lock_memory = false;
 };
@@ -60,7 +63,7 @@ void define(CLI::App& app, Options& options) {
   app.add_option("--config", options.config, "Configuration file")->type_name("FILE");
   app.add_option("--can", options.can, "CAN bus, default " + defaults.can)->type_name("BUS");
   app.add_option("--mavlink", options.mavlink, "MAVLink link, repeatable, at least one")
-      ->type_name("LINK[,rate=BYTES]")
+      ->type_name("LINK[,OPTION…]")
       ->allow_extra_args(false);
   app.add_option("--param", options.param, "Parameter, repeatable")
       ->type_name("NAME=VALUE")
@@ -68,6 +71,9 @@ void define(CLI::App& app, Options& options) {
   app.add_option("--state-dir", options.state_dir,
                  "Where parameters and node ids are kept, default " + defaults.state_dir.string())
       ->type_name("DIR");
+  app.add_option("--signing-key", options.signing_key,
+                 "Key of MAVLink signing: 32 bytes or 64 hexadecimal digits, mode 0600; \"\": none")
+      ->type_name("FILE");
   app.add_option("--log", options.log, "Where logs are written; \"\": none, the default")
       ->type_name("DIR");
   app.add_option("--stats", options.stats,
@@ -81,6 +87,18 @@ void define(CLI::App& app, Options& options) {
   app.set_version_flag("--version", "flotillad " + std::to_string(app::kVersionMajor) + "." +
                                         std::to_string(app::kVersionMinor));
   app.footer(kFooter);
+}
+
+void require_consistency(const Config& config) {
+  if (config.state_dir.empty()) throw ConfigError("state-dir: must be the name of a directory");
+  if (config.mavlink.empty()) {
+    throw ConfigError("no MAVLink link: give --mavlink, or --config FILE with the key mavlink");
+  }
+  for (const MavlinkLinkConfig& link : config.mavlink) {
+    if (config.signing_key.empty() && config.policy(link) != app::SigningPolicy::kOff) {
+      throw ConfigError("mavlink: signing on " + link.address + " needs a signing-key");
+    }
+  }
 }
 
 Config combined(const CLI::App& app, const Options& options) {
@@ -98,6 +116,7 @@ Config combined(const CLI::App& app, const Options& options) {
     for (const auto& text : options.param) override_parameter(text, config);
   });
   if (given("--state-dir")) config.state_dir = options.state_dir;
+  if (given("--signing-key")) config.signing_key = options.signing_key;
   if (given("--log")) config.log = options.log;
   if (given("--stats")) config.stats = options.stats;
   if (given("--priority")) {
@@ -105,10 +124,7 @@ Config combined(const CLI::App& app, const Options& options) {
            [&] { config.priority = priority_value(number<std::int64_t>(options.priority)); });
   }
   if (given("--lock-memory")) config.lock_memory = options.lock_memory;
-  if (config.state_dir.empty()) throw ConfigError("state-dir: must be the name of a directory");
-  if (config.mavlink.empty()) {
-    throw ConfigError("no MAVLink link: give --mavlink, or --config FILE with the key mavlink");
-  }
+  require_consistency(config);
   return config;
 }
 

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
 
 namespace flotilla::target {
@@ -18,6 +20,7 @@ namespace flotilla::target {
 struct MavlinkLinkConfig {
   std::string address;            ///< as open_mavlink_endpoint() takes it
   std::uint32_t bytes_per_s = 0;  ///< what telemetry keeps to; 0: no limit
+  std::optional<app::SigningPolicy> signing = std::nullopt;  ///< see Config::policy()
   bool operator==(const MavlinkLinkConfig&) const = default;
 };
 
@@ -29,13 +32,21 @@ struct Config {
   std::vector<MavlinkLinkConfig> mavlink;  ///< 1 … app::kMaxLinks
   ParameterOverrides param;
   std::filesystem::path state_dir = "/var/lib/flotilla";
-  std::filesystem::path log;    ///< directory; empty: no logs
-  std::filesystem::path stats;  ///< file for the loop's latencies and counters; empty: none
-  int priority = 0;             ///< of SCHED_FIFO, 1 … 99; 0: none
+  std::filesystem::path signing_key;  ///< file as read_signing_key() takes it; empty: none
+  std::filesystem::path log;          ///< directory; empty: no logs
+  std::filesystem::path stats;        ///< file for the loop's latencies and counters; empty: none
+  int priority = 0;                   ///< of SCHED_FIFO, 1 … 99; 0: none
   bool lock_memory = false;
 
   std::filesystem::path parameter_file() const { return state_dir / "parameters.txt"; }
   std::filesystem::path node_id_file() const { return state_dir / "node_ids.txt"; }
+  std::filesystem::path signing_time_file() const { return state_dir / "signing_time.txt"; }
+
+  /// What the link says; else signatures are looked at where there is a key.
+  app::SigningPolicy policy(const MavlinkLinkConfig& link) const {
+    using enum app::SigningPolicy;
+    return link.signing.value_or(signing_key.empty() ? kOff : kAccept);
+  }
 };
 
 /// Instead of sailing: what to print, to stdout where the status is 0 (--help, --version), else to

@@ -73,6 +73,7 @@ constexpr std::array kKeys{
     Key{"can", [](auto&, auto& n, Config& c) { c.can = can_address(toml_text(n)); }},
     Key{"mavlink", read_links},
     Key{"state-dir", [](auto&, auto& n, Config& c) { c.state_dir = toml_text(n); }},
+    Key{"signing-key", [](auto&, auto& n, Config& c) { c.signing_key = toml_text(n); }},
     Key{"log", [](auto&, auto& n, Config& c) { c.log = toml_text(n); }},
     Key{"stats", [](auto&, auto& n, Config& c) { c.stats = toml_text(n); }},
     Key{"priority",

@@ -31,6 +31,23 @@ void require_scheme(std::string_view address, std::initializer_list<std::string_
                    " (allowed: " + allowed + "…)");
 }
 
+/// One of those behind a link's address, with its comma.
+void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
+  constexpr std::string_view kRate = ",rate=", kSigning = ",signing=";
+  if (option.starts_with(kRate)) {
+    if (const auto rate = number<std::uint32_t>(option.substr(kRate.size()))) {
+      link.bytes_per_s = *rate;
+      return;
+    }
+  } else if (option.starts_with(kSigning)) {
+    link.signing = app::signing_policy(option.substr(kSigning.size()));
+    if (link.signing) return;
+  }
+  throw ValueError("\"" + std::string(option) + "\" behind " + link.address +
+                   " (allowed: ,rate=BYTES with whole bytes per second, 0: no limit; "
+                   ",signing=off, accept or required)");
+}
+
 }  // namespace
 
 std::string can_address(std::string_view address) {
@@ -41,17 +58,12 @@ std::string can_address(std::string_view address) {
 MavlinkLinkConfig mavlink_link(std::string_view text) {
   const std::string_view address = text.substr(0, text.find(','));
   require_scheme(address, {"udpin:", "udpout:", "udpbcast:", "serial:"}, "MAVLink link");
-  MavlinkLinkConfig link{std::string(address), 0};
-  if (address.size() == text.size()) return link;
-  constexpr std::string_view kRate = ",rate=";
-  const std::string_view option = text.substr(address.size());
-  const auto rate =
-      option.starts_with(kRate) ? number<std::uint32_t>(option.substr(kRate.size())) : std::nullopt;
-  if (!rate) {
-    throw ValueError("\"" + std::string(option) + "\" behind " + link.address +
-                     " (allowed: ,rate=BYTES with whole bytes per second, 0: no limit)");
+  MavlinkLinkConfig link{std::string(address)};
+  for (text.remove_prefix(address.size()); !text.empty();) {
+    const std::string_view option = text.substr(0, text.find(',', 1));
+    read_link_option(option, link);
+    text.remove_prefix(option.size());
   }
-  link.bytes_per_s = *rate;
   return link;
 }
 
@@ -68,13 +80,17 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
     throw ValueError("no parameter is called \"" + std::string(name) +
                      "\" (allowed: those of firmware/README.md)");
   }
+  if (!info->saved()) {
+    throw ValueError(std::string(name) +
+                     " cannot be given here: every start is in HOLD, a command changes it");
+  }
   // Beyond float's range a conversion would be undefined.
   const bool fits = value && std::abs(*value) <= double{std::numeric_limits<float>::max()};
   if (fits && app::is_valid(*info, static_cast<float>(*value))) return static_cast<float>(*value);
-  const bool is_sign = info->integer && info->least == -1.0F && info->greatest == 1.0F;
+  const bool is_sign = info->kind == app::ParameterKind::kSign;
   throw ValueError(std::string(name) + " = " + std::string(text) + " (allowed: " +
                    (is_sign ? std::string("-1 or 1")
-                            : std::string(info->integer ? "whole numbers " : "numbers ") + "from " +
+                            : std::string(info->whole() ? "whole numbers " : "numbers ") + "from " +
                                   short_text(info->least) + " to " + short_text(info->greatest)) +
                    (info->unit.empty() ? "" : " " + std::string(info->unit)) + ")");
 }

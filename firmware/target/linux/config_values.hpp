@@ -34,7 +34,7 @@ std::optional<T> number(std::string_view text) {
 
 // Each throws ValueError.
 std::string can_address(std::string_view text);
-MavlinkLinkConfig mavlink_link(std::string_view text);  ///< ADDRESS or ADDRESS,rate=BYTES
+MavlinkLinkConfig mavlink_link(std::string_view text);  ///< ADDRESS[,rate=BYTES][,signing=POLICY]
 void require_link_count(std::size_t count);
 /// `text`: how the value was written; no value: it is no number.
 float parameter_value(std::string_view name, std::optional<double> value, std::string_view text);

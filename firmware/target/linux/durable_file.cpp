@@ -5,12 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <system_error>
 #include <utility>
 
+#include "link/crc32.hpp"
 #include "target/linux/file_descriptor.hpp"
 
 namespace flotilla::target {
@@ -31,6 +33,13 @@ std::string sentence(const std::filesystem::path& path, const char* what) {
 }
 
 }  // namespace
+
+std::string checksum_line(std::string_view body) {
+  std::array<char, kChecksumLineSize + 1> line{};
+  std::snprintf(line.data(), line.size(), "crc32 = %08X\n",
+                static_cast<unsigned>(link::ieee_crc32(body)));
+  return line.data();
+}
 
 FileContent read_file(const std::filesystem::path& path, std::size_t most_bytes) {
   // Not waiting for a writer where somebody put a pipe.

@@ -16,6 +16,11 @@ struct FileContent {
   std::string text;
 };
 
+constexpr std::size_t kChecksumLineSize = std::string_view("crc32 = 89ABCDEF\n").size();
+
+/// The last line of a file whose other lines are `body`: by it a damaged file is known.
+std::string checksum_line(std::string_view body);
+
 /// The whole of a regular file of at most `most_bytes` (EFBIG beyond).
 FileContent read_file(const std::filesystem::path& path, std::size_t most_bytes = 1U << 20U);
 

@@ -83,7 +83,7 @@ bool LogFile::open() {
   std::uint64_t next = numbers.empty() ? 1 : numbers.back() + 1;
   for (int i = 0; i < kOpenTries; ++i, ++next) {  // another process may take the same number
     path_ = path(next);
-    file_ = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+    file_ = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640));
     if (file_ || errno != EEXIST) break;
   }
   if (!file_) fail(path_, errno);

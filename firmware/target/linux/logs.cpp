@@ -8,18 +8,18 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <system_error>
 #include <utility>
 
+#include "target/linux/background_thread.hpp"
+
 namespace flotilla::target {
 namespace {
 
 constexpr int kDrainEvery_ms = 100;
-constexpr std::size_t kStackBytes = 256U << 10U;
 constexpr auto kTryAgainEvery = std::chrono::seconds(1);
 constexpr auto kSyncEvery = std::chrono::seconds(5);
 constexpr std::uint8_t kCan = 255;  // channels below: MAVLink, 2 · link + direction
@@ -27,24 +27,6 @@ constexpr std::size_t kCanIdBytes = 4;
 
 LogSeries series(const LogSettings& settings, const char* prefix, const char* extension) {
   return {settings.directory, prefix, extension, settings.file_bytes, settings.total_bytes};
-}
-
-pthread_t start(void* (*run)(void*), void* self) {
-  pthread_attr_t attributes;
-  sigset_t signals;
-  const sched_param normal{};
-  sigfillset(&signals);
-  pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStackBytes);
-  pthread_attr_setsigmask_np(&attributes, &signals);
-  pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
-  pthread_attr_setschedpolicy(&attributes, SCHED_OTHER);
-  pthread_attr_setschedparam(&attributes, &normal);
-  pthread_t thread{};
-  const int error = pthread_create(&thread, &attributes, run, self);
-  pthread_attr_destroy(&attributes);
-  if (error != 0) throw std::system_error(error, std::generic_category(), "thread of the logs");
-  return thread;
 }
 
 }  // namespace
@@ -56,7 +38,7 @@ Logs::Logs(LogSettings settings) : settings_(std::move(settings)) {
   candump_.emplace(series(settings_, "can", ".log"));
   stop_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC));
   if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of the logs");
-  writer_ = start(&Logs::run, this);
+  writer_ = start_background_thread(&Logs::run, this, "the logs");
 }
 
 Logs::~Logs() {
@@ -93,21 +75,12 @@ LogCounters Logs::counters() const {
           lost_.load(std::memory_order_relaxed)};
 }
 
-std::optional<std::string> Logs::complaint() {
-  if (complained_ || !has_complaint_.load(std::memory_order_acquire)) return std::nullopt;
-  complained_ = true;
-  return std::move(complaint_);
-}
-
 void* Logs::run(void* self) {
   auto& logs = *static_cast<Logs*>(self);
   try {
     logs.write_until_stopped();
   } catch (const std::exception& error) {  // the boat sails on; the ring fills, drops are counted
-    if (!logs.has_complaint_.load(std::memory_order_relaxed)) {
-      logs.complaint_ = std::string("logs end: ") + error.what();
-      logs.has_complaint_.store(true, std::memory_order_release);
-    }
+    logs.complaint_.put(std::string("logs end: ") + error.what());
   }
   return nullptr;
 }
@@ -150,6 +123,7 @@ void Logs::write_mavlink(const LogRecord& record, std::span<const std::uint8_t> 
     out[i] = static_cast<std::uint8_t>(time >> (8U * (kTimeBytes - 1 - i)));
   }
   splitters_[record.channel].split(bytes, [&](std::span<const std::uint8_t> packet) {
+    if (holds_key(packet)) return;
     std::copy(packet.begin(), packet.end(), out.begin() + kTimeBytes);
     tlog_->append(std::span(out).first(kTimeBytes + packet.size()));
   });
@@ -175,11 +149,8 @@ void Logs::write_can(const LogRecord& record, std::span<const std::uint8_t> payl
 void Logs::publish() {
   written_.store(tlog_->written() + candump_->written(), std::memory_order_relaxed);
   lost_.store(tlog_->lost() + candump_->lost(), std::memory_order_relaxed);
-  if (has_complaint_.load(std::memory_order_relaxed)) return;
   const auto& fault = tlog_->fault() ? tlog_->fault() : candump_->fault();
-  if (!fault) return;
-  complaint_ = *fault;
-  has_complaint_.store(true, std::memory_order_release);
+  if (fault) complaint_.put(*fault);
 }
 
 std::string candump_name(std::string_view can_address) {

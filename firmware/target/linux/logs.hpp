@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The boat's logs: every MAVLink packet and every CAN frame, both directions, in the formats that
-// other programs open, written by a thread of their own.
+// other programs open, written by a thread of their own. A packet that carries a key is left out.
 //
 //   mavlink-00001.tlog   telemetry log: u64 microseconds since 1970, big endian, then the packet
 //   can-00001.log        candump -L: (1700000000.123456) can0 0704060A#FF7C0200C1
@@ -24,6 +24,7 @@
 
 #include "link/can_frame.hpp"
 #include "target/linux/file_descriptor.hpp"
+#include "target/linux/first_complaint.hpp"
 #include "target/linux/log_file.hpp"
 #include "target/linux/log_ring.hpp"
 #include "target/linux/packet_splitter.hpp"
@@ -67,7 +68,7 @@ class Logs {
   LogCounters counters() const;
 
   /// The first thing that went wrong with the files, once. Logging is tried again every second.
-  std::optional<std::string> complaint();
+  std::optional<std::string> complaint() { return complaint_.take(); }
 
  private:
   static constexpr std::size_t kLinks = 64;
@@ -89,11 +90,7 @@ class Logs {
   std::array<PacketSplitter, 2 * kLinks> splitters_;
   std::array<std::uint8_t, 65536> scratch_{};
 
-  // from the writer to the loop, once
-  std::string complaint_;
-  std::atomic<bool> has_complaint_{false};
-  bool complained_ = false;
-
+  FirstComplaint complaint_;
   FileDescriptor stop_;
   pthread_t writer_{};
 };

@@ -7,6 +7,7 @@
 #include <sys/signalfd.h>
 #include <sys/timerfd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -15,15 +16,23 @@
 #include <ctime>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
+
+#include "target/linux/signing_key.hpp"
 
 namespace flotilla::target {
 namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
+// Not every step of a slider goes to the disk.
+constexpr std::int64_t kSaveEvery_us = kSecond_us;
 constexpr int kFarewellTicks = 10;
+// How far ahead of the clock a stored signing timestamp may be before it is worth a word.
+constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
 // Read at one go; more waits until the timer was looked at: a flood must not stop the tick.
 constexpr int kMostFrames = 256, kMostChunks = 64;
+constexpr std::int64_t kReadBeforeTick_us = 1000;
 
 std::int64_t clock_us(clockid_t clock) {
   timespec t{};
@@ -94,6 +103,8 @@ Loop::Loop(const Config& config)
       parameters_(load(config)),
       boat_(
           std::make_unique<app::Boat<float>>(in_force(config, parameters_), config.mavlink.size())),
+      noted_(boat_->parameters()),
+      saver_(config.parameter_file(), parameters_.unknown),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
       node_table_(config.node_id_file()),
       logs_({config.log, candump_name(config.can)}),
@@ -103,8 +114,24 @@ Loop::Loop(const Config& config)
   for (std::size_t i = 0; i < config.mavlink.size(); ++i) {
     links_.push_back(open_mavlink_endpoint(config.mavlink[i].address));
     boat_->limit_link(i, config.mavlink[i].bytes_per_s);
+    boat_->set_policy(i, config.policy(config.mavlink[i]));
   }
+  if (!config.signing_key.empty()) secure();
   node_table_.load(boat_->node_ids());
+}
+
+void Loop::secure() {
+  const link::SigningKey key = read_signing_key(config_.signing_key);
+  const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
+  if (!stored.note.empty()) say(stored.note);
+  const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
+  if (stored.timestamp > clock + kWorthSaying) {
+    say("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
+        " s behind " + config_.signing_time_file().filename().string() +
+        ": who signs by another clock may be refused");
+  }
+  boat_->secure(key, clock, stored.timestamp);
+  signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
 }
 
 int Loop::run() {
@@ -162,13 +189,19 @@ void Loop::read_bus(std::int64_t now_us) {
 
 void Loop::read_links(std::int64_t now_us) {
   std::array<std::uint8_t, 2048> buffer;
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    for (int n = 0; n < kMostChunks; ++n) {
+  // A flood must not stop the tick, nor one link the others.
+  const std::int64_t until_us = timer_fired_ ? now_us + kReadBeforeTick_us : deadline_us_;
+  bool heard = true;
+  for (int n = 0; heard && n < kMostChunks && now() < until_us; ++n) {
+    heard = false;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
       const std::size_t size = links_[i]->receive(buffer);
-      if (size == 0) break;
+      if (size == 0) continue;
+      heard = true;
       const auto bytes = std::span(buffer).first(size);
       logs_.mavlink(i, Direction::kReceived, bytes, clock_us(CLOCK_REALTIME));
       boat_->on_mavlink(bytes, now_us, i);
+      if (links_[i]->datagrams()) boat_->end_of_datagram(now_us, i);
       if (heard_us_ == 0) heard_us_ = now_us;
     }
   }
@@ -177,7 +210,9 @@ void Loop::read_links(std::int64_t now_us) {
 void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
-  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed, overruns_});
+  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed, overruns_,
+                  clock_us(CLOCK_REALTIME), save_failed_});
+  if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);
   if (began_us - house_kept_us_ >= kHouse_us) keep_house(began_us);
@@ -204,25 +239,58 @@ void Loop::keep_house(std::int64_t now_us) {
   bus_->maintain();
   for (const auto& link : links_) link->maintain();
   if (const auto complaint = logs_.complaint()) say(*complaint);
-  save_requested_ = boat_->take_save_request() || save_requested_;
+  if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
+    say(*complaint);
+  }
+  report_outcome();
+  note_changes();
+  save_changes(now_us);
   // A disk may take its time, which an armed boat has not.
   if (core::armed(boat_->state())) return;
-  // What an operator saves is what he sees in force.
-  if (save_requested_) {
-    parameters_.values = boat_->parameters();
-    save("asked for");
-  }
-  save_requested_ = false;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     say(error);
   }
 }
 
-void Loop::save(std::string_view why) {
-  const auto error =
-      save_parameters(config_.parameter_file(), parameters_.values, parameters_.unknown);
-  if (error) {
-    say(*error);
+/// What the operator has changed since the last call is to be saved, and what the configuration
+/// has laid over the saved values is not, unless he asks for all that he sees in force.
+void Loop::note_changes() {
+  const app::SaveRequest request = boat_->take_save_request();
+  if (request == app::SaveRequest::kNone) return;
+  const app::Parameters& values = boat_->parameters();
+  app::Parameters& saved = parameters_.values;
+  for (const app::ParameterInfo& info : app::kParameterList) {
+    if (values.*info.member != noted_.*info.member) saved.*info.member = values.*info.member;
+  }
+  if (request == app::SaveRequest::kConfirmed || app::contradiction(saved)) saved = values;
+  noted_ = values;
+  to_save_ = std::max(to_save_, request);
+}
+
+void Loop::save_changes(std::int64_t now_us) {
+  using app::SaveRequest;
+  if (to_save_ == SaveRequest::kNone) return;
+  // After a fall to defaults only an operator says that they are right.
+  const bool unasked = to_save_ == SaveRequest::kChanged;
+  if (unasked && parameters_.must_be_confirmed) return;
+  if ((unasked || save_failed_) && now_us - saved_us_ < kSaveEvery_us) return;
+  if (!saver_.save(parameters_.values, to_save_)) return;
+  to_save_ = SaveRequest::kNone;
+  saved_us_ = now_us;
+}
+
+void Loop::report_outcome() {
+  const auto saved = saver_.outcome();
+  if (!saved) return;
+  if (saved->fault) to_save_ = std::max(to_save_, saved->why);  // to be tried again
+  const bool asked = saved->why == app::SaveRequest::kConfirmed;
+  report_saved(asked ? "asked for" : "changed", saved->fault);
+}
+
+void Loop::report_saved(std::string_view why, const std::optional<std::string>& fault) {
+  const bool failed_before = std::exchange(save_failed_, fault.has_value());
+  if (fault) {
+    if (!failed_before) say(*fault);
     return;
   }
   parameters_.must_be_confirmed = false;
@@ -239,11 +307,17 @@ void Loop::shut_down() {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
   service_manager_.say("STOPPING=1");
-  // After a fall to defaults only an operator says that they are right.
-  if (!parameters_.must_be_confirmed) save("at exit");
+  saver_.finish();
+  report_outcome();
+  note_changes();
+  if (!parameters_.must_be_confirmed || to_save_ == app::SaveRequest::kConfirmed) {
+    report_saved("at exit", save_parameters(config_.parameter_file(), parameters_.values,
+                                            parameters_.unknown));
+  }
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     say(error);
   }
+  if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   write_stats();
 }
 

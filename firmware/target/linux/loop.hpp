@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,7 +18,9 @@
 #include "target/linux/mavlink_endpoint.hpp"
 #include "target/linux/node_table.hpp"
 #include "target/linux/parameter_file.hpp"
+#include "target/linux/parameter_saver.hpp"
 #include "target/linux/service_manager.hpp"
+#include "target/linux/signing_time.hpp"
 
 namespace flotilla::target {
 
@@ -30,23 +33,33 @@ class Loop {
   int run();
 
  private:
+  void secure();
   void wait();
   void read_links(std::int64_t now_us);
   void read_bus(std::int64_t now_us);
   void tick();
   void send(const app::Boat<float>::Output& out, std::int64_t now_us);
   void keep_house(std::int64_t now_us);
-  void save(std::string_view why);
+  void note_changes();
+  void save_changes(std::int64_t now_us);
+  void report_outcome();
+  void report_saved(std::string_view why, const std::optional<std::string>& fault);
   void shut_down();
   void write_stats() const;
 
   Config config_;
-  LoadedParameters parameters_;
+  LoadedParameters parameters_;  // as they are to be on the disk
   std::unique_ptr<app::Boat<float>> boat_;
+  app::Parameters noted_;  // the boat's, when an operator's changes were last looked for
+  app::SaveRequest to_save_ = app::SaveRequest::kNone;
+  std::int64_t saved_us_ = 0;  // when the last save began
+  bool save_failed_ = false;   // the last one did, which was said
+  ParameterSaver saver_;
   std::unique_ptr<CanBus> bus_;
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   NodeTable node_table_;
   Logs logs_;
+  std::optional<SigningTime> signing_time_;  // with a key only
   ServiceManager service_manager_;
 
   FileDescriptor timer_;
@@ -55,7 +68,6 @@ class Loop {
   std::int64_t deadline_us_ = 0;
   bool timer_fired_ = false;
   bool stopping_ = false;
-  bool save_requested_ = false;
   std::uint32_t overruns_ = 0;
   std::int64_t house_kept_us_ = 0;
 

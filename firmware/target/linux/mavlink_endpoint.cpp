@@ -100,6 +100,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
     return static_cast<std::size_t>(size);
   }
 
+  bool datagrams() const override { return true; }
   int descriptor() const override { return socket_.get(); }
   void maintain() override {}
 
@@ -172,6 +173,7 @@ class SerialEndpoint final : public MavlinkEndpoint {
     return 0;
   }
 
+  bool datagrams() const override { return false; }
   int descriptor() const override { return port_.get(); }
 
   void maintain() override {

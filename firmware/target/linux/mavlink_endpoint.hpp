@@ -22,6 +22,9 @@ class MavlinkEndpoint {
   /// Bytes that have arrived; 0 where there are none.
   virtual std::size_t receive(std::span<std::uint8_t> out) = 0;
 
+  /// What receive() returns at a time is a datagram: messages begin and end with it.
+  virtual bool datagrams() const = 0;
+
   /// To wait for with poll(); −1 while there is none (the device is gone).
   virtual int descriptor() const = 0;
 

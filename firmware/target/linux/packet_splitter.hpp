@@ -7,7 +7,23 @@
 #include <span>
 #include <vector>
 
+#include "link/mav.hpp"
+
 namespace flotilla::target {
+
+constexpr std::uint8_t kStart1 = 0xFE, kStart2 = 0xFD;
+
+/// Whether a SETUP_SIGNING begins in these bytes. Not only at their first: what noise made look
+/// like the start of a packet may have swallowed it.
+inline bool holds_key(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kHeader = 10;
+  for (; bytes.size() >= kHeader; bytes = bytes.subspan(1)) {
+    const std::uint32_t id =
+        bytes[7] | std::uint32_t{bytes[8]} << 8U | std::uint32_t{bytes[9]} << 16U;
+    if (bytes[0] == kStart2 && id == link::mav::kSetupSigningId) return true;
+  }
+  return false;
+}
 
 class PacketSplitter {
  public:
@@ -27,7 +43,7 @@ class PacketSplitter {
   }
 
  private:
-  static constexpr std::uint8_t kStart1 = 0xFE, kStart2 = 0xFD, kSigned = 0x01;
+  static constexpr std::uint8_t kSigned = 0x01;
 
   /// 0: no packet begins here. More than there is: not whole yet.
   static std::size_t packet_size(std::span<const std::uint8_t> b) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -15,13 +14,6 @@ namespace {
 
 constexpr std::string_view kTitle = "flotilla-parameters ";
 constexpr std::string_view kFirstLine = "flotilla-parameters 1";
-constexpr std::size_t kChecksumLineSize = std::string_view("crc32 = 89ABCDEF\n").size();
-
-std::string checksum_line(std::string_view body) {
-  std::array<char, kChecksumLineSize + 1> line{};
-  std::snprintf(line.data(), line.size(), "crc32 = %08X\n", static_cast<unsigned>(crc32(body)));
-  return line.data();
-}
 
 /// The shortest text that reads back as the same number.
 std::string number_text(float value) {
@@ -78,6 +70,10 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
                            "\" is unknown to this version and kept");
     return;
   }
+  if (!info->saved()) {
+    loaded.notes.push_back(where + ": " + std::string(line) + " is ignored: it is never saved");
+    return;
+  }
   seen[static_cast<std::size_t>(info - app::kParameterList.data())] = true;
   const std::string_view text = line.substr(equals + 3);
   const auto value = number(text);
@@ -88,7 +84,7 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
   loaded.must_be_confirmed = true;
   loaded.notes.push_back(where + ": " + std::string(info->name) + " = " + std::string(text) +
                          " is refused (allowed: " + number_text(info->least) + " to " +
-                         number_text(info->greatest) + (info->integer ? ", whole" : "") +
+                         number_text(info->greatest) + (info->whole() ? ", whole" : "") +
                          "); default " + number_text(info->default_value));
 }
 
@@ -97,7 +93,8 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
                   const std::string& where, LoadedParameters& loaded) {
   std::string names;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!seen[i]) names += (names.empty() ? "" : ", ") + std::string(app::kParameterList[i].name);
+    if (seen[i] || !app::kParameterList[i].saved()) continue;
+    names += (names.empty() ? "" : ", ") + std::string(app::kParameterList[i].name);
   }
   if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
 }
@@ -133,19 +130,11 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
 
 }  // namespace
 
-std::uint32_t crc32(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char c : bytes) {
-    crc ^= static_cast<std::uint8_t>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
-  }
-  return ~crc;
-}
-
 std::string parameter_text(const app::Parameters& values, std::span<const std::string> unknown) {
   std::string text = std::string(kFirstLine) + '\n';
   for (const app::ParameterInfo& info : app::kParameterList) {
-    text += std::string(info.name) + " = " + number_text(values.*info.member) + '\n';
+    if (info.saved())
+      text += std::string(info.name) + " = " + number_text(values.*info.member) + '\n';
   }
   for (const std::string& line : unknown) text += line + '\n';
   return text + checksum_line(text);

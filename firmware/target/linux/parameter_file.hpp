@@ -45,16 +45,13 @@ struct LoadedParameters {
 /// Never throws for what is on the disk.
 LoadedParameters load_parameters(const std::filesystem::path& path);
 
-/// Waits for the disk, so not in the control tick of an armed boat. Nothing is written where the
-/// file says the same already. What went wrong, as a sentence.
+/// Waits for the disk: see ParameterSaver. Nothing is written where the file says the same already.
+/// What went wrong, as a sentence.
 std::optional<std::string> save_parameters(const std::filesystem::path& path,
                                            const app::Parameters& values,
                                            std::span<const std::string> unknown);
 
 /// The content of the file that save_parameters() writes.
 std::string parameter_text(const app::Parameters& values, std::span<const std::string> unknown);
-
-/// CRC-32 of IEEE 802.3, as zlib computes it.
-std::uint32_t crc32(std::string_view bytes);
 
 }  // namespace flotilla::target

@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include <variant>
 
 #include "app/boat.hpp"
+#include "app/metadata.hpp"
 #include "app/text.hpp"
 #include "app/version.hpp"
 
@@ -28,7 +30,9 @@ constexpr std::array<std::pair<core::Conditions, const char*>, core::kConditionC
                      {core::kEscsOnline, "escs_online"},
                      {core::kBusUp, "bus_up"},
                      {core::kSoleController, "sole_controller"},
-                     {core::kParametersSaved, "parameters_saved"}}};
+                     {core::kParametersSaved, "parameters_saved"},
+                     {core::kSticksFresh, "sticks_fresh"},
+                     {core::kTestRunning, "test_running"}}};
 
 struct TickOutput {
   nb::list mavlink;
@@ -62,13 +66,16 @@ app::Parameters parameters_from(const nb::dict& values) {
     double wanted = 0;
     const bool is_number = nb::try_cast(value, wanted);
     if (!is_number || !app::is_valid(*info, static_cast<float>(wanted))) {
-      const std::string kind = info->integer ? "a whole number" : "a number";
+      const std::string kind = info->whole() ? "a whole number" : "a number";
       const std::string unit = info->unit.empty() ? "" : " " + std::string(info->unit);
       throw nb::value_error((name + " = " + nb::cast<std::string>(nb::str(value)) +
                              " is out of range: " + kind + " from " + number(info->least) + " to " +
                              number(info->greatest) + unit +
-                             (info->integer && info->least < 0 ? ", not 0" : ""))
+                             (info->kind == app::ParameterKind::kSign ? ", not 0" : ""))
                                 .c_str());
+    }
+    if (info->kind == app::ParameterKind::kMode && wanted != double{app::mode::kHold}) {
+      throw nb::value_error((name + ": every start is in HOLD").c_str());
     }
     parameters.*(info->member) = static_cast<float>(wanted);
   }
@@ -88,8 +95,14 @@ nb::dict counters_dict(const link::Counters& c) {
   out["mavlink_old_stamp"] = c.mavlink_old_stamp;
   out["mavlink_no_heading"] = c.mavlink_no_heading;
   out["mavlink_unknown"] = c.mavlink_unknown;
+  out["mavlink_signed"] = c.mavlink_signed;
+  out["mavlink_forged"] = c.mavlink_forged;
+  out["mavlink_replayed"] = c.mavlink_replayed;
+  out["mavlink_future_stamp"] = c.mavlink_future_stamp;
+  out["mavlink_streams_full"] = c.mavlink_streams_full;
+  out["mavlink_unsigned_refused"] = c.mavlink_unsigned_refused;
   out["mavlink_not_sent"] = c.mavlink_not_sent;
-  out["commands_dropped"] = c.commands_dropped;
+  out["requests_dropped"] = c.requests_dropped;
   out["can_received"] = c.can_received;
   out["can_bad_frame"] = c.can_bad_frame;
   out["can_bad_checksum"] = c.can_bad_checksum;
@@ -185,8 +198,25 @@ class PyBoat {
     return out;
   }
 
-  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns) {
-    std::visit([&](auto& b) { b->on_host({bus_up, parameters_saved, overruns}); }, boat_);
+  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us,
+               bool save_failed) {
+    const app::HostReport report{bus_up, parameters_saved, overruns, unix_us, save_failed};
+    std::visit([&](auto& b) { b->on_host(report); }, boat_);
+  }
+
+  void secure(const nb::bytes& key, std::int64_t unix_us) {
+    link::SigningKey wanted{};
+    const auto bytes = span_of(key);
+    if (bytes.size() != wanted.size()) throw nb::value_error("key: 32 bytes");
+    std::copy(bytes.begin(), bytes.end(), wanted.begin());
+    std::visit([&](auto& b) { b->secure(wanted, link::signing_time(unix_us), 0); }, boat_);
+  }
+
+  void set_signing(int link, const std::string& policy) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) throw nb::index_error("link");
+    const auto wanted = app::signing_policy(policy);
+    if (!wanted) throw nb::value_error("policy: \"off\", \"accept\" or \"required\"");
+    std::visit([&](auto& b) { b->set_policy(static_cast<std::size_t>(link), *wanted); }, boat_);
   }
 
   void limit_link(int link, std::uint32_t bytes_per_s) {
@@ -194,8 +224,10 @@ class PyBoat {
     std::visit([&](auto& b) { b->limit_link(static_cast<std::size_t>(link), bytes_per_s); }, boat_);
   }
 
-  bool take_save_request() {
-    return std::visit([](auto& b) { return b->take_save_request(); }, boat_);
+  const char* take_save_request() {
+    constexpr std::array kNames{"none", "changed", "confirmed"};
+    const auto request = std::visit([](auto& b) { return b->take_save_request(); }, boat_);
+    return kNames[static_cast<std::size_t>(request)];
   }
 
   nb::dict snapshot() const {
@@ -226,6 +258,16 @@ class PyBoat {
   std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>> boat_;
 };
 
+const char* name_of(app::ParameterKind kind) {
+  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+const char* name_of(app::ParameterChange change) {
+  constexpr std::array kNames{"anytime", "disarmed", "restart", "mode"};
+  return kNames[static_cast<std::size_t>(change)];
+}
+
 nb::list parameter_list() {
   nb::list out;
   for (const app::ParameterInfo& info : app::kParameterList) {
@@ -235,9 +277,21 @@ nb::list parameter_list() {
     entry["default"] = info.default_value;
     entry["least"] = info.least;
     entry["greatest"] = info.greatest;
-    entry["integer"] = info.integer;
+    entry["integer"] = info.whole();
+    entry["group"] = nb::str(info.group.data(), info.group.size());
+    entry["kind"] = name_of(info.kind);
+    entry["change"] = name_of(info.change);
     entry["sentence"] = nb::str(info.sentence.data(), info.sentence.size());
     out.append(entry);
+  }
+  return out;
+}
+
+nb::dict metadata() {
+  nb::dict out;
+  for (const link::FtpFile& file : app::metadata_files()) {
+    out[nb::str(file.name.data(), file.name.size())] =
+        nb::bytes(file.content.data(), file.content.size());
   }
   return out;
 }
@@ -253,8 +307,8 @@ nb::list condition_names(core::Conditions set) {
 }
 
 nb::list supervisor_table() {
-  constexpr std::array<const char*, core::kRequests> kRequestNames{"nothing", "disarm", "arm",
-                                                                   "HOLD", "FORMATION"};
+  constexpr std::array<const char*, core::kRequests> kRequestNames{
+      "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate"};
   nb::list out;
   for (const core::Row& row : core::kTable) {
     nb::list from;
@@ -280,7 +334,10 @@ NB_MODULE(flotilla, m) {
   m.attr("__version__") =
       std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
   m.def("parameter_list", &parameter_list,
-        "Every parameter with name, unit, default, least and greatest value, and a sentence.");
+        "Every parameter with name, unit, default, least and greatest value, group, kind, when it "
+        "may change, and a sentence.");
+  m.def("metadata", &metadata,
+        "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
   m.def("supervisor_table", &supervisor_table,
         "The supervisor's transitions in order: from, request, needs, lacks, to.");
 
@@ -300,11 +357,17 @@ NB_MODULE(flotilla, m) {
            "One CAN frame with a 29-bit id and up to 8 bytes.")
       .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
-           "overruns"_a = 0, "What only the boat's host can know; holds until the next report.")
+           "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false,
+           "What only the boat's host can know; holds until the next report.")
+      .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
+           "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")
+      .def("set_signing", &PyBoat::set_signing, "link"_a, "policy"_a,
+           "\"off\", \"accept\" or \"required\": what that link's signatures are worth.")
       .def("limit_link", &PyBoat::limit_link, "link"_a, "bytes_per_s"_a,
            "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
       .def("take_save_request", &PyBoat::take_save_request,
-           "Whether an operator has asked since the last call that the parameters be saved.")
+           "Why the parameters should be saved since the last call: \"none\", \"changed\" by an "
+           "operator, or \"confirmed\": he has asked for it.")
       .def("snapshot", &PyBoat::snapshot,
            "Last tick: state, conditions, ages, error, virtual velocity, wrench asked and given, "
            "limits that acted, thrusts, counters; SI units.")

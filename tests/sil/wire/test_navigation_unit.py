@@ -3,28 +3,33 @@
 
 from collections import Counter
 from math import atan2, cos, hypot, isnan, pi, sin
-from typing import Any, Literal
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
-from sil.wire.navigation_unit import NavigationUnit
+from sil.wire.geodesy import LocalFrame
+from sil.wire.navigation_unit import Message, NavigationUnit, Settings
 
 ORIGIN = (541234567, 101234567, 12000)
 ETA, NU = (12.5, -3.25, 2.0), (1.5, 0.25, -0.125)
 OFFSET_US = 3 * 3600 * 1_000_000 + 7
 
 
-def unit(message: Literal["local", "odometry"] = "local", rate_hz: float = 10.0) -> NavigationUnit:
+def unit(
+    message: Message = "local",
+    rate_hz: float = 10.0,
+    attitude_rate_hz: float = 0.0,
+    origin_m: tuple[float, float] = (0.0, 0.0),
+) -> NavigationUnit:
     return NavigationUnit(
         2,
         201,
         vehicle_type=mavlink.MAV_TYPE_GPS,
         origin=ORIGIN,
-        rate_hz=rate_hz,
-        message=message,
+        settings=Settings(rate_hz, message, attitude_rate_hz, origin_m),
     )
 
 
@@ -73,6 +78,62 @@ def test_a_state_as_odometry_comes_back() -> None:
     assert odometry.yawspeed == -0.125
     assert isnan(odometry.pose_covariance[0]) and isnan(odometry.velocity_covariance[0])
     assert odometry.estimator_type == mavlink.MAV_ESTIMATOR_TYPE_GPS_INS
+
+
+def test_a_state_as_global_position_and_attitude_comes_back() -> None:
+    m = by_name(unit("global").tick(7_654_321, ETA, NU))
+    position, attitude = m["GLOBAL_POSITION_INT"], m["ATTITUDE"]
+    assert "LOCAL_POSITION_NED" not in m
+    assert position.time_boot_ms == attitude.time_boot_ms == 7654
+    here = LocalFrame(position.lat, position.lon).seen_from(LocalFrame(*ORIGIN[:2]), 0.0, 0.0, 0.0)
+    assert here[:2] == pytest.approx(ETA[:2], abs=0.006)
+    assert (position.alt, position.hdg, position.vz) == (12000, 65535, 0)
+    u = position.vx * cos(2.0) + position.vy * sin(2.0)
+    v = -position.vx * sin(2.0) + position.vy * cos(2.0)
+    assert (u, v) == pytest.approx((150.0, 25.0), abs=0.8)
+    assert attitude.yaw == pytest.approx(2.0)
+
+
+def test_a_state_as_follow_target_comes_back() -> None:
+    m = by_name(unit("follow_target").tick(7_654_321, ETA, NU))
+    assert "ATTITUDE" not in m
+    target = m["FOLLOW_TARGET"]
+    assert (target.timestamp, target.est_capabilities) == (7654, 11)
+    here = LocalFrame(target.lat, target.lon).seen_from(LocalFrame(*ORIGIN[:2]), 0.0, 0.0, 0.0)
+    assert here[:2] == pytest.approx(ETA[:2], abs=0.006)
+    assert target.alt == 12.0
+    u = target.vel[0] * cos(2.0) + target.vel[1] * sin(2.0)
+    v = -target.vel[0] * sin(2.0) + target.vel[1] * cos(2.0)
+    assert (u, v) == pytest.approx((1.5, 0.25), abs=1e-5)
+    w, x, y, z = target.attitude_q
+    assert 2.0 * atan2(z, w) == pytest.approx(2.0, abs=1e-5)
+    assert (x, y, target.rates[2]) == (0.0, 0.0, -0.125)
+
+
+def test_a_unit_whose_frame_begins_elsewhere_is_at_the_same_place() -> None:
+    m = by_name(unit(origin_m=(1400.0, -900.0)).tick(7_654_321, ETA, NU))
+    origin, position = m["GPS_GLOBAL_ORIGIN"], m["LOCAL_POSITION_NED"]
+    height_m = 0.001 * ORIGIN[2]
+    own = LocalFrame(origin.latitude, origin.longitude, height_m)
+    world = LocalFrame(*ORIGIN[:2], height_m)
+    assert own.seen_from(world, 0.0, 0.0, 0.0)[:2] == pytest.approx((1400.0, -900.0), abs=0.01)
+    yaw = m["ATTITUDE"].yaw
+    assert own.seen_from(world, position.x, position.y, yaw) == pytest.approx(ETA, abs=2e-4)
+    # Another north: a tenth of a milliradian.
+    assert 1e-4 < abs(yaw - ETA[2]) < 3e-4
+    assert atan2(position.vy, position.vx) - yaw == pytest.approx(atan2(0.25, 1.5), abs=1e-6)
+
+
+@pytest.mark.parametrize("message", ["local", "global"])
+def test_attitude_may_come_at_its_own_rate(message: Message) -> None:
+    sender = unit(message, rate_hz=5.0, attitude_rate_hz=10.0)
+    count: Counter[str] = Counter()
+    for t in range(OFFSET_US, OFFSET_US + 10_000_000, 10_000):
+        names = [m.get_type() for m in parsed(sender.tick(t, ETA, NU))]
+        assert names[-2:] != ["GLOBAL_POSITION_INT", "ATTITUDE"], "attitude first"
+        count.update(names)
+    position = "LOCAL_POSITION_NED" if message == "local" else "GLOBAL_POSITION_INT"
+    assert (count[position], count["ATTITUDE"]) == (50, 100)
 
 
 def test_origin_and_heartbeat_say_who_and_where() -> None:

@@ -24,6 +24,7 @@ import can
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.wire.esc_node import EscNode
+from tests.dialect import dialect
 from tests.target.agent import Agent
 from tests.target.bus import ARMING_STATUS, RAW_COMMAND, Frames, commands, type_of
 from tests.target.course import Course
@@ -242,7 +243,7 @@ class RealSea:
         self.heard: list[CanFrame] = []
         self.messages: list[list[Any]] = [[] for _ in self.ends]
         self.bytes_heard = [0 for _ in self.ends]
-        self._parsers = [mavlink.MAVLink(None) for _ in self.ends]
+        self._parsers = [dialect().MAVLink(None) for _ in self.ends]
         for parser in self._parsers:
             parser.robust_parsing = True
 
@@ -358,6 +359,18 @@ class RealSea:
 
     def save_parameters(self) -> None:
         self.insist(lambda: "saved (asked for)" in self.process.words, STORAGE, 1.0)
+
+    def set_parameter(self, name: str, value: float) -> None:
+        """Until the boat says that it is so."""
+        asked = mavlink.MAVLink_param_set_message(
+            BOAT, 0, name.encode(), value, mavlink.MAV_PARAM_TYPE_REAL32
+        )
+
+        def done() -> bool:
+            told = [m for m in self.named("PARAM_VALUE") if m.param_id == name]
+            return bool(told) and told[-1].param_value == value
+
+        self.repeat(lambda: self.say(asked), done)
 
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:
         """Asks the flotillad to leave; its exit status. What it said is heard to the end."""

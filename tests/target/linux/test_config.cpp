@@ -124,6 +124,40 @@ TEST_CASE("several links on the command line keep their order") {
   CHECK(config.lock_memory);
 }
 
+TEST_CASE(
+    "a link says behind its address what its signatures are worth, before or after its rate") {
+  using enum app::SigningPolicy;
+  const File file(R"(
+signing-key = "/etc/flotilla/key"
+mavlink = ["udpin:a:1,signing=required,rate=9", "udpin:a:2,rate=9,signing=off",
+           "udpin:a:3,signing=accept", "udpin:a:4"]
+)");
+  const Config config = file.good();
+  CHECK(config.signing_key == "/etc/flotilla/key");
+  CHECK(config.signing_time_file() == config.state_dir / "signing_time.txt");
+  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:a:1", 9, kRequired},
+                                                         {"udpin:a:2", 9, kOff},
+                                                         {"udpin:a:3", 0, kAccept},
+                                                         {"udpin:a:4"}});
+  CHECK(config.policy(config.mavlink[0]) == kRequired);
+  CHECK(config.policy(config.mavlink[1]) == kOff);
+  CHECK(config.policy(config.mavlink[3]) == kAccept);
+}
+
+TEST_CASE("without a key no link signs, and none may be asked to") {
+  const Config config = good({"--mavlink=udpin:a:1", "--mavlink=udpin:a:2,signing=off"});
+  for (const auto& link : config.mavlink) CHECK(config.policy(link) == app::SigningPolicy::kOff);
+  for (const std::string policy : {"accept", "required"}) {
+    const std::string link = "--mavlink=udpin:a:1,signing=" + policy;
+    CHECK(mistake({link.c_str()}) ==
+          "flotillad: mavlink: signing on udpin:a:1 needs a signing-key\n");
+    CHECK(good({link.c_str(), "--signing-key=key"}).signing_key == "key");
+  }
+  const File file("signing-key = \"key\"\nmavlink = [\"udpin:a:1,signing=required\"]\n");
+  CHECK(mistake({"--config", file.path.c_str(), "--signing-key="}).find("needs a signing-key") !=
+        std::string::npos);
+}
+
 TEST_CASE("the example that is delivered is a configuration") {
   const Config config = good({"--config", FLOTILLA_SOURCE "/firmware/target/linux/boat.toml"});
   CHECK(config.can == Config{}.can);
@@ -135,8 +169,9 @@ TEST_CASE("--help and --version say it and end well") {
   const auto help = std::get<Ending>(read({"--help"}));
   CHECK(help.status == 0);
   for (const char* word :
-       {"--config", "--can", "--mavlink", "--param", "--state-dir", "--log", "--priority",
-        "--lock-memory", "--version", "socketcan:IF", "udpbcast:HOST:PORT", "rate=BYTES"}) {
+       {"--config", "--can", "--mavlink", "--param", "--state-dir", "--signing-key",
+        "signing=POLICY", "--log", "--priority", "--lock-memory", "--version", "socketcan:IF",
+        "udpbcast:HOST:PORT", "rate=BYTES"}) {
     CAPTURE(word);
     CHECK(help.text.find(word) != std::string::npos);
   }
@@ -151,9 +186,8 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
     const char* says;
   } const cases[] = {
       {"can = \"mcast:0\"\nspeed = 3\n",
-       ":2:1: unknown key \"speed\" (allowed: can, mavlink, state-dir, log, stats, priority, "
-       "lock-memory, "
-       "param)\n"},
+       ":2:1: unknown key \"speed\" (allowed: can, mavlink, state-dir, signing-key, log, stats, "
+       "priority, lock-memory, param)\n"},
       {"can = 0\n", ":1:7: can: must be a string\n"},
       {"can = \"can0\"\n", ":1:7: can: \"can0\" is no CAN bus (allowed: socketcan:, mcast:…)\n"},
       {"can = \"socketcan:\"\n",
@@ -166,8 +200,11 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        "serial:…)\n"},
       {"mavlink = [\"udpin:0.0.0.0:1,rate=fast\"]\n",
        ":1:12: mavlink: \",rate=fast\" behind udpin:0.0.0.0:1 (allowed: ,rate=BYTES with whole "
-       "bytes per "
-       "second, 0: no limit)\n"},
+       "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
+      {"mavlink = [\"udpin:0.0.0.0:1,rate=1,signing=yes\"]\n",
+       ":1:12: mavlink: \",signing=yes\" behind udpin:0.0.0.0:1 (allowed: ,rate=BYTES with whole "
+       "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
+      {"signing-key = 7\n", ":1:15: signing-key: must be a string\n"},
       {"mavlink = [\"udpin:a:1\", \"udpin:a:2\", \"udpin:a:3\", \"udpin:a:4\", \"udpin:a:5\"]\n",
        ":1:11: mavlink: 5 links (allowed: 1 to 4)\n"},
       {"priority = 100\n", ":1:12: priority: allowed: whole numbers from 0 (off) to 99\n"},
@@ -185,6 +222,8 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        ":2:10: param: LAW_KX = 1e+300 (allowed: numbers from 0 to 2 1/s)\n"},
       {"[param]\nMAV_SYSID = 1.5\n",
        ":2:13: param: MAV_SYSID = 1.5 (allowed: whole numbers from 1 to 254)\n"},
+      {"[param]\nMODE = 4\n",
+       ":2:8: param: MODE cannot be given here: every start is in HOLD, a command changes it\n"},
       {"[param]\nTHR_PORT_DIR = 0\n", ":2:16: param: THR_PORT_DIR = 0 (allowed: -1 or 1)\n"},
   };
   for (const auto& c : cases) {
@@ -211,6 +250,9 @@ TEST_CASE("a mistake on the command line names the option and what is allowed") 
         "flotillad: --param: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)\n");
   CHECK(mistake({link, "--param", "LAW_KX=0.1x"}) ==
         "flotillad: --param: LAW_KX = 0.1x (allowed: numbers from 0 to 2 1/s)\n");
+  CHECK(mistake({link, "--param", "MODE=6"}) ==
+        "flotillad: --param: MODE cannot be given here: every start is in HOLD, a command changes "
+        "it\n");
   CHECK(mistake({link, "--param", "SPEED=3"}) ==
         "flotillad: --param: no parameter is called \"SPEED\" (allowed: those of "
         "firmware/README.md)\n");

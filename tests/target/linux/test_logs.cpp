@@ -15,6 +15,7 @@
 
 #include "target/linux/logs.hpp"
 #include "target/linux/scratch.hpp"
+#include "target/linux/soon.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -81,16 +82,6 @@ std::uint64_t total_size(const std::vector<std::filesystem::path>& paths) {
   return std::accumulate(
       paths.begin(), paths.end(), std::uint64_t{0},
       [](auto sum, const auto& path) { return sum + std::filesystem::file_size(path); });
-}
-
-/// Gives the writer time, until `done`; false after 10 s. What takes long is the thread's affair.
-template <class Done>
-bool soon(Done done) {
-  for (int i = 0; i < 1000; ++i) {
-    if (done()) return true;
-    ::poll(nullptr, 0, 10);
-  }
-  return false;
 }
 
 TEST_CASE("a CAN frame is a line of candump -L, eight hexadecimal digits for the id") {
@@ -168,6 +159,43 @@ TEST_CASE("noise between packets stays out of the log, MAVLink 1 does not") {
   feed(v1);
   feed(packet(0, 0));
   CHECK(packets == std::vector<Bytes>{packet(3, 5), v1, packet(0, 0)});
+}
+
+/// As pymavlink packs SETUP_SIGNING for 1/1 with the key 0x11 … 0x11, unsigned.
+Bytes setup_signing(bool is_signed) {
+  Bytes p{0xFD, 42, static_cast<std::uint8_t>(is_signed), 0, 0, 255, 190, 0, 1, 0};
+  p.insert(p.end(), 8, 0);
+  p.insert(p.end(), {1, 1});
+  p.insert(p.end(), 32, 0x11);
+  p.insert(p.end(), is_signed ? 15 : 2, 0x77);
+  return p;
+}
+
+TEST_CASE("a key that passes by is in no log, whoever sends it, and what is beside it is") {
+  Scratch folder;
+  const Bytes noise{0xFD, 40, 0};  // swallows most of what follows
+  for (const bool is_signed : {false, true}) {
+    const Bytes secret = setup_signing(is_signed);
+    Logs logs({.directory = folder.path()});
+    for (const auto direction : {Direction::kReceived, Direction::kSent}) {
+      for (const Bytes& bytes : {packet(9, 1), secret, packet(9, 2), noise, secret, packet(9, 3)}) {
+        logs.mavlink(0, direction, std::span(bytes).first(3), kTime_us);
+        logs.mavlink(0, direction, std::span(bytes).subspan(3), kTime_us);
+      }
+    }
+  }
+  for (const auto& path : files(folder.path(), ".tlog")) {
+    CHECK(content(path).find(std::string(8, '\x11')) == std::string::npos);
+    std::vector<Bytes> left;
+    for (const auto& entry : read_tlog(path)) left.push_back(entry.packet);
+    const std::vector<Bytes> once{packet(9, 1), packet(9, 2), packet(9, 3)};
+    std::vector<Bytes> twice = once;
+    twice.insert(twice.end(), once.begin(), once.end());
+    CHECK(left == twice);
+    CHECK((std::filesystem::status(path).permissions() & std::filesystem::perms::others_all) ==
+          std::filesystem::perms::none);
+  }
+  CHECK(files(folder.path(), ".tlog").size() == 2);
 }
 
 TEST_CASE("a file that is full is followed by the next; all records are there, each whole") {

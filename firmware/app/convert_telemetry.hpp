@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Convert, outwards: the boat's state in the wire's units and frames.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/convert.hpp"
+#include "link/dronecan_messages.hpp"
+#include "link/messages.hpp"
+
+namespace flotilla::app::convert {
+
+/// The law's numbers in the one scalar that telemetry has.
+template <class S>
+core::Nu<double> in_double(const core::Nu<S>& nu) {
+  return {double(nu.u), double(nu.v), double(nu.r)};
+}
+template <class S>
+core::Tau<double> in_double(const core::Tau<S>& tau) {
+  return {double(tau.X), double(tau.N)};
+}
+template <class S>
+core::Error<double> in_double(const core::Error<S>& e) {
+  return {double(e.x), double(e.y), double(e.psi)};
+}
+template <class S>
+core::Motion<double> in_double(const core::Motion<S>& m) {
+  return {{double(m.moved_n.x), double(m.moved_n.y)},
+          double(m.psi),
+          in_double(m.nu),
+          in_double(m.nu_dot)};
+}
+
+/// LOCAL_NED, velocity in BODY_FRD. Only for who asks: an autopilot that hears it takes it for its
+/// own external vision.
+link::Odometry odometry_of(const OwnState<double>& state, std::uint32_t time_boot_ms);
+
+/// The way to the slot: bearing, distance, error abeam. `error` is (e_x, e_y, e_ψ) of the law.
+link::NavControllerOutput nav_controller_output_of(const OwnState<double>& state,
+                                                   const core::Error<double>& error);
+
+/// The slot itself, from the own origin, and its heading.
+link::PositionTargetLocalNed slot_of(const OwnState<double>& state,
+                                     const core::Error<double>& error, std::uint32_t time_boot_ms);
+
+/// What two ESCs measure of the battery that feeds them: the lower voltage, both currents.
+link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
+                               const std::optional<link::EscStatus>& stbd);
+
+/// INT16_MAX, unknown, for what is no temperature.
+std::int16_t centidegrees_of_kelvin(float kelvin);
+
+/// A propeller does not turn for that share of its greatest thrust.
+bool is_dead(double share, const Parameters& p);
+
+/// A stick's −1000 … 1000 as −1 … 1; nothing for an axis that is not used, or nonsense.
+std::optional<double> stick_of(std::int16_t axis);
+
+}  // namespace flotilla::app::convert

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// What was asked since the last tick, kept until the tick that answers it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "app/commands.hpp"
+#include "link/counters.hpp"
+
+namespace flotilla::app {
+
+struct Letter {
+  std::size_t link = 0;
+  link::Received received{};
+  std::int64_t read_us = 0;
+};
+
+/// First come first served; one too many is counted, its sender repeats it. What stops the boat is
+/// never one too many.
+class Inbox {
+ public:
+  void push(const Letter& letter, link::Counters& counters) {
+    if (count_ < letters_.size()) {
+      letters_[count_++] = letter;
+      return;
+    }
+    ++counters.requests_dropped;
+    if (!stops(letter)) return;
+    for (std::size_t i = count_; i-- > 0;) {
+      if (stops(letters_[i])) continue;
+      letters_[i] = letter;
+      return;
+    }
+  }
+
+  enum class Taken : std::uint8_t {
+    kAnswered,
+    kKept,  ///< for the next time
+    kLast,  ///< answered, and those behind it are kept
+    kStop,  ///< answered; what was kept before it is void, or it would be undone next time
+  };
+
+  /// Calls answer(letter) for each in order; whether that ended with kLast.
+  template <class F>
+  bool take_each(F answer) {
+    std::size_t kept = 0, i = 0;
+    bool last = false;
+    for (; i < count_ && !last; ++i) {
+      const Taken taken = answer(letters_[i]);
+      if (taken == Taken::kKept) letters_[kept++] = letters_[i];
+      if (taken == Taken::kStop) kept = 0;
+      last = taken == Taken::kLast;
+    }
+    while (i < count_) letters_[kept++] = letters_[i++];
+    count_ = kept;
+    return last;
+  }
+
+ private:
+  static bool stops(const Letter& letter) {
+    const auto command = command_of(letter.received.message);
+    return command && is_stop(*command);
+  }
+
+  std::array<Letter, 24> letters_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// What the boat tells about itself, message by message.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "app/convert_telemetry.hpp"
+#include "core/supervisor.hpp"
+#include "link/dronecan_messages.hpp"
+
+namespace flotilla::app {
+
+/// The own state at a whole millisecond of our clock.
+struct OwnReport {
+  std::uint32_t time_boot_ms = 0;
+  convert::OwnState<double> state{};
+  bool located = false;  ///< where on the globe the local frame's origin is, is known
+  bool adrift = false;   ///< it was, and followers still take positions from there
+};
+
+/// Of both propellers' ESCs, where they are heard.
+struct EscReport {
+  std::uint8_t index = 0;
+  std::optional<link::EscStatus> status;
+};
+
+/// Errors and limits of the law, SI units.
+struct FormationReport {
+  core::Error<double> error;
+  core::Nu<double> nu_star;
+  core::Tau<double> missing;  ///< of the wrench that the law asked for
+};
+
+struct Home {
+  std::int32_t latitude = 0, longitude = 0;  ///< degE7
+  std::int32_t altitude_mm = 0;
+};
+
+/// All that telemetry is made of, of one tick.
+struct Report {
+  std::int64_t now_us = 0;
+  std::int64_t unix_us = 0;  ///< 0: unknown
+  core::Conditions conditions = 0;
+  std::uint8_t mode = 0, intended_mode = 0;
+  std::optional<OwnReport> own;              ///< while it is fresh
+  std::optional<Home> home;                  ///< where the boat was first seen, then last armed
+  std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
+  std::optional<double> own_age_s, leader_age_s;
+  std::array<EscReport, 2> escs{};  ///< port, starboard
+  std::uint32_t overruns = 0;
+  link::Address self{};
+};
+
+/// Whether there is such a message at all, though perhaps nothing to tell now.
+bool can_compose(std::uint16_t id);
+
+/// The `turn`-th message of that id, from 0 on; nothing after the last, or while there is nothing
+/// to tell. What no stream or request may name is not made here.
+std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const Report& report);
+
+}  // namespace flotilla::app

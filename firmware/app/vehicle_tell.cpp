@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// Vehicle, the part that speaks: heartbeat, streams, what clients are owed, sentences.
+#include <algorithm>
+
+#include "app/vehicle.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::State;
+
+constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
+// Per tick and link, beside the control tick's own traffic: files come at some 70 kB/s.
+constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
+
+std::uint8_t base_mode_of(State state) {
+  unsigned flags = mav::kModeFlagCustom;
+  if (core::armed(state)) flags |= mav::kModeFlagArmed;
+  if (state == State::kManual) flags |= mav::kModeFlagManual;
+  if (state == State::kFormation) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
+  if (state == State::kTest) flags |= mav::kModeFlagTest;
+  return static_cast<std::uint8_t>(flags);
+}
+
+std::uint8_t status_of(State state) {
+  if (state == State::kFault) return mav::kStateEmergency;
+  return core::armed(state) ? mav::kStateActive : mav::kStateStandby;
+}
+
+}  // namespace
+
+link::Heartbeat Vehicle::heartbeat() const {
+  const bool companion = identity_.companion();
+  return {static_cast<std::uint32_t>(parameters_.MODE),
+          companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
+          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric, base_mode_of(state_),
+          status_of(state_)};
+}
+
+/// Followers take our positions from another origin from now on.
+bool Vehicle::origin_moved() {
+  if (!report_.own) return false;
+  const link::GpsGlobalOrigin& origin = report_.own->state.origin;
+  const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
+  report_.own->adrift = !report_.own->located && told_origin_;
+  if (!report_.own->located || told_origin_ == here) return false;
+  told_origin_ = here;
+  return true;
+}
+
+void Vehicle::tell(const Report& report, link::Counters& counters) {
+  report_ = report;
+  freshen();
+  if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
+  announce_ = false;
+  if (timesync_due_.due(now_us_)) {
+    links_.broadcast(time_.ask(now_us_, self().system), counters);
+  }
+  if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
+    say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
+        counters);
+  }
+  streams_.forget_silent_radios(now_us_);
+  const bool moved = origin_moved();
+  if (moved) streams_.hurry(mav::kGpsGlobalOriginId);
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (moved) tell_stream(kOriginStream, link, counters);  // before any position from there
+    tell_state(link, counters);
+    tell_rest(link, counters);
+  }
+}
+
+/// Attitude and position leave together or not at all.
+void Vehicle::tell_state(std::size_t link, link::Counters& counters) {
+  if (!links_.credit(link).for_state()) return;
+  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
+    if (kStreams[stream].pace == Pace::kState) tell_stream(stream, link, counters);
+  }
+}
+
+/// Everything else in turn: what a slow link has no room for is the first of a later tick.
+void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
+  constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1,
+                        kTurns = kFiles + 1;
+  const std::size_t first = turn_[link];
+  for (std::size_t n = 0; n < kTurns && may_tell(link); ++n) {
+    const std::size_t turn = (first + n) % kTurns;
+    bool told = false;
+    if (turn == kParameters) {
+      told = tell_parameters(link, counters);
+    } else if (turn == kFiles) {
+      told = tell_files(link, counters);
+    } else if (kStreams[turn].pace != Pace::kState) {
+      told = tell_stream(turn, link, counters);
+    }
+    if (told) turn_[link] = (turn + 1) % kTurns;
+  }
+}
+
+bool Vehicle::may_tell(std::size_t link) const {
+  return links_.credit(link).for_rest() && links_.room(link) >= kLargestFrame;
+}
+
+/// It keeps its turn where there is nothing to tell yet.
+bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
+  const StreamInfo& info = kStreams[stream];
+  Schedule& schedule = streams_.schedule(stream, link);
+  if (!schedule.waits(now_us_)) return false;
+  if (links_.room(link) < std::size_t{2} * info.bytes) return false;  // signatures and all
+  std::uint32_t turn = 0;
+  for (; const auto message = compose(info.id, turn, report_); ++turn) {
+    if (info.pace == Pace::kState) {
+      links_.send_state(link, *message, counters);
+    } else {
+      links_.send(link, *message, counters);
+    }
+  }
+  return turn > 0 && schedule.due(now_us_);
+}
+
+bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kParametersPerTick && links_.room(link) >= kLargestFrame; ++n) {
+    const auto message = parameter_service_.next(link, parameters_);
+    if (!message) break;
+    links_.send(link, *message, counters);
+    told = true;
+  }
+  return told;
+}
+
+bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kFtpPacketsPerTick && may_tell(link); ++n) {
+    const auto packet = ftp_.next(link);
+    if (!packet) break;
+    links_.send(link, *packet, counters);
+    told = true;
+  }
+  return told;
+}
+
+void Vehicle::say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+                  link::Counters& counters) {
+  std::array<char, 200> text{};
+  std::size_t length = 0;
+  for (const std::string_view part : parts) {
+    const std::size_t n = std::min(part.size(), text.size() - length);
+    std::copy_n(part.begin(), n, text.begin() + static_cast<std::ptrdiff_t>(length));
+    length += n;
+  }
+  link::Statustext chunk{severity, {}};
+  // A NUL ends the last chunk, so a text that fills a chunk to the end needs one more.
+  const bool one_chunk = length <= chunk.text.size();
+  if (!one_chunk) chunk.id = ++text_id_ != 0 ? text_id_ : ++text_id_;
+  for (std::size_t at = 0; at == 0 || (!one_chunk && at <= length); at += chunk.text.size()) {
+    chunk.text = {};
+    const std::size_t n = std::min(chunk.text.size(), length - at);
+    std::copy_n(text.begin() + static_cast<std::ptrdiff_t>(at), n, chunk.text.begin());
+    links_.broadcast(chunk, counters);
+    ++chunk.chunk_seq;
+  }
+}
+
+}  // namespace flotilla::app

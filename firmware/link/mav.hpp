@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// The MAVLink protocol's numbers that this firmware uses. Source: mavlink.io, common message set.
+#pragma once
+
+#include <cstdint>
+
+namespace flotilla::link::mav {
+
+constexpr std::uint8_t kTypeGcs = 6, kTypeSurfaceBoat = 11, kTypeOnboardController = 18;
+constexpr std::uint8_t kAutopilotGeneric = 0, kAutopilotInvalid = 8;
+constexpr std::uint8_t kComponentAutopilot = 1;
+constexpr std::uint8_t kModeFlagCustom = 1, kModeFlagTest = 2, kModeFlagAuto = 4,
+                       kModeFlagGuided = 8, kModeFlagManual = 64, kModeFlagArmed = 128;
+constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateEmergency = 6;
+constexpr std::uint8_t kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
+                       kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12;
+constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAcceleration = 4,
+                       kFollowAttitude = 8;
+
+constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
+                        kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
+                        kCmdComponentArmDisarm = 400, kCmdGetMessageInterval = 510,
+                        kCmdSetMessageInterval = 511, kCmdRequestMessage = 512,
+                        kCmdRequestProtocolVersion = 519, kCmdRequestAutopilotCapabilities = 520;
+constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3,
+                       kFailed = 4;
+
+constexpr std::uint8_t kParamReal32 = 9;
+constexpr std::uint8_t kParamDoesNotExist = 1, kParamOutOfRange = 2, kParamPermissionDenied = 3,
+                       kParamTypeMismatch = 7;
+constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupported = 3;
+
+constexpr std::uint64_t kCapabilityCommandInt = 8, kCapabilityParamBytewise = 16,
+                        kCapabilityFtp = 32, kCapabilityMavlink2 = 8192;
+constexpr std::uint32_t kModePropertyNotUserSelectable = 2, kModePropertyAuto = 4;
+
+constexpr std::uint32_t kSensorGyro = 1, kSensorAccel = 2, kSensorMag = 4, kSensorGps = 32,
+                        kSensorPositionControl = 0x4000, kSensorMotors = 0x8000,
+                        kSensorGeofence = 0x100000, kSensorAhrs = 0x200000,
+                        kSensorBattery = 0x2000000, kSensorPrearm = 0x10000000,
+                        kSensorPropulsion = 0x40000000;
+
+constexpr std::uint8_t kSeverityCritical = 2, kSeverityError = 3, kSeverityWarning = 4,
+                       kSeverityInfo = 6;
+
+/// Message ids that commands name.
+constexpr std::uint16_t kHeartbeatId = 0, kSysStatusId = 1, kSystemTimeId = 2, kAttitudeId = 30,
+                        kLocalPositionNedId = 32, kGlobalPositionIntId = 33,
+                        kGpsGlobalOriginId = 49, kNavControllerOutputId = 62,
+                        kPositionTargetLocalNedId = 85, kFollowTargetId = 144,
+                        kBatteryStatusId = 147, kAutopilotVersionId = 148, kHomePositionId = 242,
+                        kMessageIntervalId = 244, kExtendedSysStateId = 245,
+                        kNamedValueFloatId = 251, kEscInfoId = 290, kEscStatusId = 291,
+                        kSetupSigningId = 256, kProtocolVersionId = 300, kOdometryId = 331,
+                        kComponentInformationBasicId = 396, kComponentMetadataId = 397,
+                        kAvailableModesId = 435, kCurrentModeId = 436;
+
+}  // namespace flotilla::link::mav

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// What went wrong in a background thread, told to the control loop once.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace flotilla::target {
+
+class FirstComplaint {
+ public:
+  /// The background thread's; all but the first are forgotten.
+  void put(std::string_view sentence) {
+    if (there_.load(std::memory_order_relaxed)) return;
+    sentence_ = sentence;
+    there_.store(true, std::memory_order_release);
+  }
+
+  /// The loop's: once, never blocks or allocates.
+  std::optional<std::string> take() {
+    if (taken_ || !there_.load(std::memory_order_acquire)) return std::nullopt;
+    taken_ = true;
+    return std::move(sentence_);
+  }
+
+ private:
+  std::string sentence_;
+  std::atomic<bool> there_{false};
+  bool taken_ = false;
+};
+
+}  // namespace flotilla::target

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""A flotillad whose operator is somebody else's program, on a link of its own over UDP."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import suppress
+from pathlib import Path
+from typing import Protocol
+
+import flotilla
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.linux.process import LOOPBACK, PATIENT, RealSea
+from tests.target.stations import BOAT
+
+ESCS_SILENT = "PreArm: ESCs are not online"
+OWN_STATE_STALE = "PreArm: own state is not fresh"
+
+
+def parameters() -> dict[str, float]:
+    """Every parameter's value in a boat as started here, by name."""
+    boat: dict[str, float] = flotilla.Boat(parameters=PATIENT).parameters()
+    return boat
+
+
+def quiet_port(bus: int) -> int:
+    """Free, and given to nobody who asks for any port: it stays free until the client takes it.
+
+    Runs of tests at the same time have other buses, and with them other ports.
+    """
+    given = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text()
+    first, last = map(int, given.split())
+    for port in range(65535 - bus, 1023, -8):
+        if first <= port <= last:
+            continue
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, suppress(OSError):
+            probe.bind((LOOPBACK, port))
+            return port
+    raise AssertionError(f"no port is free outside {first} to {last}")
+
+
+class Client(Protocol):
+    """What an operator uses."""
+
+    @property
+    def words(self) -> str:
+        """Everything it said."""
+        ...
+
+
+class Sea(RealSea):
+    """Navigation unit and leader are on the first link; on the second is the client at `port`."""
+
+    def __init__(self, bus: int, folder: Path) -> None:
+        super().__init__(bus, folder)
+        self.port = quiet_port(bus)
+        self.client: Client | None = None
+        self.start(f"--mavlink=udpout:{LOOPBACK}:{self.port}")
+
+    @property
+    def words(self) -> str:
+        """What everybody said, for whom has to find out why a test fails."""
+        client = "" if self.client is None else self.client.words
+        return f"{super()._story()}\nclient: {client}"
+
+    def _story(self) -> str:
+        return self.words
+
+    @property
+    def armable(self) -> bool:
+        """All pre-arm checks pass, says the latest SYS_STATUS."""
+        said = self.named("SYS_STATUS")
+        bit = mavlink.MAV_SYS_STATUS_PREARM_CHECK
+        return bool(said and said[-1].onboard_control_sensors_health & bit)
+
+    @property
+    def ever_armed(self) -> bool:
+        beats = self.named("HEARTBEAT")
+        return any(m.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED for m in beats)
+
+    def beat(self) -> None:
+        """Waits for the boat's next two HEARTBEATs: whatever was on its way has happened."""
+        heard = len(self.named("HEARTBEAT"))
+        self.until(lambda: len(self.named("HEARTBEAT")) > heard + 1)
+
+    def asked(self, name: str) -> float:
+        """A parameter's value, as the boat tells an operator on the first link."""
+        ask = mavlink.MAVLink_param_request_read_message(BOAT, 1, name.encode(), -1)
+        told = len(self.named("PARAM_VALUE"))
+
+        def answers() -> list[float]:
+            news = self.named("PARAM_VALUE")[told:]
+            return [m.param_value for m in news if m.param_id == name]
+
+        self.repeat(lambda: self.say(ask), answers)
+        return answers()[-1]

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""A boat at sea for each test, and the programs of its operator."""
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from tests.clients.boat import Sea
+from tests.clients.mavproxy_client import MavProxy
+from tests.clients.mavsdk_client import MavsdkClient
+from tests.target.linux.conftest import bus
+from tests.target.linux.process import PROGRAM
+
+__all__ = ["bus"]
+
+
+@pytest.fixture
+def sea(bus: int, tmp_path: Path) -> Iterator[Sea]:
+    """Its words are printed at the end: pytest shows them if the test fails."""
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
+    with Sea(bus, tmp_path) as sea:
+        yield sea
+        print(sea.words)
+
+
+@pytest.fixture
+def escs_silent(sea: Sea) -> None:
+    """From the beginning."""
+    sea.escs_on = False
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty home directory: MAVSDK keeps what it has downloaded in $HOME/.cache."""
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    return home
+
+
+@pytest.fixture
+def mavsdk(sea: Sea, home: Path) -> Iterator[MavsdkClient]:
+    with closing(MavsdkClient(sea)) as client:
+        yield client
+
+
+@pytest.fixture
+def mavproxy(sea: Sea, home: Path) -> Iterator[MavProxy]:
+    with closing(MavProxy(sea, home)) as client:
+        yield client

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""MAVProxy tunes, arms and steers a boat."""
+
+import re
+
+import flotilla
+import pytest
+
+from tests.clients.boat import ESCS_SILENT, Sea, parameters
+from tests.clients.mavproxy_client import MavProxy
+from tests.target.stations import FORMATION, HOLD
+
+
+@pytest.fixture
+def ready(mavproxy: MavProxy) -> MavProxy:
+    mavproxy.until_it_says("online system 2", f"Received {len(parameters())} parameters")
+    return mavproxy
+
+
+def shown(words: str) -> dict[str, float]:
+    """Lines of `param show`: name and value."""
+    lines = re.findall(r"^(?:\w+> )*([A-Z][A-Z0-9_]{2,15}) +(-?[0-9][0-9.e-]*)$", words, re.M)
+    return {name: float(value) for name, value in lines}
+
+
+def test_all_parameters_are_fetched(ready: MavProxy) -> None:
+    last = ready.tell("param show *", *parameters())
+    ready.sea.beat()
+    assert shown(ready.words) == pytest.approx(parameters(), rel=1e-6), last
+
+
+def test_a_parameter_is_set_and_the_boat_has_it(sea: Sea, ready: MavProxy) -> None:
+    ready.tell("param set LAW_KX 0.3")
+    sea.until(lambda: sea.asked("LAW_KX") == pytest.approx(0.3))
+    ready.tell("param show LAW_KX", "0.3000000")
+
+
+def test_a_value_out_of_range_is_refused(sea: Sea, ready: MavProxy) -> None:
+    default = parameters()["LAW_KX"]
+    ready.tell("param set LAW_KX 9", "Failed to set LAW_KX to 9")
+    assert sea.asked("LAW_KX") == pytest.approx(default)
+
+
+def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: MavProxy) -> None:
+    sea.until(lambda: sea.armable)
+    ready.tell("arm throttle", "ARMED")
+    sea.until(lambda: sea.armed)
+    ready.tell("mode FOLLOW", "Mode FOLLOW")
+    sea.until(lambda: sea.mode == FORMATION and sea.driven())
+    ready.tell("mode HOLD", "Mode HOLD")
+    sea.until(lambda: sea.mode == HOLD)
+    ready.tell("disarm", "DISARMED")
+    sea.until(lambda: not sea.armed)
+
+
+@pytest.mark.usefixtures("escs_silent")
+def test_the_operator_reads_why_the_boat_does_not_arm(sea: Sea, ready: MavProxy) -> None:
+    ready.tell("arm throttle", ESCS_SILENT)
+    sea.beat()
+    assert not sea.ever_armed
+
+
+def test_the_boats_files_are_listed(ready: MavProxy) -> None:
+    words = ready.tell("ftp list", "Total size")
+    for name, content in flotilla.metadata().items():
+        assert re.search(rf"{re.escape(name)}\s+{len(content)}\b", words), words

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <poll.h>
+
+namespace flotilla::target {
+
+/// Gives a thread time, until `done`; false after 10 s. What takes long is the thread's affair.
+template <class Done>
+bool soon(Done done) {
+  for (int i = 0; i < 1000; ++i) {
+    if (done()) return true;
+    ::poll(nullptr, 0, 10);
+  }
+  return false;
+}
+
+}  // namespace flotilla::target

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""What an operator says beside COMMAND_LONG, and how he gets a boat into each of its states."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.sea import Sea, Tick
+from tests.target.stations import BOAT, Station
+
+MANUAL, STICKS_EVERY_S = 0, 0.05
+MOTOR_TEST, TERMINATE, STORAGE, STANDARD_MODE = 209, 185, 245, 262
+REQUEST_MESSAGE, GET_INTERVAL, SET_INTERVAL = 512, 510, 511
+REAL32 = mavlink.MAV_PARAM_TYPE_REAL32
+PORT, STBD = 1.0, 2.0  # as DO_MOTOR_TEST counts
+
+
+def command_int(
+    command: int,
+    *params: float,
+    x: int = 0,
+    y: int = 0,
+    target: tuple[int, int] = (BOAT, 1),
+    frame: int = 0,
+) -> Any:
+    """COMMAND_INT; of its seven parameters the fifth and the sixth are whole."""
+    filled = [*params, *[math.nan] * (4 - len(params))]
+    return mavlink.MAVLink_command_int_message(*target, frame, command, 0, 0, *filled, x, y, 0.0)
+
+
+def sticks(x: int = 0, r: int = 0, target: int = BOAT, **others: int) -> Any:
+    """MANUAL_CONTROL; the sticks that a boat does not use are where a gamepad leaves them."""
+    unused = {"y": 0, "z": 500, "buttons": 0} | others
+    return mavlink.MAVLink_manual_control_message(target=target, x=x, r=r, **unused)
+
+
+def set_mode_message(custom_mode: int, base_mode: int = 1) -> Any:
+    """The old message that is answered by nobody."""
+    return mavlink.MAVLink_set_mode_message(BOAT, base_mode, custom_mode)
+
+
+def param_list(target: tuple[int, int] = (BOAT, 1)) -> Any:
+    return mavlink.MAVLink_param_request_list_message(*target)
+
+
+def param_read(which: int | str, target: tuple[int, int] = (BOAT, 1)) -> Any:
+    name, index = (which.encode(), -1) if isinstance(which, str) else (b"", which)
+    return mavlink.MAVLink_param_request_read_message(*target, name, index)
+
+
+def param_set(
+    name: str, value: float, kind: int = REAL32, target: tuple[int, int] = (BOAT, 1)
+) -> Any:
+    return mavlink.MAVLink_param_set_message(*target, name.encode(), value, kind)
+
+
+def drive(
+    sea: Sea,
+    x: int,
+    r: int = 0,
+    seconds: float = 1.0,
+    sender: Station | None = None,
+    link: int = 0,
+) -> list[Tick]:
+    """Somebody holds the sticks there, 20 times a second."""
+    ticks: list[Tick] = []
+    for _ in range(round(seconds / STICKS_EVERY_S)):
+        sea.say(sticks(x, r), sender=sender, link=link)
+        ticks += sea.run(STICKS_EVERY_S)
+    return ticks
+
+
+def enter_manual(sea: Sea) -> None:
+    """In MANUAL, sticks in the middle, the ESCs' zeros after arming over."""
+    sea.enter_hold()
+    drive(sea, 0, 0, 0.3)
+    sea.mode(MANUAL)
+    assert sea.state == "MANUAL", sea.snapshot()
+
+
+def enter_test(sea: Sea, *params: float) -> None:
+    """Port propeller, a tenth ahead, for five seconds, where nothing else is said."""
+    sea.enter_hold()
+    sea.run(0.3)
+    sea.order(MOTOR_TEST, *(params or (PORT, 0.0, 10.0, 5.0)))
+    assert sea.state == "TEST", sea.snapshot()
+
+
+def enter_fault(sea: Sea) -> None:
+    sea.enter_hold()
+    sea.order(TERMINATE, 1.0)
+    assert sea.state == "FAULT", sea.snapshot()
+
+
+#: How a boat gets into each of its states.
+ENTER = {
+    "DISARMED": Sea.settle,
+    "HOLD": Sea.enter_hold,
+    "MANUAL": enter_manual,
+    "FORMATION": Sea.enter_formation,
+    "TEST": enter_test,
+    "FAULT": enter_fault,
+}

@@ -1,0 +1,390 @@
+# SPDX-License-Identifier: MIT
+"""The identity of a companion: beside an autopilot that is the vehicle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.operator_words import (
+    MOTOR_TEST,
+    REQUEST_MESSAGE,
+    SET_INTERVAL,
+    TERMINATE,
+    command_int,
+    param_list,
+    param_read,
+    param_set,
+    sticks,
+)
+from tests.target.sea import TURN, Sea, acks, messages, named, texts
+from tests.target.stations import (
+    ACCEPTED,
+    ARM,
+    BOAT,
+    FORMATION,
+    LEADER,
+    SET_MODE,
+    UNSUPPORTED,
+    Station,
+    command_long,
+)
+
+COMPANION = 191
+AUTOPILOT = 42  # its system id, which is not the one that is configured
+LISTEN_S = 3.0
+ME = (AUTOPILOT, COMPANION)
+SPOKEN = {
+    "HEARTBEAT",
+    "TIMESYNC",
+    "CURRENT_MODE",
+    "ESC_STATUS",
+    "ESC_INFO",
+    "NAMED_VALUE_FLOAT",
+    "STATUSTEXT",
+}
+
+
+def beat(autopilot: int = 3, kind: int = mavlink.MAV_TYPE_SURFACE_BOAT) -> Any:
+    return mavlink.MAVLink_heartbeat_message(kind, autopilot, 1, 0, 4, 3)
+
+
+def companion(links: int = 1, **parameters: float) -> Sea:
+    sea = Sea({"MAV_IDENTITY": 1, "MAV_COMPID": COMPANION} | parameters, links, leader=TURN)
+    sea.leader.beats = False  # as an autopilot that it would be taken for
+    return sea
+
+
+def latched(links: int = 1, **parameters: float) -> Sea:
+    """Beside its autopilot, with a fresh own state from that one's system."""
+    sea = companion(links, **parameters)
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(LISTEN_S + 0.1)
+    sea.own.station = Station(AUTOPILOT, 1)
+    sea.run(1.5)
+    sea.ticks.clear()
+    return sea
+
+
+def address(sea: Sea) -> tuple[int, int]:
+    """Under which ids the boat sent its last heartbeat."""
+    header = named(sea.ticks[-120:], "HEARTBEAT")[-1].get_header()
+    return header.srcSystem, header.srcComponent
+
+
+def test_a_companion_beats_as_a_companion() -> None:
+    sea = companion()
+    heard = named(sea.run(5.0), "HEARTBEAT")
+    assert len(heard) in (5, 6)
+    for m in heard:
+        assert (m.type, m.autopilot, m.base_mode, m.custom_mode) == (18, 8, 1, 4)
+        assert (m.get_srcSystem(), m.get_srcComponent()) == (BOAT, COMPANION)
+
+
+def test_it_takes_the_system_id_of_its_autopilot_three_seconds_after_that_was_heard() -> None:
+    sea = companion()
+    sea.run(10.0)
+    assert address(sea) == (BOAT, COMPANION)
+    heard_us = sea.now_us
+    for _ in range(5):
+        sea.say(beat(), sender=Station(AUTOPILOT, 1))
+        sea.run(1.0)
+    assert address(sea) == ME
+    for tick in sea.ticks:
+        for m in tick.messages():
+            before = tick.now_us < heard_us + LISTEN_S * 1e6
+            assert m.get_srcSystem() == (BOAT if before else AUTOPILOT)
+            assert m.get_srcComponent() == COMPANION
+
+
+def test_of_two_autopilots_it_takes_neither() -> None:
+    sea = companion()
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(2.0)
+    sea.say(beat(12), sender=Station(AUTOPILOT + 1, 1))
+    sea.run(10.0)
+    assert address(sea) == (BOAT, COMPANION)
+
+
+def test_the_first_autopilot_again_after_another_one_is_no_second_chance() -> None:
+    sea = companion()
+    for system in (AUTOPILOT, AUTOPILOT + 1, AUTOPILOT, AUTOPILOT):
+        sea.say(beat(), sender=Station(system, 1))
+        sea.run(0.9)
+    sea.run(5.0)
+    assert address(sea) == (BOAT, COMPANION)
+
+
+def test_who_comes_after_the_three_seconds_changes_nothing() -> None:
+    sea = latched()
+    for _ in range(5):
+        sea.say(beat(), sender=Station(AUTOPILOT + 1, 1))
+        sea.run(1.0)
+    assert address(sea) == ME
+
+
+def test_what_is_no_autopilot_is_not_taken_for_one() -> None:
+    sea = companion()
+    sea.say(beat(8, mavlink.MAV_TYPE_GCS), sender=Station(255, 190))
+    sea.say(beat(8, mavlink.MAV_TYPE_ONBOARD_CONTROLLER), sender=Station(77, 191))
+    sea.run(4.0)
+    assert address(sea) == (BOAT, COMPANION)
+    sea.say(beat(8, mavlink.MAV_TYPE_GIMBAL), sender=Station(78, 154))
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(5.0)
+    assert address(sea) == ME
+
+
+@pytest.mark.parametrize(
+    ("component", "kind"),
+    [(2, mavlink.MAV_TYPE_SURFACE_BOAT), (191, 18), (190, mavlink.MAV_TYPE_GCS), (1, 6)],
+    ids=["another component", "companion", "station", "station as component 1"],
+)
+def test_only_a_vehicles_component_1_is_an_autopilot(component: int, kind: int) -> None:
+    """Whatever autopilot its heartbeat names."""
+    sea = companion()
+    for _ in range(6):
+        sea.say(beat(3, kind), sender=Station(AUTOPILOT, component))
+        sea.run(1.0)
+    assert address(sea) == (BOAT, COMPANION)
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(LISTEN_S + 1.2)
+    assert address(sea) == ME
+
+
+@pytest.mark.parametrize("armed_first", [True, False])
+def test_an_armed_boat_stays_who_it_is(armed_first: bool) -> None:
+    """Another id would take its own state from it, under way."""
+    sea = companion()
+    sea.settle()
+    if not armed_first:
+        sea.say(beat(), sender=Station(AUTOPILOT, 1))
+        sea.run(1.0)
+    for order in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*order, target=(BOAT, COMPANION)))
+        sea.step()
+    assert sea.state == "FORMATION"
+    for _ in range(6):
+        sea.say(beat(), sender=Station(AUTOPILOT, 1))
+        sea.run(1.0)
+    assert address(sea) == (BOAT, COMPANION)
+    assert sea.state == "FORMATION" and any(sea.commands)
+
+
+def test_its_leader_is_not_its_autopilot() -> None:
+    """Heard alone, before the own autopilot has started: a boat never takes that name for its own.
+
+    It would take the leader's state for its own too, and sail on it.
+    """
+    sea = companion()
+    sea.own.on = False
+    sea.leader.beats = True
+    sea.run(5.0)
+    assert address(sea) == (BOAT, COMPANION)
+    assert not sea.condition("own_fresh")
+
+
+def test_a_vehicle_never_takes_anothers_id(sea: Sea) -> None:
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(6.0)
+    assert address(sea) == (BOAT, 1)
+
+
+def test_with_the_new_id_the_own_state_is_the_autopilots() -> None:
+    sea = companion()
+    sea.say(beat(), sender=Station(AUTOPILOT, 1))
+    sea.run(2.0)
+    assert sea.condition("own_fresh")
+    sea.run(2.0)
+    assert not sea.condition("own_fresh")  # the configured system is somebody else now
+    sea.own.station = Station(AUTOPILOT, 1)
+    sea.run(0.5)
+    assert sea.condition("own_fresh")
+
+
+def test_a_companion_says_nothing_that_its_autopilot_says() -> None:
+    sea = latched()
+    sea.say(command_long(ARM, 1.0, target=ME))
+    sea.step()
+    sea.say(command_long(SET_MODE, 1.0, 6.0, target=ME))
+    sea.run(15.0)
+    assert sea.state == "FORMATION" and any(sea.commands)
+    said = {m.get_type() for m in messages(sea.ticks)}
+    assert said == SPOKEN | {"COMMAND_ACK", "PARAM_VALUE"}
+
+
+@pytest.mark.parametrize("message", [1, 30, 32, 33, 144, 242, 331, 245])
+def test_nor_does_it_on_request(message: int) -> None:
+    sea = latched()
+    for command in (
+        command_long(REQUEST_MESSAGE, float(message), target=ME),
+        command_long(SET_INTERVAL, float(message), 1e5, target=ME),
+    ):
+        sea.say(command)
+        ((_, result),) = acks(sea.step())
+        assert result == UNSUPPORTED
+    sea.run(1.0)
+    assert {m.get_type() for m in messages(sea.ticks)} <= SPOKEN | {"COMMAND_ACK"}
+
+
+@pytest.mark.parametrize("message", [0, 148, 300, 291, 290, 436, 435, 397, 251])
+def test_what_is_its_own_it_tells_on_request(message: int) -> None:
+    sea = latched()
+    sea.say(command_long(REQUEST_MESSAGE, float(message), target=ME))
+    tick = sea.step()
+    assert acks(tick) == [(REQUEST_MESSAGE, ACCEPTED)]
+    assert message in [m.get_msgId() for m in tick.messages()]
+
+
+def test_its_parameters_are_read_as_any_components() -> None:
+    sea = latched()
+    sea.say(param_read("FORM_LEADER", target=ME))
+    (value,) = named(sea.run(0.1), "PARAM_VALUE")
+    assert (value.param_id, value.param_value) == ("FORM_LEADER", LEADER)
+    sea.say(param_list(target=(AUTOPILOT, 0)))
+    assert len(named(sea.run(2.0), "PARAM_VALUE")) == value.param_count
+
+
+def of_the_system(kind: str, target: tuple[int, int]) -> Any:
+    return {
+        "arm": command_long(ARM, 1.0, target=target),
+        "arm by force": command_long(ARM, 1.0, 21196.0, target=target),
+        "arm by COMMAND_INT": command_int(ARM, 1.0, target=target),
+        "FORMATION": command_long(SET_MODE, 1.0, 6.0, target=target),
+        "MANUAL": command_long(SET_MODE, 1.0, 0.0, target=target),
+        "test": command_long(MOTOR_TEST, 1.0, 0.0, 10.0, 1.0, target=target),
+        "SET_MODE": mavlink.MAVLink_set_mode_message(target[0], 1, FORMATION),
+        "unknown command": command_long(31010, 1.0, target=target),
+        "take off": command_int(22, 1.0, target=target),
+        "unknown parameter": param_set("ARMING_CHECK", 1.0, target=target),
+        "MODE": param_set("MODE", 6.0, target=target),
+        "MODE HOLD": param_set("MODE", 4.0, target=target),
+    }[kind]
+
+
+LEFT_TO_THE_AUTOPILOT = [
+    "arm",
+    "arm by force",
+    "arm by COMMAND_INT",
+    "FORMATION",
+    "MANUAL",
+    "test",
+    "SET_MODE",
+    "unknown command",
+    "take off",
+    "unknown parameter",
+    "MODE",
+    "MODE HOLD",
+]
+
+
+@pytest.mark.parametrize("kind", LEFT_TO_THE_AUTOPILOT)
+@pytest.mark.parametrize("armed", [False, True], ids=["disarmed", "armed"])
+@pytest.mark.parametrize("system", [AUTOPILOT, 0], ids=["system", "all"])
+def test_what_drives_the_whole_system_is_the_autopilots_business(
+    kind: str, armed: bool, system: int
+) -> None:
+    """No state changes, and no answer would be taken for the autopilot's."""
+    sea = latched()
+    sea.say(sticks(100, target=AUTOPILOT))
+    if armed:
+        sea.say(command_long(ARM, 1.0, target=ME))
+        sea.step()
+    state = sea.state
+    sea.run(0.3)
+    sea.say(of_the_system(kind, (system, 0)))
+    ticks = sea.run(0.3)
+    said = {m.get_type() for m in messages(ticks)}
+    assert not said & {"COMMAND_ACK", "STATUSTEXT", "PARAM_VALUE", "PARAM_ERROR"}
+    assert sea.state == state == ("HOLD" if armed else "DISARMED")
+
+
+@pytest.mark.parametrize("target", [ME, (AUTOPILOT, 0), (0, 0), (0, COMPANION)])
+@pytest.mark.parametrize("make", [command_long, command_int])
+@pytest.mark.parametrize(
+    ("order", "state"), [((SET_MODE, 1.0, 4.0), "HOLD"), ((TERMINATE, 1.0), "FAULT")]
+)
+def test_what_stops_the_boat_is_obeyed_however_it_is_addressed(
+    target: tuple[int, int], make: Any, order: tuple[float, ...], state: str
+) -> None:
+    sea = latched()
+    for first in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*first, target=ME))
+        sea.run(1.0)
+    assert sea.state == "FORMATION" and any(sea.commands)
+    sea.say(make(*order, target=target))
+    tick = sea.step()
+    assert acks(tick) == [(order[0], ACCEPTED)]
+    assert sea.state == state and tick.commands == (0, 0)
+
+
+def test_the_old_message_for_hold_stops_it_too() -> None:
+    sea = latched()
+    for first in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*first, target=ME))
+        sea.run(1.0)
+    sea.say(mavlink.MAVLink_set_mode_message(AUTOPILOT, 1, 4))
+    assert sea.step().commands == (0, 0) and sea.state == "HOLD"
+
+
+@pytest.mark.parametrize("target", [(AUTOPILOT, 0), (0, 0)])
+def test_the_mission_of_the_whole_system_is_the_autopilots(target: tuple[int, int]) -> None:
+    """Two answers, one of them "none" or "cleared", would be taken for the autopilot's."""
+    sea = latched()
+    sea.say(
+        mavlink.MAVLink_mission_request_list_message(*target, 0),
+        mavlink.MAVLink_mission_clear_all_message(*target, 0),
+        mavlink.MAVLink_mission_count_message(*target, 5, 0),
+    )
+    ticks = sea.run(0.2)
+    assert not named(ticks, "MISSION_COUNT") and not named(ticks, "MISSION_ACK")
+
+
+@pytest.mark.parametrize("target", [ME, (AUTOPILOT, 0), (0, 0), (0, COMPANION)])
+@pytest.mark.parametrize("make", [command_long, command_int])
+def test_a_disarm_is_obeyed_however_it_is_addressed(target: tuple[int, int], make: Any) -> None:
+    sea = latched()
+    for order in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
+        sea.say(command_long(*order, target=ME))
+        sea.run(1.0)
+    assert sea.state == "FORMATION" and any(sea.commands)
+    sea.say(make(ARM, 0.0, target=target))
+    tick = sea.step()
+    assert acks(tick) == [(ARM, ACCEPTED)]
+    assert sea.state == "DISARMED" and tick.commands == (0, 0)
+
+
+@pytest.mark.parametrize("target", [(AUTOPILOT, 1), (BOAT, COMPANION), (BOAT, 0), (AUTOPILOT, 190)])
+def test_what_is_addressed_to_the_autopilot_or_the_old_id_is_not_for_it(
+    target: tuple[int, int],
+) -> None:
+    sea = latched()
+    sea.say(command_long(ARM, 1.0, target=target), command_long(REQUEST_MESSAGE, 0, target=target))
+    assert not named(sea.run(0.2), "COMMAND_ACK") and sea.state == "DISARMED"
+
+
+def test_addressed_to_it_alone_it_does_all_that_a_vehicle_does() -> None:
+    sea = latched()
+    for order, state in (
+        ((ARM, 1.0), "HOLD"),
+        ((MOTOR_TEST, 1.0, 0.0, 10.0, 1.0), "TEST"),
+        ((SET_MODE, 1.0, 4.0), "HOLD"),
+        ((SET_MODE, 1.0, 6.0), "FORMATION"),
+        ((TERMINATE, 1.0), "FAULT"),
+        ((ARM, 0.0), "DISARMED"),
+    ):
+        sea.say(command_long(*order, target=ME))
+        assert acks(sea.step()) == [(order[0], ACCEPTED)] and sea.state == state
+    for unknown in (16, 31010):
+        sea.say(command_long(unknown, target=ME))
+        assert acks(sea.step()) == [(unknown, UNSUPPORTED)]
+
+
+def test_the_autopilot_beside_it_is_no_double_of_it() -> None:
+    sea = latched()
+    for _ in range(5):
+        sea.say(beat(), sender=Station(AUTOPILOT, 1))
+        sea.run(1.0)
+    assert not texts(sea.ticks)

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: MIT
+"""CURRENT_MODE: what a boat does, and what it was told to do."""
+
+from __future__ import annotations
+
+from tests.target.sea import Sea, acks, named
+from tests.target.stations import FORMATION, HOLD, SET_MODE, command_long
+
+
+def current_mode(sea: Sea) -> tuple[int, int]:
+    """custom_mode and intended_custom_mode, as the last tick but one left them."""
+    sea.step()
+    (told,) = sea.ask(436)
+    assert told.standard_mode == 0
+    return told.custom_mode, told.intended_custom_mode
+
+
+def test_the_mode_is_told_at_each_change_and_every_two_seconds() -> None:
+    sea = Sea(links=2)
+    sea.run(1.3)
+    changes = ((400, 1.0), (SET_MODE, 1.0, FORMATION), (SET_MODE, 1.0, HOLD), (400, 0.0))
+    for order, mode in zip(changes, (HOLD, FORMATION, HOLD, HOLD), strict=True):
+        tick = sea.order(*order)
+        for link in (0, 1):
+            (told,) = tick.named("CURRENT_MODE", link)
+            assert told.custom_mode == mode
+        sea.run(0.7)
+    assert len(named(sea.run(20.0), "CURRENT_MODE")) == 10
+
+
+def test_the_mode_told_is_the_heartbeats(voyage: Sea) -> None:
+    mode, seen = 4, set()
+    for tick in voyage.ticks:
+        for m in tick.messages():
+            if m.get_type() == "HEARTBEAT":
+                mode = m.custom_mode
+            if m.get_type() == "CURRENT_MODE":
+                assert m.custom_mode == mode
+                seen.add((m.custom_mode, m.intended_custom_mode))
+    assert {(4, 4), (6, 6), (4, 6)} <= seen
+
+
+def test_a_boat_that_fell_to_hold_says_what_it_was_meant_to_do(sea: Sea) -> None:
+    sea.settle()
+    assert current_mode(sea) == (HOLD, HOLD)
+    sea.arm()
+    sea.mode(FORMATION)
+    assert current_mode(sea) == (FORMATION, FORMATION)
+    sea.leader.on = False
+    sea.run_until("HOLD", 2.0)
+    told = sea.ticks[-1].named("CURRENT_MODE")
+    assert [(m.custom_mode, m.intended_custom_mode) for m in told] == [(HOLD, FORMATION)]
+    assert current_mode(sea) == (HOLD, FORMATION)
+    sea.mode(HOLD)
+    assert current_mode(sea) == (HOLD, HOLD)
+
+
+def test_a_refused_mode_is_not_what_a_boat_intends(sea: Sea) -> None:
+    sea.leader.on = False
+    sea.enter_hold()
+    assert acks(sea.mode(FORMATION)) == [(SET_MODE, 1)]
+    assert current_mode(sea) == (HOLD, HOLD)
+
+
+def test_a_mode_asked_for_in_the_same_breath_is_the_new_one(sea: Sea) -> None:
+    sea.enter_hold()
+    sea.say(command_long(SET_MODE, 1.0, 6.0), command_long(512, 436.0), command_long(512, 0.0))
+    tick = sea.step()
+    assert {m.custom_mode for m in tick.named("CURRENT_MODE")} == {FORMATION}
+    assert {m.custom_mode for m in tick.named("HEARTBEAT")} == {FORMATION}

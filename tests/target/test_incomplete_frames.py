@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: MIT
+"""A frame whose rest never comes holds back what comes after it only for a moment."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.target.sea import TURN, Sea
+from tests.target.stations import ARM, BOAT, LEADER, Station, command_long, heartbeat
+
+PATIENCE_S = 0.3
+BEGINNINGS = {
+    "long one": bytes.fromhex("fdff0000000000000000"),
+    "marker alone": b"\xfd",
+    "marker and length": b"\xfd\xff",
+    "version 1": b"\xfe\xff",
+    "signed": bytes.fromhex("fdff0100000000000000"),
+    "most of a message": Station(7, 1).pack(heartbeat())[:-1],
+    "two": bytes.fromhex("fdff0000000000000000") * 2,
+    "many": bytes.fromhex("fdff0000000000000000") * 20,
+    "markers": b"\xfd\xfe" * 150,
+    "version 1 in a row": b"\xfe\xff" * 100,
+}
+EACH = pytest.mark.parametrize("beginning", BEGINNINGS)
+
+
+def seconds_until_disarmed(sea: Sea) -> float:
+    since_us = sea.now_us
+    while sea.state != "DISARMED":
+        sea.tick_only()
+        assert sea.now_us - since_us < 5e6, "never"
+    return (sea.now_us - since_us) * 1e-6
+
+
+@EACH
+def test_a_disarm_behind_it_waits_no_longer_than_that(beginning: str) -> None:
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
+    sea.say(command_long(ARM, 0.0))
+    assert seconds_until_disarmed(sea) <= PATIENCE_S + 0.05
+
+
+@EACH
+def test_nor_when_it_comes_later(beginning: str) -> None:
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
+    for _ in range(20):
+        sea.tick_only()
+    sea.say(command_long(ARM, 0.0))
+    assert seconds_until_disarmed(sea) <= PATIENCE_S - 0.2 + 0.05
+
+
+@EACH
+def test_any_number_of_beginnings_in_chunks_of_their_own(beginning: str) -> None:
+    """The patience is not begun anew by each."""
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    for _ in range(12):
+        sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
+    sea.say(command_long(ARM, 0.0))
+    assert seconds_until_disarmed(sea) <= PATIENCE_S + 0.05
+
+
+@pytest.mark.parametrize("every", [1, 3, 10, 29, 31])
+@EACH
+def test_beginnings_that_go_on_coming_do_not_hold_a_disarm_back(beginning: str, every: int) -> None:
+    """A radio that loses the end of every message, an attacker who sends only beginnings."""
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    for k in range(60):
+        if k % every == 0:
+            sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
+        sea.tick_only()
+    sea.say(command_long(ARM, 0.0))
+    since_us = sea.now_us
+    for k in range(100):
+        sea.tick_only()
+        if sea.state == "DISARMED":
+            break
+        if (60 + k) % every == 0:
+            sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
+    assert (sea.now_us - since_us) * 1e-6 <= PATIENCE_S + 0.05
+
+
+@pytest.mark.parametrize("chunk_s", [0.05, 0.1, 0.29])
+def test_each_beginning_is_waited_for_since_it_came_not_since_its_turn(chunk_s: float) -> None:
+    """26 of them fill one long message; each new one ends another one and begins no new wait."""
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    beginning = BEGINNINGS["long one"]
+    sea.boat.on_mavlink(beginning * 26, sea.now_us)
+    sea.say(command_long(ARM, 0.0))
+    since_us = sea.now_us
+    every = round(chunk_s * 100)
+    for k in range(1, 1000):
+        sea.tick_only()
+        if sea.state == "DISARMED":
+            break
+        if k % every == 0:
+            sea.boat.on_mavlink(beginning, sea.now_us)
+    assert (sea.now_us - since_us) * 1e-6 <= PATIENCE_S + 0.05
+
+
+@EACH
+def test_other_links_do_not_wait(beginning: str) -> None:
+    sea = Sea(links=2)
+    sea.enter_hold()
+    sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us, 1)
+    sea.disarm()
+    assert sea.state == "DISARMED"
+
+
+def test_a_slow_radios_message_is_waited_for_as_long_as_it_comes() -> None:
+    """9600 Bd: a byte a millisecond, in pieces."""
+    sea = Sea()
+    sea.enter_hold()
+    wire = Station(BOAT, 190).pack(command_long(ARM, 0.0))
+    assert len(wire) > 40
+    for at in range(0, len(wire), 2):
+        sea.boat.on_mavlink(wire[at : at + 2], sea.now_us)
+        sea.tick_only()
+    assert sea.state == "DISARMED"
+
+
+@EACH
+def test_states_are_heard_again_and_the_boat_stays_in_formation(beginning: str) -> None:
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    for _ in range(5):
+        sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
+        sea.run(1.0)
+    assert sea.state == "FORMATION" and sea.boat.parameters()["FORM_LEADER"] == LEADER

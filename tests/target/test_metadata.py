@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""What a ground station shows of the parameters: the files that the boat offers by MAVLink FTP."""
+
+import json
+import struct
+import zlib
+from typing import Any
+
+import flotilla
+import pytest
+
+FILES: dict[str, bytes] = flotilla.metadata()
+LIST: list[dict[str, Any]] = flotilla.parameter_list()
+DESCRIBED: list[dict[str, Any]] = json.loads(FILES["parameters.json"])["parameters"]
+EACH = pytest.mark.parametrize(("entry", "p"), list(zip(DESCRIBED, LIST, strict=True)))
+
+# parameter.schema.json of mavlink/mavlink: names and types of an entry's members
+TYPES = {
+    "name": str,
+    "type": str,
+    "shortDesc": str,
+    "units": str,
+    "default": (int, float),
+    "min": (int, float),
+    "max": (int, float),
+    "decimalPlaces": int,
+    "increment": (int, float),
+    "rebootRequired": bool,
+    "volatile": bool,
+    "group": str,
+    "category": str,
+    "values": list,
+}
+
+
+def float32(value: float) -> float:
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+def checksum(content: bytes) -> int:
+    """As clients reckon it: from 0, not inverted."""
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def test_there_is_a_general_file_and_one_of_parameters() -> None:
+    assert set(FILES) == {"general.json", "parameters.json"}
+
+
+def test_both_files_have_the_version_that_qgroundcontrol_insists_on() -> None:
+    for content in FILES.values():
+        assert json.loads(content)["version"] == 1
+
+
+def test_the_general_file_leads_to_the_parameters_with_the_checksum_of_the_bytes_served() -> None:
+    assert json.loads(FILES["general.json"])["metadataTypes"] == [
+        {
+            "type": 1,
+            "uri": "mftp:///parameters.json",
+            "fileCrc": checksum(FILES["parameters.json"]),
+        }
+    ]
+
+
+@EACH
+def test_an_entry_says_what_the_parameter_is(entry: dict[str, Any], p: dict[str, Any]) -> None:
+    assert entry["name"] == p["name"]
+    assert entry["type"] == "Float"
+    assert entry["shortDesc"] == p["sentence"]
+    assert entry["units"] == p["unit"]
+    assert entry["group"]
+    assert entry["category"] == "Standard"
+    for key, name in {"default": "default", "min": "least", "max": "greatest"}.items():
+        assert float32(entry[key]) == p[name]
+
+
+@pytest.mark.parametrize("entry", DESCRIBED)
+def test_an_entry_has_only_what_the_schema_knows(entry: dict[str, Any]) -> None:
+    for key, value in entry.items():
+        assert isinstance(value, TYPES[key]), key
+    for choice in entry.get("values", []):
+        assert isinstance(choice["value"], int)
+        assert isinstance(choice["description"], str)
+        assert set(choice) == {"value", "description"}
+
+
+@EACH
+def test_a_ground_station_shows_default_and_range_in_full(
+    entry: dict[str, Any], p: dict[str, Any]
+) -> None:
+    places = entry["decimalPlaces"]
+    for key in ("default", "min", "max"):
+        assert round(entry[key], places) == entry[key]
+    assert (places == 0) == p["integer"]
+
+
+def test_choices_are_offered_where_only_some_values_are_taken() -> None:
+    choices = {entry["name"]: entry["values"] for entry in DESCRIBED if "values" in entry}
+    direction = [
+        {"value": -1, "description": "reversed"},
+        {"value": 1, "description": "normal"},
+    ]
+    assert choices == {
+        "MAV_IDENTITY": [
+            {"value": 0, "description": "vehicle"},
+            {"value": 1, "description": "companion"},
+        ],
+        "MODE": [
+            {"value": 0, "description": "MANUAL"},
+            {"value": 4, "description": "HOLD"},
+            {"value": 6, "description": "FOLLOW (FORMATION)"},
+        ],
+        "THR_PORT_DIR": direction,
+        "THR_STBD_DIR": direction,
+    }
+
+
+def test_what_takes_effect_at_the_next_start_says_so() -> None:
+    restart = {entry["name"] for entry in DESCRIBED if entry["rebootRequired"]}
+    assert {"MAV_SYSID", "MAV_COMPID", "MAV_IDENTITY", "CAN_NODE", "CTL_RATE"} == restart
+    volatile = {entry["name"] for entry in DESCRIBED if entry.get("volatile")}
+    assert volatile == {"MODE"}

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: MIT
+"""What every ground station asks of a boat that has no mission; PING; TIMESYNC with targets."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.course import Course
+from tests.target.sea import Sea, Tick, named
+from tests.target.stations import BOAT, GCS, GCS_COMPONENT, Station, odometry
+from tests.target.test_fuzz_mavlink import frame
+
+UNSUPPORTED, MISSION_ACCEPTED = 3, 0
+EACH_TYPE = pytest.mark.parametrize("kind", [0, 1, 2])
+TARGETS = pytest.mark.parametrize("target", [(BOAT, 1), (BOAT, 0)])
+TIMESYNC = 111
+
+
+def the_askers(message: Any) -> bool:
+    return (message.target_system, message.target_component) == (GCS, GCS_COMPONENT)
+
+
+# Missions: there are none.
+
+
+@EACH_TYPE
+@TARGETS
+def test_a_download_finds_an_empty_mission(sea: Sea, kind: int, target: tuple[int, int]) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_mission_request_list_message(*target, kind))
+    (count,) = named(sea.run(0.2), "MISSION_COUNT")
+    assert (count.count, count.mission_type) == (0, kind) and the_askers(count)
+
+
+@EACH_TYPE
+@pytest.mark.parametrize("items", [0, 1, 65535])
+def test_an_upload_is_unsupported(sea: Sea, kind: int, items: int) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, items, kind))
+    ticks = sea.run(0.2)
+    (ack,) = named(ticks, "MISSION_ACK")
+    assert (ack.type, ack.mission_type) == (UNSUPPORTED, kind) and the_askers(ack)
+    assert not named(ticks, "MISSION_REQUEST_INT") and not named(ticks, "MISSION_REQUEST")
+
+
+@EACH_TYPE
+def test_clearing_nothing_is_done_at_once(sea: Sea, kind: int) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, kind))
+    (ack,) = named(sea.run(0.2), "MISSION_ACK")
+    assert (ack.type, ack.mission_type) == (MISSION_ACCEPTED, kind) and the_askers(ack)
+
+
+def test_who_knows_no_mission_types_means_the_plain_one(sea: Sea) -> None:
+    """MAVLink 1 has no such field."""
+    sea.settle()
+    payload = bytes([BOAT, 1])
+    body = bytes([len(payload), 0, GCS, GCS_COMPONENT, 43]) + payload
+    kind = mavlink.MAVLink_mission_request_list_message
+    crc = mavlink.x25crc(body + bytes([kind.crc_extra])).crc
+    sea.boat.on_mavlink(b"\xfe" + body + crc.to_bytes(2, "little"), sea.now_us)
+    (count,) = named(sea.run(0.2), "MISSION_COUNT")
+    assert (count.count, count.mission_type) == (0, 0)
+
+
+@pytest.mark.parametrize("target", [(3, 1), (BOAT, 7), (GCS, 1)])
+def test_missions_of_others_are_not_ours(sea: Sea, target: tuple[int, int]) -> None:
+    sea.settle()
+    sea.say(
+        mavlink.MAVLink_mission_request_list_message(*target, 0),
+        mavlink.MAVLink_mission_count_message(*target, 3, 0),
+        mavlink.MAVLink_mission_clear_all_message(*target, 0),
+    )
+    ticks = sea.run(0.2)
+    assert not named(ticks, "MISSION_COUNT") and not named(ticks, "MISSION_ACK")
+
+
+def test_the_rest_of_the_mission_protocol_is_not_answered_and_does_no_harm(sea: Sea) -> None:
+    sea.enter_formation()
+    sea.say(
+        mavlink.MAVLink_mission_item_int_message(BOAT, 1, 0, 6, 16, 1, 1, 0, 0, 0, 0, 1, 2, 3.0),
+        mavlink.MAVLink_mission_ack_message(BOAT, 1, 0, 0),
+        mavlink.MAVLink_mission_request_int_message(BOAT, 1, 0, 0),
+        mavlink.MAVLink_mission_set_current_message(BOAT, 1, 0),
+    )
+    ticks = sea.run(0.5)
+    assert sea.state == "FORMATION"
+    assert not named(ticks, "MISSION_ACK")
+
+
+def test_only_the_askers_link_gets_the_answer() -> None:
+    sea = Sea(links=2)
+    sea.settle()
+    sea.say(mavlink.MAVLink_mission_request_list_message(BOAT, 1, 0), link=1)
+    ticks = sea.run(0.2)
+    assert [len(named(ticks, "MISSION_COUNT", link)) for link in (0, 1)] == [0, 1]
+
+
+# PING.
+
+
+@pytest.mark.parametrize("seq", [0, 1, 2**32 - 1])
+@pytest.mark.parametrize("time_usec", [0, 123456, 2**64 - 1])
+def test_a_ping_to_all_is_answered_with_its_own_numbers(sea: Sea, seq: int, time_usec: int) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_ping_message(time_usec, seq, 0, 0))
+    (pong,) = named(sea.run(0.2), "PING")
+    assert (pong.time_usec, pong.seq) == (time_usec, seq) and the_askers(pong)
+
+
+@pytest.mark.parametrize("target", [(BOAT, 1), (3, 1), (GCS, GCS_COMPONENT)])
+def test_an_answer_to_a_ping_is_not_answered(sea: Sea, target: tuple[int, int]) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_ping_message(5, 6, *target))
+    assert not named(sea.run(0.2), "PING")
+
+
+# TIMESYNC: the extension that tells whom an answer is for.
+
+
+def timesync(station: Station, tc1: int, ts1: int, *target: int) -> bytes:
+    """With a target, or without as before 2022."""
+    payload = struct.pack("<qq", tc1, ts1) + bytes(target)
+    return frame(mavlink.MAVLink_timesync_message, payload, station.system, station.component)
+
+
+def raw(tick: Tick, message_id: int, link: int = 0) -> list[bytes]:
+    """Payloads of that message as they are on the wire."""
+    found = []
+    data = b"".join(each for at, each in tick.mavlink if at == link)
+    while data:
+        assert data[0] == 0xFD and not data[2] & 1
+        if int.from_bytes(data[7:10], "little") == message_id:
+            found.append(data[10 : 10 + data[1]])
+        data = data[12 + data[1] :]
+    return found
+
+
+@pytest.mark.parametrize("target", [(), (0, 0), (BOAT, 1), (BOAT, 0)], ids=str)
+def test_an_answer_names_its_asker(sea: Sea, target: tuple[int, ...]) -> None:
+    sea.settle()
+    sea.boat.on_mavlink(timesync(sea.gcs, 0, 777, *target), sea.now_us)
+    answers = [p for p in raw(sea.step(), TIMESYNC) if p[:8] != bytes(8)]
+    assert len(answers) == 1 and len(answers[0]) == 18
+    tc1, ts1, system, component = struct.unpack("<qqBB", answers[0])
+    assert tc1 > 0 and ts1 == 777 and (system, component) == (GCS, GCS_COMPONENT)
+
+
+@pytest.mark.parametrize("target", [(3, 1), (BOAT, 197), (GCS, 1)], ids=str)
+def test_a_request_to_another_is_not_answered(sea: Sea, target: tuple[int, int]) -> None:
+    sea.settle()
+    sea.boat.on_mavlink(timesync(sea.gcs, 0, 777, *target), sea.now_us)
+    assert not [m for m in named(sea.run(0.1), "TIMESYNC") if m.tc1 != 0]
+
+
+def test_a_short_request_after_a_long_message_is_for_all(sea: Sea) -> None:
+    """Where a short payload ends, nothing of the message before it is left over."""
+    sea.settle()
+    filled = odometry(Course(), sea.now_us, pose_covariance=[9.5] * 21)
+    sea.say(filled, sender=Station(77, 1))
+    sea.boat.on_mavlink(timesync(sea.gcs, 0, 777), sea.now_us)
+    assert len([m for m in named(sea.run(0.1), "TIMESYNC") if m.tc1 != 0]) == 1
+
+
+def leader_age(form: str) -> float:
+    """Of a leader hours ahead whose messages take 0.1 s; how it answers TIMESYNC is told."""
+    sea = Sea()
+    sea.leader.clock_offset_us = 5 * 3600 * 1_000_000
+    sea.leader.delay_us = 100_000
+    station = Station(sea.leader.station.system, sea.leader.station.component)
+    pending: list[tuple[int, bytes]] = []
+    for _ in range(400):
+        tick = sea.step()
+        for m in tick.named("TIMESYNC"):
+            if m.tc1 == 0:
+                tc1 = (sea.leader.clock(tick.now_us) + sea.leader.delay_us) * 1000
+                message = mavlink.MAVLink_timesync_message(tc1, m.ts1)
+                answer = {
+                    "version 1": lambda t=message: station.pack(t, version1=True),
+                    "no target": lambda a=tc1, b=m.ts1: timesync(station, a, b),
+                    "target": lambda a=tc1, b=m.ts1: timesync(station, a, b, BOAT, 1),
+                    "another's": lambda a=tc1, b=m.ts1: timesync(station, a, b, 3, 1),
+                }[form]()
+                pending.append((tick.now_us + 2 * sea.leader.delay_us, answer))
+        for at, answer in pending:
+            if at == sea.now_us:
+                sea.boat.on_mavlink(answer, sea.now_us)
+    arrived = (sea.ticks[-1].now_us - 10_000_000) % 100_000
+    return float(sea.snapshot()["leader_age_s"]) - arrived * 1e-6
+
+
+@pytest.mark.parametrize("form", ["version 1", "no target", "target"])
+def test_answers_of_old_and_new_implementations_tell_the_leaders_clock(form: str) -> None:
+    assert leader_age(form) == pytest.approx(0.1, abs=0.02)
+
+
+def test_an_answer_for_another_boat_tells_nothing() -> None:
+    assert leader_age("another's") == pytest.approx(0.0, abs=0.02)

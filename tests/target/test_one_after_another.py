@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: MIT
+"""Requests that come together are answered in order, each by what the ones before it changed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.bus import FULL_SCALE
+from tests.target.operator_words import (
+    MOTOR_TEST,
+    PORT,
+    TERMINATE,
+    enter_manual,
+    param_set,
+    set_mode_message,
+    sticks,
+)
+from tests.target.sea import TURN, Sea, acks, named, texts
+from tests.target.stations import (
+    ACCEPTED,
+    ARM,
+    FORMATION,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+    Station,
+    command_long,
+)
+
+TOGETHER = pytest.mark.parametrize("chunks", [1, 2], ids=["in one chunk", "in two chunks"])
+
+
+def say(sea: Sea, chunks: int, *messages: Any) -> None:
+    if chunks == 1:
+        sea.say(*messages)
+    else:
+        for message in messages:
+            sea.say(message)
+
+
+def thrust_in_test(sea: Sea) -> float:
+    """Of the port propeller, in a motor test of 20 %, as a share of full scale."""
+    sea.run(0.3)
+    assert acks(sea.order(MOTOR_TEST, PORT, 0.0, 20.0, 2.0)) == [(MOTOR_TEST, ACCEPTED)]
+    sea.run(0.5)
+    port = int(sea.boat.parameters()["ESC_PORT"])
+    return sea.commands[port] / FULL_SCALE
+
+
+@TOGETHER
+def test_a_greater_thrust_is_in_force_when_the_boat_is_armed_with_it(sea: Sea, chunks: int) -> None:
+    sea.settle()
+    say(sea, chunks, param_set("THR_FWD_MAX", 100.0), command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, ACCEPTED)]
+    assert sea.boat.parameters()["THR_FWD_MAX"] == 100
+    assert thrust_in_test(sea) == pytest.approx(0.2, abs=1e-3)
+    assert sea.snapshot()["thrust_N"]["port"] == pytest.approx(20.0, abs=0.02)
+
+
+def test_and_so_it_is_when_the_test_follows_in_the_next_tick(sea: Sea) -> None:
+    sea.settle()
+    sea.say(param_set("THR_FWD_MAX", 100.0), command_long(ARM, 1.0))
+    sea.step()
+    assert acks(sea.order(MOTOR_TEST, PORT, 0.0, 20.0, 2.0)) == [(MOTOR_TEST, ACCEPTED)]
+    sea.run(0.7)
+    assert sea.commands == (pytest.approx(0.2 * FULL_SCALE, abs=2), 0)
+
+
+@TOGETHER
+def test_a_propeller_that_turns_the_other_way_does_so_from_arming_on(sea: Sea, chunks: int) -> None:
+    sea.settle()
+    say(sea, chunks, param_set("THR_PORT_DIR", -1.0), command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, ACCEPTED)]
+    assert thrust_in_test(sea) == pytest.approx(-0.2, abs=1e-3)
+
+
+@TOGETHER
+def test_an_esc_that_is_not_there_is_no_esc_to_arm_with(sea: Sea, chunks: int) -> None:
+    sea.settle()
+    say(sea, chunks, param_set("ESC_PORT", 5.0), command_long(ARM, 1.0))
+    tick = sea.step()
+    assert acks(tick) == [(ARM, TEMPORARILY_REJECTED)] and sea.state == "DISARMED"
+    assert any(t.startswith("PreArm: ") and "ESC" in t for t in texts([tick]))
+
+
+@TOGETHER
+def test_another_esc_is_the_one_that_is_driven(sea: Sea, chunks: int) -> None:
+    sea.escs.append(type(sea.escs[0])(33, 5))
+    sea.run(1.5)
+    say(sea, chunks, param_set("ESC_PORT", 5.0), command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, ACCEPTED)]
+    assert thrust_in_test(sea) == pytest.approx(0.2, abs=1e-3)
+    assert sea.commands[:2] == (0, 0)
+
+
+@TOGETHER
+def test_a_shorter_patience_is_in_force_for_arming(sea: Sea, chunks: int) -> None:
+    sea.run(1.0)
+    sea.silence("own")
+    sea.run(0.2)
+    assert sea.condition("own_fresh")
+    say(sea, chunks, param_set("FS_NAV_S", 0.05), command_long(ARM, 1.0))
+    tick = sea.step()
+    assert acks(tick) == [(ARM, TEMPORARILY_REJECTED)] and sea.state == "DISARMED"
+    assert any(t.startswith("PreArm: ") and "own state" in t for t in texts([tick]))
+    say(sea, chunks, param_set("FS_NAV_S", 2.0), command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, ACCEPTED)]
+
+
+@TOGETHER
+@pytest.mark.parametrize("how", ["command", "message", "parameter"])
+def test_a_leader_that_nobody_has_heard_is_not_followed(chunks: int, how: str) -> None:
+    sea = Sea(leader=TURN)
+    sea.enter_hold()
+    sea.run(0.5)
+    assert sea.condition("leader_fresh")
+    order = {
+        "command": command_long(SET_MODE, 1.0, float(FORMATION)),
+        "message": set_mode_message(FORMATION),
+        "parameter": param_set("MODE", float(FORMATION)),
+    }[how]
+    say(sea, chunks, param_set("FORM_LEADER", 50.0), order)
+    tick = sea.step()
+    if how == "command":
+        assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert any(t.startswith("Refused: ") and "leader" in t for t in texts([tick]))
+    assert sea.state == "HOLD"
+    assert {t.commands for t in sea.run(1.0)} == {(0, 0)}
+
+
+@TOGETHER
+def test_from_the_sticks_too_nobody_follows_a_leader_that_is_not_there(
+    sea: Sea, chunks: int
+) -> None:
+    enter_manual(sea)
+    sea.say(sticks(200))
+    order = command_long(SET_MODE, 1.0, float(FORMATION))
+    say(sea, chunks, param_set("FORM_LEADER", 50.0), order)
+    assert acks(sea.step()) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert sea.state == "MANUAL"
+
+
+@TOGETHER
+def test_a_set_behind_arming_is_a_set_of_an_armed_boat(sea: Sea, chunks: int) -> None:
+    sea.settle()
+    say(sea, chunks, command_long(ARM, 1.0), param_set("THR_FWD_MAX", 100.0))
+    tick = sea.step()
+    assert acks(tick) == [(ARM, ACCEPTED)]
+    assert named([tick, *sea.run(0.1)], "PARAM_ERROR")
+    assert sea.boat.parameters()["THR_FWD_MAX"] == 20
+
+
+@TOGETHER
+def test_a_set_behind_disarming_is_one_of_a_disarmed_boat(sea: Sea, chunks: int) -> None:
+    sea.enter_formation()
+    sets = [param_set(name, 30.0) for name in ("THR_FWD_MAX", "THR_REV_MAX")]
+    say(sea, chunks, command_long(ARM, 0.0), *sets, command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, ACCEPTED), (ARM, ACCEPTED)]
+    assert sea.boat.parameters()["THR_FWD_MAX"] == sea.boat.parameters()["THR_REV_MAX"] == 30
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+
+
+def test_many_sets_in_a_tick_are_all_in_force_at_its_end(sea: Sea) -> None:
+    sea.settle()
+    sets = [param_set("THR_FWD_MAX", 10.0 + k) for k in range(22)]
+    sea.say(*sets, command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, ACCEPTED)]
+    assert sea.boat.parameters()["THR_FWD_MAX"] == 31
+    assert thrust_in_test(sea) == pytest.approx(0.2, abs=1e-3)
+    assert sea.snapshot()["thrust_N"]["port"] == pytest.approx(0.2 * 31, abs=0.02)
+
+
+def test_another_operator_alone_commands_from_his_set_on(sea: Sea) -> None:
+    sea.settle()
+    sea.say(param_set("MAV_GCS_SYSID", 7.0), command_long(ARM, 1.0))
+    assert acks(sea.step()) == [(ARM, 2)] and sea.state == "DISARMED"
+
+
+# What stops the boat is never lost, however much was said before it.
+
+QUESTION = command_long(512, 251.0)
+
+
+def stops(*order: str) -> list[Any]:
+    kinds = {"disarm": command_long(ARM, 0.0), "terminate": command_long(TERMINATE, 1.0)}
+    return [kinds[kind] for kind in order]
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        ("disarm",),
+        ("terminate",),
+        ("disarm", "terminate"),
+        ("terminate", "disarm"),
+        ("disarm",) * 24 + ("terminate",),
+        ("terminate",) * 24 + ("disarm",),
+        ("terminate", "disarm") * 20,
+    ],
+    ids=lambda order: f"{len(order)} {'+'.join(order[:2])}",
+)
+@pytest.mark.parametrize("before", ["nothing", "PINGs", "questions", "arming"])
+@pytest.mark.parametrize("state", ["HOLD", "FORMATION", "MANUAL"])
+def test_what_stops_the_boat_stops_it_whatever_came_before(
+    order: tuple[str, ...], before: str, state: str
+) -> None:
+    sea = Sea(leader=TURN)
+    {"HOLD": Sea.enter_hold, "FORMATION": Sea.enter_formation, "MANUAL": enter_manual}[state](sea)
+    flood = {
+        "nothing": [],
+        "PINGs": [ping(k) for k in range(24)],
+        "questions": [QUESTION] * 24,
+        "arming": [command_long(ARM, 1.0)] * 24,
+    }[before]
+    sea.say(*flood, *stops(*order))
+    ticks = [sea.step()]
+    assert ticks[0].commands == (0, 0)
+    for _ in range(100):
+        sea.say(sticks(500))
+        ticks.append(sea.step())
+    assert {t.commands for t in ticks} == {(0, 0)}
+    assert sea.state in ("DISARMED", "FAULT")
+    if order[-1] == "disarm" and len(set(order)) == 1:
+        assert sea.state == "DISARMED"
+
+
+def ping(k: int) -> Any:
+    return mavlink.MAVLink_ping_message(1, k, 0, 0)
+
+
+@pytest.mark.parametrize("flood", ["PINGs", "questions"])
+def test_a_disarm_behind_an_arming_that_has_to_wait_is_the_last_word(flood: str) -> None:
+    """Answers have filled the tick: whatever waits for the next one must not undo the disarm."""
+    for n in range(23):
+        sea = Sea(links=1)
+        sea.enter_hold()
+        sea.run(0.5)
+        asked = [ping(k) for k in range(n)] if flood == "PINGs" else [QUESTION] * n
+        sea.say(QUESTION, QUESTION, *asked[:20], command_long(ARM, 1.0), command_long(ARM, 0.0))
+        sea.run(0.5)
+        assert sea.state == "DISARMED", n
+
+
+def test_nor_where_others_words_fill_the_tick() -> None:
+    """400 bytes handed on, ten values, twenty PINGs."""
+    for n in range(21):
+        sea = Sea(links=2)
+        sea.enter_hold()
+        sea.say(ping(0), sender=sea.gcs, link=0)
+        sea.run(0.5)
+        sea.say(*[command_long(76, target=(255, 190))] * 9, sender=sea.leader.station, link=1)
+        asked = [QUESTION, *[ping(k) for k in range(n)]]
+        sea.say(*asked, command_long(ARM, 1.0), command_long(ARM, 0.0))
+        sea.run(0.5)
+        assert sea.state == "DISARMED", n
+
+
+def test_twenty_four_pings_a_disarm_and_a_strangers_termination() -> None:
+    sea = Sea({"MAV_GCS_SYSID": 255}, leader=TURN)
+    sea.enter_formation()
+    for order in (("disarm", "terminate"), ("terminate", "disarm")):
+        sea.say(*[ping(k) for k in range(24)])
+        for stop in order:
+            sender = sea.gcs if stop == "disarm" else Station(77, 1)
+            sea.say(*stops(stop), sender=sender)
+        assert sea.step().commands == (0, 0)
+        assert sea.state in ("DISARMED", "FAULT")
+        sea.run(1.0)
+        assert sea.state in ("DISARMED", "FAULT")
+        sea.disarm()
+        sea.enter_formation()

@@ -1,0 +1,552 @@
+# SPDX-License-Identifier: MIT
+"""Handing on what is for others, and noticing who uses our own name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.operator_words import param_list, param_read, param_set, sticks
+from tests.target.sea import TURN, Sea, Tick, acks, messages, named
+from tests.target.stations import (
+    ACCEPTED,
+    ARM,
+    BOAT,
+    GCS,
+    GCS_COMPONENT,
+    LEADER,
+    NAVIGATION,
+    Station,
+    command_long,
+    heartbeat,
+    odometry,
+    origin,
+)
+
+OTHER = Station(7, 1)  # a boat beyond another link
+TO_OTHER = (7, 1)
+
+
+def sent(tick: Tick, link: int) -> bytes:
+    return b"".join(data for at, data in tick.mavlink if at == link)
+
+
+def known(links: int, where: dict[int, list[Station]]) -> Sea:
+    """Everybody has said a heartbeat on his link; it is over before the test begins."""
+    sea = Sea(links=links)
+    sea.run(0.5)
+    for link, stations in where.items():
+        for station in stations:
+            sea.say(heartbeat(), sender=station, link=link)
+    sea.run(0.35)
+    sea.ticks.clear()
+    return sea
+
+
+def two_links() -> Sea:
+    return known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+
+
+def signed(station: Station, *messages: Any) -> bytes:
+    """As that station signs, with a key that the boat does not know."""
+    station.encoder.signing.secret_key = bytes(range(32))
+    station.encoder.signing.sign_outgoing = True
+    station.encoder.signing.link_id = 3
+    station.encoder.signing.timestamp = 1_000_000
+    return station.pack(*messages)
+
+
+def with_extensions() -> bytes:
+    """A command from somebody who knows more fields than we do: longer, its checksum right."""
+    kind = mavlink.MAVLink_command_long_message
+    plain = bytearray(Station(GCS, GCS_COMPONENT).pack(command_long(ARM, 1.0, target=TO_OTHER)))
+    payload = bytes(plain[10 : 10 + plain[1]]).ljust(33, b"\0") + b"future"
+    body = bytes([len(payload)]) + bytes(plain[2:10]) + payload
+    crc = mavlink.x25crc(body + bytes([kind.crc_extra])).crc
+    return b"\xfd" + body + crc.to_bytes(2, "little")
+
+
+FRAMES = {
+    "command": lambda gcs: gcs.pack(command_long(ARM, 1.0, target=TO_OTHER)),
+    "command to any component": lambda gcs: gcs.pack(command_long(ARM, 1.0, target=(7, 0))),
+    "parameters": lambda gcs: gcs.pack(param_list(TO_OTHER)),
+    "set": lambda gcs: gcs.pack(param_set("LAW_KX", 1.0, target=TO_OTHER)),
+    "version 1": lambda gcs: gcs.pack(command_long(ARM, 1.0, target=TO_OTHER), version1=True),
+    "sticks": lambda gcs: gcs.pack(sticks(100, target=7)),
+    "signed": lambda gcs: signed(gcs, command_long(ARM, 1.0, target=TO_OTHER)),
+    "longer than we know": lambda gcs: with_extensions(),
+    "mission": lambda gcs: gcs.pack(
+        mavlink.MAVLink_mission_item_int_message(7, 1, 3, 0, 16, 0, 1, 0, 0, 0, 0, 1, 2, 3.0)
+    ),
+    "file": lambda gcs: gcs.pack(
+        mavlink.MAVLink_file_transfer_protocol_message(0, 7, 1, list(range(251)))
+    ),
+    "ping": lambda gcs: gcs.pack(mavlink.MAVLink_ping_message(123, 4, 7, 1)),
+}
+
+
+@pytest.mark.parametrize("what", FRAMES)
+def test_a_message_for_another_is_handed_on_byte_for_byte_with_the_next_tick(what: str) -> None:
+    sea = two_links()
+    frame = FRAMES[what](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert frame in sent(tick, 1)
+    assert frame not in sent(tick, 0)
+    later = sea.run(1.0)
+    assert not [t for t in later if frame in sent(t, 0) or frame in sent(t, 1)]
+    assert sea.state == "DISARMED" and not named(sea.ticks, "COMMAND_ACK")
+    assert not named(sea.ticks, "PARAM_VALUE")
+
+
+@pytest.mark.parametrize("beyond", ["off", "accept", "required"])
+def test_what_was_signed_stays_signed_where_links_ask_for_signatures(beyond: str) -> None:
+    """By its first sender: not by us, who only hand it on."""
+    key, unix_s, other = bytes(range(32)), 1_800_000_000, Station(7, 1)
+    sea = Sea(links=2)
+    sea.boat.secure(key, unix_s * 1_000_000)
+    sea.boat.set_signing(0, "required")
+    sea.boat.set_signing(1, beyond)
+    sea.own.on = sea.leader.on = False
+    for station in (sea.gcs, other):
+        station.encoder.signing.secret_key = key
+        station.encoder.signing.sign_outgoing = True
+        station.encoder.signing.timestamp = (unix_s - 1_420_070_400) * 100_000
+    sea.say(heartbeat(), link=0)
+    sea.say(heartbeat(), sender=other, link=1)
+    sea.run(0.2)
+    frame = sea.gcs.pack(command_long(ARM, 1.0, target=TO_OTHER))
+    assert frame[2] & 1
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert frame in sent(sea.step(), 1)
+    forged = bytearray(sea.gcs.pack(command_long(ARM, 1.0, target=TO_OTHER)))
+    forged[-1] ^= 1
+    unsigned = Station(GCS, GCS_COMPONENT).pack(command_long(ARM, 1.0, target=TO_OTHER))
+    for refused in (bytes(forged), unsigned):
+        sea.boat.on_mavlink(refused, sea.now_us, 0)
+        assert refused not in sent(sea.step(), 1)
+
+
+def test_the_answer_finds_its_way_back() -> None:
+    sea = two_links()
+    answer = OTHER.pack(
+        mavlink.MAVLink_command_ack_message(ARM, 0, 255, 0, GCS, GCS_COMPONENT),
+    )
+    sea.boat.on_mavlink(answer, sea.now_us, 1)
+    tick = sea.step()
+    assert answer in sent(tick, 0) and answer not in sent(tick, 1)
+
+
+def test_setup_signing_is_never_handed_on() -> None:
+    """It carries the key."""
+    sea = two_links()
+    frame = sea.gcs.pack(mavlink.MAVLink_setup_signing_message(7, 1, list(range(32)), 99))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if bytes(range(32)) in sent(t, 1)]
+
+
+@pytest.mark.parametrize("cuts", [1, 7, 40])
+def test_a_frame_that_comes_in_pieces_is_handed_on_whole(cuts: int) -> None:
+    sea = two_links()
+    frame = FRAMES["file"](Station(GCS, GCS_COMPONENT))
+    for at in range(0, len(frame), cuts):
+        sea.boat.on_mavlink(frame[at : at + cuts], sea.now_us, 0)
+    assert frame in sent(sea.step(), 1)
+
+
+def test_several_in_one_tick_keep_their_order() -> None:
+    sea = two_links()
+    frames = [FRAMES[what](sea.gcs) for what in ("command", "set", "parameters", "sticks")]
+    sea.boat.on_mavlink(b"".join(frames), sea.now_us, 0)
+    assert b"".join(frames) in sent(sea.step(), 1)
+
+
+def test_a_damaged_frame_is_not_handed_on() -> None:
+    sea = two_links()
+    frame = bytearray(FRAMES["set"](Station(GCS, GCS_COMPONENT)))
+    frame[14] ^= 1
+    sea.boat.on_mavlink(bytes(frame), sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if bytes(frame[10:20]) in sent(t, 1)]
+
+
+def test_a_message_for_somebody_unknown_goes_nowhere() -> None:
+    sea = two_links()
+    for target in ((9, 1), (7, 2)):
+        frame = sea.gcs.pack(command_long(ARM, 1.0, target=target))
+        sea.boat.on_mavlink(frame, sea.now_us, 0)
+        assert not [t for t in sea.run(0.3) if frame in sent(t, 0) + sent(t, 1)]
+
+
+@pytest.mark.parametrize("target", [(0, 0), (0, 1)])
+def test_what_is_for_all_is_not_handed_on(target: tuple[int, int]) -> None:
+    sea = two_links()
+    for message in (
+        heartbeat(),
+        origin(),
+        odometry(sea.own.course, sea.now_us),
+        command_long(512, 0.0, target=target),
+        param_read("LAW_KX", target),
+        mavlink.MAVLink_statustext_message(6, b"hello everybody"),
+        mavlink.MAVLink_timesync_message(0, 5),
+    ):
+        frame = OTHER.pack(message)
+        sea.boat.on_mavlink(frame, sea.now_us, 1)
+        tick = sea.step()
+        assert frame not in sent(tick, 0) + sent(tick, 1)
+
+
+def test_what_is_for_this_boat_is_not_handed_on() -> None:
+    sea = two_links()
+    frame = sea.gcs.pack(command_long(ARM, 1.0))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert acks(tick) == [(ARM, ACCEPTED)] and frame not in sent(tick, 1)
+
+
+def test_another_component_of_this_boat_gets_what_is_for_it() -> None:
+    """Its navigation unit on link 1: what is for it is handed on, what is for all goes to both."""
+    unit = Station(BOAT, NAVIGATION)
+    sea = Sea(links=2)
+    sea.own.on = False  # it would be heard on link 0 too
+    sea.say(heartbeat(), sender=unit, link=1)
+    sea.run(0.5)
+    to_unit = sea.gcs.pack(param_list((BOAT, NAVIGATION)))
+    sea.boat.on_mavlink(to_unit, sea.now_us, 0)
+    tick = sea.step()
+    assert to_unit in sent(tick, 1)
+    assert not named([tick, *sea.run(0.5)], "PARAM_VALUE")
+    to_all = sea.gcs.pack(param_read("LAW_KX", (BOAT, 0)))
+    sea.boat.on_mavlink(to_all, sea.now_us, 0)
+    tick = sea.step()
+    assert to_all in sent(tick, 1)
+    assert len(named([tick, *sea.run(0.5)], "PARAM_VALUE")) == 1
+
+
+def test_nothing_goes_back_where_it_came_from() -> None:
+    sea = known(2, {0: [Station(GCS, GCS_COMPONENT), OTHER]})
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if frame in sent(t, 0) + sent(t, 1)]
+
+
+def test_nothing_circles_where_two_links_reach_the_same_boats() -> None:
+    sea = known(3, {0: [OTHER, Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: []})
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    for link in (0, 1):  # its addressee hears it there himself
+        sea.boat.on_mavlink(frame, sea.now_us, link)
+        assert not [t for t in sea.run(0.5) if any(frame in sent(t, k) for k in range(3))]
+    sea.boat.on_mavlink(frame, sea.now_us, 2)
+    tick = sea.step()
+    assert frame in sent(tick, 0) and frame in sent(tick, 1) and frame not in sent(tick, 2)
+
+
+def test_of_three_links_only_the_addressees_gets_it() -> None:
+    sea = known(3, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER], 2: [Station(9, 1)]})
+    frame = FRAMES["set"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert [frame in sent(tick, k) for k in range(3)] == [False, True, False]
+
+
+def test_two_boats_between_two_links_do_not_make_a_message_circle() -> None:
+    """Both are on both links, a ground station on the first, the addressee on the second."""
+    one = known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+    two = Sea({"MAV_SYSID": 3, "FORM_LEADER": LEADER}, links=2)
+    two.say(heartbeat(), sender=Station(GCS, GCS_COMPONENT), link=0)
+    two.say(heartbeat(), sender=OTHER, link=1)
+    two.step()
+    frame = Station(GCS, GCS_COMPONENT).pack(command_long(512, 0.0, target=TO_OTHER))
+    copies = 0
+    wire = {0: frame, 1: b""}
+    for _ in range(200):
+        for sea in (one, two):
+            for link in (0, 1):
+                sea.boat.on_mavlink(wire[link], sea.now_us, link)
+        out = [sea.step() for sea in (one, two)]
+        wire = {link: b"".join(sent(tick, link) for tick in out) for link in (0, 1)}
+        copies += wire[1].count(frame)
+        assert not wire[0].count(frame)
+    assert copies <= 2
+
+
+def test_forwarding_does_not_spoil_the_boats_own_frames() -> None:
+    sea = two_links()
+    for k in range(300):
+        gcs = Station(GCS, GCS_COMPONENT)
+        sea.say(command_long(ARM, 1.0, target=TO_OTHER, confirmation=k % 256), sender=gcs)
+        sea.step()
+    heard = messages(sea.ticks, 1)
+    own = [m for m in heard if m.get_srcSystem() == BOAT]
+    assert len([m for m in heard if m.get_srcSystem() == GCS]) == 300
+    assert all(m.get_type() != "BAD_DATA" for m in heard)
+    first = own[0].get_seq()
+    assert [m.get_seq() for m in own] == [(first + k) % 256 for k in range(len(own))]
+
+
+def test_a_flood_for_another_does_not_silence_the_boat() -> None:
+    sea = two_links()
+    frame = FRAMES["file"](Station(GCS, GCS_COMPONENT))
+    ticks = []
+    for _ in range(300):
+        sea.boat.on_mavlink(frame * 20, sea.now_us, 0)
+        ticks.append(sea.step())
+    assert len(named(ticks, "HEARTBEAT", 1)) == 3
+    assert len(named(ticks, "ATTITUDE", 1)) in range(29, 32)
+    assert sea.counter("mavlink_not_sent") > 0
+    assert not [m for m in messages(ticks, 1) if m.get_type() == "BAD_DATA"]
+
+
+# Where somebody is, changes.
+
+
+@pytest.mark.parametrize("silent_s", [8.0, 10.5, 30.0])
+def test_who_moved_to_another_link_gets_what_is_for_him_there(silent_s: float) -> None:
+    """A ground station, first by radio, then by cable."""
+    gcs = Station(GCS, GCS_COMPONENT)
+    sea = known(3, {0: [gcs], 2: [OTHER]})
+    for _ in range(round(silent_s / 0.5)):
+        sea.say(heartbeat(), sender=gcs, link=1)
+        sea.say(heartbeat(), sender=OTHER, link=2)
+        sea.run(0.5)
+    answer = OTHER.pack(mavlink.MAVLink_command_ack_message(ARM, 0, 255, 0, GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(answer, sea.now_us, 2)
+    tick = sea.step()
+    assert answer in sent(tick, 1)
+    assert (answer in sent(tick, 0)) == (silent_s < 10)
+
+
+def test_what_comes_by_the_old_link_finds_the_new_one() -> None:
+    """While somebody counts as being on the link that a message came by, it is not handed on."""
+    gcs = Station(GCS, GCS_COMPONENT)
+    sea = known(2, {0: [gcs, OTHER]})
+    sea.say(heartbeat(), sender=OTHER, link=1)
+    sea.run(10.2)
+    sea.say(heartbeat(), sender=OTHER, link=1)
+    frame = FRAMES["command"](gcs)
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    tick = sea.step()
+    assert frame in sent(tick, 1) and frame not in sent(tick, 0)
+
+
+def test_who_says_nothing_for_ten_seconds_is_gone() -> None:
+    sea = two_links()
+    sea.run(9.0)
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert frame in sent(sea.step(), 1)
+    sea.run(1.0)
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert frame not in sent(sea.step(), 1)
+
+
+def radio_status(txbuf: int = 40) -> Any:
+    return mavlink.MAVLink_radio_status_message(200, 200, txbuf, 40, 40, 0, 0)
+
+
+@pytest.mark.parametrize("policy", ["off", "required"])
+def test_a_radio_does_not_say_where_somebody_is(policy: str) -> None:
+    """Its word comes unsigned, whoever's name it bears."""
+    sea = Sea(links=3)
+    sea.boat.secure(bytes(range(32)), 1_800_000_000_000_000)
+    sea.boat.set_signing(1, policy)
+    sea.say(heartbeat(), link=0)
+    sea.step()
+    sea.say(radio_status(), sender=OTHER, link=1)
+    sea.run(0.1)
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if frame in sent(t, 1) or frame in sent(t, 2)]
+
+
+def test_a_radio_does_not_keep_somebody_where_he_was() -> None:
+    sea = two_links()
+    for _ in range(24):
+        sea.say(radio_status(), sender=OTHER, link=1)
+        sea.run(0.5)
+    frame = FRAMES["command"](Station(GCS, GCS_COMPONENT))
+    sea.boat.on_mavlink(frame, sea.now_us, 0)
+    assert not [t for t in sea.run(0.5) if frame in sent(t, 1)]
+
+
+@pytest.mark.parametrize("station", [(BOAT, 197), (LEADER, 1), (BOAT, 1)], ids=str)
+def test_a_radios_word_under_our_own_or_our_leaders_name_does_no_harm(
+    station: tuple[int, int],
+) -> None:
+    plain, beset = Sea(leader=TURN), Sea(leader=TURN)
+    for sea in (plain, beset):
+        sea.enter_formation()
+        for k in range(300):
+            if sea is beset and k % 5 == 0:
+                sea.say(radio_status(), sender=Station(*station))
+            sea.step()
+    assert [t.commands for t in plain.ticks] == [t.commands for t in beset.ticks]
+    assert beset.state == "FORMATION" and not named(beset.ticks, "STATUSTEXT")[2:]
+
+
+# How much is handed on.
+
+
+def forwarded(tick: Tick, frame: bytes, link: int) -> int:
+    return sent(tick, link).count(frame) * len(frame)
+
+
+@pytest.mark.parametrize("what", ["file", "command", "ping"])
+def test_in_a_tick_400_bytes_at_most_are_handed_on_to_a_link(what: str) -> None:
+    sea = two_links()
+    frame = FRAMES[what](Station(GCS, GCS_COMPONENT))
+    most = 0
+    for _ in range(100):
+        sea.boat.on_mavlink(frame * 40, sea.now_us, 0)
+        most = max(most, forwarded(sea.step(), frame, 1))
+    assert 400 - len(frame) < most <= 400
+
+
+def states_per_s(ticks: list[Tick], link: int) -> float:
+    return len(named(ticks, "ATTITUDE", link)) * 100 / len(ticks)
+
+
+@pytest.mark.parametrize("bytes_per_s", [400, 1200, 5760])
+@pytest.mark.parametrize("flood", ["forwards", "pings", "questions", "parameters", "all"])
+def test_nothing_slows_the_state_below_its_share_of_a_slow_link(
+    bytes_per_s: int, flood: str
+) -> None:
+    """Three fifths; ATTITUDE and LOCAL_POSITION_NED are 40 bytes each."""
+    sea = known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
+    sea.boat.limit_link(1, bytes_per_s)
+    here, there = Station(GCS, GCS_COMPONENT), Station(88, 190)
+    wire = {
+        "forwards": (FRAMES["file"](here) * 2, b""),
+        "pings": (b"", there.pack(mavlink.MAVLink_ping_message(1, 2, 0, 0)) * 24),
+        "questions": (b"", there.pack(command_long(512, 251.0)) * 24),
+        "parameters": (b"", there.pack(param_list((BOAT, 1)))),
+    }
+    wire["all"] = (wire["forwards"][0], b"".join(b for _, b in wire.values()))
+    ticks = []
+    for k in range(1000):
+        for link, data in enumerate(wire[flood]):
+            sea.boat.on_mavlink(data, sea.now_us, link)
+        if k % 100 == 0:
+            sea.say(heartbeat(), sender=OTHER, link=1)
+        ticks.append(sea.step())
+    carried = min(10.0, 0.6 * bytes_per_s / 80)
+    assert states_per_s(ticks, 1) >= 0.95 * carried - 0.1
+    assert len(named(ticks, "HEARTBEAT", 1)) == 10
+    assert states_per_s(ticks, 0) == pytest.approx(10, abs=0.2)
+
+
+@pytest.mark.parametrize("bytes_per_s", [400, 1200, 5760])
+def test_a_slow_link_is_handed_no_more_than_it_carries(bytes_per_s: int) -> None:
+    sea = two_links()
+    sea.boat.limit_link(1, bytes_per_s)
+    frame = FRAMES["file"](Station(GCS, GCS_COMPONENT))
+    ticks = []
+    for k in range(3000):
+        sea.boat.on_mavlink(frame, sea.now_us, 0)
+        if k % 100 == 0:
+            sea.say(heartbeat(), sender=OTHER, link=1)
+        ticks.append(sea.step())
+    assert sea.counter("mavlink_not_sent") > 0
+    handed = sum(forwarded(t, frame, 1) for t in ticks)
+    assert handed >= len(frame)
+    assert sum(len(sent(t, 1)) for t in ticks) < 30 * bytes_per_s * 1.15
+
+
+# Who else calls himself as we do.
+
+DOUBLE = "another sender"
+
+
+def doubles(ticks: list[Tick], link: int = 0) -> list[Any]:
+    return [m for m in named(ticks, "STATUSTEXT", link) if DOUBLE in m.text]
+
+
+def test_another_sender_under_our_name_is_told_at_most_every_ten_seconds() -> None:
+    sea = Sea(links=2)
+    double = Station(BOAT, 1)
+    double.encoder.seq = 100
+    sea.run(0.5)
+    ticks = []
+    for _ in range(25):
+        sea.say(heartbeat(), sender=double)
+        ticks += sea.run(1.0)
+    for link in (0, 1):
+        found = doubles(ticks, link)
+        assert 2 <= len(found) <= 3 * (1 + (len(found[0].text) > 50))
+        assert all(m.severity == mavlink.MAV_SEVERITY_CRITICAL for m in found)
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_our_own_broadcast_heard_again_is_no_double(links: int) -> None:
+    """On a link that hears itself, or a second one into the same network."""
+    sea = Sea(links=links)
+    for _ in range(2000):
+        tick = sea.step()
+        for link in range(links):
+            sea.boat.on_mavlink(sent(tick, link), sea.now_us, links - 1 - link)
+    assert not doubles(sea.ticks)
+    assert sea.state == "DISARMED" and sea.condition("own_fresh")
+
+
+@pytest.mark.parametrize("late_s", [0.02, 0.8, 3.3, 6.9])
+def test_a_late_echo_is_no_double(late_s: float) -> None:
+    """By a slow radio, a modem, a bridge: within the link's last eight heartbeats."""
+    sea = Sea(links=2)
+    late = round(late_s * 100)
+    for k in range(2000):
+        sea.step()
+        if k >= late:
+            for link in (0, 1):
+                sea.boat.on_mavlink(sent(sea.ticks[k - late], link), sea.now_us, 1 - link)
+    assert not doubles(sea.ticks) and not doubles(sea.ticks, 1)
+
+
+def test_an_echo_through_a_change_of_state_is_no_double(sea: Sea) -> None:
+    """Every change of state is a heartbeat more."""
+    sea.settle()
+    late = 150
+    for k in range(1500):
+        if k % 100 == 50:
+            sea.arm() if sea.state == "DISARMED" else sea.disarm()
+        else:
+            sea.step()
+        if len(sea.ticks) > late:
+            sea.boat.on_mavlink(sent(sea.ticks[-late], 0), sea.now_us, 0)
+    assert not doubles(sea.ticks)
+
+
+def test_what_was_said_long_ago_is_a_doubles(sea: Sea) -> None:
+    """Another boat of that name, or a recording that somebody plays."""
+    recorded = [sent(sea.step(), 0) for _ in range(250)]
+    sea.run(12.0)
+    assert not doubles(sea.ticks)
+    for data in recorded:
+        sea.boat.on_mavlink(data, sea.now_us)
+        sea.step()
+    assert doubles(sea.ticks)
+
+
+def test_our_own_words_heard_again_are_neither_obeyed_nor_handed_on() -> None:
+    sea = known(2, {1: [OTHER]})
+    for message in (command_long(ARM, 1.0), command_long(ARM, 1.0, target=TO_OTHER)):
+        frame = Station(BOAT, 1).pack(message)
+        sea.boat.on_mavlink(frame, sea.now_us, 0)
+        tick = sea.step()
+        assert not acks(tick) and frame not in sent(tick, 1)
+    assert sea.state == "DISARMED"
+
+
+def test_two_boats_with_one_name_notice_each_other() -> None:
+    """Switched on half a second after each other, as two copies of one memory card are."""
+    one, two = Sea(), Sea()
+    ticks: dict[str, list[Tick]] = {"one": [], "two": []}
+    for k in range(1500):
+        a = one.step()
+        ticks["one"].append(a)
+        two.boat.on_mavlink(sent(a, 0), two.now_us)
+        if k >= 50:
+            b = two.step()
+            ticks["two"].append(b)
+            one.boat.on_mavlink(sent(b, 0), one.now_us)
+    assert doubles(ticks["one"]) and doubles(ticks["two"])

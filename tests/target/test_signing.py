@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: MIT
+"""Who has the key is obeyed, who has not is not, and the first stays so whatever the second tries.
+
+The signer and verifier is pymavlink, on link 1; the boat's own sea talks unsigned on link 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.sea import Sea, Tick
+from tests.target.stations import ACCEPTED, ARM, BOAT, UNSUPPORTED, Station, command_long
+
+KEY, OTHER_KEY = bytes(range(100, 132)), bytes(range(100, 131)) + b"\0"
+NOW_S = 1_790_000_000
+SECOND, DAY = 100_000, 86_400 * 100_000
+NOW = (NOW_S - 1_420_070_400) * SECOND
+COUNTERS = ("signed", "forged", "replayed", "future_stamp", "streams_full", "unsigned_refused")
+
+
+def signer(key: bytes = KEY, at: int = NOW, link_id: int = 3, system: int = 255) -> Station:
+    station = Station(system, 190)
+    signing = station.encoder.signing
+    signing.secret_key, signing.timestamp = key, at
+    signing.link_id, signing.sign_outgoing = link_id, True
+    return station
+
+
+class SecureSea(Sea):
+    """Link 1 has that policy; every counter that a test does not expect to move has to stay."""
+
+    def __init__(self, policy: str, links: int = 2) -> None:
+        super().__init__(links=links)
+        self.boat.secure(KEY, NOW_S * 1_000_000)
+        for link in range(1, links):
+            self.boat.set_signing(link, policy)
+        self.operator = signer()
+        self.settle()
+
+    def counts(self) -> dict[str, int]:
+        return {name: self.counter(f"mavlink_{name}") for name in COUNTERS}
+
+    def hear(self, wire: bytes, link: int = 1) -> Tick:
+        self.boat.on_mavlink(wire, self.now_us, link)
+        return self.step()
+
+    def moved(self, wire: bytes, link: int = 1) -> tuple[bool, dict[str, int]]:
+        """Whether the boat answers those commands, and what it counts."""
+        before = self.counts()
+        answers = self.hear(wire, link).named("COMMAND_ACK", link)
+        after = self.counts()
+        return bool(answers), {k: after[k] - before[k] for k in after if after[k] != before[k]}
+
+    def obeys_the_operator(self) -> bool:
+        return self.moved(self.operator.pack(order())) == (True, {"signed": 1})
+
+
+def order(command: int = 999) -> Any:
+    """One that every boat answers, if only with UNSUPPORTED."""
+    return command_long(command)
+
+
+def verified(chunk: bytes, key: bytes = KEY) -> list[Any]:
+    """What a pymavlink with that key takes from the boat."""
+    parser = mavlink.MAVLink(None)
+    parser.robust_parsing = True
+    parser.signing.secret_key, parser.signing.timestamp = key, NOW
+    found = parser.parse_buffer(chunk) or []
+    return [m for m in found if m.get_type() != "BAD_DATA"]
+
+
+@pytest.fixture(params=["accept", "required"])
+def sea(request: pytest.FixtureRequest) -> SecureSea:
+    return SecureSea(request.param)
+
+
+def forged() -> bytes:
+    return signer(OTHER_KEY).pack(order())
+
+
+def forged_ahead() -> bytes:
+    return signer(OTHER_KEY, at=NOW + 30 * SECOND).pack(order())
+
+
+def changed() -> bytes:
+    """The command is another one, its checksum is made good again, the signature is the old one."""
+    signed = bytearray(signer(at=NOW + 30 * SECOND).pack(order(998)))
+    other = Station(255, 190).pack(order(999))
+    body = bytearray(other[:-2])
+    body[2] |= 1
+    crc = mavlink.x25crc(body[1:])
+    crc.accumulate([mavlink.MAVLink_command_long_message.crc_extra])
+    return bytes(body) + crc.crc.to_bytes(2, "little") + bytes(signed[-13:])
+
+
+def day_ahead() -> bytes:
+    return signer(at=NOW + DAY).pack(order())
+
+
+def day_ahead_from_somebody_else() -> bytes:
+    return signer(at=NOW + DAY, system=66).pack(order())
+
+
+def day_old_from_somebody_else() -> bytes:
+    return signer(at=NOW - DAY, system=66).pack(order())
+
+
+@pytest.mark.parametrize(
+    ("attack", "counter"),
+    [
+        (forged, "forged"),
+        (forged_ahead, "forged"),
+        (changed, "forged"),
+        (day_ahead, "future_stamp"),
+        (day_ahead_from_somebody_else, "future_stamp"),
+        (day_old_from_somebody_else, "replayed"),
+    ],
+)
+@pytest.mark.parametrize("first", [True, False], ids=["first", "after the operator"])
+def test_an_attack_is_counted_and_the_right_key_still_obeyed(
+    sea: SecureSea, attack: Callable[[], bytes], counter: str, first: bool
+) -> None:
+    assert first or sea.obeys_the_operator()
+    for _ in range(3):
+        assert sea.moved(attack()) == (False, {counter: 1})
+        assert sea.obeys_the_operator()
+
+
+def test_a_replay_is_counted_on_every_link_and_the_right_key_still_obeyed() -> None:
+    sea = SecureSea("required", links=3)
+    recorded = [sea.operator.pack(order()) for _ in range(5)]
+    for wire in recorded:
+        assert sea.moved(wire) == (True, {"signed": 1})
+    for wire in recorded:
+        for link in (1, 2):
+            assert sea.moved(wire, link) == (False, {"replayed": 1})
+            assert sea.obeys_the_operator()
+
+
+def test_an_armed_boat_cannot_be_disarmed_by_a_recording() -> None:
+    sea = SecureSea("required")
+    sea.hear(sea.operator.pack(command_long(ARM, 1.0)))
+    disarm = sea.operator.pack(command_long(ARM, 0.0))
+    arm = sea.operator.pack(command_long(ARM, 1.0))
+    sea.hear(disarm)
+    sea.hear(arm)
+    sea.step()
+    assert sea.state == "HOLD"
+    sea.hear(disarm)
+    sea.step()
+    assert sea.state == "HOLD"
+
+
+def test_the_answer_is_signed_and_pymavlink_verifies_it(sea: SecureSea) -> None:
+    tick = sea.hear(sea.operator.pack(order()))
+    sent = b"".join(data for link, data in tick.mavlink if link == 1)
+    (answer,) = [m for m in verified(sent) if m.get_type() == "COMMAND_ACK"]
+    assert (answer.result, answer.target_system) == (UNSUPPORTED, 255)
+    assert answer.get_signed() and answer.get_link_id() == 1
+    assert not verified(sent, OTHER_KEY)
+
+
+def test_all_that_a_boat_says_on_a_secure_link_is_verified(sea: SecureSea) -> None:
+    ticks = sea.run(3.0)
+    sent = b"".join(data for tick in ticks for link, data in tick.mavlink if link == 1)
+    said = sum(len(tick.messages(1)) for tick in ticks)
+    assert len(verified(sent)) == said > 60
+    assert not any(m.get_signed() for tick in ticks for m in tick.messages(0))
+
+
+def test_timestamps_rise_over_all_links_together() -> None:
+    sea = SecureSea("accept", links=3)
+    stamps = []
+    for tick in sea.run(2.0):
+        assert [link for link, _ in tick.mavlink] == sorted(link for link, _ in tick.mavlink)
+        for link in (1, 2):
+            stamps += [
+                int.from_bytes(m.get_msgbuf()[-12:-6], "little") for m in tick.messages(link)
+            ]
+    assert len(stamps) > 80 and len(set(stamps)) == len(stamps)
+    assert all(stamp > NOW for stamp in stamps)
+
+
+def test_a_required_link_refuses_what_is_unsigned_and_still_obeys_the_right_key() -> None:
+    sea = SecureSea("required")
+    for version1 in (False, True):
+        unsigned = Station(255, 190).pack(order(), version1=version1)
+        assert sea.moved(unsigned) == (False, {"unsigned_refused": 1})
+        assert sea.obeys_the_operator()
+
+
+def test_a_required_link_takes_a_radios_status_unsigned() -> None:
+    sea = SecureSea("required")
+    status = mavlink.MAVLink_radio_status_message(200, 200, 50, 10, 10, 0, 0)
+    assert sea.moved(Station(51, 68).pack(status)) == (False, {})
+
+
+def test_an_accepting_link_obeys_what_is_unsigned() -> None:
+    sea = SecureSea("accept")
+    for version1 in (False, True):
+        assert sea.moved(Station(255, 190).pack(order(), version1=version1)) == (True, {})
+    assert sea.obeys_the_operator()
+
+
+def test_a_link_without_signing_looks_at_no_signature_and_sends_none() -> None:
+    sea = SecureSea("off")
+    for station in (signer(), signer(OTHER_KEY), Station(255, 190)):
+        tick_answers, moved = sea.moved(station.pack(order()))
+        assert tick_answers and moved == {}
+    assert not any(m.get_signed() for tick in sea.run(2.0) for m in tick.messages(1))
+
+
+def test_each_link_keeps_to_its_own_policy() -> None:
+    sea = SecureSea("required", links=3)
+    sea.boat.set_signing(2, "accept")
+    assert sea.moved(Station(255, 190).pack(order()), 2) == (True, {})
+    assert sea.moved(Station(255, 190).pack(order()), 1) == (False, {"unsigned_refused": 1})
+    assert sea.moved(Station(255, 190).pack(order()), 0) == (True, {})
+
+
+def test_a_required_link_without_a_key_obeys_nobody() -> None:
+    sea = Sea(links=2)
+    sea.boat.set_signing(1, "required")
+    for station in (signer(), signer(bytes(32), at=1), Station(255, 190)):
+        sea.say(order(), sender=station, link=1)
+        assert not sea.step().named("COMMAND_ACK", 1)
+    assert sea.counter("mavlink_unsigned_refused") == 3
+
+
+def test_the_limit_on_the_future_goes_on_with_the_hosts_clock(sea: SecureSea) -> None:
+    late = signer(at=NOW + 90 * SECOND, system=66)
+    assert sea.moved(late.pack(order())) == (False, {"future_stamp": 1})
+    sea.boat.on_host(unix_us=(NOW_S + 31) * 1_000_000)
+    assert sea.moved(late.pack(order())) == (True, {"signed": 1})
+    sea.boat.on_host(unix_us=0)
+    assert sea.moved(late.pack(order())) == (True, {"signed": 1})
+
+
+def test_a_ground_station_a_little_ahead_cannot_run_away_with_the_time(sea: SecureSea) -> None:
+    """In steps of 30 s, each of which alone is allowed."""
+    ahead = signer(system=66)
+    for step in range(1, 20):
+        ahead.encoder.signing.timestamp = NOW + 30 * step * SECOND
+        expected = (True, {"signed": 1}) if step < 3 else (False, {"future_stamp": 1})
+        assert sea.moved(ahead.pack(order())) == expected
+        assert sea.obeys_the_operator()
+
+
+def test_a_secure_boat_sails(sea: SecureSea) -> None:
+    tick = sea.hear(sea.operator.pack(command_long(ARM, 1.0, target=(BOAT, 1))))
+    assert [m.result for m in tick.named("COMMAND_ACK", 1)] == [ACCEPTED]
+    assert sea.state == "HOLD"
+
+
+def test_keys_and_policies_that_are_none_are_refused() -> None:
+    boat = SecureSea("accept").boat
+    for key in (b"", bytes(31), bytes(33)):
+        with pytest.raises(ValueError, match="32 bytes"):
+            boat.secure(key, 0)
+    with pytest.raises(ValueError, match="required"):
+        boat.set_signing(0, "always")
+    for link in (-1, 2):
+        with pytest.raises(IndexError):
+            boat.set_signing(link, "off")

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""DO_FLIGHTTERMINATION: the end of all driving, until the operator disarms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from tests.target.operator_words import (
+    ENTER,
+    MANUAL,
+    MOTOR_TEST,
+    TERMINATE,
+    command_int,
+    drive,
+    enter_fault,
+)
+from tests.target.sea import TURN, Sea, acks, named
+from tests.target.stations import (
+    ACCEPTED,
+    ARM,
+    BOAT,
+    DENIED,
+    FORCE,
+    FORMATION,
+    GCS,
+    HOLD,
+    LEADER,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+    Station,
+    command_long,
+)
+
+EACH_STATE = pytest.mark.parametrize("state", ENTER)
+
+
+def enter(state: str) -> Sea:
+    sea = Sea(leader=TURN)
+    ENTER[state](sea)
+    if state == "MANUAL":
+        drive(sea, 500)
+    elif state in ("FORMATION", "TEST"):
+        sea.run(0.5)
+    assert any(sea.commands) == (state in ("MANUAL", "FORMATION", "TEST"))
+    return sea
+
+
+@EACH_STATE
+@pytest.mark.parametrize("as_int", [False, True], ids=["LONG", "INT"])
+def test_from_every_state_it_is_a_fault_in_the_same_tick(state: str, as_int: bool) -> None:
+    sea = enter(state)
+    sea.say((command_int if as_int else command_long)(TERMINATE, 1.0))
+    tick = sea.step()
+    assert acks(tick) == [(TERMINATE, ACCEPTED)]
+    assert sea.state == "FAULT"
+    assert tick.commands == (0, 0) and set(tick.arming) <= {0}
+    ticks = sea.run(5.0)
+    assert {t.commands for t in ticks} == {(0, 0)}
+    assert {s for t in ticks for s in t.arming} == {0}
+    beat = named(ticks, "HEARTBEAT")[-1]
+    assert (beat.custom_mode, beat.base_mode, beat.system_status) == (HOLD, 1, 6)
+
+
+@pytest.mark.parametrize("state", [s for s in ENTER if s != "FAULT"])
+def test_it_is_said_critically_and_with_a_heartbeat_at_once(state: str) -> None:
+    tick = enter(state).order(TERMINATE, 1.0)
+    (text,) = tick.named("STATUSTEXT")
+    assert text.severity <= 2 and text.text.startswith("FAULT: terminated")
+    (beat,) = tick.named("HEARTBEAT")
+    assert beat.system_status == 6
+
+
+@pytest.mark.parametrize("value", [0.0, 2.0, -1.0, 0.5, math.nan, math.inf])
+def test_it_wants_exactly_one(value: float) -> None:
+    sea = enter("FORMATION")
+    assert acks(sea.order(TERMINATE, value)) == [(TERMINATE, DENIED)]
+    assert sea.state == "FORMATION" and any(sea.commands)
+
+
+@pytest.mark.parametrize("value", [0.0, math.nan])
+def test_there_is_no_way_back_but_disarming(sea: Sea, value: float) -> None:
+    enter_fault(sea)
+    for order in (
+        (TERMINATE, value),
+        (ARM, 1.0),
+        (ARM, 1.0, float(FORCE)),
+        (SET_MODE, 1.0, float(HOLD)),
+        (SET_MODE, 1.0, float(MANUAL)),
+        (SET_MODE, 1.0, float(FORMATION)),
+        (MOTOR_TEST, 1.0, 0.0, 10.0, 1.0),
+    ):
+        tick = sea.order(*order)
+        expected = DENIED if order[0] == TERMINATE else TEMPORARILY_REJECTED
+        assert acks(tick) == [(order[0], expected)]
+        sea.run(0.6)
+        assert sea.state == "FAULT" and sea.commands == (0, 0)
+    assert acks(sea.disarm()) == [(ARM, ACCEPTED)] and sea.state == "DISARMED"
+    sea.enter_hold()
+
+
+def test_a_refusal_says_how_to_leave_it(sea: Sea) -> None:
+    enter_fault(sea)
+    tick = sea.arm()
+    (text,) = tick.named("STATUSTEXT")
+    assert text.text.startswith("PreArm: ") and "disarm" in text.text
+
+
+def test_it_may_be_repeated(sea: Sea) -> None:
+    enter_fault(sea)
+    for confirmation in range(4):
+        tick = sea.order(TERMINATE, 1.0, confirmation=confirmation)
+        assert acks(tick) == [(TERMINATE, ACCEPTED)] and sea.state == "FAULT"
+        assert not tick.named("STATUSTEXT")
+
+
+@EACH_STATE
+@pytest.mark.parametrize("sender", [(GCS, 190), (77, 1), (LEADER, 1), (BOAT, 197)], ids=str)
+@pytest.mark.parametrize("make", [command_long, command_int])
+def test_anybody_terminates_as_anybody_disarms(
+    state: str, sender: tuple[int, int], make: Any
+) -> None:
+    sea = Sea({"MAV_GCS_SYSID": 250})
+    sea.gcs = Station(250, 190)
+    ENTER[state](sea)
+    stranger = Station(*sender)
+    sea.say(make(TERMINATE, 1.0), sender=stranger)
+    tick = sea.step()
+    assert acks(tick) == [(TERMINATE, ACCEPTED)]
+    assert sea.state == "FAULT" and tick.commands == (0, 0)
+    sea.say(make(ARM, 0.0), sender=stranger)
+    assert acks(sea.step()) == [(ARM, ACCEPTED)] and sea.state == "DISARMED"
+
+
+@pytest.mark.parametrize("value", [0.0, 2.0, math.nan])
+def test_a_stranger_may_not_do_with_it_what_it_does_not_mean(value: float) -> None:
+    sea = Sea({"MAV_GCS_SYSID": 250})
+    sea.gcs = Station(250, 190)
+    sea.enter_formation()
+    sea.gcs = Station(GCS, 190)
+    assert acks(sea.order(TERMINATE, value)) == [(TERMINATE, DENIED)]
+    assert sea.state == "FORMATION"
