@@ -30,6 +30,7 @@ ROOT = Path(__file__).parent.parent
 FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
 
 _PATIENCE_S = 30.0
+_LAST_MCAST_BUS = 9
 _RETRY_US = 500_000
 _NAMES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION"}
 
@@ -53,6 +54,12 @@ def buses_of(first: str, boats: int) -> list[str]:
     ):
         raise ValueError(f'--bus "{first}": must be mcast:N or socketcan:NAMEn, as socketcan:vcan0')
     name, number = channel[:-digits], int(channel[-digits:])
+    last = number + boats - 1
+    if scheme == "mcast" and last > _LAST_MCAST_BUS:
+        raise ValueError(
+            f'--bus "{first}": {boats} boats need mcast:{number} to mcast:{last}, '
+            f"the last is mcast:{_LAST_MCAST_BUS}"
+        )
     return [f"{scheme}:{name}{number + i}" for i in range(boats)]
 
 

@@ -127,11 +127,18 @@ void Boat<S>::supervise(std::int64_t now_us) {
   bool more = true;
   while (more) {
     more = vehicle_.answer(now_us, counters_);
+    note_state(now_us);
     if (!vehicle_.take_change()) continue;
     // What was set is in force before the next request: another leader, say, was not heard yet.
     configure();
     vehicle_.heed(conditions_ = conditions(now_us), counters_);
   }
+  note_state(now_us);
+}
+
+/// A stop that is followed by other requests in the same tick was one all the same.
+template <class S>
+void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
   if (core::armed(state()) && !core::armed(was)) armed_us_ = now_us;
   starting_ = starting_ || (state() == core::State::kFormation && was != state());

@@ -112,6 +112,7 @@ class Boat {
   core::Encounter<S> encounter(std::int64_t now_us) const;
   void supervise(std::int64_t now_us);
   void configure();
+  void note_state(std::int64_t now_us);
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (conditions_ & kSeen) == kSeen;

@@ -2,6 +2,7 @@
 // What was asked since the last tick, kept until the tick that answers it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -38,19 +39,23 @@ class Inbox {
     kAnswered,
     kKept,  ///< for the next time
     kLast,  ///< answered, and those behind it are kept
-    kStop,  ///< answered; what was kept before it is void, or it would be undone next time
+    kStop,  ///< the same, and what it would be undone by is void
   };
 
-  /// Calls answer(letter) for each in order; whether that ended with kLast.
-  template <class F>
-  bool take_each(F answer) {
+  /// Calls answer(letter) for each in order; whether that ended before the last of them.
+  /// undoes_stop(letter) tells of a kept one what a stop makes void.
+  template <class Answer, class UndoesStop>
+  bool take_each(Answer answer, UndoesStop undoes_stop) {
     std::size_t kept = 0, i = 0;
     bool last = false;
     for (; i < count_ && !last; ++i) {
       const Taken taken = answer(letters_[i]);
       if (taken == Taken::kKept) letters_[kept++] = letters_[i];
-      if (taken == Taken::kStop) kept = 0;
-      last = taken == Taken::kLast;
+      if (taken == Taken::kStop) {
+        const auto begin = letters_.begin(), end = begin + static_cast<std::ptrdiff_t>(kept);
+        kept = static_cast<std::size_t>(std::remove_if(begin, end, undoes_stop) - begin);
+      }
+      last = taken == Taken::kLast || taken == Taken::kStop;
     }
     while (i < count_) letters_[kept++] = letters_[i++];
     count_ = kept;

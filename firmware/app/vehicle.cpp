@@ -51,6 +51,18 @@ bool stops(const Letter& letter) {
   return command && is_stop(*command);
 }
 
+bool holds(const Letter& letter) {
+  const auto command = command_of(letter.received.message);
+  return command && meaning_of(*command).request == Request::kHold;
+}
+
+/// A mode may be asked for by a parameter too.
+bool undoes_stop(const Letter& letter) {
+  const auto command = command_of(letter.received.message);
+  const bool drives = command && meaning_of(*command).request != Request::kNone;
+  return drives || std::holds_alternative<link::ParamSet>(letter.received.message);
+}
+
 bool asks_for_message(const Letter& letter) {
   const auto command = command_of(letter.received.message);
   return command && meaning_of(*command).message;
@@ -166,14 +178,15 @@ void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
 
 bool Vehicle::answer(std::int64_t now_us, link::Counters& counters) {
   using Taken = Inbox::Taken;
-  const bool more = inbox_.take_each([&](const Letter& letter) {
+  const auto answer_one = [&](const Letter& letter) {
     // The heartbeat and the state need their room too; what stops the boat needs none.
     const std::size_t kept = asks_for_message(letter) ? kKeptRoom : kOwnRoom;
     if (links_.room(letter.link) < kept && !stops(letter)) return Taken::kKept;
     answer(letter, now_us, counters);
-    if (stops(letter)) return Taken::kStop;
+    if (stops(letter) || holds(letter)) return Taken::kStop;
     return changed_ ? Taken::kLast : Taken::kAnswered;
-  });
+  };
+  const bool more = inbox_.take_each(answer_one, undoes_stop);
   if (!more && std::exchange(disarm_, false) && state_ != State::kDisarmed) {
     enter(State::kDisarmed, 0, counters);
   }

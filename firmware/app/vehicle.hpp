@@ -95,6 +95,7 @@ class Vehicle {
   void answer(const Letter& letter, std::int64_t now_us, link::Counters& counters);
   void execute(const Letter& letter, const Command& command, std::int64_t now_us,
                link::Counters& counters);
+  void explain(std::uint16_t command, link::Counters& counters);
   void answer_mission(const Letter& letter, link::Counters& counters);
   bool is_repeated(const Asked& asked, std::int64_t now_us) const;
   void freshen();

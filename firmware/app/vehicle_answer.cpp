@@ -83,6 +83,16 @@ void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   if (verdict.granted && verdict.state != state_) enter(verdict.state, 0, counters);
   if (!verdict.granted) refuse(asked.request, verdict.missing, counters);
+  if (asked.result == mav::kDenied && may_command(received.from)) explain(command.id, counters);
+}
+
+/// A denial says nothing by itself about what would be right.
+void Vehicle::explain(std::uint16_t command, link::Counters& counters) {
+  const auto* const why = command == mav::kCmdDoSetMode ? "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW"
+                          : command == mav::kCmdComponentArmDisarm ? "force overrides no check"
+                                                                   : nullptr;
+  if (why == nullptr || !refusal_due_.due(now_us_)) return;
+  say(mav::kSeverityWarning, {"Refused: ", why}, counters);
 }
 
 std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageRequest& request,

@@ -35,6 +35,7 @@ bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
   if (component < component_ || (component != component_ && silent(now_us))) {
     component_ = component;
     heard_ = {};
+    odometry_resets_.reset();
     anchored_ = false;
     restart();
   }
@@ -108,6 +109,24 @@ void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
   }
 }
 
+/// Its clock and its frame are others than before.
+template <class S>
+void VesselTrack<S>::rebooted(std::int64_t stamp_us) {
+  restart();
+  origin_component_ = 0;
+  heard(source_).newest_us = stamp_us;
+  heard(source_).went_back = false;
+}
+
+/// No motion led from the last state to what comes now.
+template <class S>
+void VesselTrack<S>::jumped() {
+  stamp_us_.reset();
+  refused_stamp_us_.reset();
+  refused_in_a_row_ = 0;
+  track_ = {};
+}
+
 template <class S>
 void VesselTrack<S>::restart() {
   stamp_us_.reset();
@@ -147,11 +166,11 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
-    const bool younger = !stamp_us_ || reading.sample->stamp_us > *stamp_us_;
-    if (source_ == Source::kOdometry && younger) {
-      // Another number: no motion led from there to here.
-      if (odometry_resets_.value_or(message.reset_counter) != message.reset_counter) restart();
+    const Heard& in = heard(Source::kOdometry);
+    if (in.in_a_row == 0 || reading.sample->stamp_us > in.stamp_us) {
+      const bool jump = odometry_resets_.value_or(message.reset_counter) != message.reset_counter;
       odometry_resets_ = message.reset_counter;
+      if (jump && source_ == Source::kOdometry) jumped();
     }
     hear(Source::kOdometry, reading.sample->stamp_us, now_us);
     if (preferred(Source::kOdometry, now_us) && accept(*reading.sample, now_us, counters)) {
@@ -271,13 +290,11 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
       ++counters.mavlink_old_stamp;
       return false;
     }
-    restart();
-    origin_component_ = 0;  // after a reboot its local frame may have another origin
+    rebooted(sample.stamp_us);
   }
   // A clock of 32 bits that begins anew after 25 days looks as if it had run ahead.
   if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
-    restart();
-    origin_component_ = 0;
+    rebooted(sample.stamp_us);
   }
   // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead.
   if (refused_in_a_row_ >= 3) clock().reset();

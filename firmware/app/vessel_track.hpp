@@ -112,6 +112,8 @@ class VesselTrack {
   bool accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
   void update(const convert::Sample& sample, std::int64_t now_us);
   void place(convert::Sample& sample);
+  void rebooted(std::int64_t stamp_us);
+  void jumped();
   void restart();
 
   Heard& heard(Source source) { return heard_[static_cast<std::size_t>(source)]; }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01 since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
-constexpr std::uint64_t kMinute = 6'000'000;
+constexpr std::uint64_t kMinute = 6'000'000, kDay = 24 * 60 * kMinute;
 constexpr std::size_t kHeaderBytes = 10, kChecksumBytes = 2;
 constexpr std::size_t kTimestampBytes = 6, kDigestBytes = 6;
 
@@ -56,6 +56,8 @@ void Signing::start(const SigningKey& key, std::uint64_t clock, std::uint64_t st
   stream_count_ = 0;
   timestamp_ = std::min(stored, kLatest);
   set_clock(clock);
+  // A clock that comes up a little behind, as without a battery, must not make old messages new.
+  floor_ = stored > clock_ && stored - clock_ < kDay ? stored : 0;
 }
 
 void Signing::set_clock(std::uint64_t now) {
@@ -88,7 +90,7 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
   if (stream != nullptr) {
     if (timestamp <= stream->timestamp) return kReplayed;
   } else {
-    if (timestamp + kMinute < clock_) return kStale;
+    if (timestamp + kMinute < std::max(clock_, floor_)) return kStale;
     if (stream_count_ == kStreams) return kNoRoom;
     stream = &streams_[stream_count_++];
   }

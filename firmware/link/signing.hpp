@@ -69,6 +69,7 @@ class Signing {
   bool has_key_ = false;
   std::uint64_t clock_ = 0;      // the host's
   std::uint64_t timestamp_ = 0;  // of what was sent last
+  std::uint64_t floor_ = 0;      // the clock has been there before
   std::array<Stream, kStreams> streams_{};
   std::size_t stream_count_ = 0;
 };

@@ -271,3 +271,20 @@ def test_twenty_four_pings_a_disarm_and_a_strangers_termination() -> None:
         assert sea.state in ("DISARMED", "FAULT")
         sea.disarm()
         sea.enter_formation()
+
+
+def test_a_disarm_between_other_orders_of_one_tick_stops_the_boat_all_the_same() -> None:
+    """ESCs that were disarmed see zeros before they are driven again."""
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    sea.run(2.0)
+    assert any(sea.step().commands)
+    sea.say(
+        command_long(ARM, 0.0),
+        command_long(ARM, 1.0),
+        command_long(SET_MODE, 1.0, float(FORMATION)),
+    )
+    ticks = [sea.step() for _ in range(20)]
+    assert sea.state == "FORMATION"
+    assert not any(any(tick.commands) for tick in ticks)
+    assert any(any(tick.commands) for tick in sea.run(1.0))

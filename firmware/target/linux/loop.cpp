@@ -192,7 +192,7 @@ void Loop::read_links(std::int64_t now_us) {
   // A flood must not stop the tick, nor one link the others.
   const std::int64_t until_us = timer_fired_ ? now_us + kReadBeforeTick_us : deadline_us_;
   bool heard = true;
-  for (int n = 0; heard && n < kMostChunks && now() < until_us; ++n) {
+  for (int n = 0; heard && n < kMostChunks && (n == 0 || now() < until_us); ++n) {
     heard = false;
     for (std::size_t i = 0; i < links_.size(); ++i) {
       const std::size_t size = links_[i]->receive(buffer);
@@ -343,6 +343,14 @@ void Loop::write_stats() const {
   put("response", response_);
   std::fprintf(file, "  \"ticks\": %llu, \"overruns\": %u,\n",
                static_cast<unsigned long long>(lateness_.count()), overruns_);
+  const link::Counters mavlink = boat_->snapshot().counters;
+  std::fprintf(file,
+               "  \"mavlink\": {\"received\": %u, \"bad_checksum\": %u, \"signed\": %u, "
+               "\"forged\": %u, \"replayed\": %u, \"future_stamp\": %u, "
+               "\"unsigned_refused\": %u},\n",
+               mavlink.mavlink_received, mavlink.mavlink_bad_checksum, mavlink.mavlink_signed,
+               mavlink.mavlink_forged, mavlink.mavlink_replayed, mavlink.mavlink_future_stamp,
+               mavlink.mavlink_unsigned_refused);
   std::fprintf(
       file,
       "  \"can\": {\"sent\": %llu, \"received\": %llu, \"transfers_dropped\": %llu, "
