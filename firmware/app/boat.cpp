@@ -126,7 +126,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
   vehicle_.heed(conditions_ = conditions(now_us), counters_);
   bool more = true;
   while (more) {
-    more = vehicle_.answer(now_us, counters_);
+    more = vehicle_.answer(counters_);
     note_state(now_us);
     if (!vehicle_.take_change()) continue;
     // What was set is in force before the next request: another leader, say, was not heard yet.

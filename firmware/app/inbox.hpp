@@ -17,6 +17,12 @@ struct Letter {
   std::int64_t read_us = 0;
 };
 
+/// Disarms or terminates: never to be lost or put off.
+inline bool stops(const Letter& letter) {
+  const auto command = command_of(letter.received.message);
+  return command && is_stop(*command);
+}
+
 /// First come first served; one too many is counted, its sender repeats it. What stops the boat is
 /// never one too many.
 class Inbox {
@@ -63,11 +69,6 @@ class Inbox {
   }
 
  private:
-  static bool stops(const Letter& letter) {
-    const auto command = command_of(letter.received.message);
-    return command && is_stop(*command);
-  }
-
   std::array<Letter, 24> letters_{};
   std::size_t count_ = 0;
 };

@@ -150,6 +150,11 @@ bool ParameterService::knows(const link::ParamSet& asked) {
   return find_parameter(name_in(asked.param_id)) != nullptr;
 }
 
+bool ParameterService::asks_for_mode(const link::ParamSet& asked) {
+  const ParameterInfo* info = find_parameter(name_in(asked.param_id));
+  return info != nullptr && info->kind == ParameterKind::kMode;
+}
+
 void ParameterService::list(std::size_t link) { links_[link].list_at = 0; }
 
 void ParameterService::read(std::size_t link, link::Address from,

@@ -53,6 +53,7 @@ struct Standing {
 class ParameterService {
  public:
   static bool knows(const link::ParamSet& asked);
+  static bool asks_for_mode(const link::ParamSet& asked);
 
   /// Every parameter, from the first one on; asked again, from the first one on again.
   void list(std::size_t link);

@@ -46,11 +46,6 @@ struct IsRequest {
   static constexpr bool is_one_of = (std::is_same_v<Message, Requests> || ...);
 };
 
-bool stops(const Letter& letter) {
-  const auto command = command_of(letter.received.message);
-  return command && is_stop(*command);
-}
-
 bool holds(const Letter& letter) {
   const auto command = command_of(letter.received.message);
   return command && meaning_of(*command).request == Request::kHold;
@@ -59,8 +54,9 @@ bool holds(const Letter& letter) {
 /// A mode may be asked for by a parameter too.
 bool undoes_stop(const Letter& letter) {
   const auto command = command_of(letter.received.message);
-  const bool drives = command && meaning_of(*command).request != Request::kNone;
-  return drives || std::holds_alternative<link::ParamSet>(letter.received.message);
+  if (command) return meaning_of(*command).request != Request::kNone;
+  const auto* set = std::get_if<link::ParamSet>(&letter.received.message);
+  return set != nullptr && ParameterService::asks_for_mode(*set);
 }
 
 bool asks_for_message(const Letter& letter) {
@@ -176,25 +172,30 @@ void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
   if (verdict.granted) enter(verdict.state, verdict.missing, counters);
 }
 
-bool Vehicle::answer(std::int64_t now_us, link::Counters& counters) {
+bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
   const auto answer_one = [&](const Letter& letter) {
     // The heartbeat and the state need their room too; what stops the boat needs none.
     const std::size_t kept = asks_for_message(letter) ? kKeptRoom : kOwnRoom;
     if (links_.room(letter.link) < kept && !stops(letter)) return Taken::kKept;
-    answer(letter, now_us, counters);
+    answer(letter, counters);
     if (stops(letter) || holds(letter)) return Taken::kStop;
     return changed_ ? Taken::kLast : Taken::kAnswered;
   };
-  const bool more = inbox_.take_each(answer_one, undoes_stop);
+  const auto is_void = [&](const Letter& letter) {
+    const bool undone = undoes_stop(letter);
+    if (undone) ++counters.requests_dropped;
+    return undone;
+  };
+  const bool more = inbox_.take_each(answer_one, is_void);
   if (!more && std::exchange(disarm_, false) && state_ != State::kDisarmed) {
     enter(State::kDisarmed, 0, counters);
   }
   return more;
 }
 
-core::Verdict Vehicle::ask(Asked& asked, std::int64_t now_us) {
-  if (asked.motor_test) return ask_for_test(asked, now_us);
+core::Verdict Vehicle::ask(Asked& asked) {
+  if (asked.motor_test) return ask_for_test(asked);
   const core::Verdict verdict = core::supervise(state_, asked.request, conditions_);
   if (!verdict.granted) {
     asked.result = mav::kTemporarilyRejected;
@@ -208,8 +209,8 @@ core::Verdict Vehicle::ask(Asked& asked, std::int64_t now_us) {
   return verdict;
 }
 
-core::Verdict Vehicle::ask_for_test(Asked& asked, std::int64_t now_us) {
-  if (is_repeated(asked, now_us)) return {state_, true, 0};
+core::Verdict Vehicle::ask_for_test(Asked& asked) {
+  if (is_repeated(asked)) return {state_, true, 0};
   if (convert::is_dead(asked.motor_test->share, parameters_)) {
     asked.result = mav::kDenied;
     return {state_, false, 0};
@@ -218,7 +219,7 @@ core::Verdict Vehicle::ask_for_test(Asked& asked, std::int64_t now_us) {
       core::supervise(state_, asked.request, conditions_ | core::kTestRunning);
   if (verdict.granted) {
     test_ = asked.motor_test;
-    test_end_us_ = now_us + test_->duration_us;
+    test_end_us_ = now_us_ + test_->duration_us;
     conditions_ |= core::kTestRunning;
   } else {
     asked.result = mav::kTemporarilyRejected;
@@ -227,9 +228,9 @@ core::Verdict Vehicle::ask_for_test(Asked& asked, std::int64_t now_us) {
 }
 
 /// A test's answer may have been lost: asked for once more it is neither longer nor a second one.
-bool Vehicle::is_repeated(const Asked& asked, std::int64_t now_us) const {
+bool Vehicle::is_repeated(const Asked& asked) const {
   if (test_ != asked.motor_test) return false;
-  return state_ == State::kTest || (asked.repeated && now_us - test_end_us_ < kRepeated_us);
+  return state_ == State::kTest || (asked.repeated && now_us_ - test_end_us_ < kRepeated_us);
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {

@@ -63,7 +63,7 @@ class Vehicle {
 
   /// What was asked since the last tick, in order, but no farther than to something that changes
   /// the boat: whether it is to be called again, when that is in force (take_change()).
-  bool answer(std::int64_t now_us, link::Counters& counters);
+  bool answer(link::Counters& counters);
 
   /// Telemetry, and what is still owed to clients.
   void tell(const Report& report, link::Counters& counters);
@@ -92,15 +92,14 @@ class Vehicle {
                link::Counters& counters);
   bool may_command(link::Address from) const;
 
-  void answer(const Letter& letter, std::int64_t now_us, link::Counters& counters);
-  void execute(const Letter& letter, const Command& command, std::int64_t now_us,
-               link::Counters& counters);
+  void answer(const Letter& letter, link::Counters& counters);
+  void execute(const Letter& letter, const Command& command, link::Counters& counters);
   void explain(std::uint16_t command, link::Counters& counters);
   void answer_mission(const Letter& letter, link::Counters& counters);
-  bool is_repeated(const Asked& asked, std::int64_t now_us) const;
+  bool is_repeated(const Asked& asked) const;
   void freshen();
-  core::Verdict ask(Asked& asked, std::int64_t now_us);
-  core::Verdict ask_for_test(Asked& asked, std::int64_t now_us);
+  core::Verdict ask(Asked& asked);
+  core::Verdict ask_for_test(Asked& asked);
   std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
   std::optional<link::Message> requested(std::size_t link, const MessageRequest& request,

@@ -17,11 +17,11 @@ bool drives(Request request) {
 
 }  // namespace
 
-void Vehicle::answer(const Letter& letter, std::int64_t now_us, link::Counters& counters) {
+void Vehicle::answer(const Letter& letter, link::Counters& counters) {
   const auto& [link, received, read_us] = letter;
   const link::Address from = received.from;
   if (const auto command = command_of(received.message)) {
-    execute(letter, *command, now_us, counters);
+    execute(letter, *command, counters);
   } else if (std::holds_alternative<link::ParamRequestList>(received.message)) {
     parameter_service_.list(link);
   } else if (const auto* read = std::get_if<link::ParamRequestRead>(&received.message)) {
@@ -29,7 +29,7 @@ void Vehicle::answer(const Letter& letter, std::int64_t now_us, link::Counters& 
   } else if (const auto* set = std::get_if<link::ParamSet>(&received.message)) {
     set_parameter(letter, *set, counters);
   } else if (const auto* file = std::get_if<link::FileTransferProtocol>(&received.message)) {
-    ftp_.request(link, from, *file, now_us);
+    ftp_.request(link, from, *file, now_us_);
   } else if (const auto* timesync = std::get_if<link::Timesync>(&received.message)) {
     links_.send(link, TimeRequests::answer_to(*timesync, from, read_us), counters);
   } else if (const auto* ping = std::get_if<link::Ping>(&received.message)) {
@@ -54,8 +54,7 @@ void Vehicle::answer_mission(const Letter& letter, link::Counters& counters) {
   }
 }
 
-void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t now_us,
-                      link::Counters& counters) {
+void Vehicle::execute(const Letter& letter, const Command& command, link::Counters& counters) {
   const auto& [link, received, read_us] = letter;
   Asked asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
@@ -66,7 +65,7 @@ void Vehicle::execute(const Letter& letter, const Command& command, std::int64_t
     asked = {mav::kDenied};
   }
   core::Verdict verdict{state_, true, 0};
-  if (asked.request != Request::kNone) verdict = ask(asked, now_us);
+  if (asked.request != Request::kNone) verdict = ask(asked);
   if (asked.rate &&
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.credit(link).limit())) {
     asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
@@ -160,7 +159,7 @@ void Vehicle::set_mode_parameter(const Letter& letter, const SetResult& result,
   if (identity_.is_autopilots(received.target)) return;
   const auto request = request_of_mode(result.mode);
   Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
-  const core::Verdict verdict = ask(asked, now_us_);
+  const core::Verdict verdict = ask(asked);
   if (!verdict.granted && parameters_.MODE != static_cast<float>(result.mode)) {
     parameter_service_.refuse(link, received.from, *result.info, mav::kParamPermissionDenied);
     refuse(asked.request, verdict.missing, counters);

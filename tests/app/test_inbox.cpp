@@ -137,11 +137,6 @@ Letter stop(std::size_t any) {
   if (any / 2 % 2 == 0) return command(id, first);
   return letter(link::CommandInt{id, {first, 0, 0, 0}, 0, 0, 0, {1, 1}, 0});
 }
-bool stops(const Letter& one) {
-  const auto found = command_of(one.received.message);
-  return found && is_stop(*found);
-}
-
 // read_us numbers the letters.
 TEST_CASE("no stop is ever lost, however full the inbox, nor answered before what came before it") {
   constexpr std::uint32_t kSeed = 10;

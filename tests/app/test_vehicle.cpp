@@ -78,7 +78,7 @@ struct Ship {
   void tick() {
     vehicle->begin(now_us, kTick_us);
     vehicle->heed(world | vehicle->conditions(now_us), counters);
-    while (vehicle->answer(now_us, counters)) changed = vehicle->take_change() || changed;
+    while (vehicle->answer(counters)) changed = vehicle->take_change() || changed;
     changed = vehicle->take_change() || changed;
     Report r;
     r.now_us = now_us;
@@ -209,11 +209,11 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   s.set("LAW_KX", 0.5F);                      // too
   s.vehicle->begin(s.now_us, kTick_us);
   s.vehicle->heed(s.world, s.counters);
-  CHECK(s.vehicle->answer(s.now_us, s.counters));  // there is more, but first:
+  CHECK(s.vehicle->answer(s.counters));  // there is more, but first:
   CHECK(s.vehicle->parameters().MAV_GCS_SYSID == 99);
   CHECK(s.vehicle->links().bytes(0).empty());
   CHECK(s.take_change());
-  CHECK_FALSE(s.vehicle->answer(s.now_us, s.counters));
+  CHECK_FALSE(s.vehicle->answer(s.counters));
   CHECK_FALSE(s.take_change());
   CHECK(s.state() == State::kDisarmed);
   s.vehicle->tell({}, s.counters);
