@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line: python -m sil run SCENARIO, python -m sil live SCENARIO --bus BUS."""
+"""The command line: python -m sil run SCENARIO, … live SCENARIO --bus BUS, … results."""
 
 import argparse
 import shlex
@@ -9,7 +9,8 @@ from pathlib import Path
 import can
 from rich.console import Console
 
-from sil import scenario
+from sil import results, scenario
+from sil.law import LAWS
 from sil.run import live, parameters_of, run
 from sil.world import StartError
 
@@ -31,14 +32,17 @@ def main(arguments: list[str]) -> int:
         help="bus of boat 1, as mcast:0 or socketcan:vcan0; boat i takes the next one",
     )
     in_real_time.add_argument("--duration", type=float, help="seconds (the scenario's)")
+    results.add_to(commands)
     options = parser.parse_args(arguments)
+    if options.command == "results":
+        return results.main(options)
     overrides = list(options.set)
     if options.seed is not None:
         overrides.append(f"seed={options.seed}")
     if options.command == "live" and options.duration is not None:
         overrides.append(f"duration_s={options.duration}")
     try:
-        chosen = scenario.load(options.scenario, overrides)
+        chosen = scenario.load(options.scenario, overrides, options.law)
         out = options.out or Path("out") / chosen.name
         parameters = parameters_of(options.param)
         repeat = shlex.join(["python", "-m", "sil", *arguments])
@@ -56,6 +60,11 @@ def _add_common(command: argparse.ArgumentParser) -> None:
     command.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
     command.add_argument("--out", type=Path, help="folder of the results (out/SCENARIO)")
     command.add_argument("--seed", type=int, help="seed of every random number (the scenario's)")
+    command.add_argument(
+        "--law",
+        choices=LAWS,
+        help="in place of the scenario's LAW_* but LAW_KDU and LAW_KDR, which belong to its vessel",
+    )
     command.add_argument(
         "--param",
         action="append",

@@ -17,14 +17,16 @@ from pathlib import Path
 
 import numpy as np
 
+from sil.bodies import fleet_of
 from sil.live_vessel import LiveBoat, LiveLeader
 from sil.plant import sensors
 from sil.plant.hull import Array
 from sil.scenario import Scenario
+from sil.streams import Stream, generator
 from sil.trace import Tracer
 from sil.wire.link import Link
 from sil.wire.operator import FORMATION, HOLD, MANUAL, Operator
-from sil.world import Progress, StartError, clocks_of, fleet_of, parameters_of
+from sil.world import Progress, StartError, clocks_of, parameters_of
 
 ROOT = Path(__file__).parent.parent
 FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
@@ -72,9 +74,9 @@ class LiveWorld:
 
     def __init__(self, scenario: Scenario, bus: str, param_overrides: dict[str, float]) -> None:
         self._scenario = scenario
-        seeds = np.random.SeedSequence(scenario.seed).spawn(3)
-        clock_rng, self._sensor_rng, link_rng = (np.random.default_rng(seed) for seed in seeds)
-        clocks = clocks_of(scenario, clock_rng)
+        self._sensor_rng = generator(scenario.seed, Stream.SENSORS)
+        link_rng = generator(scenario.seed, Stream.LINKS)
+        clocks = clocks_of(scenario)
         self._fleet = fleet_of(scenario)
         # Compiled now, not when the boats are under way.
         fleet_of(scenario).advance(np.zeros((len(scenario.boat), 2)), np.zeros((3, 2)), 1e-3)
@@ -85,8 +87,10 @@ class LiveWorld:
         self.late_us = 0
         with ExitStack() as opened:
             self.boats: list[LiveBoat] = []
+            self._parameters: list[dict[str, float]] = []
             for agent, address in enumerate(buses_of(bus, len(scenario.boat)), start=1):
                 own = parameters_of(scenario, agent, param_overrides)
+                self._parameters.append(own)
                 self.boats.append(LiveBoat(scenario, agent, address, own, clocks[agent]))
                 opened.callback(self.boats[-1].close)
             self._opened = opened.pop_all()
@@ -110,7 +114,7 @@ class LiveWorld:
         for boat in self.boats:
             boat.start(program, out / f"boat{boat.system}")
         tick_us = self._start()
-        tracer = Tracer(self._scenario, self._fleet)
+        tracer = Tracer(self._scenario, self._fleet, self._parameters)
         for k in range(tracer.ticks):
             for i, boat in enumerate(self.boats):
                 self._command[i] = boat.command(tick_us)

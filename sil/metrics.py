@@ -33,6 +33,7 @@ class BoatSummary(TypedDict):
     final_error: FinalError
     settling_time_s: float | None
     thrust_rms_N: float
+    thrust_step_rms_N: float
     states: dict[str, float]
 
 
@@ -49,18 +50,28 @@ class Summary(TypedDict):
     min_separation_m: float | None
 
 
-def formation_error(eta: Array, follows: Sequence[int], offset_m: Array) -> Array:
+def formation_error(
+    eta: Array, follows: Sequence[int], offset_m: Array, turns: Sequence[bool] | None = None
+) -> Array:
     """Formation errors [e_x e_y e_ψ] (T, N, 3) of boats 1 … N; e_ψ in (−π, π].
 
-    `eta` (T, N+1, 3); boat i follows agent `follows[i-1]` at `offset_m[i-1]` [north east].
+    `eta` (T, N+1, 3); boat i follows agent `follows[i-1]`, its slot `offset_m[i-1]` [north east]
+    of it, or [forward starboard] of it where `turns[i-1]` (FORM_FRAME 1; by default none does).
+    e_ψ is taken against the leader's heading in either case.
     Source: Wang and Loría, eq:formation-error.
     """
     own, leader = eta[:, 1:], eta[:, list(follows)]
-    north, east = np.moveaxis(own[..., :2] - leader[..., :2] - offset_m, -1, 0)
-    psi = own[..., 2]
-    e_x = np.cos(psi) * north + np.sin(psi) * east
-    e_y = np.cos(psi) * east - np.sin(psi) * north
-    return np.stack([e_x, e_y, wrap(psi - leader[..., 2])], axis=-1)
+    frame = np.where(np.zeros(len(follows), bool) if turns is None else turns, leader[..., 2], 0.0)
+    slot = leader[..., :2] + _rotated(frame, offset_m)
+    ahead = _rotated(-own[..., 2], own[..., :2] - slot)
+    return np.concatenate([ahead, wrap(own[..., 2:] - leader[..., 2:])], axis=-1)
+
+
+def _rotated(angle: Array, vector: Array) -> Array:
+    """R(angle) vector: angle (...), vector (..., 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = vector[..., 0], vector[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
 def wrap(angle: Array) -> Array:
@@ -76,7 +87,8 @@ def boats(
     """Entries of summary.json, one a boat.
 
     t_s (T), error (T, N, 3), thrust (T, N, 2) in N, states (N): seconds spent in each state.
-    RMS and maximum error are over the last third of the run, RMS thrust is over all of it.
+    RMS and maximum error are over the last third of the run, RMS thrust is over all of it;
+    `thrust_step_rms_N` is that of the propeller that changes more, over the last third.
     """
     distance = distances(error)
     last_third = t_s >= t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
@@ -92,10 +104,17 @@ def boats(
                 "final_error": {"x_m": x_m, "y_m": y_m, "psi_rad": psi_rad},
                 "settling_time_s": settling_time_s(t_s, distance[:, i]),
                 "thrust_rms_N": _rms(thrust[:, i]),
+                "thrust_step_rms_N": float(thrust_step_rms_N(thrust[last_third, i]).max()),
                 "states": dict(states[i]),
             }
         )
     return entries
+
+
+def thrust_step_rms_N(thrust: Array) -> Array:
+    """RMS of the change from tick to tick of thrusts (T, ...): (...), N; 0 for a single tick."""
+    change = np.diff(thrust, axis=0)
+    return np.asarray(np.sqrt(np.sum(np.square(change), axis=0) / max(1, len(change))))
 
 
 def distances(error: Array) -> Array:

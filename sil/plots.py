@@ -14,18 +14,17 @@ from matplotlib.figure import Figure
 from sil import metrics
 from sil.plant.hull import Array
 
-# Okabe and Ito's palette, told apart with every kind of colour vision
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+# Okabe and Ito's palette and Tol's wine: told apart with every kind of colour vision
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255")
 BLACK, GREY, FAINT = "#222222", "#666666", "#f4f4f4"
 
 _WIDTH_IN = 8.0
 _SHOWN_SAMPLES = 3000
-_FORMATIONS = 6
-_DASHED = (0, (4, 3))
-_HALO = patheffects.withStroke(linewidth=3, foreground="white")
+DASHED = (0, (4, 3))
+HALO = patheffects.withStroke(linewidth=3, foreground="white")
 # outline of a hull of length 1, body axes: forward, starboard
 _OUTLINE = np.array([[0.5, 0.0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]])
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "figure.dpi": 200,
     "font.size": 10.5,
     "axes.titlesize": 12,
@@ -53,13 +52,13 @@ def formation(name: str, trace: Mapping[str, Array]) -> Figure:
     first = max(2, t_s.size // 5)
     windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, "the whole run": t_s.size}
     shapes = [_height_to_width(eta[:end]) for end in windows.values()]
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         height_in = _WIDTH_IN * sum(shapes) + 2.0
         figure = Figure(figsize=(_WIDTH_IN, height_in), layout="constrained")
         maps = figure.subplots(2, 1, height_ratios=shapes)
         for axes, (title, end) in zip(maps, windows.items(), strict=True):
             axes.set_title(title)
-            _draw_map(axes, t_s[:end], eta[:end])
+            draw_map(axes, t_s[:end], eta[:end], formations=6, hull_share=1.0 / 45.0)
         handles, labels = maps[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
     return figure
@@ -71,14 +70,14 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
     step = _step(t_s)
     # zero has no logarithm
     distance = np.maximum(metrics.distances(trace["error"][::step]), 1e-9)
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, 4.6), layout="constrained")
         axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
         axes.set_title(f"{name}: distance of each boat from its slot")
         axes.set_ylabel("formation error |e| (m)")
         for i in range(distance.shape[1]):
             axes.plot(t_s[::step], distance[:, i], color=colour(i + 1))
-        axes.axhline(metrics.SETTLED_M, color=BLACK, lw=1.0, ls=_DASHED)
+        axes.axhline(metrics.SETTLED_M, color=BLACK, lw=1.0, ls=DASHED)
         by_level = axes.get_yaxis_transform()
         level = f"settled: {metrics.SETTLED_M} m"
         axes.text(0.01, metrics.SETTLED_M * 0.9, level, fontsize=9.5, va="top", transform=by_level)
@@ -97,7 +96,7 @@ def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
     step, count = _step(t_s), values.shape[1]
     low, high = np.quantile(values, [0.001, 0.999])
     margin = 0.1 * max(high - low, 0.1)
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, 1.0 + 1.4 * count), layout="constrained")
         rows = figure.subplots(count, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
         for i, axes in enumerate(rows):
@@ -122,7 +121,11 @@ def colour(boat: int) -> str:
     return COLOURS[(boat - 1) % len(COLOURS)]
 
 
-def _draw_map(axes: Axes, t_s: Array, eta: Array) -> None:
+def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share: float) -> None:
+    """Paths of `eta` (T, N+1, 3), north up, with the formation at evenly spaced times.
+
+    A hull is drawn 1 m long, or longer: `hull_share` of the paths' extent.
+    """
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="east (m)", ylabel="north (m)")
     axes.margins(0.05)
@@ -130,15 +133,14 @@ def _draw_map(axes: Axes, t_s: Array, eta: Array) -> None:
     north, east = path[..., 0], path[..., 1]
     extent_m = float(max(np.ptp(north), np.ptp(east), 1.0))
     (leader,) = axes.plot(east[:, 0], north[:, 0], color=BLACK, lw=1.0, zorder=3)
-    leader.set(linestyle=_DASHED, label="virtual leader")
+    leader.set(linestyle=DASHED, label="virtual leader")
     for boat in range(1, eta.shape[1]):
         label = f"boat {boat}"
         axes.plot(east[:, boat], north[:, boat], color=colour(boat), lw=1.0, label=label)
     axes.plot(east[0, 1:], north[0, 1:], "o", ms=11, mfc="none", mec=GREY, label="start")
-    # true length where that can be seen
-    length_m = max(1.0, extent_m / 45.0)
+    length_m = max(1.0, hull_share * extent_m)
     order = _around(eta[-1, 1:])
-    for k in np.linspace(0, t_s.size - 1, _FORMATIONS).astype(int):
+    for k in np.linspace(0, t_s.size - 1, formations).astype(int):
         poses = eta[k, 1:]
         ring = poses[[*order, order[0]]]
         axes.plot(ring[:, 1], ring[:, 0], color=GREY, lw=0.8, zorder=4)
@@ -149,7 +151,7 @@ def _draw_map(axes: Axes, t_s: Array, eta: Array) -> None:
         text = axes.annotate(
             f"{t_s[k]:.0f} s", (top[1], top[0]), (0, 9), textcoords="offset points"
         )
-        text.set(ha="center", fontsize=9.5, zorder=6, path_effects=[_HALO])
+        text.set(ha="center", fontsize=9.5, zorder=6, path_effects=[HALO])
 
 
 def _around(eta: Array) -> list[int]:

@@ -7,148 +7,40 @@ file with `base = "NAME"` is that scenario with its own keys over it, boats by n
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints, ValidationError
+from pydantic import Field, Strict, ValidationError
 
-from sil import toml_errors
-from sil.plant.hull import Array, HullParameters
+from sil import law, toml_errors
+from sil.law import Law
+from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
-from sil.plant.sensors import SensorNoise
+from sil.plant.weather import steps_of
+from sil.sections import (
+    Boat,
+    Clocks,
+    Leader,
+    Link,
+    Mismatch,
+    Navigation,
+    Parameters,
+    Positive,
+    Propellers,
+    Scalar,
+    Section,
+    Unit,
+    Vessel,
+    Water,
+    Waves,
+    WhiteNoise,
+    Wind,
+)
 from sil.toml_errors import KeyPath, ScenarioError
-from sil.wire.navigation_unit import Message, Settings
+from sil.wire.navigation_unit import Settings
 
-__all__ = ["Scenario", "ScenarioError", "load"]
+__all__ = ["Boat", "Leader", "Propellers", "Scenario", "ScenarioError", "Vessel", "load"]
 
 FOLDER = Path(__file__).parent / "scenarios"
-
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
-# TOML has arrays only: Strict(False) lets them be tuples, their numbers stay strict
-Pair = Annotated[tuple[float, float], Strict(False)]
-Triple = Annotated[tuple[float, float, float], Strict(False)]
-ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Z][A-Z0-9_]{0,15}$")]
-
-
-class Section(BaseModel):
-    """A table of the file: unknown keys, wrong types and NaN are errors; immutable."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class Vessel(Section):
-    """Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s)."""
-
-    m11: Positive = 1.012
-    m22: Positive = 1.982
-    m33: Positive = 0.354
-    d11: NotNegative = 3.436
-    d22: NotNegative = 18.99
-    d33: NotNegative = 0.864
-
-
-class Propellers(Section):
-    """The two propellers of a boat, as `sil.plant.propeller` has them.
-
-    The defaults are what the firmware's THR_* expect by default.
-    """
-
-    arm_m: Positive = 0.25
-    forward_max_N: Positive = 20.0
-    reverse_max_N: NotNegative = 20.0
-    expo: Share = 0.0
-    lag_s: NotNegative = 0.0
-
-
-class Unit(Section):
-    """What a navigation unit says: `sil.wire.navigation_unit.Settings` explains the keys."""
-
-    rate_hz: Positive = 100.0
-    message: Message = "local"
-    attitude_rate_hz: NotNegative = 0.0
-    origin_m: Pair = (0.0, 0.0)
-
-
-class Navigation(Unit):
-    """The boats' navigation units: what they say, standard deviations of their noise."""
-
-    position_noise_m: NotNegative = 0.0
-    heading_noise_rad: NotNegative = 0.0
-    velocity_noise_mps: NotNegative = 0.0
-    yaw_rate_noise_radps: NotNegative = 0.0
-
-    @property
-    def noise(self) -> SensorNoise:
-        """The noise as `sil.plant.sensors` takes it."""
-        return SensorNoise(
-            self.position_noise_m,
-            self.heading_noise_rad,
-            self.velocity_noise_mps,
-            self.yaw_rate_noise_radps,
-        )
-
-
-class Link(Section):
-    """Radio between boats; `rate_Bps` 0 is unlimited."""
-
-    delay_s: NotNegative = 0.0
-    jitter_s: NotNegative = 0.0
-    loss: Share = 0.0
-    rate_Bps: NotNegative = 0.0
-
-
-class Clocks(Section):
-    """Largest offset and drift of each vessel's own clock, drawn by the seed."""
-
-    offset_s: NotNegative = 0.0
-    drift_ppm: NotNegative = 0.0
-
-
-class Input(Section):
-    """Agent 0's input from `from_s` on: [surge_N, yaw_Nm + yaw_sine_Nm sin(yaw_sine_rad_s t)]."""
-
-    from_s: NotNegative = 0.0
-    surge_N: float = 0.0
-    yaw_Nm: float = 0.0
-    yaw_sine_Nm: float = 0.0
-    yaw_sine_rad_s: float = 0.0
-
-
-class Leader(Section):
-    """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input.
-
-    Its unit says what it says itself, at the boats' rate unless it has its own.
-    """
-
-    eta: Triple = (0.0, 0.0, 0.0)
-    nu: Triple = (0.0, 0.0, 0.0)
-    navigation: Unit = Unit()
-    input: Annotated[tuple[Input, ...], Strict(False)] = ()
-
-    def tau(self, t_s: Array) -> Array:
-        """Input [X N] (..., 2) in N, N m at times `t_s` (...) after release; 0 before the first."""
-        tau = np.zeros((*t_s.shape, 2))
-        for segment in self.input:
-            now = t_s >= segment.from_s
-            sine = segment.yaw_sine_Nm * np.sin(segment.yaw_sine_rad_s * t_s[now])
-            tau[now, 0] = segment.surge_N
-            tau[now, 1] = segment.yaw_Nm + sine
-        return tau
-
-
-class Boat(Section):
-    """A boat: the agent it follows, its slot north and east of it, start; own deviations."""
-
-    follows: Annotated[int, Field(ge=0)]
-    offset_m: Pair
-    eta: Triple
-    nu: Triple = (0.0, 0.0, 0.0)
-    parameters: dict[ParameterName, float] = {}
-    vessel: Vessel = Vessel()
-    propellers: Propellers = Propellers()
-    navigation: Unit = Unit()
 
 
 class Scenario(Section):
@@ -160,21 +52,31 @@ class Scenario(Section):
     name: str
     duration_s: Positive
     seed: Annotated[int, Field(ge=0)] = 1
-    scalar: Literal["float", "double"] = "float"
+    law: Law = "product"
+    scalar: Scalar = "float"
     rate_hz: Annotated[float, Field(ge=50.0, le=1000.0)] = 100.0
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
     navigation: Navigation = Navigation()
+    water: Water = Water()
+    wind: Wind = Wind()
+    waves: Waves = Waves()
+    white_noise: WhiteNoise = WhiteNoise()
+    mismatch: Mismatch = Mismatch()
     link: Link = Link()
     clocks: Clocks = Clocks()
     leader: Leader
-    parameters: dict[ParameterName, float] = {}
+    parameters: Parameters = Field(default_factory=dict)
     boat: Annotated[tuple[Boat, ...], Strict(False), Field(min_length=1)]
 
-    def hulls(self) -> list[HullParameters]:
-        """Hull of every agent, the virtual leader first."""
+    def vessels(self) -> list[Vessel]:
+        """Vessel of every agent as the file has it, the virtual leader first."""
         deviations = [Vessel(), *(boat.vessel for boat in self.boat)]
-        return [HullParameters(**_merged(self.vessel, deviation)) for deviation in deviations]
+        return [Vessel(**_merged(self.vessel, deviation)) for deviation in deviations]
+
+    def hulls(self) -> list[HullParameters]:
+        """Hull of every agent, the virtual leader first; a mismatch is not in them."""
+        return [vessel.hull for vessel in self.vessels()]
 
     def propeller_pairs(self) -> list[PropellerParameters]:
         """Propellers of every boat, boat 1 first."""
@@ -192,20 +94,25 @@ class Scenario(Section):
         return Settings(**{**common, **boat.navigation.model_dump(exclude_unset=True)})
 
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
-        """Firmware parameters that the file gives `boat`: those of all, then its own."""
-        return {**self.parameters, **boat.parameters}
+        """Firmware parameters that the file gives `boat`: the law's, those of all, its own."""
+        return {**law.parameters(self.law), **self.parameters, **boat.parameters}
 
 
-def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+def load(
+    name_or_path: str | Path, overrides: Sequence[str] = (), law_override: Law | None = None
+) -> Scenario:
     """Read a scenario: a name in `sil/scenarios`, or the path of a TOML file.
 
-    `overrides` are `KEY=VALUE`: dotted keys, boats counted from 1, values as TOML has them
-    (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`).
+    `law_override` takes the place of the file's law and of its gains, as `sil.law.impose` says;
+    `overrides` lie over that. They are `KEY=VALUE`: dotted keys, boats counted from 1, values as
+    TOML has them (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`).
 
     Raises ScenarioError, whose text names file, line and key (or the override) and what is allowed.
     """
     path = _find(name_or_path)
     source = _read(path)
+    if law_override is not None:
+        law.impose(law_override, source.document)
     for override in overrides:
         source.override(override)
     try:
@@ -253,6 +160,17 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             allowed = f"boat {index} may follow agents 0 to {index - 1}"
             yield key, f'"{".".join(key)}" = {boat.follows}: {allowed}'
     yield from _unit_contradictions(scenario)
+    noise = scenario.white_noise
+    if noise.power:
+        try:
+            steps_of(noise.sample_s, 1e-6 * round(1e6 / scenario.rate_hz))
+        except ValueError as error:
+            key = ("white_noise", "sample_s")
+            yield key, f'"{".".join(key)}" = {noise.sample_s}: {error}'
+    for index, vessel in enumerate(scenario.vessels()):
+        if vessel.m23**2 >= vessel.m22 * vessel.m33:
+            key = ("boat", str(index), "vessel", "m23") if index else ("vessel", "m23")
+            yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be under m22 m33'
     starts = [segment.from_s for segment in scenario.leader.input]
     for index in range(1, len(starts)):
         if starts[index] <= starts[index - 1]:

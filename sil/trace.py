@@ -2,7 +2,7 @@
 """The trace of a run: the truth at every control tick from the release on."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -13,9 +13,14 @@ from sil.scenario import Scenario
 
 
 class Tracer:
-    """Collects a scenario's trace and the boats' states, tick by tick."""
+    """Collects a scenario's trace and the boats' states, tick by tick.
 
-    def __init__(self, scenario: Scenario, fleet: Fleet) -> None:
+    `parameters`: the firmware's of each boat, which say where its slot is.
+    """
+
+    def __init__(
+        self, scenario: Scenario, fleet: Fleet, parameters: Sequence[Mapping[str, float]]
+    ) -> None:
         self._scenario = scenario
         self._fleet = fleet
         self.h_s = 1e-6 * round(1e6 / scenario.rate_hz)
@@ -27,6 +32,8 @@ class Tracer:
         self._eta = np.empty((self.ticks, agents, 3))
         self._nu = np.empty((self.ticks, agents, 3))
         self._tau = np.empty((self.ticks, agents - 1, 2))
+        self._offset_m = np.array([[p["FORM_OFS_N"], p["FORM_OFS_E"]] for p in parameters])
+        self._turns = [p.get("FORM_FRAME", 0.0) == 1.0 for p in parameters]
         self._states: list[Counter[str]] = [Counter() for _ in scenario.boat]
 
     def step(self, k: int, command: Array, states: Sequence[str]) -> None:
@@ -39,13 +46,12 @@ class Tracer:
 
     def trace(self) -> dict[str, Array]:
         """The arrays of trace.npz."""
-        boats = self._scenario.boat
-        offset_m = np.array([boat.offset_m for boat in boats])
+        follows = [boat.follows for boat in self._scenario.boat]
         return {
             "t_s": self.t_s,
             "eta": self._eta,
             "nu": self._nu,
-            "error": metrics.formation_error(self._eta, [b.follows for b in boats], offset_m),
+            "error": metrics.formation_error(self._eta, follows, self._offset_m, self._turns),
             "tau": self._tau,
             "thrust": self._fleet.thrust_of(self._tau),
         }

@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from sil.bodies import fleet_of
 from sil.clock import Clock
 from sil.plant import sensors
-from sil.plant.fleet import Fleet
 from sil.plant.hull import Array
 from sil.recording import Recorder
 from sil.scenario import Scenario
+from sil.streams import Stream, generator
 from sil.trace import Tracer
 from sil.vessel import VIRTUAL_LEADER_SYSTEM, Vessel, VirtualLeader
 from sil.wire.link import Link
@@ -43,15 +44,9 @@ class Run:
     digest: str | None
 
 
-def fleet_of(scenario: Scenario) -> Fleet:
-    """The bodies of a scenario's agents, at its beginning."""
-    eta = [scenario.leader.eta, *(boat.eta for boat in scenario.boat)]
-    nu = [scenario.leader.nu, *(boat.nu for boat in scenario.boat)]
-    return Fleet(scenario.hulls(), scenario.propeller_pairs(), eta, nu)
-
-
-def clocks_of(scenario: Scenario, rng: np.random.Generator) -> list[Clock]:
+def clocks_of(scenario: Scenario) -> list[Clock]:
     """A clock for every agent, as wrong as the scenario wants."""
+    rng = generator(scenario.seed, Stream.CLOCKS)
     clocks = scenario.clocks
     return [
         Clock(
@@ -84,20 +79,21 @@ class World:
     def __init__(self, scenario: Scenario, param_overrides: dict[str, float]) -> None:
         self._scenario = scenario
         self._h_us = round(1e6 / scenario.rate_hz)
-        seeds = np.random.SeedSequence(scenario.seed).spawn(3)
-        clock_rng, self._sensor_rng, link_rng = (np.random.default_rng(seed) for seed in seeds)
-
-        clocks = clocks_of(scenario, clock_rng)
+        self._sensor_rng = generator(scenario.seed, Stream.SENSORS)
+        link_rng = generator(scenario.seed, Stream.LINKS)
+        clocks = clocks_of(scenario)
         self._leader = VirtualLeader(scenario.leader_unit(), clocks[0])
+        agents = range(1, len(scenario.boat) + 1)
+        self._parameters = [parameters_of(scenario, agent, param_overrides) for agent in agents]
         self._boats = [
             Vessel(
                 agent,
-                parameters_of(scenario, agent, param_overrides),
+                self._parameters[agent - 1],
                 scenario.scalar,
                 navigation=scenario.boat_unit(scenario.boat[agent - 1]),
                 clock=clocks[agent],
             )
-            for agent in range(1, len(scenario.boat) + 1)
+            for agent in agents
         ]
         self._agents: list[VirtualLeader | Vessel] = [self._leader, *self._boats]
         for boat, vessel in zip(scenario.boat, self._boats, strict=True):
@@ -151,7 +147,7 @@ class World:
 
     def _sail(self, release_us: int, progress: Progress) -> Tracer:
         """Releases the hulls and sails to the scenario's end."""
-        tracer = Tracer(self._scenario, self._fleet)
+        tracer = Tracer(self._scenario, self._fleet, self._parameters)
         for k in range(tracer.ticks):
             if k > 0:  # the tick of the release has been
                 self._tick(release_us + k * self._h_us)

@@ -12,19 +12,10 @@ namespace {
 constexpr std::int64_t kSecond_us = 1'000'000;
 // ESCs want to see zeros after they were armed, before they are driven.
 constexpr std::int64_t kArmedZeros_us = 200'000;
-// Another own source must take over before FS_NAV_S stops the boat.
-constexpr std::int64_t kOwnPatience_us = 300'000;
 // 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
-
-template <class S>
-std::optional<double> age_of(const VesselTrack<S>& track, std::int64_t now_us) {
-  const auto age_us = track.age_us(now_us);
-  if (!age_us) return std::nullopt;
-  return convert::seconds<double>(*age_us);
-}
 
 }  // namespace
 
@@ -32,10 +23,7 @@ template <class S>
 Boat<S>::Boat(const Parameters& p, std::size_t links)
     : vehicle_(p, links),
       tick_rate_Hz_(p.CTL_RATE),
-      law_(convert::controller_params<S>(p)),
-      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
-           {p.NAV_OFS_X, p.NAV_OFS_Y}),
-      leader_({byte_of(p.FORM_LEADER), 0}),
+      pilot_(p),
       thrusters_(p),
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
       complaint_due_(10 * kSecond_us) {}
@@ -75,12 +63,10 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   while (const auto received = vehicle_.next(link, now_us, counters_)) {
     if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
       if (const auto sent_us = vehicle_.sent_us(*timesync)) {
-        own_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
-        leader_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
+        pilot_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
       }
     } else {
-      own_.take(*received, now_us, counters_);
-      leader_.take(*received, now_us, counters_);
+      pilot_.take(*received, now_us, counters_);
     }
   }
   const bool heard = vehicle_.links().decoder(link).whole() != before;
@@ -141,20 +127,13 @@ template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
   if (core::armed(state()) && !core::armed(was)) armed_us_ = now_us;
-  starting_ = starting_ || (state() == core::State::kFormation && was != state());
+  if (state() == core::State::kFormation && was != state()) pilot_.start();
 }
 
 template <class S>
 void Boat<S>::configure() {
-  const Parameters& p = parameters();
-  law_ = convert::controller_params<S>(p);
-  own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
-  if (vehicle_.self().system != own_.system()) own_.follow(vehicle_.self().system);
-  if (byte_of(p.FORM_LEADER) != leader_.system()) {
-    leader_.follow(byte_of(p.FORM_LEADER));
-    starting_ = true;
-  }
-  if (!core::armed(state())) thrusters_ = Thrusters<S>(p);
+  pilot_.configure(parameters(), vehicle_.self().system);
+  if (!core::armed(state())) thrusters_ = Thrusters<S>(parameters());
 }
 
 template <class S>
@@ -164,12 +143,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   core::Conditions met = vehicle_.conditions(now_us);
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
-  if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
-  if (leader_.system() != own_.system() &&
-      leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
-      own_.has_origin() && convert::near(own_.position(), leader_.position())) {
-    met |= core::kLeaderFresh;
-  }
+  met |= pilot_.conditions(now_us, p);
   if (can_.esc_online(byte_of(p.ESC_PORT), now_us, esc_limit_us) &&
       can_.esc_online(byte_of(p.ESC_STBD), now_us, esc_limit_us)) {
     met |= core::kEscsOnline;
@@ -178,24 +152,6 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (!can_.foreign_controller(now_us)) met |= core::kSoleController;
   if (host_.parameters_saved) met |= core::kParametersSaved;
   return met;
-}
-
-template <class S>
-void Boat<S>::reckon(std::int64_t now_us) {
-  const std::int64_t since_us = now_us - last_tick_us_.value_or(now_us);
-  core::reckon_forward(law_.vessel, own_now_, thrust_.given, convert::seconds<S>(since_us));
-  if (own_.messages() == own_messages_) return;
-  own_messages_ = own_.messages();
-  const auto& last = own_.last();
-  const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
-  core::reckon_from(core::ReckoningParams<S>{}, law_.vessel, own_now_,
-                    {last.psi, last.nu, age, last.dt}, thrust_.given);
-}
-
-template <class S>
-core::Encounter<S> Boat<S>::encounter(std::int64_t now_us) const {
-  return convert::encounter_of<S>(own_.position(), own_now_.motion, leader_.position(),
-                                  leader_.motion(now_us));
 }
 
 template <class S>
@@ -208,24 +164,20 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
   switch (state()) {
     case core::State::kManual: {
       const Sticks& sticks = vehicle_.sticks();
-      law_output_.tau = core::stick_wrench(law_.propellers, static_cast<S>(sticks.surge),
+      law_output_.tau = core::stick_wrench(pilot_.law().propellers, static_cast<S>(sticks.surge),
                                            static_cast<S>(sticks.yaw));
-      law_output_.allocation = core::allocate(law_.propellers, law_output_.tau);
+      law_output_.allocation = core::allocate(pilot_.law().propellers, law_output_.tau);
       break;
     }
     case core::State::kTest: {
       const MotorTest& test = *vehicle_.motor_test();
       law_output_.allocation.thrust = core::test_thrust(
-          law_.propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
+          pilot_.law().propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
           static_cast<S>(test.share));
       break;
     }
-    default: {
-      const core::Encounter<S> in = encounter(now_us);
-      if (starting_) law_state_ = core::controller_start(in);
-      law_output_ = core::controller_step(law_, law_state_, in, starting_ ? S(0) : dt);
-      starting_ = false;
-    }
+    default:
+      law_output_ = pilot_.step(now_us, dt);
   }
   return law_output_.allocation.thrust;
 }
@@ -234,14 +186,12 @@ template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
   const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
   law_output_ = {};
-  reckon(now_us);
+  pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
   core::Thrust<S> wanted{};
   const bool drive = may_drive(now_us);
   if (drive) wanted = wanted_thrust(now_us, dt);
   const bool formation = drive && state() == core::State::kFormation;
-  if (!formation && seen()) {
-    law_output_.error = core::formation_error(encounter(now_us), law_.d);
-  }
+  if (!formation && seen()) law_output_.error = pilot_.look(now_us).error;
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, wanted, dt);
@@ -249,8 +199,7 @@ void Boat<S>::steer(std::int64_t now_us) {
 
 template <class S>
 void Boat<S>::complain(std::int64_t now_us) {
-  const bool complaint = own_.take_frame_complaint() | leader_.take_frame_complaint();
-  if (complaint && complaint_due_.due(now_us)) {
+  if (pilot_.take_frame_complaint() && complaint_due_.due(now_us)) {
     vehicle_.say(link::mav::kSeverityWarning, {"ODOMETRY refused: frame is not north-aligned"},
                  counters_);
   }
@@ -261,27 +210,19 @@ void Boat<S>::complain(std::int64_t now_us) {
 }
 
 template <class S>
-std::optional<OwnReport> Boat<S>::own_report(std::int64_t now_us) const {
-  if ((conditions_ & core::kOwnFresh) == 0) return std::nullopt;
-  const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
-  const core::Motion<S> then = core::moment_before(own_now_.motion, since_stamp);
-  const convert::Position at = own_.position();
-  return OwnReport{convert::boot_ms(now_us),
-                   {at.north_m, at.east_m, convert::in_double(then), at.origin},
-                   own_.has_origin()};
-}
-
-template <class S>
 Report Boat<S>::report(std::int64_t now_us) {
   Report out;
   out.now_us = now_us;
   out.unix_us = host_.unix_us;
   out.conditions = conditions_;
-  out.own = own_report(now_us);
+  if ((conditions_ & core::kOwnFresh) != 0) {
+    out.own = OwnReport{convert::boot_ms(now_us), pilot_.own_state(now_us), pilot_.located()};
+    out.estimates = pilot_.estimates();
+  }
   const bool just_armed = core::armed(state()) && armed_us_ == now_us;
   if (out.own && out.own->located && (!home_ || just_armed)) {
-    const auto at = convert::global_of(own_.position(), own_now_.motion.moved_n);
-    home_ = Home{at.latitude, at.longitude, own_.position().origin.altitude};
+    const auto at = pilot_.place();
+    home_ = Home{at.latitude, at.longitude, pilot_.altitude_mm()};
   }
   out.home = home_;
   if (seen()) {
@@ -289,8 +230,9 @@ Report Boat<S>::report(std::int64_t now_us) {
                                     convert::in_double(law_output_.wanted.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }
-  out.own_age_s = age_of(own_, now_us);
-  out.leader_age_s = age_of(leader_, now_us);
+  out.own_age_s = pilot_.own_age_s(now_us);
+  out.leader_age_s = pilot_.leader_age_s(now_us);
+  out.leader_uncertainty_m = pilot_.leader_uncertainty_m(now_us);
   const Parameters& p = parameters();
   out.escs = {EscReport{byte_of(p.ESC_PORT), can_.esc_status(byte_of(p.ESC_PORT), now_us)},
               EscReport{byte_of(p.ESC_STBD), can_.esc_status(byte_of(p.ESC_STBD), now_us)}};
@@ -300,14 +242,14 @@ Report Boat<S>::report(std::int64_t now_us) {
 
 template <class S>
 Snapshot Boat<S>::snapshot() const {
-  const auto age_s = [&](const VesselTrack<S>& track) {
-    return last_tick_us_ ? age_of(track, *last_tick_us_) : std::nullopt;
-  };
   const auto& law = law_output_;
+  const std::int64_t now_us = last_tick_us_.value_or(0);
   return {state(),
           conditions_,
-          age_s(own_),
-          age_s(leader_),
+          pilot_.own_age_s(now_us),
+          pilot_.leader_age_s(now_us),
+          pilot_.leader_uncertainty_m(now_us),
+          pilot_.estimates(),
           seen(),
           convert::in_double(law.error.e),
           convert::in_double(law.wanted.nu_star),
@@ -317,6 +259,8 @@ Snapshot Boat<S>::snapshot() const {
           law.allocation.surge_limited,
           law.allocation.yaw_limited,
           thrust_.slew_limited,
+          law.wanted.u_limited,
+          law.wanted.r_limited,
           counters_};
 }
 

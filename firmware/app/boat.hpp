@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "app/can_node.hpp"
+#include "app/pilot.hpp"
 #include "app/thrusters.hpp"
 #include "app/vehicle.hpp"
-#include "app/vessel_track.hpp"
 
 namespace flotilla::app {
 
@@ -18,13 +18,15 @@ namespace flotilla::app {
 struct Snapshot {
   core::State state;
   core::Conditions conditions;
-  std::optional<double> own_age_s, leader_age_s;
+  std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
+  Estimates estimates;
   bool error_known;  ///< own and leader's state are fresh
   core::Error<double> error;
   core::Nu<double> nu_star;
   core::Tau<double> asked, given;
   core::Thrust<double> thrust_N;
   bool surge_limited, yaw_limited, slew_limited;
+  bool speed_limited, yaw_rate_limited;  ///< by LAW_U_MAX, LAW_R_MAX
   link::Counters counters;
 };
 
@@ -108,8 +110,6 @@ class Boat {
   void take_all(std::size_t link, std::int64_t now_us);
   void give_up(std::size_t link, std::int64_t now_us);
   core::Conditions conditions(std::int64_t now_us) const;
-  void reckon(std::int64_t now_us);
-  core::Encounter<S> encounter(std::int64_t now_us) const;
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
@@ -121,24 +121,17 @@ class Boat {
   core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
-  std::optional<OwnReport> own_report(std::int64_t now_us) const;
   void complain(std::int64_t now_us);
 
   Vehicle vehicle_;
   float tick_rate_Hz_;
-  core::ControllerParams<S> law_;
-  core::ControllerState<S> law_state_{};
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
-  bool starting_ = false;
   std::int64_t armed_us_ = 0;
-  core::Reckoning<S> own_now_{};
-  std::uint32_t own_messages_ = 0;
   std::optional<Home> home_;
 
-  VesselTrack<S> own_;
-  VesselTrack<S> leader_;
+  Pilot<S> pilot_;
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;

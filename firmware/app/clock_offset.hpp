@@ -26,6 +26,9 @@ class ClockOffset {
   /// The same, at the least: what is stamped so may be that old.
   std::optional<std::int64_t> least_us() const { return lower_ ? lower_ : upper_; }
 
+  /// TIMESYNC bounds it from below.
+  bool was_answered() const { return lower_.has_value(); }
+
   void reset() { *this = ClockOffset{}; }
 
  private:

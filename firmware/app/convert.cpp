@@ -63,7 +63,9 @@ core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_
           leader_motion.psi + turn,
           own_motion.nu,
           leader_motion.nu,
-          leader_motion.nu_dot};
+          leader_motion.nu_dot,
+          {},
+          {}};
 }
 
 Sample in_plane(const Sample& global, const link::GpsGlobalOrigin& origin) {
@@ -99,11 +101,19 @@ bool near(const Position& own, const Position& leader) {
 
 template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p) {
-  return {{S(p.FORM_OFS_N), S(p.FORM_OFS_E)},
-          {S(p.LAW_KX), S(p.LAW_KPSI)},
+  const bool turns = p.FORM_FRAME == 1.0F;
+  return {{{S(p.FORM_OFS_N), S(p.FORM_OFS_E)}, turns, turns || p.LAW_CUR_BW > 0},
+          {S(p.LAW_KX), S(p.LAW_KPSI), S(p.LAW_U_MAX), S(p.LAW_R_MAX)},
           {S(p.LAW_KDU), S(p.LAW_KDR)},
           {S(p.VES_M11), S(p.VES_M22), S(p.VES_M33), S(p.VES_D11), S(p.VES_D22), S(p.VES_D33)},
-          {S(p.THR_ARM), S(p.THR_FWD_MAX), S(p.THR_REV_MAX)}};
+          {S(p.THR_ARM), S(p.THR_FWD_MAX), S(p.THR_REV_MAX)},
+          {S(p.LAW_XT_DIST)}};
+}
+
+template <class S>
+core::ObserverParams<S> observer_params(const Parameters& p) {
+  const S most = S(0.5) * (S(p.THR_FWD_MAX) + S(p.THR_REV_MAX));  // half of what both give
+  return {S(p.LAW_OBS_BW), S(p.LAW_CUR_BW), {most, S(p.THR_ARM) * most}};
 }
 
 template <class S>
@@ -172,6 +182,7 @@ link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t time
                                               const Position&, const core::Motion<S>&);      \
   template GlobalPoint global_of<S>(const Position&, const core::Vec2<S>&);                  \
   template core::ControllerParams<S> controller_params<S>(const Parameters&);                \
+  template core::ObserverParams<S> observer_params<S>(const Parameters&);                    \
   template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);             \
   template link::Attitude attitude_of<S>(const OwnState<S>&, std::uint32_t);                 \
   template link::LocalPositionNed local_position_of<S>(const OwnState<S>&, std::uint32_t);   \

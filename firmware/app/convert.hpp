@@ -7,7 +7,7 @@
 
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
-#include "core/dead_reckoning.hpp"
+#include "core/observer.hpp"
 #include "core/thrust_curve.hpp"
 #include "core/track.hpp"
 #include "link/messages.hpp"
@@ -136,6 +136,8 @@ inline std::int64_t microseconds(float s) { return static_cast<std::int64_t>(dou
 /// Parameters in the law's own terms.
 template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p);
+template <class S>
+core::ObserverParams<S> observer_params(const Parameters& p);
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
 

@@ -51,6 +51,8 @@ constexpr bool is_json_number(std::string_view text) {
 #define FLOTILLA_KIND_Mode "\"decimalPlaces\":0,\"values\":[" FLOTILLA_MODES "]"
 #define FLOTILLA_KIND_Identity "\"decimalPlaces\":0,\"values\":[" FLOTILLA_IDENTITIES "]"
 #define FLOTILLA_IDENTITIES FLOTILLA_VALUE(0, "vehicle") "," FLOTILLA_VALUE(1, "companion")
+#define FLOTILLA_KIND_Frame "\"decimalPlaces\":0,\"values\":[" FLOTILLA_FRAMES "]"
+#define FLOTILLA_FRAMES FLOTILLA_VALUE(0, "north-east") "," FLOTILLA_VALUE(1, "ahead-starboard")
 #define FLOTILLA_SIGNS FLOTILLA_VALUE(-1, "reversed") "," FLOTILLA_VALUE(1, "normal")
 #define FLOTILLA_MODES        \
   FLOTILLA_VALUE(0, "MANUAL") \

@@ -44,6 +44,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
       return;
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
+    case ParameterKind::kFrame:
       sentence << "whole numbers, ";
       break;
     case ParameterKind::kReal:

@@ -19,6 +19,7 @@ bool is_valid(const ParameterInfo& info, float value) {
       return true;
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
+    case ParameterKind::kFrame:
       return std::nearbyint(value) == value;
     case ParameterKind::kSign:
       return std::abs(value) == 1.0F;

@@ -142,8 +142,12 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   const auto of = [&](auto read) {
     return r.formation ? std::optional<double>(read(*r.formation)) : std::nullopt;
   };
+  const auto estimate = [&](auto read) {
+    return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
+  };
   using F = FormationReport;
-  const std::array<Value, 10> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+  using E = Estimates;
+  const std::array<Value, 15> values{{{"E_X", of([](const F& f) { return f.error.x; })},
                                       {"E_Y", of([](const F& f) { return f.error.y; })},
                                       {"E_PSI", of([](const F& f) { return f.error.psi; })},
                                       {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
@@ -152,6 +156,11 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"LACK_N", of([](const F& f) { return f.missing.N; })},
                                       {"NAV_AGE", r.own_age_s},
                                       {"LEAD_AGE", r.leader_age_s},
+                                      {"LEAD_UNC", r.leader_uncertainty_m},
+                                      {"UNK_X", estimate([](const E& e) { return e.unknown.X; })},
+                                      {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
+                                      {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
+                                      {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
                                       {"OVERRUNS", double(r.overruns)}}};
   for (const Value& v : values) {
     if (!v.value) continue;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/convert_telemetry.hpp"
+#include "app/pilot.hpp"
 #include "core/supervisor.hpp"
 #include "link/dronecan_messages.hpp"
 
@@ -47,8 +47,9 @@ struct Report {
   std::optional<OwnReport> own;              ///< while it is fresh
   std::optional<Home> home;                  ///< where the boat was first seen, then last armed
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
-  std::optional<double> own_age_s, leader_age_s;
-  std::array<EscReport, 2> escs{};  ///< port, starboard
+  std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
+  std::optional<Estimates> estimates;  ///< while the own state is fresh
+  std::array<EscReport, 2> escs{};     ///< port, starboard
   std::uint32_t overruns = 0;
   link::Address self{};
 };

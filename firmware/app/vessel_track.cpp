@@ -10,9 +10,6 @@ namespace {
 
 /// A heading older than this cannot be carried over to a position.
 constexpr std::int64_t kHeadingUsable_us = 300'000;
-/// A better source must have come so often before it is chosen again.
-constexpr int kSteady = 5;
-
 }  // namespace
 
 template <class S>
@@ -34,7 +31,7 @@ bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
   if (component_ == 0) component_ = component;
   if (component < component_ || (component != component_ && silent(now_us))) {
     component_ = component;
-    heard_ = {};
+    sources_.forget();
     odometry_resets_.reset();
     anchored_ = false;
     restart();
@@ -42,51 +39,12 @@ bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
   return component == component_;
 }
 
-/// A message that came twice, or was overtaken on another way, neither counts nor breaks the row.
+/// A message of that source has come: whether it is to be made use of.
 template <class S>
-void VesselTrack<S>::hear(Source source, std::int64_t stamp_us, std::int64_t now_us) {
-  Heard& in = heard(source);
-  if (in.in_a_row > 0 && stamp_us == in.stamp_us) return;
-  const bool goes_on = in.in_a_row > 0 && now_us - in.arrived_us <= identity_.patience_us;
-  if (goes_on && stamp_us < in.stamp_us) return;
-  // Another source's clock is kept ready; the chosen one's is set by what is accepted.
-  if (source != source_ || !stamp_us_) {
-    if (stamp_us < in.stamp_us) in.clock.reset();
-    in.clock.heard(stamp_us, now_us);
-  }
-  // It rebooted, unless it is only late beside a source that goes on: change_to() will know.
-  in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
-  in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
-  in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;
-  in.arrived_us = now_us;
-  in.stamp_us = stamp_us;
-}
-
-template <class S>
-bool VesselTrack<S>::comes(Source source, std::int64_t now_us) const {
-  const Heard& in = heard(source);
-  return in.in_a_row > 0 && now_us - in.arrived_us <= identity_.patience_us;
-}
-
-template <class S>
-int VesselTrack<S>::rank(Source source) const {
-  const bool nowhere = source < Source::kFollowTarget && !origin_known();
-  return static_cast<int>(source) + (nowhere ? int{kSources} : 0);
-}
-
-template <class S>
-bool VesselTrack<S>::preferred(Source source, std::int64_t now_us) {
-  if (source == source_) return true;
-  const auto better = [&](Source one, Source other) { return rank(one) < rank(other); };
-  if (comes(source_, now_us)) {
-    if (!better(source, source_) || heard(source).in_a_row < kSteady) return false;
-  } else {
-    for (const Source other : {Source::kOdometry, Source::kLocalPosition, Source::kFollowTarget,
-                               Source::kGlobalPosition}) {
-      const bool steady = comes(other, now_us) && heard(other).in_a_row >= kSteady;
-      if (steady && better(other, source)) return false;
-    }
-  }
+bool VesselTrack<S>::preferred(Source source, std::int64_t stamp_us, std::int64_t now_us) {
+  sources_.hear(source, stamp_us, now_us, stamp_us_.has_value());
+  if (source == sources_.in_use()) return true;
+  if (!sources_.better(source, now_us, origin_known())) return false;
   change_to(source, now_us);
   return true;
 }
@@ -100,13 +58,7 @@ void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
   stamp_us_.reset();
   refused_stamp_us_.reset();
   refused_in_a_row_ = 0;
-  source_ = source;
-  Heard& in = heard(source);
-  if (std::exchange(in.went_back,
-                    false)) {  // after a reboot its local frame may have another origin
-    in.newest_us = in.stamp_us;
-    origin_component_ = 0;
-  }
+  if (sources_.change_to(source)) origin_component_ = 0;
 }
 
 /// Its clock and its frame are others than before.
@@ -114,8 +66,7 @@ template <class S>
 void VesselTrack<S>::rebooted(std::int64_t stamp_us) {
   restart();
   origin_component_ = 0;
-  heard(source_).newest_us = stamp_us;
-  heard(source_).went_back = false;
+  sources_.rebooted(stamp_us);
 }
 
 /// No motion led from the last state to what comes now.
@@ -133,7 +84,7 @@ void VesselTrack<S>::restart() {
   refused_stamp_us_.reset();
   other_source_us_.reset();
   refused_in_a_row_ = 0;
-  clock().reset();
+  sources_.restart();
   track_ = {};
 }
 
@@ -166,14 +117,13 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
-    const Heard& in = heard(Source::kOdometry);
-    if (in.in_a_row == 0 || reading.sample->stamp_us > in.stamp_us) {
+    if (sources_.is_news(Source::kOdometry, reading.sample->stamp_us)) {
       const bool jump = odometry_resets_.value_or(message.reset_counter) != message.reset_counter;
       odometry_resets_ = message.reset_counter;
-      if (jump && source_ == Source::kOdometry) jumped();
+      if (jump && sources_.in_use() == Source::kOdometry) jumped();
     }
-    hear(Source::kOdometry, reading.sample->stamp_us, now_us);
-    if (preferred(Source::kOdometry, now_us) && accept(*reading.sample, now_us, counters)) {
+    if (preferred(Source::kOdometry, reading.sample->stamp_us, now_us) &&
+        accept(*reading.sample, now_us, counters)) {
       heading_older_us_ = 0;
     }
   }
@@ -213,8 +163,8 @@ void VesselTrack<S>::take(const link::FollowTarget& message, std::uint8_t compon
   }
   if (!chosen(component, now_us)) return;
   const auto sample = convert::sample_of(message, *heading);
-  hear(Source::kFollowTarget, sample->stamp_us, now_us);
-  if (preferred(Source::kFollowTarget, now_us) && accept(*sample, now_us, counters)) {
+  if (preferred(Source::kFollowTarget, sample->stamp_us, now_us) &&
+      accept(*sample, now_us, counters)) {
     heading_older_us_ = 0;
   }
 }
@@ -241,8 +191,7 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, std::uin
   }
   if (!chosen(component, now_us)) return;
   heading_ = heading;
-  hear(source, sample->stamp_us, now_us);
-  if (preferred(source, now_us) && accept(*sample, now_us, counters)) {
+  if (preferred(source, sample->stamp_us, now_us) && accept(*sample, now_us, counters)) {
     heading_older_us_ = std::max<std::int64_t>(older_us, 0);
   }
 }
@@ -296,8 +245,9 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
   if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
     rebooted(sample.stamp_us);
   }
-  // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead.
-  if (refused_in_a_row_ >= 3) clock().reset();
+  // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead. Where
+  // TIMESYNC vouches for it, they were overtaken on their way.
+  if (refused_in_a_row_ >= 3 && !clock().was_answered()) sources_.restart();
   refused_in_a_row_ = 0;
   place(sample);
   update(convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m), now_us);
@@ -308,18 +258,23 @@ template <class S>
 void VesselTrack<S>::update(const convert::Sample& sample, std::int64_t now_us) {
   clock().heard(sample.stamp_us, now_us);
   const std::int64_t true_us = sample.stamp_us + clock().offset_us().value_or(0);
-  const S age = convert::seconds<S>(std::max<std::int64_t>(now_us - true_us, 0));
   const core::TrackParams<S> params{};
-  if (other_source_us_) {
-    const std::int64_t since_us = std::max<std::int64_t>(true_us - *other_source_us_, 1000);
-    core::track_resume(
-        params, track_,
-        {S(sample.psi_rad), convert::nu_of<S>(sample), convert::seconds<S>(since_us), age});
-    other_source_us_.reset();
+  const bool resumed = other_source_us_.has_value();
+  const S dt = resumed
+                   ? convert::seconds<S>(std::max<std::int64_t>(true_us - *other_source_us_, 1000))
+               : stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_)
+                           : S(0);
+  const core::TrackMessage<S> message{S(sample.psi_rad), convert::nu_of<S>(sample), dt};
+  if (resumed) {
+    core::track_resume(params, track_, message);
   } else {
-    const S dt = stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_) : S(0);
-    core::track_update(params, track_, {S(sample.psi_rad), convert::nu_of<S>(sample), dt, age});
+    core::track_update(params, track_, message);
   }
+  other_source_us_.reset();
+  // Of several between two ticks the last one counts, after the time of them all.
+  const bool led = track_.dt > S(0) && (!fix_ || fix_->dt > S(0));
+  const S since = led ? track_.dt + (fix_ ? fix_->dt : S(0)) : S(0);
+  fix_ = core::TrackMessage<S>{message.psi, message.nu, since};
   ++messages_;
   position_.north_m = sample.north_m;
   position_.east_m = sample.east_m;
@@ -332,13 +287,7 @@ template <class S>
 void VesselTrack<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                               std::int64_t now_us) {
   if (!mine(from) || from.component != component_) return;
-  for (Heard& in : heard_) {
-    if (in.in_a_row == 0) continue;
-    // ODOMETRY's stamps do not wrap; what differs by whole turns of 49 days is another clock.
-    const bool wraps = &in != &heard(Source::kOdometry);
-    in.clock.answered(sent_us, wraps ? convert::unwrapped_us(read_us, in.stamp_us) : read_us,
-                      now_us);
-  }
+  sources_.answered(sent_us, read_us, now_us);
 }
 
 template <class S>
@@ -359,6 +308,15 @@ bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
 template <class S>
 core::Motion<S> VesselTrack<S>::motion(std::int64_t now_us) const {
   return core::track_forward(track_, convert::seconds<S>(age_us(now_us).value_or(0)));
+}
+
+template <class S>
+std::optional<double> VesselTrack<S>::uncertainty_m(std::int64_t now_us) const {
+  const auto age = age_us(now_us);
+  const auto least = clock().least_us(), offset = clock().offset_us();
+  if (!age || !least || !offset) return std::nullopt;
+  const S off = convert::seconds<S>(std::abs(*offset - *least));
+  return double{core::track_uncertainty(track_, convert::seconds<S>(*age), off)};
 }
 
 template <class S>

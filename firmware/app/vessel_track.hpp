@@ -2,21 +2,19 @@
 // What is known of one vessel, own or leader, from its MAVLink state messages.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
-#include "app/clock_offset.hpp"
 #include "app/convert.hpp"
+#include "app/state_sources.hpp"
 #include "link/counters.hpp"
 
 namespace flotilla::app {
 
-/// Follows one system id and of its components the lowest that sends whole states. Of several
-/// sources the most precise one that comes wins: ODOMETRY, LOCAL_POSITION_NED + ATTITUDE,
-/// FOLLOW_TARGET, GLOBAL_POSITION_INT + ATTITUDE; a local one whose origin is unknown comes last.
-/// It gives way when it was silent for `patience_us`, and comes back when it has come five times in
-/// a row. A message counts by its stamp: one that is not younger than the last is refused, unless
+/// Follows one system id and of its components the lowest that sends whole states: ODOMETRY,
+/// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE, by StateSources'
+/// choice. A message counts by its stamp: one that is not younger than the last is refused, unless
 /// nothing younger has come for so long, and the old stamps advance, that the vessel must have
 /// rebooted.
 template <class S>
@@ -32,7 +30,7 @@ class VesselTrack {
   };
 
   explicit VesselTrack(Identity identity, Antenna antenna = {0, 0})
-      : identity_(identity), antenna_(antenna) {}
+      : identity_(identity), antenna_(antenna), sources_(identity.patience_us) {}
 
   std::uint8_t system() const { return identity_.system; }
 
@@ -64,30 +62,25 @@ class VesselTrack {
   /// Motion since the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
 
-  /// The last message itself, and how many there have been.
-  const core::TrackState<S>& last() const { return track_; }
+  /// How far it may be from where motion() has it; nothing where none is known.
+  std::optional<double> uncertainty_m(std::int64_t now_us) const;
+
+  /// The last message itself, dt after the last one that was taken, 0 where none led to it; nothing
+  /// where none has come since.
+  std::optional<core::TrackMessage<S>> take_fix() { return std::exchange(fix_, std::nullopt); }
+
+  /// How many messages there have been.
   std::uint32_t messages() const { return messages_; }
 
   /// ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint();
 
  private:
-  enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGlobalPosition };
-  static constexpr std::size_t kSources = 4;
   static constexpr std::int64_t kSilent_us = 1'000'000, kLeap_us = 600'000'000;
 
   struct Heading {
     std::uint8_t component = 0;
     convert::HeadingSample sample{};
-  };
-
-  /// A source of the chosen component, in use or not.
-  struct Heard {
-    std::int64_t arrived_us = 0, stamp_us = 0;
-    std::int64_t newest_us = 0;  ///< the latest stamp
-    bool went_back = false;      ///< the last one was earlier
-    int in_a_row = 0;            ///< messages without a gap; 0: there was none
-    ClockOffset clock;
   };
 
   bool mine(link::Address from) const;
@@ -104,10 +97,7 @@ class VesselTrack {
                    std::int64_t now_us, link::Counters& counters);
   void take(const link::GpsGlobalOrigin& message, std::uint8_t component, link::Counters& counters);
   bool chosen(std::uint8_t component, std::int64_t now_us);
-  void hear(Source source, std::int64_t stamp_us, std::int64_t now_us);
-  bool preferred(Source source, std::int64_t now_us);
-  bool comes(Source source, std::int64_t now_us) const;
-  int rank(Source source) const;
+  bool preferred(Source source, std::int64_t stamp_us, std::int64_t now_us);
   void change_to(Source source, std::int64_t now_us);
   bool accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
   void update(const convert::Sample& sample, std::int64_t now_us);
@@ -116,16 +106,13 @@ class VesselTrack {
   void jumped();
   void restart();
 
-  Heard& heard(Source source) { return heard_[static_cast<std::size_t>(source)]; }
-  const Heard& heard(Source source) const { return heard_[static_cast<std::size_t>(source)]; }
-  ClockOffset& clock() { return heard(source_).clock; }
-  const ClockOffset& clock() const { return heard(source_).clock; }
+  ClockOffset& clock() { return sources_.clock(); }
+  const ClockOffset& clock() const { return sources_.clock(); }
 
   Identity identity_;
   Antenna antenna_;
   std::uint8_t component_ = 0;
-  Source source_ = Source::kGlobalPosition;
-  std::array<Heard, kSources> heard_{};
+  StateSources sources_;
   Heading heading_;        // of the chosen component
   Heading other_heading_;  // of another, which may be chosen when its position comes too
   std::optional<std::uint8_t> odometry_resets_;
@@ -142,6 +129,7 @@ class VesselTrack {
   std::uint8_t origin_component_ = 0;  // 0: the sender has told no origin
   bool frame_complaint_ = false;
   core::TrackState<S> track_;
+  std::optional<core::TrackMessage<S>> fix_;
 };
 
 }  // namespace flotilla::app

@@ -2,7 +2,9 @@
 // The formation law: own and leader's motion in, two thrusts out.
 //
 // Source: B. Wang, A. Loría, Leader-Follower Formation and Tracking Control of Underactuated
-// Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control).
+// Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control). Not in paper, each of no
+// effect where its parameters are zero: a slot that steers its own course, the line of sight, limits
+// of ν*, and a current and an unknown wrench that are not zero.
 #pragma once
 
 #include "core/allocation.hpp"
@@ -12,21 +14,25 @@ namespace flotilla::core {
 
 template <class S>
 struct ControllerParams {
-  Vec2<S> d{};  ///< slot, seen from the leader, north-east, m
+  SlotParams<S> slot{};
   VirtualVelocityParams<S> outer{};
   PdPlusParams<S> inner{};
   Vessel<S> vessel{};
   AllocationParams<S> propellers{};
+  LineOfSightParams<S> sight{};
 };
 
 template <class S>
 struct ControllerState {
   VirtualVelocityState<S> outer{};
+  SlotState<S> slot{};
 };
 
 template <class S>
 struct ControllerOutput {
+  Slot<S> slot{};
   FormationError<S> error{};
+  LineOfSight<S> sight{};
   VirtualVelocity<S> wanted{};
   Tau<S> tau{};
   Allocation<S> allocation{};
@@ -36,8 +42,17 @@ struct ControllerOutput {
 template <class S>
 ControllerState<S> controller_start(const Encounter<S>& in) {
   ControllerState<S> state;
-  state.outer.v_star = in.nu_L.v;
+  state.outer.v_star = sway_beside(in);
+  state.slot = slot_start(in);
   return state;
+}
+
+/// ν* through the water, which PD+ and v* are about; c_b: current in the boat's axes.
+template <class S>
+VirtualVelocity<S> through_water(VirtualVelocity<S> wanted, const Vec2<S>& c_b, S r) {
+  wanted.nu_star.u = wanted.nu_star.u - c_b.x;
+  wanted.u_star_dot = wanted.u_star_dot - r * c_b.y;
+  return wanted;
 }
 
 /// One control step; dt: time since the step before, s, 0 in the first.
@@ -45,10 +60,19 @@ template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
                                     const Encounter<S>& in, S dt) {
   ControllerOutput<S> out;
-  out.error = formation_error(in, params.d);
+  out.slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
+  out.error = formation_error(in, out.slot);
+  const Vec2<S> c_b = to_body(in.psi, in.current_n);
+  const S U = steering_speed(params.vessel, out.slot, in.unknown,
+                             wanted_surge(params.outer, out.slot, out.error) - c_b.x);
+  out.sight = line_of_sight(params.sight, in.nu, out.slot, out.error, U);
   virtual_sway_forward(params.vessel, state.outer, dt);
-  out.wanted = virtual_velocity(params.outer, state.outer, in, out.error);
-  out.tau = pd_plus(params.inner, params.vessel, out.wanted, in.nu);
+  out.wanted = virtual_velocity(params.outer, state.outer, out.slot, out.error, out.sight);
+  const VirtualVelocity<S> wanted_w = through_water(out.wanted, c_b, in.nu.r);
+  state.outer.u_star_held = wanted_w.nu_star.u;  // v* is of the water too
+  out.tau = pd_plus(params.inner, params.vessel, wanted_w,
+                    Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
+  out.tau = {out.tau.X - in.unknown.X, out.tau.N - in.unknown.N};
   out.allocation = allocate(params.propellers, out.tau);
   return out;
 }

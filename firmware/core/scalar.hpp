@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The arithmetic that the law is written in: any ordered field with sin, cos, tanh, exp, sqrt,
-// ceil.
+// The arithmetic that the law is written in: any ordered field with sin, cos, atan, tanh, exp,
+// sqrt, ceil.
 //
 // A literal enters only as S(0.5): the build rejects every other floating literal in this folder.
 #pragma once
@@ -11,6 +11,7 @@ namespace flotilla::core {
 
 // Found unqualified for float and double; a scalar of another type brings its own by ADL.
 using std::abs;
+using std::atan;
 using std::ceil;
 using std::cos;
 using std::exp;
@@ -28,11 +29,17 @@ constexpr S smaller(S a, S b) {
   return b < a ? b : a;
 }
 
+template <class S>
+constexpr S larger(S a, S b) {
+  return a < b ? b : a;
+}
+
 /// Angle in (−π, π], rad, for any finite angle.
 template <class S>
 S wrap_pi(S angle) {
   const S pi = S(3.14159265358979323846);
   const S two_pi = S(6.28318530717958647693);
+  if (-pi < angle && angle <= pi) return angle;
   return angle - two_pi * ceil((angle - pi) / two_pi);
 }
 

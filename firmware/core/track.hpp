@@ -1,20 +1,29 @@
 // SPDX-License-Identifier: MIT
-// A vessel's motion between its messages: heading and velocity of the last one, an estimate of its
-// acceleration, and where all that leads after a given age.
+// A vessel's motion between its messages: heading, velocity and its two derivatives, smoothed over the
+// last messages, and where they lead after a given age.
 //
-//   ν̇̂ ← ν̇̂ + (Δν − ν̇̂ Δt) / (Δt + T + age)    first-order lag on the difference quotient Δν/Δt
-//   ν(h) = ν + ν̇̂ h       ψ(h) = ψ + r h + ½ ṙ h²       Δp(h) = h R(ψ(h/2)) [u v]ᵀ(h/2)
+//   ν̂, ψ̂: what the old state says after Δt     p = Δt / (T + Δt)     q = Δt / (T_j + Δt)
+//   α = 1 − (1 − p)² (1 − q)     β = p (p + 2q − 1.5 p q)     γ = p² q
+//   ν ← ν̂ + α (ν − ν̂)      ν̇ ← ν̇̂ + β/Δt (ν − ν̂)      ν̈ ← ν̈ + γ/Δt² (ν − ν̂)      ψ ← ψ̂ + α (ψ − ψ̂)
+//   ν(h) = ν + ν̇ h + ½ ν̈ h²,  ψ(h) = ψ + ∫ r,  ν̈ for no more than a second
+//   Δp(h) = h R(ψ(h/2)) [u v]ᵀ(h/2)
+//   σ(h) = |[u v]| t + ½ a h²       a ← a + p ( |[u−û v−v̂]|/(Δt + T) + |u (r − r̂)| − a )
 //
 //  symbol   meaning                                    frame  unit        tested range
 //  psi      heading                                    n      rad         ±π
 //  nu       velocity over ground                       body   m/s, rad/s  ±20, ±4
-//  nu_dot   rate of change of the three numbers in nu  body   m/s², rad/s²
+//  nu_dot, nu_ddot  rates of change of the numbers in nu      m/s², rad/s², m/s³, rad/s³
 //  dt       time between two messages                         s           0 … 10
-//  age      time since the last message                       s           0 … 10
+//  h, age   time since the last message                       s           0 … 10
+//  t        how far the sender's clock may be off             s
+//  a        acceleration that is not foreseen                 m/s²
+//  σ        how far the vessel may be from there              m
 //
-// Not in paper: there the leader's u̇_L and ṙ_L are known. Dividing by Δt + T, not by Δt, keeps the
-// estimate bounded by Δν/T for any spacing of messages. What is carried far forward must be smooth:
-// noise in ν̇̂ counts `age` times, and each follower hands its share on to the next.
+// Not in paper: there the leader's u̇_L and ṙ_L are known, and the law answers an error of r_L with one
+// of heading that is 1/k_ψ times as large. The three poles of the tracker lie at 1 − p, 1 − p, 1 − q for any
+// spacing of messages; it has no lag behind a steady jerk. T is twice the last two spacings, within
+// limits: a leader that speaks often is followed at once when it jerks into motion, and two stamps
+// that lie close together say nothing of its acceleration.
 #pragma once
 
 #include "core/rotation.hpp"
@@ -23,8 +32,11 @@ namespace flotilla::core {
 
 template <class S>
 struct TrackParams {
-  S lag_s = S(0.02);  ///< T, beside the message's age
-  S gap_s = S(2);     ///< After a longer silence the old acceleration says nothing.
+  S T = S(0.12);  ///< two spacings of messages, but within these two
+  S T_min = S(0.02);
+  S T_j = S(1);
+  S gap = S(2);       ///< after a longer silence the old acceleration says nothing
+  S a_min = S(0.05);  ///< any vessel may begin to speed up as much unforeseen
 };
 
 template <class S>
@@ -32,7 +44,9 @@ struct TrackState {
   S psi{};
   Nu<S> nu{};
   Nu<S> nu_dot{};
+  Nu<S> nu_ddot{};
   S dt{};  ///< between the last two messages; 0 after the first, or a gap
+  S a{};
   bool started = false;
 };
 
@@ -41,7 +55,6 @@ struct TrackMessage {
   S psi{};
   Nu<S> nu{};
   S dt{};
-  S age{};
 };
 
 /// Motion at some age: displacement since the last message, heading, velocity, acceleration.
@@ -53,47 +66,79 @@ struct Motion {
   Nu<S> nu_dot{};
 };
 
-/// Takes a message that is dt seconds younger than the one before it, and was `age` old on arrival.
 template <class S>
-void track_update(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
-  const auto& [psi, nu, dt, age] = in;
-  if (state.started && S(0) < dt && dt < params.gap_s) {
-    const S gain = S(1) / (dt + params.lag_s + age);
-    state.nu_dot.u = state.nu_dot.u + (nu.u - state.nu.u - state.nu_dot.u * dt) * gain;
-    state.nu_dot.v = state.nu_dot.v + (nu.v - state.nu.v - state.nu_dot.v * dt) * gain;
-    state.nu_dot.r = state.nu_dot.r + (nu.r - state.nu.r - state.nu_dot.r * dt) * gain;
-    state.dt = dt;
-  } else {
-    state.nu_dot = Nu<S>{};
-    state.dt = S(0);
-  }
-  state.psi = psi;
-  state.nu = nu;
-  state.started = true;
-}
-
-/// Takes a message of another source, whose state was true dt seconds after the last one's. What the
-/// two say differs by their errors, which is no acceleration: the old one is kept.
-template <class S>
-void track_resume(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
-  const bool kept = state.started && S(0) < in.dt && in.dt < params.gap_s;
-  state = {in.psi, in.nu, kept ? state.nu_dot : Nu<S>{}, kept ? in.dt : S(0), true};
+Nu<S> plus(const Nu<S>& a, S k, const Nu<S>& b) {
+  return {a.u + k * b.u, a.v + k * b.v, a.r + k * b.r};
 }
 
 /// The motion `age` seconds after the last message.
 template <class S>
 Motion<S> track_forward(const TrackState<S>& state, S age) {
   const auto velocity_at = [&](S h) {
-    return Nu<S>{state.nu.u + state.nu_dot.u * h, state.nu.v + state.nu_dot.v * h,
-                 state.nu.r + state.nu_dot.r * h};
+    const S m = smaller(h, S(1));
+    return plus(plus(state.nu, h, state.nu_dot), m * (h - S(0.5) * m), state.nu_ddot);
   };
   const auto heading_at = [&](S h) {
-    return state.psi + (state.nu.r + S(0.5) * state.nu_dot.r * h) * h;
+    const S m = smaller(h, S(1));
+    const S twice = S(0.5) * m * (h * (h - m) + S(0.33333333333333333) * m * m);
+    return state.psi + h * state.nu.r + S(0.5) * h * h * state.nu_dot.r + twice * state.nu_ddot.r;
   };
   const S half = S(0.5) * age;
   const Nu<S> middle = velocity_at(half);
   const Vec2<S> way = to_north_east(heading_at(half), Vec2<S>{middle.u * age, middle.v * age});
-  return {way, heading_at(age), velocity_at(age), state.nu_dot};
+  return {way, heading_at(age), velocity_at(age),
+          plus(state.nu_dot, smaller(age, S(1)), state.nu_ddot)};
+}
+
+/// How far the vessel may be from where track_forward() says; t: uncertainty of its clock, s.
+template <class S>
+S track_uncertainty(const TrackState<S>& state, S age, S t) {
+  const S speed = sqrt(state.nu.u * state.nu.u + state.nu.v * state.nu.v);
+  return speed * t + S(0.5) * state.a * age * age;
+}
+
+/// Takes a message that is dt seconds younger than the one before it.
+template <class S>
+void track_update(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
+  const auto& [psi, nu, dt] = in;
+  if (!state.started || !(S(0) < dt) || !(dt < params.gap)) {
+    state = TrackState<S>{};
+    state.psi = psi;
+    state.nu = nu;
+    state.a = params.a_min;
+    state.started = true;
+    return;
+  }
+  const Motion<S> expected = track_forward(state, dt);
+  const Nu<S> off = plus(nu, S(-1), expected.nu);
+  const S T = clamp(S(2) * (dt + state.dt), params.T_min, params.T);
+  const S p = dt / (T + dt);
+  const S q = dt / (params.T_j + dt);
+  const S kept = (S(1) - p) * (S(1) - p) * (S(1) - q);  // 1 − α
+  const S beta = p * (p + S(2) * q - S(1.5) * p * q);
+  const S gamma = p * p * q;
+  const S unforeseen = sqrt(off.u * off.u + off.v * off.v) / (dt + params.T) + abs(nu.u * off.r);
+  state.psi = psi - kept * wrap_pi(psi - expected.psi);
+  state.nu = plus(nu, -kept, off);
+  state.nu_dot = plus(expected.nu_dot, beta / dt, off);
+  state.nu_ddot = plus(state.nu_ddot, gamma / (dt * dt), off);
+  state.dt = dt;
+  state.a = larger(state.a + p * (unforeseen - state.a), params.a_min);
+}
+
+/// Takes a message of another source, whose state was true dt seconds after the last one's. What the
+/// two say differs by their errors, which is no acceleration: the old ones are kept.
+template <class S>
+void track_resume(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
+  const bool near = state.started && S(0) < in.dt && in.dt < params.gap;
+  TrackState<S> next;
+  if (near) next = state;
+  next.psi = in.psi;
+  next.nu = in.nu;
+  next.dt = near ? in.dt : S(0);
+  next.a = larger(next.a, params.a_min);
+  next.started = true;
+  state = next;
 }
 
 }  // namespace flotilla::core

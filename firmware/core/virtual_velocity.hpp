@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: MIT
 // The velocity that the boat ought to have, ν*, and its derivative.
 //
-//   u* = u_L − k_x e_x          u̇* = u̇_L − k_x ė_x                              (eq:49a)
-//   r* = r_L − k_ψ tanh e_ψ     ṙ* = ṙ_L − k_ψ (1 − tanh² e_ψ) ė_ψ               (eq:49b)
+//   u* = u_S − k_x e_x               u̇* = u̇_S − k_x ė_x                           (eq:49a)
+//   r* = r_S − k_ψ tanh e_ψ          ṙ* = ṙ_S − k_ψ (1 − tanh² e_ψ) ė_ψ            (eq:49b)
 //   v̇* = −(m11/m22) u* r* − (d22/m22) v*,  v*(0) = v_L(0) (eq:mas-constraint)
 //
+// with e_ψ − θ for e_ψ, and θ̇, θ̈ added, where there is a line of sight; |u*| ≤ u_max, |r*| ≤ r_max,
+// but a tenth more than u_S and r_S is always allowed.
 // v* over a step h in which u*, r* are held, exactly:
 //   v* ← e^{−bh} v* − (m11/d22)(1 − e^{−bh}) u* r*,   b = d22/m22
 //
-//  symbol       meaning                     unit       tested range
-//  k_x, k_psi   gains                       1/s        0 … 2
-//  v_star       sway that follows from u*, r*  m/s     ±20
-//  h            control step                s          0 … 0.2
+//  symbol        meaning                         unit        tested range
+//  k_x, k_psi    gains                           1/s         0 … 2
+//  u_max, r_max  what the propellers can keep up m/s, rad/s  0: any
+//  v_star        sway that follows from u*, r*   m/s         ±20
+//  h             control step                    s           0 … 0.2
+//
+// Not in paper: θ and the limits, which are for boats far away: no leader is too fast to be followed.
+// At a limit ν* is constant, and nothing is integrated from what could not be reached.
 #pragma once
 
-#include "core/formation_error.hpp"
-#include "core/vessel.hpp"
+#include "core/line_of_sight.hpp"
 
 namespace flotilla::core {
 
@@ -23,6 +28,8 @@ template <class S>
 struct VirtualVelocityParams {
   S k_x{};
   S k_psi{};
+  S u_max{};
+  S r_max{};
 };
 
 template <class S>
@@ -37,6 +44,8 @@ struct VirtualVelocity {
   Nu<S> nu_star{};
   S u_star_dot{};
   S r_star_dot{};
+  bool u_limited = false;
+  bool r_limited = false;
 };
 
 /// Carries v* over the h seconds since the step before, in which its u* and r* were held.
@@ -47,17 +56,40 @@ void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& stat
                  (vessel.m11 / vessel.d22) * (S(1) - decay) * state.u_star_held * state.r_star_held;
 }
 
+/// Keeps a wanted velocity within ±most, 0: no limit, and tells whether that changed it; where it is
+/// held, it has no derivative. `needed`: what the slot itself does.
+template <class S>
+bool keep_within(S most, S needed, S& wanted, S& wanted_dot) {
+  if (!(S(0) < most)) return false;
+  const S limit = larger(most, S(1.1) * abs(needed));
+  if (!(limit < abs(wanted))) return false;
+  wanted = clamp(wanted, -limit, limit);
+  wanted_dot = S(0);
+  return true;
+}
+
+/// The speed that is wanted, before its limit.
+template <class S>
+S wanted_surge(const VirtualVelocityParams<S>& params, const Slot<S>& slot,
+               const FormationError<S>& error) {
+  return slot.nu.u - params.k_x * error.e.x;  // (eq:49a)
+}
+
 template <class S>
 VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
-                                    VirtualVelocityState<S>& state, const Encounter<S>& in,
-                                    const FormationError<S>& error) {
-  const S t = tanh(error.e.psi);
+                                    VirtualVelocityState<S>& state, const Slot<S>& slot,
+                                    const FormationError<S>& error, const LineOfSight<S>& sight) {
+  const S t = tanh(wrap_pi(error.e.psi - sight.theta));
   VirtualVelocity<S> out;
-  out.nu_star.u = in.nu_L.u - params.k_x * error.e.x;  // (eq:49a)
+  out.nu_star.u = wanted_surge(params, slot, error);
   out.nu_star.v = state.v_star;
-  out.nu_star.r = in.nu_L.r - params.k_psi * t;  // (eq:49b)
-  out.u_star_dot = in.nu_L_dot.u - params.k_x * error.e_dot.x;
-  out.r_star_dot = in.nu_L_dot.r - params.k_psi * (S(1) - t * t) * error.e_dot.psi;
+  out.nu_star.r = slot.nu.r - params.k_psi * t + sight.theta_dot;  // (eq:49b)
+  out.u_star_dot = slot.nu_dot.u - params.k_x * error.e_dot.x;
+  out.r_star_dot = slot.nu_dot.r -
+                   params.k_psi * (S(1) - t * t) * (error.e_dot.psi - sight.theta_dot) +
+                   sight.theta_ddot;
+  out.u_limited = keep_within(params.u_max, slot.nu.u, out.nu_star.u, out.u_star_dot);
+  out.r_limited = keep_within(params.r_max, slot.nu.r, out.nu_star.r, out.r_star_dot);
   state.u_star_held = out.nu_star.u;
   state.r_star_held = out.nu_star.r;
   return out;

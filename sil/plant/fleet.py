@@ -8,6 +8,7 @@ import numpy as np
 from sil.plant import hull, propeller
 from sil.plant.hull import Array, HullParameters
 from sil.plant.propeller import PropellerParameters
+from sil.plant.weather import Weather
 
 
 class Fleet:
@@ -15,7 +16,8 @@ class Fleet:
 
     `eta` and `nu` (N+1, 3): pose (m, m, rad) and velocity (m/s, m/s, rad/s) now; `rpm` (N, 2):
     shaft speeds, port and starboard; `tau` (N, 2): surge force and yaw moment (N, N m) that the
-    propellers gave at the beginning of the last step.
+    propellers gave at the beginning of the last step. `current` (N+1, 2): velocity of the water
+    around each, north and east (m/s); `weather` pushes them, or nothing does.
     """
 
     def __init__(
@@ -24,6 +26,8 @@ class Fleet:
         propellers: Iterable[PropellerParameters],
         eta: Sequence[Sequence[float]],
         nu: Sequence[Sequence[float]],
+        current: Array | None = None,
+        weather: Weather | None = None,
     ) -> None:
         self.eta: Array = np.array(eta, dtype=np.float64)
         self.nu: Array = np.array(nu, dtype=np.float64)
@@ -33,7 +37,9 @@ class Fleet:
         self._propellers = propeller.stack(propellers)
         self._thrust: Array = np.zeros((n, 2))
         self._tau: Array = np.zeros((3, n + 1, 2))
-        self._no_force: Array = np.zeros((n + 1, 3))
+        self._current: Array = np.zeros((n + 1, 2)) if current is None else current
+        self._weather = weather
+        self._w: Array = np.zeros((n + 1, 3))
 
     @property
     def tau(self) -> Array:
@@ -49,7 +55,9 @@ class Fleet:
         propeller.advance(self._thrust, command, self._tau[:, 1:], self._propellers, h_s)
         propeller.shaft_speed(self._thrust, self._propellers, self.rpm)
         self._tau[:, 0] = reference
-        hull.advance(self.eta, self.nu, self._tau, self._no_force, self._hulls, h_s)
+        if self._weather is not None:
+            self._w[1:] = self._weather.step(self.eta[1:], self.nu[1:], h_s)
+        hull.advance(self.eta, self.nu, self._tau, self._w, self._current, self._hulls, h_s)
 
     def thrust_of(self, tau: Array) -> Array:
         """Thrusts (…, N, 2), port and starboard, N, that give `tau` (…, N, 2)."""

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Three-degree-of-freedom hulls: M ν̇ + C(ν) ν + D ν = [X 0 N]ᵀ + w, η̇ = R(ψ) ν.
+"""Three-degree-of-freedom hulls in a steady current.
 
-Source: Wang and Loría, eq:sim. η = [x y ψ], north-east-down, ψ clockwise, never wrapped (m, rad);
-ν = [u v r], body x forward, y starboard (m/s, rad/s); M = diag(m11 m22 m33),
-D = diag(d11 d22 d33).
+M ν̇_r + C(ν_r) ν_r + D(ν_r) ν_r = [X 0 N]ᵀ + w,  ν_r = ν − R(ψ)ᵀ c,  η̇ = R(ψ) ν
+
+η = [x y ψ], north-east-down, ψ clockwise, never wrapped (m, rad); ν = [u v r] over ground, body
+x forward, y starboard (m/s, rad/s); c = [north east], the water's velocity, uniform and constant,
+hence irrotational. Source: Wang and Loría, eq:sim, where M = diag(m11 m22 m33),
+D = diag(d11 d22 d33), c = 0; with the rest of `HullParameters` Fossen, Handbook of Marine Craft
+Hydrodynamics and Motion Control, 2nd ed., chapters 6 and 10.
 """
 
 from collections.abc import Iterable
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +19,19 @@ from numba import njit
 
 Array = npt.NDArray[np.float64]
 
+# numpy's division by zero: a check of each divisor would cost a fifth of the time.
+_compiled = njit(cache=True, error_model="numpy")
+
+_PAPER = ("m11", "m22", "m33", "d11", "d22", "d33")
+
 
 @dataclass(frozen=True)
 class HullParameters:
-    """Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s)."""
+    """Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s).
+
+    The rest is 0 for the paper's vessel. `crossflow` is ½ ρ T C_d (density, draft, drag
+    coefficient) along the waterline from −`length_m`/2 to `length_m`/2.
+    """
 
     m11: float
     m22: float
@@ -26,53 +39,111 @@ class HullParameters:
     d11: float
     d22: float
     d33: float
+    m23: float = 0.0  # kg m: sway-yaw coupling, mass × distance of its centre ahead of the origin
+    d11_quadratic: float = 0.0  # N s²/m², of u |u|
+    d33_quadratic: float = 0.0  # N m s², of r |r|
+    crossflow: float = 0.0  # kg/m²
+    length_m: float = 0.0
 
 
 def stack(hulls: Iterable[HullParameters]) -> Array:
-    """Parameters (n, 6) of n vessels, columns in the order of `HullParameters`."""
-    return np.array([astuple(hull) for hull in hulls], dtype=np.float64)
+    """Parameters (n, 15) of n vessels: columns in the order of `HullParameters`, then M inverted.
+
+    The last four are m23/m33, m22 − m23²/m33, m23/m22, m33 − m23²/m22: M has one element off its
+    diagonal, which is eliminated. ValueError where M is not positive definite.
+    """
+    rows = []
+    for hull in hulls:
+        m22, m33, m23 = hull.m22, hull.m33, hull.m23
+        if m23 * m23 >= m22 * m33:
+            raise ValueError(f"m23 = {m23:g}: its square must be less than m22 m33")
+        schur = (m23 / m33, m22 - m23 * m23 / m33, m23 / m22, m33 - m23 * m23 / m22)
+        rows.append((*astuple(hull), *schur))
+    return np.array(rows, dtype=np.float64)
 
 
-@njit(cache=True)
-def advance(eta: Array, nu: Array, tau: Array, w: Array, parameters: Array, h_s: float) -> None:
+def mismatched(hull: HullParameters, share: float, rng: np.random.Generator) -> HullParameters:
+    """`hull` with each of the paper's six parameters times its own U(1 − share, 1 + share)."""
+    factors = rng.uniform(1.0 - share, 1.0 + share, len(_PAPER))
+    changed = {
+        name: getattr(hull, name) * factor for name, factor in zip(_PAPER, factors, strict=True)
+    }
+    return replace(hull, **changed)
+
+
+@_compiled
+def advance(
+    eta: Array, nu: Array, tau: Array, w: Array, current: Array, parameters: Array, h_s: float
+) -> None:
     """Carry n vessels over one step of `h_s` seconds, in place, by classical Runge-Kutta 4.
 
-    Shapes: eta (n, 3), nu (n, 3), parameters (n, 6) from `stack`.
+    Shapes: eta (n, 3), nu (n, 3), parameters (n, 15) from `stack`.
     tau (3, n, 2): [X N] (N, N m) at the start, the middle and the end of the step.
     w (n, 3): body-fixed disturbance [X Y N] (N, N, N m), held over the step.
+    current (n, 2): velocity of the water around each, north and east (m/s).
     """
     half = 0.5 * h_s
     sixth = h_s / 6.0
     for i in range(eta.shape[0]):
-        p, wi = parameters[i], w[i]
+        p, wi, cn, ce = parameters[i], w[i], current[i, 0], current[i, 1]
         psi, u, v, r = eta[i, 2], nu[i, 0], nu[i, 1], nu[i, 2]
-        a = _rates(psi, u, v, r, tau[0, i], wi, p)
+        a = _rates(psi, u, v, r, tau[0, i], wi, cn, ce, p)
         b = _rates(
-            psi + half * a[2], u + half * a[3], v + half * a[4], r + half * a[5], tau[1, i], wi, p
+            *(psi + half * a[2], u + half * a[3], v + half * a[4], r + half * a[5]),
+            *(tau[1, i], wi, cn, ce, p),
         )
         c = _rates(
-            psi + half * b[2], u + half * b[3], v + half * b[4], r + half * b[5], tau[1, i], wi, p
+            *(psi + half * b[2], u + half * b[3], v + half * b[4], r + half * b[5]),
+            *(tau[1, i], wi, cn, ce, p),
         )
         d = _rates(
-            psi + h_s * c[2], u + h_s * c[3], v + h_s * c[4], r + h_s * c[5], tau[2, i], wi, p
+            *(psi + h_s * c[2], u + h_s * c[3], v + h_s * c[4], r + h_s * c[5]),
+            *(tau[2, i], wi, cn, ce, p),
         )
         for j in range(3):
             eta[i, j] += sixth * (a[j] + 2.0 * (b[j] + c[j]) + d[j])
             nu[i, j] += sixth * (a[j + 3] + 2.0 * (b[j + 3] + c[j + 3]) + d[j + 3])
 
 
-@njit(cache=True)
+@_compiled
 def _rates(
-    psi: float, u: float, v: float, r: float, tau: Array, w: Array, p: Array
+    psi: float, u: float, v: float, r: float, tau: Array, w: Array, cn: float, ce: float, p: Array
 ) -> tuple[float, float, float, float, float, float]:
-    """[ẋ ẏ ψ̇ u̇ v̇ ṙ]: eq:sim, written out by rows."""
-    m11, m22, m33, d11, d22, d33 = p[0], p[1], p[2], p[3], p[4], p[5]
+    """[ẋ ẏ ψ̇ u̇ v̇ ṙ], written out by rows."""
+    m11, m22, d11, d22, d33, m23 = p[0], p[1], p[3], p[4], p[5], p[6]
     cos, sin = np.cos(psi), np.sin(psi)
+    u_c, v_c = cos * cn + sin * ce, cos * ce - sin * cn
+    u_r, v_r = u - u_c, v - v_c
+    surge = tau[0] + w[0] + m22 * v_r * r - d11 * u_r + (m23 * r * r - p[7] * abs(u_r) * u_r)
+    sway = w[1] - m11 * u_r * r - d22 * v_r
+    yaw = tau[1] + w[2] - (m22 - m11) * u_r * v_r - d33 * r - (m23 * u_r + p[8] * abs(r)) * r
+    if p[9] > 0.0:
+        sway_drag, yaw_drag = _crossflow(v_r, r, p[9], 0.5 * p[10])
+        sway -= sway_drag
+        yaw -= yaw_drag
     return (
         cos * u - sin * v,
         sin * u + cos * v,
         r,
-        (tau[0] + w[0] + m22 * v * r - d11 * u) / m11,
-        (w[1] - m11 * u * r - d22 * v) / m22,
-        (tau[1] + w[2] - (m22 - m11) * u * v - d33 * r) / m33,
+        surge / m11 + r * v_c,
+        (sway - p[11] * yaw) / p[12] - r * u_c,
+        (yaw - p[13] * sway) / p[14],
+    )
+
+
+@_compiled
+def _crossflow(v: float, r: float, k: float, half_m: float) -> tuple[float, float]:
+    """Cross-flow drag in sway and yaw: k ∫ |v + x r| (v + x r) [1 x] dx, x over the waterline.
+
+    In closed form: v + x r changes its sign on the waterline, or does not.
+    """
+    swing = r * half_m
+    if abs(v) >= abs(swing):
+        drag = 2.0 * half_m * k * abs(v) * v
+        share = (swing / v) ** 2 if v != 0.0 else 0.0
+        return drag * (1.0 + share / 3.0), (2.0 / 3.0) * drag * half_m * (swing / v if v else 0.0)
+    drag = half_m * k * abs(swing) * swing
+    q = v / swing
+    return drag * (2.0 + (2.0 / 3.0) * q * q) * q, drag * half_m * (
+        0.5 + q * q * (1.0 - q * q / 6.0)
     )

@@ -33,6 +33,8 @@ Report full() {
   r.formation = FormationReport{{1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
   r.own_age_s = 0.1;
   r.leader_age_s = 0.2;
+  r.leader_uncertainty_m = 0.3;
+  r.estimates = Estimates{{-1.5, 0.75}, {0.1, -0.2}};
   r.escs = {EscReport{0, link::EscStatus{}}, EscReport{1, link::EscStatus{}}};
   r.self = {7, 1};
   return r;
@@ -75,6 +77,8 @@ Report any_report(std::mt19937& random) {
   if (!often()) r.formation.reset();
   if (!often()) r.own_age_s.reset();
   if (!often()) r.leader_age_s.reset();
+  if (!often()) r.leader_uncertainty_m.reset();
+  if (!often()) r.estimates.reset();
   for (EscReport& esc : r.escs) {
     esc.index = static_cast<std::uint8_t>(random() % 20);
     if (!often()) esc.status.reset();
@@ -255,14 +259,20 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
     return out;
   };
   Report r = full();
-  CHECK(names(r) == "E_X E_Y E_PSI U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE OVERRUNS ");
+  CHECK(
+      names(r) ==
+      "E_X E_Y E_PSI U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E "
+      "OVERRUNS ");
   const auto values = all_as<link::NamedValueFloat>(mav::kNamedValueFloatId, r);
-  const std::array expected{1.0F, 2.0F, 0.1F, 1.0F, 0.2F, 0.5F, 0.25F, 0.1F, 0.2F, 0.0F};
+  const std::array expected{1.0F, 2.0F, 0.1F,  1.0F,  0.2F, 0.5F,  0.25F, 0.1F,
+                            0.2F, 0.3F, -1.5F, 0.75F, 0.1F, -0.2F, 0.0F};
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(values[i].value == expected[i]);
   r.formation.reset();
-  CHECK(names(r) == "NAV_AGE LEAD_AGE OVERRUNS ");
+  CHECK(names(r) == "NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E OVERRUNS ");
   r.own_age_s.reset();
   r.leader_age_s.reset();
+  r.leader_uncertainty_m.reset();
+  r.estimates.reset();
   CHECK(names(r) == "OVERRUNS ");
 }
 

@@ -510,6 +510,7 @@ TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIME
     if (t < 4'000'000) w.hear(at(t + kClock_us, float(way), float(v)), now);
     w.track.answered({5, 1}, now - 2 * kDelay_us, now - kDelay_us + kClock_us, now);
     const auto m = w.track.motion(now);
+    const auto fix = w.track.take_fix();
     motion = w.track.position().north_m + double(m.moved_n.x);
     const double truth = 1e-6 * double(now) * (1 + 0.1e-6 * double(now));
     if (t > 2'000'000) {
@@ -518,7 +519,7 @@ TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIME
       CHECK(std::abs(double(m.nu.u) - (1 + 0.2e-6 * double(now))) < 0.05);
       CHECK(std::abs(double(m.nu_dot.u) - 0.2) < 0.08);
       // ODOMETRY's last was 0.6 s before GLOBAL_POSITION_INT took over.
-      CHECK(double(w.track.last().dt) == doctest::Approx(t == 4'500'000 ? 0.6 : 0.1).epsilon(1e-3));
+      if (fix) CHECK(double(fix->dt) == doctest::Approx(t == 4'500'000 ? 0.6 : 0.1).epsilon(1e-3));
       CHECK(motion > before);
     }
     before = motion;
@@ -534,7 +535,7 @@ TEST_CASE_TEMPLATE("a vessel whose FOLLOW_TARGET has no attitude takes ATTITUDE'
   CHECK(w.counters.mavlink_no_heading == 1);
   w.hear(link::Attitude{900, 0, 0, 0.5F, 0, 0, 0.1F}, 1'000'000);
   w.hear(m, 1'000'000);
-  CHECK(double(w.track.last().psi) == doctest::Approx(0.51));
+  CHECK(double(w.track.take_fix().value().psi) == doctest::Approx(0.51));
   m.timestamp = 1'700'000'000'000;  // a clock that ATTITUDE does not know
   w.hear(m, 1'100'000);
   CHECK(w.counters.mavlink_no_heading == 2);
@@ -583,7 +584,7 @@ TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before",
   w.hear(at(50'000, 3), w.now_us, {7, 1});
   CHECK(w.track.age_us(w.now_us) == 0);  // nor are its clock and stamps
   CHECK(w.track.position().north_m == 3);
-  CHECK(double(w.track.last().nu_dot.u) == 0);
+  CHECK(double(w.track.motion(w.now_us).nu_dot.u) == 0);
 }
 
 TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message on", S, float,
@@ -594,6 +595,32 @@ TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message
   CHECK(w.track.position().north_m == 10);
   w.hear(at(1'100'000, 10), 1'100'000);
   CHECK(w.track.position().north_m == doctest::Approx(8.5));
+}
+
+TEST_CASE_TEMPLATE(
+    "of several fixes between two ticks the last one is taken, after the time of all", S, float,
+    double) {
+  Watch<S> w;
+  CHECK_FALSE(w.track.take_fix());
+  w.hear(at(1'000'000, 10), 1'000'000);
+  CHECK(double(w.track.take_fix().value().dt) == 0);  // nothing led to the first
+  CHECK_FALSE(w.track.take_fix());
+  for (const std::int64_t t : {1'100'000, 1'250'000, 1'300'000}) w.hear(at(t, 10), t);
+  CHECK(double(w.track.take_fix().value().dt) == doctest::Approx(0.3));
+  w.hear(at(9'000'000, 10), 9'000'000);  // a gap, and one more at once
+  w.hear(at(9'010'000, 10), 9'010'000);
+  CHECK(double(w.track.take_fix().value().dt) == 0);
+}
+
+TEST_CASE_TEMPLATE(
+    "the longer a vessel is silent, and the less its clock is known, the less certain its place", S,
+    float, double) {
+  Watch<S> w;
+  CHECK_FALSE(w.track.uncertainty_m(0));
+  for (std::int64_t t = 1'000'000; t <= 2'000'000; t += 100'000) w.hear(at(t, 1e-6F * float(t)), t);
+  const double now_m = w.track.uncertainty_m(2'000'000).value();
+  CHECK(w.track.uncertainty_m(2'500'000).value() > now_m);
+  CHECK(w.track.uncertainty_m(3'000'000).value() > w.track.uncertainty_m(2'500'000).value());
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <bit>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -28,6 +30,14 @@ template <class S>
 doctest::Approx approx(S value, double scale = 1) {
   const double epsilon = 100 * static_cast<double>(std::numeric_limits<S>::epsilon());
   return doctest::Approx(static_cast<double>(value)).epsilon(epsilon).scale(scale);
+}
+
+/// To the last bit, the sign of a zero included.
+inline bool same_bits(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+}
+inline bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
 template <class S>
@@ -55,6 +65,33 @@ core::Encounter<S> encounter_in_slot(const core::Vec2<S>& d, Random& random) {
   in.psi = in.psi_L;
   in.nu = in.nu_L;
   return in;
+}
+
+/// The encounter h later: both with their velocity, the leader with its acceleration.
+inline core::Encounter<double> later(core::Encounter<double> in, double h) {
+  const auto way = [h](double psi, const core::Nu<double>& nu) {
+    return core::to_north_east(psi + 0.5 * h * nu.r, core::Vec2<double>{h * nu.u, h * nu.v});
+  };
+  const core::Vec2<double> own = way(in.psi, in.nu), leader = way(in.psi_L, in.nu_L);
+  in.separation_n = {in.separation_n.x + own.x - leader.x, in.separation_n.y + own.y - leader.y};
+  in.psi += h * in.nu.r;
+  in.psi_L += h * in.nu_L.r;
+  in.nu_L = {in.nu_L.u + h * in.nu_L_dot.u, in.nu_L.v + h * in.nu_L_dot.v,
+             in.nu_L.r + h * in.nu_L_dot.r};
+  return in;
+}
+
+/// The paper's error and virtual velocity: the slot goes as the leader does.
+template <class S>
+core::FormationError<S> papers_error(const core::Encounter<S>& in, const core::Vec2<S>& d) {
+  return core::formation_error(in, core::slot_beside(in, d));
+}
+
+template <class S>
+core::VirtualVelocity<S> papers_velocity(const core::VirtualVelocityParams<S>& params,
+                                         core::VirtualVelocityState<S>& state,
+                                         const core::Encounter<S>& in, const core::Vec2<S>& d) {
+  return core::virtual_velocity(params, state, core::slot_beside(in, d), papers_error(in, d), {});
 }
 
 template <class S>

@@ -10,16 +10,21 @@
 
 namespace flotilla::testing {
 
-/// x, y, ψ, u, v, r of a vessel with the paper's nominal values; its own model, not core's.
+/// A thrust that is a function of time, s.
+using Thrusting = std::function<core::Tau<double>(double)>;
+
+/// A vessel with the paper's nominal values in water that moves; its own model, not core's.
 struct Hull {
   using Q = std::array<double, 6>;
-  Q q{};
+  Q q{};                         ///< x, y, ψ over ground; u, v, r through the water
+  core::Vec2<double> current{};  ///< the water's velocity, north and east
 
-  static Q rates(const Q& q, core::Tau<double> tau) {
+  static Q rates(const Q& q, core::Tau<double> tau, const core::Vec2<double>& current = {}) {
     constexpr double m11 = 1.012, m22 = 1.982, m33 = 0.354, d11 = 3.436, d22 = 18.99, d33 = 0.864;
     const auto [x, y, psi, u, v, r] = q;
-    return {u * std::cos(psi) - v * std::sin(psi),
-            u * std::sin(psi) + v * std::cos(psi),
+    const double c = std::cos(psi), s = std::sin(psi);
+    return {u * c - v * s + current.x,
+            u * s + v * c + current.y,
             r,
             (tau.X + m22 * v * r - d11 * u) / m11,
             (-m11 * u * r - d22 * v) / m22,
@@ -31,14 +36,49 @@ struct Hull {
     const auto at = [&](const Q& k, double step) {
       Q out = q;
       for (std::size_t i = 0; i < out.size(); ++i) out[i] += step * k[i];
-      return out;
+      return rates(out, tau, current);
     };
-    const Q k1 = rates(q, tau), k2 = rates(at(k1, h / 2), tau), k3 = rates(at(k2, h / 2), tau),
-            k4 = rates(at(k3, h), tau);
+    const Q k1 = at({}, 0), k2 = at(k1, h / 2), k3 = at(k2, h / 2), k4 = at(k3, h);
     for (std::size_t i = 0; i < q.size(); ++i)
       q[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
   }
 };
+
+/// A vessel as others see it: over ground.
+struct Sighting {
+  core::Vec2<double> place{};
+  double psi = 0;
+  core::Nu<double> nu{}, nu_dot{};
+};
+
+inline Sighting sighting_of(const Hull& hull, core::Tau<double> tau = {}) {
+  const auto& q = hull.q;
+  const Hull::Q rate = Hull::rates(q, tau, hull.current);
+  const double c = std::cos(q[2]), s = std::sin(q[2]), r = q[5];
+  const double ahead = c * hull.current.x + s * hull.current.y;
+  const double aside = c * hull.current.y - s * hull.current.x;
+  return {{q[0], q[1]},
+          q[2],
+          {q[3] + ahead, q[4] + aside, r},
+          {rate[3] + r * aside, rate[4] - r * ahead, rate[5]}};
+}
+
+template <class S>
+core::Nu<S> in_scalar(const core::Nu<double>& nu) {
+  return {S(nu.u), S(nu.v), S(nu.r)};
+}
+
+template <class S>
+core::Encounter<S> encounter_of(const Sighting& own, const Sighting& leader) {
+  return {{S(own.place.x - leader.place.x), S(own.place.y - leader.place.y)},
+          S(own.psi),
+          S(leader.psi),
+          in_scalar<S>(own.nu),
+          in_scalar<S>(leader.nu),
+          in_scalar<S>(leader.nu_dot),
+          {},
+          {}};
+}
 
 struct ClosedLoop {
   Hull leader{};
@@ -52,38 +92,29 @@ core::ControllerParams<S> papers_controller() {
   return {{}, {S(0.2), S(0.2)}, {S(10), S(10)}, papers_vessel<S>(), {S(0.25), S(50), S(50)}};
 }
 
-template <class S>
-core::Encounter<S> encounter_of(const ClosedLoop& world, core::Tau<double> leader_tau) {
-  const auto& o = world.boat.q;
-  const auto& l = world.leader.q;
-  const Hull::Q l_dot = Hull::rates(l, leader_tau);
-  return {{S(o[0] - l[0]), S(o[1] - l[1])},
-          S(o[2]),
-          S(l[2]),
-          {S(o[3]), S(o[4]), S(o[5])},
-          {S(l[3]), S(l[4]), S(l[5])},
-          {S(l_dot[3]), S(l_dot[4]), S(l_dot[5])}};
-}
-
 inline double number_of(float x) { return double{x}; }
 inline double number_of(double x) { return x; }
 
-/// Sails until `until` at 100 Hz; the leader's wrench is a function of time. The last error.
-template <class S, class Number>
+template <class S>
+core::Tau<double> in_double(const core::Tau<S>& tau) {
+  return {number_of(tau.X), number_of(tau.N)};
+}
+
+/// Sails until `until` at 100 Hz with exact states. The last error.
+template <class S>
 core::Error<double> sail(ClosedLoop& world, core::ControllerState<S>& state, double until,
-                         const std::function<core::Tau<double>(double)>& leader_tau,
-                         Number number) {
+                         const Thrusting& leader_tau) {
   constexpr double h = 0.01;
   const core::ControllerParams<S> params = papers_controller<S>();
   core::Error<double> e{};
   for (; world.t < until - h / 2; world.t += h) {
-    const core::Encounter<S> in = encounter_of<S>(world, leader_tau(world.t));
+    const core::Tau<double> tau = leader_tau(world.t);
+    const auto in = encounter_of<S>(sighting_of(world.boat), sighting_of(world.leader, tau));
     const core::ControllerOutput<S> out =
         core::controller_step(params, state, in, world.t > 0 ? S(h) : S(0));
-    const core::Tau<S>& given = out.allocation.given;
-    world.boat.advance({number(given.X), number(given.N)}, h);
-    world.leader.advance(leader_tau(world.t), h);
-    e = {number(out.error.e.x), number(out.error.e.y), number(out.error.e.psi)};
+    world.boat.advance(in_double(out.allocation.given), h);
+    world.leader.advance(tau, h);
+    e = {number_of(out.error.e.x), number_of(out.error.e.y), number_of(out.error.e.psi)};
   }
   return e;
 }

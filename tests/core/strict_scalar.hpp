@@ -46,6 +46,7 @@ class Strict {
   friend bool operator>=(Strict a, Strict b) { return a.value_ >= b.value_; }
 
   friend Strict abs(Strict a) { return Strict(std::abs(a.value_)); }
+  friend Strict atan(Strict a) { return Strict(std::atan(a.value_)); }
   friend Strict ceil(Strict a) { return Strict(std::ceil(a.value_)); }
   friend Strict cos(Strict a) { return Strict(std::cos(a.value_)); }
   friend Strict exp(Strict a) { return Strict(std::exp(a.value_)); }
@@ -56,5 +57,7 @@ class Strict {
  private:
   double value_ = 0;
 };
+
+inline double number_of(Strict x) { return x.value(); }
 
 }  // namespace flotilla::testing

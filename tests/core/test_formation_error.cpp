@@ -7,6 +7,7 @@ namespace {
 
 using testing::approx;
 using testing::kPi;
+using testing::later;
 using testing::Random;
 
 TEST_CASE_TEMPLATE(
@@ -16,7 +17,7 @@ TEST_CASE_TEMPLATE(
   in.separation_n = {S(-2), S(-2)};
   in.psi = S(kPi / 2);
   in.psi_L = S(0);
-  const Error<S> e = formation_error(in, Vec2<S>{S(-3), S(-2)}).e;
+  const Error<S> e = testing::papers_error(in, Vec2<S>{S(-3), S(-2)}).e;
   CHECK(e.x == approx(S(0)));
   CHECK(e.y == approx(S(-1)));
   CHECK(e.psi == approx(S(kPi / 2)));
@@ -27,7 +28,7 @@ TEST_CASE_TEMPLATE("a boat in its slot with its leader's motion has no error and
   Random random(5);
   for (int i = 0; i < 200; ++i) {
     const Vec2<S> d{S(random(-9, 9)), S(random(-9, 9))};
-    const FormationError<S> error = formation_error(testing::encounter_in_slot(d, random), d);
+    const FormationError<S> error = testing::papers_error(testing::encounter_in_slot(d, random), d);
     CHECK(error.e.x == S(0));
     CHECK(error.e.y == S(0));
     CHECK(error.e.psi == S(0));
@@ -52,9 +53,9 @@ TEST_CASE_TEMPLATE("the error cares for neither place nor compass: shift or turn
         to_north_east(turn, Vec2<S>{in.separation_n.x + shift.x, in.separation_n.y + shift.y});
     moved.psi = in.psi + turn;
     moved.psi_L = in.psi_L + turn;
-    const FormationError<S> a = formation_error(in, d);
+    const FormationError<S> a = testing::papers_error(in, d);
     const FormationError<S> b =
-        formation_error(moved, to_north_east(turn, Vec2<S>{d.x + shift.x, d.y + shift.y}));
+        testing::papers_error(moved, to_north_east(turn, Vec2<S>{d.x + shift.x, d.y + shift.y}));
     CHECK(b.e.x == approx(a.e.x, 50));
     CHECK(b.e.y == approx(a.e.y, 50));
     CHECK(wrap_pi(b.e.psi - a.e.psi) == approx(S(0), 10));
@@ -71,23 +72,12 @@ TEST_CASE_TEMPLATE("a turn of the boat turns its error the other way", S, float,
     Encounter<S> turned = in;
     const S turn = S(random.angle());
     turned.psi = in.psi + turn;
-    const Error<S> a = formation_error(in, Vec2<S>{}).e, b = formation_error(turned, Vec2<S>{}).e;
+    const Error<S> a = testing::papers_error(in, Vec2<S>{}).e,
+                   b = testing::papers_error(turned, Vec2<S>{}).e;
     const Vec2<S> expected = to_body(turn, Vec2<S>{a.x, a.y});
     CHECK(b.x == approx(expected.x, 50));
     CHECK(b.y == approx(expected.y, 50));
   }
-}
-
-/// Both vessels a moment h later, with their velocities held.
-Encounter<double> later(Encounter<double> in, double h) {
-  const auto way = [h](double psi, const Nu<double>& nu) {
-    return to_north_east(psi + 0.5 * h * nu.r, Vec2<double>{h * nu.u, h * nu.v});
-  };
-  const Vec2<double> own = way(in.psi, in.nu), leader = way(in.psi_L, in.nu_L);
-  in.separation_n = {in.separation_n.x + own.x - leader.x, in.separation_n.y + own.y - leader.y};
-  in.psi += h * in.nu.r;
-  in.psi_L += h * in.nu_L.r;
-  return in;
 }
 
 TEST_CASE("the error's derivative is the slope of the error while both vessels sail on") {
@@ -98,9 +88,9 @@ TEST_CASE("the error's derivative is the slope of the error while both vessels s
     const Encounter<double> in = testing::arbitrary_encounter<double>(random);
     const Vec2<double> d{random(-9, 9), random(-9, 9)};
     constexpr double h = 1e-4;
-    const Error<double> before = formation_error(later(in, -h), d).e;
-    const Error<double> after = formation_error(later(in, h), d).e;
-    const Error<double> e_dot = formation_error(in, d).e_dot;
+    const Error<double> before = testing::papers_error(later(in, -h), d).e;
+    const Error<double> after = testing::papers_error(later(in, h), d).e;
+    const Error<double> e_dot = testing::papers_error(in, d).e_dot;
     CHECK(std::abs((after.x - before.x) / (2 * h) - e_dot.x) < 1e-5);
     CHECK(std::abs((after.y - before.y) / (2 * h) - e_dot.y) < 1e-5);
     CHECK(std::abs(wrap_pi(after.psi - before.psi) / (2 * h) - e_dot.psi) < 1e-5);

@@ -27,8 +27,8 @@ TEST_CASE_TEMPLATE("a boat in its slot gets the wrench that its leader's own mot
     const Encounter<S> in = testing::encounter_in_slot(d, random);
     const Vessel<S> vessel = testing::arbitrary_vessel<S>(random);
     VirtualVelocityState<S> state{.v_star = in.nu_L.v};
-    const auto wanted = virtual_velocity(VirtualVelocityParams<S>{S(random(0, 2)), S(random(0, 2))},
-                                         state, in, formation_error(in, d));
+    const auto wanted = testing::papers_velocity(
+        VirtualVelocityParams<S>{S(random(0, 2)), S(random(0, 2))}, state, in, d);
     const Tau<S> tau =
         pd_plus(PdPlusParams<S>{S(random(0, 100)), S(random(0, 100))}, vessel, wanted, in.nu);
     const Tau<S> needed = wrench_needed(vessel, in.nu_L, in.nu_L_dot);

@@ -30,8 +30,25 @@ TEST_CASE_TEMPLATE("a heading that is wrapped already stays as it is, to the las
   for (int i = 0; i < 1000; ++i) {
     const S angle = S(random(-3.14159, 3.14159));
     CHECK(wrap_pi(angle) == angle);
+    const S half_turn = S(kPi) * S(1 - random(0, 1e-6));
+    CHECK(wrap_pi(half_turn) == half_turn);
+    CHECK(wrap_pi(-half_turn) == (-half_turn == -S(kPi) ? S(kPi) : -half_turn));
   }
   CHECK(wrap_pi(S(0)) == S(0));
+}
+
+TEST_CASE_TEMPLATE("to wrap a heading twice is to wrap it once, due astern as well", S, float,
+                   double) {
+  Random random(3);
+  for (int i = 0; i < 5000; ++i) {
+    S angle = S(random(-100, 100));
+    // Differences of two headings are within two half turns.
+    if (i % 2 == 0) angle = S(i % 5 - 2) * S(kPi) + S(random(-1e-6, 1e-6));
+    if (i % 10 < 4) angle = S(i % 5 - 2) * S(kPi);
+    const S wrapped = wrap_pi(angle);
+    CAPTURE(angle);
+    CHECK(wrap_pi(wrapped) == wrapped);
+  }
 }
 
 TEST_CASE_TEMPLATE("due astern is +pi, whichever way the boat turned there", S, float, double) {

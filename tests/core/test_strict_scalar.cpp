@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
-#include "core/closed_loop.hpp"
-#include "core/dead_reckoning.hpp"
 #include "core/manual.hpp"
+#include "core/observer.hpp"
+#include "core/piloted_boat.hpp"
 #include "core/strict_scalar.hpp"
 #include "core/supervisor.hpp"
 #include "core/thrust_curve.hpp"
@@ -19,6 +19,13 @@ template struct Error<Strict>;
 template struct Vessel<Strict>;
 template struct Encounter<Strict>;
 template struct FormationError<Strict>;
+template struct SlotParams<Strict>;
+template struct Smooth<Strict>;
+template struct SlotState<Strict>;
+template struct Slot<Strict>;
+template struct SlotVelocity<Strict>;
+template struct LineOfSightParams<Strict>;
+template struct LineOfSight<Strict>;
 template struct VirtualVelocityParams<Strict>;
 template struct VirtualVelocityState<Strict>;
 template struct VirtualVelocity<Strict>;
@@ -29,21 +36,46 @@ template struct Allocation<Strict>;
 template struct ThrustCurveParams<Strict>;
 template struct TrackParams<Strict>;
 template struct TrackState<Strict>;
+template struct TrackMessage<Strict>;
 template struct Motion<Strict>;
+template struct ObserverParams<Strict>;
+template struct Given<Strict>;
+template struct Observer<Strict>;
+template struct Fix<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
 
 template Strict clamp(Strict, Strict, Strict);
 template Strict smaller(Strict, Strict);
+template Strict larger(Strict, Strict);
 template Strict wrap_pi(Strict);
 template Vec2<Strict> to_north_east(Strict, const Vec2<Strict>&);
 template Vec2<Strict> to_body(Strict, const Vec2<Strict>&);
-template FormationError<Strict> formation_error(const Encounter<Strict>&, const Vec2<Strict>&);
+template Slot<Strict> slot_beside(const Encounter<Strict>&, const Vec2<Strict>&);
+template SlotVelocity<Strict> slot_velocity(const SlotParams<Strict>&, const Encounter<Strict>&);
+template void smooth(Strict, Smooth<Strict>&, Strict, Strict);
+template Slot<Strict> slot_forward(const SlotParams<Strict>&, const Vessel<Strict>&,
+                                   SlotState<Strict>&, const Encounter<Strict>&, Strict);
+template Strict sway_beside(const Encounter<Strict>&);
+template SlotState<Strict> slot_start(const Encounter<Strict>&);
+template FormationError<Strict> formation_error(const Encounter<Strict>&, const Slot<Strict>&);
+template Strict agreed(Strict, Strict);
+template Strict steering_speed(const Vessel<Strict>&, const Slot<Strict>&, const Tau<Strict>&,
+                               Strict);
+template LineOfSight<Strict> line_of_sight(const LineOfSightParams<Strict>&, const Nu<Strict>&,
+                                           const Slot<Strict>&, const FormationError<Strict>&,
+                                           Strict);
+template Strict wanted_surge(const VirtualVelocityParams<Strict>&, const Slot<Strict>&,
+                             const FormationError<Strict>&);
 template VirtualVelocity<Strict> virtual_velocity(const VirtualVelocityParams<Strict>&,
                                                   VirtualVelocityState<Strict>&,
-                                                  const Encounter<Strict>&,
-                                                  const FormationError<Strict>&);
+                                                  const Slot<Strict>&,
+                                                  const FormationError<Strict>&,
+                                                  const LineOfSight<Strict>&);
+template VirtualVelocity<Strict> through_water(VirtualVelocity<Strict>, const Vec2<Strict>&,
+                                               Strict);
+template bool keep_within(Strict, Strict, Strict&, Strict&);
 template void virtual_sway_forward(const Vessel<Strict>&, VirtualVelocityState<Strict>&, Strict);
 template Tau<Strict> pd_plus(const PdPlusParams<Strict>&, const Vessel<Strict>&,
                              const VirtualVelocity<Strict>&, const Nu<Strict>&);
@@ -58,13 +90,22 @@ template void track_update(const TrackParams<Strict>&, TrackState<Strict>&,
                            const TrackMessage<Strict>&);
 template void track_resume(const TrackParams<Strict>&, TrackState<Strict>&,
                            const TrackMessage<Strict>&);
-template Motion<Strict> reckon_step(const Vessel<Strict>&, const Reckoning<Strict>&,
-                                    const Tau<Strict>&, Strict);
-template void reckon_forward(const Vessel<Strict>&, Reckoning<Strict>&, const Tau<Strict>&, Strict);
-template void reckon_from(const ReckoningParams<Strict>&, const Vessel<Strict>&, Reckoning<Strict>&,
-                          const Fix<Strict>&, const Tau<Strict>&);
+template Motion<Strict> observer_step(const Vessel<Strict>&, const Observer<Strict>&,
+                                      const Tau<Strict>&, Strict);
+template Nu<Strict> bounded(const Nu<Strict>&, const Nu<Strict>&);
+template void observer_carry(const Vessel<Strict>&, Observer<Strict>&, const Tau<Strict>&, Strict);
+template void observer_replay(const Vessel<Strict>&, Observer<Strict>&, Strict);
+template void observer_forward(const Vessel<Strict>&, Observer<Strict>&, const Tau<Strict>&,
+                               Strict);
+template void observer_learn(const ObserverParams<Strict>&, const Vessel<Strict>&,
+                             Observer<Strict>&, const Nu<Strict>&, Strict);
+template void observer_correct(const ObserverParams<Strict>&, const Vessel<Strict>&,
+                               Observer<Strict>&, const Fix<Strict>&);
+template Tau<Strict> unknown_wrench(const Vessel<Strict>&, const Observer<Strict>&);
 template Motion<Strict> moment_before(Motion<Strict>, Strict);
+template Nu<Strict> plus(const Nu<Strict>&, Strict, const Nu<Strict>&);
 template Motion<Strict> track_forward(const TrackState<Strict>&, Strict);
+template Strict track_uncertainty(const TrackState<Strict>&, Strict, Strict);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,
@@ -103,12 +144,32 @@ TEST_CASE("sailing the paper's S-curve, no number of the law is greater than 100
   testing::ClosedLoop world;
   ControllerState<Strict> state;
   Strict::seen = {};
-  const auto number = [](Strict x) { return x.value(); };
-  const Error<double> e = testing::sail<Strict>(world, state, 100, testing::s_curve, number);
+  const Error<double> e = testing::sail<Strict>(world, state, 100, testing::s_curve);
   CHECK(std::hypot(e.x, e.y, e.psi) < 0.02);
   MESSAGE("values from ", Strict::seen.least, " to ", Strict::seen.greatest);
   CHECK_FALSE(Strict::seen.saw_nan);
   CHECK(Strict::seen.magnitude <= 100);  // half of it is the propellers' 50 N, twice
+  CHECK(Strict::seen.magnitude > 10);
+}
+
+TEST_CASE("no more is any number of the product's law, with its observer and in a current") {
+  const auto leader = testing::voyage(testing::s_curve, 0.01, 60);
+  testing::PilotedBoat<Strict> boat;
+  boat.hull = {{1.46, 0.45, 1.33, 0, 0, 0}, {0, 0.1}};
+  testing::PilotedBoat<double> same{.hull = boat.hull};
+  const auto strict_params = testing::products_law<Strict>();
+  const auto params = testing::products_law<double>();
+  Strict::seen = {};
+  Error<Strict> e;
+  for (const auto& seen : leader) {
+    e = boat.tick(strict_params, seen, 0.01).error.e;
+    same.tick(params, seen, 0.01);
+    REQUIRE(boat.hull.q == same.hull.q);  // to the last bit
+  }
+  CHECK(std::hypot(e.x.value(), e.y.value()) < 0.05);
+  MESSAGE("values from ", Strict::seen.least, " to ", Strict::seen.greatest);
+  CHECK_FALSE(Strict::seen.saw_nan);
+  CHECK(Strict::seen.magnitude <= 100);
   CHECK(Strict::seen.magnitude > 10);
 }
 

@@ -1,32 +1,31 @@
 // SPDX-License-Identifier: MIT
+// Where a vessel is between its messages; test_track_messages.cpp: what the messages make of it.
 #include "core/arbitrary.hpp"
 #include "core/track.hpp"
 
 namespace flotilla::core {
 namespace {
 
-/// A message that arrives the moment it was true.
-template <class S>
-void update(const TrackParams<S>& params, TrackState<S>& state, S psi, const Nu<S>& nu, S dt) {
-  track_update(params, state, TrackMessage<S>{psi, nu, dt, S(0)});
-}
-
 using testing::approx;
+using testing::kPi;
 using testing::Random;
 
 template <class S>
-bool all_finite(const Motion<S>& m) {
-  return std::isfinite(m.moved_n.x) && std::isfinite(m.moved_n.y) && std::isfinite(m.psi) &&
-         std::isfinite(m.nu.u) && std::isfinite(m.nu.v) && std::isfinite(m.nu.r) &&
-         std::isfinite(m.nu_dot.u) && std::isfinite(m.nu_dot.v) && std::isfinite(m.nu_dot.r);
+TrackState<S> arbitrary_state(Random& random) {
+  TrackState<S> state;
+  state.psi = S(random.angle());
+  state.nu = testing::arbitrary_nu<S>(random);
+  state.nu_dot = testing::arbitrary_nu<S>(random);
+  state.nu_ddot = testing::arbitrary_nu<S>(random);
+  state.started = true;
+  return state;
 }
 
 TEST_CASE_TEMPLATE("a leader at constant velocity is carried forward along its straight line", S,
                    float, double) {
   TrackState<S> state;
-  for (int k = 0; k < 5; ++k) {
-    update(TrackParams<S>{}, state, S(0.7), Nu<S>{S(1.5), S(-0.2), S(0)}, S(k > 0 ? 0.1 : 0));
-  }
+  state.psi = S(0.7);
+  state.nu = {S(1.5), S(-0.2), S(0)};
   const Motion<S> m = track_forward(state, S(2));
   const Vec2<S> way = to_north_east(S(0.7), Vec2<S>{S(3), S(-0.4)});
   CHECK(m.moved_n.x == approx(way.x));
@@ -44,7 +43,8 @@ TEST_CASE_TEMPLATE("a turning leader is carried forward along its circle", S, fl
     const double u = random(-3, 3), v = random(-1, 1), r = random(-1, 1), psi = random.angle();
     const double h = random(0, 1);
     TrackState<S> state;
-    update(TrackParams<S>{}, state, S(psi), Nu<S>{S(u), S(v), S(r)}, S(0));
+    state.psi = S(psi);
+    state.nu = {S(u), S(v), S(r)};
     const Motion<S> m = track_forward(state, S(h));
     const double chord = std::abs(r) < 1e-9 ? h : 2 / r * std::sin(0.5 * r * h);
     const auto exact = to_north_east(psi + 0.5 * r * h, Vec2<double>{u * chord, v * chord});
@@ -55,102 +55,77 @@ TEST_CASE_TEMPLATE("a turning leader is carried forward along its circle", S, fl
   }
 }
 
-TEST_CASE_TEMPLATE("a leader at constant acceleration is carried forward with it", S, float,
-                   double) {
-  constexpr std::uint32_t kSeed = 20;
+TEST_CASE("at any age the velocity's slope is the acceleration and the heading's the yaw rate") {
+  constexpr std::uint32_t kSeed = 51;
   INFO("seed ", kSeed);
   Random random(kSeed);
-  for (int i = 0; i < 50; ++i) {
-    const double a_u = random(-1, 1), a_v = random(-0.2, 0.2), a_r = random(-0.5, 0.5);
-    TrackState<S> state;
-    double t = 0;
-    for (int k = 0; k < 60; ++k) {
-      const double dt = k == 0 ? 0 : random(0.05, 0.3);
-      t += dt;
-      update(TrackParams<S>{}, state, S(0.5 * a_r * t * t),
-             Nu<S>{S(a_u * t), S(a_v * t), S(a_r * t)}, S(dt));
-    }
-    CHECK(std::abs(double(state.nu_dot.u) - a_u) < 1e-3);
-    CHECK(std::abs(double(state.nu_dot.v) - a_v) < 1e-3);
-    CHECK(std::abs(double(state.nu_dot.r) - a_r) < 1e-3);
-    const Motion<S> m = track_forward(state, S(0.4));
-    CHECK(std::abs(double(m.nu.u) - a_u * (t + 0.4)) < 1e-3);
-    CHECK(std::abs(double(m.psi) - 0.5 * a_r * (t + 0.4) * (t + 0.4)) < 1e-3);
+  for (int i = 0; i < 1000; ++i) {
+    const auto state = arbitrary_state<double>(random);
+    const double age = random(0.01, 10);
+    constexpr double h = 1e-4;
+    const Motion<double> before = track_forward(state, age - h);
+    const Motion<double> now = track_forward(state, age);
+    const Motion<double> after = track_forward(state, age + h);
+    // Where the jerk ends, after a second, the acceleration has a corner: half a step's worth.
+    const double corner = std::abs(age - 1) < h ? 2 * h : 0;
+    CHECK(std::abs((after.nu.u - before.nu.u) / (2 * h) - now.nu_dot.u) < 1e-6 + corner);
+    CHECK(std::abs((after.nu.v - before.nu.v) / (2 * h) - now.nu_dot.v) < 1e-6 + corner);
+    CHECK(std::abs((after.nu.r - before.nu.r) / (2 * h) - now.nu_dot.r) < 1e-6 + corner);
+    CHECK(std::abs((after.psi - before.psi) / (2 * h) - now.nu.r) < 1e-5 + corner);
   }
 }
 
-TEST_CASE_TEMPLATE("messages at no distance in time, or backwards, do no harm", S, float, double) {
-  for (const double dt : {0.0, -0.1, -1e6}) {
-    TrackState<S> state;
-    update(TrackParams<S>{}, state, S(0.1), Nu<S>{S(1), S(0), S(0)}, S(0));
-    update(TrackParams<S>{}, state, S(0.1), Nu<S>{S(1.1), S(0), S(0)}, S(0.1));
-    update(TrackParams<S>{}, state, S(0.3), Nu<S>{S(2), S(0), S(0.5)}, S(dt));
-    const Motion<S> m = track_forward(state, S(0.2));
-    CHECK(all_finite(m));
-    CHECK(std::abs(m.nu_dot.u) <= S(5));
-    CHECK(state.nu.u == S(2));
-    CHECK(state.psi == S(0.3));
-  }
-}
-
-TEST_CASE_TEMPLATE(
-    "no spacing of messages makes the acceleration exceed the range of speeds over T", S, float,
-    double) {
-  constexpr std::uint32_t kSeed = 21;
+TEST_CASE_TEMPLATE("a leader's jerk is carried for no longer than a second", S, float, double) {
+  constexpr std::uint32_t kSeed = 52;
   INFO("seed ", kSeed);
   Random random(kSeed);
-  const TrackParams<S> params;
-  for (int run = 0; run < 50; ++run) {
-    TrackState<S> state;
-    const double shortest = std::pow(10, random(-6, 0));
-    for (int k = 0; k < 300; ++k) {
-      const Nu<S> nu{S(random(-20, 20)), S(random(-20, 20)), S(random(-4, 4))};
-      update(params, state, S(random.angle()), nu, S(random(0, 3) * shortest));
-      REQUIRE(std::abs(state.nu_dot.u) <= S(40) / params.lag_s * S(1.001));
-      REQUIRE(std::abs(state.nu_dot.r) <= S(8) / params.lag_s * S(1.001));
-      REQUIRE(all_finite(track_forward(state, S(random(0, 10)))));
-    }
-  }
-}
-
-TEST_CASE_TEMPLATE("after a gap the old acceleration is forgotten", S, float, double) {
-  TrackState<S> state;
-  update(TrackParams<S>{}, state, S(0), Nu<S>{S(0), S(0), S(0)}, S(0));
-  update(TrackParams<S>{}, state, S(0), Nu<S>{S(1), S(0), S(0)}, S(0.5));
-  CHECK(state.nu_dot.u > S(1));
-  update(TrackParams<S>{}, state, S(0), Nu<S>{S(3), S(0), S(0)}, S(2.5));
-  CHECK(state.nu_dot.u == S(0));
-}
-
-TEST_CASE_TEMPLATE("told by another source, a vessel goes on with the acceleration that it had", S,
-                   float, double) {
-  for (const double silence : {0.1, 1.9, 2.5, 0.0}) {
-    TrackState<S> state;
-    update(TrackParams<S>{}, state, S(0), Nu<S>{S(0), S(0), S(0)}, S(0));
-    update(TrackParams<S>{}, state, S(0), Nu<S>{S(1), S(0), S(0)}, S(0.5));
-    const S before = state.nu_dot.u;
-    // 0.1 m/s of disagreement is no acceleration.
-    track_resume(TrackParams<S>{}, state,
-                 TrackMessage<S>{S(1), {S(1.1), S(0), S(2)}, S(silence), S(0.1)});
-    const bool goes_on = 0 < silence && silence < 2;
-    CHECK(state.nu_dot.u == (goes_on ? before : S(0)));
-    CHECK(state.nu_dot.r == S(0));
-    CHECK(state.dt == (goes_on ? S(silence) : S(0)));
-    CHECK(state.nu.u == S(1.1));
-    CHECK(state.psi == S(1));
+  for (int i = 0; i < 200; ++i) {
+    const auto state = arbitrary_state<S>(random);
+    const Nu<S> young = track_forward(state, S(0.5)).nu_dot;
+    CHECK(young.u == approx(state.nu_dot.u + S(0.5) * state.nu_ddot.u, 5));
+    CHECK(young.r == approx(state.nu_dot.r + S(0.5) * state.nu_ddot.r, 5));
+    const Nu<S> at_a_second = track_forward(state, S(1)).nu_dot;
+    CHECK(at_a_second.v == approx(state.nu_dot.v + state.nu_ddot.v, 5));
+    const Nu<S> old = track_forward(state, S(random(1, 10))).nu_dot;
+    CHECK(old.u == at_a_second.u);
+    CHECK(old.v == at_a_second.v);
+    CHECK(old.r == at_a_second.r);
   }
 }
 
 TEST_CASE_TEMPLATE("a message of age zero says where the vessel is, not where it may be", S, float,
                    double) {
-  TrackState<S> state;
-  CHECK(all_finite(track_forward(state, S(10))));  // before the first message
-  update(TrackParams<S>{}, state, S(1), Nu<S>{S(1), S(2), S(3)}, S(0));
+  Random random(53);
+  const auto state = arbitrary_state<S>(random);
   const Motion<S> m = track_forward(state, S(0));
   CHECK(m.moved_n.x == S(0));
   CHECK(m.moved_n.y == S(0));
-  CHECK(m.psi == S(1));
-  CHECK(m.nu.r == S(3));
+  CHECK(m.psi == state.psi);
+  CHECK(m.nu.r == state.nu.r);
+  CHECK(m.nu_dot.r == state.nu_dot.r);
+  const Motion<S> never_heard = track_forward(TrackState<S>{}, S(10));
+  CHECK(never_heard.moved_n.x == S(0));
+  CHECK(never_heard.nu.u == S(0));
+}
+
+TEST_CASE_TEMPLATE("the older the message, the less it says where the leader is", S, float,
+                   double) {
+  Random random(54);
+  for (int i = 0; i < 200; ++i) {
+    auto state = arbitrary_state<S>(random);
+    state.a = S(random(0.05, 3));
+    const double t = random(0, 0.1), speed = std::hypot(double(state.nu.u), double(state.nu.v));
+    S last = S(-1);
+    for (const double age : {0.0, 0.1, 0.5, 2.0, 10.0}) {
+      const S sigma = track_uncertainty(state, S(age), S(t));
+      CHECK(last < sigma);
+      CHECK(sigma == approx(S(speed * t + double(state.a) * age * age / 2), 100));
+      last = sigma;
+    }
+    // A clock that is off by t shifts the vessel by the way that it makes meanwhile.
+    const S clock = track_uncertainty(state, S(1), S(t)) - track_uncertainty(state, S(1), S(0));
+    CHECK(clock == approx(S(speed * t), 5));
+  }
 }
 
 }  // namespace

@@ -6,13 +6,14 @@ namespace flotilla::core {
 namespace {
 
 using testing::approx;
+using testing::later;
 using testing::Random;
 
 template <class S>
 VirtualVelocity<S> step(const VirtualVelocityParams<S>& params, VirtualVelocityState<S>& state,
                         const Encounter<S>& in, S h) {
   virtual_sway_forward(testing::papers_vessel<S>(), state, h);
-  return virtual_velocity(params, state, in, formation_error(in, Vec2<S>{}));
+  return testing::papers_velocity(params, state, in, Vec2<S>{});
 }
 
 TEST_CASE_TEMPLATE(
@@ -69,20 +70,6 @@ TEST_CASE_TEMPLATE("virtual sway stays bounded over an hour of long steps", S, f
   CHECK(greatest < S(1.012 / 18.99 * 15 * 3));  // (m11/d22) max |u* r*|
 }
 
-/// The encounter h later: both with their velocity, the leader with its acceleration.
-Encounter<double> later(Encounter<double> in, double h) {
-  const auto way = [h](double psi, const Nu<double>& nu) {
-    return to_north_east(psi + 0.5 * h * nu.r, Vec2<double>{h * nu.u, h * nu.v});
-  };
-  const Vec2<double> own = way(in.psi, in.nu), leader = way(in.psi_L, in.nu_L);
-  in.separation_n = {in.separation_n.x + own.x - leader.x, in.separation_n.y + own.y - leader.y};
-  in.psi += h * in.nu.r;
-  in.psi_L += h * in.nu_L.r;
-  in.nu_L = {in.nu_L.u + h * in.nu_L_dot.u, in.nu_L.v + h * in.nu_L_dot.v,
-             in.nu_L.r + h * in.nu_L_dot.r};
-  return in;
-}
-
 TEST_CASE("the derivatives of u* and r* are their slopes while both vessels sail on") {
   constexpr std::uint32_t kSeed = 13;
   INFO("seed ", kSeed);
@@ -99,6 +86,96 @@ TEST_CASE("the derivatives of u* and r* are their slopes while both vessels sail
     CHECK(std::abs((star(h).nu_star.u - star(-h).nu_star.u) / (2 * h) - star(0).u_star_dot) < 1e-5);
     CHECK(std::abs((star(h).nu_star.r - star(-h).nu_star.r) / (2 * h) - star(0).r_star_dot) < 1e-5);
   }
+}
+
+TEST_CASE("r* follows a line of sight that turns, and its derivative is the slope of that") {
+  constexpr std::uint32_t kSeed = 14;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  for (int i = 0; i < 1000; ++i) {
+    Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    const LineOfSight<double> sight{random(-1, 1), random(-1, 1), random(-1, 1)};
+    in.psi_L = in.psi + random(-2, 2);
+    const VirtualVelocityParams<double> params{random(0, 2), random(0, 2)};
+    const auto star = [&](double h) {
+      const auto then = later(in, h);
+      const Slot<double> slot = slot_beside(then, {});
+      VirtualVelocityState<double> state;
+      return virtual_velocity(params, state, slot, formation_error(then, slot),
+                              {sight.theta + h * sight.theta_dot + h * h / 2 * sight.theta_ddot,
+                               sight.theta_dot + h * sight.theta_ddot, sight.theta_ddot});
+    };
+    constexpr double h = 1e-4;
+    CHECK(std::abs((star(h).nu_star.r - star(-h).nu_star.r) / (2 * h) - star(0).r_star_dot) < 1e-5);
+    CHECK(star(0).nu_star.u ==
+          in.nu_L.u - params.k_x * formation_error(in, slot_beside(in, {})).e.x);
+    // A bow on the line of sight turns with it.
+    in.psi = in.psi_L + sight.theta;
+    CHECK(star(0).nu_star.r == approx(in.nu_L.r + sight.theta_dot));
+  }
+}
+
+TEST_CASE_TEMPLATE("nothing is asked for that the propellers cannot keep up", S, float, double) {
+  constexpr std::uint32_t kSeed = 15;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  int limited = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    const VirtualVelocityParams<S> any{S(random(0, 2)), S(random(0, 2))};
+    VirtualVelocityParams<S> params = any;
+    params.u_max = S(random(0.1, 4));
+    params.r_max = S(random(0.1, 3));
+    VirtualVelocityState<S> state, free_state;
+    const auto kept = testing::papers_velocity(params, state, in, {});
+    const auto free = testing::papers_velocity(any, free_state, in, {});
+    const S u_most = std::max(params.u_max, S(1.1) * std::abs(in.nu_L.u));
+    const S r_most = std::max(params.r_max, S(1.1) * std::abs(in.nu_L.r));
+    REQUIRE(std::abs(kept.nu_star.u) <= u_most);
+    REQUIRE(std::abs(kept.nu_star.r) <= r_most);
+    CHECK(state.u_star_held == kept.nu_star.u);  // the sway of what is asked for, not of more
+    CHECK(state.r_star_held == kept.nu_star.r);
+    const bool too_fast = std::abs(free.nu_star.u) > u_most;
+    CHECK(kept.u_limited == too_fast);
+    CHECK(kept.nu_star.u == (too_fast ? std::copysign(u_most, free.nu_star.u) : free.nu_star.u));
+    CHECK(kept.u_star_dot == (too_fast ? S(0) : free.u_star_dot));
+    const bool spins = std::abs(free.nu_star.r) > r_most;
+    CHECK(kept.r_limited == spins);
+    CHECK(kept.nu_star.r == (spins ? std::copysign(r_most, free.nu_star.r) : free.nu_star.r));
+    CHECK(kept.r_star_dot == (spins ? S(0) : free.r_star_dot));
+    limited += too_fast && spins;
+  }
+  CHECK(limited > 100);
+}
+
+TEST_CASE_TEMPLATE("in its slot a boat goes as fast as its leader, whatever the limits", S, float,
+                   double) {
+  Random random(16);
+  for (int i = 0; i < 500; ++i) {
+    const Encounter<S> in = testing::encounter_in_slot(Vec2<S>{}, random);
+    const S most = S(random(0.01, 0.5));
+    VirtualVelocityState<S> state;
+    const auto wanted =
+        testing::papers_velocity(VirtualVelocityParams<S>{S(1), S(1), most, most}, state, in, {});
+    CHECK(wanted.nu_star.u == in.nu_L.u);
+    CHECK(wanted.nu_star.r == in.nu_L.r);
+    CHECK(wanted.u_star_dot == in.nu_L_dot.u);
+    CHECK_FALSE(wanted.u_limited);
+    CHECK_FALSE(wanted.r_limited);
+  }
+}
+
+TEST_CASE_TEMPLATE("a limit of zero is none", S, float, double) {
+  Encounter<S> in;
+  in.separation_n = {S(-1000), S(0)};
+  in.nu_L = {S(20), S(0), S(4)};
+  VirtualVelocityState<S> state;
+  const auto wanted =
+      testing::papers_velocity(VirtualVelocityParams<S>{S(2), S(2), S(0), S(0)}, state, in, {});
+  CHECK_FALSE(wanted.u_limited);
+  CHECK_FALSE(wanted.r_limited);
+  CHECK(wanted.nu_star.u == S(2020));
+  CHECK(wanted.nu_star.r == S(4));
 }
 
 }  // namespace

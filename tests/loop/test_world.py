@@ -8,7 +8,7 @@ import pytest
 
 from sil import metrics, scenario
 from sil.wire.esc_node import EscNode
-from sil.world import StartError, World
+from sil.world import StartError, World, clocks_of
 from tests.loop.conftest import Sail
 
 # A circle of 20 s, then no input: the leader drifts to a stop.
@@ -95,6 +95,35 @@ def test_a_parameter_that_the_firmware_refuses_is_named(sail: Sail) -> None:
         sail("diamond", parameters={"LAW_KX": 99.0})
     with pytest.raises(ValueError, match="unknown parameter LAW_K"):
         sail("diamond", parameters={"LAW_K": 1.0})
+
+
+def test_the_errors_are_taken_against_the_slot_that_the_firmware_is_told(sail: Sail) -> None:
+    slots = {"FORM_FRAME": 1.0, "FORM_OFS_N": -3.0, "FORM_OFS_E": 1.0}
+    run = sail("diamond", "duration_s=3", parameters=slots)
+    error, eta = run.trace["error"], run.trace["eta"]
+    follows, offset_m = [0, 1, 2, 3], np.tile([-3.0, 1.0], (4, 1))
+    turning = metrics.formation_error(eta, follows, offset_m, [True] * 4)
+    assert np.array_equal(error, turning)
+    assert np.abs(error - metrics.formation_error(eta, follows, offset_m)).max() > 0.5
+
+
+def test_a_current_sets_the_boats_and_not_the_virtual_leader(sail: Sail) -> None:
+    still = sail("diamond", "duration_s=30").trace["eta"]
+    eta = sail("diamond", "duration_s=30", "water.current_mps=[0.1, 0]").trace["eta"]
+    assert np.array_equal(eta[:, 0], still[:, 0])
+    assert 0.3 < eta[-1, 1, 0] - still[-1, 1, 0] < 3.0
+
+
+def test_white_noise_and_mismatch_do_not_move_the_other_random_numbers(sail: Sail) -> None:
+    radio = ["duration_s=5", "clocks.offset_s=1000", "navigation.position_noise_m=0.02"]
+    stirred = sail("diamond", *radio, "white_noise.power=0.1", "mismatch.share=0.5")
+    assert stirred.digest != sail("diamond", *radio).digest
+    assert stirred.digest == sail("diamond", *radio, *STIRRED).digest
+    clocks = [clocks_of(scenario.load("diamond", [*radio, *more])) for more in ([], STIRRED)]
+    assert clocks[0] == clocks[1]
+
+
+STIRRED = ["white_noise.power=0.1", "mismatch.share=0.5"]
 
 
 @pytest.mark.parametrize("rate_hz", [5, 10, 20])

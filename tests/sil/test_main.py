@@ -11,7 +11,7 @@ from sil.__main__ import main
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "dimond"], 'unknown scenario "dimond"; there are: diamond'),
+        (["run", "dimond"], 'unknown scenario "dimond"; there are: current, diamond'),
         (["run", "nowhere.toml"], "nowhere.toml: No such file"),
         (["run", "diamond", "--set", "link.dely_s=1"], 'did you mean "delay_s"?'),
         (["run", "diamond", "--set", "duration_s=-1"], "greater than 0"),

@@ -42,6 +42,28 @@ def test_boat_east_of_its_slot_and_heading_east_is_ahead_of_it() -> None:
     np.testing.assert_allclose(error, [[[3.0, 0.0, math.pi / 2]]], atol=1e-15)
 
 
+@pytest.mark.parametrize("psi_leader", [0.0, 0.7, -2.5])
+def test_slot_that_turns_is_ahead_and_to_starboard_of_its_leader(psi_leader: float) -> None:
+    leader = np.array([10.0, -3.0, psi_leader])
+    cos, sin = math.cos(psi_leader), math.sin(psi_leader)
+    slot = leader[:2] + 2.0 * np.array([cos, sin]) + 1.0 * np.array([-sin, cos])
+    own = np.array([*slot, psi_leader + 0.4])
+    own[:2] += 0.3 * np.array([math.cos(own[2]), math.sin(own[2])])
+    eta = np.array([[leader, own]])
+    turning = metrics.formation_error(eta, [0], np.array([[2.0, 1.0]]), [True])
+    np.testing.assert_allclose(turning, [[[0.3, 0.0, 0.4]]], atol=1e-12)
+    fixed = metrics.formation_error(eta, [0], np.array([[2.0, 1.0]]), [False])
+    assert np.array_equal(fixed, metrics.formation_error(eta, [0], np.array([[2.0, 1.0]])))
+    assert (np.abs(fixed - turning).max() > 0.1) == (psi_leader != 0.0)
+
+
+def test_slot_of_one_boat_may_turn_and_that_of_another_not() -> None:
+    eta = np.array([[[0.0, 0.0, math.pi / 2], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]]])
+    offset_m = np.array([[2.0, 0.0], [2.0, 0.0]])
+    error = metrics.formation_error(eta, [0, 0], offset_m, [True, False])
+    np.testing.assert_allclose(error[..., :2], 0.0, atol=1e-12)
+
+
 def test_boats_that_follow_the_same_leader_are_measured_against_it() -> None:
     eta = np.array([[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 0.0, 0.0]]])
     error = metrics.formation_error(eta, [0, 0], np.zeros((2, 2)))
@@ -104,3 +126,13 @@ def test_closest_encounter_is_between_boats_and_leaves_the_virtual_leader_out() 
     eta[1, 3, :2] = 5.0, 1.5
     assert metrics.min_separation_m(eta) == pytest.approx(1.5)
     assert metrics.min_separation_m(eta[:, :2]) is None
+
+
+def test_change_of_thrust_is_that_of_the_restless_propeller_in_the_last_third() -> None:
+    thrust = np.zeros((T_S.size, 1, 2))
+    thrust[:200, 0] = 50.0 * (-1.0) ** np.arange(200)[:, None]
+    thrust[200:, 0, 0] = 0.1 * np.arange(T_S.size - 200)
+    thrust[200:, 0, 1] = 0.3 * (-1.0) ** np.arange(T_S.size - 200)
+    assert entry(along_x(0.0 * T_S), thrust)["thrust_step_rms_N"] == pytest.approx(0.6)
+    each = metrics.thrust_step_rms_N(thrust[200:])
+    np.testing.assert_allclose(each, [[0.1, 0.6]])

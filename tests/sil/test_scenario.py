@@ -2,15 +2,19 @@
 """Scenario files: what they mean, and that every mistake names file, line, key and remedy."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import flotilla
 import numpy as np
 import pytest
 
+from sil.bodies import fleet_of
+from sil.law import Law
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
-from sil.scenario import Propellers, Scenario, ScenarioError, Vessel, load
+from sil.scenario import FOLDER, Propellers, Scenario, ScenarioError, Vessel, load
+from sil.world import parameters_of
 
 TWO_BOATS = """\
 duration_s = 10.0
@@ -84,9 +88,57 @@ def test_the_default_boat_is_the_one_that_the_firmware_expects_by_default() -> N
 
 def test_sections_that_diamond_spells_out_are_the_defaults() -> None:
     diamond = load("diamond").model_dump()
-    for section in ("vessel", "navigation", "link", "clocks", "rate_hz", "scalar"):
+    spelt_out = {"water", "wind", "waves", "white_noise", "mismatch", "vessel", "navigation"}
+    for section in (*spelt_out, "link", "clocks", "rate_hz", "scalar"):
         default = Scenario.model_fields[section].default
         assert diamond[section] == getattr(default, "model_dump", lambda d=default: d)()
+
+
+def test_diamond_shows_every_key() -> None:
+    document = tomllib.loads((FOLDER / "diamond.toml").read_text(encoding="utf-8"))
+    assert set(Scenario.model_fields) - document.keys() == {"name"}
+    for section in ("vessel", "propellers", "water", "wind", "waves", "white_noise", "mismatch"):
+        model = Scenario.model_fields[section].annotation
+        assert document[section].keys() == model.model_fields.keys(), section
+    for section in ("navigation", "link", "clocks"):
+        model = Scenario.model_fields[section].annotation
+        assert document[section].keys() == model.model_fields.keys(), section
+
+
+NAMES = sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("law", [None, "paper", "product"])
+def test_every_scenario_that_comes_along_can_be_sailed(name: str, law: Law | None) -> None:
+    chosen = load(name, (), law)
+    for agent in range(1, len(chosen.boat) + 1):
+        flotilla.Boat(parameters_of(chosen, agent, {}), links=2, scalar="float")
+    fleet_of(chosen)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_firmware_knows_the_nominal_boat_of_every_scenario(name: str) -> None:
+    chosen = load(name)
+    propellers, hulls = chosen.propeller_pairs(), chosen.hulls()[1:]
+    for agent, (pair, hull) in enumerate(zip(propellers, hulls, strict=True), start=1):
+        told = flotilla.Boat(parameters_of(chosen, agent, {})).parameters()
+        assert told["THR_ARM"] == pytest.approx(pair.arm_m)
+        assert told["THR_FWD_MAX"] == pytest.approx(pair.forward_max_N)
+        assert told["THR_REV_MAX"] == pytest.approx(pair.reverse_max_N)
+        assert told["THR_EXPO"] == pytest.approx(pair.expo)
+        for key in ("m11", "m22", "m33"):
+            assert told[f"VES_{key.upper()}"] == pytest.approx(getattr(hull, key)), name
+        if not hull.crossflow:
+            for key in ("d11", "d22", "d33"):
+                assert told[f"VES_{key.upper()}"] == pytest.approx(getattr(hull, key)), name
+
+
+def test_hull_of_a_table_has_the_crossflow_of_its_draft() -> None:
+    vessel = Vessel(m23=0.2, length_m=2.0, draft_m=0.2, crossflow_cd=1.1, d33_quadratic=3.0)
+    assert vessel.hull.crossflow == pytest.approx(0.5 * 1025.0 * 0.2 * 1.1)
+    assert (vessel.hull.m11, vessel.hull.m23, vessel.hull.length_m) == (1.012, 0.2, 2.0)
+    assert vessel.hull.d33_quadratic == 3.0
 
 
 def test_boat_may_deviate_from_the_common_hull_and_parameters(tmp_path: Path) -> None:
@@ -140,6 +192,14 @@ def test_overrides_lie_over_the_file() -> None:
         ("loss = 0.1", "loss = 1.5", '"link.loss" = 1.5: must be less than or equal to 1'),
         ("loss = 0.1", "loss = nan", '"link.loss" = NaN: must be a finite number'),
         ("m11 = 2.0", "m11 = 0", '23: "boat.2.vessel.m11" = 0: must be greater than 0'),
+        ("seed = 3", 'law = "mine"', "2: \"law\" = \"mine\": must be 'product' or 'paper'"),
+        ("m11 = 2.0", "m23 = 2.0", '23: "boat.2.vessel.m23" = 2.0: its square must be under m22'),
+        ("[link]", "[mismatch]\nshare = 1.0\n[link]", '10: "mismatch.share" = 1.0: must be less'),
+        (
+            "[link]",
+            "[white_noise]\npower = 0.1\nsample_s = 0.004\n[link]",
+            'pair.toml:11: "white_noise.sample_s" = 0.004: a sample of 0.004 s is not a whole',
+        ),
         ("seed = 3", 'scalar = "half"', "\"scalar\" = \"half\": must be 'float' or 'double'"),
         ("LAW_KX = 0.2", "law_kx = 1", 'pair.toml:12: "parameters.law_kx": a parameter\'s name'),
         ("follows = 1", "follows = 2", '18: "boat.2.follows" = 2: boat 2 may follow agents 0 to 1'),

@@ -19,7 +19,12 @@ def sea() -> Sea:
 @pytest.fixture(scope="session")
 def voyage() -> Sea:
     """Ten minutes that show everything a boat ever says, on two links."""
-    sea = Sea({"CTL_RATE": 50}, links=2, own=Course(3.0, -4.0, 2.5, 0.6, 0.1, 0.05))
+    # This truth does not answer to thrust: an observer would learn what is not there.
+    sea = Sea(
+        {"CTL_RATE": 50, "LAW_OBS_BW": 0.0, "LAW_CUR_BW": 0.0},
+        links=2,
+        own=Course(3.0, -4.0, 2.5, 0.6, 0.1, 0.05),
+    )
     sea.leader.answers_timesync = True
     sea.run(1.0)
     sea.own.on = False

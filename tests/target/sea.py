@@ -34,6 +34,18 @@ from tests.target.stations import (
     state_messages,
 )
 
+#: The law as published: its gains, and every extension off.
+PAPER: dict[str, float] = {
+    "LAW_KX": 0.2,
+    "LAW_KPSI": 0.2,
+    "LAW_KDU": 10.0,
+    "LAW_KDR": 10.0,
+    "LAW_OBS_BW": 0.0,
+    "LAW_XT_DIST": 0.0,
+    "LAW_CUR_BW": 0.0,
+    "LAW_U_MAX": 0.0,
+    "LAW_R_MAX": 0.0,
+}
 TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
 
 #: Hypothesis with the same examples in every run.

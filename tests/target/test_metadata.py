@@ -104,6 +104,10 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
             {"value": 0, "description": "vehicle"},
             {"value": 1, "description": "companion"},
         ],
+        "FORM_FRAME": [
+            {"value": 0, "description": "north-east"},
+            {"value": 1, "description": "ahead-starboard"},
+        ],
         "MODE": [
             {"value": 0, "description": "MANUAL"},
             {"value": 4, "description": "HOLD"},

@@ -26,7 +26,7 @@ from tests.target.operator_words import (
     param_read,
     param_set,
 )
-from tests.target.sea import TURN, Sea, Tick, acks, at_sea, messages, named, texts
+from tests.target.sea import PAPER, TURN, Sea, Tick, acks, at_sea, messages, named, texts
 from tests.target.stations import (
     ACCEPTED,
     BOAT,
@@ -199,6 +199,8 @@ def test_an_index_counts_and_not_the_name_beside_it(sea: Sea) -> None:
 def another_value(p: dict[str, Any]) -> float:
     if p["kind"] == "sign":
         return float(-p["default"])
+    if p["kind"] == "frame":
+        return float(1 - p["default"])
     if p["integer"]:
         return float(p["default"] + (2 if p["default"] + 2 <= p["greatest"] else -2))
     inside = p["default"] + 0.1 * (p["greatest"] - p["default"])
@@ -243,6 +245,14 @@ REFUSALS = [
     Refusal("LAW_KX", 1.0, TYPE_MISMATCH, mavlink.MAV_PARAM_TYPE_UINT8),
     Refusal("LAW_KX", 1.0, TYPE_MISMATCH, mavlink.MAV_PARAM_TYPE_REAL64),
     Refusal("LAW_KX", 1.0, TYPE_MISMATCH, 0),
+    Refusal("FORM_FRAME", 2.0, OUT_OF_RANGE),
+    Refusal("FORM_FRAME", -1.0, OUT_OF_RANGE),
+    Refusal("FORM_FRAME", 0.5, OUT_OF_RANGE, state="FORMATION"),
+    Refusal("LAW_OBS_BW", 10.001, OUT_OF_RANGE),
+    Refusal("LAW_XT_DIST", -0.001, OUT_OF_RANGE),
+    Refusal("LAW_CUR_BW", 1.001, OUT_OF_RANGE),
+    Refusal("LAW_U_MAX", 20.001, OUT_OF_RANGE),
+    Refusal("LAW_R_MAX", math.nan, OUT_OF_RANGE, state="FORMATION"),
     Refusal("FORM_LEADER", 1.5, OUT_OF_RANGE),
     Refusal("FORM_LEADER", 0.0, OUT_OF_RANGE),
     Refusal("FORM_LEADER", 256.0, OUT_OF_RANGE),
@@ -563,7 +573,8 @@ def test_setting_the_same_leader_again_changes_nothing() -> None:
 
 
 def test_moving_the_slot_moves_the_error_at_once() -> None:
-    sea = Sea(own=Course(1.0, 2.0, 0.0), leader=Course(5.0, 5.0, 0.0))
+    # A truth that does not answer to thrust: no observer shall reckon with any.
+    sea = Sea(PAPER, own=Course(1.0, 2.0, 0.0), leader=Course(5.0, 5.0, 0.0))
     sea.enter_formation()
     sea.run(0.5)
     before = sea.snapshot()["error"]

@@ -26,10 +26,16 @@ DESIGN_NAMES = [
     "FORM_LEADER",
     "FORM_OFS_N",
     "FORM_OFS_E",
+    "FORM_FRAME",
     "LAW_KX",
     "LAW_KPSI",
     "LAW_KDU",
     "LAW_KDR",
+    "LAW_OBS_BW",
+    "LAW_XT_DIST",
+    "LAW_CUR_BW",
+    "LAW_U_MAX",
+    "LAW_R_MAX",
     "VES_M11",
     "VES_M22",
     "VES_M33",
@@ -121,11 +127,12 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 @EACH
 def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
-    assert p["kind"] in ("real", "whole", "sign", "mode", "identity")
+    assert p["kind"] in ("real", "whole", "sign", "mode", "identity", "frame")
     assert p["integer"] == (p["kind"] != "real")
     assert p["change"] in ("anytime", "disarmed", "restart", "mode")
     assert (p["kind"] == "mode") == (p["change"] == "mode") == (p["name"] == "MODE")
     assert (p["kind"] == "sign") == p["name"].endswith("_DIR")
+    assert (p["kind"] == "frame") == (p["name"] == "FORM_FRAME")
     assert re.fullmatch(r"[A-Z][A-Za-z]+", p["group"])
 
 

@@ -10,7 +10,7 @@ from dronecan.transport import TransferError
 
 from tests.target.bus import FULL_SCALE, RAW_COMMAND, commands, of_type
 from tests.target.course import Course
-from tests.target.sea import Sea
+from tests.target.sea import PAPER, Sea
 from tests.target.stations import FORMATION, HOLD
 
 FAR_AHEAD, FAR_ASTERN = Course(500.0), Course(-500.0)
@@ -67,7 +67,9 @@ def test_a_propeller_that_turns_the_other_way_gets_the_opposite_command(
 def test_full_thrust_is_8191_either_way(
     leader: Course, full: int, direction: int, expo: float
 ) -> None:
-    sea = sail({"THR_PORT_DIR": direction, "THR_STBD_DIR": direction, "THR_EXPO": expo}, leader)
+    # Asked for by the published law, which has no greatest speed.
+    directions = {"THR_PORT_DIR": direction, "THR_STBD_DIR": direction}
+    sea = sail(PAPER | directions | {"THR_EXPO": expo}, leader)
     assert sea.commands == (direction * full, direction * full)
     assert all(abs(c) <= FULL_SCALE for tick in sea.ticks for c in tick.commands)
     assert sea.snapshot()["limited"]["surge"]
@@ -83,7 +85,7 @@ def test_port_thrust_turns_to_starboard() -> None:
 
 
 def test_commands_follow_the_slew_limit_and_stopping_does_not() -> None:
-    sea = Sea({"THR_SLEW": 1.0}, own=Course(), leader=FAR_AHEAD)
+    sea = Sea({"THR_SLEW": 1.0} | PAPER, own=Course(), leader=FAR_AHEAD)
     sea.enter_formation()
     first = len(sea.ticks)
     sea.run(2.0)
@@ -95,7 +97,7 @@ def test_commands_follow_the_slew_limit_and_stopping_does_not() -> None:
 
 
 def test_without_slew_limit_full_thrust_comes_at_once() -> None:
-    sea = Sea({"THR_SLEW": 0.0}, own=Course(), leader=FAR_AHEAD)
+    sea = Sea({"THR_SLEW": 0.0} | PAPER, own=Course(), leader=FAR_AHEAD)
     sea.enter_hold()
     sea.run(0.2)
     assert sea.mode(FORMATION).commands == (FULL_SCALE, FULL_SCALE)

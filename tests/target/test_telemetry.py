@@ -112,7 +112,7 @@ def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None
     kinds = [m.get_type() for m in messages(sea.ticks)]
     assert set(kinds) == about_the_rest and kinds.count("HEARTBEAT") == 5
     names = {m.name for m in named(sea.ticks, "NAMED_VALUE_FLOAT")}
-    assert names == {"NAV_AGE", "LEAD_AGE", "OVERRUNS"}
+    assert names == {"NAV_AGE", "LEAD_AGE", "LEAD_UNC", "OVERRUNS"}
     sea.own.on = True
     sea.ticks.clear()
     sea.run(1.2)

@@ -17,6 +17,8 @@
 #include "app/metadata.hpp"
 #include "app/text.hpp"
 #include "app/version.hpp"
+#include "helm.hpp"
+#include "values.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -47,44 +49,6 @@ std::span<const std::uint8_t> span_of(const nb::bytes& data) {
   return {static_cast<const std::uint8_t*>(data.data()), data.size()};
 }
 
-std::string number(float value) {
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
-app::Parameters parameters_from(const nb::dict& values) {
-  app::Parameters parameters;
-  for (const auto& [key, value] : values) {
-    std::string name;
-    if (!nb::try_cast(key, name)) {
-      throw nb::type_error("a parameter's name must be a string");
-    }
-    const app::ParameterInfo* info = app::find_parameter(name);
-    if (info == nullptr) throw nb::value_error(("unknown parameter " + name).c_str());
-    double wanted = 0;
-    const bool is_number = nb::try_cast(value, wanted);
-    if (!is_number || !app::is_valid(*info, static_cast<float>(wanted))) {
-      const std::string kind = info->whole() ? "a whole number" : "a number";
-      const std::string unit = info->unit.empty() ? "" : " " + std::string(info->unit);
-      throw nb::value_error((name + " = " + nb::cast<std::string>(nb::str(value)) +
-                             " is out of range: " + kind + " from " + number(info->least) + " to " +
-                             number(info->greatest) + unit +
-                             (info->kind == app::ParameterKind::kSign ? ", not 0" : ""))
-                                .c_str());
-    }
-    if (info->kind == app::ParameterKind::kMode && wanted != double{app::mode::kHold}) {
-      throw nb::value_error((name + ": every start is in HOLD").c_str());
-    }
-    parameters.*(info->member) = static_cast<float>(wanted);
-  }
-  if (const auto sentence = app::contradiction(parameters)) {
-    throw nb::value_error(std::string(*sentence).c_str());
-  }
-  return parameters;
-}
-
 nb::dict counters_dict(const link::Counters& c) {
   nb::dict out;
   out["mavlink_received"] = c.mavlink_received;
@@ -112,19 +76,6 @@ nb::dict counters_dict(const link::Counters& c) {
   return out;
 }
 
-nb::dict pair(const char* a, double x, const char* b, double y) {
-  nb::dict out;
-  out[a] = x;
-  out[b] = y;
-  return out;
-}
-
-nb::dict triple(const char* a, double x, const char* b, double y, const char* c, double z) {
-  nb::dict out = pair(a, x, b, y);
-  out[c] = z;
-  return out;
-}
-
 nb::dict snapshot_dict(const app::Snapshot& s) {
   nb::dict conditions;
   for (const auto& [bit, name] : kConditionNames) conditions[name] = (s.conditions & bit) != 0;
@@ -132,11 +83,16 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   limited["surge"] = s.surge_limited;
   limited["yaw"] = s.yaw_limited;
   limited["slew"] = s.slew_limited;
+  limited["speed"] = s.speed_limited;
+  limited["yaw_rate"] = s.yaw_rate_limited;
   nb::dict out;
   out["state"] = nb::str(app::name_of(s.state).data(), app::name_of(s.state).size());
   out["conditions"] = conditions;
   out["own_age_s"] = s.own_age_s;
   out["leader_age_s"] = s.leader_age_s;
+  out["leader_uncertainty_m"] = s.leader_uncertainty_m;
+  out["unknown"] = pair("X_N", s.estimates.unknown.X, "N_Nm", s.estimates.unknown.N);
+  out["current_mps"] = pair("north", s.estimates.current_n.x, "east", s.estimates.current_n.y);
   out["error"] =
       s.error_known ? nb::object(triple("x_m", s.error.x, "y_m", s.error.y, "psi_rad", s.error.psi))
                     : nb::none();
@@ -259,7 +215,7 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity"};
+  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity", "frame"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -341,6 +297,7 @@ NB_MODULE(flotilla, m) {
   m.def("supervisor_table", &supervisor_table,
         "The supervisor's transitions in order: from, request, needs, lacks, to.");
 
+  bind_helm(m);
   nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
       .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
       .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");
@@ -369,7 +326,8 @@ NB_MODULE(flotilla, m) {
            "Why the parameters should be saved since the last call: \"none\", \"changed\" by an "
            "operator, or \"confirmed\": he has asked for it.")
       .def("snapshot", &PyBoat::snapshot,
-           "Last tick: state, conditions, ages, error, virtual velocity, wrench asked and given, "
+           "Last tick: state, conditions, ages, estimates, error, virtual velocity, wrench asked "
+           "and given, "
            "limits that acted, thrusts, counters; SI units.")
       .def_prop_ro("state", &PyBoat::state, "State of the supervisor after the last tick.")
       .def("parameters", &PyBoat::parameters, "Every parameter's value by name.");

@@ -15,6 +15,7 @@ LIGHT = HullParameters(m11=0.6, m22=1.1, m33=0.2, d11=2.0, d22=8.0, d33=0.5)
 REFERENCE = Path(__file__).parents[2] / "reference" / "nominal_formation.csv"
 START = np.array([[1.46, 0.45, 1.33], [-3.45, 2.25, 1.02]])
 SPEED = np.array([[0.5, 0.1, -0.3], [0.2, -0.1, 0.4]])
+STILL = np.zeros((2, 2))
 DISTURBANCE = np.array([[0.3, -0.2, 0.05], [-0.1, 0.4, -0.02]])
 
 
@@ -29,7 +30,7 @@ def sail(h_s: float, duration_s: float, start: Array, speed: Array, w: Array) ->
     for k in range(round(duration_s / h_s)):
         times = [k * h_s, (k + 0.5) * h_s, (k + 1) * h_s]
         tau = np.array([[leader_input(t)] * n for t in times])
-        hull.advance(eta, nu, tau, w, parameters, h_s)
+        hull.advance(eta, nu, tau, w, STILL, parameters, h_s)
     return np.hstack([eta, nu])
 
 
@@ -77,7 +78,7 @@ def test_virtual_leader_sails_the_path_of_the_reference_run() -> None:
     parameters, w, poses = hull.stack([NOMINAL]), np.zeros((1, 3)), [eta.copy()]
     for k in range(30_000):
         tau = np.array([[leader_input((k + stage) * 0.01)] for stage in (0.0, 0.5, 1.0)])
-        hull.advance(eta, nu, tau, w, parameters, 0.01)
+        hull.advance(eta, nu, tau, w, STILL, parameters, 0.01)
         if (k + 1) % 100 == 0:
             poses.append(eta.copy())
     expected = np.stack([reference[name] for name in ("x0_m", "y0_m", "psi0_rad")], axis=-1)
@@ -90,9 +91,9 @@ def test_drifting_boat_loses_energy_to_drag_alone() -> None:
     idle, h_s = np.zeros((3, 2, 2)), 0.001
     for _ in range(1000):
         before = nu.copy()
-        hull.advance(eta, nu, idle, np.zeros((2, 3)), parameters, h_s)
+        hull.advance(eta, nu, idle, np.zeros((2, 3)), STILL, parameters, h_s)
         gained = 0.5 * np.sum(parameters[:, :3] * (nu**2 - before**2), axis=1)
-        drag = np.sum(parameters[:, 3:] * (0.5 * (nu + before)) ** 2, axis=1)
+        drag = np.sum(parameters[:, 3:6] * (0.5 * (nu + before)) ** 2, axis=1)
         assert (gained < 0.0).all()
         np.testing.assert_allclose(gained, -drag * h_s, rtol=1e-3)
 
@@ -102,7 +103,7 @@ def test_boat_under_constant_thrust_ends_in_a_steady_turn(moment: float) -> None
     eta, nu = np.zeros((1, 3)), np.zeros((1, 3))
     tau = np.tile([2.0, moment], (3, 1, 1))
     for _ in range(6000):
-        hull.advance(eta, nu, tau, np.zeros((1, 3)), hull.stack([NOMINAL]), 0.01)
+        hull.advance(eta, nu, tau, np.zeros((1, 3)), STILL, hull.stack([NOMINAL]), 0.01)
     (u, v, r), p = nu[0], NOMINAL
     assert p.d11 * u - p.m22 * v * r == pytest.approx(2.0)
     assert p.d22 * v + p.m11 * u * r == pytest.approx(0.0, abs=1e-12)
@@ -113,7 +114,7 @@ def test_boat_under_constant_thrust_ends_in_a_steady_turn(moment: float) -> None
 def test_heading_of_a_circling_boat_is_not_wrapped() -> None:
     eta, nu, tau = np.zeros((1, 3)), np.zeros((1, 3)), np.tile([2.0, 0.5], (3, 1, 1))
     for _ in range(3000):
-        hull.advance(eta, nu, tau, np.zeros((1, 3)), hull.stack([NOMINAL]), 0.01)
+        hull.advance(eta, nu, tau, np.zeros((1, 3)), STILL, hull.stack([NOMINAL]), 0.01)
     assert eta[0, 2] > 2.0 * np.pi
 
 

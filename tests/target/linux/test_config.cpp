@@ -91,7 +91,7 @@ THR_PORT_DIR = -1
   apply(config.param, parameters);
   CHECK(parameters.MAV_SYSID == 2);
   CHECK(parameters.LAW_KX == 0.25F);
-  CHECK(parameters.LAW_KPSI == 0.2F);
+  CHECK(parameters.LAW_KPSI == app::Parameters{}.LAW_KPSI);
 }
 
 TEST_CASE("the command line wins over the file: links as a list, parameters one by one") {

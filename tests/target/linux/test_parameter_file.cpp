@@ -188,11 +188,11 @@ TEST_CASE("a value that is not allowed keeps its default alone, and must be conf
   for (const std::string bad :
        {"nan", "inf", "-inf", "9", "-0.1", "1e39", "1e-50x", "", "0.5 ", "0x1"}) {
     CAPTURE(bad);
-    put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = " + bad + "\nLAW_KPSI = 0.5\n"));
+    put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = " + bad + "\nLAW_KPSI = 0.75\n"));
     const auto loaded = load_parameters(folder / "p");
     CHECK(loaded.source == ParameterSource::kFile);
     CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
-    CHECK(loaded.values.LAW_KPSI == 0.5F);
+    CHECK(loaded.values.LAW_KPSI == 0.75F);
     CHECK(loaded.must_be_confirmed);
     CHECK(said(loaded, "p: LAW_KX = " + bad + " is refused (allowed: 0 to 2); default 0.2"));
   }

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "app/pilot.hpp"
+
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+// Another own source must take over before FS_NAV_S stops the boat.
+constexpr std::int64_t kOwnPatience_us = 300'000;
+
+std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
+
+template <class S>
+std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
+  const auto age_us = track.age_us(now_us);
+  if (!age_us) return std::nullopt;
+  return convert::seconds<double>(*age_us);
+}
+
+}  // namespace
+
+template <class S>
+Pilot<S>::Pilot(const Parameters& p)
+    : law_(convert::controller_params<S>(p)),
+      observer_(convert::observer_params<S>(p)),
+      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
+           {p.NAV_OFS_X, p.NAV_OFS_Y}),
+      leader_({byte_of(p.FORM_LEADER), 0}) {}
+
+template <class S>
+void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
+  law_ = convert::controller_params<S>(p);
+  observer_ = convert::observer_params<S>(p);
+  own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
+  own_.follow(own_system);
+  if (byte_of(p.FORM_LEADER) != leader_.system()) {
+    leader_.follow(byte_of(p.FORM_LEADER));
+    start();
+  }
+}
+
+template <class S>
+void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
+  own_.take(received, now_us, counters);
+  leader_.take(received, now_us, counters);
+}
+
+template <class S>
+void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                        std::int64_t now_us) {
+  own_.answered(from, sent_us, read_us, now_us);
+  leader_.answered(from, sent_us, read_us, now_us);
+}
+
+template <class S>
+core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) const {
+  core::Conditions met = 0;
+  if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
+  if (leader_.system() != own_.system() &&
+      leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
+      own_.has_origin() && convert::near(own_.position(), leader_.position())) {
+    met |= core::kLeaderFresh;
+  }
+  return met;
+}
+
+template <class S>
+void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
+  if (!armed) {
+    motion_ = {};
+    motion_.motion = own_.motion(now_us);
+    anchor_ = own_.position();
+    own_.take_fix();
+    return;
+  }
+  core::observer_forward(law_.vessel, motion_, given, since);
+  const convert::Position before = std::exchange(anchor_, own_.position());
+  const auto fix = own_.take_fix();
+  if (!fix) return;
+  const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
+  const core::Vec2<S> way = convert::separation<S>(before, anchor_);
+  const core::Vec2<S>& moved = motion_.motion.moved_n;
+  core::observer_correct(observer_, law_.vessel, motion_,
+                         {{way.x + moved.x, way.y + moved.y},
+                          fix->psi,
+                          fix->nu,
+                          age,
+                          convert::near(before, anchor_) ? fix->dt : S(0)});
+}
+
+template <class S>
+core::Encounter<S> Pilot<S>::encounter(std::int64_t now_us) const {
+  auto in =
+      convert::encounter_of<S>(anchor_, motion_.motion, leader_.position(), leader_.motion(now_us));
+  in.current_n = motion_.c_n;
+  in.unknown = core::unknown_wrench(law_.vessel, motion_);
+  return in;
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
+  const core::Encounter<S> in = encounter(now_us);
+  if (starting_) state_ = core::controller_start(in);
+  return core::controller_step(law_, state_, in, std::exchange(starting_, false) ? S(0) : dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
+  const core::Encounter<S> in = encounter(now_us);
+  core::SlotState<S> state = core::slot_start(in);
+  core::ControllerOutput<S> out;
+  out.slot = core::slot_forward(law_.slot, law_.vessel, state, in, S(0));
+  out.error = core::formation_error(in, out.slot);
+  return out;
+}
+
+template <class S>
+Estimates Pilot<S>::estimates() const {
+  return {convert::in_double(core::unknown_wrench(law_.vessel, motion_)),
+          {double(motion_.c_n.x), double(motion_.c_n.y)}};
+}
+
+template <class S>
+convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
+  const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
+  const core::Motion<S> then = core::moment_before(motion_.motion, since_stamp);
+  return {anchor_.north_m, anchor_.east_m, convert::in_double(then), anchor_.origin};
+}
+
+template <class S>
+convert::GlobalPoint Pilot<S>::place() const {
+  return convert::global_of(anchor_, motion_.motion.moved_n);
+}
+
+template <class S>
+std::optional<double> Pilot<S>::own_age_s(std::int64_t now_us) const {
+  return age_s(own_, now_us);
+}
+
+template <class S>
+std::optional<double> Pilot<S>::leader_age_s(std::int64_t now_us) const {
+  return age_s(leader_, now_us);
+}
+
+template class Pilot<float>;
+template class Pilot<double>;
+
+}  // namespace flotilla::app

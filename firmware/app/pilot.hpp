@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Where the boat and its leader are, what acts on the boat, and what the law makes of it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/convert_telemetry.hpp"
+#include "app/vessel_track.hpp"
+#include "core/supervisor.hpp"
+
+namespace flotilla::app {
+
+/// What the boat knows beyond its messages, SI units.
+struct Estimates {
+  core::Tau<double> unknown;     ///< wrench that neither model nor propellers account for
+  core::Vec2<double> current_n;  ///< of the water
+};
+
+template <class S>
+class Pilot {
+ public:
+  explicit Pilot(const Parameters& p);
+
+  /// Parameters, and the own system id, as they are from now on.
+  void configure(const Parameters& p, std::uint8_t own_system);
+
+  /// Any message; those of other vessels are passed over.
+  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+
+  /// A vessel answered the TIMESYNC request that we sent at `sent_us`.
+  void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                std::int64_t now_us);
+
+  /// Those conditions that the two states make: fresh, and near each other.
+  core::Conditions conditions(std::int64_t now_us, const Parameters& p) const;
+
+  /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
+  /// has come. A boat that is not armed may be carried about: it is tracked as a leader is.
+  void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
+
+  /// The next step() begins anew: FORMATION was entered.
+  void start() { starting_ = true; }
+
+  /// One step of the law, dt after the last one, s.
+  core::ControllerOutput<S> step(std::int64_t now_us, S dt);
+
+  /// Where the boat is, seen from its slot, without a step.
+  core::ControllerOutput<S> look(std::int64_t now_us) const;
+
+  const core::ControllerParams<S>& law() const { return law_; }
+  Estimates estimates() const;
+
+  /// The own state at the whole millisecond of now.
+  convert::OwnState<double> own_state(std::int64_t now_us) const;
+  bool located() const { return own_.has_origin(); }
+  convert::GlobalPoint place() const;
+  std::int32_t altitude_mm() const { return anchor_.origin.altitude; }
+
+  std::optional<double> own_age_s(std::int64_t now_us) const;
+  std::optional<double> leader_age_s(std::int64_t now_us) const;
+  std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
+    return leader_.uncertainty_m(now_us);
+  }
+
+  /// A vessel's ODOMETRY in a frame without north was refused since the last call.
+  bool take_frame_complaint() {
+    return own_.take_frame_complaint() | leader_.take_frame_complaint();
+  }
+
+ private:
+  core::Encounter<S> encounter(std::int64_t now_us) const;
+
+  core::ControllerParams<S> law_;
+  core::ControllerState<S> state_{};
+  core::ObserverParams<S> observer_;
+  core::Observer<S> motion_{};
+  convert::Position anchor_;  // where motion_.motion.moved_n begins
+  bool starting_ = false;
+  VesselTrack<S> own_;
+  VesselTrack<S> leader_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// The boat's slot as a vessel of its own: where it is, and how a boat sails its path.
+//
+//   frame 0: d north and east of the leader          frame 1: d ahead and to starboard, turning
+//   w = [u_L − r_L d_y  v_L + r_L d_x]               velocity of the slot, leader's axes (frame 1)
+//   q = w − R(ψ_L)ᵀ c                                the same through the water
+//   q_s, n ← q_x, q_y − v_w                          smoothed, with their rates: two poles at ω_n
+//   δ = atan( n q_s³ / (q_s² + ε²)² )                a bow turned by δ leaves just v_w for sway
+//   ψ_S = ψ_L + δ      [u_S v_S]ᵀ = R(δ)ᵀ w      r_S = r_L + δ̇
+//   m22 v̇_w = −m11 q_s r_S − d22 v_w                 sway of this boat on the slot's course
+//
+//  symbol       meaning                              frame  unit        tested range
+//  psi_L, nu_L  leader's heading, velocity           n, body  rad, m/s, rad/s
+//  d            slot, seen from the leader           n or leader's axes  m  ±1000
+//  c            current                              n      m/s         ±2
+//  v_w          sway through the water               body   m/s         ±20
+//  ε            speed under which there is no course        m/s
+//  ω_n          faster than any boat turns, slower than noise    rad/s
+//
+// Not in paper: there the slot has its leader's heading and velocity, which is right where all hulls
+// are alike and the water stands still, and it does not turn. A boat sails where its course goes, not
+// where its bow points: in a current, on the leader's outside, behind a leader with another hull.
+// u̇_L and v̇_L, full of noise, enter δ̇ through the smoothing alone; ṙ_S is ṙ_L.
+#pragma once
+
+#include "core/rotation.hpp"
+#include "core/vessel.hpp"
+
+namespace flotilla::core {
+
+/// What the boat knows of itself, of its leader and of the water, at one instant.
+template <class S>
+struct Encounter {
+  Vec2<S> separation_n{};  ///< p − p_L
+  S psi{};
+  S psi_L{};
+  Nu<S> nu{};
+  Nu<S> nu_L{};
+  Nu<S> nu_L_dot{};
+  Vec2<S> current_n{};
+  Tau<S> unknown{};  ///< wrench that neither model nor propellers account for
+};
+
+template <class S>
+struct SlotParams {
+  Vec2<S> d{};
+  bool turns = false;   ///< frame 1
+  bool steers = false;  ///< along its own course: in frame 1, or where a current is known
+  S epsilon = S(0.05);
+  S omega_n = S(2);
+};
+
+/// A number and its rate of change, smoothed.
+template <class S>
+struct Smooth {
+  S value{};
+  S rate{};
+};
+
+template <class S>
+struct SlotState {
+  S v_w{};
+  Smooth<S> q_s{};
+  Smooth<S> n{};
+  bool started = false;
+};
+
+template <class S>
+struct Slot {
+  Vec2<S> d_n{};  ///< from the leader
+  S psi{};
+  Nu<S> nu{};
+  Nu<S> nu_dot{};
+  S pace{};  ///< q_s
+};
+
+/// A slot that goes as its leader goes.
+template <class S>
+Slot<S> slot_beside(const Encounter<S>& in, const Vec2<S>& d_n) {
+  return {d_n, in.psi_L, in.nu_L, in.nu_L_dot, in.nu_L.u};
+}
+
+/// Velocity in the leader's axes, over ground with its rate of change there, and through the water.
+template <class S>
+struct SlotVelocity {
+  Vec2<S> w{};
+  Vec2<S> w_dot{};
+  Vec2<S> q{};
+};
+
+template <class S>
+SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const Encounter<S>& in) {
+  const auto& [u, v, r] = in.nu_L;
+  const auto& a = in.nu_L_dot;
+  const Vec2<S> d = params.turns ? params.d : Vec2<S>{};
+  const Vec2<S> c = to_body(in.psi_L, in.current_n);
+  const Vec2<S> w = {u - r * d.y, v + r * d.x};
+  return {w, {a.u - a.r * d.y, a.v + a.r * d.x}, {w.x - c.x, w.y - c.y}};
+}
+
+/// A tracker of second order over a step h: no lag behind a steady change.
+template <class S>
+void smooth(S omega, Smooth<S>& state, S value, S h) {
+  const S step = omega * h;
+  const S off = (value - state.value - h * state.rate) / (S(1) + step * (S(2) + step));
+  state.value = value - off;
+  state.rate = state.rate + omega * step * off;
+}
+
+/// How the slot moves; carries its state over the h seconds since the step before.
+template <class S>
+Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<S>& state,
+                     const Encounter<S>& in, S h) {
+  Slot<S> slot = slot_beside(in, params.turns ? to_north_east(in.psi_L, params.d) : params.d);
+  const auto [w, w_dot, q] = slot_velocity(params, in);
+  if (!state.started) state.q_s.value = q.x, state.n.value = q.y - state.v_w;
+  state.started = true;
+  smooth(params.omega_n, state.q_s, q.x, h);
+  smooth(params.omega_n, state.n, q.y - state.v_w, h);
+  const auto& [q_s, q_s_dot] = state.q_s;
+  const S qq = q_s * q_s;
+  const S D = qq + params.epsilon * params.epsilon;
+  const S share = qq / D;  // 1 where the slot makes way
+  const S per_q = share * q_s / D;
+  const S z = state.n.value * per_q;
+  const S z_dot =
+      state.n.rate * per_q + state.n.value * (S(3) - S(4) * share) * share / D * q_s_dot;
+  const S delta = params.steers ? atan(z) : S(0);
+  const S delta_dot = params.steers ? z_dot / (S(1) + z * z) : S(0);
+  slot.nu.r = in.nu_L.r + delta_dot;
+  slot.pace = q_s;
+  state.v_w = (state.v_w - h * m.m11 / m.m22 * q_s * slot.nu.r) / (S(1) + h * m.d22 / m.m22);
+  if (!params.steers) return slot;
+  const Vec2<S> nu = to_body(delta, w);
+  const Vec2<S> nu_dot = to_body(delta, w_dot);
+  slot.psi = in.psi_L + delta;
+  slot.nu.u = nu.x;
+  slot.nu.v = nu.y;
+  slot.nu_dot = {nu_dot.x + delta_dot * nu.y, nu_dot.y - delta_dot * nu.x, in.nu_L_dot.r};
+  return slot;
+}
+
+/// The leader's sway through the water: as if the boat had sailed beside it before.
+template <class S>
+S sway_beside(const Encounter<S>& in) {
+  return in.nu_L.v - to_body(in.psi_L, in.current_n).y;
+}
+
+template <class S>
+SlotState<S> slot_start(const Encounter<S>& in) {
+  SlotState<S> state;
+  state.v_w = sway_beside(in);
+  return state;
+}
+
+}  // namespace flotilla::core

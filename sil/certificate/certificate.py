@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""The certificate of a scenario: all references, all boats, all tests, and the verdict.
+
+Boats that differ in nothing that counts are looked at once, and so are inputs of the leader that
+come again.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from sil.certificate import floquet, gains
+from sil.certificate.fleet import fleet, parameters, vessel_of
+from sil.certificate.loop import Boat
+from sil.certificate.monodromy import Points
+from sil.certificate.reference import Reference, references
+from sil.certificate.sampled import SampledLoop, sampled_loop
+from sil.certificate.search import Search
+from sil.certificate.slots import SlotMotion
+from sil.certificate.small_gain import SmallGain, small_gain
+from sil.certificate.thrust import ThrustNeed, thrust_need
+from sil.scenario import Scenario
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Floquet:
+    """Multipliers of eq:26 over `period_s`, largest first, and the decay of the slowest, 1/s."""
+
+    period_s: float
+    multipliers: list[complex]
+    decay: float
+
+
+@dataclass(frozen=True)
+class Case:
+    """Boats that are alike behind one reference, and what became of them.
+
+    `curve_*`: decay, 1/s, at `gains.CURVE_K_X`; empty behind a leader at rest.
+    """
+
+    boats: list[int]
+    setup: Boat
+    points: Points
+    small_gain: SmallGain
+    floquet: Floquet
+    thrust: ThrustNeed
+    sampled: SampledLoop
+    curve_floquet: list[float]
+    curve_sampled: list[float]
+    curve_of_law: list[float]
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A reference, the times (s) from which it is sailed, and the boats behind it."""
+
+    reference: Reference
+    from_s: list[float]
+    cases: list[Case]
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """All that was found; `search` is None where the leader never moves."""
+
+    scenario: Scenario
+    legs: list[Leg]
+    search: Search | None
+
+
+def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress) -> Certificate:
+    """Examine a scenario; `overrides` go to every boat's firmware.
+
+    `progress` is told what is being done and the share of it that is done. ValueError for a
+    parameter that the firmware refuses, or a leader without steady regime.
+    """
+    firmware = parameters(scenario, overrides)
+    legs: list[Leg] = []
+    progress("the leader's steady regime", 0.0)
+    found = _different(references(scenario), any(scenario.water.current_mps))
+    for number, (reference, from_s) in enumerate(found, start=1):
+        cases = []
+        for boats, slot, setup in fleet(scenario, reference, firmware):
+            who = f"leg {number} of {len(found)}, boat {', '.join(map(str, boats))}"
+            cases.append(_case(boats, reference, slot, setup, partial(progress, who)))
+        legs.append(Leg(reference, from_s, cases))
+    moving = [
+        (c.setup, c.points) for leg in legs if leg.reference.kind != "rest" for c in leg.cases
+    ]
+    search = None
+    if moving:
+        search = gains.fastest(moving, partial(progress, "search for the gains"))
+    return Certificate(scenario, legs, search)
+
+
+def _different(found: list[Reference], north_counts: bool) -> list[tuple[Reference, list[float]]]:
+    """Each reference once, with the times from which it is sailed."""
+    groups: list[tuple[Reference, list[float]]] = []
+    for reference in found:
+        for other, from_s in groups:
+            if _alike(reference, other, north_counts):
+                from_s.append(reference.from_s)
+                break
+        else:
+            groups.append((reference, [reference.from_s]))
+    return groups
+
+
+def _alike(a: Reference, b: Reference, north_counts: bool) -> bool:
+    own, other = (reference.input.model_dump(exclude={"from_s"}) for reference in (a, b))
+    return own == other and not north_counts
+
+
+def _case(
+    boats: list[int], reference: Reference, slot: SlotMotion, setup: Boat, tell: gains.Tell
+) -> Case:
+    own = setup.parameters
+    vessel, at_rest = vessel_of(own), reference.kind == "rest"
+    values = floquet.multipliers(vessel, reference, [own["LAW_KX"], *gains.CURVE_K_X])
+    decays = floquet.decay_rates(reference, values).tolist()
+    sampled, points = sampled_loop(setup, at_rest)
+    curve = [] if at_rest else gains.curve(setup, points, tell)
+    return Case(
+        boats=boats,
+        setup=setup,
+        points=points,
+        small_gain=small_gain(vessel, reference, own["LAW_KX"], own["LAW_KPSI"]),
+        floquet=Floquet(floquet.period_s(reference), values[0].tolist(), decays[0]),
+        thrust=thrust_need(slot, setup.propellers),
+        sampled=sampled,
+        curve_floquet=[] if at_rest else decays[1:],
+        curve_sampled=[whole for whole, _ in curve],
+        curve_of_law=[law for _, law in curve],
+    )

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: MIT
+"""The sampled closed loop of one boat, in several copies: the firmware's law on the simulated hull.
+
+At each tick the navigation unit, when it is its turn, gives the firmware the true state; the
+firmware's own estimator and law (`flotilla.Helm`, double precision, without bytes) answer with two
+thrusts, which hold until the next tick behind the propellers' curve and lag. The leader moves along
+a given path and the boat learns of it without delay. Left out: rounding on the wires, THR_DEAD,
+THR_SLEW, noise, waves.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import flotilla
+import numpy as np
+
+from sil.certificate.motion import Motion
+from sil.plant import hull, propeller
+from sil.plant.hull import Array, HullParameters
+from sil.plant.propeller import PropellerParameters
+
+# of the state: pose, velocity, thrusts; what the firmware remembers follows
+BODY = 8
+# the state's components in their order: the body's, then what `flotilla.Helm` remembers
+COMPONENTS = (
+    *("x", "y", "psi", "u", "v", "r", "thrust port", "thrust stbd"),
+    *("x known", "y known", "psi known", "u known", "v known", "r known"),
+    *("unknown surge", "unknown sway", "unknown yaw", "current north", "current east"),
+    *("v*", "u* held", "r* held"),
+    *("slot sway", "slot speed", "slot speed rate", "slip", "slip rate", "given X", "given N"),
+)
+
+
+@dataclass(frozen=True)
+class Boat:
+    """All that a boat's loop depends on; `parameters`: the firmware's.
+
+    `current` (2), m/s, north and east; `slot`: its own motion on its slot; `rate_hz` of the ticks.
+    """
+
+    hull: HullParameters
+    propellers: PropellerParameters
+    parameters: Mapping[str, float]
+    current: tuple[float, float]
+    navigation_hz: float
+    rate_hz: float
+    leader: Motion
+    slot: Motion
+
+    @property
+    def h_s(self) -> float:
+        """Time between two ticks, s."""
+        return 1.0 / self.rate_hz
+
+    @property
+    def cycle(self) -> int:
+        """Ticks after which the fixes fall on the same ticks again."""
+        return Fraction(self.rate_hz / self.navigation_hz).limit_denominator(100).numerator
+
+    def fix_due(self, tick: int) -> bool:
+        """Whether a fix comes at a tick."""
+        share = Fraction(self.navigation_hz / self.rate_hz).limit_denominator(100)
+        return math.floor(tick * share) != math.floor((tick - 1) * share)
+
+    def with_parameters(self, changed: Mapping[str, float]) -> "Boat":
+        """The same boat with other parameters of its firmware."""
+        return replace(self, parameters={**self.parameters, **changed})
+
+
+class Loop:
+    """Copies of a boat, started on its slot at a tick; `state` (copies, n) says all of them.
+
+    A row: [x y ψ], [u v r], thrusts port and starboard, then `flotilla.Helm`'s state: `COMPONENTS`.
+    """
+
+    def __init__(self, boat: Boat, copies: int) -> None:
+        self.boat = boat
+        self.tick = 0
+        self.limited = False
+        self._helms = [flotilla.Helm(dict(boat.parameters)) for _ in range(copies)]
+        self._hulls = hull.stack([boat.hull] * copies)
+        self._pairs = propeller.stack([boat.propellers] * copies)
+        self._current = np.tile(boat.current, (copies, 1))
+        self._no_force = np.zeros((copies, 3))
+        self._tau = np.zeros((3, copies, 2))
+        self._command = np.zeros((copies, 2))
+        self.eta = np.zeros((copies, 3))
+        self.nu = np.zeros((copies, 3))
+        self.thrust = np.zeros((copies, 2))
+        self._curve = _Curve.of(boat.parameters)
+        self._fresh = True
+
+    def start(self, tick: int) -> None:
+        """Put all copies on the slot, as if the firmware had just entered FORMATION."""
+        self.tick = tick
+        time_s = np.array([tick * self.boat.h_s])
+        self.eta[:], self.nu[:] = self.boat.slot.eta(time_s), self.boat.slot.nu(time_s)
+        self._helms = [flotilla.Helm(dict(self.boat.parameters)) for _ in self._helms]
+        self._fresh = True
+
+    @property
+    def state(self) -> Array:
+        """The state now, before the tick."""
+        remembered = np.array([helm.state for helm in self._helms])
+        return np.hstack([self.eta, self.nu, self.thrust, remembered])
+
+    def resume(self, tick: int, state: Array) -> None:
+        """Go on from `state` (copies, n) at a tick."""
+        self.tick = tick
+        self.eta[:], self.nu[:], self.thrust[:] = state[:, :3], state[:, 3:6], state[:, 6:BODY]
+        for helm, row in zip(self._helms, state[:, BODY:].tolist(), strict=True):
+            helm.state = row
+        self._fresh = False
+
+    def step(self, leader: Array) -> None:
+        """One tick; `leader` (9): its pose, velocity and the rates of that, now."""
+        boat, now = self.boat, leader.tolist()
+        fix = self._fresh or boat.fix_due(self.tick)
+        since_s = 0.0 if self._fresh else 1.0 / boat.navigation_hz
+        bodies = zip(self._helms, self.eta.tolist(), self.nu.tolist(), strict=True)
+        for i, (helm, eta, nu) in enumerate(bodies):
+            if fix:
+                helm.fix(*eta, *nu, 0.0, since_s)
+            told = helm.step(now, boat.h_s)
+            self._note(i, told)
+        propeller.advance(self.thrust, self._command, self._tau, self._pairs, boat.h_s)
+        water = (self._no_force, self._current, self._hulls)
+        hull.advance(self.eta, self.nu, self._tau, *water, boat.h_s)
+        self._fresh = False
+        self.tick += 1
+
+    def _note(self, i: int, told: Mapping[str, Any]) -> None:
+        thrust = told["thrust_N"]
+        self._command[i] = self._curve(thrust["port"]), self._curve(thrust["stbd"])
+        asked, given = told["wrench_asked"], told["wrench_given"]
+        missing = abs(asked["X_N"] - given["X_N"]) + abs(asked["N_Nm"] - given["N_Nm"])
+        self.limited = self.limited or missing > 1e-9
+
+
+def leader_rows(leader: Motion, times_s: Array) -> Array:
+    """What a boat learns of its leader at the times (T): pose, velocity and its rates (T, 9)."""
+    return np.hstack([leader.eta(times_s), leader.nu(times_s), leader.nu_dot(times_s)])
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """The command with which the firmware asks for a thrust: the inverse of its THR_* curve."""
+
+    forward_N: float
+    reverse_N: float
+    expo: float
+
+    @staticmethod
+    def of(parameters: Mapping[str, float]) -> "_Curve":
+        names = ("THR_FWD_MAX", "THR_REV_MAX", "THR_EXPO")
+        return _Curve(*(parameters[name] for name in names))
+
+    def __call__(self, thrust_N: float) -> float:
+        share = abs(thrust_N) / (self.forward_N if thrust_N >= 0.0 else self.reverse_N)
+        linear = 1.0 - self.expo
+        if self.expo > 0.0 and share > 0.0:
+            root = math.sqrt(linear * linear + 4.0 * self.expo * share)
+            share = 2.0 * share / (linear + root)
+        return math.copysign(share, thrust_N)

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: MIT
+"""The linearisation of a boat's sampled loop over the time after which its leader repeats itself.
+
+The map from one cycle of fixes to the next is differenced centrally in every component of the state
+at each of many instants, and the Jacobians are multiplied: Φ = ∏ A_k. What the state means by x and
+y moves on with the leader, by a shift and, after the window, whole turns; both leave Φ as it is.
+The leader's motion is given, so that no place is as good as another: only a state that nothing
+pulls back shows a multiplier of 1.
+"""
+
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from sil.certificate.loop import BODY, Boat, Loop, leader_rows
+from sil.plant.hull import Array
+
+Complex = npt.NDArray[np.complex128]
+
+_DELTA = 1e-5
+_MOST_WINDOWS = 5
+_LEAST_SAIL_S, _MOST_SAIL_S = 30.0, 400.0
+_REPEATS_M, _REPEATS = 1e-5, 1e-3
+_LOST_M = 50.0
+_IDLE = 1e-9
+_VISIBLE, _EVERY = 1e-6, 8
+NEAR_ONE = 1e-5  # as near as differences tell
+
+
+@dataclass(frozen=True)
+class Instants:
+    """Where the window is looked at: `ticks` (K), each stands for `cycles` (K) cycles of fixes.
+
+    `begin`: the first tick of the window; `windows` of them are `length` ticks as good as exactly.
+    """
+
+    begin: int
+    length: int
+    windows: int
+    ticks: npt.NDArray[np.int64]
+    cycles: npt.NDArray[np.int64]
+
+
+def instants(boat: Boat, most: int, windows: int = _MOST_WINDOWS) -> Instants:
+    """At most `most` instants over as many windows, up to `windows`, as best are whole cycles."""
+    window_ticks, cycle = boat.leader.window_s * boat.rate_hz, boat.cycle
+    count = min(
+        range(1, windows + 1),
+        # a millionth a window: of equally good ones the first
+        key=lambda n: abs(n * window_ticks / cycle - round(n * window_ticks / cycle)) + 1e-6 * n,
+    )
+    total = max(1, round(count * window_ticks / cycle))
+    if len(boat.leader.nu_periodic.values) == 1:
+        most = 1  # any instant is like another
+    edges = np.unique(np.linspace(0, total, min(most, total) + 1).round().astype(np.int64))
+    begin = cycle * round(boat.leader.begin_s * boat.rate_hz / cycle)
+    middles = (edges[:-1] + edges[1:] - 1) // 2
+    return Instants(begin, total * cycle, count, begin + cycle * middles, np.diff(edges))
+
+
+@dataclass(frozen=True)
+class Points:
+    """States (K, n) of a boat at ticks (K) that stand for `cycles` (K) cycles of fixes each."""
+
+    ticks: npt.NDArray[np.int64]
+    cycles: npt.NDArray[np.int64]
+    states: Array
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Where a boat that starts on its slot ends up; `points`: one for each `Instants` asked for.
+
+    `steady`: it repeats itself, and no propeller was at its limit; otherwise the points are those
+    of a boat just put on its slot. `error` (3): mean of |deviation| from the slot over the last
+    window, m, m, rad; `limited`: a propeller was at its limit in that window.
+    """
+
+    steady: bool
+    limited: bool
+    error: Array
+    points: list[Points]
+
+
+def settle(boat: Boat, wanted: Sequence[Instants]) -> Regime:
+    """Sail a boat from its slot until it repeats itself, for 30 to 400 s, and then its windows."""
+    loop, rate = Loop(boat, 1), boat.rate_hz
+    lap = max(boat.cycle, round(boat.leader.window_s * rate / boat.cycle) * boat.cycle)
+    lap *= max(1, round(_LEAST_SAIL_S * rate / lap))
+    loop.start(wanted[0].begin)
+    before, repeats = np.full(3, np.inf), False
+    for _ in range(max(2, round(_MOST_SAIL_S * rate / lap))):
+        loop.limited = False
+        error, _ = _sail(loop, lap)
+        repeats = bool(np.abs(error - before).max() < _REPEATS_M + _REPEATS * error.max())
+        before = error
+        if repeats or not error.max() < _LOST_M:
+            break
+    if not repeats or loop.limited:
+        return Regime(False, loop.limited, before, [on_slot(boat, where) for where in wanted])
+    points = []
+    for where in wanted:
+        ticks = where.ticks + (loop.tick - where.begin)
+        error, states = _sail(loop, where.length, set(ticks.tolist()))
+        points.append(Points(ticks, where.cycles, np.array(states)))
+    return Regime(True, False, error, points)
+
+
+def on_slot(boat: Boat, where: Instants) -> Points:
+    """States of a boat that was put on its slot two cycles before each instant."""
+    loop, states = Loop(boat, 1), []
+    for tick in where.ticks:
+        loop.start(int(tick) - 2 * boat.cycle)
+        _sail(loop, 2 * boat.cycle)
+        states.append(loop.state[0])
+    return Points(where.ticks, where.cycles, np.array(states))
+
+
+def jacobians(boat: Boat, points: Points) -> Array:
+    """Derivatives (K, n, n) of the state a cycle of fixes after the points (K) by that at them."""
+    n = points.states.shape[1]
+    loop, found = Loop(boat, 2 * n), []
+    nudges = _DELTA * np.vstack([np.eye(n), -np.eye(n)])
+    for tick, state in zip(points.ticks, points.states, strict=True):
+        loop.resume(int(tick), state + nudges)
+        _sail(loop, boat.cycle)
+        end = loop.state
+        found.append((end[:n] - end[n:]).T / (2.0 * _DELTA))
+    return np.array(found)
+
+
+def products(factors: Array, cycles: npt.NDArray[np.int64]) -> tuple[Array, float]:
+    """Φ from the first instant to each later one and to the window's end (K, n, n).
+
+    Each is scaled; times e to the second of the answers the last one is what it is.
+    """
+    total, partial, scale = np.eye(factors.shape[1]), [], 0.0
+    for factor, count in zip(factors, cycles, strict=True):
+        for _ in range(int(count)):
+            total = factor @ total
+            size = np.abs(total).max()
+            if not 1e-50 < size < 1e50:
+                total, scale = total / size, scale + float(np.log(size))
+        partial.append(total)
+    return np.array(partial), scale
+
+
+def written(factors: Array) -> npt.NDArray[np.bool_]:
+    """Which components of the state (n) anything changes.
+
+    An estimate whose bandwidth is 0 is part of the firmware's memory, but stays what it is: it is
+    no state that could be disturbed.
+    """
+    change: Array = np.abs(factors - np.eye(factors.shape[1])).max(axis=(0, 2))
+    return change >= _IDLE
+
+
+def visible(values: Complex, vectors: Complex, partial: Array) -> npt.NDArray[np.bool_]:
+    """Which modes (n) of the whole product move the boat at any instant, and not only its memory.
+
+    Vectors that belong to one value may be any mixture: of those on 1, as many count as directions
+    are left of them in the boat's own motion.
+    """
+    motion = np.vstack([vectors[:BODY], *(Phi[:BODY] @ vectors for Phi in partial[:-1:_EVERY])])
+    size: Array = np.abs(motion).max(axis=0)
+    seen = size > _VISIBLE * np.asarray(np.abs(vectors).max(axis=0))
+    on_one = np.flatnonzero(np.abs(values - 1.0) < NEAR_ONE)
+    if on_one.size > 1:
+        left = np.linalg.svd(motion[:, on_one], compute_uv=False)
+        seen[on_one] = np.arange(on_one.size) < np.sum(left > _VISIBLE * left[0])
+    return seen
+
+
+def _sail(loop: Loop, ticks: int, wanted: Container[int] = ()) -> tuple[Array, list[Array]]:
+    """Carry a loop on; mean |deviation| (3) of its first copy, its states at the ticks `wanted`."""
+    boat, count = loop.boat, range(loop.tick, loop.tick + ticks)
+    times_s: Array = boat.h_s * np.array(count, dtype=np.float64)
+    slot, rows = boat.slot.eta(times_s), leader_rows(boat.leader, times_s)
+    states, total = [], np.zeros(3)
+    for tick, row, there in zip(count, rows, slot, strict=True):
+        if tick in wanted:
+            states.append(loop.state[0])
+        total += np.abs(loop.eta[0] - there)
+        loop.step(row)
+    return total / ticks, states

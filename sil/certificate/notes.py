@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: MIT
+"""What a certificate does not say: what was left out of it, and what need not be in."""
+
+from collections.abc import Iterable
+
+from sil.certificate.certificate import Certificate
+
+_NOT_LINEARISED = ("THR_SLEW", "THR_DEAD")
+
+
+def notes(certificate: Certificate) -> list[str]:
+    """What was left out, and what need not be in."""
+    scenario = certificate.scenario
+    texts = [
+        "The small-gain test is sufficient only: not to pass it proves nothing. It and eq:26 are "
+        "about the paper's law; the sampled loop is that of the firmware, extensions and all.",
+        "Links: no boat acts on its leader, so that a late, rare or lost message of a leader is in "
+        "no loop: it adds states of delay, no feedback, and moves no multiplier. What it costs in "
+        "accuracy is for the simulation to show. The own fixes' rate is in the loop.",
+        "The verdict is about small errors, and each boat's decay is that behind a leader without "
+        "error. Down a chain the modes repeat: the k-th boat's error may go as t^(k-1) e^(-σt), "
+        "so that its decay, at the same rate in the end, begins later.",
+    ]
+    texts += _left_out(certificate)
+    weather = scenario.wind.gust_mps or any(scenario.wind.mean_mps) or scenario.waves.height_m
+    if weather or scenario.white_noise.power or scenario.navigation.noise.sigma.any():
+        texts.append("Wind, waves and noise are left out.")
+    return texts
+
+
+def _left_out(certificate: Certificate) -> Iterable[str]:
+    every = [case.setup.parameters for leg in certificate.legs for case in leg.cases]
+    values = {name: sorted({own[name] for own in every} - {0.0}) for name in _NOT_LINEARISED}
+    told = [f"{name} = {listed(of)}" for name, of in values.items() if of]
+    if told:
+        yield f"{', '.join(told)}: not in the linearised loop, which is examined as if 0."
+
+
+def listed(values: Iterable[float]) -> str:
+    """Numbers in words."""
+    return ", ".join(f"{value:g}" for value in values)

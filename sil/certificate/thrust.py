@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: MIT
+"""Whether the propellers can give what a boat's slot asks for, and which is nearest to its limit.
+
+T_port = X/2 + N/2a        T_stbd = X/2 − N/2a        a half the distance between the two
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from sil.certificate.slots import SlotMotion
+from sil.plant.hull import Array
+from sil.plant.propeller import PropellerParameters
+
+Side = Literal["port", "stbd"]
+Direction = Literal["forward", "reverse"]
+
+
+@dataclass(frozen=True)
+class ThrustNeed:
+    """Extremes of both propellers, N, and the one nearest to its limit.
+
+    `margin`: share of the limit of propeller `side` in `direction` that is left at `at_s` after
+    the window's beginning; under 0 where it cannot give what is asked.
+    """
+
+    least_N: float
+    most_N: float
+    margin: float
+    side: Side
+    direction: Direction
+    at_s: float
+    sway_N: float
+
+    @property
+    def given(self) -> bool:
+        """Whether the propellers can give it all, and the hull needs nothing in sway."""
+        return self.margin >= 0.0 and self.sway_N < 1e-3
+
+
+def thrust_need(slot: SlotMotion, propellers: PropellerParameters) -> ThrustNeed:
+    """What a slot asks of a boat's propellers."""
+    thrust = thrusts(slot.tau, propellers.arm_m)
+    forward = thrust / propellers.forward_max_N
+    reverse = np.zeros_like(thrust)
+    astern = thrust < -1e-9
+    # a propeller that cannot reverse is asked for infinitely much
+    with np.errstate(divide="ignore"):
+        reverse[astern] = -thrust[astern] / np.float64(propellers.reverse_max_N)
+    used = np.maximum(forward, reverse)
+    k, side = (int(i) for i in np.unravel_index(np.argmax(used), used.shape))
+    times_s = slot.motion.times_s
+    return ThrustNeed(
+        least_N=float(thrust.min()),
+        most_N=float(thrust.max()),
+        margin=float(1.0 - used[k, side]),
+        side="port" if side == 0 else "stbd",
+        direction="reverse" if astern[k, side] else "forward",
+        at_s=float(times_s[k] - times_s[0]),
+        sway_N=slot.sway_N,
+    )
+
+
+def thrusts(tau: Array, arm_m: float) -> Array:
+    """Thrusts (M, 2), port and starboard, N, that give wrenches (M, 2) in N, N m."""
+    half_turn = 0.5 * tau[:, 1] / arm_m
+    return np.column_stack([0.5 * tau[:, 0] + half_turn, 0.5 * tau[:, 0] - half_turn])

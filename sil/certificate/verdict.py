@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: MIT
+"""The verdict in one sentence, and the exit status that goes with it."""
+
+import math
+from collections.abc import Iterator
+
+from sil.certificate.certificate import Case, Certificate, Leg
+from sil.metrics import SETTLED_M
+
+
+def holds(certificate: Certificate) -> bool:
+    """Every boat's sampled loop converges and its propellers can give what its slot asks for."""
+    return all(
+        case.sampled.holds and case.thrust.given for leg in certificate.legs for case in leg.cases
+    )
+
+
+def sentence(certificate: Certificate) -> str:
+    """What is so, or what is wrong first of all."""
+    wrong = next(_failures(certificate), None)
+    if wrong is not None:
+        return f"not certified: {wrong}"
+    cases = [(leg, case) for leg in certificate.legs for case in leg.cases]
+    slowest = min((case for _, case in cases), key=lambda case: case.sampled.decay)
+    margin = min(case.thrust.margin for _, case in cases)
+    text = (
+        f"certified about the formation: in every boat's sampled loop small errors decay by at "
+        f"least {slowest.sampled.decay:.3f} 1/s, and {100.0 * margin:.0f} % of the propellers' "
+        f"limits is left"
+    )
+    if any(case.sampled.neutral for _, case in cases):
+        text += "; while the leader lies still, errors abeam stay as they are, under any law"
+    worst = max((case for _, case in cases), key=_off_m)
+    if _off_m(worst) > SETTLED_M:
+        text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot for ever"
+    return text
+
+
+def _failures(certificate: Certificate) -> Iterator[str]:
+    """What is wrong, the gravest first."""
+    cases = [(leg, case) for leg in certificate.legs for case in leg.cases]
+    where = len(certificate.legs) > 1
+    for leg, case in cases:
+        if not case.thrust.given:
+            yield _thrust(case) + _leg(leg, where)
+    for leg, case in cases:
+        if case.sampled.outcome == "grows":
+            rate = -case.sampled.decay
+            yield f"{name(case.boats)}: small errors grow by {rate:.3g} 1/s" + _leg(leg, where)
+    for leg, case in cases:
+        if case.sampled.outcome == "stays":
+            yield f"{name(case.boats)}: some error stays for ever{_why(leg, case)}" + _leg(
+                leg, where
+            )
+    for leg, case in cases:
+        if not case.sampled.steady:
+            limit = ", a propeller at its limit" if case.sampled.limited else ""
+            off = f"{_off_m(case):.2g} m off its slot"
+            yield f"{name(case.boats)}: no steady regime, {off}{limit}" + _leg(leg, where)
+
+
+def _off_m(case: Case) -> float:
+    """Mean distance north and east from the slot, at the end."""
+    return math.hypot(*case.sampled.error[:2])
+
+
+def name(boats: list[int]) -> str:
+    """Boats in words."""
+    if len(boats) == 1:
+        return f"boat {boats[0]}"
+    if boats == list(range(boats[0], boats[-1] + 1)):
+        return f"boats {boats[0]}–{boats[-1]}"
+    return f"boats {', '.join(map(str, boats))}"
+
+
+def _thrust(case: Case) -> str:
+    need = case.thrust
+    if need.margin >= 0.0:
+        return (
+            f"{name(case.boats)}: the slot needs {need.sway_N:.2g} N in sway, which nothing gives"
+        )
+    side = "port" if need.side == "port" else "starboard"
+    return (
+        f"{name(case.boats)}: the {side} propeller lacks {-100.0 * need.margin:.0f} % "
+        f"{need.direction} of what the slot needs"
+    )
+
+
+def _why(leg: Leg, case: Case) -> str:
+    if leg.reference.mu > 0.0 or case.setup.parameters.get("LAW_XT_DIST", 0.0) > 0.0:
+        return ""
+    return ", for the leader does not turn and LAW_XT_DIST is 0"
+
+
+def _leg(leg: Leg, told: bool) -> str:
+    if not told:
+        return ""
+    return f" on the leg from {', '.join(f'{t:g}' for t in leg.from_s)} s"

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: MIT
+"""Figures by which runs are judged, each that of the worst boat.
+
+They are taken from trace arrays as in trace.npz (`sil.metrics`), and infinite where there is
+nothing to take: a boat that never settled, a leader that never stopped.
+"""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from sil import metrics
+from sil.plant.hull import Array
+
+REFERENCE = Path(__file__).parents[1] / "tests" / "reference" / "nominal_formation.csv"
+ARRIVED_M = 2.0
+STOPPED_MPS = 0.05
+
+Trace = Mapping[str, Array]
+
+
+def rms_error_m(trace: Trace) -> float:
+    """RMS distance from the slot over the last third, as in summary.json."""
+    return _worst_rms(metrics.distances(trace["error"])[_last_third(trace)])
+
+
+def settling_s(trace: Trace) -> float:
+    """Time from release after which all boats stay within 0.05 m of their slots."""
+    times = [
+        metrics.settling_time_s(trace["t_s"], distance)
+        for distance in metrics.distances(trace["error"]).T
+    ]
+    return max(np.inf if time is None else time for time in times)
+
+
+def thrust_rms_N(trace: Trace) -> float:
+    """RMS thrust of a propeller over the whole run, as in summary.json."""
+    return _worst_rms(trace["thrust"])
+
+
+def thrust_change_N(trace: Trace) -> float:
+    """RMS change of a propeller's thrust from tick to tick over the last third, as there."""
+    return float(metrics.thrust_step_rms_N(trace["thrust"][_last_third(trace)]).max())
+
+
+def overshoot_m(trace: Trace) -> float:
+    """How far a boat moved away from its slot again, once it had been within 2 m of it."""
+    largest = 0.0
+    for distance in metrics.distances(trace["error"]).T:
+        arrival = np.flatnonzero(distance < ARRIVED_M)
+        if arrival.size == 0:
+            return np.inf
+        since = distance[arrival[0] :]
+        largest = max(largest, float((since - np.minimum.accumulate(since)).max()))
+    return largest
+
+
+def turns_at_a_stop(trace: Trace) -> float:
+    """Turns between a boat's extreme headings while agent 0 is stopped, a circle being one.
+
+    It is stopped from when its speed falls under 0.05 m/s until it no longer is.
+    """
+    psi = np.unwrap(trace["eta"][:, 1:, 2], axis=0)
+    turned = [np.ptp(psi[stop], axis=0).max() / (2.0 * np.pi) for stop in _stops(trace)]
+    return float(max(turned, default=np.inf))
+
+
+def deviation_from_reference(trace: Trace) -> float:
+    """Largest deviation of e_x, e_y (m), e_ψ (rad) from the continuous-time `diamond`, each 1 s."""
+    table = np.genfromtxt(REFERENCE, delimiter=",", names=True)
+    t_s, error = trace["t_s"], trace["error"]
+    seconds = np.arange(int(t_s[-1] + 1e-6) + 1)
+    axes = ("ex{}_m", "ey{}_m", "epsi{}_rad")
+    boats = range(1, error.shape[1] + 1)
+    expected = np.array([[table[axis.format(boat)] for axis in axes] for boat in boats])
+    deviation = error[np.searchsorted(t_s, seconds - 1e-6)] - np.moveaxis(expected, -1, 0)[seconds]
+    deviation[..., 2] = metrics.wrap(deviation[..., 2])
+    return float(np.abs(deviation).max())
+
+
+def _worst_rms(values: Array) -> float:
+    """The largest over boats of the RMS of values (T, N, ...)."""
+    over_all_else = tuple(axis for axis in range(values.ndim) if axis != 1)
+    return float(np.sqrt(np.mean(np.square(values), axis=over_all_else)).max())
+
+
+def _last_third(trace: Trace) -> Array:
+    t_s = trace["t_s"]
+    return np.asarray(t_s >= t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0)
+
+
+def _stops(trace: Trace) -> Iterator[slice]:
+    stopped = metrics.distances(trace["nu"][:, 0]) < STOPPED_MPS
+    changes = np.flatnonzero(np.diff(stopped)) + 1
+    for begin, end in pairwise([*changes, stopped.size]):
+        if stopped[begin]:
+            yield slice(begin, end)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: MIT
+"""Long-crested waves on deep water: a sum of sinusoids, and what it does to a boat.
+
+ζ = Σ a_i cos φ_i,  φ_i = ω_i t − k_i s + ε_i,  k_i = ω_i²/g,  s the way along the waves' course.
+
+First order: the water's orbital acceleration −ω_i² a_i e^{−k_i T/2} sin φ_i along the course,
+averaged over two slender hulls of length L at ±b from the centreline, times the boat's inertia
+with added mass: the Froude-Krylov and the diffraction force of a body that is small beside the
+waves. Second order: ½ ρ g W |Σ a_i e^{jφ_i}|² along the course, which is Maruo's drift force with
+a constant reflection in Newman's approximation: differences of frequencies only.
+Sources: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 10.2;
+Faltinsen, Sea Loads on Ships and Offshore Structures, chapters 3 and 5.
+"""
+
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass
+
+import numpy as np
+from numba import njit
+
+from sil.plant.hull import Array
+
+GRAVITY_MPS2 = 9.81
+WATER_KGPM3 = 1025.0
+
+# Share of the peak frequency; outside is under 1 % of the energy, and no force on a boat.
+_BAND = (0.5, 4.0)
+
+
+@dataclass(frozen=True)
+class WaveBody:
+    """What of a boat the waves act on: inertia, wetted hulls, widths W that reflect waves."""
+
+    m11: float
+    m22: float
+    length_m: float
+    draft_m: float
+    hull_y_m: float  # b: from the centreline to each of the two hulls, 0 for one hull
+    drift_x_m: float
+    drift_y_m: float
+
+
+def jonswap(omega: Array, height_m: float, period_s: float, peakedness: float) -> Array:
+    """Shape of the JONSWAP spectrum S(ω) (...), m² s, peakedness 1 Pierson-Moskowitz.
+
+    Of a sea of significant height `height_m` for peakedness 1; more energy for a higher peak.
+    """
+    peak = 2.0 * np.pi / period_s
+    ratio = peak / omega
+    width = np.where(omega <= peak, 0.07, 0.09)
+    enhanced = np.exp(-0.5 * ((omega / peak - 1.0) / width) ** 2)
+    moskowitz = 0.3125 * height_m**2 * ratio**4 / omega * np.exp(-1.25 * ratio**4)
+    return np.asarray(moskowitz * peakedness**enhanced)
+
+
+class Waves:
+    """The waves' force on n boats, of `components` sinusoids whose phases `rng` draws.
+
+    `height_m` is the significant height: the variance of ζ is height²/16 exactly. `period_s` is
+    the peak's, `course_rad` where the waves travel to, clockwise from north.
+    """
+
+    def __init__(
+        self,
+        *,
+        height_m: float,
+        period_s: float,
+        course_rad: float,
+        peakedness: float,
+        components: int,
+        bodies: Iterable[WaveBody],
+        rng: np.random.Generator,
+    ) -> None:
+        peak = 2.0 * np.pi / period_s
+        edges = peak * np.geomspace(*_BAND, components + 1)
+        width = np.diff(edges)
+        # Anywhere in its band: equal steps would repeat themselves.
+        omega = edges[:-1] + width * rng.random(components)
+        energy = jonswap(omega, height_m, period_s, peakedness) * width
+        amplitude = np.sqrt(energy / energy.sum() * height_m**2 / 8.0)
+        phase = rng.uniform(0.0, 2.0 * np.pi, components)
+        self._waves = np.stack([omega, omega**2 / GRAVITY_MPS2, amplitude, phase], axis=-1)
+        self._course_rad = course_rad
+        self._bodies = np.array([astuple(body) for body in bodies])
+
+    def elevation_m(self, t_s: float, x_m: float, y_m: float) -> float:
+        """Height of the surface over still water at a time and place (north, east)."""
+        omega, k, amplitude, phase = self._waves.T
+        way = x_m * np.cos(self._course_rad) + y_m * np.sin(self._course_rad)
+        return float(np.sum(amplitude * np.cos(omega * t_s - k * way + phase)))
+
+    def step(self, t_s: float, eta: Array, _nu: Array, _h_s: float, /) -> Array:
+        """The force (n, 3) on boats at eta (n, 3) at `t_s`."""
+        w = np.zeros_like(eta)
+        _push(t_s, eta, self._waves, self._course_rad, self._bodies, w)
+        return w
+
+
+@njit(cache=True)
+def _push(t_s: float, eta: Array, waves: Array, course_rad: float, bodies: Array, w: Array) -> None:
+    """Write the force w (n, 3) of `waves` (m, 4) on `bodies` (n, 7)."""
+    for i in range(eta.shape[0]):
+        m11, m22, length, draft = bodies[i, 0], bodies[i, 1], bodies[i, 2], bodies[i, 3]
+        b, drift_x, drift_y = bodies[i, 4], bodies[i, 5], bodies[i, 6]
+        way = eta[i, 0] * np.cos(course_rad) + eta[i, 1] * np.sin(course_rad)
+        ahead, abeam = np.cos(course_rad - eta[i, 2]), np.sin(course_rad - eta[i, 2])
+        surge, sway, yaw, real, imaginary = 0.0, 0.0, 0.0, 0.0, 0.0
+        for j in range(waves.shape[0]):
+            omega, k, amplitude, phase = waves[j, 0], waves[j, 1], waves[j, 2], waves[j, 3]
+            phi = omega * t_s - k * way + phase
+            cos, sin = np.cos(phi), np.sin(phi)
+            real += amplitude * cos
+            imaginary += amplitude * sin
+            acceleration = -omega * omega * amplitude * np.exp(-0.5 * k * draft)
+            mean, lever = _along(0.5 * k * ahead * length, 0.5 * length)
+            across = k * abeam * b
+            # Averages over both hulls of sin(φ − κ·r) and of its moments about the centre.
+            surge += acceleration * mean * np.cos(across) * sin
+            yaw += acceleration * ahead * mean * m11 * b * np.sin(across) * cos
+            sway += acceleration * mean * np.cos(across) * sin
+            yaw -= acceleration * abeam * lever * m22 * np.cos(across) * cos
+        drift = 0.5 * WATER_KGPM3 * GRAVITY_MPS2 * (real * real + imaginary * imaginary)
+        w[i, 0] = (m11 * surge + drift * drift_x) * ahead
+        w[i, 1] = (m22 * sway + drift * drift_y) * abeam
+        w[i, 2] = yaw
+
+
+@njit(cache=True)
+def _along(a: float, half_m: float) -> tuple[float, float]:
+    """Means over |x| ≤ `half_m` of cos(κ x) and x sin(κ x), a = κ `half_m`."""
+    if abs(a) < 1e-3:
+        return 1.0 - a * a / 6.0, half_m * a / 3.0
+    sinc = np.sin(a) / a
+    return sinc, half_m * (sinc - np.cos(a)) / a

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: MIT
+"""python -m sil results: what the law must show, sailed with the paper's law and the product's."""
+
+import argparse
+import json
+import math
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from sil import comparison, results_table
+from sil.claims import BASELINE, CLAIMS, LAWS, PRODUCT
+from sil.results_table import Row
+from sil.sailing import Job, Outcome, sail_all
+
+HERE = Path(__file__).parent
+PAGE, PICTURES = HERE / "README.md", HERE / "results"
+SEEDS = 40
+_INTERRUPTED = 130
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to argparse's subparsers."""
+    command = commands.add_parser(
+        "results", help="sail every scenario of the law's table, the paper's law beside the product"
+    )
+    command.add_argument(
+        "--only",
+        action="append",
+        choices=list(CLAIMS),
+        metavar="NAME",
+        help="this scenario; repeatable. sil/README.md is left as it is",
+    )
+    command.add_argument(
+        "--seeds", type=_count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
+    )
+    command.add_argument(
+        "--workers", type=_count, default=os.cpu_count(), metavar="N", help="processes (CPUs)"
+    )
+    command.add_argument(
+        "--out", type=Path, default=Path("out/results"), metavar="DIR", help="(out/results)"
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a key of every scenario; repeatable",
+    )
+
+
+def main(options: argparse.Namespace) -> int:
+    """Exit status: 0, 1 where a bound is missed or a run failed, 2 mistaken, 130 interrupted."""
+    console = Console()
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+        if _whole(options):  # a page without a place for them is told before all is sailed
+            results_table.page(PAGE.read_text(encoding="utf-8"), [])
+        outcomes = _sail(_jobs(options), options.workers, console)
+        table = results_table.rows(outcomes)
+        console.print(results_table.for_terminal(table))
+        _write(_files(options, table, outcomes))
+    except KeyboardInterrupt:
+        console.print("interrupted")
+        return _INTERRUPTED
+    except (OSError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    page = f", {PAGE}" if _whole(options) else ""
+    console.print(f"written: {options.out}/results.json, pictures{page}", soft_wrap=True)
+    return 0 if all(row.reached for row in table) else 1
+
+
+def _whole(options: argparse.Namespace) -> bool:
+    """Whether all is sailed as the page claims it."""
+    return not options.only and not options.set and options.seeds == SEEDS
+
+
+def _jobs(options: argparse.Namespace) -> list[Job]:
+    seeds = range(1, options.seeds + 1)
+    return [
+        Job(name, law, seed, tuple(options.set))
+        for name, claim in CLAIMS.items()
+        if not options.only or name in options.only
+        for law in LAWS
+        for seed in (seeds if claim.many_seeds else (None,))
+    ]
+
+
+def _sail(jobs: Sequence[Job], workers: int, console: Console) -> list[Outcome]:
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    # the time left is a guess from many runs, not from the last seconds
+    bar = Progress(TextColumn("sailing"), *columns, console=console, speed_estimate_period=600.0)
+    with bar:
+        task = bar.add_task("", total=len(jobs))
+
+        def tell(outcome: Outcome) -> None:
+            bar.advance(task)
+            if outcome.failure:
+                console.print(f"[bold red]{outcome.job}: {escape(outcome.failure)}")
+
+        return sail_all(jobs, workers, tell)
+
+
+def _files(
+    options: argparse.Namespace, table: Sequence[Row], outcomes: Sequence[Outcome]
+) -> dict[Path, bytes]:
+    folders = [options.out, PICTURES] if _whole(options) else [options.out]
+    files = {options.out / "results.json": _json(table, outcomes)}
+    for name in dict.fromkeys(row.scenario for row in table):
+        picture = _picture(name, outcomes)
+        if picture:
+            files |= {folder / f"{name}.png": picture for folder in folders}
+    if _whole(options):
+        files[PAGE] = results_table.page(PAGE.read_text(encoding="utf-8"), table).encode()
+    return files
+
+
+def _picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
+    """PNG of a scenario's runs, None where the product has none."""
+    traces = {
+        law: [o.trace for o in outcomes if o.job[:2] == (name, law) and not o.failure]
+        for law in LAWS
+    }
+    if not traces[PRODUCT]:
+        return None
+    claim = CLAIMS[name]
+    baseline, product = traces[BASELINE], traces[PRODUCT]
+    return comparison.png(comparison.picture(name, claim.limit_m, claim.map_s, baseline, product))
+
+
+def _json(table: Sequence[Row], outcomes: Sequence[Outcome]) -> bytes:
+    bounds = [
+        {
+            "scenario": row.scenario,
+            "figure": row.bound.key,
+            "paper": row.baseline,
+            "product": row.product,
+            "to_reach": row.bound.to_reach,
+            "reached": row.reached,
+        }
+        for row in table
+    ]
+    runs = [
+        {
+            "scenario": outcome.job.scenario,
+            "law": outcome.job.law,
+            "seed": outcome.job.seed,
+            "overrides": outcome.job.overrides,
+            "failure": outcome.failure or None,
+            "digest": outcome.digest,
+            "figures": outcome.figures,
+            "boats": outcome.boats,
+            "min_separation_m": outcome.min_separation_m,
+        }
+        for outcome in outcomes
+    ]
+    text = json.dumps(_finite({"bounds": bounds, "runs": runs}), indent=1, allow_nan=False)
+    return f"{text}\n".encode()
+
+
+def _finite(value: Any) -> Any:
+    """The same with null for what JSON has no number for."""
+    if isinstance(value, dict):
+        return {key: _finite(of_key) for key, of_key in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write(files: Mapping[Path, bytes]) -> None:
+    """Write files, each whole or not at all."""
+    for path, content in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f".{path.name}.part")
+        try:
+            part.write_bytes(content)
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return count

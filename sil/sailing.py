@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Many runs at once, each in a process: what is left of a run is its figures and a thin trace."""
+
+import multiprocessing
+import signal
+import tempfile
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from sil import metrics, scenario
+from sil.claims import CLAIMS
+from sil.law import Law
+from sil.metrics import BoatSummary
+from sil.plant.hull import Array
+from sil.world import World
+
+_SAMPLES = 1500
+
+
+class Job(NamedTuple):
+    """A scenario to be sailed with a law; `seed` None is the scenario's own."""
+
+    scenario: str
+    law: Law
+    seed: int | None = None
+    overrides: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.scenario}, {self.law}" + (f", seed {self.seed}" if self.seed else "")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is left of a run, or why there was none.
+
+    `figures` by `claims.Bound.key`; `trace`: t_s, eta, error at evenly spaced ticks.
+    """
+
+    job: Job
+    failure: str = ""
+    digest: str | None = None
+    boats: list[BoatSummary] = field(default_factory=list)
+    min_separation_m: float | None = None
+    figures: dict[str, float] = field(default_factory=dict)
+    trace: dict[str, Array] = field(default_factory=dict)
+
+
+def sail_all(jobs: Sequence[Job], workers: int, tell: Callable[[Outcome], None]) -> list[Outcome]:
+    """Sail all jobs in `workers` processes; outcomes in the order of the jobs.
+
+    `tell` is given each outcome as it comes. A run that fails, or that kills its process, leaves
+    an outcome that says so. Interrupted, it ends the processes it started.
+    """
+    outcomes: dict[Job, Outcome] = {}
+
+    def note(outcome: Outcome) -> None:
+        outcomes[outcome.job] = outcome
+        tell(outcome)
+
+    with tempfile.TemporaryDirectory(prefix="flotilla-") as folder:
+        lost = _in_a_pool(jobs, workers, Path(folder), note)
+        # One of them killed its process, and with it the pool: which one shows when it is alone.
+        for job in lost:
+            if _in_a_pool([job], 1, Path(folder), note):
+                note(Outcome(job, "the process died"))
+    return [outcomes[job] for job in jobs]
+
+
+def sail(job: Job, folder: Path) -> Outcome:
+    """Sail one job; its recording is written into `folder` and thrown away."""
+    try:
+        return _sail(job, folder / f"{job.scenario}-{job.law}-{job.seed}.bin")
+    except Exception as error:  # whatever it is, the other runs go on
+        return Outcome(job, f"{type(error).__name__}: {error}")
+
+
+def _sail(job: Job, recording: Path) -> Outcome:
+    overrides = [*([] if job.seed is None else [f"seed={job.seed}"]), *job.overrides]
+    chosen = scenario.load(job.scenario, overrides, job.law)
+    run = World(chosen, {}).run(recording, lambda _: None)
+    recording.unlink()
+    trace, bounds = run.trace, CLAIMS[job.scenario].bounds
+    step = max(1, trace["t_s"].size // _SAMPLES)
+    return Outcome(
+        job,
+        digest=run.digest,
+        boats=metrics.boats(trace["t_s"], trace["error"], trace["thrust"], run.states),
+        min_separation_m=metrics.min_separation_m(trace["eta"]),
+        figures={bound.key: bound.figure(trace) for bound in bounds if job.law in bound.laws},
+        # copies: a view would carry the whole trace to the parent
+        trace={name: trace[name][::step].copy() for name in ("t_s", "eta", "error")},
+    )
+
+
+def _in_a_pool(
+    jobs: Sequence[Job], workers: int, folder: Path, note: Callable[[Outcome], None]
+) -> list[Job]:
+    """Sail jobs; those that were lost because a process died."""
+    lost = []
+    # Not forked: the parent has threads. Ctrl-C is the parent's affair.
+    context = multiprocessing.get_context("spawn")
+    ignore = (signal.SIGINT, signal.SIG_IGN)
+    with ProcessPoolExecutor(workers, context, signal.signal, ignore) as pool:
+        futures: dict[Future[Outcome], Job] = {pool.submit(sail, job, folder): job for job in jobs}
+        try:
+            for future in as_completed(futures):
+                if isinstance(future.exception(), BrokenProcessPool):
+                    lost.append(futures[future])
+                else:
+                    note(future.result())
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            for process in multiprocessing.active_children():
+                process.terminate()
+            raise
+    return lost

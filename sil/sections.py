@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: MIT
+"""The tables of a scenario file; `sil/scenarios/diamond.toml` shows every key with its unit."""
+
+from dataclasses import fields
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
+
+from sil.plant.hull import Array, HullParameters
+from sil.plant.sensors import SensorNoise
+from sil.plant.waves import WATER_KGPM3
+from sil.plant.wind import Windage
+from sil.wire.navigation_unit import Message
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+# TOML has arrays only: Strict(False) lets them be tuples, their numbers stay strict
+Pair = Annotated[tuple[float, float], Strict(False)]
+Triple = Annotated[tuple[float, float, float], Strict(False)]
+Scalar = Literal["float", "double"]
+ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Z][A-Z0-9_]{0,15}$")]
+Parameters = dict[ParameterName, float]
+
+
+class Section(BaseModel):
+    """A table of the file: unknown keys, wrong types and NaN are errors; immutable."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Vessel(Section):
+    """A hull; the default is the paper's, which has six parameters and no more.
+
+    Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s); what the law
+    does not model, as `sil.plant.hull.HullParameters` has it; what weather acts on, as
+    `sil.plant.wind.Windage` and `sil.plant.waves.WaveBody` have it.
+    """
+
+    m11: Positive = 1.012
+    m22: Positive = 1.982
+    m33: Positive = 0.354
+    d11: NotNegative = 3.436
+    d22: NotNegative = 18.99
+    d33: NotNegative = 0.864
+    m23: float = 0.0
+    d11_quadratic: NotNegative = 0.0
+    d33_quadratic: NotNegative = 0.0
+    crossflow_cd: NotNegative = 0.0
+    length_m: NotNegative = 0.0
+    draft_m: NotNegative = 0.0
+    hull_y_m: NotNegative = 0.0
+    frontal_m2: NotNegative = 0.0
+    lateral_m2: NotNegative = 0.0
+    wind_x: NotNegative = 0.0
+    wind_y: NotNegative = 0.0
+    wind_n: NotNegative = 0.0
+    drift_x_m: NotNegative = 0.0
+    drift_y_m: NotNegative = 0.0
+
+    @property
+    def hull(self) -> HullParameters:
+        """The hull as `sil.plant.hull` takes it."""
+        density = 0.5 * WATER_KGPM3 * self.draft_m * self.crossflow_cd
+        names = [field.name for field in fields(HullParameters) if field.name != "crossflow"]
+        return HullParameters(**self.model_dump(include=set(names)), crossflow=density)
+
+    @property
+    def windage(self) -> Windage:
+        """What stands in the wind."""
+        coefficients = (self.wind_x, self.wind_y, self.wind_n)
+        return Windage(self.frontal_m2, self.lateral_m2, *coefficients, self.length_m)
+
+
+class Wind(Section):
+    """Velocity of the air, north and east; standard deviation and time constant of its gusts."""
+
+    mean_mps: Pair = (0.0, 0.0)
+    gust_mps: NotNegative = 0.0
+    gust_s: Positive = 10.0
+
+
+class Waves(Section):
+    """Significant height (0: none), peak period, course, JONSWAP's peakedness, sinusoids."""
+
+    height_m: NotNegative = 0.0
+    period_s: Positive = 2.0
+    course_rad: float = 0.0
+    peakedness: Annotated[float, Field(ge=1.0, le=7.0)] = 3.3
+    components: Annotated[int, Field(ge=1, le=1000)] = 40
+
+
+class Water(Section):
+    """Velocity of the water around the boats, north and east; the same everywhere."""
+
+    current_mps: Pair = (0.0, 0.0)
+
+
+class WhiteNoise(Section):
+    """A force on each axis of the boats, as `sil.plant.weather.WhiteNoise` has it; 0 is none."""
+
+    power: NotNegative = 0.0
+    sample_s: Positive = 0.01
+
+
+class Mismatch(Section):
+    """How far the boats' six parameters may be from what the firmware is told; by the seed."""
+
+    share: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+
+
+class Propellers(Section):
+    """The two propellers of a boat, as `sil.plant.propeller` has them.
+
+    The defaults are what the firmware's THR_* expect by default.
+    """
+
+    arm_m: Positive = 0.25
+    forward_max_N: Positive = 20.0
+    reverse_max_N: NotNegative = 20.0
+    expo: Share = 0.0
+    lag_s: NotNegative = 0.0
+
+
+class Unit(Section):
+    """What a navigation unit says: `sil.wire.navigation_unit.Settings` explains the keys."""
+
+    rate_hz: Positive = 100.0
+    message: Message = "local"
+    attitude_rate_hz: NotNegative = 0.0
+    origin_m: Pair = (0.0, 0.0)
+
+
+class Navigation(Unit):
+    """The boats' navigation units: what they say, standard deviations of their noise."""
+
+    position_noise_m: NotNegative = 0.0
+    heading_noise_rad: NotNegative = 0.0
+    velocity_noise_mps: NotNegative = 0.0
+    yaw_rate_noise_radps: NotNegative = 0.0
+
+    @property
+    def noise(self) -> SensorNoise:
+        """The noise as `sil.plant.sensors` takes it."""
+        return SensorNoise(
+            self.position_noise_m,
+            self.heading_noise_rad,
+            self.velocity_noise_mps,
+            self.yaw_rate_noise_radps,
+        )
+
+
+class Link(Section):
+    """Radio between boats; `rate_Bps` 0 is unlimited."""
+
+    delay_s: NotNegative = 0.0
+    jitter_s: NotNegative = 0.0
+    loss: Share = 0.0
+    rate_Bps: NotNegative = 0.0
+
+
+class Clocks(Section):
+    """Largest offset and drift of each vessel's own clock, drawn by the seed."""
+
+    offset_s: NotNegative = 0.0
+    drift_ppm: NotNegative = 0.0
+
+
+class Input(Section):
+    """Agent 0's input from `from_s` on: [surge_N, yaw_Nm + yaw_sine_Nm sin(yaw_sine_rad_s t)]."""
+
+    from_s: NotNegative = 0.0
+    surge_N: float = 0.0
+    yaw_Nm: float = 0.0
+    yaw_sine_Nm: float = 0.0
+    yaw_sine_rad_s: float = 0.0
+
+
+class Leader(Section):
+    """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input.
+
+    Its unit says what it says itself, at the boats' rate unless it has its own.
+    """
+
+    eta: Triple = (0.0, 0.0, 0.0)
+    nu: Triple = (0.0, 0.0, 0.0)
+    navigation: Unit = Unit()
+    input: Annotated[tuple[Input, ...], Strict(False)] = ()
+
+    def tau(self, t_s: Array) -> Array:
+        """Input [X N] (..., 2) in N, N m at times `t_s` (...) after release; 0 before the first."""
+        tau = np.zeros((*t_s.shape, 2))
+        for segment in self.input:
+            now = t_s >= segment.from_s
+            sine = segment.yaw_sine_Nm * np.sin(segment.yaw_sine_rad_s * t_s[now])
+            tau[now, 0] = segment.surge_N
+            tau[now, 1] = segment.yaw_Nm + sine
+        return tau
+
+
+class Boat(Section):
+    """A boat: the agent it follows, its slot north and east of it, start; own deviations."""
+
+    follows: Annotated[int, Field(ge=0)]
+    offset_m: Pair
+    eta: Triple
+    nu: Triple = (0.0, 0.0, 0.0)
+    parameters: Parameters = Field(default_factory=dict)
+    vessel: Vessel = Vessel()
+    propellers: Propellers = Propellers()
+    navigation: Unit = Unit()

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// A boat as the product sails it: what it observes of itself and of the water, and the law.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/closed_loop.hpp"
+#include "core/observer.hpp"
+
+namespace flotilla::testing {
+
+template <class S>
+struct ProductParams {
+  core::ControllerParams<S> law{};
+  core::ObserverParams<S> observer{};
+};
+
+/// The defaults of app/parameters.def, with the paper's vessel and propellers of ±T_max.
+template <class S>
+ProductParams<S> products_law(double T_max = 20) {
+  ProductParams<S> out;
+  out.law = papers_controller<S>();
+  out.law.slot.steers = true;
+  out.law.outer = {S(0.2), S(0.5), S(1.5), S(0.8)};
+  out.law.propellers = {S(0.25), S(T_max), S(T_max)};
+  out.law.sight.Delta = S(1);
+  out.observer.omega = S(2);
+  out.observer.omega_c = S(0.1);
+  out.observer.b_max = {S(T_max), S(0.25 * T_max)};
+  return out;
+}
+
+template <class S>
+struct PilotedBoat {
+  Hull hull{};
+  core::Observer<S> motion{};
+  core::ControllerState<S> state{};
+  core::Tau<S> given{};
+  core::Vec2<double> anchor{};  ///< where motion.motion.moved_n begins
+  bool under_way = false;
+  int late = 0;  ///< how many ticks old a fix is when it comes
+  std::vector<Sighting> past{};
+
+  core::Encounter<S> encounter(const core::Vessel<S>& vessel, const Sighting& leader) const {
+    const core::Motion<S>& m = motion.motion;
+    core::Encounter<S> in;
+    in.separation_n = {S(anchor.x - leader.place.x) + m.moved_n.x,
+                       S(anchor.y - leader.place.y) + m.moved_n.y};
+    in.psi = m.psi;
+    in.psi_L = S(leader.psi);
+    in.nu = m.nu;
+    in.nu_L = in_scalar<S>(leader.nu);
+    in.nu_L_dot = in_scalar<S>(leader.nu_dot);
+    in.current_n = motion.c_n;
+    in.unknown = core::unknown_wrench(vessel, motion);
+    return in;
+  }
+
+  /// The fix that comes now, and how old it is, s.
+  std::pair<Sighting, double> fix(double h) {
+    past.push_back(sighting_of(hull));
+    const std::size_t back = std::min(static_cast<std::size_t>(late), past.size() - 1);
+    return {past[past.size() - 1 - back], h * static_cast<double>(back)};
+  }
+
+  /// A fix each tick of h seconds, then the law, then the way that its thrust takes the hull.
+  core::ControllerOutput<S> tick(const ProductParams<S>& params, const Sighting& leader, double h) {
+    const core::Vessel<S>& vessel = params.law.vessel;
+    const auto [own, age] = fix(h);
+    const S dt = under_way ? S(h) : S(0);
+    core::observer_forward(vessel, motion, given, dt);
+    const core::Vec2<S>& moved = motion.motion.moved_n;
+    core::observer_correct(
+        params.observer, vessel, motion,
+        {{S(anchor.x - own.place.x) + moved.x, S(anchor.y - own.place.y) + moved.y},
+         core::wrap_pi(S(own.psi)),
+         in_scalar<S>(own.nu),
+         S(age),
+         dt});
+    anchor = own.place;
+    const core::Encounter<S> in = encounter(vessel, leader);
+    if (!under_way) state = core::controller_start(in);
+    under_way = true;
+    const auto out = core::controller_step(params.law, state, in, dt);
+    given = out.allocation.given;
+    hull.advance(in_double(given), h);
+    return out;
+  }
+};
+
+/// A leader's whole voyage, a sighting each h seconds.
+inline std::vector<Sighting> voyage(const Thrusting& thrust, double h, double seconds) {
+  std::vector<Sighting> out;
+  Hull leader;
+  for (double t = 0; t < seconds - h / 2; t += h) {
+    const core::Tau<double> tau = thrust(t);
+    out.push_back(sighting_of(leader, tau));
+    leader.advance(tau, h);
+  }
+  return out;
+}
+
+}  // namespace flotilla::testing

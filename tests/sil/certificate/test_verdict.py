@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""The verdict of certificates that are wrong in one thing, and of one that is right."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from sil import scenario
+from sil.certificate import search, verdict
+from sil.certificate.certificate import Certificate, certify
+from tests.sil.certificate.made_up import SINE
+
+
+@pytest.fixture(scope="module")
+def straight() -> Certificate:
+    patch = pytest.MonkeyPatch()
+    patch.setattr(search, "SEARCH_CYCLES", 0)
+    try:
+        return certify(scenario.load("diamond", [SINE], "product"), {}, lambda what, share: None)
+    finally:
+        patch.undo()
+
+
+def with_loop(certificate: Certificate, **changes: Any) -> Certificate:
+    (leg,) = certificate.legs
+    (case,) = leg.cases
+    changed = replace(case, sampled=replace(case.sampled, **changes))
+    return replace(certificate, legs=[replace(leg, cases=[changed])])
+
+
+def test_boats_that_keep_their_slots_are_certified(straight: Certificate) -> None:
+    assert verdict.holds(straight)
+    assert verdict.sentence(straight).startswith("certified about the formation")
+    assert "off the slot" not in verdict.sentence(straight)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"decay": -0.2}, "boats 1–4: small errors grow by 0.2 1/s"),
+        ({"decay": 0.0}, "boats 1–4: some error stays for ever"),
+        ({"steady": False, "error": [3.0, 4.0, 0.0]}, "no steady regime, 5 m off its slot"),
+        ({"steady": False, "limited": True}, "a propeller at its limit"),
+    ],
+)
+def test_what_is_wrong_is_said(straight: Certificate, changes: dict[str, Any], said: str) -> None:
+    wrong = with_loop(straight, **changes)
+    assert not verdict.holds(wrong)
+    assert verdict.sentence(wrong).startswith("not certified")
+    assert said in verdict.sentence(wrong)
+
+
+def test_boat_that_stays_beside_its_slot_is_certified_and_told(straight: Certificate) -> None:
+    beside = with_loop(straight, error=[0.3, 0.4, 0.0])
+    assert verdict.holds(beside)
+    assert "0.50 m off the slot for ever" in verdict.sentence(beside)
+
+
+def test_propellers_come_before_all_else(straight: Certificate) -> None:
+    (leg,) = straight.legs
+    weak = replace(leg.cases[0].thrust, margin=-0.25, side="stbd", direction="reverse")
+    cases = [replace(with_loop(straight, decay=-1.0).legs[0].cases[0], thrust=weak)]
+    wrong = replace(straight, legs=[replace(leg, cases=cases)])
+    assert "starboard propeller lacks 25 % reverse" in verdict.sentence(wrong)
+
+
+@pytest.mark.parametrize(
+    ("boats", "words"), [([3], "boat 3"), ([2, 3, 4], "boats 2–4"), ([1, 3], "boats 1, 3")]
+)
+def test_boats_are_named_shortly(boats: list[int], words: str) -> None:
+    assert verdict.name(boats) == words

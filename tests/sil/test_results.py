@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""The command `results`: what it sails, writes and answers, from made-up outcomes."""
+
+import argparse
+import json
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sil import results, scenario
+from sil.claims import CLAIMS, LAWS
+from sil.results_table import BEGIN, END
+from sil.sailing import Job, Outcome
+
+Tell = Callable[[Outcome], None]
+PAGE = f"before\n{BEGIN}{END}\nafter\n"
+
+
+def options(*arguments: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    results.add_to(parser.add_subparsers(dest="command"))
+    return parser.parse_args(["results", *arguments])
+
+
+def fleet(job: Job, **changed: float) -> Outcome:
+    """An outcome that reaches every bound but for the figures that are changed."""
+    t_s = np.arange(0.0, 301.0)
+    keys = [bound.key for bound in CLAIMS[job.scenario].bounds]
+    good = 0.009 if job.law == "product" else 0.029
+    trace = {"t_s": t_s, "eta": np.ones((301, 2, 3)), "error": np.ones((301, 1, 3))}
+    return Outcome(job, figures={**dict.fromkeys(keys, good), **changed}, trace=trace)
+
+
+@pytest.fixture
+def sail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., list[Job]]:
+    """Makes the command take made-up outcomes, in a folder of its own; collects its jobs."""
+
+    def sail(outcome_of: Callable[[Job], Outcome]) -> list[Job]:
+        jobs: list[Job] = []
+
+        def sail_all(given: Sequence[Job], workers: int, tell: Tell) -> list[Outcome]:
+            jobs.extend(given)
+            outcomes = [outcome_of(job) for job in given]
+            for outcome in outcomes:
+                tell(outcome)
+            return outcomes
+
+        monkeypatch.setattr(results, "sail_all", sail_all)
+        return jobs
+
+    (tmp_path / "README.md").write_text(PAGE, encoding="utf-8")
+    monkeypatch.setattr(results, "PAGE", tmp_path / "README.md")
+    monkeypatch.setattr(results.comparison, "png", lambda figure: b"picture")
+    monkeypatch.setattr(results, "PICTURES", tmp_path / "results")
+    monkeypatch.chdir(tmp_path)
+    return sail
+
+
+def files(folder: Path) -> set[str]:
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+def test_whole_run_sails_every_scenario_with_both_laws_and_mismatch_with_40_seeds(
+    sail: Callable[..., list[Job]], tmp_path: Path
+) -> None:
+    jobs = sail(fleet)
+    assert results.main(options()) == 0
+    names = [name for name in CLAIMS if name != "mismatch"]
+    assert len(jobs) == len(set(jobs)) == 2 * (len(names) + 40)
+    assert {job[:3] for job in jobs if job.seed is None} == {
+        (name, law, None) for name in names for law in LAWS
+    }
+    assert sorted(job.seed or 0 for job in jobs if job.law == "paper")[-40:] == [*range(1, 41)]
+
+
+def test_whole_run_writes_page_and_pictures_and_is_repeatable(
+    sail: Callable[..., list[Job]], tmp_path: Path
+) -> None:
+    sail(fleet)
+    results.main(options())
+    pictures = {f"{name}.png" for name in CLAIMS}
+    assert files(tmp_path) == {
+        "README.md",
+        "out/results/results.json",
+        *(f"results/{picture}" for picture in pictures),
+        *(f"out/results/{picture}" for picture in pictures),
+    }
+    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert page.startswith("before\n") and page.endswith("\nafter\n") and "**NO**" not in page
+    once = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    results.main(options())
+    assert {path: path.read_bytes() for path in once} == once
+
+
+@pytest.mark.parametrize("few", [["--only", "sea"], ["--seeds", "2"], ["--set", "duration_s=9"]])
+def test_less_than_the_whole_leaves_the_page_alone(
+    sail: Callable[..., list[Job]], tmp_path: Path, few: list[str]
+) -> None:
+    jobs = sail(fleet)
+    assert results.main(options(*few, "--out", "here")) == 0
+    assert (tmp_path / "README.md").read_text(encoding="utf-8") == PAGE
+    assert {name.partition("/")[0] for name in files(tmp_path)} == {"README.md", "here"}
+    if few[0] == "--only":
+        assert jobs == [Job("sea", law) for law in LAWS]
+
+
+def test_missed_bound_and_failed_run_are_told_by_the_exit_status_and_lose_nothing(
+    sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missed(job: Job) -> Outcome:
+        return fleet(job, rms_error_m=math.inf if job == ("sea", "product", None, ()) else 0.0)
+
+    def failed(job: Job) -> Outcome:
+        return Outcome(job, "hit a [pier]") if job[:2] == ("noisy", "product") else fleet(job)
+
+    few = ("--only", "noisy", "--only", "sea")
+    sail(missed)
+    assert results.main(options(*few)) == 1
+    sail(failed)
+    assert results.main(options(*few)) == 1
+    assert "noisy, product: hit a [pier]" in capsys.readouterr().out
+    text = (tmp_path / "out/results/results.json").read_text(encoding="utf-8")
+    runs = {(run["scenario"], run["law"]): run for run in json.loads(text)["runs"]}
+    assert runs["noisy", "product"]["failure"] == "hit a [pier]"
+    assert runs["sea", "product"]["figures"] == {"rms_error_m": 0.009}
+
+
+def test_json_has_null_for_never(sail: Callable[..., list[Job]], tmp_path: Path) -> None:
+    sail(lambda job: fleet(job, settling_s=math.inf))
+    assert results.main(options("--only", "diamond")) == 1
+    text = (tmp_path / "out/results/results.json").read_text(encoding="utf-8")
+    bounds = {bound["figure"]: bound for bound in json.loads(text)["bounds"]}
+    assert bounds["settling_s"] == {
+        "scenario": "diamond",
+        "figure": "settling_s",
+        "paper": None,
+        "product": None,
+        "to_reach": "1.5 × sooner",
+        "reached": False,
+    }
+    assert bounds["deviation_from_reference"]["paper"] == 0.029
+
+
+def test_interrupted_it_writes_nothing(sail: Callable[..., list[Job]], tmp_path: Path) -> None:
+    def interrupted(job: Job) -> Outcome:
+        raise KeyboardInterrupt
+
+    sail(interrupted)
+    assert results.main(options()) == 130
+    assert files(tmp_path) == {"README.md"}
+
+
+def test_what_cannot_be_written_is_told_before_anything_is_sailed(
+    sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    jobs = sail(fleet)
+    (tmp_path / "README.md").write_text("no marks", encoding="utf-8")
+    assert results.main(options()) == 2
+    assert results.main(options("--only", "sea", "--out", "README.md")) == 2
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 2 and all(error.startswith("error: ") for error in errors)
+    assert jobs == []
+
+
+@pytest.mark.parametrize("arguments", [["--only", "dimond"], ["--seeds", "0"], ["--workers", "-1"]])
+def test_mistake_of_the_caller_is_refused(arguments: list[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        options(*arguments)
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_every_scenario_of_the_table_is_there_and_takes_300_s(name: str) -> None:
+    assert scenario.load(name).duration_s == 300.0
+    for law in LAWS:
+        assert scenario.load(name, [], law).law == law

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: MIT
+"""What goes beyond the published law: each part off is as if it did not exist, on at once."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from tests.target.bus import FULL_SCALE, Frames
+from tests.target.course import Course
+from tests.target.hull import GREATEST_N, Afloat, Hull, s_curve
+from tests.target.operator_words import param_set
+from tests.target.sea import PAPER
+from tests.target.stations import FORMATION
+
+#: A value of each that is felt.
+FELT = {
+    "LAW_OBS_BW": 2.0,
+    "LAW_XT_DIST": 1.0,
+    "LAW_CUR_BW": 0.5,
+    "LAW_U_MAX": 0.25,
+    "LAW_R_MAX": 0.0625,
+    "FORM_FRAME": 1.0,
+}
+EACH = pytest.mark.parametrize("name", FELT)
+BASES = pytest.mark.parametrize("base", [PAPER, {}], ids=["paper", "product"])
+SLOT = {"FORM_OFS_N": -1.0, "FORM_OFS_E": 2.0}
+
+
+def afloat(parameters: dict[str, float]) -> Afloat:
+    """Pushed, in a current, metres off its slot beside a leader that turns to and fro."""
+    hull = Hull([-4.0, 9.0, -1.33, 0.0, 0.0, 0.0], current=(0.05, -0.1), push=(0.5, 0.05))
+    return Afloat(parameters | SLOT, hull, s_curve, own_period_us=10_000)
+
+
+def sail(parameters: dict[str, float], **told: float) -> list[Frames]:
+    """Every frame of ten seconds; what is told is told before arming."""
+    sea = afloat(parameters)
+    sea.settle()
+    if told:
+        sea.say(*[param_set(name, value) for name, value in told.items()])
+    sea.run(0.1)
+    assert sea.boat.parameters().items() >= told.items()
+    sea.enter_formation()
+    sea.run(10.0)
+    assert sea.state == "FORMATION"
+    return [tick.can for tick in sea.ticks]
+
+
+@EACH
+@BASES
+def test_an_extension_that_is_switched_off_leaves_no_trace(
+    name: str, base: dict[str, float]
+) -> None:
+    """The same frames, bit for bit, whether it was never on or an operator has switched it off."""
+    off = sail(base | {name: 0.0})
+    on = base | {name: FELT[name]}
+    assert sail(on, **{name: 0.0}) == off
+    assert sail(on) != off
+    assert sail(base | {name: 0.0}, **{name: FELT[name]}) == sail(on)
+
+
+def wanted(sea: Afloat) -> dict[str, Any]:
+    seen = sea.snapshot()
+    return {key: seen[key] for key in ("error", "virtual_velocity", "wrench_asked", "unknown")}
+
+
+@EACH
+@BASES
+@pytest.mark.parametrize("on", [True, False])
+def test_a_switch_under_way_works_at_once_and_the_propellers_bear_it(
+    name: str, base: dict[str, float], on: bool
+) -> None:
+    sea, other = (afloat(base | {name: 0.0 if on else FELT[name]}) for _ in range(2))
+    for boat in (sea, other):
+        boat.enter_formation()
+        boat.run(1.0)
+    assert wanted(sea) == wanted(other)
+    sea.say(param_set(name, FELT[name] if on else 0.0))
+    before = sea.commands
+    ticks = [sea.step()]
+    other.step()
+    assert wanted(sea) != wanted(other)
+    slew = sea.boat.parameters()["THR_SLEW"] * FULL_SCALE * 0.01 + 1
+    for tick in ticks + sea.run(3.0):
+        assert all(abs(c) <= FULL_SCALE for c in tick.commands)
+        assert all(abs(b - a) <= slew for a, b in zip(before, tick.commands, strict=True))
+        before = tick.commands
+    assert all(abs(thrust) <= GREATEST_N for thrust in sea.snapshot()["thrust_N"].values())
+    assert sea.state == "FORMATION"
+
+
+LIMITS = {"LAW_U_MAX": 1.5, "LAW_R_MAX": 0.8, "LAW_KPSI": 2.0}
+
+
+@pytest.mark.parametrize("bearing", [0.0, 1.0, 2.5, -1.6, -3.0])
+def test_a_boat_far_away_asks_for_no_more_than_its_greatest_speed(bearing: float) -> None:
+    def greatest(parameters: dict[str, float]) -> tuple[float, float]:
+        start = [20.0 * math.cos(bearing), 20.0 * math.sin(bearing), 2.0, 0.0, 0.0, 0.0]
+        sea = Afloat(parameters, Hull(start), Course(0.0, 0.0, 0.5, 0.5))
+        sea.enter_hold()
+        sea.run(0.3)
+        sea.mode(FORMATION)
+        asked = []
+        for _ in range(2000):
+            sea.step()
+            seen = sea.snapshot()
+            asked.append(seen["virtual_velocity"])
+            for name, part, most in (("speed", "u_mps", 1.5), ("yaw_rate", "r_radps", 0.8)):
+                at_limit = abs(asked[-1][part]) == pytest.approx(most, rel=1e-6)
+                assert seen["limited"][name] == (at_limit and parameters == LIMITS)
+        assert sea.state == "FORMATION"
+        return max(abs(a["u_mps"]) for a in asked), max(abs(a["r_radps"]) for a in asked)
+
+    u_max, r_max = greatest(LIMITS)
+    assert u_max <= 1.5 and r_max <= 0.8 * (1 + 1e-6)
+    u_any, r_any = greatest(LIMITS | {"LAW_U_MAX": 0.0, "LAW_R_MAX": 0.0})
+    assert u_any > 2.0 and r_any > 1.0
