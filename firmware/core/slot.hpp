@@ -113,8 +113,11 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
                      const Encounter<S>& in, S h) {
   Slot<S> slot = slot_beside(in, params.turns ? to_north_east(in.psi_L, params.d) : params.d);
   const auto [w, w_dot, q] = slot_velocity(params, in);
-  if (!state.started) state.q_s.value = q.x, state.n.value = q.y - state.v_w;
-  state.started = true;
+  if (!state.started) {
+    state.q_s.value = q.x;
+    state.n.value = q.y - state.v_w;
+    state.started = true;
+  }
   smooth(params.omega_n, state.q_s, q.x, h);
   smooth(params.omega_n, state.n, q.y - state.v_w, h);
   const auto& [q_s, q_s_dot] = state.q_s;

@@ -188,7 +188,8 @@ TEST_CASE("a value that is not allowed keeps its default alone, and must be conf
   for (const std::string bad :
        {"nan", "inf", "-inf", "9", "-0.1", "1e39", "1e-50x", "", "0.5 ", "0x1"}) {
     CAPTURE(bad);
-    put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = " + bad + "\nLAW_KPSI = 0.75\n"));
+    put(folder / "p",
+        signed_text("flotilla-parameters 1\nLAW_KX = " + bad + "\nLAW_KPSI = 0.75\n"));
     const auto loaded = load_parameters(folder / "p");
     CHECK(loaded.source == ParameterSource::kFile);
     CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
