@@ -4,7 +4,6 @@
 import base64
 import io
 import math
-import os
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
@@ -14,7 +13,7 @@ from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 
-from sil import plots
+from sil import files, plots
 from sil.metrics import BoatSummary, Summary
 from sil.plant.hull import Array
 
@@ -44,8 +43,8 @@ def write(directory: Path, summary: Summary, trace: Mapping[str, Array], command
         "thrust": _png(plots.thrust(name, trace)),
     }
     for stem, picture in pictures.items():
-        _replace(directory / f"{stem}.png", picture)
-    _replace(directory / "report.html", page(summary, pictures, command).encode())
+        files.replace(directory / f"{stem}.png", picture)
+    files.replace(directory / "report.html", page(summary, pictures, command).encode())
 
 
 def table(summary: Summary) -> Table:
@@ -101,9 +100,3 @@ def _png(figure: Figure) -> bytes:
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    part = path.with_name(f".{path.name}.part")
-    part.write_bytes(content)
-    os.replace(part, path)

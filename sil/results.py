@@ -3,7 +3,6 @@
 
 import argparse
 import json
-import math
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -21,7 +20,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from sil import comparison, results_table
+from sil import comparison, files, results_table
 from sil.claims import BASELINE, CLAIMS, LAWS, PRODUCT
 from sil.results_table import Row
 from sil.sailing import Job, Outcome, sail_all
@@ -168,29 +167,15 @@ def _json(table: Sequence[Row], outcomes: Sequence[Outcome]) -> bytes:
         }
         for outcome in outcomes
     ]
-    text = json.dumps(_finite({"bounds": bounds, "runs": runs}), indent=1, allow_nan=False)
+    text = json.dumps(files.plain({"bounds": bounds, "runs": runs}), indent=1, allow_nan=False)
     return f"{text}\n".encode()
 
 
-def _finite(value: Any) -> Any:
-    """The same with null for what JSON has no number for."""
-    if isinstance(value, dict):
-        return {key: _finite(of_key) for key, of_key in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _write(files: Mapping[Path, bytes]) -> None:
+def _write(content: Mapping[Path, bytes]) -> None:
     """Write files, each whole or not at all."""
-    for path, content in files.items():
+    for path, data in content.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_name(f".{path.name}.part")
-        try:
-            part.write_bytes(content)
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
+        files.replace(path, data)
 
 
 def _count(text: str) -> int:

@@ -13,7 +13,7 @@ import rich.progress
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from sil import metrics, report
+from sil import files, metrics, report
 from sil.live import LiveWorld
 from sil.live import build as build_flotillad
 from sil.metrics import Summary
@@ -117,9 +117,7 @@ def write(out: Path, summary: Summary, trace: Mapping[str, Array], command: str)
     # numpy's stubs take any keyword for its own options
     np.savez_compressed(part, **trace)  # type: ignore[arg-type]
     os.replace(part, out / "trace.npz")
-    text = out / ".summary.json.part"
-    text.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-    os.replace(text, out / "summary.json")
+    files.replace(out / "summary.json", f"{json.dumps(summary, indent=2)}\n".encode())
     report.write(out, summary, trace, command)
 
 

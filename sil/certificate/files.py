@@ -3,7 +3,6 @@
 
 import io
 import json
-import math
 import os
 import tempfile
 from collections.abc import Iterator
@@ -12,6 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from sil import files
 from sil.certificate import notes, picture, report, verdict
 from sil.certificate.certificate import Case, Certificate, Leg
 from sil.certificate.gains import CURVE_K_X
@@ -43,14 +43,14 @@ def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
     picture.decay(certificate.scenario.name, certificate.legs).savefig(png, format="png")
     with _naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        _replace(folder / "decay.png", png.getvalue())
+        files.replace(folder / "decay.png", png.getvalue())
     text = (json.dumps(document(certificate), indent=2, allow_nan=False) + "\n").encode()
     with _naming(folder):
-        _replace(folder / "certificate.json", text)
+        files.replace(folder / "certificate.json", text)
     if also is not None:
         with _naming(also):
             also.parent.mkdir(parents=True, exist_ok=True)
-            _replace(also, text)
+            files.replace(also, text)
 
 
 def document(certificate: Certificate) -> dict[str, Any]:
@@ -65,7 +65,7 @@ def document(certificate: Certificate) -> dict[str, Any]:
         "legs": [_leg(leg) for leg in certificate.legs],
         "search": None if certificate.search is None else asdict(certificate.search),
     }
-    told: dict[str, Any] = plain(said)
+    told: dict[str, Any] = files.plain(said)
     return told
 
 
@@ -103,31 +103,6 @@ def _case(case: Case) -> dict[str, Any]:
             "sampled_of_law": case.curve_of_law,
         },
     }
-
-
-def plain(value: Any) -> Any:
-    """A value as JSON has it: complex numbers as [real, imaginary], what is not finite as null."""
-    if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, complex):
-        return [plain(value.real), plain(value.imag)]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
-
-
-def _replace(path: Path, content: bytes) -> None:
-    if path.is_symlink() or (path.exists() and not path.is_file()):
-        path.write_bytes(content)  # a device or pipe is written to, not replaced
-        return
-    part = path.with_name(f".{path.name}.part")
-    try:
-        part.write_bytes(content)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 @contextmanager
