@@ -143,7 +143,8 @@ void bind_helm(nb::module_& m) {
            "One control step, h_s after the last. leader: x, y, psi, u, v, r and the rates of "
            "change of the last three, now. What the law made of it, by name.")
       .def_prop_rw("state", &Helm::state, &Helm::set_state,
-                   "All that it remembers, 21 numbers: x, y, psi, u, v, r; unknown acceleration "
+                   "What it remembers, 21 numbers, but for the wrenches that late fixes are "
+                   "carried on under: x, y, psi, u, v, r; unknown acceleration "
                    "in surge, sway, yaw; current north, east; v*, u*, r* held; sway of the slot, "
                    "its speed and slip with their rates; wrench given X, N.");
 }
