@@ -13,11 +13,11 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
 from sil import scenario
+from sil.arguments import parameters_of
 from sil.certificate import files, report, verdict
 from sil.certificate.certificate import Certificate, certify
 from sil.certificate.fleet import parameters as firmware_parameters
 from sil.law import LAWS
-from sil.run import parameters_of
 
 
 def main(arguments: list[str]) -> int:

@@ -15,18 +15,21 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
+import flotilla
 import numpy as np
 
-from sil.bodies import fleet_of
+from sil.agents import clocks_of, parameters_of, slots_of
+from sil.bodies import bodies_of
 from sil.live_vessel import LiveBoat, LiveLeader
-from sil.plant import sensors
 from sil.plant.hull import Array
+from sil.plant.sensors import Sensors
 from sil.scenario import Scenario
+from sil.start import StartError
 from sil.streams import Stream, generator
 from sil.trace import Tracer
 from sil.wire.link import Link
 from sil.wire.operator import FORMATION, HOLD, MANUAL, Operator
-from sil.world import Progress, StartError, clocks_of, parameters_of
+from sil.world import Progress
 
 ROOT = Path(__file__).parent.parent
 FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
@@ -74,23 +77,28 @@ class LiveWorld:
 
     def __init__(self, scenario: Scenario, bus: str, param_overrides: dict[str, float]) -> None:
         self._scenario = scenario
-        self._sensor_rng = generator(scenario.seed, Stream.SENSORS)
         link_rng = generator(scenario.seed, Stream.LINKS)
         clocks = clocks_of(scenario)
-        self._fleet = fleet_of(scenario)
+        self._parameters = parameters_of(scenario, param_overrides)
+        self._command: Array = np.zeros((len(scenario.boat), 2))
         # Compiled now, not when the boats are under way.
-        fleet_of(scenario).advance(np.zeros((len(scenario.boat), 2)), np.zeros((3, 2)), 1e-3)
-        self._sigma = scenario.navigation.noise.sigma
+        Tracer([scenario], bodies_of([scenario]), [slots_of(self._parameters)]).step(
+            0, self._command, np.zeros(len(scenario.boat), np.uint8)
+        )
+        self._bodies = bodies_of([scenario])
+        self._sensors = Sensors(
+            [scenario.navigation.noise],
+            [generator(scenario.seed, Stream.SENSORS)],
+            self._bodies,
+        )
         self._h_us = round(1e6 / scenario.rate_hz)
         self._operator = Operator()
         self._leader = LiveLeader(scenario.leader_unit(), clocks[0])
         self.late_us = 0
         with ExitStack() as opened:
             self.boats: list[LiveBoat] = []
-            self._parameters: list[dict[str, float]] = []
             for agent, address in enumerate(buses_of(bus, len(scenario.boat)), start=1):
-                own = parameters_of(scenario, agent, param_overrides)
-                self._parameters.append(own)
+                own = self._parameters[agent - 1]
                 self.boats.append(LiveBoat(scenario, agent, address, own, clocks[agent]))
                 opened.callback(self.boats[-1].close)
             self._opened = opened.pop_all()
@@ -101,7 +109,6 @@ class LiveWorld:
                 link = Link(link_rng, **scenario.link.model_dump())
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
-        self._command: Array = np.zeros((len(self.boats), 2))
 
     def __enter__(self) -> "LiveWorld":
         return self
@@ -114,11 +121,12 @@ class LiveWorld:
         for boat in self.boats:
             boat.start(program, out / f"boat{boat.system}")
         tick_us = self._start()
-        tracer = Tracer(self._scenario, self._fleet, self._parameters)
+        tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])
         for k in range(tracer.ticks):
             for i, boat in enumerate(self.boats):
                 self._command[i] = boat.command(tick_us)
-            tracer.step(k, self._command, [self._state(boat) for boat in self.boats])
+            states = [flotilla.STATES.index(self._state(boat)) for boat in self.boats]
+            tracer.step(k, self._command, np.array(states, np.uint8))
             tick_us += self._h_us
             self._until(tick_us)
             self._send(tick_us)
@@ -180,10 +188,10 @@ class LiveWorld:
 
     def _send(self, tick_us: int) -> None:
         """The state of the instant `tick_us` to everybody whom it concerns."""
-        sensed = sensors.measure(self._fleet.eta, self._fleet.nu, self._sigma, self._sensor_rng)
-        eta, nu = (array.tolist() for array in sensed)
-        rpm = self._fleet.rpm.tolist()
-        self._leader.send(tick_us, self._fleet.eta[0].tolist(), self._fleet.nu[0].tolist())
+        self._sensors.measure()
+        eta, nu = self._sensors.eta.tolist(), self._sensors.nu.tolist()
+        rpm = self._bodies.rpm.tolist()
+        self._leader.send(tick_us, eta[0], nu[0])
         for i, boat in enumerate(self.boats):
             boat.send(tick_us, eta[i + 1], nu[i + 1], rpm[i])
 

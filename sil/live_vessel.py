@@ -11,11 +11,11 @@ import can
 
 from sil.clock import Clock
 from sil.scenario import Scenario
-from sil.vessel import BATTERY_V, ESC_NODES, NAVIGATION_COMPONENT, ORIGIN, VIRTUAL_LEADER_SYSTEM
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
 from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import Operator
+from sil.wiring import BATTERY_V, ESC_NODES, NAVIGATION_COMPONENT, ORIGIN, VIRTUAL_LEADER_SYSTEM
 
 _LOOPBACK = "127.0.0.1"
 

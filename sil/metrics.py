@@ -6,10 +6,11 @@ virtual leader. Errors in metres are √(e_x² + e_y²).
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 from typing import TypedDict
 
 import numpy as np
+import numpy.typing as npt
+from numba import njit
 
 from sil.plant.hull import Array
 
@@ -51,7 +52,7 @@ class Summary(TypedDict):
 
 
 def formation_error(
-    eta: Array, follows: Sequence[int], offset_m: Array, turns: Sequence[bool] | None = None
+    eta: Array, follows: Sequence[int], offset_m: Array, turns: npt.ArrayLike | None = None
 ) -> Array:
     """Formation errors [e_x e_y e_ψ] (T, N, 3) of boats 1 … N; e_ψ in (−π, π].
 
@@ -60,27 +61,45 @@ def formation_error(
     e_ψ is taken against the leader's heading in either case.
     Source: Wang and Loría, eq:formation-error.
     """
-    own, leader = eta[:, 1:], eta[:, list(follows)]
-    frame = np.where(np.zeros(len(follows), bool) if turns is None else turns, leader[..., 2], 0.0)
-    slot = leader[..., :2] + _rotated(frame, offset_m)
-    ahead = _rotated(-own[..., 2], own[..., :2] - slot)
-    return np.concatenate([ahead, wrap(own[..., 2:] - leader[..., 2:])], axis=-1)
+    error = np.empty((len(eta), len(follows), 3))
+    turning = np.zeros(len(follows), bool) if turns is None else np.array(turns, bool)
+    _formation_error(eta, np.array(follows), offset_m, turning, error)
+    error[..., 2] = wrap(error[..., 2])
+    return error
 
 
-def _rotated(angle: Array, vector: Array) -> Array:
-    """R(angle) vector: angle (...), vector (..., 2)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = vector[..., 0], vector[..., 1]
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+@njit(cache=True)
+def _formation_error(
+    eta: Array,
+    follows: npt.NDArray[np.int64],
+    offset_m: Array,
+    turns: npt.NDArray[np.bool_],
+    error: Array,
+) -> None:
+    """Write the errors (T, N, 3), e_ψ not wrapped."""
+    for k in range(eta.shape[0]):
+        for i in range(follows.size):
+            leader, own = eta[k, follows[i]], eta[k, i + 1]
+            north, east = offset_m[i, 0], offset_m[i, 1]
+            if turns[i]:
+                cos, sin = np.cos(leader[2]), np.sin(leader[2])
+                north, east = cos * north - sin * east, sin * north + cos * east
+            x, y = own[0] - (leader[0] + north), own[1] - (leader[1] + east)
+            cos, sin = np.cos(own[2]), np.sin(own[2])
+            error[k, i, 0] = cos * x + sin * y
+            error[k, i, 1] = cos * y - sin * x
+            error[k, i, 2] = own[2] - leader[2]
 
 
 def wrap(angle: Array) -> Array:
-    """The angle, rad, in (−π, π]."""
-    wrapped = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
+    """The angle, rad, in (−π, π]; NaN where it is not finite."""
+    with np.errstate(invalid="ignore"):
+        wrapped = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
     # the modulus of a tiny negative number is rounded up to 2π
-    return np.where(wrapped > -np.pi, wrapped, np.pi)
+    return np.where(wrapped <= -np.pi, np.pi, wrapped)
 
 
+@np.errstate(all="ignore")
 def boats(
     t_s: Array, error: Array, thrust: Array, states: Sequence[Mapping[str, float]]
 ) -> list[BoatSummary]:
@@ -88,7 +107,8 @@ def boats(
 
     t_s (T), error (T, N, 3), thrust (T, N, 2) in N, states (N): seconds spent in each state.
     RMS and maximum error are over the last third of the run, RMS thrust is over all of it;
-    `thrust_step_rms_N` is that of the propeller that changes more, over the last third.
+    `thrust_step_rms_N` is that of the propeller that changes more, over the last third. Of what
+    diverged, figures are not finite.
     """
     distance = distances(error)
     last_third = t_s >= t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
@@ -135,8 +155,38 @@ def settling_time_s(t_s: Array, distance: Array) -> float | None:
 
 def min_separation_m(eta: Array) -> float | None:
     """Smallest distance between two real boats of eta (T, N+1, 3), ever; None for a single boat."""
-    pairs = combinations(range(1, eta.shape[1]), 2)
-    return min((float(distances(eta[:, i] - eta[:, j]).min()) for i, j in pairs), default=None)
+    if eta.shape[1] <= 2:
+        return None
+    return float(np.sqrt(_least_square(eta)))
+
+
+@njit(cache=True)
+def _least_square(eta: Array) -> float:
+    """Square of the smallest distance; infinite where no two places are known.
+
+    Only boats that are less apart along x than the smallest distance so far are compared: they are
+    kept in the order of x, which changes little from tick to tick.
+    """
+    n = eta.shape[1] - 1
+    x, y, order = np.empty(n), np.empty(n), np.arange(1, n + 1)
+    least = np.inf
+    for k in range(eta.shape[0]):
+        for i in range(n):
+            boat = order[i]
+            # a boat that is nowhere is behind all others
+            key = eta[k, boat, 0] if not np.isnan(eta[k, boat, 0]) else np.inf
+            at = i
+            while at > 0 and x[at - 1] > key:
+                x[at], y[at], order[at] = x[at - 1], y[at - 1], order[at - 1]
+                at -= 1
+            x[at], y[at], order[at] = key, eta[k, boat, 1], boat
+        for i in range(n):
+            j = i + 1
+            while j < n and (x[j] - x[i]) ** 2 < least:
+                apart = (x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2
+                least = min(least, apart)
+                j += 1
+    return least
 
 
 def _rms(values: Array) -> float:

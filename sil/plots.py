@@ -20,6 +20,7 @@ BLACK, GREY, FAINT = "#222222", "#666666", "#f4f4f4"
 
 _WIDTH_IN = 8.0
 _SHOWN_SAMPLES = 3000
+_FARTHEST_M = 1e6
 DASHED = (0, (4, 3))
 HALO = patheffects.withStroke(linewidth=3, foreground="white")
 # outline of a hull of length 1, body axes: forward, starboard
@@ -46,11 +47,16 @@ STYLE: dict[Any, Any] = {
 def formation(name: str, trace: Mapping[str, Array]) -> Figure:
     """Paths north up and east right, with the formation at evenly spaced times.
 
-    One map of the first fifth of the run, in which the formation closes up, one of all of it.
+    One map of the first fifth of the run, in which the formation closes up, one of all of it; or
+    of as much as can be drawn where an agent's state is not finite from some tick on.
     """
-    t_s, eta = trace["t_s"], trace["eta"]
-    first = max(2, t_s.size // 5)
-    windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, "the whole run": t_s.size}
+    count = _drawable(trace["eta"])
+    t_s, eta = trace["t_s"][:count], trace["eta"][:count]
+    first = min(max(2, count // 5), count)
+    whole = "the whole run"
+    if count < trace["t_s"].size:
+        whole = f"up to {t_s[-1]:.2f} s: then an agent is beyond all bounds"
+    windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, whole: count}
     shapes = [_height_to_width(eta[:end]) for end in windows.values()]
     with matplotlib.rc_context(STYLE):
         height_in = _WIDTH_IN * sum(shapes) + 2.0
@@ -70,10 +76,12 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
     step = _step(t_s)
     # zero has no logarithm
     distance = np.maximum(metrics.distances(trace["error"][::step]), 1e-9)
+    distance[~(distance < _FARTHEST_M)] = np.nan
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, 4.6), layout="constrained")
         axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
-        axes.set_title(f"{name}: distance of each boat from its slot")
+        lost = "" if np.isfinite(distance).all() else "; a line ends where it is beyond all bounds"
+        axes.set_title(f"{name}: distance of each boat from its slot{lost}")
         axes.set_ylabel("formation error |e| (m)")
         for i in range(distance.shape[1]):
             axes.plot(t_s[::step], distance[:, i], color=colour(i + 1))
@@ -86,7 +94,7 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
         by_time = axes.get_xaxis_transform()
         axes.text(third, 0.97, " last third: RMS, maximum", color=GREY, va="top", transform=by_time)
         axes.set_xlim(t_s[0], t_s[-1])
-        _label_ends(axes, distance[-1])
+        _label_ends(axes, _last_finite(distance))
     return figure
 
 
@@ -94,7 +102,7 @@ def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
     """Port and starboard thrust of each boat over time, on one scale; short peaks as numbers."""
     t_s, values = trace["t_s"], trace["thrust"]
     step, count = _step(t_s), values.shape[1]
-    low, high = np.quantile(values, [0.001, 0.999])
+    low, high = np.quantile(values[np.isfinite(values)], [0.001, 0.999])
     margin = 0.1 * max(high - low, 0.1)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, 1.0 + 1.4 * count), layout="constrained")
@@ -103,7 +111,7 @@ def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
             axes.plot(t_s[::step], values[::step, i, 0], color=COLOURS[1], label="port")
             axes.plot(t_s[::step], values[::step, i, 1], color=COLOURS[2], label="starboard")
             axes.set_ylabel(f"boat {i + 1} (N)")
-            least, most = values[:, i].min(), values[:, i].max()
+            least, most = np.fmin.reduce(values[:, i], None), np.fmax.reduce(values[:, i], None)
             if least < low - margin or most > high + margin:
                 text = f"from {least:.1f} to {most:.1f} N".replace("-", "−")
                 axes.text(1.0, 1.0, text, color=GREY, ha="right", transform=axes.transAxes)
@@ -181,6 +189,22 @@ def _label_ends(axes: Axes, values: Array) -> None:
     for i, place in zip(order, (pushed_up + pushed_down) / 2.0, strict=True):
         text = axes.text(1.01, place, f"boat {i + 1}", color=colour(i + 1), va="center")
         text.set_transform(axes.transAxes)
+
+
+def _drawable(eta: Array) -> int:
+    """How many ticks of `eta` (T, N+1, 3) there are before an agent is nowhere near its start."""
+    # "not less" rather than "more": NaN is nowhere
+    lost = ~(np.abs(eta[..., :2] - eta[0, :, :2]) < _FARTHEST_M) | ~np.isfinite(eta[..., 2:])
+    lost_ticks = np.flatnonzero(lost.any(axis=(1, 2)))
+    return max(1, int(lost_ticks[0])) if lost_ticks.size else len(eta)
+
+
+def _last_finite(values: Array) -> Array:
+    """Of each column of `values` (T, N) the last that is finite (N); the settling level if none."""
+    found = np.full(values.shape[1], metrics.SETTLED_M)
+    for row in values:
+        found = np.where(np.isfinite(row), row, found)
+    return found
 
 
 def _height_to_width(eta: Array) -> float:

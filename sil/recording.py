@@ -13,14 +13,12 @@ import json
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any, BinaryIO, Self
 
 MAGIC = b"FLOTILLA"
 _HEAD = struct.Struct("<QHH")
 _LENGTH = struct.Struct("<I")
-_FLUSH_RECORDS = 4096
-
+MOST_BOATS = 255  # an agent is eight bits of a port
 
 # Channels: which of an agent's wires, and which way.
 MAVLINK_IN = 0  # + link, to the boat
@@ -30,51 +28,45 @@ CAN_OUT = 24
 
 
 class Recorder:
-    """Writes records to a file, whole or not at all, and keeps their digest. A context manager."""
+    """Digests records and writes them to a file, which appears whole or not at all.
 
-    def __init__(self, path: Path, header: dict[str, Any]) -> None:
-        self._path = path
-        self._part = path.with_name(f".{path.name}.part")
-        self._file = self._part.open("wb")
+    A context manager; `path` None writes no file.
+    """
+
+    def __init__(self, path: Path | None, header: dict[str, Any]) -> None:
         self._sha256 = hashlib.sha256()
-        self._parts: list[bytes] = []
-        text = json.dumps(header).encode()
-        self._file.write(MAGIC + _LENGTH.pack(len(text)) + text)
+        self._path = path
+        self._file: BinaryIO | None = None
+        if path is not None:
+            self._file = _part(path).open("wb")
+            text = json.dumps(header).encode()
+            self._file.write(MAGIC + _LENGTH.pack(len(text)) + text)
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._flush()
-        self._file.close()
-        if kind is None:
-            self._part.replace(self._path)
-        else:
-            self._part.unlink()
+    def __exit__(self, *_: object) -> None:
+        """Throws the file away where it is not finished."""
+        if self._path is not None and self._file is not None:
+            self._file.close()
+            _part(self._path).unlink(missing_ok=True)
 
-    def record(self, t_us: int, port: int, data: bytes) -> None:
-        """Adds a record; `data` at most 65535 bytes."""
-        parts = self._parts
-        parts.append(_HEAD.pack(t_us, port, len(data)))
-        parts.append(data)
-        if len(parts) > _FLUSH_RECORDS:
-            self._flush()
+    def write(self, records: bytes) -> None:
+        """Adds whole records."""
+        self._sha256.update(records)
+        if self._file is not None:
+            self._file.write(records)
 
-    def digest(self) -> str:
-        """SHA-256, in hexadecimal, of the records so far."""
-        self._flush()
+    def finish(self) -> str:
+        """Puts the file into its place; SHA-256, in hexadecimal, of the records."""
+        if self._path is not None and self._file is not None:
+            self._file.close()
+            _part(self._path).replace(self._path)
         return self._sha256.hexdigest()
 
-    def _flush(self) -> None:
-        chunk = b"".join(self._parts)
-        self._parts.clear()
-        self._sha256.update(chunk)
-        self._file.write(chunk)
+
+def _part(path: Path) -> Path:
+    return path.with_name(f".{path.name}.part")
 
 
 class Recording:

@@ -27,7 +27,9 @@ COLUMNS = (
     "RMS thrust (N)",
 )
 
-_PAGE = Template((Path(__file__).parent / "report.html").read_text(encoding="utf-8"))
+_HERE = Path(__file__).parent
+STYLE = (_HERE / "report.css").read_text(encoding="utf-8")
+_PAGE = Template((_HERE / "report.html").read_text(encoding="utf-8"))
 
 
 def write(directory: Path, summary: Summary, trace: Mapping[str, Array], command: str) -> None:
@@ -63,6 +65,7 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str) -> str:
     separation = summary["min_separation_m"]
     return _PAGE.substitute(
         {stem: base64.b64encode(picture).decode() for stem, picture in pictures.items()},
+        style=STYLE,
         scenario=escape(summary["scenario"]),
         seed=summary["seed"],
         duration=f"{summary['duration_s']:g} s",

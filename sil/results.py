@@ -20,7 +20,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from sil import comparison, files, results_table
+from sil import arguments, comparison, files, results_campaigns, results_table
+from sil.campaign.finished import Campaign
 from sil.claims import BASELINE, CLAIMS, LAWS, PRODUCT
 from sil.results_table import Row
 from sil.sailing import Job, Outcome, sail_all
@@ -44,10 +45,14 @@ def add_to(commands: Any) -> None:
         help="this scenario; repeatable. sil/README.md is left as it is",
     )
     command.add_argument(
-        "--seeds", type=_count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
+        "--seeds", type=arguments.count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
     )
     command.add_argument(
-        "--workers", type=_count, default=os.cpu_count(), metavar="N", help="processes (CPUs)"
+        "--workers",
+        type=arguments.count,
+        default=os.cpu_count(),
+        metavar="N",
+        help="processes (CPUs)",
     )
     command.add_argument(
         "--out", type=Path, default=Path("out/results"), metavar="DIR", help="(out/results)"
@@ -61,17 +66,19 @@ def add_to(commands: Any) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
     """Exit status: 0, 1 where a bound is missed or a run failed, 2 mistaken, 130 interrupted."""
     console = Console()
     try:
         options.out.mkdir(parents=True, exist_ok=True)
-        if _whole(options):  # a page without a place for them is told before all is sailed
-            results_table.page(PAGE.read_text(encoding="utf-8"), [])
+        campaigns = []
+        if _whole(options):
+            _page([], [])  # without a place for them is told before all is sailed
+            campaigns = results_campaigns.sail(options.out, options.workers)
         outcomes = _sail(_jobs(options), options.workers, console)
         table = results_table.rows(outcomes)
         console.print(results_table.for_terminal(table))
-        _write(_files(options, table, outcomes))
+        _write(_files(options, table, outcomes, campaigns))
     except KeyboardInterrupt:
         console.print("interrupted")
         return _INTERRUPTED
@@ -115,7 +122,10 @@ def _sail(jobs: Sequence[Job], workers: int, console: Console) -> list[Outcome]:
 
 
 def _files(
-    options: argparse.Namespace, table: Sequence[Row], outcomes: Sequence[Outcome]
+    options: argparse.Namespace,
+    table: Sequence[Row],
+    outcomes: Sequence[Outcome],
+    campaigns: Sequence[Campaign],
 ) -> dict[Path, bytes]:
     folders = [options.out, PICTURES] if _whole(options) else [options.out]
     files = {options.out / "results.json": _json(table, outcomes)}
@@ -123,9 +133,19 @@ def _files(
         picture = _picture(name, outcomes)
         if picture:
             files |= {folder / f"{name}.png": picture for folder in folders}
+    for campaign in campaigns:
+        files[PICTURES / f"{campaign.scenario}.png"] = results_campaigns.picture(campaign)
     if _whole(options):
-        files[PAGE] = results_table.page(PAGE.read_text(encoding="utf-8"), table).encode()
+        files[PAGE] = _page(table, campaigns).encode()
     return files
+
+
+def _page(table: Sequence[Row], campaigns: Sequence[Campaign]) -> str:
+    """The page with the results in their places; ValueError where it has none for them."""
+    text = PAGE.read_text(encoding="utf-8")
+    text = results_table.between(text, results_table.BEGIN, results_table.for_page(table))
+    monte_carlo = results_campaigns.for_page(campaigns) if campaigns else ""
+    return results_table.between(text, results_campaigns.BEGIN, monte_carlo)
 
 
 def _picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
@@ -176,10 +196,3 @@ def _write(content: Mapping[Path, bytes]) -> None:
     for path, data in content.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         files.replace(path, data)
-
-
-def _count(text: str) -> int:
-    count = int(text)
-    if count < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return count

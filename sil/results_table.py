@@ -93,13 +93,13 @@ def for_page(table: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def page(text: str, table: Sequence[Row]) -> str:
-    """The page `text` with what stands between its marks renewed; ValueError where it has none."""
-    begin, middle, rest = text.partition(BEGIN)
+def between(text: str, begin: str, content: str) -> str:
+    """The page `text` with `content` from its mark `begin` to `END`; ValueError without a place."""
+    before, middle, rest = text.partition(begin)
     _, end, after = rest.partition(END)
-    if not (middle and end) or BEGIN in after:
-        raise ValueError(f"no place for the results: no pair {BEGIN.strip()} … {END}")
-    return f"{begin}{BEGIN}{for_page(table)}\n{END}{after}"
+    if not (middle and end) or begin in after:
+        raise ValueError(f"no place for the results: no pair {begin.strip()} … {END}")
+    return f"{before}{begin}{content}\n{END}{after}"
 
 
 def _percentile(runs: Sequence[Outcome], bound: Bound, law: str) -> float | None:

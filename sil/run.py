@@ -4,7 +4,7 @@
 import json
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -63,7 +63,7 @@ def live(
     with LiveWorld(scenario, bus, param_overrides) as world, _bar(scenario, console) as progress:
         tracer = world.run(program, out, progress)
         console.print(f"latest step of the world: {world.late_us / 1000:.1f} ms behind its time")
-    result = Run(tracer.trace(), tracer.seconds(), None)
+    result = Run(tracer.trace(0), tracer.seconds(0), None)
     return _finish(scenario, out, result, time.perf_counter() - began_s, command, console)
 
 
@@ -85,6 +85,10 @@ def _finish(
     scenario: Scenario, out: Path, result: Run, wall_s: float, command: str, console: Console
 ) -> Summary:
     trace = result.trace
+    # of what diverged, figures are not finite
+    with np.errstate(all="ignore"):
+        boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states)
+        separation_m = metrics.min_separation_m(trace["eta"])
     summary: Summary = {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -92,8 +96,8 @@ def _finish(
         "wall_s": wall_s,
         "real_time_factor": scenario.duration_s / wall_s,
         "digest": result.digest,
-        "boats": metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states),
-        "min_separation_m": metrics.min_separation_m(trace["eta"]),
+        "boats": boats,
+        "min_separation_m": separation_m,
     }
     write(out, summary, trace, command)
     console.print(report.table(summary))
@@ -102,7 +106,7 @@ def _finish(
         if others:
             told = ", ".join(f"{s:.1f} s in {name}" for name, s in others.items())
             console.print(f"[bold red]boat {boat['id']} was not always in FORMATION: {told}")
-    digest = result.digest[:16] if result.digest else "none, a live run"
+    digest = result.digest[:16] if result.digest else "none"
     console.print(
         f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "
         f"{summary['real_time_factor']:.0f} × real time; digest {digest}"
@@ -112,22 +116,14 @@ def _finish(
 
 
 def write(out: Path, summary: Summary, trace: Mapping[str, Array], command: str) -> None:
-    """Write trace.npz, summary.json and the report into the existing folder `out`."""
+    """Write trace.npz, summary.json and the report into the existing folder `out`.
+
+    What is not finite in the summary is null in summary.json.
+    """
     part = out / ".trace.part.npz"
     # numpy's stubs take any keyword for its own options
     np.savez_compressed(part, **trace)  # type: ignore[arg-type]
     os.replace(part, out / "trace.npz")
-    files.replace(out / "summary.json", f"{json.dumps(summary, indent=2)}\n".encode())
+    content = json.dumps(files.plain(dict(summary)), indent=2, allow_nan=False)
+    files.replace(out / "summary.json", f"{content}\n".encode())
     report.write(out, summary, trace, command)
-
-
-def parameters_of(texts: Sequence[str]) -> dict[str, float]:
-    """Parameters from `NAME=VALUE` texts; ValueError says which is not of that form."""
-    parameters = {}
-    for text in texts:
-        name, _, value = text.partition("=")
-        try:
-            parameters[name.strip()] = float(value)
-        except ValueError:
-            raise ValueError(f'--param "{text}": must be NAME=VALUE, VALUE a number') from None
-    return parameters

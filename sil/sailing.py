@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Many runs at once, each in a process: what is left of a run is its figures and a thin trace."""
 
-import multiprocessing
-import signal
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from sil import metrics, scenario
+from sil import metrics, pool, scenario
 from sil.claims import CLAIMS
 from sil.law import Law
 from sil.metrics import BoatSummary
@@ -57,16 +54,14 @@ def sail_all(jobs: Sequence[Job], workers: int, tell: Callable[[Outcome], None])
     """
     outcomes: dict[Job, Outcome] = {}
 
-    def note(outcome: Outcome) -> None:
-        outcomes[outcome.job] = outcome
+    def note(job: Job, outcome: Outcome) -> None:
+        outcomes[job] = outcome
         tell(outcome)
 
+    pool.prepare(["sil.sailing"])
     with tempfile.TemporaryDirectory(prefix="flotilla-") as folder:
-        lost = _in_a_pool(jobs, workers, Path(folder), note)
-        # One of them killed its process, and with it the pool: which one shows when it is alone.
-        for job in lost:
-            if _in_a_pool([job], 1, Path(folder), note):
-                note(Outcome(job, "the process died"))
+        for job in pool.run(partial(sail, folder=Path(folder)), jobs, workers, note):
+            note(job, Outcome(job, "the process died"))
     return [outcomes[job] for job in jobs]
 
 
@@ -94,28 +89,3 @@ def _sail(job: Job, recording: Path) -> Outcome:
         # copies: a view would carry the whole trace to the parent
         trace={name: trace[name][::step].copy() for name in ("t_s", "eta", "error")},
     )
-
-
-def _in_a_pool(
-    jobs: Sequence[Job], workers: int, folder: Path, note: Callable[[Outcome], None]
-) -> list[Job]:
-    """Sail jobs; those that were lost because a process died."""
-    lost = []
-    # Not forked: the parent has threads. Ctrl-C is the parent's affair.
-    context = multiprocessing.get_context("spawn")
-    ignore = (signal.SIGINT, signal.SIG_IGN)
-    with ProcessPoolExecutor(workers, context, signal.signal, ignore) as pool:
-        futures: dict[Future[Outcome], Job] = {pool.submit(sail, job, folder): job for job in jobs}
-        try:
-            for future in as_completed(futures):
-                if isinstance(future.exception(), BrokenProcessPool):
-                    lost.append(futures[future])
-                else:
-                    note(future.result())
-        except BaseException:
-            for future in futures:
-                future.cancel()
-            for process in multiprocessing.active_children():
-                process.terminate()
-            raise
-    return lost

@@ -29,6 +29,7 @@ from sil.sections import (
     Scalar,
     Section,
     Unit,
+    Vary,
     Vessel,
     Water,
     Waves,
@@ -68,11 +69,15 @@ class Scenario(Section):
     leader: Leader
     parameters: Parameters = Field(default_factory=dict)
     boat: Annotated[tuple[Boat, ...], Strict(False), Field(min_length=1)]
+    vary: Annotated[tuple[Vary, ...], Strict(False)] = ()
 
     def vessels(self) -> list[Vessel]:
         """Vessel of every agent as the file has it, the virtual leader first."""
         deviations = [Vessel(), *(boat.vessel for boat in self.boat)]
-        return [Vessel(**_merged(self.vessel, deviation)) for deviation in deviations]
+        return [
+            Vessel(**_merged(self.vessel, own)) if own.model_fields_set else self.vessel
+            for own in deviations
+        ]
 
     def hulls(self) -> list[HullParameters]:
         """Hull of every agent, the virtual leader first; a mismatch is not in them."""
@@ -109,14 +114,27 @@ def load(
 
     Raises ScenarioError, whose text names file, line and key (or the override) and what is allowed.
     """
+    return check(read(name_or_path, overrides, law_override))
+
+
+def read(
+    name_or_path: str | Path, overrides: Sequence[str] = (), law_override: Law | None = None
+) -> toml_errors.Source:
+    """The document that `load` makes a scenario of: complete, not yet checked."""
     path = _find(name_or_path)
     source = _read(path)
+    source.document.setdefault("name", path.stem)
     if law_override is not None:
         law.impose(law_override, source.document)
     for override in overrides:
         source.override(override)
+    return source
+
+
+def check(source: toml_errors.Source) -> Scenario:
+    """The scenario of a document; ScenarioError as `load`."""
     try:
-        scenario = Scenario.model_validate({"name": path.stem, **source.document})
+        scenario = Scenario.model_validate(source.document)
     except ValidationError as error:
         raise source.errors(error, Scenario) from None
     for key, problem in _contradictions(scenario):

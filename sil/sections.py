@@ -210,3 +210,22 @@ class Boat(Section):
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
     navigation: Unit = Unit()
+
+
+class Vary(Section):
+    """A key of the scenario that a campaign draws anew for each run; a single run ignores it.
+
+    `key`: dotted; `*` in place of a boat's number is every boat, each with a draw of its own;
+    elements of arrays are counted from 1 (`boat.*.eta.3`), an array without one is drawn element
+    by element. Drawn from exactly one of `normal` [mean, standard deviation], `uniform` [low,
+    high], `choice` [values …]; `combine`: takes the place of the file's own number, is added to
+    it, or scales it.
+    """
+
+    key: Annotated[str, StringConstraints(pattern=r"^[^.\s]+(\.[^.\s]+)*$")]
+    normal: Pair | None = None
+    uniform: Pair | None = None
+    choice: Annotated[tuple[int | float | str, ...], Strict(False), Field(min_length=1)] | None = (
+        None
+    )
+    combine: Literal["set", "add", "scale"] = "set"

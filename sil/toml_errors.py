@@ -36,7 +36,8 @@ class ScenarioError(ValueError):
 class Source:
     """A parsed document, the line of each key, and the overrides laid over it.
 
-    Keys that the file leaves to its `base` are that source's.
+    Keys that the file leaves to its `base` are that source's; keys that a campaign has drawn stand
+    where `drawn` says, at the path of their `[[vary]]`.
     """
 
     file: str
@@ -44,6 +45,7 @@ class Source:
     lines: dict[KeyPath, int]
     overrides: dict[KeyPath, str] = field(default_factory=dict)
     base: Self | None = None
+    drawn: dict[KeyPath, KeyPath] = field(default_factory=dict)
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -67,7 +69,7 @@ class Source:
         """
         for path, value in _leaves(self.document):
             try:
-                _lay(base.document, path, value)
+                lay(base.document, path, value)
             except LookupError as error:
                 raise self.error(path, f'no key "{".".join(path)}": {error.args[0]}') from None
         self.document, self.base = base.document, base
@@ -84,7 +86,7 @@ class Source:
             wanted = """KEY=VALUE, the value as TOML has it: 0.1, [0, 0], '"text"'"""
             raise ScenarioError(f'override "{text}": must be {wanted}')
         try:
-            _lay(self.document, path, parsed["value"])
+            lay(self.document, path, parsed["value"])
         except LookupError as error:
             raise ScenarioError(f'override "{text}": no key "{key}": {error.args[0]}') from None
         self.overrides[path] = text
@@ -103,6 +105,7 @@ class Source:
         return ScenarioError("\n".join(dict.fromkeys(texts)))
 
     def _place(self, path: KeyPath) -> str:
+        path = self.drawn.get(path, path)
         for key, text in reversed(self.overrides.items()):
             if key[: len(path)] == path or path[: len(key)] == key:
                 return f'override "{text}"'
@@ -152,7 +155,7 @@ def _leaves(table: dict[str, Any], at: KeyPath = ()) -> Iterator[tuple[KeyPath, 
             yield (*at, key), value
 
 
-def _lay(place: Any, path: KeyPath, value: Any) -> None:
+def lay(place: Any, path: KeyPath, value: Any) -> None:
     """Set the key `path` of `place`, making tables on the way; LookupError says what is in it."""
     head: Any = path[0]
     if isinstance(place, list):
@@ -164,7 +167,7 @@ def _lay(place: Any, path: KeyPath, value: Any) -> None:
     if len(path) == 1:
         place[head] = value
         return
-    _lay(place.setdefault(head, {}) if isinstance(place, dict) else place[head], path[1:], value)
+    lay(place.setdefault(head, {}) if isinstance(place, dict) else place[head], path[1:], value)
 
 
 def _problem(detail: ErrorDetails, path: KeyPath, model: type[BaseModel]) -> str:

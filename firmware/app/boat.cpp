@@ -20,8 +20,10 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 }  // namespace
 
 template <class S>
-Boat<S>::Boat(const Parameters& p, std::size_t links)
-    : vehicle_(p, links),
+Boat<S>::Boat(const Parameters& p, std::size_t links, Outbox* shared)
+    : own_outbox_(shared == nullptr ? std::make_unique<Outbox>(links) : nullptr),
+      outbox_(shared == nullptr ? own_outbox_.get() : shared),
+      vehicle_(p, links, outbox_->mavlink),
       tick_rate_Hz_(p.CTL_RATE),
       pilot_(p),
       thrusters_(p),
@@ -59,18 +61,19 @@ void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
 
 template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
-  const std::uint32_t before = vehicle_.links().decoder(link).whole();
-  while (const auto received = vehicle_.next(link, now_us, counters_)) {
-    if (const auto* timesync = std::get_if<link::Timesync>(&received->message)) {
+  const link::MavlinkDecoder& decoder = vehicle_.links().decoder(link);
+  const std::uint32_t before = decoder.whole();
+  link::Received received;
+  while (decoder.waits() && vehicle_.next(link, received, now_us, counters_)) {
+    if (const auto* timesync = std::get_if<link::Timesync>(&received.message)) {
       if (const auto sent_us = vehicle_.sent_us(*timesync)) {
-        pilot_.answered(received->from, *sent_us, timesync->tc1 / 1000, now_us);
+        pilot_.answered(received.from, *sent_us, timesync->tc1 / 1000, now_us);
       }
     } else {
-      pilot_.take(*received, now_us, counters_);
+      pilot_.take(received, now_us, counters_);
     }
   }
-  const bool heard = vehicle_.links().decoder(link).whole() != before;
-  vehicle_.links().note_waiting(link, heard, now_us);
+  vehicle_.links().note_waiting(link, decoder.whole() != before, now_us);
 }
 
 /// Nothing more of the message that is waited for will come; another may be hidden behind it.
@@ -92,18 +95,18 @@ template <class S>
 typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   const std::int64_t now_us = monotonic(now);
   vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
-  can_output_.count = 0;
+  outbox_->can.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
   for (std::size_t link = 0; link < vehicle_.links().count(); ++link) {
     if (vehicle_.links().waits_in_vain(link, now_us)) give_up(link, now_us);
   }
   supervise(now_us);
   steer(now_us);
-  can_.send(thrust_.raw, core::armed(state()), now_us, counters_, can_output_);
+  can_.send(thrust_.raw, core::armed(state()), now_us, counters_, outbox_->can);
   complain(now_us);
   vehicle_.tell(report(now_us), counters_);
   last_tick_us_ = now_us;
-  return {&vehicle_.links(), std::span(can_output_.frames).first(can_output_.count)};
+  return {&vehicle_.links(), std::span(outbox_->can.frames).first(outbox_->can.count)};
 }
 
 template <class S>

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, no heap.
+// The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, no heap
+// after construction, but for a signing key's streams.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "app/can_node.hpp"
 #include "app/pilot.hpp"
@@ -39,6 +42,13 @@ struct HostReport {
   bool save_failed = false;      ///< the last try to write the parameters
 };
 
+/// Where a boat puts what it says in a tick.
+struct Outbox {
+  explicit Outbox(std::size_t links) : mavlink(links) {}
+  std::vector<Datagram> mavlink;
+  CanOutput can;
+};
+
 /// S: scalar of the law, float or double.
 template <class S>
 class Boat {
@@ -49,8 +59,10 @@ class Boat {
     std::span<const link::CanFrame> can;
   };
 
-  /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks.
-  Boat(const Parameters& parameters, std::size_t links);
+  /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks. Boats that tick one
+  /// after another may share an outbox of as many links; an output is then valid until the next
+  /// tick of any of them.
+  Boat(const Parameters& parameters, std::size_t links, Outbox* shared = nullptr);
 
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
@@ -123,6 +135,8 @@ class Boat {
   Report report(std::int64_t now_us);
   void complain(std::int64_t now_us);
 
+  std::unique_ptr<Outbox> own_outbox_;  // none where it is shared
+  Outbox* outbox_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   core::ControllerOutput<S> law_output_{};
@@ -135,7 +149,6 @@ class Boat {
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;
-  CanOutput can_output_;
   HostReport host_;
   bool save_failed_ = false;  // as told to the operator
   link::Counters counters_;

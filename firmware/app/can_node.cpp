@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/can_node.hpp"
 
+#include <algorithm>
+
 #include "app/version.hpp"
 
 namespace flotilla::app {
@@ -9,7 +11,7 @@ namespace {
 constexpr std::uint8_t kCommandPriority = 7, kArmingPriority = 24, kStatusPriority = 20,
                        kAllocationPriority = 30;
 constexpr std::int64_t kForeignGone_us = 2'000'000;
-constexpr std::int64_t kNodeOffline_us = 3'000'000, kReboot_us = 500'000;
+constexpr std::int64_t kNodeOffline_us = 3'000'000;
 constexpr std::uint8_t kHealthOk = 0, kOperational = 0, kFullyArmed = 255;
 
 std::uint32_t uptime_s(std::int64_t since_us, std::int64_t now_us) {
@@ -72,7 +74,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
 void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
                               std::int64_t now_us) {
   Esc& esc = escs_[status.esc_index];
-  const bool other = esc.heard_us && esc.node != node && now_us - *esc.heard_us < kNodeOffline_us;
+  const bool other = esc.node != node && now_us - esc.heard_us < kNodeOffline_us;
   if (other) {
     esc.claimed_us = now_us;
   } else {
@@ -84,7 +86,7 @@ void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
 
 std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int64_t now_us) const {
   const Esc& esc = escs_[index];
-  if (!esc.heard_us || now_us - *esc.heard_us > kNodeOffline_us) return std::nullopt;
+  if (now_us - esc.heard_us > kNodeOffline_us) return std::nullopt;
   return esc.status;
 }
 
@@ -92,20 +94,23 @@ void CanNode::take_node_status(std::uint8_t node, const link::NodeStatus& status
                                std::int64_t now_us) {
   Node& known = nodes_[node];
   // Rebooted: it must see zeros before it is driven again, so an armed boat has to stop.
-  if (known.heard_us && status.uptime_sec < known.status.uptime_sec) known.rebooted_us = now_us;
+  const bool rebooted = known.heard_us != kNever && status.uptime_sec < known.uptime_sec;
+  const std::int64_t since_us = rebooted ? 0 : known.since_reboot_us + (now_us - known.heard_us);
+  known.since_reboot_us = static_cast<std::uint32_t>(std::min(since_us, kLongAgo_us)) & 0x7FFFFFFFU;
   known.heard_us = now_us;
-  known.status = status;
+  known.uptime_sec = status.uptime_sec;
+  known.is_well = status.health == kHealthOk && status.mode == kOperational;
   node_ids_.occupied(node);
 }
 
 bool CanNode::esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const {
   const Esc& esc = escs_[index % escs_.size()];
-  if (!esc.heard_us || now_us - *esc.heard_us >= limit_us) return false;
-  if (esc.claimed_us && now_us - *esc.claimed_us < kNodeOffline_us) return false;
+  if (now_us - esc.heard_us >= limit_us) return false;
+  if (now_us - esc.claimed_us < kNodeOffline_us) return false;
   const Node& node = nodes_[esc.node];
-  if (node.rebooted_us && now_us - *node.rebooted_us < kReboot_us) return false;
-  return node.heard_us && now_us - *node.heard_us < kNodeOffline_us &&
-         node.status.health == kHealthOk && node.status.mode == kOperational;
+  const std::int64_t silent_us = now_us - node.heard_us;
+  if (node.since_reboot_us + silent_us < kLongAgo_us) return false;
+  return silent_us < kNodeOffline_us && node.is_well;
 }
 
 bool CanNode::foreign_controller(std::int64_t now_us) const {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "app/schedule.hpp"
@@ -52,16 +53,22 @@ class CanNode {
             link::Counters& counters, CanOutput& out);
 
  private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
+  static constexpr std::int64_t kLongAgo_us = 500'000;
+
   struct Esc {
-    std::optional<std::int64_t> heard_us;
-    std::uint8_t node = 0;
+    std::int64_t heard_us = kNever;
+    std::int64_t claimed_us = kNever;  ///< by a second node
     link::EscStatus status{};
-    std::optional<std::int64_t> claimed_us;  // by a second node
+    std::uint8_t node = 0;
   };
+  /// Small: there is one for each of 128 ids.
   struct Node {
-    std::optional<std::int64_t> heard_us;
-    std::optional<std::int64_t> rebooted_us;
-    link::NodeStatus status;
+    std::int64_t heard_us = kNever;
+    std::uint32_t uptime_sec = 0;
+    std::uint32_t since_reboot_us : 31 =
+        kLongAgo_us;                ///< when it was heard last, at most kLongAgo_us
+    std::uint32_t is_well : 1 = 0;  ///< operational and OK
   };
   struct Question {
     std::uint8_t node;

@@ -91,7 +91,7 @@ Asked message_rate(const Command& c) {
 
 }  // namespace
 
-std::optional<Command> command_of(const link::Message& message) {
+std::optional<Command> command_of(const Question& message) {
   if (const auto* c = std::get_if<link::CommandLong>(&message)) {
     Command out{c->command, {}, c->target, c->confirmation > 0};
     for (std::size_t i = 0; i < out.param.size(); ++i) out.param[i] = double{c->param[i]};

@@ -96,7 +96,8 @@ GlobalPoint global_of(const Position& position, const core::Vec2<S>& moved_n) {
 bool near(const Position& own, const Position& leader) {
   constexpr double kNear_m = 5000;
   const Seen seen = seen_from(own, leader);
-  return seen.same_side && std::hypot(seen.north_m, seen.east_m) <= kNear_m;
+  return seen.same_side &&
+         seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
 }
 
 template <class S>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 
 #include "app/parameters.hpp"
@@ -126,6 +127,7 @@ inline std::int64_t us_of_ms(std::int64_t us) { return us / 1000 * 1000; }
 /// A time that is known modulo 2³² ms, near another one.
 inline std::int64_t unwrapped_us(std::int64_t us, std::int64_t near_us) {
   constexpr std::int64_t kTurn_us = (std::int64_t{1} << 32U) * 1000;
+  if (std::abs(us - near_us) < kTurn_us / 2) return us;
   const std::int64_t off = (us - near_us) % kTurn_us;
   const std::int64_t least = off > kTurn_us / 2 ? off - kTurn_us : off;
   return near_us + (least < -kTurn_us / 2 ? least + kTurn_us : least);

@@ -178,12 +178,13 @@ std::optional<Sample> sample_of(const link::FollowTarget& m, const HeadingSample
 }
 
 Sample at_reference_point(const Sample& antenna, double x, double y) {
-  const double c = std::cos(antenna.psi_rad), s = std::sin(antenna.psi_rad);
   Sample out = antenna;
-  out.north_m -= c * x - s * y;
-  out.east_m -= s * x + c * y;
   out.u_mps += antenna.r_radps * y;  // v_reference = v_antenna − ω × offset
   out.v_mps -= antenna.r_radps * x;
+  if (x == 0 && y == 0) return out;
+  const double c = std::cos(antenna.psi_rad), s = std::sin(antenna.psi_rad);
+  out.north_m -= c * x - s * y;
+  out.east_m -= s * x + c * y;
   return out;
 }
 

@@ -17,6 +17,7 @@ class Credit {
   std::uint32_t limit() const { return rate_Bps_; }
 
   void earn(std::int64_t dt_us) {
+    if (rate_Bps_ == 0 && state_ == 0 && rest_ == 0) return;
     const std::int64_t earned = std::int64_t{rate_Bps_} * std::min(dt_us, kSecond_us);
     const std::int64_t over = save(state_, earned * 3 / 5, most() * 3 / 5);
     const std::int64_t left = save(rest_, earned * 2 / 5 + over, most() * 2 / 5);

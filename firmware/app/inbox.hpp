@@ -5,21 +5,25 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "app/commands.hpp"
 #include "link/counters.hpp"
 
 namespace flotilla::app {
 
+/// Kept small: a request for a file is kept as what it asks, not as it came.
 struct Letter {
-  std::size_t link = 0;
-  link::Received received{};
   std::int64_t read_us = 0;
+  Question message{};
+  link::Address from{};
+  link::Address target{};
+  std::uint8_t link = 0;
 };
 
 /// Disarms or terminates: never to be lost or put off.
 inline bool stops(const Letter& letter) {
-  const auto command = command_of(letter.received.message);
+  const auto command = command_of(letter.message);
   return command && is_stop(*command);
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "app/credit.hpp"
 #include "link/mavlink_decode.hpp"
@@ -34,14 +35,19 @@ constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
   return std::nullopt;
 }
 
+/// What one link says in a tick: as much as no network cuts up.
+using Datagram = std::array<std::uint8_t, 1400>;
+
 class MavlinkLinks {
  public:
-  /// count: 1 … kMaxLinks
-  MavlinkLinks(std::size_t count, link::Address self) : count_(count) {
-    for (Link& link : links_) link.encoder = link::MavlinkEncoder(self);
+  /// count: 1 … kMaxLinks. What is said goes to `out`, one a link, where there is such a place.
+  MavlinkLinks(std::size_t count, link::Address self, std::span<Datagram> out = {})
+      : links_(count), own_(out.empty() ? count : 0), out_(out.empty() ? std::span(own_) : out) {
+    rename(self);
   }
+  MavlinkLinks(MavlinkLinks&&) = default;
 
-  std::size_t count() const { return count_; }
+  std::size_t count() const { return links_.size(); }
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
@@ -70,20 +76,27 @@ class MavlinkLinks {
 
   /// The next message that this link's policy lets through.
   std::optional<link::Received> next(std::size_t link, link::Counters& counters) {
+    std::optional<link::Received> received(std::in_place);
+    if (!next(link, *received, counters)) received.reset();
+    return received;
+  }
+
+  /// The same into `out`; false where there is none.
+  bool next(std::size_t link, link::Received& out, link::Counters& counters) {
     Link& l = links_[link];
-    while (auto received = l.decoder.next(counters, signing_of(l))) {
-      const bool radio = std::holds_alternative<link::RadioStatus>(received->message);
-      if (l.policy != SigningPolicy::kRequired || received->is_signed || radio) return received;
+    while (l.decoder.next(out, counters, signing_of(l))) {
+      const bool radio = std::holds_alternative<link::RadioStatus>(out.message);
+      if (l.policy != SigningPolicy::kRequired || out.is_signed || radio) return true;
       ++counters.mavlink_unsigned_refused;
     }
-    return std::nullopt;
+    return false;
   }
 
   Credit& credit(std::size_t link) { return links_[link].credit; }
   const Credit& credit(std::size_t link) const { return links_[link].credit; }
 
   /// Bytes that still fit into this tick's output.
-  std::size_t room(std::size_t link) const { return links_[link].bytes.size() - links_[link].size; }
+  std::size_t room(std::size_t link) const { return Datagram{}.size() - links_[link].size; }
 
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
@@ -96,7 +109,7 @@ class MavlinkLinks {
   }
 
   void broadcast(const link::Message& message, link::Counters& counters) {
-    for (std::size_t link = 0; link < count_; ++link) send(link, message, counters);
+    for (std::size_t link = 0; link < count(); ++link) send(link, message, counters);
   }
 
   /// Another's frame, unchanged, with the next tick.
@@ -123,7 +136,7 @@ class MavlinkLinks {
 
   /// A heartbeat of ours to every link.
   void beat(const link::Heartbeat& heartbeat, link::Counters& counters) {
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       send(i, heartbeat, counters);
       Link& link = links_[i];
       link.beats[link.next_beat++ % link.beats.size()] = link.encoder.last_sequence();
@@ -136,13 +149,16 @@ class MavlinkLinks {
   }
 
   std::span<const std::uint8_t> bytes(std::size_t link) const {
-    return {links_[link].bytes.data(), links_[link].size};
+    return std::span(out_[link]).first(links_[link].size);
   }
 
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t dt_us) {
-    for (Link& link : links_) {
-      std::copy_n(link.forwarded.begin(), link.forwarded_size, link.bytes.begin());
+    for (std::size_t i = 0; i < count(); ++i) {
+      Link& link = links_[i];
+      if (link.forwarded_size > 0) {
+        std::copy_n(link.forwarded.begin(), link.forwarded_size, out_[i].begin());
+      }
       link.size = std::exchange(link.forwarded_size, 0);
       link.credit.spend_on_rest(link.size);
       link.credit.earn(dt_us);
@@ -153,8 +169,7 @@ class MavlinkLinks {
   struct Link {
     link::MavlinkDecoder decoder;
     link::MavlinkEncoder encoder;
-    std::array<std::uint8_t, 1400> bytes{};  // a datagram that no network cuts up
-    std::size_t size = 0;
+    std::size_t size = 0;                       // of what is said
     std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
     std::size_t forwarded_size = 0;
     std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
@@ -168,7 +183,7 @@ class MavlinkLinks {
   /// Its size; 0 where there was no room.
   std::size_t put(std::size_t link, const link::Message& message, link::Counters& counters) {
     Link& l = links_[link];
-    const std::size_t size = l.encoder.encode(message, std::span(l.bytes).subspan(l.size),
+    const std::size_t size = l.encoder.encode(message, std::span(out_[link]).subspan(l.size),
                                               signing_of(l), static_cast<std::uint8_t>(link));
     l.size += size;
     if (size == 0) ++counters.mavlink_not_sent;
@@ -179,8 +194,9 @@ class MavlinkLinks {
     return link.policy == SigningPolicy::kOff || !signing_.has_key() ? nullptr : &signing_;
   }
 
-  std::size_t count_;
-  std::array<Link, kMaxLinks> links_{};
+  std::vector<Link> links_;
+  std::vector<Datagram> own_;
+  std::span<Datagram> out_;
   link::Signing signing_;
 };
 

@@ -213,6 +213,11 @@ void ParameterService::refuse(std::size_t link, link::Address to, const Paramete
   }
 }
 
+bool ParameterService::owes(std::size_t link) const {
+  const Owed& owed = links_[link];
+  return owed.refused || owed.errors.count > 0 || owed.values.any() || owed.list_at < kCount;
+}
+
 std::optional<link::Message> ParameterService::next(std::size_t link, const Parameters& values) {
   Owed& owed = links_[link];
   if (owed.refused) {

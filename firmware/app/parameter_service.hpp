@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
@@ -52,6 +53,8 @@ struct Standing {
 
 class ParameterService {
  public:
+  explicit ParameterService(std::size_t links = kMaxLinks) : links_(links) {}
+
   static bool knows(const link::ParamSet& asked);
   static bool asks_for_mode(const link::ParamSet& asked);
 
@@ -70,6 +73,9 @@ class ParameterService {
 
   /// The same, and before it the error to who asked.
   void refuse(std::size_t link, link::Address to, const ParameterInfo& info, std::uint8_t error);
+
+  /// Whether next() has something for that link.
+  bool owes(std::size_t link) const;
 
   /// The next PARAM_ERROR or PARAM_VALUE due on that link, which counts as sent.
   std::optional<link::Message> next(std::size_t link, const Parameters& values);
@@ -101,7 +107,7 @@ class ParameterService {
 
   static std::optional<link::Message> take_turn(Owed& owed, const Parameters& values);
 
-  std::array<Owed, kMaxLinks> links_{};
+  std::vector<Owed> links_;
 };
 
 }  // namespace flotilla::app

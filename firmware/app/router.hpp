@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "app/mavlink_links.hpp"
 #include "link/messages.hpp"
@@ -19,29 +21,30 @@ namespace flotilla::app {
 /// circles where two links reach the same boats. Source: mavlink.io, routing.
 class Router {
  public:
+  explicit Router(std::size_t links = kMaxLinks)
+      : links_(links), heard_us_(links * kPlaces, kNever) {}
+
   void heard(link::Address from, std::size_t link, std::int64_t now_us) {
-    Place* free = &places_[0];
-    for (Place& place : places_) {
-      if (place.who == from && place.last_us() != kNever) {
-        place.heard_us[link] = now_us;
-        return;
-      }
-      if (place.last_us() < free->last_us()) free = &place;
+    std::size_t place = 0;
+    while (place < used_ && who_[place] != from) ++place;
+    if (place == used_) {
+      place = used_ < kPlaces ? used_++ : unheard_longest();
+      who_[place] = from;
+      std::ranges::fill(row(place), kNever);
     }
-    *free = Place{};
-    free->who = from;
-    free->heard_us[link] = now_us;
+    row(place)[link] = now_us;
   }
 
   /// Links, a bit each, that a message from one link is to be handed on to.
   std::uint8_t beyond(link::Address target, std::size_t from_link, std::int64_t now_us) const {
     if (target.system == 0) return 0;
     unsigned links = 0;
-    for (const Place& place : places_) {
-      const bool meant = place.who.system == target.system &&
-                         (target.component == 0 || place.who.component == target.component);
-      for (std::size_t link = 0; meant && link < kMaxLinks; ++link) {
-        if (now_us - kGone_us < place.heard_us[link]) links |= 1U << link;
+    for (std::size_t place = 0; place < used_; ++place) {
+      const link::Address who = who_[place];
+      const bool meant = who.system == target.system &&
+                         (target.component == 0 || who.component == target.component);
+      for (std::size_t link = 0; meant && link < row(place).size(); ++link) {
+        if (now_us - kGone_us < row(place)[link]) links |= 1U << link;
       }
     }
     return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
@@ -50,16 +53,28 @@ class Router {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kGone_us = 10'000'000;
+  static constexpr std::size_t kPlaces = 32;
 
-  struct Place {
-    Place() { heard_us.fill(kNever); }
-    std::int64_t last_us() const { return *std::max_element(heard_us.begin(), heard_us.end()); }
+  /// When that place's owner was heard last on each link.
+  std::span<std::int64_t> row(std::size_t place) {
+    return std::span(heard_us_).subspan(place * links_, links_);
+  }
+  std::span<const std::int64_t> row(std::size_t place) const {
+    return std::span(heard_us_).subspan(place * links_, links_);
+  }
+  std::int64_t last_us(std::size_t place) const { return std::ranges::max(row(place)); }
 
-    link::Address who{};
-    std::array<std::int64_t, kMaxLinks> heard_us;
-  };
+  std::size_t unheard_longest() const {
+    std::size_t longest = 0;
+    for (std::size_t place = 1; place < kPlaces; ++place) {
+      if (last_us(place) < last_us(longest)) longest = place;
+    }
+    return longest;
+  }
 
-  std::array<Place, 32> places_{};  // the one unheard for longest gives way
+  std::size_t links_, used_ = 0;
+  std::array<link::Address, kPlaces> who_{};  // the one unheard for longest gives way
+  std::vector<std::int64_t> heard_us_;
 };
 
 }  // namespace flotilla::app

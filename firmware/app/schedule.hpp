@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <limits>
 
 namespace flotilla::app {
 
@@ -18,26 +18,34 @@ class Schedule {
 
   /// Whether its turn has come; due() says the same and takes it.
   bool waits(std::int64_t now_us) const {
-    return interval_us_ > 0 && (!next_us_ || now_us + early_us_ >= *next_us_);
+    return interval_us_ > 0 && now_us + early_us_ >= next_us_;
+  }
+
+  /// From when on it waits.
+  std::int64_t from_us() const {
+    if (interval_us_ <= 0) return std::numeric_limits<std::int64_t>::max();
+    return next_us_ - early_us_;
   }
 
   bool due(std::int64_t now_us) {
     if (!waits(now_us)) return false;
-    const bool on_grid = next_us_ && now_us - *next_us_ < interval_us_;
-    next_us_ = (on_grid ? *next_us_ : now_us) + interval_us_;
+    const bool on_grid = now_us - next_us_ < interval_us_;
+    next_us_ = (on_grid ? next_us_ : now_us) + interval_us_;
     return true;
   }
 
   /// Due at once, and the grid begins anew.
-  void hurry() { next_us_.reset(); }
+  void hurry() { next_us_ = kAtOnce; }
 
   /// From the next turn on.
   void stretch(std::int64_t interval_us) { interval_us_ = interval_us; }
 
  private:
+  static constexpr std::int64_t kAtOnce = std::numeric_limits<std::int64_t>::min() / 2;
+
   std::int64_t interval_us_ = 0;
   std::int64_t early_us_ = 0;
-  std::optional<std::int64_t> next_us_;
+  std::int64_t next_us_ = kAtOnce;
 };
 
 }  // namespace flotilla::app

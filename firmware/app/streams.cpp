@@ -2,14 +2,14 @@
 #include "app/streams.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "app/convert.hpp"
 
 namespace flotilla::app {
 
-Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us)
-    : companion_(companion), tick_us_(tick_us) {
-  share_.fill(1);
+Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::size_t links)
+    : companion_(companion), tick_us_(tick_us), links_(links) {
   configure(p);
 }
 
@@ -21,7 +21,7 @@ void Streams::configure(const Parameters& p) {
   state_us_ = state_us;
   slow_us_ = slow_us;
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    for (std::size_t link = 0; link < kMaxLinks; ++link) restart(stream, link);
+    for (std::size_t link = 0; link < links_.size(); ++link) restart(stream, link);
   }
 }
 
@@ -36,7 +36,7 @@ bool Streams::set(std::size_t link, std::uint16_t id, std::int64_t interval_us,
     }
     interval_us = std::max(interval_us, least_us);
   }
-  turns_[stream][link].wanted_us = interval_us;
+  links_[link].turns[stream].wanted_us = interval_us;
   restart(stream, link);
   return true;
 }
@@ -50,32 +50,47 @@ std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
                          : -1;
 }
 
+bool Streams::any_waits(std::size_t link, std::int64_t now_us) {
+  std::int64_t& quiet_until_us = links_[link].quiet_until_us;
+  if (now_us < quiet_until_us) return false;
+  quiet_until_us = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
+    if (kStreams[stream].pace == Pace::kState) continue;
+    quiet_until_us = std::min(quiet_until_us, links_[link].turns[stream].schedule.from_us());
+  }
+  return now_us >= quiet_until_us;
+}
+
 void Streams::hurry(std::uint16_t id) {
   const std::size_t stream = find(id);
   if (stream == kNone) return;
-  for (Turn& turn : turns_[stream]) turn.schedule.hurry();
+  for (std::size_t link = 0; link < links_.size(); ++link) {
+    links_[link].turns[stream].schedule.hurry();
+    look_anew(link);
+  }
 }
 
 void Streams::radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us) {
   constexpr std::uint8_t kCritical = 25, kLow = 35, kHalf = 50;  // as PX4 does it
   if (percent > 100) return;
-  radio_us_[link] = now_us;
+  links_[link].radio_us = now_us;
   const double factor = percent < kCritical ? 0.8 : percent < kLow ? 0.975 : 1;
-  set_share(link, share_[link] * (percent > kHalf ? 1.025 : factor));
+  set_share(link, links_[link].share * (percent > kHalf ? 1.025 : factor));
 }
 
 void Streams::forget_silent_radios(std::int64_t now_us) {
   constexpr std::int64_t kSilent_us = 5'000'000;
-  for (std::size_t link = 0; link < kMaxLinks; ++link) {
-    if (share_[link] < 1 && now_us - radio_us_[link] > kSilent_us) set_share(link, 1);
+  for (std::size_t link = 0; link < links_.size(); ++link) {
+    if (links_[link].share < 1 && now_us - links_[link].radio_us > kSilent_us) set_share(link, 1);
   }
 }
 
 void Streams::set_share(std::size_t link, double share) {
-  share_[link] = std::clamp(share, 0.05, 1.0);
+  links_[link].share = std::clamp(share, 0.05, 1.0);
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    turns_[stream][link].schedule.stretch(stretched_us(stream, link));
+    links_[link].turns[stream].schedule.stretch(stretched_us(stream, link));
   }
+  look_anew(link);
 }
 
 std::size_t Streams::find(std::uint16_t id) const {
@@ -86,7 +101,7 @@ std::size_t Streams::find(std::uint16_t id) const {
 }
 
 std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) const {
-  const std::int64_t wanted_us = turns_[stream][link].wanted_us;
+  const std::int64_t wanted_us = links_[link].turns[stream].wanted_us;
   const StreamInfo& info = kStreams[stream];
   if (wanted_us != 0) return std::max<std::int64_t>(wanted_us, 0);
   if (companion_ && !info.companion) return 0;
@@ -106,13 +121,14 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
 std::int64_t Streams::stretched_us(std::size_t stream, std::size_t link) const {
   constexpr std::int64_t kSlowestState_us = 500'000;
   const std::int64_t plain_us = plain_interval_us(stream, link);
-  const auto us = static_cast<std::int64_t>(static_cast<double>(plain_us) / share_[link]);
+  const auto us = static_cast<std::int64_t>(static_cast<double>(plain_us) / links_[link].share);
   if (kStreams[stream].pace != Pace::kState) return us;
   return std::min(us, std::max(plain_us, kSlowestState_us));
 }
 
 void Streams::restart(std::size_t stream, std::size_t link) {
-  turns_[stream][link].schedule = Schedule(stretched_us(stream, link), tick_us_ / 2);
+  links_[link].turns[stream].schedule = Schedule(stretched_us(stream, link), tick_us_ / 2);
+  look_anew(link);
 }
 
 }  // namespace flotilla::app

@@ -2,10 +2,12 @@
 // Which telemetry is sent on which link how often.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
@@ -50,6 +52,10 @@ inline constexpr std::array kStreams{
 };
 
 constexpr std::size_t kOriginStream = 0;
+/// What followers steer by, at SR_STATE's pace.
+constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
+static_assert(std::ranges::count(kStreams, Pace::kState, &StreamInfo::pace) == 2 &&
+              kStreams[1].pace == Pace::kState && kStreams[2].pace == Pace::kState);
 
 /// Whether a companion, beside an autopilot, may send that message.
 constexpr bool is_companions(std::uint16_t id) {
@@ -62,7 +68,7 @@ constexpr bool is_companions(std::uint16_t id) {
 /// Every link has intervals of its own, which a client may change.
 class Streams {
  public:
-  Streams(const Parameters& p, bool companion, std::int64_t tick_us);
+  Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::size_t links = kMaxLinks);
 
   /// The default rates have changed.
   void configure(const Parameters& p);
@@ -74,7 +80,12 @@ class Streams {
   /// As MESSAGE_INTERVAL says it: −1 where it is off, 0 where there is no such stream.
   std::int32_t interval_us(std::size_t link, std::uint16_t id) const;
 
-  Schedule& schedule(std::size_t stream, std::size_t link) { return turns_[stream][link].schedule; }
+  Schedule& schedule(std::size_t stream, std::size_t link) {
+    return links_[link].turns[stream].schedule;
+  }
+
+  /// Whether the turn of a stream has come on that link, but for those of the state.
+  bool any_waits(std::size_t link, std::int64_t now_us);
 
   /// That message once more at once, on every link that has it.
   void hurry(std::uint16_t id);
@@ -89,6 +100,13 @@ class Streams {
     std::int64_t wanted_us = 0;
     Schedule schedule;
   };
+  struct Link {
+    std::array<Turn, kStreams.size()> turns{};
+    std::int64_t radio_us = 0;  ///< when it complained last
+    double share = 1;           ///< of the full rate, as the radio allows
+    /// Before that none waits but those of the state; schedules that change are looked at anew.
+    std::int64_t quiet_until_us = 0;
+  };
   static constexpr std::size_t kNone = kStreams.size();
 
   std::size_t find(std::uint16_t id) const;
@@ -96,14 +114,13 @@ class Streams {
   std::int64_t stretched_us(std::size_t stream, std::size_t link) const;
   void restart(std::size_t stream, std::size_t link);
   void set_share(std::size_t link, double share);
+  void look_anew(std::size_t link) { links_[link].quiet_until_us = 0; }
 
   bool companion_;
   bool configured_ = false;
   std::int64_t tick_us_;
   std::int64_t state_us_ = 0, slow_us_ = 0;
-  std::array<std::int64_t, kMaxLinks> radio_us_{};  // when it complained last
-  std::array<double, kMaxLinks> share_;             // of the full rate, as the radio allows
-  std::array<std::array<Turn, kMaxLinks>, kStreams.size()> turns_{};
+  std::vector<Link> links_;
 };
 
 }  // namespace flotilla::app

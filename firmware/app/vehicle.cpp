@@ -31,47 +31,58 @@ std::uint8_t mode_of(State state) {
   }
 }
 
-/// Whether it is for the tick to answer.
-struct IsRequest {
-  bool operator()(const link::Timesync& m) const { return m.tc1 == 0; }
-  bool operator()(const link::Ping& m) const { return m.target == link::Address{}; }
+/// What of it is for the tick to answer, if anything.
+struct QuestionOf {
+  const link::FtpServer& ftp;
+
   template <class Message>
-  bool operator()(const Message&) const {
-    return is_one_of<Message, link::CommandLong, link::CommandInt, link::SetMode,
-                     link::ParamRequestList, link::ParamRequestRead, link::ParamSet,
-                     link::FileTransferProtocol, link::MissionRequestList, link::MissionCount,
-                     link::MissionClearAll>;
+  std::optional<Question> operator()(const Message& m) const {
+    if constexpr (std::is_constructible_v<Question, const Message&>) {
+      return Question(m);
+    } else {
+      return std::nullopt;
+    }
   }
-  template <class Message, class... Requests>
-  static constexpr bool is_one_of = (std::is_same_v<Message, Requests> || ...);
+  std::optional<Question> operator()(std::monostate) const { return std::nullopt; }
+  std::optional<Question> operator()(const link::FileTransferProtocol& m) const {
+    return ftp.read(m);
+  }
+  std::optional<Question> operator()(const link::Timesync& m) const {
+    return m.tc1 == 0 ? std::optional<Question>(m) : std::nullopt;
+  }
+  std::optional<Question> operator()(const link::Ping& m) const {
+    return m.target == link::Address{} ? std::optional<Question>(m) : std::nullopt;
+  }
 };
 
 bool holds(const Letter& letter) {
-  const auto command = command_of(letter.received.message);
+  const auto command = command_of(letter.message);
   return command && meaning_of(*command).request == Request::kHold;
 }
 
 /// A mode may be asked for by a parameter too.
 bool undoes_stop(const Letter& letter) {
-  const auto command = command_of(letter.received.message);
+  const auto command = command_of(letter.message);
   if (command) return meaning_of(*command).request != Request::kNone;
-  const auto* set = std::get_if<link::ParamSet>(&letter.received.message);
+  const auto* set = std::get_if<link::ParamSet>(&letter.message);
   return set != nullptr && ParameterService::asks_for_mode(*set);
 }
 
 bool asks_for_message(const Letter& letter) {
-  const auto command = command_of(letter.received.message);
+  const auto command = command_of(letter.message);
   return command && meaning_of(*command).message;
 }
 
 }  // namespace
 
-Vehicle::Vehicle(const Parameters& p, std::size_t links)
+Vehicle::Vehicle(const Parameters& p, std::size_t links, std::span<Datagram> out)
     : parameters_(p),
       identity_(p),
-      links_(links, identity_.self()),
+      links_(links, identity_.self(), out),
+      router_(links),
+      parameter_service_(links),
       ftp_(metadata_files()),
-      streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE)),
+      streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE), links),
       heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       arm_refusal_due_(kSecond_us / 2),
@@ -88,32 +99,33 @@ void Vehicle::freshen() {
   report_.intended_mode = intended_mode_;
 }
 
-std::optional<link::Received> Vehicle::next(std::size_t link, std::int64_t now_us,
-                                            link::Counters& counters) {
-  while (const auto received = links_.next(link, counters)) {
-    const auto* beat = std::get_if<link::Heartbeat>(&received->message);
-    if (received->from == self()) {
-      double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(*received));
+bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
+                   link::Counters& counters) {
+  while (links_.next(link, out, counters)) {
+    const auto* beat = std::get_if<link::Heartbeat>(&out.message);
+    if (out.from == self()) {
+      double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(out));
       continue;
     }
     // A radio's word comes unsigned on any link, under any name: it counts for nothing else.
-    if (const auto* radio = std::get_if<link::RadioStatus>(&received->message)) {
+    if (const auto* radio = std::get_if<link::RadioStatus>(&out.message)) {
       streams_.radio_has_room(link, radio->txbuf, now_us);
       continue;
     }
-    router_.heard(received->from, link, now_us);
-    if (beat != nullptr) identity_.heard(received->from, *beat, parameters_.FORM_LEADER, now_us);
-    hand_on(link, *received, now_us, counters);
-    if (!identity_.addressed(received->target)) continue;
-    if (const auto* sticks = std::get_if<link::ManualControl>(&received->message)) {
-      take_sticks(*received, *sticks, now_us, counters);
-    } else if (std::visit(IsRequest{}, received->message)) {
-      inbox_.push({link, *received, now_us}, counters);
+    router_.heard(out.from, link, now_us);
+    if (beat != nullptr) identity_.heard(out.from, *beat, parameters_.FORM_LEADER, now_us);
+    if (out.target.system != 0) hand_on(link, out, now_us, counters);
+    if (!identity_.addressed(out.target)) continue;
+    if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
+      take_sticks(out, *sticks, now_us, counters);
+    } else if (const auto question = std::visit(QuestionOf{ftp_}, out.message)) {
+      inbox_.push({now_us, *question, out.from, out.target, static_cast<std::uint8_t>(link)},
+                  counters);
     } else {
-      return received;
+      return true;
     }
   }
-  return std::nullopt;
+  return false;
 }
 
 void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,

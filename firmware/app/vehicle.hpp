@@ -37,15 +37,22 @@ struct Sticks {
 
 class Vehicle {
  public:
-  Vehicle(const Parameters& parameters, std::size_t links);
+  /// out: as MavlinkLinks takes it.
+  Vehicle(const Parameters& parameters, std::size_t links, std::span<Datagram> out = {});
 
   MavlinkLinks& links() { return links_; }
   const MavlinkLinks& links() const { return links_; }
 
-  /// The next message that has come on this link. Requests are kept for the tick; what is meant for
-  /// others is handed on; all that a boat may make use of besides is returned.
+  /// The next message that has come on this link, into `out`; false where there is none. Requests are
+  /// kept for the tick; what is meant for others is handed on; all that a boat may make use of
+  /// besides is returned.
+  bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters);
   std::optional<link::Received> next(std::size_t link, std::int64_t now_us,
-                                     link::Counters& counters);
+                                     link::Counters& counters) {
+    std::optional<link::Received> received(std::in_place);
+    if (!next(link, *received, now_us, counters)) received.reset();
+    return received;
+  }
 
   /// When we sent the TIMESYNC request that this answers, µs.
   std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
@@ -110,7 +117,9 @@ class Vehicle {
   void enter(core::State state, core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
   bool origin_moved();
-  void tell_state(std::size_t link, link::Counters& counters);
+  /// Of one tick, for all links.
+  using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
+  void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
   bool may_tell(std::size_t link) const;
   bool tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);

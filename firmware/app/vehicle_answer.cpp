@@ -18,31 +18,31 @@ bool drives(Request request) {
 }  // namespace
 
 void Vehicle::answer(const Letter& letter, link::Counters& counters) {
-  const auto& [link, received, read_us] = letter;
-  const link::Address from = received.from;
-  if (const auto command = command_of(received.message)) {
+  const std::size_t link = letter.link;
+  const link::Address from = letter.from;
+  if (const auto command = command_of(letter.message)) {
     execute(letter, *command, counters);
-  } else if (std::holds_alternative<link::ParamRequestList>(received.message)) {
+  } else if (std::holds_alternative<link::ParamRequestList>(letter.message)) {
     parameter_service_.list(link);
-  } else if (const auto* read = std::get_if<link::ParamRequestRead>(&received.message)) {
+  } else if (const auto* read = std::get_if<link::ParamRequestRead>(&letter.message)) {
     parameter_service_.read(link, from, *read);
-  } else if (const auto* set = std::get_if<link::ParamSet>(&received.message)) {
+  } else if (const auto* set = std::get_if<link::ParamSet>(&letter.message)) {
     set_parameter(letter, *set, counters);
-  } else if (const auto* file = std::get_if<link::FileTransferProtocol>(&received.message)) {
+  } else if (const auto* file = std::get_if<link::FtpRequest>(&letter.message)) {
     ftp_.request(link, from, *file, now_us_);
-  } else if (const auto* timesync = std::get_if<link::Timesync>(&received.message)) {
-    links_.send(link, TimeRequests::answer_to(*timesync, from, read_us), counters);
-  } else if (const auto* ping = std::get_if<link::Ping>(&received.message)) {
+  } else if (const auto* timesync = std::get_if<link::Timesync>(&letter.message)) {
+    links_.send(link, TimeRequests::answer_to(*timesync, from, letter.read_us), counters);
+  } else if (const auto* ping = std::get_if<link::Ping>(&letter.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
-  } else if (!identity_.is_autopilots(received.target)) {
+  } else if (!identity_.is_autopilots(letter.target)) {
     answer_mission(letter, counters);
   }
 }
 
 /// There is none, and none is taken.
 void Vehicle::answer_mission(const Letter& letter, link::Counters& counters) {
-  const link::Address from = letter.received.from;
-  const link::Message& asked = letter.received.message;
+  const link::Address from = letter.from;
+  const Question& asked = letter.message;
   if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
     links_.send(letter.link, link::MissionCount{0, from, list->mission_type}, counters);
   } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
@@ -55,13 +55,13 @@ void Vehicle::answer_mission(const Letter& letter, link::Counters& counters) {
 }
 
 void Vehicle::execute(const Letter& letter, const Command& command, link::Counters& counters) {
-  const auto& [link, received, read_us] = letter;
+  const std::size_t link = letter.link;
   Asked asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(state_);
   const bool autopilots = drives(asked.request) || unknown || at_rest;
   if (identity_.is_autopilots(command.target) && autopilots) return;
-  if (!may_command(received.from) && !asked.reads_only() && !is_stop(command)) {
+  if (!may_command(letter.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
   }
   core::Verdict verdict{state_, true, 0};
@@ -76,13 +76,13 @@ void Vehicle::execute(const Letter& letter, const Command& command, link::Counte
     if (asked.result != mav::kAccepted) asked.message.reset();
   }
   if (command.wants_ack) {
-    links_.send(link, link::CommandAck{command.id, asked.result, received.from}, counters);
+    links_.send(link, link::CommandAck{command.id, asked.result, letter.from}, counters);
   }
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   if (verdict.granted && verdict.state != state_) enter(verdict.state, 0, counters);
   if (!verdict.granted) refuse(asked.request, verdict.missing, counters);
-  if (asked.result == mav::kDenied && may_command(received.from)) explain(command.id, counters);
+  if (asked.result == mav::kDenied && may_command(letter.from)) explain(command.id, counters);
 }
 
 /// A denial says nothing by itself about what would be right.
@@ -129,10 +129,10 @@ void Vehicle::send_requested(std::size_t link, const MessageRequest& request,
 
 void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
                             link::Counters& counters) {
-  const auto& [link, received, read_us] = letter;
-  const bool autopilots = identity_.is_autopilots(received.target);
+  const std::size_t link = letter.link;
+  const bool autopilots = identity_.is_autopilots(letter.target);
   if (autopilots && !ParameterService::knows(asked)) return;
-  const SetResult result = parameter_service_.set(link, received.from, asked, parameters_,
+  const SetResult result = parameter_service_.set(link, letter.from, asked, parameters_,
                                                   {core::armed(state_), self().system});
   switch (result.what) {
     case SetResult::What::kSet:
@@ -155,13 +155,13 @@ void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
 
 void Vehicle::set_mode_parameter(const Letter& letter, const SetResult& result,
                                  link::Counters& counters) {
-  const auto& [link, received, read_us] = letter;
-  if (identity_.is_autopilots(received.target)) return;
+  const std::size_t link = letter.link;
+  if (identity_.is_autopilots(letter.target)) return;
   const auto request = request_of_mode(result.mode);
   Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
   const core::Verdict verdict = ask(asked);
   if (!verdict.granted && parameters_.MODE != static_cast<float>(result.mode)) {
-    parameter_service_.refuse(link, received.from, *result.info, mav::kParamPermissionDenied);
+    parameter_service_.refuse(link, letter.from, *result.info, mav::kParamPermissionDenied);
     refuse(asked.request, verdict.missing, counters);
     return;
   }

@@ -64,18 +64,25 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
   streams_.forget_silent_radios(now_us_);
   const bool moved = origin_moved();
   if (moved) streams_.hurry(mav::kGpsGlobalOriginId);
+  StateMessages state;
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (moved) tell_stream(kOriginStream, link, counters);  // before any position from there
-    tell_state(link, counters);
+    tell_state(link, state, counters);
     tell_rest(link, counters);
   }
 }
 
 /// Attitude and position leave together or not at all.
-void Vehicle::tell_state(std::size_t link, link::Counters& counters) {
+void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
   if (!links_.credit(link).for_state()) return;
-  for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    if (kStreams[stream].pace == Pace::kState) tell_stream(stream, link, counters);
+  for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
+    const StreamInfo& info = kStreams[kStateStreams[i]];
+    Schedule& schedule = streams_.schedule(kStateStreams[i], link);
+    if (!schedule.waits(now_us_) || links_.room(link) < std::size_t{2} * info.bytes) continue;
+    if (!state[i]) state[i] = compose(info.id, 0, report_);
+    if (!state[i]) continue;
+    links_.send_state(link, *state[i], counters);
+    schedule.due(now_us_);
   }
 }
 
@@ -83,6 +90,9 @@ void Vehicle::tell_state(std::size_t link, link::Counters& counters) {
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
   constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1,
                         kTurns = kFiles + 1;
+  if (!streams_.any_waits(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
+    return;
+  }
   const std::size_t first = turn_[link];
   for (std::size_t n = 0; n < kTurns && may_tell(link); ++n) {
     const std::size_t turn = (first + n) % kTurns;
@@ -110,11 +120,7 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
   if (links_.room(link) < std::size_t{2} * info.bytes) return false;  // signatures and all
   std::uint32_t turn = 0;
   for (; const auto message = compose(info.id, turn, report_); ++turn) {
-    if (info.pace == Pace::kState) {
-      links_.send_state(link, *message, counters);
-    } else {
-      links_.send(link, *message, counters);
-    }
+    links_.send(link, *message, counters);
   }
   return turn > 0 && schedule.due(now_us_);
 }

@@ -13,12 +13,6 @@ constexpr std::int64_t kHeadingUsable_us = 300'000;
 }  // namespace
 
 template <class S>
-bool VesselTrack<S>::mine(link::Address from) const {
-  return from.system == identity_.system && from.component != identity_.ignored_component &&
-         from.component != 0;
-}
-
-template <class S>
 void VesselTrack<S>::follow(std::uint8_t system) {
   if (system == identity_.system) return;
   Identity identity = identity_;
@@ -89,9 +83,8 @@ void VesselTrack<S>::restart() {
 }
 
 template <class S>
-void VesselTrack<S>::take(const link::Received& received, std::int64_t now_us,
-                          link::Counters& counters) {
-  if (!mine(received.from)) return;
+void VesselTrack<S>::take_mine(const link::Received& received, std::int64_t now_us,
+                               link::Counters& counters) {
   const std::uint8_t component = received.from.component;
   if (const auto* odometry = std::get_if<link::Odometry>(&received.message)) {
     take(*odometry, component, now_us, counters);

@@ -40,7 +40,9 @@ class VesselTrack {
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
 
   /// Takes any message; those of other vessels and of no use here are passed over.
-  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
+    if (mine(received.from)) take_mine(received, now_us, counters);
+  }
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
@@ -83,9 +85,13 @@ class VesselTrack {
     convert::HeadingSample sample{};
   };
 
-  bool mine(link::Address from) const;
+  bool mine(link::Address from) const {
+    return from.system == identity_.system && from.component != identity_.ignored_component &&
+           from.component != 0;
+  }
   bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
   bool origin_known() const { return origin_component_ == component_; }
+  void take_mine(const link::Received& received, std::int64_t now_us, link::Counters& counters);
   void take(const link::Odometry& message, std::uint8_t component, std::int64_t now_us,
             link::Counters& counters);
   void take(const link::Attitude& message, std::uint8_t component, std::int64_t now_us,

@@ -17,6 +17,9 @@ class BitWriter {
   explicit BitWriter(std::span<std::uint8_t> out) : out_(out) {}
 
   void put(std::uint64_t value, unsigned bits) {
+    for (; bits >= 8 && position_ % 8 == 0; value >>= 8U, bits -= 8, position_ += 8) {
+      out_[position_ / 8] = static_cast<std::uint8_t>(value & 0xFFU);
+    }
     for (; bits > 0; value >>= 8U) {
       const unsigned n = std::min(bits, 8U);
       put_byte(static_cast<unsigned>(value & ((1U << n) - 1U)), n);
@@ -50,7 +53,11 @@ class BitReader {
 
   std::uint64_t take(unsigned bits) {
     std::uint64_t value = 0;
-    for (unsigned done = 0; done < bits; done += 8) {
+    unsigned done = 0;
+    for (; bits - done >= 8 && position_ % 8 == 0; done += 8, position_ += 8) {
+      value |= std::uint64_t{byte_at(position_ / 8)} << done;
+    }
+    for (; done < bits; done += 8) {
       value |= std::uint64_t{take_byte(std::min(bits - done, 8U))} << done;
     }
     return value;
@@ -66,7 +73,8 @@ class BitReader {
   unsigned take_byte(unsigned n) {
     const std::size_t at = position_ / 8;
     const unsigned used = position_ % 8;
-    const unsigned window = (byte_at(at) << 8U | byte_at(at + 1)) >> (16U - n - used);
+    const unsigned second = used + n > 8 ? byte_at(at + 1) : 0U;
+    const unsigned window = (byte_at(at) << 8U | second) >> (16U - n - used);
     position_ += n;
     return window & ((1U << n) - 1U);
   }

@@ -2,6 +2,7 @@
 #include "link/dronecan_transfer.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "link/crc16.hpp"
 
@@ -11,14 +12,6 @@ namespace {
 constexpr std::uint8_t kStart = 0x80, kEnd = 0x40, kToggle = 0x20, kTransferIdMask = 0x1F;
 constexpr std::size_t kFramePayload = 7;
 constexpr std::int64_t kTransferIdTimeout_us = 2'000'000;
-
-std::uint16_t transfer_crc(const DataType& type, std::span<const std::uint8_t> payload) {
-  std::array<std::uint8_t, 8> signature{};
-  for (unsigned i = 0; i < 8; ++i) {
-    signature[i] = static_cast<std::uint8_t>(type.signature >> (8U * i));
-  }
-  return crc16(crc16(kCrc16Start, signature), payload);
-}
 
 constexpr std::uint8_t next_id(std::uint8_t transfer_id) {
   return static_cast<std::uint8_t>((transfer_id + 1U) & kTransferIdMask);
@@ -70,7 +63,7 @@ std::size_t split_transfer(const Route& route, const DataType& type, std::uint8_
   }
   const std::size_t frames = (payload.size() + 2 + kFramePayload - 1) / kFramePayload;
   if (frames > out.size()) return 0;
-  const std::uint16_t crc = transfer_crc(type, payload);
+  const std::uint16_t crc = crc16(type.crc_seed, payload);
   std::array<std::uint8_t, kFramePayload> part{};
   part[0] = static_cast<std::uint8_t>(crc & 0xFFU);
   part[1] = static_cast<std::uint8_t>(crc >> 8U);
@@ -148,7 +141,7 @@ std::optional<TransferReceiver::Transfer> TransferReceiver::push(
     if (whole.size() < 2) return refuse(counters.can_bad_frame);
     const auto received = static_cast<std::uint16_t>(whole[0] | whole[1] << 8U);
     whole = whole.subspan(2);
-    if (received != transfer_crc(type, whole)) return refuse(counters.can_bad_checksum);
+    if (received != crc16(type.crc_seed, whole)) return refuse(counters.can_bad_checksum);
   }
   ++counters.can_received;
   return Transfer{route, tid, whole};

@@ -11,16 +11,25 @@
 
 #include "link/can_frame.hpp"
 #include "link/counters.hpp"
+#include "link/crc16.hpp"
 
 namespace flotilla::link {
 
 enum class TransferKind : std::uint8_t { kMessage, kRequest, kResponse };
+
+/// The checksum that covers a data type's signature, its bytes little-endian.
+constexpr std::uint16_t crc_of_signature(std::uint64_t signature) {
+  std::array<std::uint8_t, 8> bytes{};
+  for (unsigned i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(signature >> (8U * i));
+  return crc16(kCrc16Start, bytes);
+}
 
 /// A data type's place on the wire. The signature seeds the checksum of multi-frame transfers.
 struct DataType {
   TransferKind kind;
   std::uint16_t id;
   std::uint64_t signature;
+  std::uint16_t crc_seed = crc_of_signature(signature);
 };
 
 /// Who sends what to whom; destination 0 for messages, source 0 for anonymous ones.
@@ -58,10 +67,10 @@ class TransferReceiver {
  private:
   struct Session {
     std::uint32_t key = 0;  ///< 0: free
-    std::int64_t last_us = 0;
     std::uint8_t transfer_id = 0;
     bool toggle = false;
     std::uint8_t size = 0;
+    std::int64_t last_us = 0;
     std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; longer transfers are not for us
   };
 

@@ -69,15 +69,32 @@ std::uint8_t put_text(std::span<std::uint8_t> out, std::string_view text) {
 
 }  // namespace
 
-void FtpServer::request(std::size_t link, Address from, const FileTransferProtocol& message,
+FtpRequest FtpServer::read(const FileTransferProtocol& message) const {
+  const Payload& payload = message.payload;
+  FtpRequest request{static_cast<std::uint16_t>(number_at(payload, kSeq, 2)),
+                     payload[kSession],
+                     payload[kOpcode],
+                     payload[kSize],
+                     FtpRequest::kNoFile,
+                     false,
+                     number_at(payload, kOffset, 4)};
+  if (request.size > kMaxData) return request;
+  const std::string_view path = path_in(payload);
+  request.file = find(path);
+  request.root = path.empty() || path == ".";
+  return request;
+}
+
+void FtpServer::request(std::size_t link, Address from, const FtpRequest& request,
                         std::int64_t now_us) {
-  const std::uint8_t opcode = message.payload[kOpcode];
-  if (opcode == kAck || opcode == kNak) return;  // two servers would answer each other for ever
-  const Peer peer{link, from};
+  // two servers would answer each other for ever
+  if (request.opcode == kAck || request.opcode == kNak) return;
+  const Peer peer{static_cast<std::uint8_t>(link), from};
   Client& client = client_of(peer, now_us);
-  const Answer answer = answer_to(message, peer, now_us);
-  if (opcode != kReadFile) client.burst.reset();
-  if (opcode == kBurstReadFile && answer.error == kNoError) {
+  const Answer answer = answer_to(request, peer, now_us);
+  idle_ = false;
+  if (request.opcode != kReadFile) client.burst.reset();
+  if (request.opcode == kBurstReadFile && answer.error == kNoError) {
     client.burst = answer;
   } else if (client.count < kAnswers) {
     client.answers[(client.first + client.count) % kAnswers] = answer;
@@ -86,16 +103,20 @@ void FtpServer::request(std::size_t link, Address from, const FileTransferProtoc
 }
 
 std::optional<FileTransferProtocol> FtpServer::next(std::size_t link) {
+  if (idle_) return std::nullopt;
   Client* client = nullptr;
   for (Client& other : clients_) {
     if (other.peer.link != link || !other.waits()) continue;
     if (client == nullptr || other.served < client->served) client = &other;
   }
-  if (client == nullptr) return std::nullopt;
+  if (client == nullptr) {
+    idle_ = std::ranges::none_of(clients_, &Client::waits);
+    return std::nullopt;
+  }
   client->served = ++served_;
   if (client->count > 0) {
     const Answer& answer = client->answers[client->first];
-    client->first = (client->first + 1) % kAnswers;
+    client->first = static_cast<std::uint8_t>((client->first + 1) % kAnswers);
     --client->count;
     return packet(answer, client->peer.address);
   }
@@ -121,22 +142,21 @@ FtpServer::Client& FtpServer::client_of(const Peer& peer, std::int64_t now_us) {
   return *place;
 }
 
-FtpServer::Answer FtpServer::answer_to(const FileTransferProtocol& message, const Peer& peer,
+FtpServer::Answer FtpServer::answer_to(const FtpRequest& request, const Peer& peer,
                                        std::int64_t now_us) {
-  const Payload& payload = message.payload;
-  Answer answer{static_cast<std::uint16_t>(number_at(payload, kSeq, 2) + 1),
-                payload[kSession],
-                payload[kOpcode],
+  Answer answer{static_cast<std::uint16_t>(request.seq + 1),
+                request.session,
+                request.opcode,
                 kNoError,
-                payload[kSize],
-                number_at(payload, kOffset, 4),
-                nullptr};
+                request.size,
+                FtpRequest::kNoFile,
+                request.offset};
   answer.error = answer.size > kMaxData ? std::uint8_t{kInvalidDataSize}
-                                        : carry_out(answer, path_in(payload), peer, now_us);
+                                        : carry_out(answer, request, peer, now_us);
   return answer;
 }
 
-std::uint8_t FtpServer::carry_out(Answer& answer, std::string_view path, const Peer& peer,
+std::uint8_t FtpServer::carry_out(Answer& answer, const FtpRequest& request, const Peer& peer,
                                   std::int64_t now_us) {
   switch (answer.asked) {
     case kNone:
@@ -149,29 +169,29 @@ std::uint8_t FtpServer::carry_out(Answer& answer, std::string_view path, const P
           sessions_, [&](const Session& s) { return s.peer == peer; }, Session{});
       return kNoError;
     case kListDirectory:
-      return list(answer, path);
+      return list(request);
     case kOpenFileRO:
-      return open(peer, answer, path, now_us);
+      return open(peer, answer, request, now_us);
     case kReadFile:
     case kBurstReadFile:
       return read(peer, answer, now_us);
     case kCalcFileCRC32:
-      answer.file = find(path);
-      return answer.file == nullptr ? kFileNotFound : kNoError;
+      answer.file = request.file;
+      return answer.file == FtpRequest::kNoFile ? kFileNotFound : kNoError;
     default:
       return kUnknownCommand;
   }
 }
 
-std::uint8_t FtpServer::list(const Answer& answer, std::string_view path) const {
-  if (!path.empty() && path != ".") return kFileNotFound;
-  return answer.offset < files_.size() ? kNoError : kEndOfFile;
+std::uint8_t FtpServer::list(const FtpRequest& request) const {
+  if (!request.root) return kFileNotFound;
+  return request.offset < files_.size() ? kNoError : kEndOfFile;
 }
 
-std::uint8_t FtpServer::open(const Peer& peer, Answer& answer, std::string_view path,
+std::uint8_t FtpServer::open(const Peer& peer, Answer& answer, const FtpRequest& request,
                              std::int64_t now_us) {
-  answer.file = find(path);
-  if (answer.file == nullptr) return kFileNotFound;
+  answer.file = request.file;
+  if (answer.file == FtpRequest::kNoFile) return kFileNotFound;
   place_for(peer, answer.session) = {peer, answer.session, answer.file, now_us};
   return kNoError;
 }
@@ -182,7 +202,7 @@ std::uint8_t FtpServer::read(const Peer& peer, Answer& answer, std::int64_t now_
   session->used_us = now_us;
   answer.file = session->file;
   if (answer.size == 0) answer.size = kMaxData;
-  return answer.offset < answer.file->content.size() ? kNoError : kEndOfFile;
+  return answer.offset < files_[answer.file].content.size() ? kNoError : kEndOfFile;
 }
 
 FtpServer::Session* FtpServer::session_of(const Peer& peer, std::uint8_t number) {
@@ -202,9 +222,10 @@ FtpServer::Session& FtpServer::place_for(const Peer& peer, std::uint8_t number) 
   return *oldest;
 }
 
-const FtpFile* FtpServer::find(std::string_view path) const {
+std::uint8_t FtpServer::find(std::string_view path) const {
   const auto file = std::ranges::find(files_, path, &FtpFile::name);
-  return file == files_.end() ? nullptr : &*file;
+  return file == files_.end() ? FtpRequest::kNoFile
+                              : static_cast<std::uint8_t>(file - files_.begin());
 }
 
 FileTransferProtocol FtpServer::packet(const Answer& answer, Address target) const {
@@ -222,13 +243,13 @@ FileTransferProtocol FtpServer::packet(const Answer& answer, Address target) con
   } else if (answer.asked == kListDirectory) {
     payload[kSize] = put_entries(answer.offset, data);
   } else if (answer.asked == kOpenFileRO || answer.asked == kCalcFileCRC32) {
-    const std::string_view content = answer.file->content;
+    const std::string_view content = files_[answer.file].content;
     payload[kSize] = 4;
     put_number(data.first(4), answer.asked == kOpenFileRO
                                   ? static_cast<std::uint32_t>(content.size())
                                   : crc32(kMavlinkCrc32Start, content));
   } else if (answer.asked == kReadFile || answer.asked == kBurstReadFile) {
-    const std::string_view rest = answer.file->content.substr(answer.offset);
+    const std::string_view rest = files_[answer.file].content.substr(answer.offset);
     payload[kSize] = put_text(data.first(answer.size), rest);
     payload[kBurstComplete] = answer.asked == kBurstReadFile && rest.size() <= answer.size ? 1 : 0;
   }

@@ -1,31 +1,50 @@
 // SPDX-License-Identifier: MIT
-// MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. By table:
-// the generated crc_calculate() goes bit by bit, and was half of the time of decoding.
+// MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. By tables,
+// eight bytes at a time: the generated crc_calculate() goes bit by bit, and was half of the time of
+// decoding. Source: M. E. Kounavis, F. L. Berry, A Systematic Approach to Building High Performance
+// Software-based CRC Generators ("slicing by 8").
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 namespace flotilla::link {
 
-inline constexpr std::array<std::uint16_t, 256> kMavlinkCrcTable = [] {
-  std::array<std::uint16_t, 256> table{};
-  for (unsigned byte = 0; byte < table.size(); ++byte) {
+/// Row k: what a byte leaves behind when k zeros follow it.
+inline constexpr std::array<std::array<std::uint16_t, 256>, 8> kMavlinkCrcTables = [] {
+  std::array<std::array<std::uint16_t, 256>, 8> tables{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
     unsigned crc = byte;
     for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0x8408U : 0U);
-    table[byte] = static_cast<std::uint16_t>(crc);
+    tables[0][byte] = static_cast<std::uint16_t>(crc);
   }
-  return table;
+  for (std::size_t k = 1; k < tables.size(); ++k) {
+    for (std::size_t byte = 0; byte < 256; ++byte) {
+      const unsigned crc = tables[k - 1][byte];
+      tables[k][byte] = static_cast<std::uint16_t>((crc >> 8U) ^ tables[0][crc & 0xFFU]);
+    }
+  }
+  return tables;
 }();
 
 /// The checksum of a frame: of its bytes without the start sign, then the message's own seed.
 constexpr std::uint16_t mavlink_crc(std::span<const std::uint8_t> bytes, std::uint8_t crc_extra) {
+  const auto& t = kMavlinkCrcTables;
   unsigned crc = 0xFFFF;
-  for (const std::uint8_t byte : bytes) {
-    crc = (crc >> 8U) ^ kMavlinkCrcTable[(crc ^ byte) & 0xFFU];
+  const std::uint8_t* b = bytes.data();
+  std::size_t left = bytes.size();
+  for (; left >= 8; left -= 8, b += 8) {
+    crc = t[7][(crc ^ b[0]) & 0xFFU] ^ t[6][(crc >> 8U) ^ b[1]] ^ t[5][b[2]] ^ t[4][b[3]] ^
+          t[3][b[4]] ^ t[2][b[5]] ^ t[1][b[6]] ^ t[0][b[7]];
   }
-  return static_cast<std::uint16_t>((crc >> 8U) ^ kMavlinkCrcTable[(crc ^ crc_extra) & 0xFFU]);
+  if (left >= 4) {
+    crc = t[3][(crc ^ b[0]) & 0xFFU] ^ t[2][(crc >> 8U) ^ b[1]] ^ t[1][b[2]] ^ t[0][b[3]];
+    left -= 4, b += 4;
+  }
+  for (; left > 0; --left, ++b) crc = (crc >> 8U) ^ t[0][(crc ^ *b) & 0xFFU];
+  return static_cast<std::uint16_t>((crc >> 8U) ^ t[0][(crc ^ crc_extra) & 0xFFU]);
 }
 
 }  // namespace flotilla::link

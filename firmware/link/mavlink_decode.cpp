@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "link/mavlink_decode.hpp"
 
-#include <flotilla/mavlink.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 
 #include "link/mavlink_crc.hpp"
+#include "link/mavlink_entries.hpp"
 #include "link/mavlink_read.hpp"
 
 namespace flotilla::link {
@@ -101,18 +100,13 @@ bool accepted(SignatureVerdict verdict, Counters& counters) {
   return false;
 }
 
-Received received(std::span<const std::uint8_t> b, const Header& h,
-                  const mavlink_msg_entry_t& entry, bool is_signed) {
-  const auto payload = b.subspan(h.header_bytes, h.payload_bytes);
-  return {h.from,   read_payload(payload, h.id), target_of(payload, entry), h.id, h.sequence,
-          is_signed};
-}
-
 }  // namespace
 
 std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
   frame_size_ = 0;
-  if (begin_ > 0) {
+  if (begin_ == end_) {
+    begin_ = end_ = 0;
+  } else if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
     begin_ = 0;
@@ -129,7 +123,7 @@ void MavlinkDecoder::give_up(Counters& counters) {
   ++counters.mavlink_skipped_bytes;
 }
 
-std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signing) {
+bool MavlinkDecoder::next(Received& out, Counters& counters, Signing* signing) {
   frame_size_ = 0;
   const auto skip_byte = [&] {
     ++begin_;
@@ -142,13 +136,13 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signin
       continue;
     }
     const auto header = read_header(b);
-    if (!header) return std::nullopt;
-    const auto* entry = mavlink_get_msg_entry(header->id);
+    if (!header) return false;
+    const auto* entry = mavlink_entry(header->id);
     if (!plausible(b, *header, entry)) {
       skip_byte();
       continue;
     }
-    if (b.size() < header->frame_bytes) return std::nullopt;
+    if (b.size() < header->frame_bytes) return false;
     if (entry == nullptr && ends_well(b, header->frame_bytes)) {
       begin_ += header->frame_bytes;
       ++whole_;
@@ -166,9 +160,22 @@ std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signin
     if (is_signed && !accepted(signing->check(b.first(header->frame_bytes)), counters)) continue;
     frame_size_ = header->frame_bytes;
     ++counters.mavlink_received;
-    return received(b, *header, *entry, is_signed);
+    const auto payload = b.subspan(header->header_bytes, header->payload_bytes);
+    read_payload(payload, header->id, out.message);
+    out.from = header->from;
+    out.target = target_of(payload, *entry);
+    out.id = header->id;
+    out.sequence = header->sequence;
+    out.is_signed = is_signed;
+    return true;
   }
-  return std::nullopt;
+  return false;
+}
+
+std::optional<Received> MavlinkDecoder::next(Counters& counters, Signing* signing) {
+  std::optional<Received> received(std::in_place);
+  if (!next(*received, counters, signing)) received.reset();
+  return received;
 }
 
 }  // namespace flotilla::link

@@ -32,6 +32,9 @@ class MavlinkDecoder {
   /// signatures are not looked at, and no message counts as signed.
   std::optional<Received> next(Counters& counters, Signing* signing = nullptr);
 
+  /// The same into `out`, which is as large as the largest message; false where there is none.
+  bool next(Received& out, Counters& counters, Signing* signing = nullptr);
+
   /// The bytes of the message that next() returned last, to be passed on unchanged; empty where it
   /// returned nothing. Valid until the next call of next() or fill().
   std::span<const std::uint8_t> frame() const {

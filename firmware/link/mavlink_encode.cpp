@@ -7,34 +7,51 @@
 namespace flotilla::link {
 namespace {
 
-/// A frame says that it is signed, and its checksum covers that.
-void mark_as_signed(const mavlink_message_t& m, std::span<std::uint8_t> frame) {
-  const std::size_t covered = frame.size() - MAVLINK_NUM_CHECKSUM_BYTES;
-  frame[2] |= MAVLINK_IFLAG_SIGNED;
-  const std::uint16_t crc = mavlink_crc(frame.first(covered).subspan(1), mavlink_get_crc_extra(&m));
-  frame[covered] = static_cast<std::uint8_t>(crc);
-  frame[covered + 1] = static_cast<std::uint8_t>(crc >> 8U);
+constexpr std::size_t kHeaderBytes = MAVLINK_NUM_HEADER_BYTES, kChecksumBytes = 2;
+
+/// Zeros at the end are not sent, but for the first byte.
+std::size_t trimmed_size(std::span<const std::uint8_t> payload) {
+  std::size_t size = payload.size();
+  while (size > 1 && payload[size - 1] == 0) --size;
+  return size;
 }
 
 }  // namespace
 
+std::size_t MavlinkWriter::frame(std::uint32_t id, std::uint8_t crc_extra,
+                                 std::span<const std::uint8_t> payload) const {
+  const std::size_t size = trimmed_size(payload);
+  const std::size_t covered = kHeaderBytes + size;
+  const std::size_t length = covered + kChecksumBytes;
+  if (length + (is_signed ? kSignatureBlockBytes : 0) > out.size()) return 0;
+  const auto byte = [](std::size_t number) { return static_cast<std::uint8_t>(number); };
+  const std::array<std::uint8_t, kHeaderBytes> header{MAVLINK_STX,
+                                                      byte(size),
+                                                      byte(is_signed ? MAVLINK_IFLAG_SIGNED : 0),
+                                                      0,
+                                                      sequence,
+                                                      self.system,
+                                                      self.component,
+                                                      byte(id),
+                                                      byte(id >> 8U),
+                                                      byte(id >> 16U)};
+  std::copy(header.begin(), header.end(), out.begin());
+  std::copy_n(payload.begin(), size, out.begin() + kHeaderBytes);
+  const std::uint16_t crc = mavlink_crc(out.first(covered).subspan(1), crc_extra);
+  out[covered] = byte(crc & 0xFFU);
+  out[covered + 1] = byte(crc >> 8U);
+  return length;
+}
+
 std::size_t MavlinkEncoder::encode(const Message& message, std::span<std::uint8_t> out,
                                    Signing* signing, std::uint8_t link_id) {
-  if (std::holds_alternative<std::monostate>(message)) return 0;
-  mavlink_status_t status{};
-  status.current_tx_seq = sequence_;
-  mavlink_message_t m;
-  std::visit(MavlinkWriter{self_, status, m}, message);
-  const std::size_t length = MAVLINK_NUM_NON_PAYLOAD_BYTES + std::size_t{m.len};
-  const std::size_t block = signing != nullptr ? kSignatureBlockBytes : 0;
-  if (length + block > out.size()) return 0;
-  sequence_ = status.current_tx_seq;
-  mavlink_msg_to_send_buffer(out.data(), &m);
-  if (signing != nullptr) {
-    mark_as_signed(m, out.first(length));
-    signing->sign(out.first(length), link_id, out.subspan(length).first<kSignatureBlockBytes>());
-  }
-  return length + block;
+  const std::size_t length =
+      std::visit(MavlinkWriter{self_, sequence_, signing != nullptr, out}, message);
+  if (length == 0) return 0;
+  ++sequence_;
+  if (signing == nullptr) return length;
+  signing->sign(out.first(length), link_id, out.subspan(length).first<kSignatureBlockBytes>());
+  return length + kSignatureBlockBytes;
 }
 
 }  // namespace flotilla::link

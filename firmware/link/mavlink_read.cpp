@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: MIT
 #include "link/mavlink_read.hpp"
 
-#include <flotilla/mavlink.h>
-
 #include <cstring>
+
+#include "link/mavlink_entries.hpp"
 
 namespace flotilla::link {
 namespace {
 
-template <class Wire, class Decode>
-Wire decoded(const mavlink_message_t& m, Decode decode) {
+using Bytes = std::span<const std::uint8_t>;
+
+/// What the frame leaves out is zero.
+template <class Wire, std::uint32_t kId>
+Wire decoded(Bytes payload) {
+  constexpr std::size_t kSize = mavlink_size<kId, Wire>();
   Wire wire{};
-  decode(&m, &wire);
+  if (payload.size() >= kSize) {
+    std::memcpy(&wire, payload.data(), kSize);
+  } else {
+    std::memcpy(&wire, payload.data(), payload.size());
+  }
   return wire;
 }
 
@@ -24,23 +32,23 @@ Array copy_of(const void* wire) {
   return out;
 }
 
-Message heartbeat(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_heartbeat_t>(m, mavlink_msg_heartbeat_decode);
+Heartbeat heartbeat(Bytes payload) {
+  const auto w = decoded<mavlink_heartbeat_t, MAVLINK_MSG_ID_HEARTBEAT>(payload);
   return Heartbeat{w.custom_mode, w.type, w.autopilot, w.base_mode, w.system_status};
 }
 
-Message attitude(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_attitude_t>(m, mavlink_msg_attitude_decode);
+Attitude attitude(Bytes payload) {
+  const auto w = decoded<mavlink_attitude_t, MAVLINK_MSG_ID_ATTITUDE>(payload);
   return Attitude{w.time_boot_ms, w.roll, w.pitch, w.yaw, w.rollspeed, w.pitchspeed, w.yawspeed};
 }
 
-Message local_position_ned(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_local_position_ned_t>(m, mavlink_msg_local_position_ned_decode);
+LocalPositionNed local_position_ned(Bytes payload) {
+  const auto w = decoded<mavlink_local_position_ned_t, MAVLINK_MSG_ID_LOCAL_POSITION_NED>(payload);
   return LocalPositionNed{w.time_boot_ms, w.x, w.y, w.z, w.vx, w.vy, w.vz};
 }
 
-Message odometry(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_odometry_t>(m, mavlink_msg_odometry_decode);
+Odometry odometry(Bytes payload) {
+  const auto w = decoded<mavlink_odometry_t, MAVLINK_MSG_ID_ODOMETRY>(payload);
   return Odometry{w.time_usec,
                   w.x,
                   w.y,
@@ -58,25 +66,25 @@ Message odometry(const mavlink_message_t& m) {
                   w.quality};
 }
 
-Message gps_global_origin(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_gps_global_origin_t>(m, mavlink_msg_gps_global_origin_decode);
+GpsGlobalOrigin gps_global_origin(Bytes payload) {
+  const auto w = decoded<mavlink_gps_global_origin_t, MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN>(payload);
   return GpsGlobalOrigin{w.latitude, w.longitude, w.altitude, w.time_usec};
 }
 
-Message timesync(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_timesync_t>(m, mavlink_msg_timesync_decode);
-  const std::span payload(reinterpret_cast<const std::uint8_t*>(_MAV_PAYLOAD(&m)), m.len);
+Timesync timesync(Bytes payload) {
+  const auto w = decoded<mavlink_timesync_t, MAVLINK_MSG_ID_TIMESYNC>(payload);
   return Timesync{w.tc1, w.ts1, timesync_target(payload)};
 }
 
-Message global_position_int(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_global_position_int_t>(m, mavlink_msg_global_position_int_decode);
+GlobalPositionInt global_position_int(Bytes payload) {
+  const auto w =
+      decoded<mavlink_global_position_int_t, MAVLINK_MSG_ID_GLOBAL_POSITION_INT>(payload);
   return GlobalPositionInt{w.time_boot_ms, w.lat, w.lon, w.alt, w.relative_alt,
                            w.vx,           w.vy,  w.vz,  w.hdg};
 }
 
-Message follow_target(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_follow_target_t>(m, mavlink_msg_follow_target_decode);
+FollowTarget follow_target(Bytes payload) {
+  const auto w = decoded<mavlink_follow_target_t, MAVLINK_MSG_ID_FOLLOW_TARGET>(payload);
   using Vector = std::array<float, 3>;
   return FollowTarget{w.timestamp,
                       w.lat,
@@ -89,168 +97,183 @@ Message follow_target(const mavlink_message_t& m) {
                       w.est_capabilities};
 }
 
-Message system_time(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_system_time_t>(m, mavlink_msg_system_time_decode);
+SystemTime system_time(Bytes payload) {
+  const auto w = decoded<mavlink_system_time_t, MAVLINK_MSG_ID_SYSTEM_TIME>(payload);
   return SystemTime{w.time_unix_usec, w.time_boot_ms};
 }
 
-Message command_long(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_command_long_t>(m, mavlink_msg_command_long_decode);
+CommandLong command_long(Bytes payload) {
+  const auto w = decoded<mavlink_command_long_t, MAVLINK_MSG_ID_COMMAND_LONG>(payload);
   return CommandLong{w.command,
                      {w.param1, w.param2, w.param3, w.param4, w.param5, w.param6, w.param7},
                      {w.target_system, w.target_component},
                      w.confirmation};
 }
 
-Message command_int(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_command_int_t>(m, mavlink_msg_command_int_decode);
+CommandInt command_int(Bytes payload) {
+  const auto w = decoded<mavlink_command_int_t, MAVLINK_MSG_ID_COMMAND_INT>(payload);
   return CommandInt{w.command, {w.param1, w.param2, w.param3, w.param4}, w.x,    w.y,
                     w.z,       {w.target_system, w.target_component},    w.frame};
 }
 
-Message command_ack(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_command_ack_t>(m, mavlink_msg_command_ack_decode);
+CommandAck command_ack(Bytes payload) {
+  const auto w = decoded<mavlink_command_ack_t, MAVLINK_MSG_ID_COMMAND_ACK>(payload);
   return CommandAck{w.command, w.result, {w.target_system, w.target_component}};
 }
 
-Message set_mode(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_set_mode_t>(m, mavlink_msg_set_mode_decode);
+SetMode set_mode(Bytes payload) {
+  const auto w = decoded<mavlink_set_mode_t, MAVLINK_MSG_ID_SET_MODE>(payload);
   return SetMode{w.custom_mode, w.target_system, w.base_mode};
 }
 
-Message manual_control(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_manual_control_t>(m, mavlink_msg_manual_control_decode);
+ManualControl manual_control(Bytes payload) {
+  const auto w = decoded<mavlink_manual_control_t, MAVLINK_MSG_ID_MANUAL_CONTROL>(payload);
   return ManualControl{w.x, w.y, w.z, w.r, w.buttons, w.target};
 }
 
-Message ping(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_ping_t>(m, mavlink_msg_ping_decode);
+Ping ping(Bytes payload) {
+  const auto w = decoded<mavlink_ping_t, MAVLINK_MSG_ID_PING>(payload);
   return Ping{w.time_usec, w.seq, {w.target_system, w.target_component}};
 }
 
-Message param_request_list(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_param_request_list_t>(m, mavlink_msg_param_request_list_decode);
+ParamRequestList param_request_list(Bytes payload) {
+  const auto w = decoded<mavlink_param_request_list_t, MAVLINK_MSG_ID_PARAM_REQUEST_LIST>(payload);
   return ParamRequestList{{w.target_system, w.target_component}};
 }
 
-Message param_request_read(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_param_request_read_t>(m, mavlink_msg_param_request_read_decode);
+ParamRequestRead param_request_read(Bytes payload) {
+  const auto w = decoded<mavlink_param_request_read_t, MAVLINK_MSG_ID_PARAM_REQUEST_READ>(payload);
   return ParamRequestRead{
       w.param_index, {w.target_system, w.target_component}, copy_of<Text<16>>(w.param_id)};
 }
 
-Message param_set(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_param_set_t>(m, mavlink_msg_param_set_decode);
+ParamSet param_set(Bytes payload) {
+  const auto w = decoded<mavlink_param_set_t, MAVLINK_MSG_ID_PARAM_SET>(payload);
   return ParamSet{w.param_value,
                   {w.target_system, w.target_component},
                   copy_of<Text<16>>(w.param_id),
                   w.param_type};
 }
 
-Message mission_request_list(const mavlink_message_t& m) {
+MissionRequestList mission_request_list(Bytes payload) {
   const auto w =
-      decoded<mavlink_mission_request_list_t>(m, mavlink_msg_mission_request_list_decode);
+      decoded<mavlink_mission_request_list_t, MAVLINK_MSG_ID_MISSION_REQUEST_LIST>(payload);
   return MissionRequestList{{w.target_system, w.target_component}, w.mission_type};
 }
 
-Message mission_count(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_mission_count_t>(m, mavlink_msg_mission_count_decode);
+MissionCount mission_count(Bytes payload) {
+  const auto w = decoded<mavlink_mission_count_t, MAVLINK_MSG_ID_MISSION_COUNT>(payload);
   return MissionCount{w.count, {w.target_system, w.target_component}, w.mission_type};
 }
 
-Message mission_clear_all(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_mission_clear_all_t>(m, mavlink_msg_mission_clear_all_decode);
+MissionClearAll mission_clear_all(Bytes payload) {
+  const auto w = decoded<mavlink_mission_clear_all_t, MAVLINK_MSG_ID_MISSION_CLEAR_ALL>(payload);
   return MissionClearAll{{w.target_system, w.target_component}, w.mission_type};
 }
 
-Message file_transfer_protocol(const mavlink_message_t& m) {
+FileTransferProtocol file_transfer_protocol(Bytes payload) {
   const auto w =
-      decoded<mavlink_file_transfer_protocol_t>(m, mavlink_msg_file_transfer_protocol_decode);
+      decoded<mavlink_file_transfer_protocol_t, MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL>(payload);
   return FileTransferProtocol{{w.target_system, w.target_component},
                               copy_of<std::array<std::uint8_t, 251>>(w.payload)};
 }
 
-Message radio_status(const mavlink_message_t& m) {
-  return RadioStatus{mavlink_msg_radio_status_get_txbuf(&m)};
+RadioStatus radio_status(Bytes payload) {
+  return RadioStatus{decoded<mavlink_radio_status_t, MAVLINK_MSG_ID_RADIO_STATUS>(payload).txbuf};
 }
 
-Message statustext(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_statustext_t>(m, mavlink_msg_statustext_decode);
+Statustext statustext(Bytes payload) {
+  const auto w = decoded<mavlink_statustext_t, MAVLINK_MSG_ID_STATUSTEXT>(payload);
   return Statustext{w.severity, copy_of<Text<50>>(w.text), w.id, w.chunk_seq};
 }
 
-Message named_value_float(const mavlink_message_t& m) {
-  const auto w = decoded<mavlink_named_value_float_t>(m, mavlink_msg_named_value_float_decode);
+NamedValueFloat named_value_float(Bytes payload) {
+  const auto w = decoded<mavlink_named_value_float_t, MAVLINK_MSG_ID_NAMED_VALUE_FLOAT>(payload);
   return NamedValueFloat{w.time_boot_ms, w.value, copy_of<Text<10>>(w.name)};
-}
-
-Message read_message(const mavlink_message_t& m) {
-  switch (m.msgid) {
-    case MAVLINK_MSG_ID_HEARTBEAT:
-      return heartbeat(m);
-    case MAVLINK_MSG_ID_ATTITUDE:
-      return attitude(m);
-    case MAVLINK_MSG_ID_LOCAL_POSITION_NED:
-      return local_position_ned(m);
-    case MAVLINK_MSG_ID_ODOMETRY:
-      return odometry(m);
-    case MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN:
-      return gps_global_origin(m);
-    case MAVLINK_MSG_ID_TIMESYNC:
-      return timesync(m);
-    case MAVLINK_MSG_ID_GLOBAL_POSITION_INT:
-      return global_position_int(m);
-    case MAVLINK_MSG_ID_FOLLOW_TARGET:
-      return follow_target(m);
-    case MAVLINK_MSG_ID_SYSTEM_TIME:
-      return system_time(m);
-    case MAVLINK_MSG_ID_COMMAND_LONG:
-      return command_long(m);
-    case MAVLINK_MSG_ID_COMMAND_INT:
-      return command_int(m);
-    case MAVLINK_MSG_ID_COMMAND_ACK:
-      return command_ack(m);
-    case MAVLINK_MSG_ID_SET_MODE:
-      return set_mode(m);
-    case MAVLINK_MSG_ID_MANUAL_CONTROL:
-      return manual_control(m);
-    case MAVLINK_MSG_ID_PING:
-      return ping(m);
-    case MAVLINK_MSG_ID_PARAM_REQUEST_LIST:
-      return param_request_list(m);
-    case MAVLINK_MSG_ID_PARAM_REQUEST_READ:
-      return param_request_read(m);
-    case MAVLINK_MSG_ID_PARAM_SET:
-      return param_set(m);
-    case MAVLINK_MSG_ID_MISSION_REQUEST_LIST:
-      return mission_request_list(m);
-    case MAVLINK_MSG_ID_MISSION_COUNT:
-      return mission_count(m);
-    case MAVLINK_MSG_ID_MISSION_CLEAR_ALL:
-      return mission_clear_all(m);
-    case MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
-      return file_transfer_protocol(m);
-    case MAVLINK_MSG_ID_RADIO_STATUS:
-      return radio_status(m);
-    case MAVLINK_MSG_ID_STATUSTEXT:
-      return statustext(m);
-    case MAVLINK_MSG_ID_NAMED_VALUE_FLOAT:
-      return named_value_float(m);
-    default:
-      return std::monostate{};
-  }
 }
 
 }  // namespace
 
-Message read_payload(std::span<const std::uint8_t> payload, std::uint32_t id) {
-  mavlink_message_t m;  // the payload alone matters to the generated decoders
-  m.msgid = id & 0xFFFFFFU;
-  m.len = static_cast<std::uint8_t>(payload.size());
-  auto* bytes = _MAV_PAYLOAD_NON_CONST(&m);
-  std::memcpy(bytes, payload.data(), payload.size());
-  std::memset(bytes + payload.size(), 0, MAVLINK_MAX_PAYLOAD_LEN - payload.size());
-  return read_message(m);
+void read_payload(Bytes payload, std::uint32_t id, Message& out) {
+  switch (id) {
+    case MAVLINK_MSG_ID_HEARTBEAT:
+      out = heartbeat(payload);
+      return;
+    case MAVLINK_MSG_ID_ATTITUDE:
+      out = attitude(payload);
+      return;
+    case MAVLINK_MSG_ID_LOCAL_POSITION_NED:
+      out = local_position_ned(payload);
+      return;
+    case MAVLINK_MSG_ID_ODOMETRY:
+      out = odometry(payload);
+      return;
+    case MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN:
+      out = gps_global_origin(payload);
+      return;
+    case MAVLINK_MSG_ID_TIMESYNC:
+      out = timesync(payload);
+      return;
+    case MAVLINK_MSG_ID_GLOBAL_POSITION_INT:
+      out = global_position_int(payload);
+      return;
+    case MAVLINK_MSG_ID_FOLLOW_TARGET:
+      out = follow_target(payload);
+      return;
+    case MAVLINK_MSG_ID_SYSTEM_TIME:
+      out = system_time(payload);
+      return;
+    case MAVLINK_MSG_ID_COMMAND_LONG:
+      out = command_long(payload);
+      return;
+    case MAVLINK_MSG_ID_COMMAND_INT:
+      out = command_int(payload);
+      return;
+    case MAVLINK_MSG_ID_COMMAND_ACK:
+      out = command_ack(payload);
+      return;
+    case MAVLINK_MSG_ID_SET_MODE:
+      out = set_mode(payload);
+      return;
+    case MAVLINK_MSG_ID_MANUAL_CONTROL:
+      out = manual_control(payload);
+      return;
+    case MAVLINK_MSG_ID_PING:
+      out = ping(payload);
+      return;
+    case MAVLINK_MSG_ID_PARAM_REQUEST_LIST:
+      out = param_request_list(payload);
+      return;
+    case MAVLINK_MSG_ID_PARAM_REQUEST_READ:
+      out = param_request_read(payload);
+      return;
+    case MAVLINK_MSG_ID_PARAM_SET:
+      out = param_set(payload);
+      return;
+    case MAVLINK_MSG_ID_MISSION_REQUEST_LIST:
+      out = mission_request_list(payload);
+      return;
+    case MAVLINK_MSG_ID_MISSION_COUNT:
+      out = mission_count(payload);
+      return;
+    case MAVLINK_MSG_ID_MISSION_CLEAR_ALL:
+      out = mission_clear_all(payload);
+      return;
+    case MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
+      out = file_transfer_protocol(payload);
+      return;
+    case MAVLINK_MSG_ID_RADIO_STATUS:
+      out = radio_status(payload);
+      return;
+    case MAVLINK_MSG_ID_STATUSTEXT:
+      out = statustext(payload);
+      return;
+    case MAVLINK_MSG_ID_NAMED_VALUE_FLOAT:
+      out = named_value_float(payload);
+      return;
+    default:
+      out = std::monostate{};
+  }
 }
 
 Address timesync_target(std::span<const std::uint8_t> payload) {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Messages to MAVLink 2 frames, by the generated entry points that keep their state in `status`.
+// Messages to MAVLink 2 frames. The generated structs say where each field lies; frames are put
+// together here, for the generated code copies every payload thrice and goes bit by bit over it.
 // Fields that our structs lack are zero, or what the protocol calls unknown.
 #pragma once
 
-#include <flotilla/mavlink.h>
-
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 
+#include "link/mavlink_entries.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::link {
@@ -18,67 +21,73 @@ void copy(T (&field)[kCount], const std::array<T, kCount>& from) {
   std::copy(from.begin(), from.end(), field);
 }
 
-/// Writes a message into `m`, as a visitor of link::Message.
+/// Writes a message as a frame, as a visitor of link::Message; each returns the frame's length,
+/// without the signature block, or 0 where `out` is too short for both.
 struct MavlinkWriter {
   Address self;
-  mavlink_status_t& status;
-  mavlink_message_t& m;
+  std::uint8_t sequence;
+  bool is_signed;
+  std::span<std::uint8_t> out;
 
-  template <class Wire, class Encode>
-  void put(Encode encode, const Wire& wire) const {
-    encode(self.system, self.component, &status, &m, &wire);
+  template <std::uint32_t kId, class Wire>
+  std::size_t put(const Wire& wire) const {
+    return frame(kId, mavlink_entry(kId)->crc_extra,
+                 {reinterpret_cast<const std::uint8_t*>(&wire), mavlink_size<kId, Wire>()});
   }
 
-  void operator()(std::monostate) const {}
+  std::size_t frame(std::uint32_t id, std::uint8_t crc_extra,
+                    std::span<const std::uint8_t> payload) const;
+
+  std::size_t operator()(std::monostate) const { return 0; }
 
   // mavlink_write_state.cpp
-  void operator()(const Heartbeat& x) const;
-  void operator()(const Attitude& x) const;
-  void operator()(const LocalPositionNed& x) const;
-  void operator()(const Odometry& x) const;
-  void operator()(const GpsGlobalOrigin& x) const;
-  void operator()(const Timesync& x) const;
-  void operator()(const GlobalPositionInt& x) const;
-  void operator()(const FollowTarget& x) const;
-  void operator()(const SystemTime& x) const;
-  void operator()(const HomePosition& x) const;
-  void operator()(const NavControllerOutput& x) const;
-  void operator()(const PositionTargetLocalNed& x) const;
-  void operator()(const ExtendedSysState& x) const;
+  std::size_t operator()(const Heartbeat& x) const;
+  std::size_t operator()(const Attitude& x) const;
+  std::size_t operator()(const LocalPositionNed& x) const;
+  std::size_t operator()(const Odometry& x) const;
+  std::size_t operator()(const GpsGlobalOrigin& x) const;
+  std::size_t operator()(const Timesync& x) const;
+  std::size_t operator()(const GlobalPositionInt& x) const;
+  std::size_t operator()(const FollowTarget& x) const;
+  std::size_t operator()(const SystemTime& x) const;
+  std::size_t operator()(const HomePosition& x) const;
+  std::size_t operator()(const NavControllerOutput& x) const;
+  std::size_t operator()(const PositionTargetLocalNed& x) const;
+  std::size_t operator()(const ExtendedSysState& x) const;
 
   // mavlink_write_requests.cpp
-  void operator()(const CommandLong& x) const;
-  void operator()(const CommandInt& x) const;
-  void operator()(const CommandAck& x) const;
-  void operator()(const SetMode& x) const;
-  void operator()(const ManualControl& x) const;
-  void operator()(const Ping& x) const;
-  void operator()(const MessageInterval& x) const;
-  void operator()(const ParamRequestList& x) const;
-  void operator()(const ParamRequestRead& x) const;
-  void operator()(const ParamSet& x) const;
-  void operator()(const ParamValue& x) const;
-  void operator()(const ParamError& x) const;
-  void operator()(const MissionRequestList& x) const;
-  void operator()(const MissionCount& x) const;
-  void operator()(const MissionClearAll& x) const;
-  void operator()(const MissionAck& x) const;
-  void operator()(const FileTransferProtocol& x) const;
+  std::size_t operator()(const CommandLong& x) const;
+  std::size_t operator()(const CommandInt& x) const;
+  std::size_t operator()(const CommandAck& x) const;
+  std::size_t operator()(const SetMode& x) const;
+  std::size_t operator()(const ManualControl& x) const;
+  std::size_t operator()(const Ping& x) const;
+  std::size_t operator()(const MessageInterval& x) const;
+  std::size_t operator()(const ParamRequestList& x) const;
+  std::size_t operator()(const ParamRequestRead& x) const;
+  std::size_t operator()(const ParamSet& x) const;
+  std::size_t operator()(const ParamValue& x) const;
+  std::size_t operator()(const ParamError& x) const;
+  std::size_t operator()(const MissionRequestList& x) const;
+  std::size_t operator()(const MissionCount& x) const;
+  std::size_t operator()(const MissionClearAll& x) const;
+  std::size_t operator()(const MissionAck& x) const;
+  std::size_t operator()(const FileTransferProtocol& x) const;
 
   // mavlink_write_health.cpp
-  void operator()(const RadioStatus& x) const;
-  void operator()(const Statustext& x) const;
-  void operator()(const NamedValueFloat& x) const;
-  void operator()(const SysStatus& x) const;
-  void operator()(const AutopilotVersion& x) const;
-  void operator()(const ProtocolVersion& x) const;
-  void operator()(const ComponentInformationBasic& x) const;
-  void operator()(const ComponentMetadata& x) const;
-  void operator()(const AvailableModes& x) const;
-  void operator()(const CurrentMode& x) const;
-  void operator()(const MavEscInfo& x) const;
-  void operator()(const MavEscStatus& x) const;
-  void operator()(const BatteryStatus& x) const;
+  std::size_t operator()(const RadioStatus& x) const;
+  std::size_t operator()(const Statustext& x) const;
+  std::size_t operator()(const NamedValueFloat& x) const;
+  std::size_t operator()(const SysStatus& x) const;
+  std::size_t operator()(const AutopilotVersion& x) const;
+  std::size_t operator()(const ProtocolVersion& x) const;
+  std::size_t operator()(const ComponentInformationBasic& x) const;
+  std::size_t operator()(const ComponentMetadata& x) const;
+  std::size_t operator()(const AvailableModes& x) const;
+  std::size_t operator()(const CurrentMode& x) const;
+  std::size_t operator()(const MavEscInfo& x) const;
+  std::size_t operator()(const MavEscStatus& x) const;
+  std::size_t operator()(const BatteryStatus& x) const;
 };
 
 }  // namespace flotilla::link

@@ -12,31 +12,31 @@ constexpr std::uint8_t kUnknownStrength = 255;
 
 }  // namespace
 
-void MavlinkWriter::operator()(const RadioStatus& x) const {
+std::size_t MavlinkWriter::operator()(const RadioStatus& x) const {
   mavlink_radio_status_t w{};
   w.rssi = w.remrssi = w.noise = w.remnoise = kUnknownStrength;
   w.txbuf = x.txbuf;
-  put(mavlink_msg_radio_status_encode_status, w);
+  return put<MAVLINK_MSG_ID_RADIO_STATUS>(w);
 }
 
-void MavlinkWriter::operator()(const Statustext& x) const {
+std::size_t MavlinkWriter::operator()(const Statustext& x) const {
   mavlink_statustext_t w{};
   w.severity = x.severity;
   copy(w.text, x.text);
   w.id = x.id;
   w.chunk_seq = x.chunk_seq;
-  put(mavlink_msg_statustext_encode_status, w);
+  return put<MAVLINK_MSG_ID_STATUSTEXT>(w);
 }
 
-void MavlinkWriter::operator()(const NamedValueFloat& x) const {
+std::size_t MavlinkWriter::operator()(const NamedValueFloat& x) const {
   mavlink_named_value_float_t w{};
   w.time_boot_ms = x.time_boot_ms;
   w.value = x.value;
   copy(w.name, x.name);
-  put(mavlink_msg_named_value_float_encode_status, w);
+  return put<MAVLINK_MSG_ID_NAMED_VALUE_FLOAT>(w);
 }
 
-void MavlinkWriter::operator()(const SysStatus& x) const {
+std::size_t MavlinkWriter::operator()(const SysStatus& x) const {
   mavlink_sys_status_t w{};
   w.onboard_control_sensors_present = x.sensors_present;
   w.onboard_control_sensors_enabled = x.sensors_enabled;
@@ -45,45 +45,45 @@ void MavlinkWriter::operator()(const SysStatus& x) const {
   w.voltage_battery = x.voltage_battery;
   w.current_battery = x.current_battery;
   w.battery_remaining = x.battery_remaining;
-  put(mavlink_msg_sys_status_encode_status, w);
+  return put<MAVLINK_MSG_ID_SYS_STATUS>(w);
 }
 
-void MavlinkWriter::operator()(const AutopilotVersion& x) const {
+std::size_t MavlinkWriter::operator()(const AutopilotVersion& x) const {
   mavlink_autopilot_version_t w{};
   w.capabilities = x.capabilities;
   w.uid = x.uid;
   w.flight_sw_version = x.flight_sw_version;
   copy(w.flight_custom_version, x.flight_custom_version);
-  put(mavlink_msg_autopilot_version_encode_status, w);
+  return put<MAVLINK_MSG_ID_AUTOPILOT_VERSION>(w);
 }
 
-void MavlinkWriter::operator()(const ProtocolVersion& x) const {
+std::size_t MavlinkWriter::operator()(const ProtocolVersion& x) const {
   mavlink_protocol_version_t w{};
   w.version = x.version;
   w.min_version = x.min_version;
   w.max_version = x.max_version;
-  put(mavlink_msg_protocol_version_encode_status, w);
+  return put<MAVLINK_MSG_ID_PROTOCOL_VERSION>(w);
 }
 
-void MavlinkWriter::operator()(const ComponentInformationBasic& x) const {
+std::size_t MavlinkWriter::operator()(const ComponentInformationBasic& x) const {
   mavlink_component_information_basic_t w{};
   w.capabilities = x.capabilities;
   w.time_boot_ms = x.time_boot_ms;
   copy(w.vendor_name, x.vendor_name);
   copy(w.model_name, x.model_name);
   copy(w.software_version, x.software_version);
-  put(mavlink_msg_component_information_basic_encode_status, w);
+  return put<MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC>(w);
 }
 
-void MavlinkWriter::operator()(const ComponentMetadata& x) const {
+std::size_t MavlinkWriter::operator()(const ComponentMetadata& x) const {
   mavlink_component_metadata_t w{};
   w.time_boot_ms = x.time_boot_ms;
   w.file_crc = x.file_crc;
   copy(w.uri, x.uri);
-  put(mavlink_msg_component_metadata_encode_status, w);
+  return put<MAVLINK_MSG_ID_COMPONENT_METADATA>(w);
 }
 
-void MavlinkWriter::operator()(const AvailableModes& x) const {
+std::size_t MavlinkWriter::operator()(const AvailableModes& x) const {
   mavlink_available_modes_t w{};
   w.custom_mode = x.custom_mode;
   w.properties = x.properties;
@@ -91,15 +91,15 @@ void MavlinkWriter::operator()(const AvailableModes& x) const {
   w.mode_index = x.mode_index;
   w.standard_mode = x.standard_mode;
   copy(w.mode_name, x.mode_name);
-  put(mavlink_msg_available_modes_encode_status, w);
+  return put<MAVLINK_MSG_ID_AVAILABLE_MODES>(w);
 }
 
-void MavlinkWriter::operator()(const CurrentMode& x) const {
-  put(mavlink_msg_current_mode_encode_status,
+std::size_t MavlinkWriter::operator()(const CurrentMode& x) const {
+  return put<MAVLINK_MSG_ID_CURRENT_MODE>(
       mavlink_current_mode_t{x.custom_mode, x.intended_custom_mode, x.standard_mode});
 }
 
-void MavlinkWriter::operator()(const MavEscInfo& x) const {
+std::size_t MavlinkWriter::operator()(const MavEscInfo& x) const {
   mavlink_esc_info_t w{};
   w.time_usec = x.time_usec;
   copy(w.error_count, x.error_count);
@@ -109,20 +109,20 @@ void MavlinkWriter::operator()(const MavEscInfo& x) const {
   w.count = x.count;
   w.connection_type = x.connection_type;
   w.info = x.info;
-  put(mavlink_msg_esc_info_encode_status, w);
+  return put<MAVLINK_MSG_ID_ESC_INFO>(w);
 }
 
-void MavlinkWriter::operator()(const MavEscStatus& x) const {
+std::size_t MavlinkWriter::operator()(const MavEscStatus& x) const {
   mavlink_esc_status_t w{};
   w.time_usec = x.time_usec;
   copy(w.rpm, x.rpm);
   copy(w.voltage, x.voltage);
   copy(w.current, x.current);
   w.index = x.index;
-  put(mavlink_msg_esc_status_encode_status, w);
+  return put<MAVLINK_MSG_ID_ESC_STATUS>(w);
 }
 
-void MavlinkWriter::operator()(const BatteryStatus& x) const {
+std::size_t MavlinkWriter::operator()(const BatteryStatus& x) const {
   mavlink_battery_status_t w{};
   w.current_consumed = -1;
   w.energy_consumed = -1;
@@ -131,7 +131,7 @@ void MavlinkWriter::operator()(const BatteryStatus& x) const {
   w.voltages[0] = x.voltage_mV;                      // of all of them
   w.current_battery = x.current_cA;
   w.battery_remaining = -1;
-  put(mavlink_msg_battery_status_encode_status, w);
+  return put<MAVLINK_MSG_ID_BATTERY_STATUS>(w);
 }
 
 }  // namespace flotilla::link

@@ -12,7 +12,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
-void MavlinkWriter::operator()(const Heartbeat& x) const {
+std::size_t MavlinkWriter::operator()(const Heartbeat& x) const {
   mavlink_heartbeat_t w{};
   w.custom_mode = x.custom_mode;
   w.type = x.type;
@@ -20,21 +20,20 @@ void MavlinkWriter::operator()(const Heartbeat& x) const {
   w.base_mode = x.base_mode;
   w.system_status = x.system_status;
   w.mavlink_version = 3;
-  put(mavlink_msg_heartbeat_encode_status, w);
+  return put<MAVLINK_MSG_ID_HEARTBEAT>(w);
 }
 
-void MavlinkWriter::operator()(const Attitude& x) const {
-  put(mavlink_msg_attitude_encode_status,
-      mavlink_attitude_t{x.time_boot_ms, x.roll, x.pitch, x.yaw, x.rollspeed, x.pitchspeed,
-                         x.yawspeed});
+std::size_t MavlinkWriter::operator()(const Attitude& x) const {
+  return put<MAVLINK_MSG_ID_ATTITUDE>(mavlink_attitude_t{x.time_boot_ms, x.roll, x.pitch, x.yaw,
+                                                         x.rollspeed, x.pitchspeed, x.yawspeed});
 }
 
-void MavlinkWriter::operator()(const LocalPositionNed& x) const {
-  put(mavlink_msg_local_position_ned_encode_status,
+std::size_t MavlinkWriter::operator()(const LocalPositionNed& x) const {
+  return put<MAVLINK_MSG_ID_LOCAL_POSITION_NED>(
       mavlink_local_position_ned_t{x.time_boot_ms, x.x, x.y, x.z, x.vx, x.vy, x.vz});
 }
 
-void MavlinkWriter::operator()(const Odometry& x) const {
+std::size_t MavlinkWriter::operator()(const Odometry& x) const {
   mavlink_odometry_t w{};
   w.time_usec = x.time_usec;
   w.x = x.x, w.y = x.y, w.z = x.z;
@@ -48,43 +47,34 @@ void MavlinkWriter::operator()(const Odometry& x) const {
   w.reset_counter = x.reset_counter;
   w.quality = x.quality;
   w.estimator_type = MAV_ESTIMATOR_TYPE_AUTOPILOT;
-  put(mavlink_msg_odometry_encode_status, w);
+  return put<MAVLINK_MSG_ID_ODOMETRY>(w);
 }
 
-void MavlinkWriter::operator()(const GpsGlobalOrigin& x) const {
+std::size_t MavlinkWriter::operator()(const GpsGlobalOrigin& x) const {
   mavlink_gps_global_origin_t w{};
   w.latitude = x.latitude;
   w.longitude = x.longitude;
   w.altitude = x.altitude;
   w.time_usec = x.time_usec;
-  put(mavlink_msg_gps_global_origin_encode_status, w);
+  return put<MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN>(w);
 }
 
-void MavlinkWriter::operator()(const Timesync& x) const {
+std::size_t MavlinkWriter::operator()(const Timesync& x) const {
   const mavlink_timesync_t w{x.tc1, x.ts1};
-  if (x.target == Address{}) {
-    put(mavlink_msg_timesync_encode_status, w);
-    return;
-  }
   // the target's two bytes came later than the generated code
-  constexpr std::uint8_t kBytes = MAVLINK_MSG_ID_TIMESYNC_LEN + 2;
-  auto* payload = _MAV_PAYLOAD_NON_CONST(&m);
-  std::memcpy(payload, &w, MAVLINK_MSG_ID_TIMESYNC_LEN);
-  std::memcpy(payload + MAVLINK_MSG_ID_TIMESYNC_LEN, &x.target.system, 1);
-  std::memcpy(payload + MAVLINK_MSG_ID_TIMESYNC_LEN + 1, &x.target.component, 1);
-  m.msgid = MAVLINK_MSG_ID_TIMESYNC;
-  mavlink_finalize_message_buffer(&m, self.system, self.component, &status,
-                                  MAVLINK_MSG_ID_TIMESYNC_MIN_LEN, kBytes,
-                                  MAVLINK_MSG_ID_TIMESYNC_CRC);
+  std::array<std::uint8_t, sizeof w + 2> payload{};
+  std::memcpy(payload.data(), &w, sizeof w);
+  payload[sizeof w] = x.target.system;
+  payload[sizeof w + 1] = x.target.component;
+  return frame(MAVLINK_MSG_ID_TIMESYNC, MAVLINK_MSG_ID_TIMESYNC_CRC, payload);
 }
 
-void MavlinkWriter::operator()(const GlobalPositionInt& x) const {
-  put(mavlink_msg_global_position_int_encode_status,
-      mavlink_global_position_int_t{x.time_boot_ms, x.lat, x.lon, x.alt, x.relative_alt, x.vx, x.vy,
-                                    x.vz, x.hdg});
+std::size_t MavlinkWriter::operator()(const GlobalPositionInt& x) const {
+  return put<MAVLINK_MSG_ID_GLOBAL_POSITION_INT>(mavlink_global_position_int_t{
+      x.time_boot_ms, x.lat, x.lon, x.alt, x.relative_alt, x.vx, x.vy, x.vz, x.hdg});
 }
 
-void MavlinkWriter::operator()(const FollowTarget& x) const {
+std::size_t MavlinkWriter::operator()(const FollowTarget& x) const {
   mavlink_follow_target_t w{};
   w.timestamp = x.timestamp;
   w.lat = x.lat;
@@ -95,15 +85,14 @@ void MavlinkWriter::operator()(const FollowTarget& x) const {
   copy(w.attitude_q, x.q);
   copy(w.rates, x.rates);
   w.est_capabilities = x.est_capabilities;
-  put(mavlink_msg_follow_target_encode_status, w);
+  return put<MAVLINK_MSG_ID_FOLLOW_TARGET>(w);
 }
 
-void MavlinkWriter::operator()(const SystemTime& x) const {
-  put(mavlink_msg_system_time_encode_status,
-      mavlink_system_time_t{x.time_unix_usec, x.time_boot_ms});
+std::size_t MavlinkWriter::operator()(const SystemTime& x) const {
+  return put<MAVLINK_MSG_ID_SYSTEM_TIME>(mavlink_system_time_t{x.time_unix_usec, x.time_boot_ms});
 }
 
-void MavlinkWriter::operator()(const HomePosition& x) const {
+std::size_t MavlinkWriter::operator()(const HomePosition& x) const {
   mavlink_home_position_t w{};
   w.latitude = x.latitude;
   w.longitude = x.longitude;
@@ -112,19 +101,19 @@ void MavlinkWriter::operator()(const HomePosition& x) const {
   static_assert(sizeof w.q == sizeof x.q);
   std::memcpy(w.q, x.q.data(), sizeof w.q);  // packed: nothing may refer to it
   w.time_usec = x.time_usec;
-  put(mavlink_msg_home_position_encode_status, w);
+  return put<MAVLINK_MSG_ID_HOME_POSITION>(w);
 }
 
-void MavlinkWriter::operator()(const NavControllerOutput& x) const {
+std::size_t MavlinkWriter::operator()(const NavControllerOutput& x) const {
   mavlink_nav_controller_output_t w{};
   w.xtrack_error = x.xtrack_error;
   w.nav_bearing = x.nav_bearing;
   w.target_bearing = x.target_bearing;
   w.wp_dist = x.wp_dist;
-  put(mavlink_msg_nav_controller_output_encode_status, w);
+  return put<MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT>(w);
 }
 
-void MavlinkWriter::operator()(const PositionTargetLocalNed& x) const {
+std::size_t MavlinkWriter::operator()(const PositionTargetLocalNed& x) const {
   mavlink_position_target_local_ned_t w{};
   w.time_boot_ms = x.time_boot_ms;
   w.x = x.x, w.y = x.y, w.z = x.z;
@@ -132,11 +121,11 @@ void MavlinkWriter::operator()(const PositionTargetLocalNed& x) const {
   w.yaw = x.yaw, w.yaw_rate = x.yaw_rate;
   w.type_mask = x.type_mask;
   w.coordinate_frame = x.coordinate_frame;
-  put(mavlink_msg_position_target_local_ned_encode_status, w);
+  return put<MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED>(w);
 }
 
-void MavlinkWriter::operator()(const ExtendedSysState& x) const {
-  put(mavlink_msg_extended_sys_state_encode_status,
+std::size_t MavlinkWriter::operator()(const ExtendedSysState& x) const {
+  return put<MAVLINK_MSG_ID_EXTENDED_SYS_STATE>(
       mavlink_extended_sys_state_t{x.vtol_state, x.landed_state});
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -40,7 +41,7 @@ class NodeIdServer {
   std::uint8_t node_for(const UniqueId& unique_id, std::uint8_t preferred);
   bool is_free(unsigned node) const;
 
-  std::array<bool, 128> occupied_{};
+  std::bitset<128> occupied_{};
   std::array<Entry, 32> table_{};
   std::size_t count_ = 0;
   UniqueId heard_{};

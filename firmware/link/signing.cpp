@@ -53,7 +53,8 @@ std::uint64_t signing_time(std::int64_t unix_us) {
 void Signing::start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored) {
   key_ = key;
   has_key_ = true;
-  stream_count_ = 0;
+  streams_.clear();
+  streams_.reserve(kStreams);
   timestamp_ = std::min(stored, kLatest);
   set_clock(clock);
   // A clock that comes up a little behind, as without a battery, must not make old messages new.
@@ -66,11 +67,10 @@ void Signing::set_clock(std::uint64_t now) {
 }
 
 Signing::Stream* Signing::find(Address from, std::uint8_t link_id) {
-  const auto streams = std::span(streams_).first(stream_count_);
-  const auto it = std::find_if(streams.begin(), streams.end(), [&](const Stream& s) {
+  const auto it = std::find_if(streams_.begin(), streams_.end(), [&](const Stream& s) {
     return s.from == from && s.link_id == link_id;
   });
-  return it == streams.end() ? nullptr : &*it;
+  return it == streams_.end() ? nullptr : &*it;
 }
 
 SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
@@ -91,8 +91,8 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
     if (timestamp <= stream->timestamp) return kReplayed;
   } else {
     if (timestamp + kMinute < std::max(clock_, floor_)) return kStale;
-    if (stream_count_ == kStreams) return kNoRoom;
-    stream = &streams_[stream_count_++];
+    if (streams_.size() == kStreams) return kNoRoom;
+    stream = &streams_.emplace_back();
   }
   *stream = {from, link_id, timestamp};
   return kGood;

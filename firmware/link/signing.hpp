@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "link/messages.hpp"
 
@@ -38,7 +39,7 @@ class Signing {
   static constexpr std::size_t kStreams = 255;
 
   /// clock: as for set_clock(); stored: the last timestamp() of an earlier run, or 0. Forgets all
-  /// streams.
+  /// streams, and makes room for new ones.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
@@ -70,8 +71,7 @@ class Signing {
   std::uint64_t clock_ = 0;      // the host's
   std::uint64_t timestamp_ = 0;  // of what was sent last
   std::uint64_t floor_ = 0;      // the clock has been there before
-  std::array<Stream, kStreams> streams_{};
-  std::size_t stream_count_ = 0;
+  std::vector<Stream> streams_;  // its room is made with the key: most boats have none
 };
 
 }  // namespace flotilla::link

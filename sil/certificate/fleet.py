@@ -6,13 +6,13 @@ from collections.abc import Mapping
 import flotilla
 import numpy as np
 
+from sil.agents import parameters_of
 from sil.bodies import hulls_of
 from sil.certificate.loop import Boat
 from sil.certificate.reference import Reference
 from sil.certificate.slots import SlotMotion, slot_motion
 from sil.plant.hull import HullParameters
 from sil.scenario import Scenario
-from sil.world import parameters_of
 
 _NOT_OF_THE_LOOP = ("MAV_SYSID", "FORM_LEADER")
 _ALIKE = 1e-4  # rad, m/s, rad/s
@@ -22,8 +22,7 @@ def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str
     """All parameters of every boat's firmware; ValueError for one that it refuses."""
     defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
     every = []
-    for agent in range(1, len(scenario.boat) + 1):
-        own = parameters_of(scenario, agent, overrides)
+    for own in parameters_of(scenario, overrides):
         flotilla.Helm(own)
         every.append({**defaults, **own})
     return every

@@ -12,10 +12,11 @@ Sources: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd 
 Faltinsen, Sea Loads on Ships and Offshore Structures, chapters 3 and 5.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
+import numpy.typing as npt
 from numba import njit
 
 from sil.plant.hull import Array
@@ -53,11 +54,12 @@ def jonswap(omega: Array, height_m: float, period_s: float, peakedness: float) -
     return np.asarray(moskowitz * peakedness**enhanced)
 
 
-class Waves:
-    """The waves' force on n boats, of `components` sinusoids whose phases `rng` draws.
+class Sea:
+    """Waves of `components` sinusoids whose phases `rng` draws.
 
     `height_m` is the significant height: the variance of ζ is height²/16 exactly. `period_s` is
-    the peak's, `course_rad` where the waves travel to, clockwise from north.
+    the peak's, `course_rad` where the waves travel to, clockwise from north. `waves` (components,
+    4): ω, k, a, ε of each.
     """
 
     def __init__(
@@ -68,7 +70,6 @@ class Waves:
         course_rad: float,
         peakedness: float,
         components: int,
-        bodies: Iterable[WaveBody],
         rng: np.random.Generator,
     ) -> None:
         peak = 2.0 * np.pi / period_s
@@ -79,26 +80,59 @@ class Waves:
         energy = jonswap(omega, height_m, period_s, peakedness) * width
         amplitude = np.sqrt(energy / energy.sum() * height_m**2 / 8.0)
         phase = rng.uniform(0.0, 2.0 * np.pi, components)
-        self._waves = np.stack([omega, omega**2 / GRAVITY_MPS2, amplitude, phase], axis=-1)
-        self._course_rad = course_rad
-        self._bodies = np.array([astuple(body) for body in bodies])
+        self.waves: Array = np.stack([omega, omega**2 / GRAVITY_MPS2, amplitude, phase], axis=-1)
+        self.course_rad = course_rad
 
     def elevation_m(self, t_s: float, x_m: float, y_m: float) -> float:
         """Height of the surface over still water at a time and place (north, east)."""
-        omega, k, amplitude, phase = self._waves.T
-        way = x_m * np.cos(self._course_rad) + y_m * np.sin(self._course_rad)
+        omega, k, amplitude, phase = self.waves.T
+        way = x_m * np.cos(self.course_rad) + y_m * np.sin(self.course_rad)
         return float(np.sum(amplitude * np.cos(omega * t_s - k * way + phase)))
 
-    def step(self, t_s: float, eta: Array, _nu: Array, _h_s: float, /) -> Array:
-        """The force (n, 3) on boats at eta (n, 3) at `t_s`."""
-        w = np.zeros_like(eta)
-        _push(t_s, eta, self._waves, self._course_rad, self._bodies, w)
-        return w
+
+class Waves:
+    """The waves' force on N boats of each of R runs: `seas` (R), None where it is calm.
+
+    `bodies` (R, N).
+    """
+
+    def __init__(self, seas: Sequence[Sea | None], bodies: Sequence[Sequence[WaveBody]]) -> None:
+        self._counts = np.array([len(sea.waves) if sea else 0 for sea in seas])
+        self._waves = np.zeros((len(seas), self._counts.max(), 4))
+        self._course_rad = np.zeros(len(seas))
+        for run, sea in enumerate(seas):
+            if sea is not None:
+                self._waves[run, : len(sea.waves)] = sea.waves
+                self._course_rad[run] = sea.course_rad
+        self._bodies = np.array([[astuple(body) for body in run] for run in bodies])
+
+    def push(self, t_s: float, eta: Array, _nu: Array, _h_s: float, w: Array, /) -> None:
+        """Add the force on boats at eta at `t_s` to w; both (R, N, 3)."""
+        _push(t_s, eta, self._waves, self._counts, self._course_rad, self._bodies, w)
 
 
 @njit(cache=True)
-def _push(t_s: float, eta: Array, waves: Array, course_rad: float, bodies: Array, w: Array) -> None:
-    """Write the force w (n, 3) of `waves` (m, 4) on `bodies` (n, 7)."""
+def _push(
+    t_s: float,
+    eta: Array,
+    waves: Array,
+    counts: npt.NDArray[np.int64],
+    course_rad: Array,
+    bodies: Array,
+    w: Array,
+) -> None:
+    """Add the force of the first `counts` (R) of `waves` (R, m, 4) on `bodies` (R, N, 7) to w."""
+    for run in range(eta.shape[0]):
+        now = waves[run, : counts[run]]
+        if len(now) > 0:
+            _push_run(t_s, eta[run], now, course_rad[run], bodies[run], w[run])
+
+
+@njit(cache=True)
+def _push_run(
+    t_s: float, eta: Array, waves: Array, course_rad: float, bodies: Array, w: Array
+) -> None:
+    """Add the force of `waves` (m, 4) on `bodies` (N, 7) to w (N, 3)."""
     for i in range(eta.shape[0]):
         m11, m22, length, draft = bodies[i, 0], bodies[i, 1], bodies[i, 2], bodies[i, 3]
         b, drift_x, drift_y = bodies[i, 4], bodies[i, 5], bodies[i, 6]
@@ -120,9 +154,9 @@ def _push(t_s: float, eta: Array, waves: Array, course_rad: float, bodies: Array
             sway += acceleration * mean * np.cos(across) * sin
             yaw -= acceleration * abeam * lever * m22 * np.cos(across) * cos
         drift = 0.5 * WATER_KGPM3 * GRAVITY_MPS2 * (real * real + imaginary * imaginary)
-        w[i, 0] = (m11 * surge + drift * drift_x) * ahead
-        w[i, 1] = (m22 * sway + drift * drift_y) * abeam
-        w[i, 2] = yaw
+        w[i, 0] += (m11 * surge + drift * drift_x) * ahead
+        w[i, 1] += (m22 * sway + drift * drift_y) * abeam
+        w[i, 2] += yaw
 
 
 @njit(cache=True)

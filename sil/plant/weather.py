@@ -5,15 +5,17 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 
 from sil.plant.hull import Array
+from sil.plant.normals import Normals
 
 
 class Force(Protocol):
-    """One cause of a force on n boats."""
+    """One cause of a force on the N boats of each of R runs."""
 
-    def step(self, t_s: float, eta: Array, nu: Array, h_s: float, /) -> Array:
-        """Force (n, 3) on boats at eta (n, 3) with nu (n, 3), for the step from `t_s` on."""
+    def push(self, t_s: float, eta: Array, nu: Array, h_s: float, w: Array, /) -> None:
+        """Add the force of the step from `t_s` on, boats at eta with nu, to w; all (R, N, 3)."""
 
 
 class Weather:
@@ -23,35 +25,51 @@ class Weather:
         self._forces = forces
         self._t_s = 0.0
 
-    def step(self, eta: Array, nu: Array, h_s: float) -> Array:
-        """Force (n, 3), N, N, N m, on boats at eta (n, 3) with nu (n, 3); on to the next step."""
-        w = np.zeros_like(eta)
+    def step(self, eta: Array, nu: Array, w: Array, h_s: float) -> None:
+        """Write the force w, N, N, N m, on boats at eta with nu, all (R, N, 3); on to the next."""
+        w[:] = 0.0
         for force in self._forces:
-            w += force.step(self._t_s, eta, nu, h_s)
+            force.push(self._t_s, eta, nu, h_s, w)
         self._t_s += h_s
-        return w
 
 
 class WhiteNoise:
     """White noise in each axis: normal, of variance `power` / `sample_s`, held for `sample_s`.
 
-    Source: Wang and Loría, section III; power and sample time as Simulink's block has them.
+    `power` and `rngs` (R): of each run; where it is 0 nothing is drawn. Source: Wang and Loría,
+    section III; power and sample time as Simulink's block has them.
     ValueError where a sample is not a whole number of steps.
     """
 
-    def __init__(self, power: float, sample_s: float, rng: np.random.Generator) -> None:
-        self._sigma = float(np.sqrt(power / sample_s))
+    def __init__(
+        self,
+        power: Sequence[float],
+        sample_s: float,
+        rngs: Sequence[np.random.Generator],
+        boats: int,
+    ) -> None:
+        self._sigma = np.sqrt(np.array(power) / sample_s)
         self._sample_s = sample_s
-        self._rng = rng
+        sources = [rng if p else None for rng, p in zip(rngs, power, strict=True)]
+        self._normals = Normals(sources, (boats, 3))
         self._steps = 0
-        self._held: Array = np.zeros((0, 3))
+        self._held: Array = np.zeros((len(power), boats, 3))
 
-    def step(self, _t_s: float, eta: Array, _nu: Array, h_s: float, /) -> Array:
-        """The noise of the step, (n, 3)."""
+    def push(self, _t_s: float, _eta: Array, _nu: Array, h_s: float, w: Array, /) -> None:
+        """Add the noise of the step."""
         if self._steps % steps_of(self._sample_s, h_s) == 0:
-            self._held = self._sigma * self._rng.standard_normal(eta.shape)
+            self._held = self._normals.step()
         self._steps += 1
-        return self._held
+        _add(self._sigma, self._held, w)
+
+
+@njit(cache=True)
+def _add(sigma: Array, normals: Array, w: Array) -> None:
+    """Sigma (R), normals and w (R, N, 3)."""
+    for run in range(w.shape[0]):
+        for i in range(w.shape[1]):
+            for j in range(3):
+                w[run, i, j] += sigma[run] * normals[run, i, j]
 
 
 def steps_of(sample_s: float, h_s: float) -> int:

@@ -9,13 +9,14 @@ Control, 2nd ed., section 10.1 (C_X = −c_x cos γ, C_Y = c_y sin γ, C_N = c_n
 angle of attack γ written out).
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
 from numba import njit
 
 from sil.plant.hull import Array
+from sil.plant.normals import Normals
 
 AIR_KGPM3 = 1.225
 
@@ -35,51 +36,66 @@ class Windage:
 class Gusts:
     """A first-order Gauss-Markov process in each of two axes, stationary from the beginning.
 
-    One-sided spectrum 4 σ² T / (1 + (2π f T)²), f in Hz, σ = `sigma_mps`, T = `time_s`.
+    One-sided spectrum 4 σ² T / (1 + (2π f T)²), f in Hz, σ = `sigma_mps`, T = `time_s`; both,
+    and `rngs`, of each of R runs.
     """
 
-    def __init__(self, sigma_mps: float, time_s: float, rng: np.random.Generator) -> None:
-        self._sigma_mps = sigma_mps
-        self._time_s = time_s
-        self._rng = rng
-        self._now: Array = sigma_mps * rng.standard_normal(2)
+    def __init__(
+        self,
+        sigma_mps: Sequence[float],
+        time_s: Sequence[float],
+        rngs: Sequence[np.random.Generator],
+    ) -> None:
+        self._sigma_mps = np.array(sigma_mps)[:, np.newaxis]
+        self._time_s = np.array(time_s)[:, np.newaxis]
+        self._normals = Normals(rngs, (2,))
+        self._now: Array | None = None
 
     def step(self, h_s: float) -> Array:
-        """The gust (2) in m/s of this step, north and east; on to the next step."""
-        now = self._now
-        kept = np.exp(-h_s / self._time_s)
-        fresh = self._sigma_mps * np.sqrt(1.0 - kept * kept)
-        self._now = kept * now + fresh * self._rng.standard_normal(2)
-        return now
+        """The gusts (R, 2) in m/s of this step, north and east; on to the next step."""
+        normals = self._normals.step()
+        if self._now is None:
+            self._now = self._sigma_mps * normals
+        else:
+            kept = np.exp(-h_s / self._time_s)
+            fresh = self._sigma_mps * np.sqrt(1.0 - kept * kept)
+            self._now = kept * self._now + fresh * normals
+        return self._now
 
 
 class Wind:
-    """The wind's force on n boats; `mean_mps`: velocity of the air, north and east."""
+    """The wind's force on N boats of each of R runs.
+
+    `mean_mps` (R): velocity of the air, north and east; `boats` (R, N).
+    """
 
     def __init__(
-        self, mean_mps: tuple[float, float], gusts: Gusts, boats: Iterable[Windage]
+        self,
+        mean_mps: Sequence[tuple[float, float]],
+        gusts: Gusts,
+        boats: Sequence[Sequence[Windage]],
     ) -> None:
         self._mean: Array = np.array(mean_mps)
         self._gusts = gusts
-        self._boats = np.array([astuple(boat) for boat in boats])
+        self._boats = np.array([[astuple(boat) for boat in run] for run in boats])
 
-    def step(self, _t_s: float, eta: Array, nu: Array, h_s: float, /) -> Array:
-        """The force (n, 3) on boats at eta (n, 3) with nu (n, 3)."""
-        w = np.zeros_like(eta)
+    def push(self, _t_s: float, eta: Array, nu: Array, h_s: float, w: Array, /) -> None:
+        """Add the force on boats at eta with nu to w; all (R, N, 3)."""
         _push(eta, nu, self._mean + self._gusts.step(h_s), self._boats, w)
-        return w
 
 
 @njit(cache=True)
 def _push(eta: Array, nu: Array, air: Array, boats: Array, w: Array) -> None:
-    """Write the force w (n, 3) of `air` (2), north and east, on `boats` (n, 6)."""
-    for i in range(eta.shape[0]):
-        frontal, lateral, length = boats[i, 0], boats[i, 1], boats[i, 5]
-        c_x, c_y, c_n = boats[i, 2], boats[i, 3], boats[i, 4]
-        cos, sin = np.cos(eta[i, 2]), np.sin(eta[i, 2])
-        a_x = cos * air[0] + sin * air[1] - nu[i, 0]
-        a_y = cos * air[1] - sin * air[0] - nu[i, 1]
-        pressure = 0.5 * AIR_KGPM3 * np.hypot(a_x, a_y)
-        w[i, 0] = pressure * c_x * frontal * a_x
-        w[i, 1] = pressure * c_y * lateral * a_y
-        w[i, 2] = -AIR_KGPM3 * c_n * lateral * length * a_x * a_y
+    """Add the force of `air` (R, 2), north and east, on `boats` (R, N, 6) to w (R, N, 3)."""
+    for run in range(eta.shape[0]):
+        north, east = air[run, 0], air[run, 1]
+        for i in range(eta.shape[1]):
+            frontal, lateral, length = boats[run, i, 0], boats[run, i, 1], boats[run, i, 5]
+            c_x, c_y, c_n = boats[run, i, 2], boats[run, i, 3], boats[run, i, 4]
+            cos, sin = np.cos(eta[run, i, 2]), np.sin(eta[run, i, 2])
+            a_x = cos * north + sin * east - nu[run, i, 0]
+            a_y = cos * east - sin * north - nu[run, i, 1]
+            pressure = 0.5 * AIR_KGPM3 * np.hypot(a_x, a_y)
+            w[run, i, 0] += pressure * c_x * frontal * a_x
+            w[run, i, 1] += pressure * c_y * lateral * a_y
+            w[run, i, 2] += -AIR_KGPM3 * c_n * lateral * length * a_x * a_y

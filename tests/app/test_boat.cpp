@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <type_traits>
+#include <vector>
 
 #include "app/boat.hpp"
 #include "app/harbour.hpp"
@@ -431,6 +433,40 @@ TEST_CASE_TEMPLATE("noise on every wire crashes nothing and starts no propeller"
     REQUIRE(h.stopped());
   }
 }
+
+TEST_CASE("boats that share an outbox say what each of them says alone") {
+  constexpr std::size_t kLinks = 2;
+  const auto said = [](const Boat<float>::Output& out) {
+    std::vector<std::uint8_t> all;
+    for (std::size_t link = 0; link < kLinks; ++link) {
+      const auto bytes = out.links->bytes(link);
+      all.insert(all.end(), bytes.begin(), bytes.end());
+    }
+    for (const link::CanFrame& frame : out.can) {
+      all.insert(all.end(), frame.data.begin(), frame.data.begin() + frame.size);
+    }
+    return all;
+  };
+  Outbox outbox(kLinks);
+  std::vector<std::unique_ptr<Boat<float>>> together, alone;
+  for (std::uint8_t system = 1; system <= 3; ++system) {
+    Parameters p;
+    p.MAV_SYSID = system;
+    together.push_back(std::make_unique<Boat<float>>(p, kLinks, &outbox));
+    alone.push_back(std::make_unique<Boat<float>>(p, kLinks));
+  }
+  std::size_t bytes = 0;
+  for (std::int64_t now_us = 0; now_us < 3'000'000; now_us += 10'000) {
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      const auto expected = said(alone[i]->tick(now_us));
+      REQUIRE(said(together[i]->tick(now_us)) == expected);
+      bytes += expected.size();
+    }
+  }
+  CHECK(bytes > 3000);
+}
+
+TEST_CASE("a thousand boats fit into a processor's memory") { CHECK(sizeof(Boat<float>) < 16'000); }
 
 }  // namespace
 }  // namespace flotilla::app

@@ -13,8 +13,8 @@ namespace {
 namespace mav = link::mav;
 constexpr std::size_t kHolds = 24;
 
-Letter letter(const link::Message& message, std::size_t link = 0, std::int64_t read_us = 0) {
-  return {link, {{255, 190}, message, {1, 1}}, read_us};
+Letter letter(const Question& message, std::uint8_t link = 0, std::int64_t read_us = 0) {
+  return {read_us, message, {255, 190}, {1, 1}, link};
 }
 Letter command(std::uint16_t id, float first = 0) {
   return letter(link::CommandLong{id, {first, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
@@ -32,14 +32,14 @@ std::vector<Letter> all(Inbox& inbox) {
   });
   return out;
 }
-std::uint16_t id_of(const Letter& letter) { return command_of(letter.received.message)->id; }
+std::uint16_t id_of(const Letter& letter) { return command_of(letter.message)->id; }
 
 TEST_CASE("requests wait in their order with link and time of reading; one too many is counted") {
   Inbox inbox;
   link::Counters counters;
   for (std::uint16_t i = 0; i < kHolds + 3; ++i) {
     Letter one = command(i);
-    one.link = i % 4U;
+    one.link = static_cast<std::uint8_t>(i % 4U);
     one.read_us = i * 1000;
     inbox.push(one, counters);
   }
@@ -214,7 +214,7 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
     CHECK(letters.size() == std::min(many, kHolds));
     CHECK(counters.requests_dropped == many - letters.size());
     CHECK(std::count_if(letters.begin(), letters.end(), [](const Letter& l) {
-            const auto c = command_of(l.received.message);
+            const auto c = command_of(l.message);
             return c && is_disarm(*c);
           }) == 1);
   }

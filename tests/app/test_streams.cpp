@@ -296,5 +296,40 @@ TEST_CASE("a radio that says nothing for more than five seconds has no complaint
   CHECK(rates.of(mav::kSysStatusId, 2) == doctest::Approx(0.1).epsilon(0.02));
 }
 
+TEST_CASE("a link is quiet while no stream but the state's waits, whatever was changed between") {
+  constexpr std::uint32_t kSeed = 4;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  Streams streams(Parameters{}, false, kTick_us, 2);
+  int quiet = 0, busy = 0;
+  for (std::int64_t now_us = 0; now_us < 300 * kSecond_us; now_us += kTick_us) {
+    const std::size_t link = random() % 2, stream = random() % kStreams.size();
+    switch (random() % 200) {
+      case 0:
+        streams.set(link, kStreams[stream].id, static_cast<std::int64_t>(random() % 3'000'000), 0);
+        break;
+      case 1:
+        streams.hurry(kStreams[stream].id);
+        break;
+      case 2:
+        streams.radio_has_room(link, static_cast<std::uint8_t>(random() % 101), now_us);
+        break;
+      default:
+        break;
+    }
+    streams.forget_silent_radios(now_us);
+    bool waits = false;
+    for (std::size_t i = 0; i < kStreams.size(); ++i) {
+      if (kStreams[i].pace == Pace::kState) continue;
+      waits = waits || streams.schedule(i, link).waits(now_us);
+    }
+    REQUIRE(streams.any_waits(link, now_us) == waits);
+    ++(waits ? busy : quiet);
+    for (std::size_t i = 0; i < kStreams.size(); ++i) streams.schedule(i, link).due(now_us);
+  }
+  CHECK(quiet > 1000);
+  CHECK(busy > 1000);
+}
+
 }  // namespace
 }  // namespace flotilla::app

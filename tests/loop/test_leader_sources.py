@@ -2,17 +2,16 @@
 """Leaders that say where they are in other ways than `diamond`'s, and boats that do."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
 from sil import metrics, scenario
-from sil.vessel import VIRTUAL_LEADER_SYSTEM
 from sil.wire.navigation_unit import NavigationUnit
-from sil.world import World
+from sil.wiring import VIRTUAL_LEADER_SYSTEM
 from tests.loop.conftest import Sail
+from tests.loop.objects import ObjectWorld
 
 
 @pytest.mark.parametrize("name", ["leader_global", "leader_follow_target", "leader_far_origin"])
@@ -71,21 +70,17 @@ class TwoUnits(NavigationUnit):
         return target if self.ticks in self._silent else local + target
 
 
-def test_a_leader_whose_local_position_stops_and_comes_back_is_followed_without_a_jolt(
-    tmp_path: Path,
-) -> None:
+def test_a_leader_whose_local_position_stops_and_comes_back_is_followed_without_a_jolt() -> None:
     both = ["duration_s=60", "link.delay_s=0.1", "clocks.offset_s=1000"]
-    worlds = [World(scenario.load("diamond", both), {}) for _ in range(2)]
-    leader = worlds[1]._leader
+    worlds = [ObjectWorld(scenario.load("diamond", both)) for _ in range(2)]
+    leader = worlds[1].leader
     settings = scenario.load("leader_follow_target").leader_unit()
     target = NavigationUnit(
         VIRTUAL_LEADER_SYSTEM, 1, vehicle_type=0, origin=leader._unit._origin, settings=settings
     )
     leader._unit = TwoUnits(leader._unit, target, range(4000, 5000))
-    plain, changed = (
-        world.run(tmp_path / f"{i}.bin", lambda _: None) for i, world in enumerate(worlds)
-    )
-    assert changed.digest != plain.digest
+    plain, changed = (world.run() for world in worlds)
+    assert worlds[0].records != worlds[1].records
     assert changed.states[0].keys() == {"FORMATION"}
     # The two say what differs by 5 mm; a track that began anew would be off by 60 mm or 0.1 s.
     difference = (changed.trace["error"] - plain.trace["error"])[3000:, 0]
@@ -105,9 +100,9 @@ def odometry(frame: int, now_us: int, x: float) -> bytes:
 
 
 @pytest.mark.parametrize("frame", [mavlink.MAV_FRAME_LOCAL_FRD, mavlink.MAV_FRAME_LOCAL_FLU])
-def test_odometry_without_north_is_refused_as_a_pose_and_said(frame: int, tmp_path: Path) -> None:
-    world = World(scenario.load("diamond", ["duration_s=12"]), {})
-    leader, boat = world._leader, world._boats[0]
+def test_odometry_without_north_is_refused_as_a_pose_and_said(frame: int) -> None:
+    world = ObjectWorld(scenario.load("diamond", ["duration_s=12"]))
+    leader, boat = world.leader, world.boats[0]
     unit, said = leader._unit, b""
     tell = unit.tick
 
@@ -117,13 +112,12 @@ def test_odometry_without_north_is_refused_as_a_pose_and_said(frame: int, tmp_pa
         return tell(now_us, eta, nu) + odometry(frame, now_us, 500.0)
 
     unit.tick = with_odometry  # type: ignore[method-assign]
-    run = world.run(tmp_path / "odd.bin", lambda _: None)
+    run = world.run()
     texts = {
         m.text for m in mavlink.MAVLink(None).parse_buffer(said) if m.get_type() == "STATUSTEXT"
     }
     assert "ODOMETRY refused: frame is not north-aligned" in texts
     counters = boat.boat.snapshot()["counters"]
     assert counters["mavlink_bad_frame"] > 1200
-    plain = World(scenario.load("diamond", ["duration_s=12"]), {})
-    undisturbed = plain.run(tmp_path / "plain.bin", lambda _: None)
+    undisturbed = ObjectWorld(scenario.load("diamond", ["duration_s=12"])).run()
     assert np.array_equal(run.trace["eta"], undisturbed.trace["eta"])

@@ -7,9 +7,14 @@ import numpy as np
 import pytest
 
 from sil import metrics, scenario
+from sil.agents import clocks_of
+from sil.recording import Recording
+from sil.start import StartError
 from sil.wire.esc_node import EscNode
-from sil.world import StartError, World, clocks_of
+from sil.world import Run, World
+from sil.world import sail as sail_together
 from tests.loop.conftest import Sail
+from tests.loop.objects import ObjectWorld
 
 # A circle of 20 s, then no input: the leader drifts to a stop.
 CIRCLE_THEN_STOP = """
@@ -159,13 +164,117 @@ class Rebooting(EscNode):
         return super().tick(now_us, rpm, voltage_V, current_A)
 
 
-def test_an_esc_that_reboots_under_way_stops_the_boat_until_it_is_armed_anew(
-    tmp_path: Path,
-) -> None:
-    world = World(scenario.load("diamond", ["duration_s=20"]), {})
-    boat = world._boats[1]
+def test_an_esc_that_reboots_under_way_stops_the_boat_until_it_is_armed_anew() -> None:
+    world = ObjectWorld(scenario.load("diamond", ["duration_s=20"]))
+    boat = world.boats[1]
     boat._escs = (Rebooting(10_000_000, 21, 0), boat._escs[1])
-    run = world.run(tmp_path / "recording.bin", lambda _: None)
+    run = world.run()
     assert run.states[0].keys() == {"FORMATION"}
     assert run.states[1]["FAULT"] > 8.0
     assert np.abs(run.trace["thrust"][-500:, 1]).max() == 0.0
+
+
+ROUGH = [
+    "duration_s=5",
+    "link.delay_s=0.05",
+    "link.jitter_s=0.03",
+    "link.loss=0.2",
+    "link.rate_Bps=200000",
+    "clocks.offset_s=100",
+    "clocks.drift_ppm=20",
+    "navigation.position_noise_m=0.02",
+    "navigation.yaw_rate_noise_radps=0.01",
+    "white_noise.power=0.1",
+    "mismatch.share=0.3",
+    "wind.gust_mps=0.5",
+    "vessel.frontal_m2=0.1",
+    "vessel.wind_x=0.7",
+]
+
+
+@pytest.mark.parametrize("how", [["duration_s=5"], ROUGH, [*ROUGH, "navigation.rate_hz=20"]])
+def test_every_byte_on_every_wire_is_that_of_the_world_of_objects(
+    tmp_path: Path, how: list[str]
+) -> None:
+    chosen = scenario.load("diamond", how)
+    run = World(chosen, {}).run(tmp_path / "recording.bin", lambda _: None)
+    objects = ObjectWorld(chosen)
+    expected = objects.run()
+    recording = list(Recording(tmp_path / "recording.bin"))
+    for own, other in zip(recording, objects.records, strict=False):
+        assert own == other
+    assert len(recording) == len(objects.records)
+    for name, array in expected.trace.items():
+        assert np.array_equal(run.trace[name], array), name
+    assert run.states == expected.states
+
+
+def rough(*overrides: str) -> scenario.Scenario:
+    return scenario.load("diamond", [*ROUGH, *overrides])
+
+
+def test_a_run_is_the_same_bit_for_bit_whatever_it_is_sailed_with() -> None:
+    sea = ["vessel.length_m=2", "vessel.draft_m=0.2", "vessel.hull_y_m=0.3", "waves.height_m=0.05"]
+    together = [
+        rough(),
+        rough("seed=2", "link.loss=0.0", "white_noise.power=0"),
+        rough("seed=3", *sea, "leader.nu=[0.5, 0, 0]"),
+        rough("seed=4", *sea, "waves.components=7", "wind.gust_mps=0"),
+        rough("seed=5", "navigation.position_noise_m=0", "navigation.yaw_rate_noise_radps=0"),
+        rough("duration_s=3", "seed=6"),
+        rough("seed=7", "propellers.lag_s=0.1", "boat.1.nu=[5, -5, 1]"),
+    ]
+    runs = sail_together(together, {}, digest=True)
+    digests = set()
+    for chosen, run in zip(together, runs, strict=True):
+        (alone,) = sail_together([chosen], {}, digest=True)
+        assert isinstance(run, Run) and isinstance(alone, Run)
+        assert run.digest == alone.digest and run.states == alone.states
+        for name, array in alone.trace.items():
+            assert run.trace[name].tobytes() == array.tobytes(), name
+        digests.add(run.digest)
+    assert len(digests) == len(together)
+
+
+def test_runs_that_cannot_start_say_why_and_the_others_sail_on() -> None:
+    deaf = scenario.load("diamond", ["link.loss=1.0", "duration_s=1"])
+    wrong = scenario.load("diamond", ["parameters.LAW_KX=99", "duration_s=1"])
+    well = scenario.load("diamond", ["duration_s=1"])
+    first, second, third, fourth = sail_together([well, deaf, wrong, well], {}, digest=True)
+    assert isinstance(second, StartError) and isinstance(third, StartError)
+    for boat in range(1, 5):
+        assert f"boat {boat}: Refused: leader's state is not fresh" in str(second)
+    assert "LAW_KX = 99" in str(third)
+    assert isinstance(first, Run) and isinstance(fourth, Run)
+    (alone,) = sail_together([well], {}, digest=True)
+    assert first.digest == fourth.digest == alone.digest
+
+
+def test_runs_that_are_ready_at_different_times_are_each_released_at_its_own() -> None:
+    early = scenario.load("diamond", ["duration_s=2"])
+    late = scenario.load(
+        "diamond", ["duration_s=2", "link.delay_s=3.5", "parameters.FS_LEADER_S=5"]
+    )
+    runs = sail_together([early, late, early], {}, digest=True)
+    for chosen, run in zip([early, late, early], runs, strict=True):
+        (alone,) = sail_together([chosen], {}, digest=True)
+        assert run.digest == alone.digest
+        assert run.trace["eta"].tobytes() == alone.trace["eta"].tobytes()
+
+
+def test_a_trace_that_is_kept_every_half_second_is_that_of_every_tick_there() -> None:
+    chosen = scenario.load("diamond", ["duration_s=4"])
+    (whole,), (thin,) = (sail_together([chosen], {}, keep_s=keep_s) for keep_s in (None, 0.5))
+    assert thin.digest is None and thin.states == whole.states
+    for name, array in whole.trace.items():
+        assert np.array_equal(thin.trace[name], array[::50]), name
+
+
+def test_a_fleet_that_no_recording_has_room_for_sails_without(tmp_path: Path) -> None:
+    short = scenario.load("diamond", ["duration_s=0.1"])
+    many = short.model_copy(update={"boat": (short.boat[0],) * 256})
+    run = World(many, {}).run(tmp_path / "recording.bin", lambda _: None)
+    assert run.digest is None and not list(tmp_path.iterdir())
+    assert [seconds.keys() for seconds in run.states] == [{"FORMATION"}] * 256
+    with pytest.raises(ValueError, match="room for 255 boats"):
+        sail_together([many], {}, digest=True)

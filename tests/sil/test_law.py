@@ -8,9 +8,9 @@ import pytest
 
 from sil import law, scenario
 from sil.__main__ import main
+from sil.agents import parameters_of
 from sil.law import Law
 from sil.recording import Recording
-from sil.world import parameters_of
 
 GAINS = {"LAW_KX": 0.2, "LAW_KPSI": 0.2, "LAW_KDU": 10.0, "LAW_KDR": 10.0}
 EXTENSIONS = ("LAW_OBS_BW", "LAW_XT_DIST", "LAW_CUR_BW", "LAW_U_MAX", "LAW_R_MAX")
@@ -44,7 +44,7 @@ def told(
     path = folder / "one.toml"
     path.write_text(ONE_BOAT.format(law=law_key), encoding="utf-8")
     chosen = scenario.load(path, overrides, law_override)
-    given = parameters_of(chosen, 1, parameters or {})
+    given = parameters_of(chosen, parameters or {})[0]
     assert given["SR_STATE"] == 20.0, "what is no part of a law stays"
     return {name: value for name, value in given.items() if name.startswith("LAW_")}
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.distance import pdist
 
 from sil import metrics
 from sil.plant.hull import Array
@@ -128,6 +129,34 @@ def test_closest_encounter_is_between_boats_and_leaves_the_virtual_leader_out() 
     assert metrics.min_separation_m(eta[:, :2]) is None
 
 
+def drifting(boats: int, ticks: int, seed: int) -> Array:
+    """Poses (ticks, boats + 1, 3) of boats at random that move at random."""
+    rng = np.random.default_rng(seed)
+    return 50.0 * rng.normal(size=(boats + 1, 3)) + np.cumsum(
+        rng.normal(size=(ticks, boats + 1, 3)), axis=0
+    )
+
+
+@pytest.mark.parametrize(("boats", "ticks"), [(2, 50), (5, 400), (300, 20)])
+def test_closest_encounter_is_that_of_all_pairs_at_all_times(boats: int, ticks: int) -> None:
+    for seed in range(5):
+        eta = drifting(boats, ticks, seed)
+        expected = min(pdist(places[1:, :2]).min() for places in eta)
+        assert metrics.min_separation_m(eta) == pytest.approx(expected, rel=1e-12)
+
+
+def test_boats_that_are_nowhere_hide_no_encounter_of_the_others() -> None:
+    eta = drifting(12, 30, 1)
+    eta[4:, 3], eta[9:, 8, 0], eta[2:5, 11, 1] = np.nan, np.inf, -np.inf
+    places = np.where(np.isfinite(eta[..., :2]).all(axis=-1, keepdims=True), eta[..., :2], np.nan)
+    expected = min(np.nanmin(pdist(row[1:])) for row in places)
+    assert metrics.min_separation_m(eta) == pytest.approx(expected, rel=1e-12)
+
+
+def test_heading_error_of_a_boat_that_is_nowhere_is_no_number() -> None:
+    assert np.isnan(metrics.wrap(np.array([np.nan]))).all()
+
+
 def test_change_of_thrust_is_that_of_the_restless_propeller_in_the_last_third() -> None:
     thrust = np.zeros((T_S.size, 1, 2))
     thrust[:200, 0] = 50.0 * (-1.0) ** np.arange(200)[:, None]
@@ -136,3 +165,10 @@ def test_change_of_thrust_is_that_of_the_restless_propeller_in_the_last_third() 
     assert entry(along_x(0.0 * T_S), thrust)["thrust_step_rms_N"] == pytest.approx(0.6)
     each = metrics.thrust_step_rms_N(thrust[200:])
     np.testing.assert_allclose(each, [[0.1, 0.6]])
+
+
+def test_figures_of_boats_that_are_nowhere_are_made_without_a_warning() -> None:
+    lost = along_x(np.full(T_S.size, 1e200))
+    lost[-1] = np.inf
+    assert np.isnan(metrics.wrap(np.array([np.inf, -np.inf]))).all()
+    assert entry(lost)["rms_error_m"] == math.inf and entry(lost)["settling_time_s"] is None

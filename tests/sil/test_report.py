@@ -2,6 +2,7 @@
 """The report of a made-up run of two boats, one of which never settles."""
 
 import io
+import json
 import re
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sil import metrics, report
+from sil import metrics, plots, report, run
 from sil.metrics import Summary
 from sil.plant.hull import Array
 
@@ -94,3 +95,19 @@ def test_terminal_of_80_columns_shows_every_number_of_a_boat_in_one_line() -> No
     console.print(report.table(made_up_run()[0]))
     lines = [line.split() for line in console.export_text().splitlines()]
     assert ["2", "1.0000", "1.0000", "never", "1.0000", "0.0000", "0.79"] in lines
+
+
+@pytest.mark.parametrize("lost", [np.nan, np.inf, 1e200], ids=["nan", "infinite", "far away"])
+def test_run_that_diverged_is_reported_up_to_where_it_did(tmp_path: Path, lost: float) -> None:
+    summary, trace = made_up_run()
+    trace["eta"][1200:, 2] = trace["error"][1200:, 1] = lost
+    trace["thrust"][1200:, 1] = np.nan
+    with np.errstate(all="ignore"):
+        boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], [{}, {}])
+    run.write(tmp_path, {**summary, "boats": boats, "min_separation_m": lost}, trace, COMMAND)
+    assert (tmp_path / "report.html").is_file()
+    maps = plots.formation("pair", trace).axes
+    assert maps[1].get_title(loc="left").startswith("up to 11.99 s")
+    assert all(np.isfinite(axes.dataLim.get_points()).all() for axes in maps)
+    told = json.loads((tmp_path / "summary.json").read_text(), parse_constant=pytest.fail)
+    assert told["boats"][1]["rms_error_m"] is None

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import results, scenario
+from sil import results, results_campaigns, scenario
 from sil.claims import CLAIMS, LAWS
 from sil.results_table import BEGIN, END
 from sil.sailing import Job, Outcome
 
 Tell = Callable[[Outcome], None]
-PAGE = f"before\n{BEGIN}{END}\nafter\n"
+PAGE = f"before\n{BEGIN}{END}\nbetween\n{results_campaigns.BEGIN}{END}\nafter\n"
 
 
 def options(*arguments: str) -> argparse.Namespace:
@@ -54,6 +54,7 @@ def sail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., list[
     (tmp_path / "README.md").write_text(PAGE, encoding="utf-8")
     monkeypatch.setattr(results, "PAGE", tmp_path / "README.md")
     monkeypatch.setattr(results.comparison, "png", lambda figure: b"picture")
+    monkeypatch.setattr(results_campaigns, "sail", lambda out, workers: [])
     monkeypatch.setattr(results, "PICTURES", tmp_path / "results")
     monkeypatch.chdir(tmp_path)
     return sail

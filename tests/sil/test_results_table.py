@@ -3,6 +3,7 @@
 
 import io
 import math
+from collections.abc import Sequence
 
 import pytest
 from rich.console import Console
@@ -96,8 +97,12 @@ def made_up_table() -> list[Row]:
     return results_table.rows(outcomes("diamond", [0.03], [0.02]) + outcomes("sea", [3], [0.1]))
 
 
+def page_of(text: str, rows: Sequence[Row]) -> str:
+    return results_table.between(text, BEGIN, results_table.for_page(rows))
+
+
 def test_page_has_a_line_a_bound_and_a_picture_a_scenario_between_its_marks() -> None:
-    page = results_table.page(f"before\n{BEGIN}old\n{END}\nafter\n", made_up_table())
+    page = page_of(f"before\n{BEGIN}old\n{END}\nafter\n", made_up_table())
     before, _, rest = page.partition(BEGIN)
     table, _, after = rest.partition(END)
     assert (before, after) == ("before\n", "\nafter\n")
@@ -113,20 +118,20 @@ def test_page_has_a_line_a_bound_and_a_picture_a_scenario_between_its_marks() ->
 
 
 def test_page_written_twice_is_the_page_written_once() -> None:
-    once = results_table.page(f"{BEGIN}{END}", made_up_table())
-    assert results_table.page(once, made_up_table()) == once
+    once = page_of(f"{BEGIN}{END}", made_up_table())
+    assert page_of(once, made_up_table()) == once
 
 
 @pytest.mark.parametrize("text", ["", BEGIN, END, END + BEGIN, 2 * (BEGIN + END)])
 def test_page_that_lost_its_marks_is_an_error(text: str) -> None:
     with pytest.raises(ValueError, match="no place for the results"):
-        results_table.page(text, made_up_table())
+        page_of(text, made_up_table())
 
 
 def test_projects_page_has_the_marks_and_every_bound_in_order() -> None:
     text = results.PAGE.read_text(encoding="utf-8")
     rows = [Row(name, b, 0.0, 0.0, results.SEEDS) for name in CLAIMS for b in CLAIMS[name].bounds]
-    _, _, rest = results_table.page(text, rows).partition(BEGIN)
+    _, _, rest = page_of(text, rows).partition(BEGIN)
     assert wanted(text.partition(BEGIN)[2]) == wanted(rest), "run python -m sil results"
 
 

@@ -9,12 +9,12 @@ import flotilla
 import numpy as np
 import pytest
 
-from sil.bodies import fleet_of
+from sil.agents import parameters_of
+from sil.bodies import bodies_of
 from sil.law import Law
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.scenario import FOLDER, Propellers, Scenario, ScenarioError, Vessel, load
-from sil.world import parameters_of
 
 TWO_BOATS = """\
 duration_s = 10.0
@@ -96,7 +96,7 @@ def test_sections_that_diamond_spells_out_are_the_defaults() -> None:
 
 def test_diamond_shows_every_key() -> None:
     document = tomllib.loads((FOLDER / "diamond.toml").read_text(encoding="utf-8"))
-    assert set(Scenario.model_fields) - document.keys() == {"name"}
+    assert set(Scenario.model_fields) - document.keys() == {"name", "vary"}
     for section in ("vessel", "propellers", "water", "wind", "waves", "white_noise", "mismatch"):
         model = Scenario.model_fields[section].annotation
         assert document[section].keys() == model.model_fields.keys(), section
@@ -112,9 +112,9 @@ NAMES = sorted(path.stem for path in FOLDER.glob("*.toml"))
 @pytest.mark.parametrize("law", [None, "paper", "product"])
 def test_every_scenario_that_comes_along_can_be_sailed(name: str, law: Law | None) -> None:
     chosen = load(name, (), law)
-    for agent in range(1, len(chosen.boat) + 1):
-        flotilla.Boat(parameters_of(chosen, agent, {}), links=2, scalar="float")
-    fleet_of(chosen)
+    for own in parameters_of(chosen, {}):
+        flotilla.Boat(own, links=2, scalar="float")
+    bodies_of([chosen])
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -122,7 +122,7 @@ def test_the_firmware_knows_the_nominal_boat_of_every_scenario(name: str) -> Non
     chosen = load(name)
     propellers, hulls = chosen.propeller_pairs(), chosen.hulls()[1:]
     for agent, (pair, hull) in enumerate(zip(propellers, hulls, strict=True), start=1):
-        told = flotilla.Boat(parameters_of(chosen, agent, {})).parameters()
+        told = flotilla.Boat(parameters_of(chosen, {})[agent - 1]).parameters()
         assert told["THR_ARM"] == pytest.approx(pair.arm_m)
         assert told["THR_FWD_MAX"] == pytest.approx(pair.forward_max_N)
         assert told["THR_REV_MAX"] == pytest.approx(pair.reverse_max_N)

@@ -17,7 +17,9 @@
 #include "app/metadata.hpp"
 #include "app/text.hpp"
 #include "app/version.hpp"
+#include "fleet_binding.hpp"
 #include "helm.hpp"
+#include "snapshot.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;
@@ -25,16 +27,6 @@ using namespace nb::literals;
 using namespace flotilla;
 
 namespace {
-
-constexpr std::array<std::pair<core::Conditions, const char*>, core::kConditionCount>
-    kConditionNames{{{core::kOwnFresh, "own_fresh"},
-                     {core::kLeaderFresh, "leader_fresh"},
-                     {core::kEscsOnline, "escs_online"},
-                     {core::kBusUp, "bus_up"},
-                     {core::kSoleController, "sole_controller"},
-                     {core::kParametersSaved, "parameters_saved"},
-                     {core::kSticksFresh, "sticks_fresh"},
-                     {core::kTestRunning, "test_running"}}};
 
 struct TickOutput {
   nb::list mavlink;
@@ -47,63 +39,6 @@ nb::bytes bytes_of(std::span<const std::uint8_t> data) {
 
 std::span<const std::uint8_t> span_of(const nb::bytes& data) {
   return {static_cast<const std::uint8_t*>(data.data()), data.size()};
-}
-
-nb::dict counters_dict(const link::Counters& c) {
-  nb::dict out;
-  out["mavlink_received"] = c.mavlink_received;
-  out["mavlink_bad_checksum"] = c.mavlink_bad_checksum;
-  out["mavlink_skipped_bytes"] = c.mavlink_skipped_bytes;
-  out["mavlink_bad_value"] = c.mavlink_bad_value;
-  out["mavlink_bad_frame"] = c.mavlink_bad_frame;
-  out["mavlink_old_stamp"] = c.mavlink_old_stamp;
-  out["mavlink_no_heading"] = c.mavlink_no_heading;
-  out["mavlink_unknown"] = c.mavlink_unknown;
-  out["mavlink_signed"] = c.mavlink_signed;
-  out["mavlink_forged"] = c.mavlink_forged;
-  out["mavlink_replayed"] = c.mavlink_replayed;
-  out["mavlink_future_stamp"] = c.mavlink_future_stamp;
-  out["mavlink_streams_full"] = c.mavlink_streams_full;
-  out["mavlink_unsigned_refused"] = c.mavlink_unsigned_refused;
-  out["mavlink_not_sent"] = c.mavlink_not_sent;
-  out["requests_dropped"] = c.requests_dropped;
-  out["can_received"] = c.can_received;
-  out["can_bad_frame"] = c.can_bad_frame;
-  out["can_bad_checksum"] = c.can_bad_checksum;
-  out["can_bad_value"] = c.can_bad_value;
-  out["can_not_sent"] = c.can_not_sent;
-  out["clock_went_back"] = c.clock_went_back;
-  return out;
-}
-
-nb::dict snapshot_dict(const app::Snapshot& s) {
-  nb::dict conditions;
-  for (const auto& [bit, name] : kConditionNames) conditions[name] = (s.conditions & bit) != 0;
-  nb::dict limited;
-  limited["surge"] = s.surge_limited;
-  limited["yaw"] = s.yaw_limited;
-  limited["slew"] = s.slew_limited;
-  limited["speed"] = s.speed_limited;
-  limited["yaw_rate"] = s.yaw_rate_limited;
-  nb::dict out;
-  out["state"] = nb::str(app::name_of(s.state).data(), app::name_of(s.state).size());
-  out["conditions"] = conditions;
-  out["own_age_s"] = s.own_age_s;
-  out["leader_age_s"] = s.leader_age_s;
-  out["leader_uncertainty_m"] = s.leader_uncertainty_m;
-  out["unknown"] = pair("X_N", s.estimates.unknown.X, "N_Nm", s.estimates.unknown.N);
-  out["current_mps"] = pair("north", s.estimates.current_n.x, "east", s.estimates.current_n.y);
-  out["error"] =
-      s.error_known ? nb::object(triple("x_m", s.error.x, "y_m", s.error.y, "psi_rad", s.error.psi))
-                    : nb::none();
-  out["virtual_velocity"] =
-      triple("u_mps", s.nu_star.u, "v_mps", s.nu_star.v, "r_radps", s.nu_star.r);
-  out["wrench_asked"] = pair("X_N", s.asked.X, "N_Nm", s.asked.N);
-  out["wrench_given"] = pair("X_N", s.given.X, "N_Nm", s.given.N);
-  out["limited"] = limited;
-  out["thrust_N"] = pair("port", s.thrust_N.port, "stbd", s.thrust_N.stbd);
-  out["counters"] = counters_dict(s.counters);
-  return out;
 }
 
 /// A boat of either scalar behind one Python type.
@@ -200,13 +135,8 @@ class PyBoat {
   }
 
   nb::dict parameters() const {
-    const auto& values =
-        std::visit([](const auto& b) -> const app::Parameters& { return b->parameters(); }, boat_);
-    nb::dict out;
-    for (const app::ParameterInfo& info : app::kParameterList) {
-      out[nb::str(info.name.data(), info.name.size())] = values.*(info.member);
-    }
-    return out;
+    return parameters_dict(
+        std::visit([](const auto& b) -> const app::Parameters& { return b->parameters(); }, boat_));
   }
 
  private:
@@ -298,6 +228,7 @@ NB_MODULE(flotilla, m) {
         "The supervisor's transitions in order: from, request, needs, lacks, to.");
 
   bind_helm(m);
+  bind_fleet(m);
   nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
       .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
       .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");

@@ -32,7 +32,7 @@ app::Parameters parameters_from(const nb::dict& values) {
     const bool is_number = nb::try_cast(value, wanted);
     if (!is_number || !app::is_valid(*info, static_cast<float>(wanted))) {
       const std::string kind = info->whole() ? "a whole number" : "a number";
-      const std::string unit = info->unit.empty() ? "" : " " + std::string(info->unit);
+      const std::string unit = info->unit.empty() ? "" : std::string(" ").append(info->unit);
       throw nb::value_error((name + " = " + nb::cast<std::string>(nb::str(value)) +
                              " is out of range: " + kind + " from " + number(info->least) + " to " +
                              number(info->greatest) + unit +

@@ -124,3 +124,15 @@ def test_boat_sails_the_same_bits_alone_and_in_a_fleet() -> None:
     again = sail(0.01, 5.0, START, SPEED, DISTURBANCE)
     assert fleet.tobytes() == again.tobytes()
     assert fleet[0].tobytes() == alone[0].tobytes()
+
+
+def test_paper_vessel_on_still_water_sails_the_bits_of_the_general_hull() -> None:
+    parameters = hull.stack([NOMINAL, LIGHT])
+    quick, general = (START.copy(), SPEED.copy()), (START.copy(), SPEED.copy())
+    tau = np.random.default_rng(1).normal(size=(3, 2, 2))
+    for _ in range(500):
+        hull.advance(*quick, tau, DISTURBANCE, STILL, parameters, 0.01)
+        for i in range(2):
+            hull._carry(i, *general, tau, DISTURBANCE, (0.0, 0.0), parameters[i], 0.01)
+    assert quick[0].tobytes() == general[0].tobytes()
+    assert quick[1].tobytes() == general[1].tobytes()

@@ -1,30 +1,73 @@
 # SPDX-License-Identifier: MIT
-"""What the navigation unit measures."""
+"""What the navigation units measure."""
 
 import numpy as np
 
-from sil.plant.sensors import SensorNoise, measure
+from sil.plant import hull, propeller
+from sil.plant.bodies import Bodies
+from sil.plant.hull import Array, HullParameters
+from sil.plant.propeller import PropellerParameters
+from sil.plant.sensors import SensorNoise, Sensors
 
-ETA, NU = np.array([[10.0, -4.0, 0.5]]), np.array([[0.6, 0.05, 0.3]])
+ETA, NU = np.array([10.0, -4.0, 0.5]), np.array([0.6, 0.05, 0.3])
 NOISE = SensorNoise(position_m=0.02, heading_rad=0.01, velocity_mps=0.03, yaw_rate_radps=0.004)
+EXACT = SensorNoise()
+
+
+def adrift(runs: int, boats: int) -> Bodies:
+    agents = runs * (boats + 1)
+    hulls = hull.stack([HullParameters(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)] * agents)
+    propellers = propeller.stack([PropellerParameters(0.1, 1.0, 1.0, 0.0, 0.0)] * runs * boats)
+    eta, nu = np.tile(ETA, (agents, 1)), np.tile(NU, (agents, 1))
+    return Bodies(hulls, propellers, eta, nu, np.zeros((agents, 2)))
+
+
+def measured(noise: list[SensorNoise], boats: int, times: int) -> tuple[Array, Array, Array]:
+    """Poses of leaders (times, R, 3), poses and velocities of boats (times, R, boats, 3).
+
+    The generators are 3, 4, …
+    """
+    runs = len(noise)
+    rngs = [np.random.default_rng(3 + run) for run in range(runs)]
+    sensors, taken = Sensors(noise, rngs, adrift(runs, boats)), []
+    for _ in range(times):
+        sensors.measure()
+        taken.append([sensors.eta.copy(), sensors.nu.copy()])
+    eta, nu = np.moveaxis(np.array(taken), 1, 0)
+    shape = (times, runs, boats, 3)
+    return eta[:, :runs], eta[:, runs:].reshape(shape), nu[:, runs:].reshape(shape)
 
 
 def test_unit_without_noise_measures_the_exact_state_and_draws_nothing() -> None:
-    rng = np.random.default_rng(1)
-    eta, nu = measure(ETA, NU, SensorNoise().sigma, rng)
-    assert (eta == ETA).all() and (nu == NU).all() and eta is not ETA and nu is not NU
-    assert rng.random() == np.random.default_rng(1).random()
+    rngs = [np.random.default_rng(seed) for seed in (1, 2)]
+    for noise in ([EXACT, EXACT], [EXACT, NOISE]):
+        sensors = Sensors(noise, rngs, adrift(2, 1))
+        sensors.measure()
+        assert (sensors.eta[2] == ETA).all() and (sensors.nu[2] == NU).all()
+    assert rngs[0].random() == np.random.default_rng(1).random()
+    assert rngs[1].random() != np.random.default_rng(2).random()
 
 
-def test_same_seed_measures_the_same_noise() -> None:
-    first, second = (measure(ETA, NU, NOISE.sigma, np.random.default_rng(7)) for _ in range(2))
-    assert (first[0] == second[0]).all() and (first[1] == second[1]).all()
+def test_virtual_leader_knows_its_state() -> None:
+    leaders, eta, nu = measured([NOISE, NOISE], boats=3, times=4)
+    assert (leaders == ETA).all()
+    assert (eta != ETA).all() and (nu != NU).all()
+
+
+def test_numbers_of_a_run_are_those_of_its_generator_one_measurement_after_the_other() -> None:
+    boats, times = 2, 200
+    _, eta, nu = measured([NOISE, EXACT, NOISE], boats, times)
+    for run in (0, 2):
+        rng = np.random.default_rng(3 + run)
+        for k in range(times):
+            pose, velocity = rng.standard_normal((2, boats + 1, 3))[:, 1:]
+            assert (eta[k, run] == ETA + NOISE.sigma[0] * pose).all()
+            assert (nu[k, run] == NU + NOISE.sigma[1] * velocity).all()
 
 
 def test_noise_of_each_quantity_has_its_own_standard_deviation_and_no_bias() -> None:
-    rng, count = np.random.default_rng(3), 40_000
-    eta, nu = measure(np.tile(ETA, (count, 1)), np.tile(NU, (count, 1)), NOISE.sigma, rng)
+    eta, nu = (boats.reshape(-1, 3) for boats in measured([NOISE], 400, 100)[1:])
     np.testing.assert_allclose((eta - ETA).std(axis=0), [0.02, 0.02, 0.01], rtol=0.02)
     np.testing.assert_allclose((nu - NU).std(axis=0), [0.03, 0.03, 0.004], rtol=0.02)
-    np.testing.assert_allclose(eta.mean(axis=0), ETA[0], atol=5e-4)
-    np.testing.assert_allclose(nu.mean(axis=0), NU[0], atol=8e-4)
+    np.testing.assert_allclose(eta.mean(axis=0), ETA, atol=5e-4)
+    np.testing.assert_allclose(nu.mean(axis=0), NU, atol=8e-4)

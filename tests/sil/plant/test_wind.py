@@ -14,14 +14,22 @@ H_S = 0.05
 
 def blow(air: tuple[float, float], psi: float, nu: tuple[float, float, float] = (0, 0, 0)) -> Array:
     """Force [X Y N] of a wind without gusts."""
-    wind = Wind(air, Gusts(0.0, 10.0, np.random.default_rng(1)), [OTTER])
-    return wind.step(0.0, np.array([[5.0, 6.0, psi]]), np.array([nu], dtype=float), 0.01)[0]
+    wind = Wind([air], gusts(0.0, 10.0, 1), [[OTTER]])
+    eta, w = np.array([[[5.0, 6.0, psi]]]), np.zeros((1, 1, 3))
+    wind.push(0.0, eta, np.array([[nu]], dtype=float), 0.01, w)
+    return w[0, 0]
+
+
+def gusts(sigma_mps: float, time_s: float, *seeds: int) -> Gusts:
+    """Gusts of as many runs as there are seeds."""
+    rngs = [np.random.default_rng(seed) for seed in seeds]
+    return Gusts([sigma_mps] * len(seeds), [time_s] * len(seeds), rngs)
 
 
 def test_gusts_have_the_spectrum_of_a_first_order_process() -> None:
     sigma, time_s = 0.6, 4.0
-    gusts = Gusts(sigma, time_s, np.random.default_rng(2))
-    series = np.array([gusts.step(H_S) for _ in range(200_000)])
+    air = gusts(sigma, time_s, 2)
+    series = np.array([air.step(H_S)[0] for _ in range(200_000)])
     np.testing.assert_allclose(series.std(axis=0), sigma, rtol=0.05)
     assert abs(np.corrcoef(series.T)[0, 1]) < 0.05
     frequency, density = welch(series, 1.0 / H_S, nperseg=8192, axis=0)
@@ -32,11 +40,11 @@ def test_gusts_have_the_spectrum_of_a_first_order_process() -> None:
 
 
 def test_gusts_do_not_begin_from_a_calm_and_do_not_depend_on_the_step() -> None:
-    first = [Gusts(0.6, 4.0, np.random.default_rng(seed)).step(H_S) for seed in range(2000)]
+    first = gusts(0.6, 4.0, *range(2000)).step(H_S)
     np.testing.assert_allclose(np.std(first, axis=0), 0.6, rtol=0.05)
     for h_s in (0.01, 0.5):
-        gusts = Gusts(0.6, 4.0, np.random.default_rng(3))
-        series = np.array([gusts.step(h_s) for _ in range(60_000)])
+        air = gusts(0.6, 4.0, 3)
+        series = np.array([air.step(h_s)[0] for _ in range(60_000)])
         lag = round(4.0 / h_s)
         correlation = np.mean(series[lag:] * series[:-lag]) / np.mean(series**2)
         assert correlation == pytest.approx(np.exp(-1.0), abs=0.06)
@@ -72,12 +80,12 @@ def test_boat_that_moves_with_the_air_feels_none() -> None:
     assert blow((2.0, 0.0), 0.0, (2.0, 0.0, 0.4)) == pytest.approx([0.0, 0.0, 0.0])
 
 
-def test_all_boats_are_in_the_same_air_and_the_same_seed_blows_again() -> None:
-    eta, nu = np.zeros((2, 3)), np.zeros((2, 3))
-    runs = []
-    for _ in range(2):
-        wind = Wind((1.0, 2.0), Gusts(0.5, 10.0, np.random.default_rng(9)), [OTTER, OTTER])
-        runs.append(np.array([wind.step(0.0, eta, nu, 0.01) for _ in range(100)]))
-    assert (runs[0] == runs[1]).all()
-    assert (runs[0][:, 0] == runs[0][:, 1]).all()
-    assert np.ptp(runs[0][:, 0, 1]) > 0.0
+def test_all_boats_of_a_run_are_in_the_same_air_and_the_same_seed_blows_again() -> None:
+    wind = Wind([(1.0, 2.0)] * 3, gusts(0.5, 10.0, 9, 8, 9), [[OTTER, OTTER]] * 3)
+    eta, nu = np.zeros((3, 2, 3)), np.zeros((3, 2, 3))
+    w = np.zeros((100, 3, 2, 3))
+    for k in range(100):
+        wind.push(0.0, eta, nu, 0.01, w[k])
+    assert (w[:, 0] == w[:, 2]).all() and (w[:, 0] != w[:, 1])[..., :2].all()
+    assert (w[:, :, 0] == w[:, :, 1]).all()
+    assert np.ptp(w[:, 0, 0, 1]) > 0.0

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The vessels of a lockstep run, each with its own clock: who says what to whom at a tick."""
+"""The oracle of `flotilla.Fleet` and `sil.world`: one vessel an object, slow and easy to read.
+
+Each has its own clock; who says what to whom at a tick is what the fleet has to equal, to the byte.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -13,18 +16,12 @@ from sil.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
 from sil.wire.navigation_unit import NavigationUnit, Settings
-
-VIRTUAL_LEADER_SYSTEM = 100
-# Longjumeau's latitude and longitude in degE7, altitude in mm: any place will do.
-ORIGIN = (487_000_000, 22_950_000, 40_000)
-BATTERY_V = 24.0
+from sil.wiring import BATTERY_V, ESC_NODES, NAVIGATION_COMPONENT, ORIGIN, VIRTUAL_LEADER_SYSTEM
 
 Record = Callable[[int, int, bytes], None]
 Sensed = Sequence[float]
 
 _NAVIGATION, _RADIO = 0, 1
-ESC_NODES = (21, 22)
-NAVIGATION_COMPONENT: int = mavlink.MAV_COMP_ID_GPS
 
 
 def _nowhere(t_us: int, port: int, data: bytes) -> None:

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+#include "fleet.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+#include "link/mav.hpp"
+
+namespace flotilla::fleet {
+namespace {
+
+constexpr std::uint8_t kComponentGps = 220;
+constexpr MessageType kCommandLong{76, 152};
+
+std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
+
+}  // namespace
+
+template <class S>
+typename Fleet<S>::Station Fleet<S>::station(std::int64_t run, link::Address self,
+                                             const UnitSettings& unit, const Clock& clock,
+                                             bool is_boat) {
+  Run& mine = runs_[run];
+  if (records_ && mine.agents == Records::kMostAgents) {
+    throw std::invalid_argument("record: a recording has room for 256 agents");
+  }
+  Station out{clock, NavigationUnit(self, unit), &mine, agents_.size(), mine.agents++};
+  tells_degrees_ = tells_degrees_ || out.unit.tells_degrees();
+  agents_.push_back({is_boat, static_cast<std::uint32_t>(is_boat ? boats() : leaders_.size())});
+  return out;
+}
+
+template <class S>
+std::size_t Fleet<S>::add_leader(std::int64_t run, std::uint8_t system, const UnitSettings& unit,
+                                 const Clock& clock) {
+  const link::Address self{system, link::mav::kComponentAutopilot};
+  leaders_.push_back(station(run, self, unit, clock, false));
+  return agents() - 1;
+}
+
+template <class S>
+std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const UnitSettings& unit,
+                               const Clock& clock) {
+  const std::uint8_t system = byte_of(p.MAV_SYSID);
+  const link::Address self{system, kComponentGps};
+  boats_.push_back({station(run, self, unit, clock, true),
+                    EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}), system,
+                    app::Boat<S>(p, kLinks, &outbox_)});
+  return agents() - 1;
+}
+
+template <class S>
+std::size_t Fleet<S>::connect(std::size_t sender, std::size_t receiver, const LinkQuality& quality,
+                              std::uint64_t seed) {
+  const auto at = [this](std::size_t agent) -> Station& {
+    const auto [is_boat, index] = agents_[agent];
+    return is_boat ? boats_[index].station : leaders_[index];
+  };
+  const auto number = static_cast<std::uint32_t>(links_.size());
+  links_.emplace_back(seed).set(quality);
+  at(sender).outbox.push_back(number);
+  at(receiver).inbox.push_back(number);
+  return number;
+}
+
+template <class S>
+void Fleet<S>::tick(std::int64_t t_us, const TickArrays& arrays) {
+  try {
+    profiles_ ? tick_all<true>(t_us, arrays) : tick_all<false>(t_us, arrays);
+  } catch (...) {
+    // What was said in the tick that failed is gone, and so is the memory it was in.
+    for (RadioLink& link : links_) link.forget();
+    throw;
+  }
+}
+
+template <class S>
+template <bool kProfiled>
+void Fleet<S>::tick_all(std::int64_t t_us, const TickArrays& arrays) {
+  Stopwatch<kProfiled> watch(profile_);
+  for (Station& leader : leaders_) tick_leader(leader, t_us, arrays);
+  watch.lap(Stage::kUnits);
+  for (std::size_t i = 0; i < boats(); ++i) tick_boat(i, t_us, arrays, watch);
+  // What was said without delay is heard at the same instant.
+  for (Station& leader : leaders_) listen(leader, t_us);
+  for (std::size_t i = 0; i < boats(); ++i) listen(boats_[i], t_us);
+  watch.lap(Stage::kDecode);
+}
+
+template <class S>
+Sensed Fleet<S>::sensed(const TickArrays& a, std::size_t agent) {
+  std::array<std::int32_t, 2> degE7{};
+  if (a.degE7 != nullptr) degE7 = {a.degE7[2 * agent], a.degE7[2 * agent + 1]};
+  return {a.eta + 3 * agent, a.nu + 3 * agent, degE7};
+}
+
+template <class S>
+void Fleet<S>::tick_leader(Station& s, std::int64_t t_us, const TickArrays& arrays) {
+  s.now_us = s.clock.at(t_us);
+  s.said.clear();
+  s.unit.tick(s.now_us, sensed(arrays, s.agent), s.said);
+  if (s.said.empty()) return;
+  if (records_) s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, kRadio, s.said);
+  broadcast(s, t_us);
+}
+
+template <class S>
+template <bool kProfiled>
+void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays& arrays,
+                         Stopwatch<kProfiled>& watch) {
+  Vessel& v = boats_[index];
+  Station& s = v.station;
+  s.now_us = s.clock.at(t_us);
+  chunk_.clear();
+  s.unit.tick(s.now_us, sensed(arrays, s.agent), chunk_);
+  watch.lap(Stage::kUnits);
+  if (!chunk_.empty()) hear(v, chunk_, t_us, kNavigation);
+  watch.lap(Stage::kDecode);
+  put_on_bus(v, t_us, arrays.rpm + 2 * index);
+  watch.lap(Stage::kCan);
+  listen(v, t_us);
+  watch.lap(Stage::kDecode);
+  const auto out = v.firmware.tick(s.now_us);
+  watch.lap(Stage::kTick);
+  for (const link::CanFrame& frame : out.can) {
+    if (records_) s.run->records.frame(t_us, s.number, Wire::kCanOut, frame.id, frame.bytes());
+    v.escs.on_can(frame.id, frame.bytes(), s.now_us);
+  }
+  for (std::size_t esc = 0; esc < EscNodes::kEscs; ++esc) {
+    arrays.command[EscNodes::kEscs * index + esc] = v.escs.command(esc, s.now_us);
+  }
+  watch.lap(Stage::kCan);
+  pass_on(v, out, t_us);
+  watch.lap(Stage::kLinks);
+}
+
+template <class S>
+void Fleet<S>::put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm) {
+  const Station& s = v.station;
+  frames_.clear();
+  v.escs.tick(s.now_us, rpm, frames_);
+  for (const link::CanFrame& frame : frames_) {
+    if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, frame.id, frame.bytes());
+    v.firmware.on_can(frame.id, frame.bytes(), s.now_us);
+  }
+}
+
+template <class S>
+void Fleet<S>::pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std::int64_t t_us) {
+  Station& s = v.station;
+  for (std::size_t link = 0; link < kLinks; ++link) {
+    const auto data = out.links->bytes(link);
+    if (records_ && !data.empty()) {
+      s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, link, data);
+    }
+  }
+  s.unit.on_mavlink(out.links->bytes(kNavigation), s.now_us);
+  // What it says it may say in the next tick's place; the others hear it until then.
+  const auto radio = out.links->bytes(kRadio);
+  s.said.assign(radio.begin(), radio.end());
+  if (!s.said.empty()) broadcast(s, t_us);
+}
+
+template <class S>
+void Fleet<S>::broadcast(const Station& s, std::int64_t t_us) {
+  for (const std::uint32_t link : s.outbox) links_[link].send(s.said, t_us);
+}
+
+template <class S>
+void Fleet<S>::listen(Vessel& v, std::int64_t t_us) {
+  for (const std::uint32_t link : v.station.inbox) {
+    links_[link].receive(t_us, [&](auto data) { hear(v, data, t_us, kRadio); });
+  }
+}
+
+template <class S>
+void Fleet<S>::listen(Station& s, std::int64_t t_us) {
+  for (const std::uint32_t link : s.inbox) {
+    links_[link].receive(t_us, [&](auto data) { s.unit.on_mavlink(data, s.now_us); });
+  }
+}
+
+template <class S>
+void Fleet<S>::hear(Vessel& v, std::span<const std::uint8_t> data, std::int64_t t_us,
+                    std::size_t link) {
+  const Station& s = v.station;
+  if (records_) s.run->records.chunk(t_us, s.number, Wire::kMavlinkIn, link, data);
+  v.firmware.on_mavlink(data, s.clock.at(t_us), link);
+}
+
+template <class S>
+void Fleet<S>::hear(std::size_t boat, std::span<const std::uint8_t> data, std::int64_t t_us,
+                    std::size_t link) {
+  hear(boats_[boat], data, t_us, link);
+}
+
+template <class S>
+void Fleet<S>::on_can(std::size_t boat, std::uint32_t can_id, std::span<const std::uint8_t> data,
+                      std::int64_t t_us) {
+  Vessel& v = boats_[boat];
+  const Station& s = v.station;
+  const std::int64_t now_us = s.clock.at(t_us);
+  if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, can_id, data);
+  v.firmware.on_can(can_id, data, now_us);
+  v.escs.on_can(can_id, data, now_us);
+}
+
+template <class S>
+void Fleet<S>::command(std::size_t boat, const Order& order, std::int64_t t_us) {
+  Vessel& v = boats_[boat];
+  std::vector<std::uint8_t> frame;
+  v.station.run->ground_station.write(frame, kCommandLong, order.params, order.command, v.system,
+                                      link::mav::kComponentAutopilot, std::uint8_t{0});
+  hear(v, frame, t_us, kRadio);
+}
+
+template <class S>
+std::optional<std::size_t> Fleet<S>::boat_of(std::size_t agent) const {
+  const auto [is_boat, index] = agents_[agent];
+  return is_boat ? std::optional<std::size_t>(index) : std::nullopt;
+}
+
+template <class S>
+Run* Fleet<S>::run(std::int64_t run) {
+  const auto found = runs_.find(run);
+  return found == runs_.end() ? nullptr : &found->second;
+}
+
+template <class S>
+std::span<const std::uint8_t> Fleet<S>::sent(std::size_t agent) const {
+  const auto [is_boat, index] = agents_[agent];
+  return is_boat ? boats_[index].station.said : leaders_[index].said;
+}
+
+template class Fleet<float>;
+template class Fleet<double>;
+
+}  // namespace flotilla::fleet

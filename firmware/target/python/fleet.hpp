@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// Everything that is on a wire in lockstep runs, many at once: navigation units, the boats, ESCs,
+// radio links, clocks. Knows no physics: it is told what the sensors measure and tells what the
+// motors are told. Its oracle is tests/loop/vessel.py, byte for byte.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "app/boat.hpp"
+#include "clock.hpp"
+#include "esc_nodes.hpp"
+#include "huge_page_list.hpp"
+#include "navigation_unit.hpp"
+#include "radio_link.hpp"
+#include "records.hpp"
+#include "stopwatch.hpp"
+
+namespace flotilla::fleet {
+
+constexpr std::size_t kNavigation = 0, kRadio = 1, kLinks = 2;
+
+/// What the sensors measure at a tick, and where the ESCs' commands go: arrays of `agents` × 3,
+/// × 3, × 2 (nullptr where no unit tells degrees), and of `boats` × 2, × 2.
+struct TickArrays {
+  const double* eta;
+  const double* nu;
+  const std::int32_t* degE7;
+  const double* rpm;
+  double* command;
+};
+
+/// COMMAND_LONG from a ground station.
+struct Order {
+  std::uint16_t command;
+  std::array<float, 7> params;
+};
+
+/// One run's recording and operator.
+struct Run {
+  std::size_t agents = 0;
+  Records records;
+  FrameWriter ground_station{{255, 190}};
+};
+
+/// S: scalar of the boats' law. Agents and links are counted from 0 in order of adding; whoever
+/// calls has checked that they exist. Times are the world's, µs.
+template <class S>
+class Fleet {
+ public:
+  Fleet(bool records, bool profiles) : records_(records), profiles_(profiles) {}
+
+  std::size_t add_leader(std::int64_t run, std::uint8_t system, const UnitSettings& unit,
+                         const Clock& clock);
+  std::size_t add_boat(std::int64_t run, const app::Parameters& parameters,
+                       const UnitSettings& unit, const Clock& clock);
+  std::size_t connect(std::size_t sender, std::size_t receiver, const LinkQuality& quality,
+                      std::uint64_t seed);
+
+  /// One control tick of all: leaders' units, then the boats, then whatever has come at once.
+  void tick(std::int64_t t_us, const TickArrays& arrays);
+
+  /// Bytes into a boat's link; a frame on its bus, which its firmware and its ESCs hear.
+  void hear(std::size_t boat, std::span<const std::uint8_t> data, std::int64_t t_us,
+            std::size_t link);
+  void on_can(std::size_t boat, std::uint32_t can_id, std::span<const std::uint8_t> data,
+              std::int64_t t_us);
+  void command(std::size_t boat, const Order& order, std::int64_t t_us);
+
+  std::size_t agents() const { return agents_.size(); }
+  std::size_t boats() const { return boats_.size(); }
+  std::size_t links() const { return links_.size(); }
+  bool records() const { return records_; }
+  bool tells_degrees() const { return tells_degrees_; }
+
+  /// Which boat an agent is; nothing of a leader.
+  std::optional<std::size_t> boat_of(std::size_t agent) const;
+  const app::Boat<S>& boat(std::size_t boat) const { return boats_[boat].firmware; }
+  RadioLink& link(std::size_t link) { return links_[link]; }
+  /// nullptr where no agent was ever added to it
+  Run* run(std::int64_t run);
+
+  /// What an agent said over the radio in the last tick.
+  std::span<const std::uint8_t> sent(std::size_t agent) const;
+
+  /// Seconds by stage since the last call.
+  Seconds take_profile() { return std::exchange(profile_, Seconds{}); }
+
+ private:
+  /// A leader, or what a boat has in common with it.
+  struct Station {
+    Clock clock;
+    NavigationUnit unit;
+    Run* run;
+    std::size_t agent;   // in the fleet
+    std::size_t number;  // in the run
+    std::vector<std::uint32_t> inbox{}, outbox{};
+    std::int64_t now_us = 0;           // its clock, at the tick
+    std::vector<std::uint8_t> said{};  // over the radio in the last tick
+  };
+  struct Vessel {
+    Station station;
+    EscNodes escs;
+    std::uint8_t system;
+    app::Boat<S> firmware;
+  };
+  struct Agent {
+    bool is_boat;
+    std::uint32_t index;
+  };
+
+  Station station(std::int64_t run, link::Address self, const UnitSettings& unit,
+                  const Clock& clock, bool is_boat);
+  template <bool kProfiled>
+  void tick_all(std::int64_t t_us, const TickArrays& arrays);
+  void tick_leader(Station& s, std::int64_t t_us, const TickArrays& arrays);
+  template <bool kProfiled>
+  void tick_boat(std::size_t index, std::int64_t t_us, const TickArrays& arrays,
+                 Stopwatch<kProfiled>& watch);
+  void put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm);
+  void pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std::int64_t t_us);
+  void broadcast(const Station& s, std::int64_t t_us);
+  void listen(Vessel& v, std::int64_t t_us);
+  void listen(Station& s, std::int64_t t_us);
+  void hear(Vessel& v, std::span<const std::uint8_t> data, std::int64_t t_us, std::size_t link);
+  static Sensed sensed(const TickArrays& arrays, std::size_t agent);
+
+  bool records_, profiles_;
+  bool tells_degrees_ = false;
+  std::vector<Agent> agents_;
+  std::deque<Station> leaders_;
+  app::Outbox outbox_{kLinks};  // of the boat whose turn it is
+  HugePageList<Vessel> boats_;
+  std::vector<RadioLink> links_;
+  std::map<std::int64_t, Run> runs_;
+  std::vector<std::uint8_t> chunk_;  // of the unit whose turn it is
+  EscNodes::Frames frames_;          // of the ESCs whose turn it is
+  Seconds profile_{};
+};
+
+}  // namespace flotilla::fleet

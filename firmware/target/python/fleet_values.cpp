@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "fleet_values.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include <cmath>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace nb = nanobind;
+
+namespace flotilla::fleet {
+namespace {
+
+constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 127 years; a clock adds as much
+// Longjumeau, as everywhere in the SIL: any place will do.
+constexpr std::array<std::int32_t, 3> kOrigin{487'000'000, 22'950'000, 40'000};
+
+template <class T>
+T item(const nb::handle& sequence, std::size_t i, const char* wanted) {
+  T value{};
+  if (!nb::try_cast(nb::object(sequence[i]), value)) throw nb::type_error(wanted);
+  return value;
+}
+
+StateMessage message_from(const std::string& name) {
+  constexpr std::array<std::pair<const char*, StateMessage>, 4> kNames{
+      {{"local", StateMessage::kLocal},
+       {"odometry", StateMessage::kOdometry},
+       {"global", StateMessage::kGlobal},
+       {"follow_target", StateMessage::kFollowTarget}}};
+  for (const auto& [known, message] : kNames) {
+    if (name == known) return message;
+  }
+  refuse("unit: message is \"local\", \"odometry\", \"global\" or \"follow_target\", not \"" +
+         name + "\"");
+}
+
+bool within(double x, double low, double high) { return low <= x && x <= high; }
+
+std::array<std::int32_t, 3> origin_from(const nb::handle& origin) {
+  constexpr const char* kWanted = "unit: origin is (latitude degE7, longitude degE7, altitude mm)";
+  if (!nb::isinstance<nb::tuple>(origin) || nb::len(origin) != 3) throw nb::type_error(kWanted);
+  const std::array out{item<std::int32_t>(origin, 0, kWanted),
+                       item<std::int32_t>(origin, 1, kWanted),
+                       item<std::int32_t>(origin, 2, kWanted)};
+  if (std::abs(out[0]) > 900'000'000 || std::abs(std::int64_t{out[1]}) > 1'800'000'000) {
+    refuse(kWanted);
+  }
+  return out;
+}
+
+std::string shape_text(std::span<const std::size_t> shape) {
+  std::string text;
+  for (const std::size_t n : shape)
+    text.append(text.empty() ? "(" : ", ").append(std::to_string(n));
+  return text.append(")");
+}
+
+}  // namespace
+
+void refuse(const std::string& text) { throw nb::value_error(text.c_str()); }
+
+UnitSettings unit_from(const nb::tuple& unit) {
+  constexpr const char* kWanted =
+      "unit: (rate_hz, message, attitude_rate_hz) or (rate_hz, message, attitude_rate_hz, origin)";
+  if (unit.size() != 3 && unit.size() != 4) throw nb::type_error(kWanted);
+  const double rate_hz = item<double>(unit, 0, kWanted);
+  const double attitude_rate_hz = item<double>(unit, 2, kWanted);
+  // A period is counted in whole microseconds.
+  if (!within(rate_hz, 1e-3, 1e6)) refuse("unit: rate_hz from 0.001 to 1000000");
+  if (attitude_rate_hz != 0 && !within(attitude_rate_hz, 1e-3, 1e6)) {
+    refuse("unit: attitude_rate_hz is 0 or from 0.001 to 1000000");
+  }
+  return {rate_hz, message_from(item<std::string>(unit, 1, kWanted)), attitude_rate_hz,
+          unit.size() == 4 ? origin_from(unit[3]) : kOrigin};
+}
+
+Clock clock_from(const nb::tuple& clock) {
+  constexpr const char* kWanted = "clock: (offset_us, drift_ppm)";
+  if (clock.size() != 2) throw nb::type_error(kWanted);
+  const Clock out{item<std::int64_t>(clock, 0, kWanted), item<double>(clock, 1, kWanted)};
+  if (out.offset_us < 0 || out.offset_us > kLatest_us) refuse("clock: offset_us from 0 to 4e15");
+  if (!within(out.drift_ppm, -1e5, 1e5)) refuse("clock: drift_ppm from -100000 to 100000");
+  return out;
+}
+
+LinkQuality quality_from(double delay_s, double jitter_s, double loss, double rate_Bps) {
+  constexpr double kLongest_s = 1e6, kFastest_Bps = 1e12;
+  if (!within(delay_s, 0, kLongest_s)) refuse("delay_s: from 0 to 1000000");
+  if (!within(jitter_s, 0, kLongest_s)) refuse("jitter_s: from 0 to 1000000");
+  if (!within(loss, 0, 1)) refuse("loss: from 0 to 1");
+  if (rate_Bps != 0 && !within(rate_Bps, 1, kFastest_Bps)) refuse("rate_Bps: 0 or from 1 to 1e12");
+  return {delay_s, jitter_s, loss, rate_Bps};
+}
+
+Order order_from(int command, const nb::sequence& params) {
+  if (command < 0 || command > 0xFFFF) refuse("command: from 0 to 65535");
+  Order order{static_cast<std::uint16_t>(command), {}};
+  const std::size_t count = nb::len(params);
+  if (count > order.params.size()) refuse("params: at most 7 numbers");
+  for (std::size_t i = 0; i < count; ++i) {
+    order.params[i] = static_cast<float>(item<double>(params, i, "params: at most 7 numbers"));
+  }
+  return order;
+}
+
+std::int64_t time_from(std::int64_t t_us) {
+  if (t_us < 0 || t_us > kLatest_us) refuse("t_us: from 0 to 4e15");
+  return t_us;
+}
+
+template <class T>
+Elements<T>::Elements(nb::handle array, const char* name, std::size_t rows, std::size_t columns) {
+  using Element = std::remove_const_t<T>;
+  const std::string wanted = std::string(name) + ": a C-contiguous" +
+                             (std::is_const_v<T> ? "" : ", writable") +
+                             (std::is_same_v<Element, double> ? " float64" : " int32") +
+                             " array of shape " + shape_text(std::array{rows, columns});
+  if (!nb::try_cast(array, array_) || array_.dtype() != nb::dtype<Element>()) {
+    throw nb::type_error(wanted.c_str());
+  }
+  if (array_.ndim() != 2 || array_.shape(0) != rows || array_.shape(1) != columns) {
+    std::vector<std::size_t> shape;
+    for (std::size_t i = 0; i < array_.ndim(); ++i) shape.push_back(array_.shape(i));
+    refuse(wanted + ", not " + shape_text(shape));
+  }
+  const bool contiguous =
+      array_.stride(1) == 1 && (rows < 2 || std::cmp_equal(array_.stride(0), columns));
+  if (rows > 0 && !contiguous) throw nb::type_error(wanted.c_str());
+}
+
+template class Elements<const double>;
+template class Elements<double>;
+template class Elements<const std::int32_t>;
+
+}  // namespace flotilla::fleet

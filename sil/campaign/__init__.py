@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Campaigns: many runs of one scenario, each with its own draws, and what they come to."""

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""What this process does while others sail the runs of a campaign."""
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+from sil.scenario import Scenario
+
+
+class _GivenUpError(Exception):
+    """The campaign has ended before its nominal run."""
+
+
+@contextmanager
+def nominal_run(
+    out: Path, scenario: Scenario, parameters: Mapping[str, float], say: Callable[[str], object]
+) -> Iterator[None]:
+    """Sail the run in which nothing is drawn, and import what draws pictures.
+
+    It costs the campaign nothing where it fails, which `say` is told, and is given up where the
+    campaign is.
+    """
+    given_up = threading.Event()
+
+    def progress(_: float) -> None:
+        if given_up.is_set():
+            raise _GivenUpError
+
+    def sail() -> None:
+        from sil.campaign import nominal, report, table  # noqa: F401, PLC0415
+
+        try:
+            nominal.write(out, scenario, dict(parameters), progress)
+        except _GivenUpError:
+            pass
+        except Exception as error:  # whatever it is, the others are the campaign
+            say(f"no nominal run: {type(error).__name__}: {error}")
+
+    with ThreadPoolExecutor(1) as thread:
+        sailed = thread.submit(sail)
+        try:
+            yield
+            sailed.result()
+        except BaseException:
+            given_up.set()
+            raise

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""A campaign from its beginning to its tables."""
+
+import argparse
+import shlex
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import flotilla
+from rich.console import Console
+from rich.markup import escape
+
+from sil import arguments, scenario
+from sil.campaign import runner, summary
+from sil.campaign.aside import nominal_run
+from sil.campaign.files import Folder, Identity
+from sil.campaign.progress import bar
+from sil.campaign.sampling import Sampler
+from sil.campaign.work import Batch, BatchResult, OtherCodeError, code
+from sil.scenario import Scenario
+from sil.start import StartError
+from sil.world import check
+
+_INTERRUPTED = 130
+BATCH, TRACES_BYTES = 25, 200e6
+"""So many runs are sailed in one go at most, with traces so large; no result depends on them."""
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What is sailed, into which folder, and the command that does so."""
+
+    sampler: Sampler
+    identity: Identity
+    folder: Folder
+    command: str
+
+    @classmethod
+    def of(cls, options: argparse.Namespace, command: str) -> "Campaign":
+        """The campaign of a command line; ValueError where it cannot be."""
+        source = scenario.read(options.scenario, options.set, options.law)
+        sampler = Sampler(source, options.seed)
+        name, document = sampler.nominal.name, source.document
+        parameters = arguments.parameters_of(options.param)
+        if both := sampler.parameters & parameters.keys():
+            raise ValueError(f"--param {', '.join(sorted(both))}: the scenario varies it")
+        identity = Identity(name, document, parameters, sampler.seed, options.runs, code())
+        return cls(sampler, identity, Folder(options.out or Path("out/campaign") / name), command)
+
+
+def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> int:
+    """As `sil.campaign.command.main`; the campaign began at `began_s` by time.perf_counter."""
+    console = Console()
+    command = shlex.join(["python", "-m", "sil", *given])
+    try:
+        campaign = Campaign.of(options, command)
+        if options.run is None:
+            _sail(campaign, options, began_s, console)
+        else:
+            _replay(campaign, options.run, console)
+    except KeyboardInterrupt:
+        console.print(f"interrupted; to go on: {escape(command)}", soft_wrap=True)
+        return _INTERRUPTED
+    except (OSError, ValueError, StartError, OtherCodeError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _replay(campaign: Campaign, run: int, console: Console) -> None:
+    """Sail one run alone, with all that `python -m sil run` leaves."""
+    # what draws pictures is not needed by a campaign's workers
+    from sil import run as single  # noqa: PLC0415
+    from sil.campaign import replay, report  # noqa: PLC0415
+
+    folder = campaign.folder.path
+    replay.check(folder, campaign.identity, run)
+    out, parameters = replay.place(folder, run), dict(campaign.identity.parameters)
+    single.run(campaign.sampler.scenario(run), out, parameters, campaign.command, console)
+    if replay.is_finished(folder):
+        console.print(replay.told(folder, run))
+        report.write(folder)
+
+
+def _sail(
+    campaign: Campaign, options: argparse.Namespace, began_s: float, console: Console
+) -> None:
+    identity, folder, sampler = campaign.identity, campaign.folder, campaign.sampler
+    # What cannot be is told before anything is sailed.
+    check(sampler.nominal, dict(identity.parameters))
+    for run in range(identity.runs):
+        sampler.scenario(run)
+    with folder.alone():
+        say = partial(_say, console)
+        results = folder.begin(identity, campaign.command, say)
+        with nominal_run(folder.path, sampler.nominal, identity.parameters, say):
+            effort = _sail_left(campaign, options, results, console)
+        _finish(campaign, results, effort, began_s, console)
+
+
+def _say(console: Console, text: str) -> None:
+    console.print(escape(text), soft_wrap=True)
+
+
+def _sail_left(
+    campaign: Campaign, options: argparse.Namespace, results: list[BatchResult], console: Console
+) -> summary.Effort:
+    """Sail the runs that are not among `results`, and add them."""
+    identity, folder, sampler = campaign.identity, campaign.folder, campaign.sampler
+    done = {run.run for result in results for run in result.runs}
+    left = [run for run in range(identity.runs) if run not in done]
+
+    def batches(least: int) -> list[Batch]:
+        size = min(_most_runs(sampler.nominal), -(-len(left) // least))
+        return [
+            Batch(tuple(left[i : i + size]), sampler, identity.parameters, identity.code)
+            for i in range(0, len(left), max(1, size))
+        ]
+
+    effort = summary.Effort()
+    with bar(sampler.nominal, identity.runs, len(done), console) as advance:
+
+        def note(result: BatchResult) -> None:
+            folder.keep(result)
+            results.append(result)
+            effort.add(result)
+            advance(len(result.runs))
+
+        if options.scheduler is None:
+            effort.cores = options.workers
+            runner.locally(batches(options.workers), options.workers, note)
+        else:
+            say = partial(_say, console)
+            effort.cores = runner.on_cluster(batches, options.scheduler, note, say)
+    return effort
+
+
+def _most_runs(nominal: Scenario) -> int:
+    """How many runs of a scenario are sailed in one go at most."""
+    ticks, boats = nominal.duration_s * nominal.rate_hz, len(nominal.boat)
+    # eta and nu of every agent, tau of every boat, as sil.trace.Tracer holds them
+    trace_bytes = 8.0 * ticks * (6 * (boats + 1) + 2 * boats)
+    return max(1, min(BATCH, int(TRACES_BYTES / trace_bytes)))
+
+
+def _finish(
+    campaign: Campaign,
+    results: Sequence[BatchResult],
+    effort: summary.Effort,
+    began_s: float,
+    console: Console,
+) -> None:
+    """Write the tables and campaign.json, tell what is in them."""
+    # what workers need not have, and nobody waits for
+    from sil.campaign import report, table  # noqa: PLC0415
+
+    folder, sampler = campaign.folder, campaign.sampler
+    sailed = {run.run: run for result in results for run in result.runs}
+    runs = [sailed[run] for run in sorted(sailed)]
+    rows = table.table(runs, len(sampler.nominal.boat), flotilla.STATES)
+    for name, content in (
+        ("table", rows),
+        ("draws", table.draws(sampler, campaign.identity.runs)),
+        ("seconds", table.seconds(runs)),
+        ("envelopes", table.envelopes(runs)),
+    ):
+        folder.write(f"{name}.parquet", table.parquet(content))
+    effort.wall_s = time.perf_counter() - began_s
+    told = summary.figures(sampler.nominal, runs, effort, table.content_digest(rows))
+    folder.write_json(campaign.identity, {"command": campaign.command, **told})
+    summary.show(console, sampler.nominal, runs, told)
+    report.write(folder.path)
+    folder.finish()
+    console.print(f"results: {folder.path}", soft_wrap=True)

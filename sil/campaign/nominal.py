@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""The nominal run of a campaign's scenario, for the report's pictures."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from sil.plant.hull import Array
+from sil.scenario import Scenario
+from sil.sections import Mismatch, WhiteNoise
+from sil.start import StartError
+from sil.world import Progress, sail
+
+NAME = "nominal.npz"
+_SAMPLE_S = 0.1
+
+
+def write(
+    out: Path,
+    scenario: Scenario,
+    parameters: dict[str, float],
+    progress: Progress = lambda _: None,
+) -> bool:
+    """Sail `scenario` and write nominal.npz into the existing folder `out`: t_s, eta, error.
+
+    From its own start, with hulls as the firmware knows them and w = 0: the dash-dotted lines of
+    the paper's Fig. 2. Ten samples a second, shapes as in trace.npz. `parameters`: the firmware's,
+    over the scenario's; `progress` is called with the share that is done. False, and no file, where
+    the boats cannot be started.
+    """
+    (out / NAME).unlink(missing_ok=True)
+    nominal = {"mismatch": Mismatch(), "white_noise": WhiteNoise()}
+    chosen = scenario.model_copy(update=nominal)
+    (run,) = sail([chosen], parameters, keep_s=_SAMPLE_S, progress=progress)
+    if isinstance(run, StartError):
+        return False
+    part = out / f".{NAME.removesuffix('.npz')}.part.npz"
+    arrays = {key: run.trace[key] for key in ("t_s", "eta", "error")}
+    # numpy's stubs take any keyword for its own options
+    np.savez_compressed(part, **arrays)  # type: ignore[arg-type]
+    os.replace(part, out / NAME)
+    return True
+
+
+def read(out: Path) -> dict[str, Array] | None:
+    """The arrays of nominal.npz, None where `out` has none."""
+    path = out / NAME
+    if not path.is_file():
+        return None
+    with np.load(path) as arrays:
+        return dict(arrays)

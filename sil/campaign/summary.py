@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""What a campaign comes to, in a few figures, and what it took."""
+
+import platform
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from sil.campaign import late
+from sil.campaign.outcome import RunResult, distances
+from sil.campaign.work import BatchResult
+from sil.scenario import Scenario
+
+_NAMED = 10
+"""So many runs are told by number."""
+
+
+@dataclass
+class Effort:
+    """What was sailed since the command was given, and what it took; `cores` that could sail."""
+
+    cores: int = 1
+    runs: int = 0
+    busy_s: float = 0.0
+    wall_s: float = 0.0
+
+    def add(self, result: BatchResult) -> None:
+        """Count a batch."""
+        self.runs += len(result.runs)
+        self.busy_s += result.busy_s
+
+
+def figures(
+    nominal: Scenario, runs: Sequence[RunResult], effort: Effort, digest: str
+) -> dict[str, Any]:
+    """What campaign.json says beyond what was sailed.
+
+    `error` are each boat's median and 95th percentile of |e|, m, over the `runs` that sailed and
+    their whole seconds from `from_s` on; infinite where so many diverged.
+    """
+    boat_s = effort.runs * len(nominal.boat) * nominal.duration_s
+    counted = Counter(run.outcome for run in runs)
+    error_m = distances(runs).transpose(1, 0, 2)
+    levels = late.percentiles(error_m, (50.0, 95.0)).tolist()
+    return {
+        "outcomes": {name: counted[name] for name in ("ok", "diverged", "failed")},
+        "error": {
+            "from_s": late.from_s(int(nominal.duration_s + 1e-6)),
+            "runs": error_m.shape[1],
+            "boats": [
+                {"boat": i, "p50_m": p50, "p95_m": p95}
+                for i, (p50, p95) in enumerate(levels, start=1)
+            ],
+        },
+        "versions": {
+            "python": platform.python_version(),
+            **{name: version(name) for name in ("flotilla", "numpy", "numba", "pyarrow")},
+        },
+        "cores": effort.cores,
+        "sailed_runs": effort.runs,
+        "wall_s": effort.wall_s,
+        "busy_s": effort.busy_s,
+        "boat_seconds_per_s": boat_s / effort.wall_s,
+        "ticks_per_s_per_core": boat_s * nominal.rate_hz / max(effort.busy_s, 1e-9),
+        "efficiency": effort.busy_s / (effort.cores * effort.wall_s),
+        "digest": digest,
+    }
+
+
+def show(
+    console: Console, nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]
+) -> None:
+    """Print `figures`, and which runs did not end well."""
+    error, failed = told["error"], told["outcomes"]["failed"]
+    of = f"{error['runs']} of {len(runs)} runs; {failed} failed are not in it"
+    whose = of if failed else f"{len(runs)} runs"
+    title = f"{nominal.name}: |e| from {error['from_s']:g} s on, {whose}"
+    console.print(title, soft_wrap=True)
+    table = Table(min_width=50)
+    for heading in ("boat", "median, m", "95th percentile, m"):
+        table.add_column(heading, justify="right")
+    for boat in error["boats"]:
+        table.add_row(str(boat["boat"]), f"{boat['p50_m']:.4f}", f"{boat['p95_m']:.4f}")
+    console.print(table)
+    for outcome in ("diverged", "failed"):
+        those = [run for run in runs if run.outcome == outcome]
+        for run in those[:_NAMED]:
+            console.print(f"[bold red]run {run.run} {outcome}: {escape(run.reason)}")
+        if those:
+            console.print(f"[bold red]{len(those)} of {len(runs)} runs {outcome}")
+    if told["sailed_runs"]:
+        console.print(
+            f"{told['sailed_runs']} runs in {told['wall_s']:.1f} s: "
+            f"{told['boat_seconds_per_s']:,.0f} boat-seconds/s; "
+            f"{told['ticks_per_s_per_core']:,.0f} firmware ticks/s a core, "
+            f"{told['cores']} cores busy {told['efficiency']:.0%} of the time"
+        )
+    console.print(f"digest {told['digest'][:16]}")

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""What a worker does: sails a batch of runs; what is left of each are figures and samples."""
+
+import hashlib
+import importlib.metadata
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import flotilla
+
+import sil
+from sil.campaign.outcome import RunResult, result_of
+from sil.campaign.sampling import Sampler
+from sil.world import sail
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Runs of a campaign, by number, and what they are to be sailed with.
+
+    `code`: what `code()` is where the campaign was started, `parameters` those of `--param`.
+    """
+
+    runs: tuple[int, ...]
+    sampler: Sampler
+    parameters: Mapping[str, float]
+    code: str
+
+    def singles(self) -> Iterator["Batch"]:
+        """Each of its runs as a batch of its own."""
+        return (replace(self, runs=(run,)) for run in self.runs)
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """Results of a batch, and the seconds that a core was busy with it."""
+
+    runs: tuple[RunResult, ...]
+    busy_s: float
+
+
+class OtherCodeError(RuntimeError):
+    """A worker has another build or version of this project than the campaign was started with."""
+
+
+@cache
+def code() -> str:
+    """SHA-256 of what figures depend on: this package, the native module, the libraries."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(sil.__file__ or "").parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    digest.update(Path(flotilla.__file__).read_bytes())
+    for library in ("numpy", "numba"):
+        digest.update(importlib.metadata.version(library).encode())
+    return digest.hexdigest()
+
+
+def sail_batch(batch: Batch) -> BatchResult:
+    """Sail a batch; a run that fails leaves a result that says why.
+
+    Raises OtherCodeError where the figures would not be those of the campaign's other workers.
+    """
+    began_s = time.perf_counter()
+    if batch.code != code():
+        raise OtherCodeError("a worker has another version or build of flotilla")
+    return BatchResult(tuple(_results(batch)), time.perf_counter() - began_s)
+
+
+def failed(batch: Batch, reason: str) -> BatchResult:
+    """The result of a batch of which no run could be sailed."""
+    seeds = [batch.sampler.seed_of(run) for run in batch.runs]
+    runs = zip(batch.runs, seeds, strict=True)
+    return BatchResult(tuple(RunResult(run, seed, "failed", reason) for run, seed in runs), 0.0)
+
+
+def _results(batch: Batch) -> list[RunResult]:
+    try:
+        scenarios = [batch.sampler.scenario(run) for run in batch.runs]
+        outcomes = sail(scenarios, dict(batch.parameters))
+        together = zip(batch.runs, scenarios, outcomes, strict=True)
+        return [result_of(*each) for each in together]
+    except Exception as error:  # whatever it is, the other runs go on
+        if len(batch.runs) == 1:
+            return list(failed(batch, f"{type(error).__name__}: {error}").runs)
+    return [result for single in batch.singles() for result in _results(single)]

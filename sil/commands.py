@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""python -m sil run and live: one scenario, in lockstep or in real time."""
+
+import argparse
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import can
+from rich.console import Console
+
+from sil import arguments, scenario
+from sil.run import live, run
+from sil.start import StartError
+
+
+def add_to(commands: Any) -> None:
+    """Add the commands to argparse's subparsers."""
+    lockstep = commands.add_parser("run", help="sail a scenario in lockstep, as fast as it goes")
+    in_real_time = commands.add_parser(
+        "live", help="sail a scenario in real time, a flotillad process a boat"
+    )
+    for command in (lockstep, in_real_time):
+        arguments.add_to(command, out="folder of the results (out/SCENARIO)")
+    in_real_time.add_argument(
+        "--bus",
+        required=True,
+        metavar="mcast:N|socketcan:NAMEn",
+        help="bus of boat 1, as mcast:0 or socketcan:vcan0; boat i takes the next one",
+    )
+    in_real_time.add_argument("--duration", type=float, help="seconds (the scenario's)")
+
+
+def main(options: argparse.Namespace, given: Sequence[str]) -> int:
+    """Exit status: 0, or 2 for a mistake of the caller, told in one line.
+
+    `given` is what he typed.
+    """
+    overrides = list(options.set)
+    if options.seed is not None:
+        overrides.append(f"seed={options.seed}")
+    if options.command == "live" and options.duration is not None:
+        overrides.append(f"duration_s={options.duration}")
+    try:
+        chosen = scenario.load(options.scenario, overrides, options.law)
+        out = options.out or Path("out") / chosen.name
+        parameters = arguments.parameters_of(options.param)
+        repeat = shlex.join(["python", "-m", "sil", *given])
+        if options.command == "run":
+            run(chosen, out, parameters, repeat, Console())
+        else:
+            live(chosen, options.bus, out, parameters, repeat, Console())
+    except (ValueError, OSError, StartError, can.CanError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""Tasks in processes of this machine: one that kills its process is told, and costs no other."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import forkserver
+from typing import TypeVar
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+
+def prepare(modules: Sequence[str]) -> None:
+    """Begin to import, in a process of its own, what the workers will need.
+
+    They are forked from that process, which has no threads, unlike this one.
+    """
+    multiprocessing.set_forkserver_preload(list(modules))
+    # What is ignored now is ignored by that process too: Ctrl-C is this one's affair.
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, handler)
+
+
+def run(
+    function: Callable[[Task], Result],
+    tasks: Sequence[Task],
+    workers: int,
+    note: Callable[[Task, Result], None],
+) -> list[Task]:
+    """`function` of each task, in `workers` processes; `note` is given the results as they come.
+
+    Returns the tasks that killed their process each time, twice: beside others, then alone. An
+    exception of `function` or `note`, or an interrupt, ends the processes and is raised.
+    """
+    suspects: list[Task] = []
+    waiting = deque(tasks)
+    while waiting:
+        suspects += _until_broken(function, waiting, workers, note)
+    lost = []
+    for task in suspects:
+        lost += _until_broken(function, deque([task]), 1, note)
+    return lost
+
+
+def _until_broken(
+    function: Callable[[Task], Result],
+    waiting: deque[Task],
+    workers: int,
+    note: Callable[[Task, Result], None],
+) -> list[Task]:
+    """Take tasks from `waiting` until none is left or a process dies; those it was to blame for."""
+    context = multiprocessing.get_context("forkserver")
+    others = multiprocessing.active_children()
+    futures: dict[Future[Result], Task] = {}
+    with ProcessPoolExecutor(workers, context, _begin) as pool:
+        try:
+            while waiting or futures:
+                # no more than these are lost with a process
+                while waiting and len(futures) < 2 * workers:
+                    futures[pool.submit(function, waiting[0])] = waiting[0]
+                    waiting.popleft()
+                for future in wait(futures, return_when=FIRST_COMPLETED).done:
+                    result = future.result()
+                    note(futures.pop(future), result)
+        except BrokenProcessPool:
+            return list(futures.values())
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            for process in multiprocessing.active_children():
+                if process not in others:
+                    process.terminate()
+            raise
+    return []
+
+
+def _begin() -> None:
+    """Begin a worker: Ctrl-C is the parent's affair, whose death is the worker's own."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def follow() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+"""What a fleet takes: memory by its boats and not by time; where its time goes."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import flotilla
+import numpy as np
+import pytest
+
+LOCAL, EXACT = (100.0, "local", 0.0), (0, 0.0)
+
+
+def chain(boats: int, radio: dict[str, float] | None = None, **options: Any) -> Any:
+    """A leader and boats behind each other, with the links that go with it."""
+    fleet = flotilla.Fleet(**options)
+    fleet.add_leader(0, 255, LOCAL, EXACT)
+    for boat in range(1, boats + 1):
+        own, ahead = 1 + boat % 250, 1 + (boat - 1) % 250
+        fleet.add_boat(0, {"MAV_SYSID": own, "FORM_LEADER": ahead}, LOCAL, EXACT)
+        fleet.connect(boat - 1, boat, **radio or {})
+        fleet.connect(boat, boat - 1, **radio or {})
+    return fleet
+
+
+def sail(fleet: Any, boats: int, first: int, ticks: int) -> None:
+    eta, shafts = np.zeros((boats + 1, 3)), np.zeros((boats, 2))
+    for k in range(first, first + ticks):
+        fleet.tick(10_000 * k, eta, eta, None, shafts, np.empty((boats, 2)))
+
+
+def resident_kB() -> float:
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGESIZE") / 1000.0
+
+
+def test_a_boat_with_its_wires_takes_under_20_kB_more() -> None:
+    first = chain(1000)
+    sail(first, 1000, 0, 3)
+    few_kB = resident_kB()
+    more = chain(4000)
+    sail(more, 4000, 0, 3)
+    assert 5.0 < (resident_kB() - few_kB) / 4000 < 20.0
+
+
+@pytest.mark.parametrize("radio", [{}, {"delay_s": 0.05, "jitter_s": 0.05, "loss": 0.1}])
+def test_memory_does_not_grow_with_time(radio: dict[str, float]) -> None:
+    fleet = chain(100, radio)
+    sail(fleet, 100, 0, 500)
+    before_kB = resident_kB()
+    sail(fleet, 100, 500, 1000)
+    # One byte a boat and tick would be 100 kB.
+    assert resident_kB() - before_kB < 80.0
+
+
+def test_the_profile_says_where_the_time_goes() -> None:
+    fleet = chain(20, profile=True)
+    sail(fleet, 20, 0, 50)
+    spent = fleet.profile()
+    assert set(spent) == {"units", "decode", "tick", "can", "links"}
+    assert all(seconds > 0 for seconds in spent.values())
+    assert set(fleet.profile().values()) == {0.0}
+
+
+def test_without_a_profile_no_clock_is_read() -> None:
+    fleet = chain(2)
+    sail(fleet, 2, 0, 5)
+    assert set(fleet.profile().values()) == {0.0}

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""A fleet's propellers turn and stop where those of single boats do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sil.wire.dronecan import RAW_COMMAND, RawCommand
+from sil.wire.dronecan_transfer import Publisher
+from tests.target.twin_fleets import H_US, Twins, alone, in_formation
+
+OTHER = 99
+
+
+@pytest.mark.parametrize("indices", [(0, 1), (7, 2), (19, 12), (3, 4)])
+def test_escs_at_any_place_of_a_command(indices: tuple[int, int]) -> None:
+    port, stbd = indices
+    twins = Twins()
+    twins.diamond()
+    twins.boat({"MAV_SYSID": 9, "FORM_LEADER": 100, "ESC_PORT": port, "ESC_STBD": stbd})
+    twins.tie(twins.leaders[0], twins.boats[-1])
+    twins.enter_formation()
+    twins.tick(200)
+    assert twins.state(twins.boats[-1]) == "FORMATION"
+    twins.compare()
+
+
+@pytest.mark.parametrize("silence_us", [240_000, 250_000, 250_001, 500_000, 500_001, 3_000_000])
+def test_propellers_stop_where_commands_stop(silence_us: int) -> None:
+    """What an ESC does at the end of a silence it tells before the boat has spoken again."""
+    twins = in_formation()
+    twins.t_us += silence_us - H_US
+    twins.tick(20)
+    twins.compare()
+
+
+@pytest.mark.parametrize("silence_us", [400_000, 500_000, 600_000, 1_000_000])
+def test_propellers_stop_where_nobody_says_that_the_boat_is_armed(silence_us: int) -> None:
+    twins = in_formation()
+    twins.t_us += silence_us
+    twins.on_bus(Publisher(RAW_COMMAND, 7, OTHER).frames(RawCommand((500, 500)).encode()))
+    twins.tick(20)
+    twins.compare()
+
+
+@pytest.mark.parametrize("length", [0, 1, 2, 7, 35, 36, 70])
+def test_a_command_that_is_too_long_is_none(length: int) -> None:
+    twins = in_formation()
+    twins.t_us += 4 * H_US  # the ESCs tell what they heard before the boat speaks again
+    twins.on_bus(Publisher(RAW_COMMAND, 7, OTHER).frames(b"\x33" * length))
+    twins.tick(5)
+    twins.compare()
+
+
+def test_propellers_stop_when_the_boat_is_disarmed() -> None:
+    twins = in_formation()
+    twins.both("command", twins.boats, twins.t_us, 400, (0.0,))
+    twins.tick(100)
+    assert {twins.state(b) for b in twins.boats} == {"DISARMED"}
+    twins.compare()
+
+
+def test_shafts_may_turn_at_any_speed() -> None:
+    """Speeds beyond what the message holds are told as the most it holds."""
+    twins = alone()
+    sensed = twins._sensed
+    for rpm in (0.5, 1.5, -0.5, -2.5, 1e4, -1e4, 131071.4, 2e5, -2e5, 1e9):
+
+        def fast(rpm: float = rpm) -> tuple[Any, ...]:
+            *rest, shafts = sensed()
+            return (*rest, 0 * shafts + rpm)
+
+        twins._sensed = fast  # type: ignore[method-assign]
+        twins.tick(9)
+    twins.compare()
