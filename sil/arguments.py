@@ -2,6 +2,7 @@
 """What several commands have in common on the command line."""
 
 import argparse
+import os
 from pathlib import Path
 
 from sil.law import LAWS
@@ -32,6 +33,17 @@ def add_to(command: argparse.ArgumentParser, out: str) -> None:
         default=[],
         metavar="KEY=VALUE",
         help="a key of the scenario, as link.delay_s=0.1 or boat.2.eta=[0,0,0]; repeatable",
+    )
+
+
+def add_workers_to(command: argparse.ArgumentParser) -> None:
+    """Add how many processes may sail at once."""
+    command.add_argument(
+        "--workers",
+        type=count,
+        default=os.cpu_count(),
+        metavar="N",
+        help="processes of this machine (CPUs)",
     )
 
 

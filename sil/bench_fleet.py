@@ -77,15 +77,12 @@ def _duration_s(boats: int) -> float:
 
 
 def _median(rounds: list[FleetFigure]) -> FleetFigure:
-    def median(of: Callable[[FleetFigure], float]) -> float:
-        return statistics.median(of(figure) for figure in rounds)
-
     stages = rounds[0]["stages_us"]
     return {
         "boats": rounds[0]["boats"],
-        "boat_seconds_per_s": median(lambda f: f["boat_seconds_per_s"]),
-        "resident_kB": median(lambda f: f["resident_kB"]),
-        "stages_us": {s: median(lambda f, s=s: f["stages_us"][s]) for s in stages},  # type: ignore[misc]
+        "boat_seconds_per_s": statistics.median(one["boat_seconds_per_s"] for one in rounds),
+        "resident_kB": statistics.median(one["resident_kB"] for one in rounds),
+        "stages_us": {s: statistics.median(one["stages_us"][s] for one in rounds) for s in stages},
     }
 
 

@@ -3,7 +3,6 @@
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -47,13 +46,7 @@ def add_to(commands: Any) -> None:
     command.add_argument(
         "--seeds", type=arguments.count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
     )
-    command.add_argument(
-        "--workers",
-        type=arguments.count,
-        default=os.cpu_count(),
-        metavar="N",
-        help="processes (CPUs)",
-    )
+    arguments.add_workers_to(command)
     command.add_argument(
         "--out", type=Path, default=Path("out/results"), metavar="DIR", help="(out/results)"
     )

@@ -2,7 +2,6 @@
 """python -m sil campaign: many runs of a scenario, each with its own draws, and what they show."""
 
 import argparse
-import os
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -17,13 +16,7 @@ def add_to(commands: Any) -> None:
     )
     arguments.add_to(command, out="folder of the results (out/campaign/SCENARIO)")
     command.add_argument("--runs", type=arguments.count, default=100, metavar="N", help="(100)")
-    command.add_argument(
-        "--workers",
-        type=arguments.count,
-        default=os.cpu_count(),
-        metavar="N",
-        help="processes of this machine (CPUs)",
-    )
+    arguments.add_workers_to(command)
     command.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask cluster that sails them: tcp://HOST:PORT"
     )

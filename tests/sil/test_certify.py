@@ -10,6 +10,7 @@ import pytest
 from sil import certify
 from sil.certificate import search
 from sil.certify import main
+from tests.sil.mistakes import assert_told_in_one_line
 
 SINE = "leader.input.1.yaw_sine_Nm=0.0"
 QUICK = 200
@@ -148,7 +149,5 @@ def test_a_mistake_is_told_in_one_line(
 ) -> None:
     out = tmp_path / "out"
     assert main([*arguments, "--out", str(out)]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("error: ") and error.count("\n") == 1
-    assert said in error
+    assert_told_in_one_line(said, capsys)
     assert not out.exists()

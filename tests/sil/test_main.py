@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from sil.__main__ import main
+from tests.sil.mistakes import assert_told_in_one_line
 
 
 @pytest.mark.parametrize(
@@ -27,9 +28,7 @@ def test_a_mistake_is_told_in_one_line(
 ) -> None:
     out = tmp_path / "out"
     assert main([*arguments, "--out", str(out)]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("error: ") and error.count("\n") == 1
-    assert said in error
+    assert_told_in_one_line(said, capsys)
     assert not out.exists()
 
 

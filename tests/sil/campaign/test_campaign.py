@@ -19,6 +19,7 @@ from sil.campaign import campaign, nominal, report
 from sil.campaign.files import Folder
 from sil.scenario import load
 from tests.sil.campaign.short import short
+from tests.sil.mistakes import assert_told_in_one_line
 
 TABLES = ("table", "draws", "seconds", "envelopes")
 RUNS = 7
@@ -279,8 +280,7 @@ def test_a_mistake_is_told_in_one_line_and_changes_nothing(
 ) -> None:
     out = tmp_path / "out"
     assert main(command(scenario, out, *more)) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("error: ") and said in told and told.count("\n") == 1
+    assert_told_in_one_line(said, capsys)
     assert not out.exists()
 
 

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+"""How every command tells a caller's mistake."""
+
+import pytest
+
+
+def assert_told_in_one_line(said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and error.count("\n") == 1
+    assert said in error
