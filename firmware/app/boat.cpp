@@ -130,7 +130,14 @@ template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
   if (core::armed(state()) && !core::armed(was)) armed_us_ = now_us;
-  if (state() == core::State::kFormation && was != state()) pilot_.start();
+  if (state() == core::State::kCoast) {
+    if (was != state()) coast_us_ = now_us;
+  } else {
+    coast_us_.reset();
+    if (state() == core::State::kFormation && was != core::State::kCoast && was != state()) {
+      pilot_.start();
+    }
+  }
 }
 
 template <class S>
@@ -154,6 +161,16 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (host_.bus_up) met |= core::kBusUp;
   if (!can_.foreign_controller(now_us)) met |= core::kSoleController;
   if (host_.parameters_saved) met |= core::kParametersSaved;
+  if (!coast_us_ || now_us - *coast_us_ < convert::microseconds(p.FS_COAST_S)) {
+    met |= core::kCoastRunning;
+  }
+  if (p.FS_LEADER_ACT == 0) met |= core::kLeaderLossHolds;
+  if (p.FS_LEADER_ACT == 1) met |= core::kLeaderLossCoasts;
+  if (p.FS_GCS_ACT == 0) met |= core::kGcsLossHolds;
+  if (p.FS_GCS_ACT == 1) met |= core::kGcsLossCoasts;
+  met |= core::kOwnLive | core::kOwnSteady | core::kLeaderLive | core::kLeaderSteady;
+  met |= core::kBoatAnswers | core::kEscsObey | core::kGcsHeard | core::kBatteryGood;
+  met |= core::kInsideFence | core::kClear;
   return met;
 }
 
@@ -193,8 +210,8 @@ void Boat<S>::steer(std::int64_t now_us) {
   core::Thrust<S> wanted{};
   const bool drive = may_drive(now_us);
   if (drive) wanted = wanted_thrust(now_us, dt);
-  const bool formation = drive && state() == core::State::kFormation;
-  if (!formation && seen()) law_output_.error = pilot_.look(now_us).error;
+  const bool by_law = drive && core::law_drives(state());
+  if (!by_law && seen()) law_output_.error = pilot_.look(now_us).error;
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, wanted, dt);

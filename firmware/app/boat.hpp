@@ -143,6 +143,7 @@ class Boat {
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   std::int64_t armed_us_ = 0;
+  std::optional<std::int64_t> coast_us_;  // since when, in COAST
   std::optional<Home> home_;
 
   Pilot<S> pilot_;

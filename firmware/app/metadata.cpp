@@ -53,6 +53,10 @@ constexpr bool is_json_number(std::string_view text) {
 #define FLOTILLA_IDENTITIES FLOTILLA_VALUE(0, "vehicle") "," FLOTILLA_VALUE(1, "companion")
 #define FLOTILLA_KIND_Frame "\"decimalPlaces\":0,\"values\":[" FLOTILLA_FRAMES "]"
 #define FLOTILLA_FRAMES FLOTILLA_VALUE(0, "north-east") "," FLOTILLA_VALUE(1, "ahead-starboard")
+#define FLOTILLA_KIND_Action "\"decimalPlaces\":0,\"values\":[" FLOTILLA_ACTIONS "]"
+#define FLOTILLA_ACTIONS    \
+  FLOTILLA_VALUE(0, "HOLD") \
+  "," FLOTILLA_VALUE(1, "COAST, then HOLD") "," FLOTILLA_VALUE(2, "MANUAL with fresh sticks")
 #define FLOTILLA_SIGNS FLOTILLA_VALUE(-1, "reversed") "," FLOTILLA_VALUE(1, "normal")
 #define FLOTILLA_MODES        \
   FLOTILLA_VALUE(0, "MANUAL") \

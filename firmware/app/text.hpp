@@ -12,8 +12,8 @@
 namespace flotilla::app {
 
 inline std::string_view name_of(core::State state) {
-  constexpr std::array<std::string_view, core::kStates> kNames{"DISARMED",  "HOLD", "MANUAL",
-                                                               "FORMATION", "TEST", "FAULT"};
+  constexpr std::array<std::string_view, core::kStates> kNames{
+      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -27,11 +27,22 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSoleController, "another controller on the CAN bus"},
     {core::kBusUp, "CAN bus is down"},
     {core::kOwnFresh, "own state is not fresh"},
+    {core::kOwnLive, "own state is frozen"},
+    {core::kOwnSteady, "own state jumps"},
     {core::kEscsOnline, "ESCs are not online"},
+    {core::kEscsObey, "an ESC drives that was told to stand still"},
+    {core::kBoatAnswers, "boat does not answer to thrust"},
     {core::kLeaderFresh, "leader's state is not fresh"},
+    {core::kLeaderLive, "leader's state is frozen"},
+    {core::kLeaderSteady, "leader's state jumps"},
+    {core::kClear, "a vessel is nearer than FS_SEP_M"},
+    {core::kInsideFence, "farther from home than FS_FENCE_M"},
+    {core::kBatteryGood, "battery is below FS_BATT_V"},
+    {core::kGcsHeard, "no ground station is heard"},
     {core::kParametersSaved, "parameters are not saved"},
     {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
     {core::kTestRunning, "no motor test is running"},
+    {core::kCoastRunning, "leader did not come back"},
 }};
 
 /// Calls f(sentence) for every condition of the set, the most important first.

@@ -25,6 +25,7 @@ std::uint8_t mode_of(State state) {
     case State::kManual:
       return mode::kManual;
     case State::kFormation:
+    case State::kCoast:
       return mode::kFormation;
     default:
       return mode::kHold;

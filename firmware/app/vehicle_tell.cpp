@@ -18,13 +18,14 @@ std::uint8_t base_mode_of(State state) {
   unsigned flags = mav::kModeFlagCustom;
   if (core::armed(state)) flags |= mav::kModeFlagArmed;
   if (state == State::kManual) flags |= mav::kModeFlagManual;
-  if (state == State::kFormation) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
+  if (core::law_drives(state)) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
   if (state == State::kTest) flags |= mav::kModeFlagTest;
   return static_cast<std::uint8_t>(flags);
 }
 
 std::uint8_t status_of(State state) {
   if (state == State::kFault) return mav::kStateEmergency;
+  if (state == State::kCoast) return mav::kStateCritical;
   return core::armed(state) ? mav::kStateActive : mav::kStateStandby;
 }
 

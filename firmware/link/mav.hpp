@@ -11,7 +11,7 @@ constexpr std::uint8_t kAutopilotGeneric = 0, kAutopilotInvalid = 8;
 constexpr std::uint8_t kComponentAutopilot = 1;
 constexpr std::uint8_t kModeFlagCustom = 1, kModeFlagTest = 2, kModeFlagAuto = 4,
                        kModeFlagGuided = 8, kModeFlagManual = 64, kModeFlagArmed = 128;
-constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateEmergency = 6;
+constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateCritical = 5, kStateEmergency = 6;
 constexpr std::uint8_t kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
                        kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12;
 constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAcceleration = 4,
