@@ -36,13 +36,13 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kLeaderLive, "leader's state is frozen"},
     {core::kLeaderSteady, "leader's state jumps"},
     {core::kClear, "a vessel is nearer than FS_SEP_M"},
-    {core::kInsideFence, "farther from home than FS_FENCE_M"},
-    {core::kBatteryGood, "battery is below FS_BATT_V"},
+    {core::kInsideFence, "not within FS_FENCE_M of home"},
+    {core::kBatteryGood, "battery is not above FS_BATT_V"},
     {core::kGcsHeard, "no ground station is heard"},
     {core::kParametersSaved, "parameters are not saved"},
     {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
     {core::kTestRunning, "no motor test is running"},
-    {core::kCoastRunning, "leader did not come back"},
+    {core::kCoastRunning, "FS_COAST_S is over"},
 }};
 
 /// Calls f(sentence) for every condition of the set, the most important first.

@@ -100,8 +100,9 @@ constexpr std::array<Row, 28> kTable{{
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
     {kLawDrives, Request::kNone, 0, kByLaw, State::kHold},
-    {in(State::kFormation), Request::kNone, kLeaderLossHolds, kLeader, State::kHold},
-    {in(State::kFormation), Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
+    // Of two losses the more careful choice counts, also of one that comes later, in COAST.
+    {kLawDrives, Request::kNone, kLeaderLossHolds, kLeader, State::kHold},
+    {kLawDrives, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
     {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kLeader, State::kCoast},
     {in(State::kFormation), Request::kNone, kGcsLossCoasts, kGcsHeard, State::kCoast},
     {in(State::kFormation), Request::kNone, kSticksFresh, kLeader | kGcsHeard, State::kManual},
@@ -128,7 +129,7 @@ constexpr std::array<Row, 28> kTable{{
 
 struct Verdict {
   State state;
-  bool granted;  ///< a row fitted; always false for Request::kNone when nothing changes
+  bool granted;  ///< a row fitted; for Request::kNone: the boat changed its state by itself
   /// Refused for want of these, none where the state itself forbids it; or what was lost, where the
   /// boat changed its state by itself.
   Conditions missing;
@@ -143,7 +144,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
     if (unmet == 0 && lacking) return {row.to, true, row.lacks & ~met};
     missing |= unmet;
   }
-  return {state, false, missing};
+  return {state, false, request == Request::kNone ? Conditions{0} : missing};
 }
 
 constexpr bool armed(State state) { return (kArmed & in(state)) != 0; }
