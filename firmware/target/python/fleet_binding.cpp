@@ -10,9 +10,9 @@
 #include <variant>
 
 #include "app/text.hpp"
-#include "fleet.hpp"
 #include "fleet_values.hpp"
 #include "snapshot.hpp"
+#include "target/fleet/fleet.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;

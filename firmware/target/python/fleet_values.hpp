@@ -7,10 +7,10 @@
 
 #include <string>
 
-#include "clock.hpp"
-#include "fleet.hpp"
-#include "navigation_unit.hpp"
-#include "radio_link.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/fleet.hpp"
+#include "target/fleet/navigation_unit.hpp"
+#include "target/fleet/radio_link.hpp"
 
 namespace flotilla::fleet {
 

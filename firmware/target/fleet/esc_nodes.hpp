@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "clock.hpp"
-#include "esc_receiver.hpp"
 #include "link/can_frame.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/esc_receiver.hpp"
 
 namespace flotilla::fleet {
 

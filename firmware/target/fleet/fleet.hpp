@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "app/boat.hpp"
-#include "clock.hpp"
-#include "esc_nodes.hpp"
-#include "huge_page_list.hpp"
-#include "navigation_unit.hpp"
-#include "radio_link.hpp"
-#include "records.hpp"
-#include "stopwatch.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/esc_nodes.hpp"
+#include "target/fleet/huge_page_list.hpp"
+#include "target/fleet/navigation_unit.hpp"
+#include "target/fleet/radio_link.hpp"
+#include "target/fleet/records.hpp"
+#include "target/fleet/stopwatch.hpp"
 
 namespace flotilla::fleet {
 

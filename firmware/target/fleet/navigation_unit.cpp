@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "navigation_unit.hpp"
+#include "target/fleet/navigation_unit.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fleet.hpp"
+#include "target/fleet/fleet.hpp"
 
 #include <array>
 #include <stdexcept>

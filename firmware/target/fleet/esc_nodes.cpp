@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "esc_nodes.hpp"
+#include "target/fleet/esc_nodes.hpp"
 
 #include <algorithm>
 #include <cmath>

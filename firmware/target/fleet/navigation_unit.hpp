@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "clock.hpp"
-#include "frame_writer.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/frame_writer.hpp"
 
 namespace flotilla::fleet {
 
@@ -42,8 +42,6 @@ class NavigationUnit {
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us);
 
   bool tells_degrees() const { return message_ >= StateMessage::kGlobal; }
-
-  /// What it holds beside itself.
 
  private:
   struct Request {
