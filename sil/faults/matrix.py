@@ -7,7 +7,7 @@ import numpy as np
 
 from sil.faults.outcome import Outcome
 from sil.faults.rows import Row
-from sil.faults.watch import STATES, Watch
+from sil.faults.watch import STATES, States, Watch
 from sil.plant.hull import Array
 from sil.start import StartError
 from sil.world import Progress, Run, sail
@@ -44,9 +44,9 @@ def _error_m(row: Row, run: Run) -> Array:
 
 
 class _Seen:
-    """One boat's run: its states (ticks), thrust told (ticks, 2), distance from its slot (ticks)."""
+    """One boat's run, by ticks: its states, the thrusts told, the distance from its slot."""
 
-    def __init__(self, row: Row, h_s: float, states: Array, thrust_N: Array, error_m: Array):
+    def __init__(self, row: Row, h_s: float, states: States, thrust_N: Array, error_m: Array):
         self._row, self._h_s, self._states, self._error_m = row, h_s, states, error_m
         kept = [i for i, esc in enumerate(("port", "stbd")) if row.but != esc]
         self._thrust_N = thrust_N[:, kept].max(axis=1)
@@ -128,8 +128,7 @@ class _Seen:
         if thrust_N > 0.0:
             self._why.append(f"{thrust_N:.2f} N told where none was wanted")
         coast = self._states == STATES["COAST"]
-        both = coast[1:] & coast[:-1]
-        rise_N = float(np.diff(self._thrust_N)[both].max(initial=0.0))
+        rise_N = float(np.diff(self._thrust_N)[coast[1:]].max(initial=0.0))
         if rise_N > _STEP_N:
             self._why.append(f"thrust rose by {rise_N:.2f} N in COAST")
         if off.any():

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from sil import files
 from sil.faults.outcome import Outcome
+from sil.faults.soak import Soaked
 
 _COLUMNS = ("fault", "detected after", "state", "thrust after", "recovered after", "pass")
 
@@ -22,6 +23,14 @@ def table(outcomes: Sequence[Outcome]) -> Table:
     for one in outcomes:
         *cells, verdict = _cells(one)
         out.add_row(*cells, verdict if one.passed else f"[bold red]{verdict}: {one.why}")
+    return out
+
+
+def soak_table(soaked: Soaked) -> Table:
+    """How often each fault was, and how long it took until all were in FORMATION again."""
+    out = Table("fault", "times", "slowest recovery, s", title="soak")
+    for kind, times in sorted(soaked.faults.items()):
+        out.add_row(kind, str(times), f"{soaked.slowest_s.get(kind, float('nan')):.1f}")
     return out
 
 

@@ -15,18 +15,19 @@ from sil.wire.operator import FORMATION, HOLD
 
 _RETRY_S = 0.5
 _CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
+States = npt.NDArray[np.uint8]
 STATES: dict[str, int] = {name: i for i, name in enumerate(flotilla.STATES)}
 
 
 class Watch:
-    """Of each row: `states` (rows, ticks) of its boat and `commands` (rows, ticks, 2) of its motors.
+    """Of each row its boat's `states` (rows, ticks), and what its motors are told (rows, ticks, 2).
 
     The operator asks every half a second from a fault's end on, where a row has one.
     """
 
     def __init__(self, rows: Sequence[Row], ticks: int) -> None:
         self._rows = rows
-        self.states: npt.NDArray[np.uint8] = np.zeros((len(rows), ticks), np.uint8)
+        self.states: States = np.zeros((len(rows), ticks), np.uint8)
         self.commands: Array = np.zeros((len(rows), ticks, 2))
 
     def __call__(self, batch: Batch, members: Sequence[int], tick: int, t_us: int) -> None:
