@@ -32,8 +32,9 @@ class Batch:
     """R runs of N boats each, ready to be sailed once; nothing of a run depends on another.
 
     Agents of `fleet` are the rows of `bodies`: the virtual leaders, then the boats, run by run.
-    `command` (R N, 2): what the ESCs told their motors in the last tick. `recorders`: to be set to
-    those of the runs, where there are any. ValueError where the firmware refuses a parameter.
+    `command` (R N, 2): what the ESCs told their motors in the last tick. `sensors`: of all agents.
+    `recorders`: to be set to those of the runs, where there are any. ValueError where the firmware
+    refuses a parameter.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class Batch:
             self._connect(run, scenario)
         self.bodies = bodies_of(scenarios)
         self.command: Array = np.zeros((len(scenarios) * self.boats, 2))
-        self._sensors = Sensors(
+        self.sensors = Sensors(
             [one.navigation.noise for one in scenarios],
             [generator(one.seed, Stream.SENSORS) for one in scenarios],
             self.bodies,
@@ -76,7 +77,7 @@ class Batch:
     def _aboard(self, run: int, agent: int) -> tuple[Any, Any]:
         """Unit and clock of a run's agent, as the fleet takes them."""
         unit, clock = self._units[run][agent], self._clocks[run][agent]
-        origin = self._told.origins[self._row(run, agent)]
+        origin = self._told.origins[self.row(run, agent)]
         told = (unit.rate_hz, unit.message, unit.attitude_rate_hz, origin)
         return told, (clock.offset_us, clock.drift_ppm)
 
@@ -84,17 +85,18 @@ class Batch:
         rng = generator(scenario.seed, Stream.LINKS)
         radio = scenario.link.model_dump()
         for agent, boat in enumerate(scenario.boat, start=1):
-            ends = self._row(run, boat.follows), self._row(run, agent)
+            ends = self.row(run, boat.follows), self.row(run, agent)
             for sender, receiver in (ends, ends[::-1]):
                 seed = int(rng.integers(1 << 64, dtype=np.uint64))
                 self.fleet.connect(sender, receiver, **radio, seed=seed)
 
-    def _row(self, run: int, agent: int) -> int:
+    def row(self, run: int, agent: int) -> int:
+        """The fleet's number of a run's agent."""
         return run if agent == 0 else len(self.scenarios) + run * self.boats + agent - 1
 
     def agents(self, run: int) -> range:
         """The fleet's numbers of a run's boats."""
-        begin = self._row(run, 1)
+        begin = self.row(run, 1)
         return range(begin, begin + self.boats)
 
     def header(self, run: int) -> dict[str, Any]:
@@ -118,9 +120,9 @@ class Batch:
 
     def tick(self, t_us: int) -> None:
         """Everything that goes over a wire at `t_us`; the hulls stay where they are."""
-        self._sensors.measure()
-        eta = self._told.poses(self._sensors.eta)
-        told = (eta, self._sensors.nu, self._told.degE7)
+        self.sensors.measure()
+        eta = self._told.poses(self.sensors.eta)
+        told = (eta, self.sensors.nu, self._told.degE7)
         self.fleet.tick(t_us, *told, self.bodies.rpm, self.command)
         self._ticks += 1
         if self.recorders and self._ticks % _TAKE == 0:

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, ValidationError
 
 from sil import law, toml_errors
+from sil.fault_errors import fault_contradictions
 from sil.law import Law
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
@@ -19,6 +20,7 @@ from sil.plant.weather import steps_of
 from sil.sections import (
     Boat,
     Clocks,
+    Fault,
     Leader,
     Link,
     Mismatch,
@@ -69,6 +71,7 @@ class Scenario(Section):
     leader: Leader
     parameters: Parameters = Field(default_factory=dict)
     boat: Annotated[tuple[Boat, ...], Strict(False), Field(min_length=1)]
+    fault: Annotated[tuple[Fault, ...], Strict(False)] = ()
     vary: Annotated[tuple[Vary, ...], Strict(False)] = ()
 
     def vessels(self) -> list[Vessel]:
@@ -178,6 +181,7 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             allowed = f"boat {index} may follow agents 0 to {index - 1}"
             yield key, f'"{".".join(key)}" = {boat.follows}: {allowed}'
     yield from _unit_contradictions(scenario)
+    yield from fault_contradictions(scenario.fault, len(scenario.boat), scenario.navigation.noise)
     noise = scenario.white_noise
     if noise.power:
         try:

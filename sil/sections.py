@@ -212,6 +212,44 @@ class Boat(Section):
     navigation: Unit = Unit()
 
 
+FaultKind = Literal[
+    "own_silent",
+    "own_frozen",
+    "own_jump",
+    "own_noisy",
+    "own_clock",
+    "esc_silent",
+    "esc_stuck",
+    "esc_reversed",
+    "esc_reboot",
+    "bus_off",
+    "frame_loss",
+    "radio_silent",
+    "radio_loss",
+    "byte_errors",
+    "impostor",
+    "replay",
+    "clock",
+    "restart",
+]
+
+
+class Fault(Section):
+    """What goes wrong with an agent from `at_s` after the release on, for `for_s` or to the end.
+
+    `value`: metres (own_jump, impostor), seconds (own_clock, clock, replay), a share (frame_loss,
+    radio_loss, byte_errors) or a factor (own_noisy). `esc`: whose, where it is one of ESCs.
+    `firmware/target/fleet/fault.hpp` says what each kind is.
+    """
+
+    kind: FaultKind
+    agent: Annotated[int, Field(ge=0)]
+    at_s: NotNegative
+    for_s: Positive | None = None
+    value: float = 0.0
+    esc: Literal["port", "stbd", "both"] = "both"
+
+
 class Vary(Section):
     """A key of the scenario that a campaign draws anew for each run; a single run ignores it.
 

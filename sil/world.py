@@ -13,6 +13,7 @@ import flotilla
 
 from sil.agents import parameters_of
 from sil.batch import Batch
+from sil.faults import timeline
 from sil.plant.hull import Array
 from sil.recording import MOST_BOATS, Recorder
 from sil.scenario import Scenario
@@ -20,6 +21,9 @@ from sil.start import StartError, start
 from sil.trace import Tracer
 
 Progress = Callable[[float], None]
+# Is called after each tick from the release on, before the hulls move: the batch, which of the
+# scenarios each of its runs is, number of the tick, time in us.
+Watch = Callable[[Batch, Sequence[int], int, int], None]
 
 
 @dataclass(frozen=True)
@@ -59,9 +63,10 @@ class World:
 
 
 def check(scenario: Scenario, param_overrides: dict[str, float]) -> None:
-    """ValueError where a boat's firmware refuses a parameter; it names the parameter."""
+    """ValueError where a boat's firmware refuses a parameter, or a fault cannot happen; says it."""
     for own in parameters_of(scenario, param_overrides):
         flotilla.Boat(own, links=2, scalar=scenario.scalar)
+    timeline.check(scenario)
 
 
 def sail(
@@ -72,14 +77,16 @@ def sail(
     digest: bool = False,
     keep_s: float | None = None,
     progress: Progress = lambda _: None,
+    watch: Watch | None = None,
 ) -> list[Run | StartError]:
     """Sail scenarios together; a run, or why there was none, of each, in their order.
 
     A run is the same bit for bit whatever it is sailed with. `record`: where the recording of a
     single scenario is written; `digest`: whether runs have one all the same. `keep_s`: what the
     traces keep, every so many seconds; None is every tick, as figures of the whole run need it.
-    `progress` is called with the share that is done. Where the firmware refuses a parameter that
-    is a StartError too. ValueError for records of more boats than they have room for.
+    `progress` is called with the share that is done; `watch` may look at everything. Where the
+    firmware refuses a parameter that is a StartError too. ValueError for records of more boats than
+    they have room for.
     """
     if record is not None and len(scenarios) != 1:
         raise ValueError("a recording is of one run")
@@ -94,7 +101,7 @@ def sail(
             results[i] = StartError(str(error))
         else:
             alike.setdefault(_shape(scenario), []).append(i)
-    order = _Order(param_overrides, record, record is not None or digest, keep_s, progress)
+    order = _Order(param_overrides, record, record is not None or digest, keep_s, progress, watch)
     for members in alike.values():
         order.sail(members, scenarios, results)
     return [results[i] for i in range(len(scenarios))]
@@ -116,6 +123,7 @@ class _Order:
     digest: bool
     keep_s: float | None
     progress: Progress
+    watch: Watch | None
 
     def sail(
         self,
@@ -135,7 +143,7 @@ class _Order:
             if isinstance(ready[0], int) and len(set(ready)) == 1:
                 done = len(results) / len(scenarios)
                 share = len(members) / len(scenarios)
-                runs = self._to_the_end(batch, ready[0], done, share)
+                runs = self._to_the_end(batch, members, ready[0], done, share)
                 results.update(zip(members, runs, strict=True))
                 return
         failed = [(i, t) for i, t in zip(members, ready, strict=True) if isinstance(t, StartError)]
@@ -145,12 +153,19 @@ class _Order:
             together = [i for i, t in zip(members, ready, strict=True) if t == t_us]
             self.sail(together, scenarios, results)
 
-    def _to_the_end(self, batch: Batch, ready_us: int, done: float, share: float) -> list[Run]:
+    def _to_the_end(
+        self, batch: Batch, members: Sequence[int], ready_us: int, done: float, share: float
+    ) -> list[Run]:
         """Release the hulls of all runs and sail to the scenarios' end."""
         tracer = Tracer(batch.scenarios, batch.bodies, batch.slots, self.keep_s)
+        faults = timeline.Timeline(batch)
         for k in range(tracer.ticks):
+            t_us = ready_us + k * batch.h_us
             if k > 0:  # the tick of the release has been
-                batch.tick(ready_us + k * batch.h_us)
+                faults.apply(k, t_us)
+                batch.tick(t_us)
+            if self.watch is not None:
+                self.watch(batch, members, k, t_us)
             tracer.step(k, batch.command, batch.fleet.states)
             if k % 100 == 0:
                 self.progress(done + share * k / tracer.ticks)

@@ -10,9 +10,9 @@
 #include <variant>
 
 #include "app/text.hpp"
-#include "fleet.hpp"
 #include "fleet_values.hpp"
 #include "snapshot.hpp"
+#include "target/fleet/fleet.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;
@@ -53,6 +53,12 @@ class PyFleet {
     const auto found = fleet.boat_of(agent(fleet, i));
     if (!found) refuse("agent " + std::to_string(i) + " is a leader, not a boat");
     return *found;
+  }
+
+  /// The agent, which can have the fault.
+  static std::size_t with(const auto& fleet, std::size_t i, const Fault& fault) {
+    if (is_boats(fault.kind)) boat(fleet, i);
+    return agent(fleet, i);
   }
 
   static RadioLink& link_of(auto& fleet, std::size_t link) {
@@ -145,6 +151,18 @@ class PyFleet {
     });
   }
 
+  void set_fault(std::size_t i, const std::string& kind, std::int64_t t_us, double value,
+                 const nb::object& esc, std::uint64_t seed) {
+    const Fault fault = fault_from(kind, value, esc, seed);
+    visit([&](auto& f) { f.set_fault(with(f, i, fault), fault, time_from(t_us)); });
+  }
+
+  void clear_fault(std::size_t i, const std::string& kind, std::int64_t t_us,
+                   const nb::object& esc) {
+    const Fault fault = fault_from(kind, 0.0, esc, 0);
+    visit([&](auto& f) { f.clear_fault(with(f, i, fault), fault, time_from(t_us)); });
+  }
+
   nb::object states() const {
     return visit([](auto& f) {
       auto* states = new std::uint8_t[f.boats()];
@@ -199,6 +217,9 @@ void bind_fleet(nb::module_& m) {
     states.append(nb::str(name.data(), name.size()));
   }
   m.attr("STATES") = nb::tuple(states);
+  nb::list faults;
+  for (const std::string_view name : kFaultNames) faults.append(nb::str(name.data(), name.size()));
+  m.attr("FAULTS") = nb::tuple(faults);
   nb::class_<PyFleet>(
       m, "Fleet",
       "Everything that is on a wire in lockstep runs, many at once: navigation units, boats with "
@@ -237,6 +258,15 @@ void bind_fleet(nb::module_& m) {
       .def("command", &PyFleet::command, "agents"_a, "t_us"_a, "command"_a, "params"_a,
            "COMMAND_LONG with up to 7 params over the radio to each of these boats, from their "
            "run's ground station (255/190).")
+      .def(
+          "set_fault", &PyFleet::set_fault, "agent"_a, "kind"_a, "t_us"_a, "value"_a = 0.0,
+          "esc"_a = nb::none(), "seed"_a = 0,
+          "Something goes wrong from the next tick on. kind: one of flotilla.FAULTS; value: metres "
+          "(own_jump, impostor), seconds (own_clock, clock, replay) or a share (frame_loss, "
+          "radio_loss, byte_errors); esc: \"port\", \"stbd\" or None for both; seed: of what is "
+          "lost or damaged.")
+      .def("clear_fault", &PyFleet::clear_fault, "agent"_a, "kind"_a, "t_us"_a,
+           "esc"_a = nb::none(), "It is over; nothing happens where there is none.")
       .def_prop_ro("states", &PyFleet::states,
                    "(boats,) uint8: the supervisors' states after the last tick, as numbers in "
                    "flotilla.STATES.")

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "esc_nodes.hpp"
+#include "target/fleet/esc_nodes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "link/crc16.hpp"
 #include "link/dronecan_messages.hpp"
@@ -31,6 +32,16 @@ constexpr std::uint32_t subject(const link::DataType& type, std::uint8_t destina
 /// What does not change of esc.Status: no errors, a battery of 24 V, current and temperature NaN.
 constexpr std::array<std::uint8_t, 10> kStatusHead{0, 0, 0, 0, 0x00, 0x4E, 0x00, 0x7E, 0x00, 0x7E};
 constexpr std::uint16_t kStatusHeadCrc = link::crc16(link::EscStatus::kType.crc_seed, kStatusHead);
+
+/// A publisher's transfer id; the one after it is next.
+std::uint8_t next(std::uint8_t& id) {
+  return std::exchange(id, static_cast<std::uint8_t>((id + 1U) & kTransferId));
+}
+
+std::uint32_t uptime_s(std::int64_t boot_us, std::int64_t now_us) {
+  return static_cast<std::uint32_t>(
+      std::clamp<std::int64_t>((now_us - boot_us) / 1'000'000, 0, 0xFFFFFFFF));
+}
 
 std::uint8_t low_byte(unsigned bits) { return static_cast<std::uint8_t>(bits & 0xFFU); }
 
@@ -64,7 +75,10 @@ void EscNodes::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data,
   if (about == subject(link::ArmingStatus::kType)) {
     const auto transfer = receiver_.push(can_id, data, kArmingStatusSeed, now_us);
     if (!transfer || transfer->size != 1) return;
-    armed_us_ = transfer->first[0] == kFullyArmed ? now_us : kNever_us;
+    const std::int64_t armed_us = transfer->first[0] == kFullyArmed ? now_us : kNever_us;
+    for (Esc& esc : escs_) {
+      if (!esc.off) esc.armed_us = armed_us;
+    }
     return;
   }
   for (std::size_t esc = 0; esc < kEscs; ++esc) {
@@ -79,56 +93,86 @@ void EscNodes::take_raw_command(const EscReceiver::Transfer& transfer, std::int6
   if (transfer.size > kLongestRawCommand) return;
   const auto message = link::read_raw_command(transfer.first);
   for (Esc& esc : escs_) {
-    if (esc.index >= message->count) continue;
+    if (esc.index >= message->count || esc.off) continue;
     esc.raw = message->cmd[esc.index];
     esc.raw_us = now_us;
     esc.zero_seen = esc.zero_seen || esc.raw == 0;
   }
 }
 
-double EscNodes::command(std::size_t i, std::int64_t now_us) const {
-  const Esc& esc = escs_[i];
+double EscNodes::told(const Esc& esc, std::int64_t now_us) const {
   if (!esc.zero_seen || now_us - esc.raw_us > kCommandTimeout_us) return 0.0;
-  if (now_us - armed_us_ > kArmingTimeout_us) return 0.0;
+  if (now_us - esc.armed_us > kArmingTimeout_us) return 0.0;
   return std::max(esc.raw / kFullScale, -1.0);
 }
 
+double EscNodes::command(std::size_t i, std::int64_t now_us) const {
+  const Esc& esc = escs_[i];
+  if (esc.stuck) return *esc.stuck;
+  const double command = told(esc, now_us);
+  return esc.reversed ? -command : command;
+}
+
+void EscNodes::set_fault(FaultKind kind, std::optional<std::size_t> which, std::int64_t now_us) {
+  for (std::size_t i = 0; i < kEscs; ++i) {
+    if (which && *which != i) continue;
+    Esc& esc = escs_[i];
+    if (kind == FaultKind::kEscSilent) esc.silent = true;
+    if (kind == FaultKind::kEscStuck) esc.stuck = command(i, now_us);
+    if (kind == FaultKind::kEscReversed) esc.reversed = true;
+    if (kind == FaultKind::kEscReboot) {
+      esc = {.index = esc.index, .silent = esc.silent, .reversed = esc.reversed, .off = true};
+    }
+  }
+}
+
+void EscNodes::clear_fault(FaultKind kind, std::optional<std::size_t> which) {
+  for (std::size_t i = 0; i < kEscs; ++i) {
+    if (which && *which != i) continue;
+    Esc& esc = escs_[i];
+    if (kind == FaultKind::kEscSilent) esc.silent = false;
+    if (kind == FaultKind::kEscStuck) esc.stuck.reset();
+    if (kind == FaultKind::kEscReversed) esc.reversed = false;
+    if (kind == FaultKind::kEscReboot) esc.off = false;
+  }
+}
+
 void EscNodes::tick(std::int64_t now_us, const double* rpm, Frames& out) {
-  if (boot_us_ == kNever_us) boot_us_ = now_us;
   const bool node_due = node_status_rate_.due(now_us), esc_due = esc_status_rate_.due(now_us);
   if (!node_due && !esc_due && questions_.empty()) return;
   for (std::size_t esc = 0; esc < kEscs; ++esc) {
+    Esc& it = escs_[esc];
+    if (it.silent || it.off) continue;
+    if (it.boot_us == kNever_us) it.boot_us = now_us;
     if (node_due) tell_node_status(esc, now_us, out);
-    if (esc_due) tell_esc_status(esc, now_us, rpm[esc], out);
+    if (esc_due) tell_esc_status(esc, now_us, it.reversed ? -rpm[esc] : rpm[esc], out);
     for (const Question& question : questions_) {
       if (question.esc == esc) answer(question, now_us, out);
     }
   }
   questions_.clear();
-  node_status_id_ = (node_status_id_ + (node_due ? 1U : 0U)) & kTransferId;
-  esc_status_id_ = (esc_status_id_ + (esc_due ? 1U : 0U)) & kTransferId;
 }
 
-void EscNodes::tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out) const {
+void EscNodes::tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out) {
   constexpr link::DataType type = link::NodeStatus::kType;
   link::NodeStatus status;
-  status.uptime_sec = uptime_s(now_us);
+  status.uptime_sec = uptime_s(escs_[esc].boot_us, now_us);
   link::Payload payload;
   const std::size_t size = write_payload(status, payload);
   link::CanFrame& frame = out.emplace_back();
-  split_transfer({kNodeStatusPriority, type.kind, type.id, kNodes[esc], 0}, type, node_status_id_,
-                 std::span(payload).first(size), std::span(&frame, 1));
+  split_transfer({kNodeStatusPriority, type.kind, type.id, kNodes[esc], 0}, type,
+                 next(escs_[esc].node_status_id), std::span(payload).first(size),
+                 std::span(&frame, 1));
 }
 
-void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm,
-                               Frames& out) const {
+void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out) {
   constexpr link::DataType type = link::EscStatus::kType;
   const auto tail = status_tail(rpm, 100.0 * std::abs(command(esc, now_us)), escs_[esc].index);
   const std::uint16_t crc = link::crc16(kStatusHeadCrc, tail);
   const std::uint32_t id =
       link::can_id_of({kEscStatusPriority, type.kind, type.id, kNodes[esc], 0});
   const auto& h = kStatusHead;
-  const std::uint8_t n = esc_status_id_;
+  const std::uint8_t n = next(escs_[esc].esc_status_id);
   const auto flagged = [n](unsigned flags) { return low_byte(flags | n); };
   out.push_back(
       {id, 8, {low_byte(crc), low_byte(crc >> 8U), h[0], h[1], h[2], h[3], h[4], flagged(0x80)}});
@@ -140,7 +184,7 @@ void EscNodes::answer(const Question& question, std::int64_t now_us, Frames& out
   constexpr link::DataType type = link::NodeInfo::kResponse;
   constexpr std::size_t kMostFrames = 16;
   link::NodeInfo info;
-  info.status.uptime_sec = uptime_s(now_us);
+  info.status.uptime_sec = uptime_s(escs_[question.esc].boot_us, now_us);
   info.software_major = 1;
   info.unique_id = {kNodes[question.esc],
                     escs_[question.esc].index,
@@ -166,11 +210,6 @@ void EscNodes::answer(const Question& question, std::int64_t now_us, Frames& out
       split_transfer({question.priority, type.kind, type.id, kNodes[question.esc], question.source},
                      type, question.transfer_id, std::span(payload).first(size), frames);
   out.insert(out.end(), frames.begin(), frames.begin() + std::ptrdiff_t(count));
-}
-
-std::uint32_t EscNodes::uptime_s(std::int64_t now_us) const {
-  return static_cast<std::uint32_t>(
-      std::clamp<std::int64_t>((now_us - boot_us_) / 1'000'000, 0, 0xFFFFFFFF));
 }
 
 }  // namespace flotilla::fleet

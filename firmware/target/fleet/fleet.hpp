@@ -8,18 +8,20 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "app/boat.hpp"
-#include "clock.hpp"
-#include "esc_nodes.hpp"
-#include "huge_page_list.hpp"
-#include "navigation_unit.hpp"
-#include "radio_link.hpp"
-#include "records.hpp"
-#include "stopwatch.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/esc_nodes.hpp"
+#include "target/fleet/huge_page_list.hpp"
+#include "target/fleet/navigation_unit.hpp"
+#include "target/fleet/radio_link.hpp"
+#include "target/fleet/records.hpp"
+#include "target/fleet/stopwatch.hpp"
+#include "target/fleet/vessel_faults.hpp"
 
 namespace flotilla::fleet {
 
@@ -72,6 +74,12 @@ class Fleet {
               std::int64_t t_us);
   void command(std::size_t boat, const Order& order, std::int64_t t_us);
 
+  /// From the next tick on; one of the kind takes the place of the last one. std::invalid_argument
+  /// where a clock would go back before 0.
+  void set_fault(std::size_t agent, const Fault& fault, std::int64_t t_us);
+  /// Of its kind, and of its ESC; where there is none, nothing happens.
+  void clear_fault(std::size_t agent, const Fault& fault, std::int64_t t_us);
+
   std::size_t agents() const { return agents_.size(); }
   std::size_t boats() const { return boats_.size(); }
   std::size_t links() const { return links_.size(); }
@@ -99,14 +107,18 @@ class Fleet {
     Run* run;
     std::size_t agent;   // in the fleet
     std::size_t number;  // in the run
+    std::uint8_t system;
     std::vector<std::uint32_t> inbox{}, outbox{};
     std::int64_t now_us = 0;           // its clock, at the tick
+    std::int64_t jumped_us = 0;        // how far its clock has; not its ESCs', which have their own
     std::vector<std::uint8_t> said{};  // over the radio in the last tick
+    std::unique_ptr<VesselFaults> faults{};  // none where there is none
+
+    bool has(FaultKind kind) const { return faults && faults->has(kind); }
   };
   struct Vessel {
     Station station;
     EscNodes escs;
-    std::uint8_t system;
     app::Boat<S> firmware;
   };
   struct Agent {
@@ -114,6 +126,10 @@ class Fleet {
     std::uint32_t index;
   };
 
+  Station& station_of(std::size_t agent) {
+    const auto [is_boat, index] = agents_[agent];
+    return is_boat ? boats_[index].station : leaders_[index];
+  }
   Station station(std::int64_t run, link::Address self, const UnitSettings& unit,
                   const Clock& clock, bool is_boat);
   template <bool kProfiled>
@@ -122,12 +138,16 @@ class Fleet {
   template <bool kProfiled>
   void tick_boat(std::size_t index, std::int64_t t_us, const TickArrays& arrays,
                  Stopwatch<kProfiled>& watch);
+  void measure(Station& s, const TickArrays& arrays, std::vector<std::uint8_t>& out);
   void put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm);
   void pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std::int64_t t_us);
-  void broadcast(const Station& s, std::int64_t t_us);
+  void broadcast(Station& s, std::int64_t t_us);
   void listen(Vessel& v, std::int64_t t_us);
   void listen(Station& s, std::int64_t t_us);
   void hear(Vessel& v, std::span<const std::uint8_t> data, std::int64_t t_us, std::size_t link);
+  void shift_clock(Station& s, std::int64_t by_us, std::int64_t t_us);
+  void report_bus(Vessel& v, std::int64_t t_us);
+  void restart(Vessel& v, std::int64_t t_us);
   static Sensed sensed(const TickArrays& arrays, std::size_t agent);
 
   bool records_, profiles_;

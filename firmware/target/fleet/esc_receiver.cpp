@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "esc_receiver.hpp"
+#include "target/fleet/esc_receiver.hpp"
 
 #include "link/crc16.hpp"
 

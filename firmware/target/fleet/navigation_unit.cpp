@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "navigation_unit.hpp"
+#include "target/fleet/navigation_unit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -58,11 +58,10 @@ std::array<float, 21> unknown_covariance() { return {std::numeric_limits<float>:
 
 NavigationUnit::NavigationUnit(link::Address self, const UnitSettings& settings)
     : self_(self),
-      message_(settings.message),
+      settings_(settings),
       writer_(self),
       state_rate_(settings.rate_hz),
-      slow_rate_(1.0),
-      origin_(settings.origin) {
+      slow_rate_(1.0) {
   if (settings.attitude_rate_hz > 0) attitude_rate_.emplace(settings.attitude_rate_hz);
 }
 
@@ -80,11 +79,11 @@ void NavigationUnit::tick(std::int64_t now_us, const Sensed& sensed, Out& out) {
 void NavigationUnit::tell_slowly(std::int64_t now_us, Out& out) {
   writer_.write(out, kHeartbeat, std::uint32_t{0}, kTypeGeneric, link::mav::kAutopilotInvalid,
                 std::uint8_t{0}, link::mav::kStateActive, kMavlinkVersion);
-  writer_.write(out, kGpsGlobalOrigin, origin_, now_us);
+  writer_.write(out, kGpsGlobalOrigin, settings_.origin, now_us);
 }
 
 void NavigationUnit::tell(std::int64_t now_us, const Sensed& sensed, Out& out) {
-  switch (message_) {
+  switch (settings_.message) {
     case StateMessage::kLocal:
       return local(now_us, sensed, out);
     case StateMessage::kOdometry:
@@ -119,8 +118,8 @@ void NavigationUnit::odometry(std::int64_t now_us, const Sensed& s, Out& out) {
 void NavigationUnit::global(std::int64_t now_us, const Sensed& s, Out& out) {
   if (!attitude_rate_) attitude(now_us, s, out);
   const auto [north, east] = velocity(s);
-  writer_.write(out, kGlobalPositionInt, boot_ms(now_us), s.degE7, origin_[2], std::int32_t{0},
-                cm_per_s(north), cm_per_s(east), std::int16_t{0}, kUnknownHeading);
+  writer_.write(out, kGlobalPositionInt, boot_ms(now_us), s.degE7, settings_.origin[2],
+                std::int32_t{0}, cm_per_s(north), cm_per_s(east), std::int16_t{0}, kUnknownHeading);
 }
 
 void NavigationUnit::follow_target(std::int64_t now_us, const Sensed& s, Out& out) {
@@ -128,8 +127,8 @@ void NavigationUnit::follow_target(std::int64_t now_us, const Sensed& s, Out& ou
   const auto [north, east] = velocity(s);
   const std::array<float, 3> zeros{}, rates{0, 0, single(s.nu[2])};
   writer_.write(out, kFollowTarget, now_us / 1000, std::uint64_t{0}, s.degE7,
-                single(0.001 * origin_[2]), std::array{single(north), single(east), 0.0F}, zeros,
-                quaternion(s.eta[2]), rates, zeros,
+                single(0.001 * settings_.origin[2]), std::array{single(north), single(east), 0.0F},
+                zeros, quaternion(s.eta[2]), rates, zeros,
                 static_cast<std::uint8_t>(kFollowPosition | kFollowVelocity | kFollowAttitude));
 }
 

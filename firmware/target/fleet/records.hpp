@@ -15,7 +15,20 @@
 namespace flotilla::fleet {
 
 /// Which of an agent's wires, and which way: MAVLink's are counted on by link.
-enum class Wire : std::uint8_t { kMavlinkIn = 0, kCanIn = 8, kMavlinkOut = 16, kCanOut = 24 };
+enum class Wire : std::uint8_t {
+  kMavlinkIn = 0,
+  kCanIn = 8,
+  kMavlinkOut = 16,
+  kCanOut = 24,
+  kHost = 32
+};
+
+/// What a boat's host tells it, or does to it.
+enum class HostEvent : std::uint8_t {
+  kBus,      ///< the CAN interface is up, 1, or down, 0
+  kClock,    ///< the boat's clock is so far ahead of the world's from now on, µs
+  kRestart,  ///< a new process
+};
 
 class Records {
  public:
@@ -32,6 +45,12 @@ class Records {
     head(t_us, agent, static_cast<std::size_t>(wire), sizeof id + data.size());
     put(bytes_of(id));
     put(data);
+  }
+
+  void host(std::int64_t t_us, std::size_t agent, HostEvent event, std::int64_t value) {
+    head(t_us, agent, static_cast<std::size_t>(Wire::kHost), sizeof event + sizeof value);
+    put(bytes_of(event));
+    put(bytes_of(value));
   }
 
   /// All since the last call.

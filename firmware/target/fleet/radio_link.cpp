@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "radio_link.hpp"
+#include "target/fleet/radio_link.hpp"
 
 #include <algorithm>
 #include <cmath>

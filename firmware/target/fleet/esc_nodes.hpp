@@ -6,12 +6,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "clock.hpp"
-#include "esc_receiver.hpp"
 #include "link/can_frame.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/esc_receiver.hpp"
+#include "target/fleet/fault.hpp"
 
 namespace flotilla::fleet {
 
@@ -28,6 +30,10 @@ class EscNodes {
   /// What a motor is told now, full reverse −1 to full forward 1.
   double command(std::size_t esc, std::int64_t now_us) const;
 
+  /// Of both where `esc` is none.
+  void set_fault(FaultKind kind, std::optional<std::size_t> esc, std::int64_t now_us);
+  void clear_fault(FaultKind kind, std::optional<std::size_t> esc);
+
   using Frames = std::vector<link::CanFrame>;
 
   /// Appends the frames that are due, in order, to `out`; rpm (1/min) of the two shafts.
@@ -38,7 +44,11 @@ class EscNodes {
     std::uint8_t index;
     std::int16_t raw = 0;
     bool zero_seen = false;
-    std::int64_t raw_us = kNever_us;
+    std::int64_t raw_us = kNever_us, armed_us = kNever_us, boot_us = kNever_us;
+    std::uint8_t node_status_id = 0, esc_status_id = 0;
+    // what is wrong with it
+    bool silent = false, reversed = false, off = false;
+    std::optional<double> stuck{};  // there
   };
   struct Question {
     std::size_t esc;
@@ -47,18 +57,15 @@ class EscNodes {
   static constexpr std::int64_t kNever_us = -(std::int64_t{1} << 62);
 
   void take_raw_command(const EscReceiver::Transfer& transfer, std::int64_t now_us);
-  void tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out) const;
-  void tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out) const;
+  void tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out);
+  void tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out);
   void answer(const Question& question, std::int64_t now_us, Frames& out) const;
-  std::uint32_t uptime_s(std::int64_t now_us) const;
+  double told(const Esc& esc, std::int64_t now_us) const;
 
   std::array<Esc, kEscs> escs_;
   EscReceiver receiver_;
   std::vector<Question> questions_;
   Rate node_status_rate_, esc_status_rate_;
-  std::int64_t boot_us_ = kNever_us;
-  std::int64_t armed_us_ = kNever_us;
-  std::uint8_t node_status_id_ = 0, esc_status_id_ = 0;
 };
 
 }  // namespace flotilla::fleet

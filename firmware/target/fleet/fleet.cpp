@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fleet.hpp"
+#include "target/fleet/fleet.hpp"
 
 #include <array>
 #include <stdexcept>
@@ -25,7 +25,7 @@ typename Fleet<S>::Station Fleet<S>::station(std::int64_t run, link::Address sel
   if (records_ && mine.agents == Records::kMostAgents) {
     throw std::invalid_argument("record: a recording has room for 256 agents");
   }
-  Station out{clock, NavigationUnit(self, unit), &mine, agents_.size(), mine.agents++};
+  Station out{clock, NavigationUnit(self, unit), &mine, agents_.size(), mine.agents++, self.system};
   tells_degrees_ = tells_degrees_ || out.unit.tells_degrees();
   agents_.push_back({is_boat, static_cast<std::uint32_t>(is_boat ? boats() : leaders_.size())});
   return out;
@@ -42,10 +42,9 @@ std::size_t Fleet<S>::add_leader(std::int64_t run, std::uint8_t system, const Un
 template <class S>
 std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const UnitSettings& unit,
                                const Clock& clock) {
-  const std::uint8_t system = byte_of(p.MAV_SYSID);
-  const link::Address self{system, kComponentGps};
+  const link::Address self{byte_of(p.MAV_SYSID), kComponentGps};
   boats_.push_back({station(run, self, unit, clock, true),
-                    EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}), system,
+                    EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
                     app::Boat<S>(p, kLinks, &outbox_)});
   return agents() - 1;
 }
@@ -53,14 +52,10 @@ std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const
 template <class S>
 std::size_t Fleet<S>::connect(std::size_t sender, std::size_t receiver, const LinkQuality& quality,
                               std::uint64_t seed) {
-  const auto at = [this](std::size_t agent) -> Station& {
-    const auto [is_boat, index] = agents_[agent];
-    return is_boat ? boats_[index].station : leaders_[index];
-  };
   const auto number = static_cast<std::uint32_t>(links_.size());
   links_.emplace_back(seed).set(quality);
-  at(sender).outbox.push_back(number);
-  at(receiver).inbox.push_back(number);
+  station_of(sender).outbox.push_back(number);
+  station_of(receiver).inbox.push_back(number);
   return number;
 }
 
@@ -95,13 +90,24 @@ Sensed Fleet<S>::sensed(const TickArrays& a, std::size_t agent) {
   return {a.eta + 3 * agent, a.nu + 3 * agent, degE7};
 }
 
+/// Whatever its unit says now.
+template <class S>
+void Fleet<S>::measure(Station& s, const TickArrays& arrays, std::vector<std::uint8_t>& out) {
+  const Sensed truth = sensed(arrays, s.agent);
+  if (!s.faults) return s.unit.tick(s.now_us, truth, out);
+  const Sensed told = s.faults->measured(truth);
+  if (s.faults->has(FaultKind::kOwnSilent)) return;
+  s.unit.tick(s.now_us + s.faults->unit_ahead_us(), told, out);
+}
+
 template <class S>
 void Fleet<S>::tick_leader(Station& s, std::int64_t t_us, const TickArrays& arrays) {
   s.now_us = s.clock.at(t_us);
   s.said.clear();
-  s.unit.tick(s.now_us, sensed(arrays, s.agent), s.said);
-  if (s.said.empty()) return;
-  if (records_) s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, kRadio, s.said);
+  measure(s, arrays, s.said);
+  if (records_ && !s.said.empty()) {
+    s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, kRadio, s.said);
+  }
   broadcast(s, t_us);
 }
 
@@ -113,7 +119,7 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   Station& s = v.station;
   s.now_us = s.clock.at(t_us);
   chunk_.clear();
-  s.unit.tick(s.now_us, sensed(arrays, s.agent), chunk_);
+  measure(s, arrays, chunk_);
   watch.lap(Stage::kUnits);
   if (!chunk_.empty()) hear(v, chunk_, t_us, kNavigation);
   watch.lap(Stage::kDecode);
@@ -121,17 +127,22 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   watch.lap(Stage::kCan);
   listen(v, t_us);
   watch.lap(Stage::kDecode);
-  const auto out = v.firmware.tick(s.now_us);
-  watch.lap(Stage::kTick);
-  for (const link::CanFrame& frame : out.can) {
-    if (records_) s.run->records.frame(t_us, s.number, Wire::kCanOut, frame.id, frame.bytes());
-    v.escs.on_can(frame.id, frame.bytes(), s.now_us);
+  s.said.clear();
+  if (!s.has(FaultKind::kRestart)) {
+    const auto out = v.firmware.tick(s.now_us);
+    watch.lap(Stage::kTick);
+    for (const link::CanFrame& frame : out.can) {
+      if (records_) s.run->records.frame(t_us, s.number, Wire::kCanOut, frame.id, frame.bytes());
+      if (s.faults && !s.faults->passes_bus()) continue;
+      v.escs.on_can(frame.id, frame.bytes(), s.now_us - s.jumped_us);
+    }
+    pass_on(v, out, t_us);
   }
   for (std::size_t esc = 0; esc < EscNodes::kEscs; ++esc) {
-    arrays.command[EscNodes::kEscs * index + esc] = v.escs.command(esc, s.now_us);
+    arrays.command[EscNodes::kEscs * index + esc] = v.escs.command(esc, s.now_us - s.jumped_us);
   }
   watch.lap(Stage::kCan);
-  pass_on(v, out, t_us);
+  broadcast(s, t_us);
   watch.lap(Stage::kLinks);
 }
 
@@ -139,8 +150,9 @@ template <class S>
 void Fleet<S>::put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm) {
   const Station& s = v.station;
   frames_.clear();
-  v.escs.tick(s.now_us, rpm, frames_);
+  v.escs.tick(s.now_us - s.jumped_us, rpm, frames_);
   for (const link::CanFrame& frame : frames_) {
+    if (s.faults && (s.has(FaultKind::kRestart) || !s.faults->passes_bus())) continue;
     if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, frame.id, frame.bytes());
     v.firmware.on_can(frame.id, frame.bytes(), s.now_us);
   }
@@ -155,29 +167,41 @@ void Fleet<S>::pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std:
       s.run->records.chunk(t_us, s.number, Wire::kMavlinkOut, link, data);
     }
   }
-  s.unit.on_mavlink(out.links->bytes(kNavigation), s.now_us);
+  if (!s.faults) {
+    s.unit.on_mavlink(out.links->bytes(kNavigation), s.now_us);
+  } else if (!s.faults->has(FaultKind::kOwnSilent)) {
+    s.unit.on_mavlink(out.links->bytes(kNavigation), s.now_us + s.faults->unit_ahead_us());
+  }
   // What it says it may say in the next tick's place; the others hear it until then.
   const auto radio = out.links->bytes(kRadio);
   s.said.assign(radio.begin(), radio.end());
-  if (!s.said.empty()) broadcast(s, t_us);
 }
 
 template <class S>
-void Fleet<S>::broadcast(const Station& s, std::int64_t t_us) {
-  for (const std::uint32_t link : s.outbox) links_[link].send(s.said, t_us);
+void Fleet<S>::broadcast(Station& s, std::int64_t t_us) {
+  const auto aired = s.faults ? s.faults->aired(s.said, t_us, s.now_us) : std::span(s.said);
+  if (aired.empty()) return;
+  for (const std::uint32_t link : s.outbox) links_[link].send(aired, t_us);
 }
 
 template <class S>
 void Fleet<S>::listen(Vessel& v, std::int64_t t_us) {
   for (const std::uint32_t link : v.station.inbox) {
-    links_[link].receive(t_us, [&](auto data) { hear(v, data, t_us, kRadio); });
+    links_[link].receive(t_us, [&](std::span<const std::uint8_t> data) {
+      if (v.station.faults) data = v.station.faults->heard(data);
+      if (!data.empty()) hear(v, data, t_us, kRadio);
+    });
   }
 }
 
 template <class S>
 void Fleet<S>::listen(Station& s, std::int64_t t_us) {
   for (const std::uint32_t link : s.inbox) {
-    links_[link].receive(t_us, [&](auto data) { s.unit.on_mavlink(data, s.now_us); });
+    links_[link].receive(t_us, [&](std::span<const std::uint8_t> data) {
+      if (!s.faults) return s.unit.on_mavlink(data, s.now_us);
+      if (s.faults->has(FaultKind::kOwnSilent)) return;
+      s.unit.on_mavlink(s.faults->heard(data), s.now_us + s.faults->unit_ahead_us());
+    });
   }
 }
 
@@ -185,6 +209,7 @@ template <class S>
 void Fleet<S>::hear(Vessel& v, std::span<const std::uint8_t> data, std::int64_t t_us,
                     std::size_t link) {
   const Station& s = v.station;
+  if (s.has(FaultKind::kRestart)) return;
   if (records_) s.run->records.chunk(t_us, s.number, Wire::kMavlinkIn, link, data);
   v.firmware.on_mavlink(data, s.clock.at(t_us), link);
 }
@@ -201,18 +226,21 @@ void Fleet<S>::on_can(std::size_t boat, std::uint32_t can_id, std::span<const st
   Vessel& v = boats_[boat];
   const Station& s = v.station;
   const std::int64_t now_us = s.clock.at(t_us);
-  if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, can_id, data);
-  v.firmware.on_can(can_id, data, now_us);
-  v.escs.on_can(can_id, data, now_us);
+  if (!s.has(FaultKind::kRestart)) {
+    if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, can_id, data);
+    v.firmware.on_can(can_id, data, now_us);
+  }
+  v.escs.on_can(can_id, data, now_us - s.jumped_us);
 }
 
 template <class S>
 void Fleet<S>::command(std::size_t boat, const Order& order, std::int64_t t_us) {
   Vessel& v = boats_[boat];
   std::vector<std::uint8_t> frame;
-  v.station.run->ground_station.write(frame, kCommandLong, order.params, order.command, v.system,
-                                      link::mav::kComponentAutopilot, std::uint8_t{0});
-  hear(v, frame, t_us, kRadio);
+  v.station.run->ground_station.write(frame, kCommandLong, order.params, order.command,
+                                      v.station.system, link::mav::kComponentAutopilot,
+                                      std::uint8_t{0});
+  if (!v.station.has(FaultKind::kRadioSilent)) hear(v, frame, t_us, kRadio);
 }
 
 template <class S>

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "clock.hpp"
-#include "frame_writer.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/frame_writer.hpp"
 
 namespace flotilla::fleet {
 
@@ -41,9 +41,8 @@ class NavigationUnit {
   /// Takes any bytes; TIMESYNC requests to this unit are answered by the next tick.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us);
 
-  bool tells_degrees() const { return message_ >= StateMessage::kGlobal; }
-
-  /// What it holds beside itself.
+  bool tells_degrees() const { return settings_.message >= StateMessage::kGlobal; }
+  const UnitSettings& settings() const { return settings_; }
 
  private:
   struct Request {
@@ -62,11 +61,10 @@ class NavigationUnit {
   void take_timesync(std::span<const std::uint8_t> frame, std::int64_t now_us);
 
   link::Address self_;
-  StateMessage message_;
+  UnitSettings settings_;
   FrameWriter writer_;
   Rate state_rate_, slow_rate_;
   std::optional<Rate> attitude_rate_;
-  std::array<std::int32_t, 3> origin_;
   std::vector<Request> requests_;
 };
 
