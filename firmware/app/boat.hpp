@@ -114,6 +114,13 @@ class Boat {
   Snapshot snapshot() const;
   core::State state() const { return vehicle_.state(); }
 
+  /// Parts of the snapshot, for who looks at every tick; time as the boat counts it.
+  std::int64_t now_us() const { return now_us_; }
+  core::Conditions conditions() const { return conditions_; }
+  const core::Thrust<S>& thrust() const { return thrust_.thrust; }
+  const Pilot<S>& pilot() const { return pilot_; }
+  const link::Counters& counters() const { return counters_; }
+
   /// As set; those that need a restart are in force from the next one on.
   const Parameters& parameters() const { return vehicle_.parameters(); }
 

@@ -12,14 +12,15 @@
 
 namespace flotilla::testing {
 
-template <class S>
+/// B: what takes a boat's place.
+template <class S, class B = app::Boat<S>>
 struct Harbour {
   static constexpr std::int64_t kTick_us = 10'000;
 
   explicit Harbour(const app::Parameters& p = app::Parameters{}, std::size_t links = 1)
       : boat(p, links), received(links) {}
 
-  app::Boat<S> boat;
+  B boat;
   link::MavlinkEncoder navigation{{1, 2}}, leader{{100, 1}}, operator_{{255, 190}};
   bool navigation_talks = true, leader_talks = true, port_talks = true, stbd_talks = true;
   float leader_north_m = 3;
