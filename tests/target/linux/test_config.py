@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from sil.ordinary_user import ordinary_user
 from tests.target.linux.process import LOOPBACK, PROGRAM, ROOT, RealSea
 
 SHIPPED = ROOT / "firmware" / "target" / "linux" / "boat.toml"
@@ -17,7 +18,11 @@ def run(*options: object) -> subprocess.CompletedProcess[str]:
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
     return subprocess.run(
-        [PROGRAM, *map(str, options)], capture_output=True, text=True, timeout=20, check=False
+        [*ordinary_user(), PROGRAM, *map(str, options)],
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
     )
 
 
