@@ -89,7 +89,10 @@ class LiveBoat:
         options += [f"--stats={folder / 'stats.json'}"]
         with (folder / "flotillad.log").open("ab") as log:
             self.process = subprocess.Popen(  # noqa: S603
-                [*ordinary_user(), program, *options], stdin=subprocess.DEVNULL, stdout=log, stderr=log
+                [*ordinary_user(), program, *options],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
             )
 
     def close(self) -> None:
