@@ -10,6 +10,7 @@ from pathlib import Path
 import can
 
 from sil.clock import Clock
+from sil.ordinary_user import ordinary_user
 from sil.scenario import Scenario
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
@@ -88,7 +89,10 @@ class LiveBoat:
         options += [f"--stats={folder / 'stats.json'}"]
         with (folder / "flotillad.log").open("ab") as log:
             self.process = subprocess.Popen(  # noqa: S603
-                [program, *options], stdin=subprocess.DEVNULL, stdout=log, stderr=log
+                [*ordinary_user(), program, *options],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
             )
 
     def close(self) -> None:

@@ -16,6 +16,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
+from sil.ordinary_user import ordinary_user
 from sil.wire.esc_node import EscNode
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
@@ -105,6 +106,7 @@ class Boat:
         self._peer = None
         self.process = subprocess.Popen(
             [
+                *ordinary_user(),
                 FLOTILLAD,
                 f"--can=socketcan:{INTERFACE}",
                 f"--mavlink=udpout:127.0.0.1:{self._udp.getsockname()[1]}",
