@@ -124,6 +124,9 @@ class Boat {
   /// As set; those that need a restart are in force from the next one on.
   const Parameters& parameters() const { return vehicle_.parameters(); }
 
+  /// Who it is on MAVLink now.
+  link::Address self() const { return vehicle_.self(); }
+
  private:
   std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
