@@ -106,7 +106,7 @@ class LiveWorld:
         for boat, live in zip(scenario.boat, self.boats, strict=True):
             leader = agents[boat.follows]
             for sender, receiver in ((leader, live), (live, leader)):
-                link = Link(link_rng, **scenario.link.model_dump())
+                link = Link(link_rng, **scenario.link.quality)
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
 

@@ -25,6 +25,7 @@ from sil.sections import (
     Link,
     Mismatch,
     Navigation,
+    NotNegative,
     Parameters,
     Positive,
     Propellers,
@@ -58,6 +59,7 @@ class Scenario(Section):
     law: Law = "product"
     scalar: Scalar = "float"
     rate_hz: Annotated[float, Field(ge=50.0, le=1000.0)] = 100.0
+    start_apart_m: NotNegative = 0.0
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
     navigation: Navigation = Navigation()

@@ -152,12 +152,21 @@ class Navigation(Unit):
 
 
 class Link(Section):
-    """Radio between boats; `rate_Bps` 0 is unlimited."""
+    """Radio between boats; `rate_Bps` 0 is unlimited.
+
+    `everyone`: every boat hears every other one, not its leader and followers only.
+    """
 
     delay_s: NotNegative = 0.0
     jitter_s: NotNegative = 0.0
     loss: Share = 0.0
     rate_Bps: NotNegative = 0.0
+    everyone: bool = False
+
+    @property
+    def quality(self) -> dict[str, float]:
+        """What a single link does, as `flotilla.Fleet.connect` and `sil.wire.link.Link` take it."""
+        return self.model_dump(exclude={"everyone"})
 
 
 class Clocks(Section):

@@ -170,7 +170,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (p.FS_GCS_ACT == 1) met |= core::kGcsLossCoasts;
   met |= core::kOwnLive | core::kOwnSteady | core::kLeaderLive | core::kLeaderSteady;
   met |= core::kBoatAnswers | core::kEscsObey | core::kGcsHeard | core::kBatteryGood;
-  met |= core::kInsideFence | core::kClear;
+  met |= core::kInsideFence;
   return met;
 }
 
@@ -230,6 +230,12 @@ void Boat<S>::complain(std::int64_t now_us) {
 }
 
 template <class S>
+std::optional<double> Boat<S>::separation_m() const {
+  const auto& [yielding, known, predicted] = law_output_.separation;
+  return known ? std::optional<double>(predicted) : std::nullopt;
+}
+
+template <class S>
 Report Boat<S>::report(std::int64_t now_us) {
   Report out;
   out.now_us = now_us;
@@ -250,6 +256,8 @@ Report Boat<S>::report(std::int64_t now_us) {
                                     convert::in_double(law_output_.wanted.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }
+  out.depth = pilot_.depth();
+  out.separation_m = separation_m();
   out.own_age_s = pilot_.own_age_s(now_us);
   out.leader_age_s = pilot_.leader_age_s(now_us);
   out.leader_uncertainty_m = pilot_.leader_uncertainty_m(now_us);
@@ -281,6 +289,8 @@ Snapshot Boat<S>::snapshot() const {
           thrust_.slew_limited,
           law.wanted.u_limited,
           law.wanted.r_limited,
+          law.separation.yielding,
+          separation_m(),
           counters_};
 }
 

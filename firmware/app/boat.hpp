@@ -30,6 +30,8 @@ struct Snapshot {
   core::Thrust<double> thrust_N;
   bool surge_limited, yaw_limited, slew_limited;
   bool speed_limited, yaw_rate_limited;  ///< by LAW_U_MAX, LAW_R_MAX
+  bool yielding;                         ///< to another vessel
+  std::optional<double> separation_m;    ///< predicted, of the nearest vessel
   link::Counters counters;
 };
 
@@ -143,6 +145,7 @@ class Boat {
   core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
+  std::optional<double> separation_m() const;
   void complain(std::int64_t now_us);
 
   std::unique_ptr<Outbox> own_outbox_;  // none where it is shared

@@ -108,7 +108,8 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
           {S(p.LAW_KDU), S(p.LAW_KDR)},
           {S(p.VES_M11), S(p.VES_M22), S(p.VES_M33), S(p.VES_D11), S(p.VES_D22), S(p.VES_D33)},
           {S(p.THR_ARM), S(p.THR_FWD_MAX), S(p.THR_REV_MAX)},
-          {S(p.LAW_XT_DIST)}};
+          {S(p.LAW_XT_DIST)},
+          {S(p.FS_SEP_M)}};
 }
 
 template <class S>

@@ -26,7 +26,9 @@ Pilot<S>::Pilot(const Parameters& p)
       observer_(convert::observer_params<S>(p)),
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
            {p.NAV_OFS_X, p.NAV_OFS_Y}),
-      leader_({byte_of(p.FORM_LEADER), 0}) {}
+      leader_({byte_of(p.FORM_LEADER), 0}) {
+  neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
+}
 
 template <class S>
 void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
@@ -38,12 +40,16 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
     leader_.follow(byte_of(p.FORM_LEADER));
     start();
   }
+  neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
 }
 
 template <class S>
 void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
+  if (neighbours_.watches() && own_.has_origin()) {
+    neighbours_.take(received, own_.position(), now_us);
+  }
 }
 
 template <class S>
@@ -62,6 +68,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
       own_.has_origin() && convert::near(own_.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
+  if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
   return met;
 }
 
@@ -102,7 +109,10 @@ template <class S>
 core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
   const core::Encounter<S> in = encounter(now_us);
   if (starting_) state_ = core::controller_start(in);
-  return core::controller_step(law_, state_, in, std::exchange(starting_, false) ? S(0) : dt);
+  const S since = std::exchange(starting_, false) ? S(0) : dt;
+  if (!neighbours_.watches()) return core::controller_step(law_, state_, in, since);
+  const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
+  return core::controller_step(law_, state_, in, since, &traffic);
 }
 
 template <class S>
@@ -131,6 +141,11 @@ convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
 template <class S>
 convert::GlobalPoint Pilot<S>::place() const {
   return convert::global_of(anchor_, motion_.motion.moved_n);
+}
+
+template <class S>
+std::optional<double> Pilot<S>::depth() const {
+  return neighbours_.watches() ? std::optional<double>(neighbours_.depth()) : std::nullopt;
 }
 
 template <class S>

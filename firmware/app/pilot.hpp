@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/convert_telemetry.hpp"
+#include "app/neighbours.hpp"
 #include "app/vessel_track.hpp"
 #include "core/supervisor.hpp"
 
@@ -32,7 +33,7 @@ class Pilot {
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                 std::int64_t now_us);
 
-  /// Those conditions that the two states make: fresh, and near each other.
+  /// Those conditions that states make: fresh, and near each other; no other vessel too near.
   core::Conditions conditions(std::int64_t now_us, const Parameters& p) const;
 
   /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
@@ -57,6 +58,9 @@ class Pilot {
   convert::GlobalPoint place() const;
   std::int32_t altitude_mm() const { return anchor_.origin.altitude; }
 
+  /// How deep in the tree, for others; nothing where we keep clear of nobody.
+  std::optional<double> depth() const;
+
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;
   std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
@@ -79,6 +83,7 @@ class Pilot {
   bool starting_ = false;
   VesselTrack<S> own_;
   VesselTrack<S> leader_;
+  Neighbours neighbours_;
 };
 
 }  // namespace flotilla::app

@@ -157,6 +157,7 @@ class Vehicle {
 
   Schedule heartbeat_due_;
   Schedule timesync_due_;
+  Schedule depth_due_;
   Schedule arm_refusal_due_;
   Schedule refusal_due_;
   Schedule parameter_refusal_due_;

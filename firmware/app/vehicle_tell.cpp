@@ -2,6 +2,7 @@
 // Vehicle, the part that speaks: heartbeat, streams, what clients are owed, sentences.
 #include <algorithm>
 
+#include "app/text.hpp"
 #include "app/vehicle.hpp"
 
 namespace flotilla::app {
@@ -57,6 +58,10 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
   announce_ = false;
   if (timesync_due_.due(now_us_)) {
     links_.broadcast(time_.ask(now_us_, self().system), counters);
+  }
+  if (report.depth && depth_due_.due(now_us_)) {
+    const auto depth = static_cast<float>(*report.depth);
+    links_.broadcast(value_of("DEPTH", depth, convert::boot_ms(now_us_)), counters);
   }
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
