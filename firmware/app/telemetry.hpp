@@ -48,8 +48,9 @@ struct Report {
   std::optional<Home> home;                  ///< where the boat was first seen, then last armed
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
-  std::optional<Estimates> estimates;  ///< while the own state is fresh
-  std::array<EscReport, 2> escs{};     ///< port, starboard
+  std::optional<Estimates> estimates;            ///< while the own state is fresh
+  std::array<EscReport, 2> escs{};               ///< port, starboard
+  bool fenced = false, battery_limited = false;  ///< by FS_FENCE_M, FS_BATT_V
   std::uint32_t overruns = 0;
   link::Address self{};
 };
