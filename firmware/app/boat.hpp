@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/can_node.hpp"
+#include "app/conditions.hpp"
 #include "app/pilot.hpp"
 #include "app/thrusters.hpp"
 #include "app/vehicle.hpp"
@@ -134,6 +135,8 @@ class Boat {
   void take_all(std::size_t link, std::int64_t now_us);
   void give_up(std::size_t link, std::int64_t now_us);
   core::Conditions conditions(std::int64_t now_us) const;
+  bool coasts_on(std::int64_t now_us) const;
+  void look_at_limits(std::int64_t now_us);
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
@@ -157,7 +160,7 @@ class Boat {
   core::Conditions conditions_ = 0;
   std::int64_t armed_us_ = 0;
   std::optional<std::int64_t> coast_us_;  // since when, in COAST
-  std::optional<Home> home_;
+  Limits limits_;
 
   Pilot<S> pilot_;
   Thrusters<S> thrusters_;

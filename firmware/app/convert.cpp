@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/geodesy.hpp"
 
@@ -98,6 +99,12 @@ bool near(const Position& own, const Position& leader) {
   const Seen seen = seen_from(own, leader);
   return seen.same_side &&
          seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
+}
+
+double distance_m(const Position& a, const Position& b) {
+  const Seen seen = seen_from(a, b);
+  return seen.same_side ? std::hypot(seen.north_m, seen.east_m)
+                        : std::numeric_limits<double>::infinity();
 }
 
 template <class S>

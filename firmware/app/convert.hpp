@@ -92,6 +92,9 @@ bool is_valid(const link::GpsGlobalOrigin& origin);
 /// Near enough for a slot: within 5 km, five times the farthest.
 bool near(const Position& own, const Position& leader);
 
+/// Straight from one to the other.
+double distance_m(const Position& a, const Position& b);
+
 /// From the leader to us, m, north-east in the plane of our origin; all differences are taken as
 /// doubles.
 template <class S>

@@ -23,6 +23,7 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 template <class S>
 Pilot<S>::Pilot(const Parameters& p)
     : law_(convert::controller_params<S>(p)),
+      coast_s_(S(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
            {p.NAV_OFS_X, p.NAV_OFS_Y}),
@@ -33,13 +34,11 @@ Pilot<S>::Pilot(const Parameters& p)
 template <class S>
 void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   law_ = convert::controller_params<S>(p);
+  coast_s_ = S(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
   own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
   own_.follow(own_system);
-  if (byte_of(p.FORM_LEADER) != leader_.system()) {
-    leader_.follow(byte_of(p.FORM_LEADER));
-    start();
-  }
+  leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
 }
 
@@ -61,7 +60,8 @@ void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t r
 
 template <class S>
 core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) const {
-  core::Conditions met = 0;
+
+
   if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
   if (leader_.system() != own_.system() &&
       leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
@@ -97,17 +97,23 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
 }
 
 template <class S>
-core::Encounter<S> Pilot<S>::encounter(std::int64_t now_us) const {
-  auto in =
-      convert::encounter_of<S>(anchor_, motion_.motion, leader_.position(), leader_.motion(now_us));
+core::Encounter<S> Pilot<S>::encounter(const convert::Position& leader,
+                                       const core::Motion<S>& motion) const {
+  auto in = convert::encounter_of<S>(anchor_, motion_.motion, leader, motion);
   in.current_n = motion_.c_n;
   in.unknown = core::unknown_wrench(law_.vessel, motion_);
   return in;
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
-  const core::Encounter<S> in = encounter(now_us);
+void Pilot<S>::follow_leader(std::int64_t now_us) {
+  if (lead_.system != leader_.system()) starting_ = true;
+  lead_ = {leader_.system(), leader_.position(), core::coast_start(leader_.motion(now_us))};
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) {
+  const core::Encounter<S> in = encounter(lead_.position, lead_.coast.leader);
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
   if (!neighbours_.watches()) return core::controller_step(law_, state_, in, since);
@@ -116,8 +122,31 @@ core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
 }
 
 template <class S>
+void Pilot<S>::start(std::int64_t now_us) {
+  starting_ = true;
+  follow_leader(now_us);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
+  follow_leader(now_us);
+  return step_behind_lead(now_us, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
+  core::coast_forward(coast_s_, lead_.coast, dt);
+  return step_behind_lead(now_us, dt);
+}
+
+template <class S>
+bool Pilot<S>::can_coast() const {
+  return own_.has_origin() && convert::near(own_.position(), lead_.position);
+}
+
+template <class S>
 core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
-  const core::Encounter<S> in = encounter(now_us);
+  const core::Encounter<S> in = encounter(leader_.position(), leader_.motion(now_us));
   core::SlotState<S> state = core::slot_start(in);
   core::ControllerOutput<S> out;
   out.slot = core::slot_forward(law_.slot, law_.vessel, state, in, S(0));
@@ -139,8 +168,9 @@ convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
 }
 
 template <class S>
-convert::GlobalPoint Pilot<S>::place() const {
-  return convert::global_of(anchor_, motion_.motion.moved_n);
+convert::Position Pilot<S>::place() const {
+  const core::Vec2<S>& moved = motion_.motion.moved_n;
+  return {anchor_.north_m + double(moved.x), anchor_.east_m + double(moved.y), anchor_.origin};
 }
 
 template <class S>

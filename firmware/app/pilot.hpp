@@ -8,6 +8,7 @@
 #include "app/convert_telemetry.hpp"
 #include "app/neighbours.hpp"
 #include "app/vessel_track.hpp"
+#include "core/coast.hpp"
 #include "core/supervisor.hpp"
 
 namespace flotilla::app {
@@ -40,11 +41,16 @@ class Pilot {
   /// has come. A boat that is not armed may be carried about: it is tracked as a leader is.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
-  /// The next step() begins anew: FORMATION was entered.
-  void start() { starting_ = true; }
+  /// FORMATION was entered, not from COAST: the law begins anew, with the leader as it is now.
+  void start(std::int64_t now_us);
 
   /// One step of the law, dt after the last one, s.
   core::ControllerOutput<S> step(std::int64_t now_us, S dt);
+
+  /// The same in COAST: behind the leader of the last step(), carried forward. That can go on while
+  /// it is known where the boat is, seen from there.
+  core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
+  bool can_coast() const;
 
   /// Where the boat is, seen from its slot, without a step.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
@@ -55,8 +61,7 @@ class Pilot {
   /// The own state at the whole millisecond of now.
   convert::OwnState<double> own_state(std::int64_t now_us) const;
   bool located() const { return own_.has_origin(); }
-  convert::GlobalPoint place() const;
-  std::int32_t altitude_mm() const { return anchor_.origin.altitude; }
+  convert::Position place() const;
 
   /// How deep in the tree, for others; nothing where we keep clear of nobody.
   std::optional<double> depth() const;
@@ -73,10 +78,22 @@ class Pilot {
   }
 
  private:
-  core::Encounter<S> encounter(std::int64_t now_us) const;
+  /// The leader that the law follows.
+  struct Lead {
+    std::uint8_t system = 0;
+    convert::Position position;
+    core::CoastState<S> coast;
+  };
+
+  core::Encounter<S> encounter(const convert::Position& leader,
+                               const core::Motion<S>& motion) const;
+  void follow_leader(std::int64_t now_us);
+  core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
+  Lead lead_;
+  S coast_s_;  // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   convert::Position anchor_;  // where motion_.motion.moved_n begins

@@ -115,7 +115,7 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
       continue;
     }
     router_.heard(out.from, link, now_us);
-    if (beat != nullptr) identity_.heard(out.from, *beat, parameters_.FORM_LEADER, now_us);
+    if (beat != nullptr) take_beat(out.from, *beat, now_us);
     if (out.target.system != 0) hand_on(link, out, now_us, counters);
     if (!identity_.addressed(out.target)) continue;
     if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
@@ -128,6 +128,11 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
     }
   }
   return false;
+}
+
+void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
+  identity_.heard(from, beat, parameters_.FORM_LEADER, now_us);
+  if (beat.type == mav::kTypeGcs && may_command(from)) gcs_us_ = now_us;
 }
 
 void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
@@ -177,6 +182,8 @@ core::Conditions Vehicle::conditions(std::int64_t now_us) const {
   core::Conditions met = 0;
   if (sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us) met |= core::kSticksFresh;
   if (test_ && now_us < test_end_us_) met |= core::kTestRunning;
+  const std::int64_t silence_us = convert::microseconds(parameters_.FS_GCS_S);
+  if (silence_us == 0 || (gcs_us_ && now_us - *gcs_us_ < silence_us)) met |= core::kGcsHeard;
   return met;
 }
 

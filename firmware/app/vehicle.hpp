@@ -62,7 +62,7 @@ class Vehicle {
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t now_us, std::int64_t dt_us);
 
-  /// Those conditions that an operator makes: sticks, motor test.
+  /// Those conditions that an operator makes: sticks, motor test, being there.
   core::Conditions conditions(std::int64_t now_us) const;
 
   /// What the conditions force, and nothing else.
@@ -95,6 +95,7 @@ class Vehicle {
  private:
   void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                    std::int64_t now_us, link::Counters& counters);
+  void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
   void hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
                link::Counters& counters);
   bool may_command(link::Address from) const;
@@ -143,7 +144,8 @@ class Vehicle {
   Sticks sticks_;
   link::Address sticks_from_{};
   std::optional<std::int64_t> sticks_us_;
-  std::optional<MotorTest> test_;  // the last one
+  std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
+  std::optional<MotorTest> test_;       // the last one
   std::int64_t test_end_us_ = 0;
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
+#include "core/coast.hpp"
 #include "core/manual.hpp"
 #include "core/observer.hpp"
 #include "core/piloted_boat.hpp"
@@ -42,6 +43,8 @@ template struct ObserverParams<Strict>;
 template struct Given<Strict>;
 template struct Observer<Strict>;
 template struct Fix<Strict>;
+template struct Commands<Strict>;
+template struct CoastState<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
@@ -106,6 +109,9 @@ template Motion<Strict> moment_before(Motion<Strict>, Strict);
 template Nu<Strict> plus(const Nu<Strict>&, Strict, const Nu<Strict>&);
 template Motion<Strict> track_forward(const TrackState<Strict>&, Strict);
 template Strict track_uncertainty(const TrackState<Strict>&, Strict, Strict);
+template CoastState<Strict> coast_start(const Motion<Strict>&);
+template void coast_forward(Strict, CoastState<Strict>&, Strict);
+template Commands<Strict> limited(const Commands<Strict>&, Strict);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,
