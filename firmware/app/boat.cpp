@@ -168,8 +168,8 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (p.FS_LEADER_ACT == 1) met |= core::kLeaderLossCoasts;
   if (p.FS_GCS_ACT == 0) met |= core::kGcsLossHolds;
   if (p.FS_GCS_ACT == 1) met |= core::kGcsLossCoasts;
-  met |= core::kOwnLive | core::kOwnSteady | core::kLeaderLive | core::kLeaderSteady;
-  met |= core::kBoatAnswers | core::kEscsObey | core::kGcsHeard | core::kBatteryGood;
+  if (can_.escs_obey(byte_of(p.ESC_PORT), byte_of(p.ESC_STBD), now_us)) met |= core::kEscsObey;
+  met |= core::kBoatAnswers | core::kGcsHeard | core::kBatteryGood;
   met |= core::kInsideFence | core::kClear;
   return met;
 }

@@ -32,7 +32,7 @@ class Pilot {
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                 std::int64_t now_us);
 
-  /// Those conditions that the two states make: fresh, and near each other.
+  /// Those conditions that the two states make: fresh, near each other, plausible.
   core::Conditions conditions(std::int64_t now_us, const Parameters& p) const;
 
   /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
@@ -69,12 +69,14 @@ class Pilot {
   }
 
  private:
+  void set_limits(const Parameters& p);
   core::Encounter<S> encounter(std::int64_t now_us) const;
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
+  core::JumpLimits<S> afloat_, carried_;
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;
