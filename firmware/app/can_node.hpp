@@ -39,6 +39,10 @@ class CanNode {
   /// That ESC's status came within the limit, from one node alone, which is operational and OK.
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
+  /// Neither of the two has driven its propeller for a moment though it was told to stand still, nor
+  /// has within the last second. A propeller that water turns is given time to come to rest.
+  bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
+
   /// What that ESC said last; nothing where it has been silent for some seconds.
   std::optional<link::EscStatus> esc_status(std::uint8_t index, std::int64_t now_us) const;
 
@@ -58,7 +62,10 @@ class CanNode {
 
   struct Esc {
     std::int64_t heard_us = kNever;
-    std::int64_t claimed_us = kNever;  ///< by a second node
+    std::int64_t claimed_us = kNever;    ///< by a second node
+    std::int64_t driven_us = kNever;     ///< told to turn
+    std::int64_t powered_us = kNever;    ///< since when it drives all the same; kNever: it does not
+    std::int64_t disobeyed_us = kNever;  ///< seen not to stand still
     link::EscStatus status{};
     std::uint8_t node = 0;
   };
@@ -83,6 +90,8 @@ class CanNode {
   void put(const Message& message, const link::Route& route, const link::DataType& type,
            std::uint8_t transfer_id, link::Counters& counters, CanOutput& out);
   void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
+  void judge(Esc& esc, std::int64_t now_us);
+  void note_commands(const link::RawCommand& command, bool armed, std::int64_t now_us);
   void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
   void answer(const Question& question, std::int64_t now_us, link::Counters& counters,
               CanOutput& out);

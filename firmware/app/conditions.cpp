@@ -18,10 +18,11 @@ core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int
   const std::int64_t limit_us = convert::microseconds(p.FS_ESC_S);
   const auto port = static_cast<std::uint8_t>(p.ESC_PORT);
   const auto stbd = static_cast<std::uint8_t>(p.ESC_STBD);
-  core::Conditions met = core::kEscsObey;
+  core::Conditions met = 0;
   if (can.esc_online(port, now_us, limit_us) && can.esc_online(stbd, now_us, limit_us)) {
     met |= core::kEscsOnline;
   }
+  if (can.escs_obey(port, stbd, now_us)) met |= core::kEscsObey;
   if (!can.foreign_controller(now_us)) met |= core::kSoleController;
   return met;
 }

@@ -131,6 +131,24 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
 }
 
 template <class S>
+core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
+  // Twice what the model says: it may be half wrong. A current of 2 m/s may begin at once.
+  const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
+  const float moment = p.THR_ARM * thrust;
+  const S current = S(2);
+  const core::JumpLimits<S> afloat{S(1),
+                                   S(0.8),
+                                   current,
+                                   S(1.5),
+                                   S(thrust / p.VES_M11),
+                                   S(moment / p.VES_M33),
+                                   S(thrust / p.VES_D11) + current,
+                                   S(moment / p.VES_D33)};
+  if (!carried) return afloat;
+  return {S(20), S(4), S(20), S(20), afloat.a, afloat.a_r, afloat.V + S(20), afloat.R + S(20)};
+}
+
+template <class S>
 link::Attitude attitude_of(const OwnState<S>& state, std::uint32_t time_boot_ms) {
   const auto psi = static_cast<float>(core::wrap_pi(state.motion.psi));
   return {time_boot_ms, 0, 0, psi, 0, 0, static_cast<float>(state.motion.nu.r)};
@@ -193,6 +211,7 @@ link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t time
   template core::ControllerParams<S> controller_params<S>(const Parameters&);                \
   template core::ObserverParams<S> observer_params<S>(const Parameters&);                    \
   template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);             \
+  template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);                      \
   template link::Attitude attitude_of<S>(const OwnState<S>&, std::uint32_t);                 \
   template link::LocalPositionNed local_position_of<S>(const OwnState<S>&, std::uint32_t);   \
   template link::GlobalPositionInt global_position_of<S>(const OwnState<S>&, std::uint32_t); \

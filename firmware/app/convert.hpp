@@ -8,6 +8,7 @@
 
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
+#include "core/jump.hpp"
 #include "core/observer.hpp"
 #include "core/thrust_curve.hpp"
 #include "core/track.hpp"
@@ -145,6 +146,10 @@ template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p);
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
+
+/// What the boat can do by its propellers and by the water; carried: by hand, or on a trailer.
+template <class S>
+core::JumpLimits<S> jump_limits(const Parameters& p, bool carried);
 
 /// Command in [−1, 1] to RawCommand's ±8191 (AM32 and VESC divide by 8192), and back. NaN, which
 /// is no command, is zero.

@@ -8,6 +8,8 @@ namespace {
 
 // Another own source must take over before FS_NAV_S stops the boat.
 constexpr std::int64_t kOwnPatience_us = 300'000;
+// And it must move before that, where it is pushed.
+constexpr std::int64_t kOwnFrozen_us = 300'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -25,10 +27,18 @@ Pilot<S>::Pilot(const Parameters& p)
     : law_(convert::controller_params<S>(p)),
       coast_s_(S(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
-      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
+      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
            {p.NAV_OFS_X, p.NAV_OFS_Y}),
       leader_({byte_of(p.FORM_LEADER), 0}) {
+  set_limits(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
+}
+
+template <class S>
+void Pilot<S>::set_limits(const Parameters& p) {
+  afloat_ = convert::jump_limits<S>(p, false);
+  carried_ = convert::jump_limits<S>(p, true);
+  own_.set_limits(carried_);
 }
 
 template <class S>
@@ -36,6 +46,7 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   law_ = convert::controller_params<S>(p);
   coast_s_ = S(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
+  set_limits(p);
   own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
   own_.follow(own_system);
   leader_.follow(byte_of(p.FORM_LEADER));
@@ -60,8 +71,7 @@ void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t r
 
 template <class S>
 core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) const {
-
-
+  core::Conditions met = core::kBoatAnswers;
   if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
   if (leader_.system() != own_.system() &&
       leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
@@ -69,11 +79,16 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
     met |= core::kLeaderFresh;
   }
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
+  if (own_.live()) met |= core::kOwnLive;
+  if (own_.steady(now_us)) met |= core::kOwnSteady;
+  if (leader_.live()) met |= core::kLeaderLive;
+  if (leader_.steady(now_us)) met |= core::kLeaderSteady;
   return met;
 }
 
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
+  own_.set_limits(armed ? afloat_ : carried_);
   if (!armed) {
     motion_ = {};
     motion_.motion = own_.motion(now_us);
@@ -81,6 +96,8 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     own_.take_fix();
     return;
   }
+  own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
+                                 core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
   const convert::Position before = std::exchange(anchor_, own_.position());
   const auto fix = own_.take_fix();

@@ -34,7 +34,7 @@ class Pilot {
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                 std::int64_t now_us);
 
-  /// Those conditions that states make: fresh, and near each other; no other vessel too near.
+  /// Those conditions that states make: fresh, plausible, near each other; no other vessel too near.
   core::Conditions conditions(std::int64_t now_us, const Parameters& p) const;
 
   /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
@@ -89,6 +89,7 @@ class Pilot {
                                const core::Motion<S>& motion) const;
   void follow_leader(std::int64_t now_us);
   core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
+  void set_limits(const Parameters& p);
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
@@ -96,6 +97,7 @@ class Pilot {
   S coast_s_;  // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
+  core::JumpLimits<S> afloat_, carried_;
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;

@@ -102,7 +102,7 @@ cached_esc_status = functools.cache(esc_status)
 
 @dataclass
 class Esc:
-    """An ESC that only says how it is."""
+    """An ESC that only says how it is: at rest, for it hears no command."""
 
     node: int
     index: int
@@ -119,7 +119,8 @@ class Esc:
         if now_us >= self.next_status_us:
             self.next_status_us = now_us + 100_000
             self.sent += 1
-            yield from cached_esc_status(self.node, self.index, self.sent % 32)
+            still = {"rpm": 0, "power_rating_pct": 0}
+            yield from cached_esc_status(self.node, self.index, self.sent % 32, **still)
         if now_us >= self.next_beat_us:
             self.next_beat_us = now_us + 1_000_000
             self.beats += 1

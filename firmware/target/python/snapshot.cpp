@@ -19,6 +19,7 @@ nb::dict counters_dict(const link::Counters& c) {
   out["mavlink_bad_value"] = c.mavlink_bad_value;
   out["mavlink_bad_frame"] = c.mavlink_bad_frame;
   out["mavlink_old_stamp"] = c.mavlink_old_stamp;
+  out["mavlink_jump"] = c.mavlink_jump;
   out["mavlink_no_heading"] = c.mavlink_no_heading;
   out["mavlink_unknown"] = c.mavlink_unknown;
   out["mavlink_signed"] = c.mavlink_signed;
