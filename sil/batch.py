@@ -45,12 +45,15 @@ class Batch:
         *,
         record: bool = False,
         profile: bool = False,
+        inject_failures: bool = False,
     ) -> None:
         first = scenarios[0]
         self.scenarios = scenarios
         self.boats = len(first.boat)
         self.h_us = round(1e6 / first.rate_hz)
-        self.fleet = flotilla.Fleet(scalar=first.scalar, record=record, profile=profile)
+        self.fleet = flotilla.Fleet(
+            scalar=first.scalar, record=record, profile=profile, inject_failures=inject_failures
+        )
         self.recorders: list[Recorder] = []
         self._ticks = 0
         self._units = [units_of(one) for one in scenarios]

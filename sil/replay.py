@@ -76,8 +76,10 @@ def replay(recording: Recording) -> list[int]:
         boat, channel = (port >> 8) - 1, port & 0xFF
         if boat < 0:  # the virtual leader
             continue
-        # A boat's answers stand together in the recording; what it hears next ends them.
-        if channel < MAVLINK_OUT or channel >= HOST:
+        # A boat's answers stand together in the recording; what it hears next, or its next tick,
+        # ends them.
+        answers = MAVLINK_OUT <= channel < HOST
+        if not answers or t_us != twins[boat].ticked_us:
             compare(boat)
         twins[boat].take(t_us, channel, data)
     for boat in range(len(twins)):

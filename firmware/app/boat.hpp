@@ -109,6 +109,11 @@ class Boat {
   /// What was asked since the last call of the parameters on the disk.
   SaveRequest take_save_request() { return vehicle_.take_save_request(); }
 
+  /// For a host that simulates what is around the boat: it shall judge the failures that operators
+  /// want to inject, and take what it has accepted after each tick. No other host asks for it.
+  void let_failures_be_injected(FailureJudge judge) { vehicle_.let_failures_be_injected(judge); }
+  std::optional<Failure> take_failure() { return vehicle_.take_failure(); }
+
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
   /// One control step. Everything the boat has to say leaves here.

@@ -92,6 +92,10 @@ class Vehicle {
   bool take_change() { return std::exchange(changed_, false); }
   SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
 
+  /// What MAV_CMD_INJECT_FAILURE asks for is the host's to judge; without a judge: unsupported.
+  void let_failures_be_injected(FailureJudge judge) { failure_judge_ = judge; }
+  std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
+
  private:
   void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                    std::int64_t now_us, link::Counters& counters);
@@ -149,6 +153,8 @@ class Vehicle {
   std::int64_t test_end_us_ = 0;
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
+  FailureJudge failure_judge_ = nullptr;
+  std::optional<Failure> failure_;
   bool disarm_ = false;
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed

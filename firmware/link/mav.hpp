@@ -19,9 +19,10 @@ constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAccelera
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
                         kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
-                        kCmdComponentArmDisarm = 400, kCmdGetMessageInterval = 510,
-                        kCmdSetMessageInterval = 511, kCmdRequestMessage = 512,
-                        kCmdRequestProtocolVersion = 519, kCmdRequestAutopilotCapabilities = 520;
+                        kCmdComponentArmDisarm = 400, kCmdInjectFailure = 420,
+                        kCmdGetMessageInterval = 510, kCmdSetMessageInterval = 511,
+                        kCmdRequestMessage = 512, kCmdRequestProtocolVersion = 519,
+                        kCmdRequestAutopilotCapabilities = 520;
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3,
                        kFailed = 4;
 

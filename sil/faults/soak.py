@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-import psutil
 
 from sil import scenario
 from sil.batch import Batch
+from sil.bench_fleet import resident_now_kB
 from sil.faults.rows import FOLDER
 from sil.faults.timeline import act
 from sil.faults.watch import STATES, ask
@@ -20,6 +20,7 @@ from sil.start import start
 
 RECOVERED_S = 60.0
 _QUIET_S = (2.0, 6.0)
+_WELL_S = 3.0
 _RETRY_S = 0.5
 _OFF_S = 0.27  # what an ESC does without a command
 _OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
@@ -85,12 +86,11 @@ class _Sea:
     def __init__(self, batch: Batch, rng: np.random.Generator, soaked: Soaked) -> None:
         self._batch, self._rng, self._soaked = batch, rng, soaked
         self._h_s = 1e-6 * batch.h_us
-        self._tau: Array = np.tile(
-            batch.scenarios[0].leader.tau(np.zeros(3))[:, None, :], (1, 1, 1)
-        )
+        self._tau: Array = batch.scenarios[0].leader.tau(np.zeros(3))[:, None, :]
         self._fault: Fault | None = None
         self._next = self._in(rng.uniform(*_QUIET_S))  # tick of what comes next
         self._ended: int | None = None
+        self._well = 0  # since when all have been in FORMATION
         self._off = np.zeros(batch.boats, int)  # ticks in a row without leave to drive
 
     def _in(self, time_s: float) -> int:
@@ -98,7 +98,6 @@ class _Sea:
 
     def sail(self, ready_us: int, hours: float, progress: Callable[[float, Soaked], None]) -> None:
         ticks, minute, hour = self._in(3600.0 * hours), self._in(60.0), self._in(3600.0)
-        process = psutil.Process()
         for k in range(1, ticks + 1):
             t_us = ready_us + k * self._batch.h_us
             self._script(k, t_us)
@@ -106,7 +105,7 @@ class _Sea:
             self._check(k)
             self._batch.bodies.advance(self._batch.command, self._tau, self._h_s)
             if k % hour == 0 or k == minute:
-                self._soaked.resident_MB.append(1e-6 * process.memory_info().rss)
+                self._soaked.resident_MB.append(1e-3 * resident_now_kB())
             if k % minute == 0:
                 progress(k / ticks, self._soaked)
             if self._soaked.wrong:
@@ -123,15 +122,18 @@ class _Sea:
             self._next = k + self._in(self._fault.for_s or 1.0)
         elif k >= self._next and self._fault is not None:
             act(self._batch, 0, self._fault, False, t_us)
-            self._ended = k
+            self._ended = self._well = k
 
     def _recover(self, k: int, t_us: int) -> None:
-        assert self._fault is not None and self._ended is not None
+        assert self._fault is not None
+        assert self._ended is not None
         states = self._batch.states[0].tolist()
         late_s = (k - self._ended) * self._h_s
-        if late_s >= 3.0 and all(state == STATES["FORMATION"] for state in states):
-            kind = self._fault.kind
-            self._soaked.slowest_s[kind] = max(late_s, self._soaked.slowest_s.get(kind, 0.0))
+        if any(state != STATES["FORMATION"] for state in states):
+            self._well = k + 1
+        if (k - self._well) * self._h_s >= _WELL_S:
+            kind, slowest_s = self._fault.kind, self._soaked.slowest_s
+            slowest_s[kind] = max((self._well - self._ended) * self._h_s, slowest_s.get(kind, 0.0))
             self._fault = self._ended = None
             self._next = k + self._in(self._rng.uniform(*_QUIET_S))
         elif late_s > RECOVERED_S:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "link/mav.hpp"
+#include "target/fleet/injection.hpp"
 
 namespace flotilla::fleet {
 namespace {
@@ -46,6 +47,7 @@ std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const
   boats_.push_back({station(run, self, unit, clock, true),
                     EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
                     app::Boat<S>(p, kLinks, &outbox_)});
+  if (injects_) boats_[boats() - 1].firmware.let_failures_be_injected(&judge);
   return agents() - 1;
 }
 
@@ -137,6 +139,7 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
       v.escs.on_can(frame.id, frame.bytes(), s.now_us - s.jumped_us);
     }
     pass_on(v, out, t_us);
+    if (injects_) inject(v, t_us);
   }
   for (std::size_t esc = 0; esc < EscNodes::kEscs; ++esc) {
     arrays.command[EscNodes::kEscs * index + esc] = v.escs.command(esc, s.now_us - s.jumped_us);

@@ -55,7 +55,9 @@ struct Run {
 template <class S>
 class Fleet {
  public:
-  Fleet(bool records, bool profiles) : records_(records), profiles_(profiles) {}
+  /// injects: MAV_CMD_INJECT_FAILURE is obeyed.
+  Fleet(bool records, bool profiles, bool injects)
+      : records_(records), profiles_(profiles), injects_(injects) {}
 
   std::size_t add_leader(std::int64_t run, std::uint8_t system, const UnitSettings& unit,
                          const Clock& clock);
@@ -148,9 +150,10 @@ class Fleet {
   void shift_clock(Station& s, std::int64_t by_us, std::int64_t t_us);
   void report_bus(Vessel& v, std::int64_t t_us);
   void restart(Vessel& v, std::int64_t t_us);
+  void inject(Vessel& v, std::int64_t t_us);
   static Sensed sensed(const TickArrays& arrays, std::size_t agent);
 
-  bool records_, profiles_;
+  bool records_, profiles_, injects_;
   bool tells_degrees_ = false;
   std::vector<Agent> agents_;
   std::deque<Station> leaders_;

@@ -7,6 +7,7 @@
 
 #include "link/mav.hpp"
 #include "target/fleet/fleet.hpp"
+#include "target/fleet/injection.hpp"
 
 namespace flotilla::fleet {
 namespace {
@@ -89,11 +90,26 @@ void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
   kept.MODE = app::mode::kHold;  // every start is in it
   std::destroy_at(&v.firmware);
   std::construct_at(&v.firmware, kept, kLinks, &outbox_);
+  if (injects_) v.firmware.let_failures_be_injected(&judge);
   const Station& s = v.station;
   if (records_) s.run->records.host(t_us, s.number, HostEvent::kRestart, 0);
   if (s.faults->has(kBusOff)) report_bus(v, t_us);
 }
 
+template <class S>
+void Fleet<S>::inject(Vessel& v, std::int64_t t_us) {
+  const auto failure = v.firmware.take_failure();
+  if (!failure) return;
+  const Injection injection = injection_of(*failure);
+  const std::size_t agent = v.station.agent;
+  for (const FaultKind kind : injection.clears) {
+    clear_fault(agent, {.kind = kind, .esc = injection.esc}, t_us);
+  }
+  if (injection.sets) set_fault(agent, *injection.sets, t_us);
+}
+
+template void Fleet<float>::inject(Vessel&, std::int64_t);
+template void Fleet<double>::inject(Vessel&, std::int64_t);
 template void Fleet<float>::set_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<double>::set_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<float>::clear_fault(std::size_t, const Fault&, std::int64_t);

@@ -69,11 +69,13 @@ class PyFleet {
   }
 
  public:
-  PyFleet(const std::string& scalar, bool record, bool profile) {
+  PyFleet(const std::string& scalar, bool record, bool profile, bool inject_failures) {
     if (scalar == "float") {
-      fleet_.emplace<std::unique_ptr<Fleet<float>>>(new Fleet<float>(record, profile));
+      fleet_.emplace<std::unique_ptr<Fleet<float>>>(
+          new Fleet<float>(record, profile, inject_failures));
     } else if (scalar == "double") {
-      fleet_.emplace<std::unique_ptr<Fleet<double>>>(new Fleet<double>(record, profile));
+      fleet_.emplace<std::unique_ptr<Fleet<double>>>(
+          new Fleet<double>(record, profile, inject_failures));
     } else {
       refuse("scalar: \"float\" or \"double\", not \"" + scalar + "\"");
     }
@@ -225,9 +227,10 @@ void bind_fleet(nb::module_& m) {
       "Everything that is on a wire in lockstep runs, many at once: navigation units, boats with "
       "their ESCs, radio links, clocks. Agents (leaders and boats) and links are counted from 0 in "
       "order of adding; times are the world's, microseconds. scalar of the boats' law: \"float\" "
-      "or \"double\". Bad values: ValueError or TypeError says which.")
-      .def(nb::init<const std::string&, bool, bool>(), "scalar"_a = "float", "record"_a = false,
-           "profile"_a = false)
+      "or \"double\". inject_failures: boats obey MAV_CMD_INJECT_FAILURE, which no other build "
+      "does. Bad values: ValueError or TypeError says which.")
+      .def(nb::init<const std::string&, bool, bool, bool>(), "scalar"_a = "float",
+           "record"_a = false, "profile"_a = false, "inject_failures"_a = false)
       .def("add_leader", &PyFleet::add_leader, "run"_a, "system"_a, "unit"_a, "clock"_a,
            "A vehicle that is only a navigation unit; its agent number. unit: (rate_hz, message, "
            "attitude_rate_hz) and, where wanted, (latitude degE7, longitude degE7, altitude mm) "
