@@ -160,6 +160,7 @@ void MavlinkEar::hear_command(std::uint16_t command, float first, link::Address 
 
 void MavlinkEar::read(Bytes bytes, std::size_t number, Moment& n) {
   Link& link = links_[number];
+  link.beats = false;
   n.links.longest = std::max(n.links.longest, static_cast<std::uint16_t>(bytes.size()));
   bool own = false;
   while (!bytes.empty()) {
@@ -198,6 +199,7 @@ void MavlinkEar::read_own(const Frame& frame, Link& link, Moment& n) {
       n.links.mode = field<std::uint8_t>(m, 0);
       n.links.flags = field<std::uint8_t>(m, 6);
       n.links.status = field<std::uint8_t>(m, 7);
+      link.beats = true;
       link.beat_us = n.now_us;
       break;
     case mav::kAttitudeId:
@@ -232,7 +234,7 @@ void MavlinkEar::note_times(std::size_t links, Moment& n) const {
   for (std::size_t i = 0; i < links; ++i) {
     n.beat_us = std::min(n.beat_us, links_[i].beat_us);
     n.timesync_us = std::min(n.timesync_us, links_[i].timesync_us);
-    n.links.beats = n.links.beats && links_[i].beat_us == n.now_us;
+    n.links.beats = n.links.beats && links_[i].beats;
   }
 }
 

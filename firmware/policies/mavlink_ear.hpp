@@ -42,6 +42,7 @@ class MavlinkEar {
   struct Link {
     bool counts = false;
     std::uint8_t sequence = 0;
+    bool beats = false;  ///< in this tick
     std::int64_t beat_us = 0, timesync_us = 0;
   };
 

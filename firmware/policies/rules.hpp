@@ -61,11 +61,12 @@ constexpr std::uint8_t mode_of(State state) {
   return core::law_drives(state) ? app::mode::kFormation : app::mode::kHold;
 }
 
-/// A state that was not known, or one that is younger than the last that was known.
+/// A state that was not known, or one that is younger than the last that was known. An age that
+/// stands at zero is that of a stamp from the future.
 inline bool moved(const std::optional<double>& before_s, const std::optional<double>& now_s,
                   const Moment& n) {
   constexpr double kRounded_s = 1e-4;
-  if (!now_s) return false;
+  if (!now_s || (before_s && *now_s == 0 && *before_s == 0)) return false;
   return !before_s || *now_s < *before_s + static_cast<double>(n.dt_us) * 1e-6 - kRounded_s;
 }
 

@@ -9,7 +9,7 @@ from sil.faults.outcome import Outcome
 from sil.faults.rows import Row
 from sil.faults.watch import STATES, States, Watch
 from sil.plant.hull import Array
-from sil.start import StartError
+from sil.start import RunError
 from sil.world import Progress, Run, sail
 
 _NAMES = {number: name for name, number in STATES.items()}
@@ -25,7 +25,7 @@ def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[O
     runs = sail(scenarios, {}, watch=watch, progress=progress)
     outcomes = []
     for i, (row, one, run) in enumerate(zip(rows, scenarios, runs, strict=True)):
-        if isinstance(run, StartError):
+        if isinstance(run, RunError):
             outcomes.append(Outcome(row.name, None, "not sailed", 0.0, None, False, str(run)))
             continue
         ticks = len(run.trace["t_s"])

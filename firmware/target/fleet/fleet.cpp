@@ -46,7 +46,7 @@ std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const
   const link::Address self{byte_of(p.MAV_SYSID), kComponentGps};
   boats_.push_back({station(run, self, unit, clock, true),
                     EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
-                    app::Boat<S>(p, kLinks, &outbox_)});
+                    app::Boat<S>(p, kLinks, &outbox_), policies::Monitor<S>(p)});
   if (injects_) boats_[boats() - 1].firmware.let_failures_be_injected(&judge);
   return agents() - 1;
 }
@@ -132,6 +132,9 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   s.said.clear();
   if (!s.has(FaultKind::kRestart)) {
     const auto out = v.firmware.tick(s.now_us);
+    if (const auto broken = v.monitor.ticked(v.firmware, out, s.now_us)) {
+      violations_.push_back({s.agent, t_us, broken->name});
+    }
     watch.lap(Stage::kTick);
     for (const link::CanFrame& frame : out.can) {
       if (records_) s.run->records.frame(t_us, s.number, Wire::kCanOut, frame.id, frame.bytes());
@@ -158,6 +161,7 @@ void Fleet<S>::put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm) {
     if (s.faults && (s.has(FaultKind::kRestart) || !s.faults->passes_bus())) continue;
     if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, frame.id, frame.bytes());
     v.firmware.on_can(frame.id, frame.bytes(), s.now_us);
+    v.monitor.on_can(frame.id, frame.bytes());
   }
 }
 
@@ -215,6 +219,7 @@ void Fleet<S>::hear(Vessel& v, std::span<const std::uint8_t> data, std::int64_t 
   if (s.has(FaultKind::kRestart)) return;
   if (records_) s.run->records.chunk(t_us, s.number, Wire::kMavlinkIn, link, data);
   v.firmware.on_mavlink(data, s.clock.at(t_us), link);
+  v.monitor.heard(data);
 }
 
 template <class S>
@@ -232,6 +237,7 @@ void Fleet<S>::on_can(std::size_t boat, std::uint32_t can_id, std::span<const st
   if (!s.has(FaultKind::kRestart)) {
     if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, can_id, data);
     v.firmware.on_can(can_id, data, now_us);
+    v.monitor.on_can(can_id, data);
   }
   v.escs.on_can(can_id, data, now_us - s.jumped_us);
 }

@@ -11,9 +11,11 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "app/boat.hpp"
+#include "policies/monitor.hpp"
 #include "target/fleet/clock.hpp"
 #include "target/fleet/esc_nodes.hpp"
 #include "target/fleet/huge_page_list.hpp"
@@ -48,6 +50,13 @@ struct Run {
   std::size_t agents = 0;
   Records records;
   FrameWriter ground_station{{255, 190}};
+};
+
+/// An agent broke that rule.
+struct Violation {
+  std::size_t agent;
+  std::int64_t t_us;
+  std::string_view rule;
 };
 
 /// S: scalar of the boats' law. Agents and links are counted from 0 in order of adding; whoever
@@ -98,6 +107,9 @@ class Fleet {
   /// What an agent said over the radio in the last tick.
   std::span<const std::uint8_t> sent(std::size_t agent) const;
 
+  /// What rule each boat has broken first, in the order of time.
+  const std::vector<Violation>& violations() const { return violations_; }
+
   /// Seconds by stage since the last call.
   Seconds take_profile() { return std::exchange(profile_, Seconds{}); }
 
@@ -122,6 +134,7 @@ class Fleet {
     Station station;
     EscNodes escs;
     app::Boat<S> firmware;
+    policies::Monitor<S> monitor;
   };
   struct Agent {
     bool is_boat;
@@ -164,6 +177,7 @@ class Fleet {
   std::vector<std::uint8_t> chunk_;  // of the unit whose turn it is
   EscNodes::Frames frames_;          // of the ESCs whose turn it is
   Seconds profile_{};
+  std::vector<Violation> violations_;
 };
 
 }  // namespace flotilla::fleet

@@ -91,6 +91,7 @@ void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
   std::destroy_at(&v.firmware);
   std::construct_at(&v.firmware, kept, kLinks, &outbox_);
   if (injects_) v.firmware.let_failures_be_injected(&judge);
+  v.monitor = policies::Monitor<S>(kept);
   const Station& s = v.station;
   if (records_) s.run->records.host(t_us, s.number, HostEvent::kRestart, 0);
   if (s.faults->has(kBusOff)) report_bus(v, t_us);

@@ -11,6 +11,7 @@
 
 #include "app/text.hpp"
 #include "fleet_values.hpp"
+#include "policies/rules.hpp"
 #include "snapshot.hpp"
 #include "target/fleet/fleet.hpp"
 #include "values.hpp"
@@ -198,6 +199,16 @@ class PyFleet {
     });
   }
 
+  nb::list violations() const {
+    return visit([](auto& f) {
+      nb::list out;
+      for (const auto& [agent, t_us, rule] : f.violations()) {
+        out.append(nb::make_tuple(agent, t_us, nb::str(rule.data(), rule.size())));
+      }
+      return out;
+    });
+  }
+
   nb::dict profile() {
     constexpr std::array<const char*, kStages> kNames{"units", "decode", "tick", "can", "links"};
     const Seconds seconds = visit([](auto& f) { return f.take_profile(); });
@@ -219,6 +230,17 @@ void bind_fleet(nb::module_& m) {
     states.append(nb::str(name.data(), name.size()));
   }
   m.attr("STATES") = nb::tuple(states);
+  m.def(
+      "policies",
+      [] {
+        nb::list out;
+        for (const auto& [group, name, holds] : policies::kRules) {
+          out.append(nb::make_tuple(nb::str(group.data(), group.size()),
+                                    nb::str(name.data(), name.size())));
+        }
+        return out;
+      },
+      "The rules that every boat of a Fleet is watched by in every tick: (group, name).");
   nb::list faults;
   for (const std::string_view name : kFaultNames) faults.append(nb::str(name.data(), name.size()));
   m.attr("FAULTS") = nb::tuple(faults);
@@ -279,6 +301,9 @@ void bind_fleet(nb::module_& m) {
       .def("take_records", &PyFleet::take_records, "run"_a,
            "What went over the run's wires since the last call, as sil/recording.py has it; needs "
            "record=True.")
+      .def("violations", &PyFleet::violations,
+           "What each boat has broken first of flotilla.policies(), in the order of time: (agent, "
+           "t_us, name).")
       .def("profile", &PyFleet::profile,
            "Seconds by stage since the last call: units, decode (of MAVLink), tick (of the boats), "
            "can, links; zeros without profile=True.");
