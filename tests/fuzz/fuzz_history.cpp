@@ -165,8 +165,8 @@ void History<S>::vessel(Stream& in) {
     vessel.source = in.byte();
     vessel.clock_us += std::int64_t{in.number<std::int32_t>()} * 1000;
   } else if ((what & 8U) != 0) {
-    vessel.origin.latitude += in.number<std::int32_t>();
-    vessel.origin.longitude += in.number<std::int32_t>();
+    vessel.origin.latitude = in.number<std::int32_t>();
+    vessel.origin.longitude = in.number<std::int32_t>();
   } else {
     vessel.north_m += 0.05 * in.number<std::int16_t>();
     vessel.east_m += 0.05 * in.number<std::int16_t>();

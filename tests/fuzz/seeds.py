@@ -8,7 +8,6 @@ import json
 import random
 import re
 import struct
-import sys
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +20,10 @@ from tests.link.test_mavlink_oracle import ENTRIES
 HERE = Path(__file__).parent
 VECTORS = HERE.parent / "reference" / "dronecan_vectors.json"
 OPS = re.findall(r"^  k(\w+),", (HERE / "history.hpp").read_text(), re.MULTILINE)
-ASKS = "arm formation manual hold disarm test_port test_stbd terminate leave".split()
+ASKS = (
+    *("arm", "formation", "manual", "hold", "disarm"),
+    *("test_port", "test_stbd", "terminate", "leave"),
+)
 PARAMETERS = re.findall(
     r"^FLOTILLA_PARAMETER\(\"\w+\", (\w+), \"[^\"]*\", (\S+),",
     (HERE.parents[1] / "firmware/app/parameters.def").read_text(),
@@ -78,7 +80,7 @@ def chunk(frame: bytes, flags: int) -> bytes:
 
 def mavlink() -> Iterator[tuple[str, bytes]]:
     for name, frame in mavlink_frames():
-        if len(frame) > 255:  # noqa: PLR2004  longer than a chunk: in two
+        if len(frame) > 255:
             yield name, bytes([0]) + chunk(frame[:200], 0) + chunk(frame[200:], TICK)
             continue
         yield name, bytes([1]) + chunk(frame, TICK | REPAIRED | 1) + chunk(frame, TICK)
@@ -220,23 +222,20 @@ def histories() -> Iterator[tuple[str, bytes]]:
         limited.cast_off(ALL | OTHER).sail(80).op("Esc", 0, 60, b"\x40\0").sail(60)
         yield f"limit_{name}", limited.bytes
     for name, frame in mavlink_frames():
-        if "_2_" in name and len(frame) < 255:  # noqa: PLR2004
+        if "_2_" in name and len(frame) < 255:
             said = History().cast_off().op("Bytes", bytes([REPAIRED, len(frame)]) + frame)
             yield f"said_{name}", said.sail(10).bytes
 
 
-def main() -> None:
+def write(directory: Path) -> None:
+    """DIRECTORY/TARGET/…"""
     for name, seeds in (
         ("mavlink", mavlink),
         ("can", can),
         ("parameters", parameters),
         ("history", histories),
     ):
-        folder = Path(sys.argv[1]) / name
+        folder = directory / name
         folder.mkdir(parents=True, exist_ok=True)
         for seed, content in seeds():
             (folder / seed).write_bytes(content)
-
-
-if __name__ == "__main__":
-    main()
