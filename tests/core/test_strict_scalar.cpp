@@ -42,6 +42,13 @@ template struct ObserverParams<Strict>;
 template struct Given<Strict>;
 template struct Observer<Strict>;
 template struct Fix<Strict>;
+template struct OtherVessel<Strict>;
+template struct Traffic<Strict>;
+template struct SeparationParams<Strict>;
+template struct SeparationState<Strict>;
+template struct Separation<Strict>;
+template struct Intent<Strict>;
+template struct Way<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
@@ -106,10 +113,19 @@ template Motion<Strict> moment_before(Motion<Strict>, Strict);
 template Nu<Strict> plus(const Nu<Strict>&, Strict, const Nu<Strict>&);
 template Motion<Strict> track_forward(const TrackState<Strict>&, Strict);
 template Strict track_uncertainty(const TrackState<Strict>&, Strict, Strict);
+template Strict predicted_distance(Strict, const OtherVessel<Strict>&, const Vec2<Strict>&);
+template Strict stopping_speed(Strict, Strict, Strict);
+template Way<Strict> way_to(Strict, const Vec2<Strict>&);
+template Intent<Strict> intent_of(const VirtualVelocityParams<Strict>&, Strict, const Vec2<Strict>&,
+                                  const Vec2<Strict>&);
+template Separation<Strict> separate(const SeparationParams<Strict>&, Strict,
+                                     SeparationState<Strict>&, const Traffic<Strict>&, Strict,
+                                     const Intent<Strict>&, VirtualVelocity<Strict>&);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,
-                                                  const Encounter<Strict>&, Strict);
+                                                  const Encounter<Strict>&, Strict,
+                                                  const Traffic<Strict>*);
 
 namespace {
 
