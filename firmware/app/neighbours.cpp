@@ -26,6 +26,28 @@ bool is_named(const link::NamedValueFloat& message, std::string_view name) {
          message.name[name.size()] == '\0';
 }
 
+/// Heading does not matter; in its own local frame, or at a point of the globe.
+struct PlaceOf {
+  static constexpr convert::HeadingSample kNorth{};
+
+  std::optional<convert::Sample> operator()(const link::GlobalPositionInt& m) const {
+    return convert::sample_of(m, kNorth);
+  }
+  std::optional<convert::Sample> operator()(const link::LocalPositionNed& m) const {
+    return convert::sample_of(m, kNorth);
+  }
+  std::optional<convert::Sample> operator()(const link::FollowTarget& m) const {
+    return convert::sample_of(m, kNorth);
+  }
+  std::optional<convert::Sample> operator()(const link::Odometry& m) const {
+    return convert::sample_of(m).sample;
+  }
+  template <class Message>
+  std::optional<convert::Sample> operator()(const Message&) const {
+    return std::nullopt;
+  }
+};
+
 bool same(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {
   return a.latitude == b.latitude && a.longitude == b.longitude;
 }
@@ -44,24 +66,23 @@ void Neighbours::take(const link::Received& received, const convert::Position& o
   const auto [system, component] = received.from;
   if (!watches() || system == own_system_ || system == 0) return;
   if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
-    if (is_vehicle(*beat)) autopilot_[system] = component;
+    take_heartbeat(received.from, *beat);
   } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
     take_depth(system, *value);
   }
   if (component == 0 || autopilot_[system] != component) return;
-  constexpr convert::HeadingSample kNorth{};
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin, now_us);
-  } else if (const auto* global = std::get_if<link::GlobalPositionInt>(&received.message)) {
-    const auto sample = convert::sample_of(*global, kNorth);
-    if (sample) take_place(system, *sample, nullptr, own, now_us);
-  } else if (const auto* local = std::get_if<link::LocalPositionNed>(&received.message)) {
-    const Vessel* known = find(system);
-    const auto sample = convert::sample_of(*local, kNorth);
-    if (sample && known != nullptr && known->has_origin) {
-      take_place(system, *sample, &known->origin, own, now_us);
-    }
+  } else if (const auto sample = std::visit(PlaceOf{}, received.message)) {
+    take_place(system, *sample, own, now_us);
   }
+}
+
+void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message) {
+  if (!is_vehicle(message)) return;
+  constexpr unsigned kBySelf = link::mav::kModeFlagAuto | link::mav::kModeFlagGuided;
+  autopilot_[from.system] = from.component;
+  if (Vessel* vessel = find(from.system)) vessel->steered = (message.base_mode & kBySelf) != 0;
 }
 
 void Neighbours::take_depth(std::uint8_t system, const link::NamedValueFloat& message) {
@@ -81,17 +102,17 @@ void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& m
 }
 
 void Neighbours::take_place(std::uint8_t system, const convert::Sample& sample,
-                            const link::GpsGlobalOrigin* origin, const convert::Position& own,
-                            std::int64_t now_us) {
-  if (!convert::is_valid(own.origin)) return;
+                            const convert::Position& own, std::int64_t now_us) {
+  const Vessel* known = find(system);
+  const bool local = !sample.at;
+  if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) return;
   look_from(own.origin);
-  const convert::Sample seen = origin == nullptr ? convert::in_plane(sample, own.origin) : sample;
-  const convert::Position there{seen.north_m, seen.east_m, origin ? *origin : own.origin};
+  const convert::Sample seen = local ? sample : convert::in_plane(sample, own.origin);
+  const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
   if (!convert::near(own, there)) return;
-  core::Motion<double> still;
-  core::Motion<double> motion = still;
+  core::Motion<double> motion;
   motion.psi = seen.psi_rad;
-  const auto encounter = convert::encounter_of<double>(own, still, there, motion);
+  const auto encounter = convert::encounter_of<double>(own, {}, there, motion);
   const auto& apart = encounter.separation_n;
   Vessel* vessel = place_for(system, std::hypot(apart.x, apart.y), own, now_us);
   if (vessel == nullptr) return;
@@ -141,7 +162,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
 }
 
 bool Neighbours::has_way(const Vessel& vessel) const {
-  if (vessel.system == leader_system_ || !vessel.depth) return true;
+  if (vessel.system == leader_system_ || !vessel.steered || !vessel.depth) return true;
   return *vessel.depth == depth() ? vessel.system < own_system_ : *vessel.depth < depth();
 }
 
@@ -178,9 +199,9 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
       [&](const core::OtherVessel<S>& v) { return !(core::length(v.p_n) < S(least_m_)); });
 }
 
-#define FLOTILLA_INSTANTIATE(S)                                                               \
-  template core::Traffic<S> Neighbours::traffic(const convert::Position&,                     \
-                                                const core::Vec2<S>&, std::int64_t) const;    \
+#define FLOTILLA_INSTANTIATE(S)                                                                 \
+  template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \
+                                                std::int64_t) const;                            \
   template bool Neighbours::clear(const convert::Position&, const core::Vec2<S>&, std::int64_t) \
       const;
 FLOTILLA_INSTANTIATE(float)

@@ -12,9 +12,9 @@
 namespace flotilla::app {
 
 /// A vessel is a system of which a component says in its heartbeat that it is a vehicle's autopilot;
-/// that component's GLOBAL_POSITION_INT count, and its LOCAL_POSITION_NED where it tells its
-/// origin. Virtual leaders, ground stations, companions and gimbals are none. Of more than there is
-/// room for, the farthest are left out; one that is silent is forgotten.
+/// that component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and its LOCAL_POSITION_NED and
+/// ODOMETRY where it tells its origin. Virtual leaders, ground stations, companions and gimbals are
+/// none. Of more than there is room for, the farthest are left out; one that is silent is forgotten.
 class Neighbours {
  public:
   /// Our own system and our leader's. Nobody is tracked where `least_m`, FS_SEP_M, is 0.
@@ -42,6 +42,7 @@ class Neighbours {
     std::uint8_t system = 0;  ///< 0: this place is free
     bool located = false;
     bool has_origin = false;
+    bool steered = false;  ///< by itself: only then it may yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
     double north_m = 0, east_m = 0;
@@ -49,10 +50,10 @@ class Neighbours {
     std::int64_t heard_us = 0;
   };
 
+  void take_heartbeat(link::Address from, const link::Heartbeat& message);
   void take_depth(std::uint8_t system, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
-  void take_place(std::uint8_t system, const convert::Sample& sample,
-                  const link::GpsGlobalOrigin* origin, const convert::Position& own,
+  void take_place(std::uint8_t system, const convert::Sample& sample, const convert::Position& own,
                   std::int64_t now_us);
   void look_from(const link::GpsGlobalOrigin& origin);
   Vessel* find(std::uint8_t system);

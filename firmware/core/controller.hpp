@@ -59,13 +59,21 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> wanted, const Vec2<S>& c_b, 
   return wanted;
 }
 
-/// Velocity over ground that leads to the slot, north-east.
+/// ν* for a boat among others.
 template <class S>
-Vec2<S> way_to_slot(const VirtualVelocityParams<S>& params, const Encounter<S>& in,
-                    const ControllerOutput<S>& out) {
+Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& state,
+                         const Encounter<S>& in, const Traffic<S>& traffic,
+                         ControllerOutput<S>& out) {
   const Vec2<S> v = to_north_east(out.slot.psi, Vec2<S>{out.slot.nu.u, out.slot.nu.v});
   const Vec2<S> e = to_north_east(in.psi, Vec2<S>{out.error.e.x, out.error.e.y});
-  return {v.x - params.k_x * e.x, v.y - params.k_x * e.y};
+  const S k = params.outer.k_x;
+  const Intent<S> intent =
+      intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
+  const S a = params.propellers.R / params.vessel.m11;  // half of what both give
+  const auto kept =
+      separate(params.separation, a, state.separation, traffic, in.psi, intent, out.wanted);
+  state.outer.r_star_held = out.wanted.nu_star.r;
+  return kept;
 }
 
 /// One control step; dt: time since the step before, s, 0 in the first; traffic: nullptr where
@@ -83,12 +91,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   out.sight = line_of_sight(params.sight, in.nu, out.slot, out.error, U);
   virtual_sway_forward(params.vessel, state.outer, dt);
   out.wanted = virtual_velocity(params.outer, state.outer, out.slot, out.error, out.sight);
-  if (traffic != nullptr) {
-    out.separation =
-        separate(params.separation, params.outer, params.vessel, params.propellers,
-                 state.separation, *traffic, in.psi, way_to_slot(params.outer, in, out), out.wanted);
-    state.outer.r_star_held = out.wanted.nu_star.r;
-  }
+  if (traffic != nullptr) out.separation = keep_clear(params, state, in, *traffic, out);
   const VirtualVelocity<S> wanted_w = through_water(out.wanted, c_b, in.nu.r);
   state.outer.u_star_held = wanted_w.nu_star.u;  // v* is of the water too
   out.tau = pd_plus(params.inner, params.vessel, wanted_w,

@@ -3,11 +3,11 @@
 //
 //   D(w)    = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
 //   D(w) < 1.4 D_min for a vessel that has the way, w: wanted now, or straight to the slot
-//           ⇒ w ← least of |w − w_0|/U + ½ (1 − |w|/U) + 0.3 |w − w_before|/U + 10 s(w)
-//             among standing still, w_0, the last choice and 16 courses at U and at U/2
+//           ⇒ w ← least of |w − w_0|/U + ½ (1 − |w − w_S|/U) + 0.3 |w − w_before|/U + 10 s(w)
+//             among standing still, w_0, w_S, the last choice and 16 courses at U and at U/2
 //   s(w)    : shortfall of d² under (1.4 D_min + m)², of (that)², at 8 times up to T, the sooner the
 //             heavier; the boat turns bow or stern to its course first, on the spot
-//   u* n ≤ L((|p| − m − 1.2 D_min)/2) + 0.8 max(0, vᵀ p/|p|)           n = cos of the bearing
+//   u* n ≤ L((|p| − m − 1.1 D_min)/2) + 0.8 max(0, vᵀ p/|p|)           n = cos of the bearing
 //   L(g)    = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                  what still stops in g
 //
 //  symbol  meaning                                            unit   tested range
@@ -15,12 +15,13 @@
 //  m       how far it may be from there                       m      0 … 5
 //  D_min   distance to be kept; 0: nobody is looked for       m      0.5 … 20
 //  T       horizon                                            s
+//  w_S     the slot's velocity                                m/s
 //  w_0     velocity that leads straight to the slot           m/s
-//  U       LAW_U_MAX, what the slot does, or D_min a second   m/s
+//  U       LAW_U_MAX, or D_min a second; a tenth more than |w_S| at least   m/s
 //  a, t_r  half of what astern gives; until it does           m/s², s
 //
 // The choice is the yielding boat's; the last line binds every boat, that with the right of way too:
-// where both obey it nobody comes nearer than 1.2 D_min, and as the other one makes room up to 1.4 D_min
+// where both obey it nobody comes nearer than 1.1 D_min, and as the other one makes room up to 1.4 D_min
 // the way is free again. Slots must be farther apart than that.
 //
 // Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
@@ -72,9 +73,10 @@ struct Separation {
   S predicted{};          ///< least distance within the horizon, had ν* not been changed
 };
 
-/// What a boat that yields wants, and what it can.
+/// Where a boat wants to go, north-east, and what it can.
 template <class S>
-struct Escape {
+struct Intent {
+  Vec2<S> slot_n{};      ///< w_S
   Vec2<S> straight_n{};  ///< w_0
   S fastest{};           ///< U
   S turning{};           ///< yaw rate
@@ -150,11 +152,11 @@ S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, cons
 
 template <class S>
 S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
-          const Escape<S>& escape, const Traffic<S>& traffic, S psi, const Vec2<S>& w) {
-  const S turning_s = abs(way_to(psi, w).delta) / escape.turning;
-  S cost = length(minus(w, escape.straight_n)) / escape.fastest +
-           S(0.5) * (S(1) - length(w) / escape.fastest);
-  if (state.yielding) cost = cost + S(0.3) * length(minus(w, state.w_n)) / escape.fastest;
+          const Intent<S>& intent, const Traffic<S>& traffic, S psi, const Vec2<S>& w) {
+  const S turning_s = abs(way_to(psi, w).delta) / intent.turning;
+  S cost = length(minus(w, intent.straight_n)) / intent.fastest +
+           S(0.5) * (S(1) - length(minus(w, intent.slot_n)) / intent.fastest);
+  if (state.yielding) cost = cost + S(0.3) * length(minus(w, state.w_n)) / intent.fastest;
   for (std::size_t i = 0; i < traffic.count; ++i) {
     const OtherVessel<S>& other = traffic.vessels[i];
     if (other.has_way) cost = cost + S(10) * shortfall(params, other, w, turning_s);
@@ -165,19 +167,20 @@ S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
 /// The velocity to yield with; the first of the best.
 template <class S>
 Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
-               const Escape<S>& escape, const Traffic<S>& traffic, S psi) {
+               const Intent<S>& intent, const Traffic<S>& traffic, S psi) {
   Vec2<S> best{};
-  S least = cost_of(params, state, escape, traffic, psi, best);
+  S least = cost_of(params, state, intent, traffic, psi, best);
   const auto consider = [&](const Vec2<S>& w) {
-    const S cost = cost_of(params, state, escape, traffic, psi, w);
+    const S cost = cost_of(params, state, intent, traffic, psi, w);
     if (!(cost < least)) return;
     least = cost;
     best = w;
   };
-  consider(escape.straight_n);
+  consider(intent.straight_n);
+  consider(intent.slot_n);
   if (state.yielding) consider(state.w_n);
   const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // of π/8
-  Vec2<S> course = {escape.fastest, S(0)};
+  Vec2<S> course = {intent.fastest, S(0)};
   for (int k = 0; k < 16; ++k) {
     consider(course);
     consider({S(0.5) * course.x, S(0.5) * course.y});
@@ -189,7 +192,7 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
 /// Whether the boat has to yield, and what is predicted of the nearest.
 template <class S>
 bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
-             const Escape<S>& escape, const Traffic<S>& traffic, const Vec2<S>& w,
+             const Intent<S>& intent, const Traffic<S>& traffic, const Vec2<S>& w,
              Separation<S>& out) {
   const S keep = (state.yielding ? S(1.5) : S(1.4)) * params.least;
   bool yield = false;
@@ -198,7 +201,7 @@ bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
     const S now = predicted_distance(params.horizon, other, w);
     out.predicted = out.known ? smaller(out.predicted, now) : now;
     out.known = true;
-    const S straight = predicted_distance(params.horizon, other, escape.straight_n);
+    const S straight = predicted_distance(params.horizon, other, intent.straight_n);
     yield = yield || (other.has_way && smaller(now, straight) < keep);
   }
   return yield;
@@ -210,7 +213,7 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
   for (std::size_t i = 0; i < traffic.count; ++i) {
     const OtherVessel<S>& other = traffic.vessels[i];
     const S d = larger(length(other.p_n), S(0.001));
-    const S gap = S(0.5) * (d - other.margin - S(1.2) * params.least);
+    const S gap = S(0.5) * (d - other.margin - S(1.1) * params.least);
     const S receding = larger(S(0), dot(other.v_n, other.p_n) / d);
     const S limit = stopping_speed(a, params.reaction, gap) + S(0.8) * receding;
     const S n = to_body(psi, other.p_n).x / d;
@@ -219,35 +222,40 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
   return u;
 }
 
-/// Changes ν* where that is needed. straight_n: velocity that leads to the slot.
+/// w_0 no longer than U.
 template <class S>
-Separation<S> separate(const SeparationParams<S>& params, const VirtualVelocityParams<S>& limits,
-                       const Vessel<S>& vessel, const AllocationParams<S>& propellers,
-                       SeparationState<S>& state, const Traffic<S>& traffic, S psi,
-                       const Vec2<S>& straight_n, VirtualVelocity<S>& wanted) {
+Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
+                    const Vec2<S>& to_slot_n) {
+  const S usual = S(0) < limits.u_max ? limits.u_max : least;
+  const S fastest = larger(usual, S(1.1) * length(slot_n));
+  const S speed = length(to_slot_n);
+  const S share = fastest < speed ? fastest / speed : S(1);
+  return {slot_n,
+          {share * to_slot_n.x, share * to_slot_n.y},
+          fastest,
+          S(0) < limits.r_max ? limits.r_max : S(1)};
+}
+
+/// Changes ν* where that is needed; a: m/s², see above.
+template <class S>
+Separation<S> separate(const SeparationParams<S>& params, S a, SeparationState<S>& state,
+                       const Traffic<S>& traffic, S psi, const Intent<S>& intent,
+                       VirtualVelocity<S>& wanted) {
   Separation<S> out;
-  const S turning = S(0) < limits.r_max ? limits.r_max : S(1);
-  const S u_max = S(0) < limits.u_max ? limits.u_max : params.least;
-  const S straight = length(straight_n);
-  const S shorten = u_max < straight ? u_max / straight : S(1);
-  const Escape<S> escape{{shorten * straight_n.x, shorten * straight_n.y}, u_max, turning};
   Nu<S>& nu = wanted.nu_star;
-  const S u = nu.u;
-  const Vec2<S> w = to_north_east(psi, Vec2<S>{u, S(0)});
-  out.yielding = foresee(params, state, escape, traffic, w, out);
-  if (out.yielding) {
-    state.w_n = choose(params, state, escape, traffic, psi);
+  const Vec2<S> w = to_north_east(psi, Vec2<S>{nu.u, S(0)});
+  const bool yields = foresee(params, state, intent, traffic, w, out);
+  if (yields) {
+    state.w_n = choose(params, state, intent, traffic, psi);
     const Way<S> way = way_to(psi, state.w_n);
     nu.u = way.u;
-    nu.r = clamp(S(2) * way.delta, -turning, turning);
+    nu.r = clamp(S(2) * way.delta, -intent.turning, intent.turning);
     wanted.r_star_dot = S(0);
   }
-  state.yielding = out.yielding;
-  const S held = held_back(params, propellers.R / vessel.m11, traffic, psi, nu.u);
-  if (held < nu.u || nu.u < held) {
-    nu.u = held;
-    out.yielding = true;
-  }
+  state.yielding = yields;
+  const S u = held_back(params, a, traffic, psi, nu.u);
+  out.yielding = yields || u < nu.u || nu.u < u;
+  nu.u = u;
   if (out.yielding) wanted.u_star_dot = S(0);
   return out;
 }

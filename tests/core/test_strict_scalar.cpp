@@ -45,6 +45,13 @@ template struct Observer<Strict>;
 template struct Fix<Strict>;
 template struct Commands<Strict>;
 template struct CoastState<Strict>;
+template struct OtherVessel<Strict>;
+template struct Traffic<Strict>;
+template struct SeparationParams<Strict>;
+template struct SeparationState<Strict>;
+template struct Separation<Strict>;
+template struct Intent<Strict>;
+template struct Way<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
@@ -112,10 +119,19 @@ template Strict track_uncertainty(const TrackState<Strict>&, Strict, Strict);
 template CoastState<Strict> coast_start(const Motion<Strict>&);
 template void coast_forward(Strict, CoastState<Strict>&, Strict);
 template Commands<Strict> limited(const Commands<Strict>&, Strict);
+template Strict predicted_distance(Strict, const OtherVessel<Strict>&, const Vec2<Strict>&);
+template Strict stopping_speed(Strict, Strict, Strict);
+template Way<Strict> way_to(Strict, const Vec2<Strict>&);
+template Intent<Strict> intent_of(const VirtualVelocityParams<Strict>&, Strict, const Vec2<Strict>&,
+                                  const Vec2<Strict>&);
+template Separation<Strict> separate(const SeparationParams<Strict>&, Strict,
+                                     SeparationState<Strict>&, const Traffic<Strict>&, Strict,
+                                     const Intent<Strict>&, VirtualVelocity<Strict>&);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,
-                                                  const Encounter<Strict>&, Strict);
+                                                  const Encounter<Strict>&, Strict,
+                                                  const Traffic<Strict>*);
 
 namespace {
 
