@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The tables of the firmware's pages, from the firmware's own lists."""
 
-import re
 import sys
 from pathlib import Path
 
@@ -38,12 +37,12 @@ TABLES = {
 def page(path: Path, text: str) -> str:
     """The page with each table between its `<!-- name -->` and `<!-- end -->` lines renewed."""
     for name, table in TABLES[path].items():
-        begin = f"<!-- {name}: made by tools/reference -->\n"
-        pattern = re.escape(begin) + r".*?<!-- end -->"
-        whole = f"{begin}{table()}\n<!-- end -->"
-        text, found = re.subn(pattern, lambda _, whole=whole: whole, text, flags=re.DOTALL)
-        if found != 1:
+        begin, end = f"<!-- {name}: made by tools/reference -->\n", "<!-- end -->"
+        before, found, rest = text.partition(begin)
+        _, ended, behind = rest.partition(end)
+        if not (found and ended) or begin in behind:
             raise ValueError(f"{path}: no place for the table of {name}")
+        text = f"{before}{begin}{table()}\n{end}{behind}"
     return text
 
 

@@ -18,15 +18,15 @@ NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
 def after(
     state: str, request: str, lost: Iterable[str] = (), chosen: tuple[str, ...] = DEFAULT
 ) -> str:
-    """Where a request leads, where all is well but for what is lost; choice 2 is neither 0 nor 1."""
+    """Where a request leads if only `lost` is not met; a choice of 2 is neither 0 nor 1."""
     met = [name for name in (*NAMES, *chosen) if name not in lost and not name.endswith(" 2")]
     return str(flotilla.supervise(state, request, met)["state"])
 
 
-def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    head = list(head)
-    lines = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
-    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
+    """A Markdown table."""
+    first, *others = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
+    return "\n".join([first, "|" + "---|" * (first.count(" | ") + 1), *others])
 
 
 def condition_table() -> str:
@@ -40,7 +40,7 @@ def condition_table() -> str:
         ]
         limit = f"`{c['limit']}`" if c["limit"] else ""
         rows.append([f"`{name}`", c["complaint"], limit, ", ".join(needed)])
-    return table(["condition", "where it is not met the boat says", "limit", "needed"], rows)
+    return table(("condition", "where it is not met the boat says", "limit", "needed"), rows)
 
 
 def way_back(state: str, fallen: str) -> str:
@@ -68,7 +68,7 @@ def loss_table() -> str:
                 cells.append(f"{fallen}; {way_back(back, fallen)}")
         groups[tuple(cells)].append(f"`{name}`")
     rows = [["<br>".join(names), *cells] for cells, names in groups.items() if any(cells)]
-    return table(["lost", *(f"in {s}" for s in states)], rows)
+    return table(("lost", *(f"in {s}" for s in states)), rows)
 
 
 def choice_table() -> str:
@@ -84,7 +84,7 @@ def choice_table() -> str:
             then = f"{free}, then {over}" if free == "COAST" else free
             default = " (default)" if f"{parameter} {number}" in DEFAULT else ""
             rows.append([f"`{parameter}` {number}{default}", then, held if held != free else then])
-    return table(["choice", "FORMATION goes to", "with fresh sticks"], rows)
+    return table(("choice", "FORMATION goes to", "with fresh sticks"), rows)
 
 
 def transition_table() -> str:
@@ -99,7 +99,7 @@ def transition_table() -> str:
         ]
         for row in flotilla.supervisor_table()
     ]
-    return table(["in state", "asked", "all of", "or lost one of", "goes to"], rows)
+    return table(("in state", "asked", "all of", "or lost one of", "goes to"), rows)
 
 
 def edges() -> dict[tuple[str, str], list[str]]:
