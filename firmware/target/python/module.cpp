@@ -146,7 +146,7 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity", "frame"};
+  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity", "frame", "action"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
