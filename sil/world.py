@@ -87,9 +87,9 @@ def sail(
     single scenario is written; `digest`: whether runs have one all the same. `keep_s`: what the
     traces keep, every so many seconds; None is every tick, as figures of the whole run need it.
     `progress` is called with the share that is done; `watch` may look at everything. Where the
-    firmware refuses a parameter that is a StartError too; a run whose boats break a rule is a
-    PolicyViolationError, whatever else came of it. ValueError for records of more boats than they have
-    room for.
+    firmware refuses a parameter that is a StartError too; where a boat breaks a rule it is a
+    PolicyViolationError, whatever else came of the run. ValueError for records of more boats than
+    they have room for.
     """
     if record is not None and len(scenarios) != 1:
         raise ValueError("a recording is of one run")

@@ -14,6 +14,16 @@ constexpr std::uint8_t kStart = 0x80, kEnd = 0x40, kToggle = 0x20, kTransferId =
 
 bool is(std::uint16_t type, const link::DataType& wanted) { return type == wanted.id; }
 
+/// A RawCommand's i-th value: 14 bits, the low byte first.
+std::int16_t command_at(std::span<const std::uint8_t> payload, std::size_t i) {
+  const std::size_t bit = 14 * i, at = bit / 8;
+  const auto byte = [&](std::size_t k) { return k < payload.size() ? payload[k] : 0U; };
+  const unsigned three = byte(at) << 16U | byte(at + 1) << 8U | byte(at + 2);
+  const unsigned word = three >> (10U - bit % 8) & 0x3FFFU;
+  const unsigned value = (word & 0x3FU) << 8U | word >> 6U;
+  return static_cast<std::int16_t>(static_cast<int>(value ^ 0x2000U) - 0x2000);
+}
+
 /// The checksum's beginning of what a boat sends in several frames; 0 for a type that it does not.
 std::uint16_t seed_of(const link::Route& route) {
   for (const link::DataType& type : {link::RawCommand::kType, link::Allocation::kType,
@@ -125,18 +135,21 @@ void CanEar::take(std::uint32_t can_id, std::uint8_t transfer_id,
   const bool message = (can_id & 0x80U) == 0;
   const auto type = static_cast<std::uint16_t>(can_id >> 8U & 0xFFFFU);
   if (message && is(type, link::RawCommand::kType)) {
-    const auto command = link::read_raw_command(payload).value_or(link::RawCommand{});
     const auto port = static_cast<std::size_t>(p.ESC_PORT),
                stbd = static_cast<std::size_t>(p.ESC_STBD);
     bus.commands++;
-    bus.counted = bus.counted && counts_on(command_, transfer_id);
-    bus.size = command.count;
-    bus.port = command.cmd[port];
-    bus.stbd = command.cmd[stbd];
-    for (std::size_t i = 0; i < command.count; ++i) {
-      const auto loud = static_cast<std::int16_t>(std::abs(command.cmd[i]));
-      bus.loudest = std::max(bus.loudest, loud);
-      bus.strangers_idle = bus.strangers_idle && (loud == 0 || i == port || i == stbd);
+    bus.counted &= counts_on(command_, transfer_id);
+    bus.size = static_cast<std::uint8_t>(payload.size() * 8 / 14);
+    for (std::size_t i = 0; i < bus.size; ++i) {
+      const std::int16_t command = command_at(payload, i);
+      bus.loudest = std::max(bus.loudest, static_cast<std::int16_t>(std::abs(command)));
+      if (i == port) {
+        bus.port = command;
+      } else if (i == stbd) {
+        bus.stbd = command;
+      } else {
+        bus.strangers_idle &= command == 0;
+      }
     }
   } else if (message && is(type, link::ArmingStatus::kType)) {
     bus.armings++;

@@ -6,7 +6,6 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "link/messages.hpp"
@@ -16,15 +15,12 @@ namespace flotilla::policies {
 
 /// A message within bytes; the payload's cut-off end reads as zeros.
 struct Frame {
-  std::size_t size = 0;  ///< with checksum and signature
+  std::size_t size = 0;  ///< with checksum and signature; 0: none
   link::Address from;
   std::uint8_t sequence = 0;
   std::uint32_t id = 0;
   std::span<const std::uint8_t> payload;
 };
-/// That at the beginning of these; nothing where there is none, or not all of it.
-std::optional<Frame> frame_at(std::span<const std::uint8_t> bytes);
-
 class MavlinkEar {
  public:
   explicit MavlinkEar(const app::Parameters& p);
@@ -46,10 +42,17 @@ class MavlinkEar {
     std::int64_t beat_us = 0, timesync_us = 0;
   };
 
-  void hear_command(std::uint16_t command, float first, link::Address target, const Frame& frame,
-                    const app::Parameters& p, Moment& n) const;
+  /// A command and its first parameter.
+  struct Order {
+    std::uint16_t command;
+    float first;
+  };
+
+  void hear_command(Order order, link::Address from, link::Address target, const app::Parameters& p,
+                    Moment& n) const;
   void hear_mode(double mode, Moment& n) const;
-  void hear_request(const Frame& frame, const app::Parameters& p, Moment& n) const;
+  void hear_request(std::uint32_t id, link::Address from, std::span<const std::uint8_t> m,
+                    const app::Parameters& p, Moment& n) const;
   void read_own(const Frame& frame, Link& link, Moment& n);
 
   link::Address self_;

@@ -76,8 +76,9 @@ struct OnLinks {
 
 struct Moment {
   std::int64_t now_us = 0, dt_us = 0;
-  std::int64_t host_us = kNever_us;  ///< the greatest that the host has said so far
-  bool host_on = false;              ///< it is greater than in the tick before
+  std::uint32_t now_ms = 0, before_ms = 0;  ///< this tick and the one before, as telemetry has it
+  std::int64_t host_us = kNever_us;         ///< the greatest that the host has said so far
+  bool host_on = false;                     ///< it is greater than in the tick before
   /// Bytes did not come as whole, good messages within the last half second: what was heard is not
   /// certain.
   bool torn = false;

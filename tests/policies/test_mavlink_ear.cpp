@@ -20,7 +20,7 @@ struct Ear {
   Moment n;
   link::MavlinkEncoder self{{1, 1}}, gcs{{255, 190}}, leader{{100, 1}};
 
-  Ear() { n.now_us = 5'000'000, n.dt_us = 10'000; }
+  Ear() { n.now_us = 5'000'000, n.now_ms = 5000, n.before_ms = 4990; }
 
   bool hear(link::MavlinkEncoder& from, const link::Message& m) {
     return ear.hear(frame_of(from, m), p, n);
