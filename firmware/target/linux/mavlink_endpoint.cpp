@@ -93,9 +93,8 @@ class UdpEndpoint final : public MavlinkEndpoint {
 
   void send(std::span<const std::uint8_t> messages) override {
     for (const Peer& peer : peers_) {
-      const ssize_t sent =
-          ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
-                   generic(peer.address), sizeof peer.address);
+      const ssize_t sent = ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
+                                    generic(peer.address), sizeof peer.address);
       // ECONNREFUSED: nobody listens there yet; MAVLink repeats itself.
       if (sent >= 0 || errno == ECONNREFUSED) continue;
       ++dropped_;
