@@ -113,6 +113,7 @@ def _sail(outing: LiveOuting, row: Row, strike: Strike) -> Outcome:
     recovered_s = None if helped_s is None else before_s + helped_s
     why += beyond(row, detected_s, state, thrust_N, recovered_s)
     if recovered_s is None:
+        why.append(f"{outing.state}: {outing.text}")
         outing.help(outing.drives, 10.0)
     return Outcome(row.name, detected_s, state, thrust_N, recovered_s, not why, "; ".join(why))
 
@@ -123,13 +124,13 @@ def beyond(
     """What is beyond the row's limits."""
     why = []
     if detected_s is None or detected_s > row.detected_s:
-        why.append(f"noticed after {detected_s} s, not {row.detected_s:g} s")
+        why.append(f"noticed after {_seconds(detected_s)}, not {row.detected_s:g} s")
     if state != row.state:
         why.append(f"{state}, not {row.state}")
     if thrust_N > 0.0:
         why.append(f"{thrust_N:.2f} N told where none was wanted")
     if recovered_s is None or recovered_s > row.recovered_s:
-        why.append(f"back after {recovered_s} s, not {row.recovered_s:g} s")
+        why.append(f"back after {_seconds(recovered_s)}, not {row.recovered_s:g} s")
     return why
 
 
@@ -152,14 +153,15 @@ def _disk() -> Iterator[Path]:
             _execute("umount", "--lazy", str(disk))
 
 
-def _line(one: Outcome) -> str:
-    def seconds(value: float | None) -> str:
-        return "–" if value is None else f"{value:.2f} s"
+def _seconds(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2f} s"
 
+
+def _line(one: Outcome) -> str:
     verdict = "pass" if one.passed else f"FAIL: {one.why}"
     return (
-        f"{one.fault:18} noticed {seconds(one.detected_s):7} {one.state:10} thrust "
-        f"{one.thrust_after_N:.2f} N   back {seconds(one.recovered_s):7} {verdict}"
+        f"{one.fault:18} noticed {_seconds(one.detected_s):7} {one.state:10} thrust "
+        f"{one.thrust_after_N:.2f} N   back {_seconds(one.recovered_s):7} {verdict}"
     )
 
 

@@ -25,6 +25,16 @@ def _nothing(_: LiveOuting) -> str:
     return ""
 
 
+def _words(outing: LiveOuting) -> str:
+    """What flotillad has written on its standard error."""
+    return (outing.folder / "flotillad.log").read_text()
+
+
+def _bus_untold(outing: LiveOuting) -> str:
+    told = _words(outing).splitlines()[-1].endswith("is down or not there")
+    return "" if told else "flotillad does not say that its bus is down"
+
+
 def _left(outing: LiveOuting) -> bool:
     return outing.state != "FORMATION" or outing.rests()
 
@@ -143,8 +153,7 @@ def _half_written(outing: LiveOuting) -> str:
 
 
 def _full(outing: LiveOuting) -> str:
-    said = (outing.folder / "flotillad.log").read_text()
-    if "No space left on device" not in said:
+    if "No space left on device" not in _words(outing):
         return "flotillad does not say that its logs have ended"
     return _half_written(outing) if outing.drives() else "no thrust"
 
@@ -157,9 +166,11 @@ def _saved(outing: LiveOuting) -> bool:
 
 STRIKES = {
     "stopped": Strike(_signal(signal.SIGSTOP), _signal(signal.SIGCONT)),
-    "bus_off": Strike(_go_bus_off, _restart_controller),
-    "interface_down": Strike(_link(_NEW_LINK, 0, _UP), _link(_NEW_LINK, _UP, _UP)),
-    "interface_removed": Strike(_link(_DEL_LINK), _plug_in),
+    "bus_off": Strike(_go_bus_off, _restart_controller, wrong=_bus_untold),
+    "interface_down": Strike(
+        _link(_NEW_LINK, 0, _UP), _link(_NEW_LINK, _UP, _UP), wrong=_bus_untold
+    ),
+    "interface_removed": Strike(_link(_DEL_LINK), _plug_in, wrong=_bus_untold),
     "disk_full": Strike(_fill, _empty, lambda outing: _UNSAVED in outing.text, _full, _saved),
     "killed": Strike(_kill, _start),
 }

@@ -32,12 +32,12 @@ def test_every_strike_has_limits() -> None:
     ("seen", "why"),
     [
         ((0.1, "HOLD", 0.0, 1.0), ""),
-        ((None, "HOLD", 0.0, 1.0), "noticed after None s"),
-        ((2.0, "HOLD", 0.0, 1.0), "noticed after 2.0 s"),
+        ((None, "HOLD", 0.0, 1.0), "noticed after –"),
+        ((2.0, "HOLD", 0.0, 1.0), "noticed after 2.00 s"),
         ((0.1, "FORMATION", 0.0, 1.0), "FORMATION, not HOLD"),
         ((0.1, "HOLD", 0.3, 1.0), "0.30 N told where none was wanted"),
-        ((0.1, "HOLD", 0.0, None), "back after None s"),
-        ((0.1, "HOLD", 0.0, 60.0), "back after 60.0 s"),
+        ((0.1, "HOLD", 0.0, None), "back after –"),
+        ((0.1, "HOLD", 0.0, 60.0), "back after 60.00 s"),
     ],
 )
 def test_whoever_is_beyond_a_limit_fails(
