@@ -8,7 +8,6 @@ followers, and the plant is carried to t + h under the commands that the ESCs th
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from itertools import combinations
 from typing import Any
 
 import flotilla
@@ -87,7 +86,7 @@ class Batch:
 
     def _connect(self, run: int, scenario: Scenario) -> None:
         rng = generator(scenario.seed, Stream.LINKS)
-        for pair in _pairs(scenario):
+        for pair in scenario.pairs():
             ends = [self.row(run, agent) for agent in pair]
             for sender, receiver in (ends, ends[::-1]):
                 seed = int(rng.integers(1 << 64, dtype=np.uint64))
@@ -135,12 +134,3 @@ class Batch:
         """Hand what has been on the wires to the recorders."""
         for run, recorder in enumerate(self.recorders):
             recorder.write(self.fleet.take_records(run))
-
-
-def _pairs(scenario: Scenario) -> list[tuple[int, int]]:
-    """Agents that hear each other: leader and follower, then, where all do, the other boats."""
-    pairs = [(boat.follows, agent) for agent, boat in enumerate(scenario.boat, start=1)]
-    if scenario.link.everyone:
-        boats = range(1, len(scenario.boat) + 1)
-        pairs += [pair for pair in combinations(boats, 2) if pair not in pairs]
-    return pairs

@@ -6,6 +6,7 @@ file with `base = "NAME"` is that scenario with its own keys over it, boats by n
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -50,7 +51,8 @@ FOLDER = Path(__file__).parent / "scenarios"
 class Scenario(Section):
     """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
 
-    `name` is the file's unless the file gives another.
+    `name` is the file's unless the file gives another. A campaign draws no start at which two boats
+    are nearer than `start_apart_m`.
     """
 
     name: str
@@ -102,6 +104,14 @@ class Scenario(Section):
         """What the navigation unit of `boat` says."""
         common = self.navigation.model_dump(include=set(Unit.model_fields))
         return Settings(**{**common, **boat.navigation.model_dump(exclude_unset=True)})
+
+    def pairs(self) -> list[tuple[int, int]]:
+        """Agents that hear each other: leader and follower, then, where all do, the other boats."""
+        pairs = [(boat.follows, agent) for agent, boat in enumerate(self.boat, start=1)]
+        if self.link.everyone:
+            boats = range(1, len(self.boat) + 1)
+            pairs += [pair for pair in combinations(boats, 2) if pair not in pairs]
+        return pairs
 
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
         """Firmware parameters that the file gives `boat`: the law's, those of all, its own."""

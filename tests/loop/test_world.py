@@ -192,7 +192,12 @@ ROUGH = [
 ]
 
 
-@pytest.mark.parametrize("how", [["duration_s=5"], ROUGH, [*ROUGH, "navigation.rate_hz=20"]])
+HEARD_BY_ALL = [*ROUGH, "link.everyone=true", "parameters.FS_SEP_M=2.5"]
+
+
+@pytest.mark.parametrize(
+    "how", [["duration_s=5"], ROUGH, [*ROUGH, "navigation.rate_hz=20"], HEARD_BY_ALL]
+)
 def test_every_byte_on_every_wire_is_that_of_the_world_of_objects(
     tmp_path: Path, how: list[str]
 ) -> None:
