@@ -15,7 +15,7 @@ from rich.console import Console
 
 from sil import pool, scenario
 from sil.scenario import FOLDER
-from sil.start import StartError
+from sil.start import RunError
 from sil.world import sail
 
 _ROOT = Path(__file__).parent.parent
@@ -35,7 +35,7 @@ def digest_of(task: Task) -> str:
     chosen = scenario.load(task[0])
     short = chosen.model_copy(update={"duration_s": min(chosen.duration_s, _LONGEST_S)})
     (run,) = sail([short], {}, digest=True)
-    return str(run) if isinstance(run, StartError) else run.digest or "no digest"
+    return str(run) if isinstance(run, RunError) else run.digest or "no digest"
 
 
 def lockstep(runs: int, console: Console, digest: Callable[[Task], str] = digest_of) -> int:
