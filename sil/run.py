@@ -58,6 +58,8 @@ def live(
     `bus` is the address of boat 1's bus. Raises as `run`, and OSError or can.CanError where the
     bus cannot be opened.
     """
+    if scenario.fault:
+        raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
     program = build_flotillad(console.print)
     out.mkdir(parents=True, exist_ok=True)
     began_s = time.perf_counter()

@@ -56,13 +56,7 @@ class Troubled(Twins):
 
     def take(self) -> list[Record]:
         """What has been on the wires since the last call."""
-        data, at, records = self.fleet.take_records(0), 0, []
-        while at < len(data):
-            t_us, port, length = _HEAD.unpack_from(data, at)
-            at += _HEAD.size
-            records.append(Record(t_us, port >> 8, port & 0xFF, data[at : at + length]))
-            at += length
-        return records
+        return records_of(self.fleet)
 
     def fail(self, agent: int, kind: str, **named: Any) -> None:
         self.fleet.set_fault(agent, kind, self.t_us, **named)
@@ -73,6 +67,17 @@ class Troubled(Twins):
     def conditions(self, agent: int) -> dict[str, bool]:
         conditions: dict[str, bool] = self.fleet.snapshot(agent)["conditions"]
         return conditions
+
+
+def records_of(fleet: Any) -> list[Record]:
+    """What has been on the wires of its run 0 since the last call."""
+    data, at, records = fleet.take_records(0), 0, []
+    while at < len(data):
+        t_us, port, length = _HEAD.unpack_from(data, at)
+        at += _HEAD.size
+        records.append(Record(t_us, port >> 8, port & 0xFF, data[at : at + length]))
+        at += length
+    return records
 
 
 def heard(records: list[Record], agent: int, link: int) -> list[tuple[int, bytes]]:

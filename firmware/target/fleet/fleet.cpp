@@ -83,6 +83,8 @@ void Fleet<S>::tick_all(std::int64_t t_us, const TickArrays& arrays) {
   for (Station& leader : leaders_) listen(leader, t_us);
   for (std::size_t i = 0; i < boats(); ++i) listen(boats_[i], t_us);
   watch.lap(Stage::kDecode);
+  if (!injects_) return;
+  for (std::size_t i = 0; i < boats(); ++i) inject(boats_[i], t_us);
 }
 
 template <class S>
@@ -142,7 +144,6 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
       v.escs.on_can(frame.id, frame.bytes(), s.now_us - s.jumped_us);
     }
     pass_on(v, out, t_us);
-    if (injects_) inject(v, t_us);
   }
   for (std::size_t esc = 0; esc < EscNodes::kEscs; ++esc) {
     arrays.command[EscNodes::kEscs * index + esc] = v.escs.command(esc, s.now_us - s.jumped_us);
