@@ -193,7 +193,8 @@ void History<S>::host(Stream& in) {
   host_.parameters_saved = (what & 2U) == 0;
   host_.save_failed = (what & 4U) != 0;
   if ((what & 8U) != 0) ++host_.overruns;
-  if ((what & 16U) != 0) host_.unix_us = in.number<std::int64_t>();
+  // After the year 2100 signatures' timestamps come to their end.
+  if ((what & 16U) != 0) host_.unix_us = in.number<std::int64_t>() % 4'100'000'000'000'000;
   boat_->on_host(host_);
 }
 
