@@ -26,6 +26,7 @@ from sil.wiring import VIRTUAL_LEADER_SYSTEM
 
 # Ticks after which the records of a fleet are taken: a few hundred kB of one boat's, no more.
 _TAKE = 32
+_GCS_US = 1_000_000
 
 
 class Batch:
@@ -33,8 +34,9 @@ class Batch:
 
     Agents of `fleet` are the rows of `bodies`: the virtual leaders, then the boats, run by run.
     `command` (R N, 2): what the ESCs told their motors in the last tick. `sensors`: of all agents.
-    `recorders`: to be set to those of the runs, where there are any. ValueError where the firmware
-    refuses a parameter.
+    `without_gcs`: agents that hear no heartbeats of their ground station, which those with FS_GCS_S
+    do. `recorders`: to be set to those of the runs, where there are any. ValueError where the
+    firmware refuses a parameter.
     """
 
     def __init__(
@@ -63,12 +65,17 @@ class Batch:
             unit, clock = self._aboard(run, 0)
             self.fleet.add_leader(run, VIRTUAL_LEADER_SYSTEM, unit, clock)
         self.slots: list[Array] = []
+        self.without_gcs: set[int] = set()
+        self._gcs: list[int] = []
         for run, scenario in enumerate(scenarios):
             parameters = parameters_of(scenario, param_overrides)
             for agent, own in enumerate(parameters, start=1):
                 self.fleet.add_boat(run, own, *self._aboard(run, agent))
             self.slots.append(slots_of(parameters))
             self._connect(run, scenario)
+            # Whoever cannot do without a ground station has one.
+            waits = zip(self.agents(run), parameters, strict=True)
+            self._gcs += [agent for agent, own in waits if own.get("FS_GCS_S", 0.0) > 0.0]
         self.bodies = bodies_of(scenarios)
         self.command: Array = np.zeros((len(scenarios) * self.boats, 2))
         self.sensors = Sensors(
@@ -125,6 +132,8 @@ class Batch:
         self.sensors.measure()
         eta = self._told.poses(self.sensors.eta)
         told = (eta, self.sensors.nu, self._told.degE7)
+        if self._gcs and t_us % _GCS_US < self.h_us:
+            self.fleet.heartbeat([a for a in self._gcs if a not in self.without_gcs], t_us)
         self.fleet.tick(t_us, *told, self.bodies.rpm, self.command)
         self._ticks += 1
         if self.recorders and self._ticks % _TAKE == 0:

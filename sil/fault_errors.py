@@ -8,8 +8,17 @@ from sil.sections import Fault
 from sil.toml_errors import KeyPath
 
 _SHARES = {"frame_loss", "radio_loss", "byte_errors"}
-_VALUED = {*_SHARES, "own_jump", "own_noisy", "own_clock", "impostor", "replay", "clock"}
-_BOATS = {"own_noisy", "bus_off", "frame_loss", "restart"}
+_VALUED = {
+    *_SHARES,
+    "own_jump",
+    "own_noisy",
+    "own_clock",
+    "esc_voltage",
+    "impostor",
+    "replay",
+    "clock",
+}
+_BOATS = {"own_noisy", "bus_off", "frame_loss", "restart", "gcs_silent"}
 _MOST = 1e6  # metres, seconds: what flotilla.Fleet takes
 
 

@@ -231,6 +231,7 @@ FaultKind = Literal[
     "esc_stuck",
     "esc_reversed",
     "esc_reboot",
+    "esc_voltage",
     "bus_off",
     "frame_loss",
     "radio_silent",
@@ -240,14 +241,16 @@ FaultKind = Literal[
     "replay",
     "clock",
     "restart",
+    "gcs_silent",
 ]
 
 
 class Fault(Section):
     """What goes wrong with an agent from `at_s` after the release on, for `for_s` or to the end.
 
-    `value`: metres (own_jump, impostor), seconds (own_clock, clock, replay), a share (frame_loss,
-    radio_loss, byte_errors) or a factor (own_noisy). `esc`: whose, where it is one of ESCs.
+    `value`: metres (own_jump, impostor), seconds (own_clock, clock, replay), volts
+    (esc_voltage), a share (frame_loss, radio_loss, byte_errors) or a factor (own_noisy). `esc`:
+    whose, where it is one of ESCs.
     `firmware/target/fleet/fault.hpp` says what each kind is.
     """
 

@@ -33,9 +33,17 @@ def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[O
         command = watch.commands[i, :ticks]
         most_N = np.where(command > 0.0, pair.forward_max_N, pair.reverse_max_N)
         level_N = np.abs(command) * most_N
+        begins_s = row.begins_s if row.fence_m is None else _left_s(row, run)
         told = _Seen(row, 1.0 / one.rate_hz, watch.states[i, :ticks], level_N, _error_m(row, run))
-        outcomes.append(told.judge())
+        outcomes.append(told.judge(begins_s))
     return outcomes
+
+
+def _left_s(row: Row, run: Run) -> float:
+    """When it leaves its fence, which is around where it started."""
+    eta = run.trace["eta"][:, row.boat, :2]
+    away_m = np.hypot(*(eta - eta[0]).T)
+    return float(run.trace["t_s"][np.argmax(away_m > (row.fence_m or 0.0))])
 
 
 def _error_m(row: Row, run: Run) -> Array:
@@ -50,14 +58,15 @@ class _Seen:
         self._row, self._h_s, self._states, self._error_m = row, h_s, states, error_m
         kept = [i for i, esc in enumerate(("port", "stbd")) if row.but != esc]
         self._thrust_N = thrust_N[:, kept].max(axis=1)
-        self._begin, self._end = round(row.begins_s / h_s), round(row.ends_s / h_s)
-        left = np.flatnonzero(states[self._begin :] != STATES["FORMATION"])
-        self._left = self._begin + int(left[0]) if len(left) else None
         self._why: list[str] = []
 
-    def judge(self) -> Outcome:
-        """What came of it, and whether that is as the row has it."""
+    def judge(self, begins_s: float) -> Outcome:
+        """What came of what began then, and whether that is as the row has it."""
         row = self._row
+        self._begin = round(begins_s / self._h_s)
+        self._end = max(self._begin, round(row.ends_s / self._h_s))
+        left = np.flatnonzero(self._states[self._begin :] != STATES["FORMATION"])
+        self._left = self._begin + int(left[0]) if len(left) else None
         if (self._states[: self._begin] != STATES["FORMATION"]).any():
             self._why.append("left FORMATION before anything went wrong")
         detected_s = None if self._left is None else (self._left - self._begin) * self._h_s

@@ -26,7 +26,8 @@ class Row(Section):
     slot while it is in FORMATION without anybody's help. Afterwards it is back in FORMATION within
     `recovered_s` of the fault's end (of its beginning, where it has none): by itself, or by an
     `operator` who disarms, arms and says FOLLOW, and never before he does. `hold_s`: the operator
-    says HOLD so long after the fault's beginning.
+    says HOLD so long after the fault's beginning. `fence_m`: its FS_FENCE_M; then the fault is to
+    have left it.
     """
 
     name: Annotated[str, Field(pattern="^[a-z0-9_]+$")]
@@ -42,12 +43,13 @@ class Row(Section):
     recovery: Literal["automatic", "operator"] | None = None
     recovered_s: Positive | None = None
     hold_s: Positive | None = None
+    fence_m: Positive | None = None
     set: dict[str, Any] = Field(default_factory=dict)
 
     @property
     def begins_s(self) -> float:
-        """When it goes wrong, after the release."""
-        return min(fault.at_s for fault in self.fault)
+        """When it goes wrong, after the release; 0 where it is to leave its fence."""
+        return min((fault.at_s for fault in self.fault), default=0.0)
 
     @property
     def ends_s(self) -> float:
@@ -60,6 +62,8 @@ class Row(Section):
         source = scenario.read(FOLDER / "pair.toml")
         for key, value in self.set.items():
             source.override(f"{key}={_toml(value)}")
+        if self.fence_m is not None:
+            source.override(f"boat.{self.boat}.parameters.FS_FENCE_M={self.fence_m}")
         source.document["name"] = self.name
         source.document["fault"] = [fault.model_dump(exclude_unset=True) for fault in self.fault]
         return scenario.check(source)

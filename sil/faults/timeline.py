@@ -66,6 +66,9 @@ def act(batch: Batch, run: int, fault: Fault, begins: bool, t_us: int, seed: int
     if fault.kind == "own_noisy":
         batch.sensors.worse[row] = fault.value if begins else 1.0
         return
+    if fault.kind == "gcs_silent":
+        (batch.without_gcs.add if begins else batch.without_gcs.discard)(row)
+        return
     esc = fault.esc if is_escs(fault) and fault.esc != "both" else None
     if begins:
         named: dict[str, Any] = {"value": fault.value, "esc": esc, "seed": seed}

@@ -137,6 +137,17 @@ def test_an_esc_that_reboots_was_off_and_needs_a_zero_again() -> None:
     assert sea.state(1) == "FAULT"
 
 
+@pytest.mark.parametrize("volts", [20.0, 0.0, 25.5])
+def test_an_esc_says_another_voltage(volts: float) -> None:
+    sea = Troubled()
+    sea.fail(1, "esc_voltage", value=volts, esc="stbd")
+    told = transfers(of_type(frames(sea.sail(50), 1, to_boat=True), ESC_STATUS))
+    assert {(t.source_node_id, t.payload.voltage) for t in told} == {(PORT, 24.0), (STBD, volts)}
+    sea.heal(1, "esc_voltage")
+    told = transfers(of_type(frames(sea.sail(50), 1, to_boat=True), ESC_STATUS))
+    assert {t.payload.voltage for t in told} == {24.0}
+
+
 # -- the bus
 
 

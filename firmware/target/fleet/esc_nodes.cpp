@@ -8,6 +8,7 @@
 
 #include "link/crc16.hpp"
 #include "link/dronecan_messages.hpp"
+#include "link/float16.hpp"
 
 namespace flotilla::fleet {
 namespace {
@@ -113,13 +114,15 @@ double EscNodes::command(std::size_t i, std::int64_t now_us) const {
   return esc.reversed ? -command : command;
 }
 
-void EscNodes::set_fault(FaultKind kind, std::optional<std::size_t> which, std::int64_t now_us) {
+void EscNodes::set_fault(const Fault& fault, std::int64_t now_us) {
+  const auto [kind, value, which, seed] = fault;
   for (std::size_t i = 0; i < kEscs; ++i) {
     if (which && *which != i) continue;
     Esc& esc = escs_[i];
     if (kind == FaultKind::kEscSilent) esc.silent = true;
     if (kind == FaultKind::kEscStuck) esc.stuck = command(i, now_us);
     if (kind == FaultKind::kEscReversed) esc.reversed = true;
+    if (kind == FaultKind::kEscVoltage) esc.voltage_V = static_cast<float>(value);
     if (kind == FaultKind::kEscReboot) {
       esc = {.index = esc.index, .silent = esc.silent, .reversed = esc.reversed, .off = true};
     }
@@ -133,6 +136,7 @@ void EscNodes::clear_fault(FaultKind kind, std::optional<std::size_t> which) {
     if (kind == FaultKind::kEscSilent) esc.silent = false;
     if (kind == FaultKind::kEscStuck) esc.stuck.reset();
     if (kind == FaultKind::kEscReversed) esc.reversed = false;
+    if (kind == FaultKind::kEscVoltage) esc.voltage_V.reset();
     if (kind == FaultKind::kEscReboot) esc.off = false;
   }
 }
@@ -168,10 +172,17 @@ void EscNodes::tell_node_status(std::size_t esc, std::int64_t now_us, Frames& ou
 void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out) {
   constexpr link::DataType type = link::EscStatus::kType;
   const auto tail = status_tail(rpm, 100.0 * std::abs(command(esc, now_us)), escs_[esc].index);
-  const std::uint16_t crc = link::crc16(kStatusHeadCrc, tail);
+  auto h = kStatusHead;
+  std::uint16_t crc = kStatusHeadCrc;
+  if (const auto volts = escs_[esc].voltage_V) {
+    const std::uint16_t half = link::float16_from(*volts);
+    h[4] = low_byte(half);
+    h[5] = low_byte(half >> 8U);
+    crc = link::crc16(type.crc_seed, h);
+  }
+  crc = link::crc16(crc, tail);
   const std::uint32_t id =
       link::can_id_of({kEscStatusPriority, type.kind, type.id, kNodes[esc], 0});
-  const auto& h = kStatusHead;
   const std::uint8_t n = next(escs_[esc].esc_status_id);
   const auto flagged = [n](unsigned flags) { return low_byte(flags | n); };
   out.push_back(

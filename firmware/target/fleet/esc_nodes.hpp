@@ -31,7 +31,7 @@ class EscNodes {
   double command(std::size_t esc, std::int64_t now_us) const;
 
   /// Of both where `esc` is none.
-  void set_fault(FaultKind kind, std::optional<std::size_t> esc, std::int64_t now_us);
+  void set_fault(const Fault& fault, std::int64_t now_us);
   void clear_fault(FaultKind kind, std::optional<std::size_t> esc);
 
   using Frames = std::vector<link::CanFrame>;
@@ -48,7 +48,8 @@ class EscNodes {
     std::uint8_t node_status_id = 0, esc_status_id = 0;
     // what is wrong with it
     bool silent = false, reversed = false, off = false;
-    std::optional<double> stuck{};  // there
+    std::optional<double> stuck{};     // there
+    std::optional<float> voltage_V{};  // it says
   };
   struct Question {
     std::size_t esc;

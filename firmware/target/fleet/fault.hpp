@@ -19,6 +19,7 @@ enum class FaultKind : std::uint8_t {
   kEscStuck,     ///< turns as it did at the beginning, whatever it is told
   kEscReversed,  ///< turns the other way, and says that it does not
   kEscReboot,    ///< is off, and starts anew at the end
+  kEscVoltage,   ///< says that its battery has `value` V
   kBusOff,       ///< no CAN frame passes, and the host knows
   kFrameLoss,    ///< that share of the CAN frames is lost, both ways
   kRadioSilent,  ///< the radio is off, both ways
@@ -29,11 +30,11 @@ enum class FaultKind : std::uint8_t {
   kClock,        ///< the whole vessel's clock jumps by `value` s, and back at the end
   kRestart,      ///< the boat's process is killed; at the end there is a new one
 };
-constexpr std::size_t kFaultKinds = 17;
+constexpr std::size_t kFaultKinds = 18;
 constexpr std::array<std::string_view, kFaultKinds> kFaultNames{
-    "own_silent",   "own_frozen", "own_jump", "own_clock",  "esc_silent",   "esc_stuck",
-    "esc_reversed", "esc_reboot", "bus_off",  "frame_loss", "radio_silent", "radio_loss",
-    "byte_errors",  "impostor",   "replay",   "clock",      "restart"};
+    "own_silent",   "own_frozen",  "own_jump",    "own_clock", "esc_silent", "esc_stuck",
+    "esc_reversed", "esc_reboot",  "esc_voltage", "bus_off",   "frame_loss", "radio_silent",
+    "radio_loss",   "byte_errors", "impostor",    "replay",    "clock",      "restart"};
 
 /// Whether only a boat can have it; a leader is no more than a unit and a radio.
 constexpr bool is_boats(FaultKind kind) {
@@ -41,7 +42,7 @@ constexpr bool is_boats(FaultKind kind) {
   return (kind >= kEscSilent && kind <= kFrameLoss) || kind == kRestart;
 }
 constexpr bool is_escs(FaultKind kind) {
-  return kind >= FaultKind::kEscSilent && kind <= FaultKind::kEscReboot;
+  return kind >= FaultKind::kEscSilent && kind <= FaultKind::kEscVoltage;
 }
 constexpr bool is_share(FaultKind kind) {
   using enum FaultKind;

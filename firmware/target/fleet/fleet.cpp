@@ -12,7 +12,7 @@ namespace flotilla::fleet {
 namespace {
 
 constexpr std::uint8_t kComponentGps = 220;
-constexpr MessageType kCommandLong{76, 152};
+constexpr MessageType kHeartbeat{0, 50}, kCommandLong{76, 152};
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -250,6 +250,22 @@ void Fleet<S>::command(std::size_t boat, const Order& order, std::int64_t t_us) 
   v.station.run->ground_station.write(frame, kCommandLong, order.params, order.command,
                                       v.station.system, link::mav::kComponentAutopilot,
                                       std::uint8_t{0});
+  hear_operator(v, frame, t_us);
+}
+
+template <class S>
+void Fleet<S>::heartbeat(std::size_t boat, std::int64_t t_us) {
+  Vessel& v = boats_[boat];
+  std::vector<std::uint8_t> frame;
+  constexpr std::uint8_t kMavlinkVersion = 3;
+  v.station.run->ground_station.write(frame, kHeartbeat, std::uint32_t{0}, link::mav::kTypeGcs,
+                                      link::mav::kAutopilotInvalid, std::uint8_t{0},
+                                      link::mav::kStateActive, kMavlinkVersion);
+  hear_operator(v, frame, t_us);
+}
+
+template <class S>
+void Fleet<S>::hear_operator(Vessel& v, std::span<const std::uint8_t> frame, std::int64_t t_us) {
   if (!v.station.has(FaultKind::kRadioSilent)) hear(v, frame, t_us, kRadio);
 }
 

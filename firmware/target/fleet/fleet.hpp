@@ -84,6 +84,8 @@ class Fleet {
   void on_can(std::size_t boat, std::uint32_t can_id, std::span<const std::uint8_t> data,
               std::int64_t t_us);
   void command(std::size_t boat, const Order& order, std::int64_t t_us);
+  /// The ground station's.
+  void heartbeat(std::size_t boat, std::int64_t t_us);
 
   /// From the next tick on; one of the kind takes the place of the last one. std::invalid_argument
   /// where a clock would go back before 0.
@@ -164,6 +166,7 @@ class Fleet {
   void report_bus(Vessel& v, std::int64_t t_us);
   void restart(Vessel& v, std::int64_t t_us);
   void inject(Vessel& v, std::int64_t t_us);
+  void hear_operator(Vessel& v, std::span<const std::uint8_t> frame, std::int64_t t_us);
   static Sensed sensed(const TickArrays& arrays, std::size_t agent);
 
   bool records_, profiles_, injects_;

@@ -31,7 +31,7 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
   }
   if (fault.kind == kClock && s.faults && s.faults->has(kClock)) clear_fault(agent, fault, t_us);
   if (is_escs(fault.kind)) {
-    boats_[agents_[agent].index].escs.set_fault(fault.kind, fault.esc, now_us - s.jumped_us);
+    boats_[agents_[agent].index].escs.set_fault(fault, now_us - s.jumped_us);
     return;
   }
   if (!s.faults) s.faults = std::make_unique<VesselFaults>();

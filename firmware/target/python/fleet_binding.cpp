@@ -154,6 +154,13 @@ class PyFleet {
     });
   }
 
+  void heartbeat(const std::vector<std::size_t>& agents, std::int64_t t_us) {
+    visit([&](auto& f) {
+      for (const std::size_t agent : agents) boat(f, agent);
+      for (const std::size_t agent : agents) f.heartbeat(boat(f, agent), time_from(t_us));
+    });
+  }
+
   void set_fault(std::size_t i, const std::string& kind, std::int64_t t_us, double value,
                  const nb::object& esc, std::uint64_t seed) {
     const Fault fault = fault_from(kind, value, esc, seed);
@@ -283,12 +290,16 @@ void bind_fleet(nb::module_& m) {
       .def("command", &PyFleet::command, "agents"_a, "t_us"_a, "command"_a, "params"_a,
            "COMMAND_LONG with up to 7 params over the radio to each of these boats, from their "
            "run's ground station (255/190).")
+      .def("heartbeat", &PyFleet::heartbeat, "agents"_a, "t_us"_a,
+           "HEARTBEAT of that ground station, over the radio to each of these boats.")
       .def(
           "set_fault", &PyFleet::set_fault, "agent"_a, "kind"_a, "t_us"_a, "value"_a = 0.0,
           "esc"_a = nb::none(), "seed"_a = 0,
           "Something goes wrong from the next tick on. kind: one of flotilla.FAULTS; value: metres "
-          "(own_jump, impostor), seconds (own_clock, clock, replay) or a share (frame_loss, "
-          "radio_loss, byte_errors); esc: \"port\", \"stbd\" or None for both; seed: of what is "
+          "(own_jump, impostor), seconds (own_clock, clock, replay), volts (esc_voltage) or a "
+          "share "
+          "(frame_loss, radio_loss, byte_errors); esc: \"port\", \"stbd\" or None for both; seed: "
+          "of what is "
           "lost or damaged.")
       .def("clear_fault", &PyFleet::clear_fault, "agent"_a, "kind"_a, "t_us"_a,
            "esc"_a = nb::none(), "It is over; nothing happens where there is none.")

@@ -23,7 +23,7 @@ def judged(*spells: tuple[str, int, float], **keys: Any) -> Outcome:
     row = Row.model_validate({"name": "it", "fault": [FAULT], "states": ["HOLD"], **keys})
     states = np.concatenate([np.full(n, STATES[name], np.uint8) for name, n, _ in spells])
     thrust_N = np.concatenate([np.full((n, 2), level) for _, n, level in spells])
-    return matrix._Seen(row, 0.1, states, thrust_N, np.full(len(states), 0.1)).judge()
+    return matrix._Seen(row, 0.1, states, thrust_N, np.full(len(states), 0.1)).judge(row.begins_s)
 
 
 GOOD = (("FORMATION", 13, 5.0), ("HOLD", 30, 0.0), ("FORMATION", 20, 5.0))

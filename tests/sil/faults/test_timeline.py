@@ -156,3 +156,20 @@ def test_only_what_is_noisy_can_be_noisier() -> None:
     quiet += [f"navigation.{name}=0.0" for name in ("velocity_noise_mps", "yaw_rate_noise_radps")]
     with pytest.raises(ScenarioError, match="no noise to multiply"):
         sailing(line, overrides=quiet)
+
+
+def test_a_ground_station_is_there_for_whom_waits_for_it_and_falls_silent(tmp_path: Path) -> None:
+    line = {"kind": "gcs_silent", "agent": 1, "at_s": 2.0, "for_s": 2.5}
+    waits = "parameters.FS_GCS_S=60.0"
+    file = tmp_path / "recording.bin"
+    (run,) = sail([sailing(line, overrides=[waits], s=6.0)], {}, record=file)
+    assert isinstance(run, Run)
+    assert replay(Recording(file)) == [-1, -1]
+    beats = []
+    for boat in (1, 2):
+        chunks = [(t, d) for t, port, d in Recording(file) if port == (boat << 8) + MAVLINK_IN + 1]
+        times = [t for t, d in chunks for m in messages([(t, d)], "HEARTBEAT") if m.type == 6]
+        beats.append(times)
+    assert np.diff(beats[1]).tolist() == [1_000_000] * (len(beats[1]) - 1)
+    assert len(beats[1]) - len(beats[0]) in (2, 3)
+    assert max(np.diff(beats[0])) >= 3_000_000
