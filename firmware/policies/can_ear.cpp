@@ -77,6 +77,7 @@ void CanEar::hear_node(std::uint8_t node, std::span<const std::uint8_t> data, He
 
 void CanEar::read(std::span<const link::CanFrame> frames, const app::Parameters& p, Moment& n) {
   Part part;
+  n.port = n.stbd = 0;
   n.bus.frames = static_cast<std::uint8_t>(std::min<std::size_t>(frames.size(), 255));
   for (const link::CanFrame& frame : frames) {
     if (frame.size == 0 || frame.size > 8) {
@@ -144,9 +145,9 @@ void CanEar::take(std::uint32_t can_id, std::uint8_t transfer_id,
       const std::int16_t command = command_at(payload, i);
       bus.loudest = std::max(bus.loudest, static_cast<std::int16_t>(std::abs(command)));
       if (i == port) {
-        bus.port = command;
+        n.port = command;
       } else if (i == stbd) {
-        bus.stbd = command;
+        n.stbd = command;
       } else {
         bus.strangers_idle &= command == 0;
       }

@@ -3,7 +3,9 @@
 // of its inside, what nothing outside tells. Plain data; times are the boat's own, µs.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -48,14 +50,13 @@ struct Heard {
 struct OnBus {
   std::uint8_t commands = 0, armings = 0, statuses = 0, others = 0;  ///< whole transfers
   std::uint8_t frames = 0;
-  bool whole = true;                ///< nothing but whole transfers with good checksums
-  bool ours = true;                 ///< from CAN_NODE
-  bool counted = true;              ///< transfer ids count on
-  bool strangers_idle = true;       ///< no ESC is commanded but the two
-  bool told_before = true;          ///< ArmingStatus came before RawCommand
-  std::int16_t port = 0, stbd = 0;  ///< raw, −8192 … 8191
-  std::int16_t loudest = 0;         ///< of all, without sign
-  std::uint8_t size = 0;            ///< ESCs in the RawCommand
+  bool whole = true;           ///< nothing but whole transfers with good checksums
+  bool ours = true;            ///< from CAN_NODE
+  bool counted = true;         ///< transfer ids count on
+  bool strangers_idle = true;  ///< no ESC is commanded but the two
+  bool told_before = true;     ///< ArmingStatus came before RawCommand
+  std::int16_t loudest = 0;    ///< of all commands, without sign
+  std::uint8_t size = 0;       ///< ESCs in the RawCommand
 };
 
 /// What it says over its links in a tick.
@@ -74,32 +75,44 @@ struct OnLinks {
   std::uint16_t longest = 0;                     ///< bytes on a link
 };
 
-struct Moment {
-  std::int64_t now_us = 0, dt_us = 0;
-  std::uint32_t now_ms = 0, before_ms = 0;  ///< this tick and the one before, as telemetry has it
-  std::int64_t host_us = kNever_us;         ///< the greatest that the host has said so far
-  bool host_on = false;                     ///< it is greater than in the tick before
+/// What rules look back to, a tick later.
+struct Seen {
+  std::int64_t now_us = 0;
+  std::int64_t host_us = kNever_us;  ///< the greatest that the host has said so far
+  core::State state = core::State::kDisarmed;
+  std::uint8_t arming = 0;  ///< as told last
+  std::uint8_t health = 0;  ///< of the node, and mode: 0 is well and operational
   /// Bytes did not come as whole, good messages within the last half second: what was heard is not
   /// certain.
   bool torn = false;
-
-  core::State state = core::State::kDisarmed;
   core::Conditions met = 0;
+  std::uint32_t now_ms = 0;  ///< as telemetry has it
+  std::uint32_t uptime_s = 0;
   core::Thrust<float> thrust_N{};  ///< of the commands, as the boat accounts for it
   std::optional<double> own_age_s, leader_age_s;
-  bool in_range = true;        ///< parameters
-  bool locked_change = false;  ///< of one that is not to change while armed
+  Asked done;
+  std::int16_t port = 0, stbd = 0;  ///< raw commands, −8192 … 8191
+
+  bool in(core::State s) const { return state == s; }
+  bool armed() const { return core::armed(state); }
+  bool by_law() const { return core::law_drives(state); }
+  bool has(core::Conditions all) const { return (met & all) == all; }
+  float loudest_N() const;
+};
+
+struct Moment : Seen {
+  std::int64_t dt_us = 0;
+  std::uint32_t before_ms = 0;  ///< now_ms of the tick before
+  bool host_on = false;         ///< the host's time is greater than ever before
+  bool in_range = true;         ///< parameters
+  bool locked_change = false;   ///< of one that is not to change while armed
   const app::Parameters* p = nullptr;
 
   Heard heard;
   OnBus bus;
   OnLinks links;
 
-  // That last longer than a tick.
-  std::uint8_t arming = 0;  ///< as told last
-  std::uint32_t uptime_s = 0;
-  std::uint8_t health = 0;  ///< and mode: 0 is well and operational
-  Asked asked, done;
+  Asked asked;
   std::int64_t state_us = 0;  ///< since when in this state
   std::int64_t armed_us = kNever_us;
   std::int64_t arming_us = 0, status_us = 0;  ///< when told last
@@ -112,19 +125,12 @@ struct Moment {
   double since_s(std::int64_t then_us) const { return static_cast<double>(since(then_us)) * 1e-6; }
   /// Not longer ago than that; what came at any time since the tick before counts as of now.
   bool within(double limit_s, std::int64_t then_us) const { return since_s(then_us) <= limit_s; }
-  bool in(core::State s) const { return state == s; }
-  bool armed() const { return core::armed(state); }
-  bool by_law() const { return core::law_drives(state); }
   bool pushes() const { return bus.loudest != 0; }
-  bool has(core::Conditions all) const { return (met & all) == all; }
   bool was_asked(Ask what) const { return torn || done[what] <= asked[what]; }
-  float loudest_N() const;
 };
 
-inline float Moment::loudest_N() const {
-  const float port = thrust_N.port < 0 ? -thrust_N.port : thrust_N.port;
-  const float stbd = thrust_N.stbd < 0 ? -thrust_N.stbd : thrust_N.stbd;
-  return port < stbd ? stbd : port;
+inline float Seen::loudest_N() const {
+  return std::max(std::abs(thrust_N.port), std::abs(thrust_N.stbd));
 }
 
 }  // namespace flotilla::policies

@@ -13,7 +13,7 @@ namespace {
 using core::State;
 
 /// The same as to ask each rule, but for the calls: this is most of what a tick costs.
-bool all_hold(const Moment& b, const Moment& n) {
+bool all_hold(const Seen& b, const Moment& n) {
   using namespace rules;
 #define POLICY(group, name, condition) \
   if (!(condition)) return false;
@@ -24,7 +24,7 @@ bool all_hold(const Moment& b, const Moment& n) {
 
 }  // namespace
 
-std::optional<std::string_view> first_broken(const Moment& before, const Moment& now) {
+std::optional<std::string_view> first_broken(const Seen& before, const Moment& now) {
   if (all_hold(before, now)) return std::nullopt;
   const auto* const found = std::find_if(
       kRules.begin(), kRules.end(), [&](const Rule& rule) { return !rule.holds(before, now); });

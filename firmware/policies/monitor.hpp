@@ -20,7 +20,7 @@ struct Violation {
 };
 
 /// The first of the rules that does not hold; nothing where all do.
-std::optional<std::string_view> first_broken(const Moment& before, const Moment& now);
+std::optional<std::string_view> first_broken(const Seen& before, const Moment& now);
 
 /// To be told all that its boat is told, in the same order, and each tick:
 ///
@@ -56,7 +56,8 @@ class Monitor {
   CanEar can_;
   MavlinkEar mavlink_;
   app::Parameters known_;  ///< in force
-  Moment before_, now_;
+  Seen before_;
+  Moment now_;
   std::uint32_t damage_ = 0;
   std::int64_t torn_until_us_ = kNever_us;
   bool torn_ = false;

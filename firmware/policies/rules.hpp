@@ -17,7 +17,7 @@ namespace flotilla::policies {
 struct Rule {
   std::string_view group;
   std::string_view name;
-  bool (*holds)(const Moment& b, const Moment& n);
+  bool (*holds)(const Seen& b, const Moment& n);
 };
 
 namespace rules {
@@ -73,7 +73,7 @@ inline bool moved(const std::optional<double>& before_s, const std::optional<dou
 inline constexpr std::array kAll{
 #define POLICY(group, name, condition) \
   Rule{group, name,                    \
-       []([[maybe_unused]] const Moment& b, const Moment& n) -> bool { return condition; }},
+       []([[maybe_unused]] const Seen& b, const Moment& n) -> bool { return condition; }},
 #include "policies/rules.def"
 #undef POLICY
 };

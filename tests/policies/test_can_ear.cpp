@@ -53,8 +53,8 @@ TEST_CASE("commands are read at the indices of the two ESCs, in one frame and in
     CHECK(n.bus.strangers_idle);
     CHECK(n.bus.commands == 1);
     CHECK(n.bus.size == stbd + 1);
-    CHECK(n.bus.port == -8192);
-    CHECK(n.bus.stbd == 17);
+    CHECK(n.port == -8192);
+    CHECK(n.stbd == 17);
     CHECK(n.bus.loudest == 8192);
   }
 }

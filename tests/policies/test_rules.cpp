@@ -46,7 +46,7 @@ struct Pair {
     m.bus.commands = m.bus.frames = 1;
     m.bus.size = 2;
     if (core::law_drives(state) || state == State::kManual) {
-      m.bus.port = m.bus.loudest = 1000;
+      m.port = m.bus.loudest = 1000;
       m.thrust_N.port = 2;
     }
     m.links.beats = true;
@@ -76,7 +76,7 @@ auto from(State before, std::function<void(Pair&)> change = [](Pair&) {}) {
     q.n.state_us = now.now_us;
     if (core::armed(now.state) && !core::armed(before)) {
       q.n.armed_us = now.now_us;
-      q.n.bus.port = q.n.bus.loudest = 0;
+      q.n.port = q.n.bus.loudest = 0;
       q.n.thrust_N = {};
     }
     if (core::armed(now.state) != core::armed(before)) q.n.bus.armings = 1;
@@ -90,7 +90,7 @@ auto lost(core::Conditions bits) {
 auto done(Ask what) {
   return [what](Pair& q) { ++q.n.done[what]; };
 }
-void push(Pair& q) { q.n.bus.port = q.n.bus.loudest = 100, q.n.thrust_N.port = 0.2F; }
+void push(Pair& q) { q.n.port = q.n.bus.loudest = 100, q.n.thrust_N.port = 0.2F; }
 
 constexpr State kOff = State::kDisarmed, kHold = State::kHold, kLaw = State::kFormation,
                 kManual = State::kManual, kCoast = State::kCoast, kTest = State::kTest,
@@ -137,7 +137,7 @@ const std::vector<Mutation> kThrust{
      [](Pair& q) { q.n.thrust_N.stbd = -20.1F; }},
     {"TEST never asks for more than a fifth of the greatest thrust", kTest,
      [](Pair& q) { q.n.thrust_N.port = 4.1F; }},
-    {"TEST turns one propeller only", kTest, [](Pair& q) { q.n.bus.port = q.n.bus.stbd = 1; }},
+    {"TEST turns one propeller only", kTest, [](Pair& q) { q.n.port = q.n.stbd = 1; }},
 };
 
 const std::vector<Mutation> kBus{
@@ -146,9 +146,9 @@ const std::vector<Mutation> kBus{
     {"RawCommand names both propellers' ESCs", kHold, [](Pair& q) { q.p.ESC_STBD = 2; }},
     {"no ESC but the two is ever driven", kLaw, [](Pair& q) { q.n.bus.strangers_idle = false; }},
     {"each propeller's command stands at its ESC's index", kLaw,
-     [](Pair& q) { std::swap(q.n.bus.port, q.n.bus.stbd); }},
+     [](Pair& q) { std::swap(q.n.port, q.n.stbd); }},
     {"a command changes no faster than THR_SLEW but to zero", kLaw,
-     [](Pair& q) { q.n.bus.port = 1412; }},
+     [](Pair& q) { q.n.port = 1412; }},
     {"ArmingStatus is 0 or 255", kHold, [](Pair& q) { q.n.arming = 254; }},
     {"ArmingStatus 255 only while armed", kOff,
      [](Pair& q) { q.n.bus.armings = 1, q.n.arming = 255; }},
