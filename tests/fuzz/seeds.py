@@ -175,6 +175,13 @@ def histories() -> Iterator[tuple[str, bytes]]:
         yield f"formation_{kind}", sign(History(kind)).cast_off().sail(60).bytes
         manual = sign(History(kind)).cast_off(ALL | STICKS).op("Sticks", 100, 20)
         yield f"manual_{kind}", manual.ask("manual").sail(50).ask("hold").ask("disarm").bytes
+    for surge, yaw in (
+        (127, 0),
+        (0, 127),
+        (129, 0),
+    ):  # of int8: full ahead, full to starboard, full astern
+        full = History().cast_off(ALL | STICKS).op("Sticks", surge, yaw).ask("manual")
+        yield f"full_{surge}_{yaw}", full.sail(60).bytes
     for source in range(4):
         told = History().op("Vessel", 4, source, bytes(4)).op("Vessel", 5, source, bytes(4))
         yield f"source_{source}", told.cast_off().bytes
