@@ -149,7 +149,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   };
   using F = FormationReport;
   using E = Estimates;
-  const std::array<Value, 16> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+  const std::array<Value, 15> values{{{"E_X", of([](const F& f) { return f.error.x; })},
                                       {"E_Y", of([](const F& f) { return f.error.y; })},
                                       {"E_PSI", of([](const F& f) { return f.error.psi; })},
                                       {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
@@ -159,7 +159,6 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"NAV_AGE", r.own_age_s},
                                       {"LEAD_AGE", r.leader_age_s},
                                       {"LEAD_UNC", r.leader_uncertainty_m},
-                                      {"SEP_M", r.separation_m},
                                       {"UNK_X", estimate([](const E& e) { return e.unknown.X; })},
                                       {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
                                       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},

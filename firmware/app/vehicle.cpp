@@ -86,7 +86,7 @@ Vehicle::Vehicle(const Parameters& p, std::size_t links, std::span<Datagram> out
       streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE), links),
       heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
-      depth_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      separation_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       arm_refusal_due_(kSecond_us / 2),
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),

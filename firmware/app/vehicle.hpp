@@ -124,6 +124,7 @@ class Vehicle {
   bool origin_moved();
   /// Of one tick, for all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
+  void tell_separation(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
   bool may_tell(std::size_t link) const;
@@ -165,7 +166,7 @@ class Vehicle {
 
   Schedule heartbeat_due_;
   Schedule timesync_due_;
-  Schedule depth_due_;
+  Schedule separation_due_;
   Schedule arm_refusal_due_;
   Schedule refusal_due_;
   Schedule parameter_refusal_due_;

@@ -59,10 +59,7 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
   if (timesync_due_.due(now_us_)) {
     links_.broadcast(time_.ask(now_us_, self().system), counters);
   }
-  if (report.depth && depth_due_.due(now_us_)) {
-    const auto depth = static_cast<float>(*report.depth);
-    links_.broadcast(value_of("DEPTH", depth, convert::boot_ms(now_us_)), counters);
-  }
+  if (report.depth && separation_due_.due(now_us_)) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
         counters);
@@ -76,6 +73,16 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
     tell_state(link, state, counters);
     tell_rest(link, counters);
   }
+}
+
+/// For boats around, and for who wonders why this one stops.
+void Vehicle::tell_separation(link::Counters& counters) {
+  const auto tell = [&](std::string_view name, double value) {
+    const std::uint32_t boot_ms = convert::boot_ms(now_us_);
+    links_.broadcast(value_of(name, static_cast<float>(value), boot_ms), counters);
+  };
+  tell("DEPTH", *report_.depth);
+  if (report_.separation_m) tell("SEP_M", *report_.separation_m);
 }
 
 /// Attitude and position leave together or not at all.

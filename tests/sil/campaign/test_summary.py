@@ -86,13 +86,13 @@ def test_runs_that_failed_are_told_beside_the_figures_that_lack_them() -> None:
 
 def test_the_closest_two_boats_and_the_runs_in_formation_are_told() -> None:
     nominal = scenario.load("diamond", ["duration_s=200"])
-    near, alone = sailed(3, (1.0, 2.0)), sailed(5, (1.0,))
+    near = sailed(3, (1.0, 2.0))
     settled = tuple(boat | {"settling_time_s": 30.0} for boat in near.boats)
     half = (settled[0], near.boats[1])
     runs = [
         replace(near, run=1, min_separation_m=2.5, boats=settled),
         replace(near, run=2, min_separation_m=1.7, boats=half),
-        replace(alone, min_separation_m=None),
+        replace(near, run=5, min_separation_m=None),
         FAILED,
     ]
     told = summary.figures(nominal, runs, EFFORT, "ab" * 32)
