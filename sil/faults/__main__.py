@@ -9,8 +9,9 @@ from pathlib import Path
 import rich.progress
 from rich.console import Console
 
-from sil.faults import matrix, rows, told
+from sil.faults import live, matrix, rows, told
 from sil.faults.soak import Soaked, soak
+from sil.start import StartError
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -18,6 +19,9 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="tools/faults", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/faults"), help="(out/faults)")
     parser.add_argument("--only", metavar="NAME", help="rows whose names have this in them")
+    parser.add_argument(
+        "--live", action="store_true", help="the live rows as well: flotillad on a vcan, real time"
+    )
     parser.add_argument("--soak", metavar="HOURS", type=float, help="random faults for so long")
     parser.add_argument("--seed", type=int, default=1, help="of the soak's random numbers (1)")
     options = parser.parse_args(arguments)
@@ -32,9 +36,12 @@ def main(arguments: Sequence[str]) -> int:
         with bar:
             task = bar.add_task(f"{len(chosen)} faults", total=1.0)
             done = matrix.sail_all(chosen, lambda share: bar.update(task, completed=share))
+            if options.live:
+                again = bar.add_task("live faults", total=1.0)
+                done += live.rows(lambda share: bar.update(again, completed=share))
         console.print(told.table(done))
         told.write(options.out, done)
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, StartError, live.NoVcanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     console.print(f"results: {options.out}/faults.md", soft_wrap=True)
