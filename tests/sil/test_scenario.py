@@ -178,7 +178,11 @@ def test_overrides_lie_over_the_file() -> None:
     ("line", "new", "told"),
     [
         ("loss = 0.1", "los = 0.1", 'pair.toml:10: unknown key "link.los" (did you mean "loss"?)'),
-        ("loss = 0.1", "bandwidth_Hz = 1", "(allowed: delay_s, jitter_s, loss, rate_Bps, everyone)"),
+        (
+            "loss = 0.1",
+            "bandwidth_Hz = 1",
+            "(allowed: delay_s, jitter_s, loss, rate_Bps, everyone)",
+        ),
         ("[link]", "[lnk]", 'pair.toml:9: unknown key "lnk" (did you mean "link"?)'),
         (
             "offset_m = [-2, -2]",
