@@ -6,7 +6,7 @@ from pathlib import Path
 
 import flotilla
 
-from sil import supervisor_page
+from sil import policy_page, supervisor_page
 
 PAGE = Path(__file__).parent.parent / "firmware" / "README.md"
 
@@ -31,6 +31,7 @@ TABLES = {
         "diagram": supervisor_page.diagram,
         "transitions": supervisor_page.transition_table,
     },
+    policy_page.PAGE: {"policies": policy_page.table},
 }
 
 
