@@ -2,7 +2,8 @@
 """One flotillad on vcan0 in real time, and everybody around it, played by one thread.
 
 Navigation unit, leader and operator talk MAVLink over one UDP link, two ESCs behave as AM32 does.
-They stay where they are told to be: the leader turns away, so that every propeller is kept busy.
+They stay where they are told to be, all but 1 mm/s, so that no two states are the same: the leader
+turns away, so that every propeller is kept busy.
 All waiting is for a socket or the next word that is due, until a deadline.
 """
 
@@ -46,6 +47,7 @@ ESC_NODES = (31, 32)
 ACCEPTED, EMERGENCY = 0, 6
 
 _STEP_US = 10_000
+_CREEP_MPS = 0.001
 _PATIENCE_S = 5.0
 _RETRY_US = 50_000
 _MESSAGE = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | 0xFFFF80
@@ -78,7 +80,9 @@ class Boat:
         self._results: list[int] = []
         self._gcs = Station(GCS, GCS_COMPONENT)
         self._agents = (
-            Agent(Station(BOAT, NAVIGATION), Course(1.0, 2.0, 0.3), 50_000, beats=False),
+            Agent(
+                Station(BOAT, NAVIGATION), Course(1.0, 2.0, 0.3, _CREEP_MPS), 50_000, beats=False
+            ),
             Agent(Station(LEADER, LEADER_COMPONENT), TURN, 100_000),
         )
         for agent in self._agents:
@@ -182,7 +186,7 @@ class Boat:
         if not self.escs_speak:
             return
         for esc in self.escs:
-            for frame in esc.tick(t_us, 1000.0, 24.0, 1.0):
+            for frame in esc.tick(t_us, 1000.0 * esc.command(t_us), 24.0, 1.0):
                 self.esc_frames += 1
                 self.can.send(*frame)
 
