@@ -29,7 +29,7 @@ OUT = ROOT / "out" / "fuzz"
 PROGRAMS = ROOT / "build" / "fuzz" / "tests" / "fuzz"
 TARGETS = ("mavlink", "can", "parameters", "history")
 # A history of this length is some seconds of a boat's life; longer ones only cost time.
-LONGEST = {"history": 1024, "mavlink": 2048, "can": 1024, "parameters": 4096}
+LONGEST = {"history": 1024, "mavlink": 2048, "can": 2048, "parameters": 4096}
 CALL_LIMIT_S = 20
 PROGRESS_S = 10
 
