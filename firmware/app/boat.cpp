@@ -169,7 +169,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (p.FS_GCS_ACT == 0) met |= core::kGcsLossHolds;
   if (p.FS_GCS_ACT == 1) met |= core::kGcsLossCoasts;
   if (can_.escs_obey(byte_of(p.ESC_PORT), byte_of(p.ESC_STBD), now_us)) met |= core::kEscsObey;
-  met |= core::kBoatAnswers | core::kGcsHeard | core::kBatteryGood;
+  met |= core::kGcsHeard | core::kBatteryGood;
   met |= core::kInsideFence | core::kClear;
   return met;
 }

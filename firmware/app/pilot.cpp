@@ -74,6 +74,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
       own_.has_origin() && convert::near(own_.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
+  if (!own_.has_moved() || core::answers(answer_params(), answer_)) met |= core::kBoatAnswers;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -88,15 +89,18 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     motion_ = {};
     motion_.motion = own_.motion(now_us);
     anchor_ = own_.position();
-    own_.take_fix();
+    answer_ = {};
+    if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
   }
+  core::answer_forward(answer_params(), answer_, told_, given, since);
   own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
                                  core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
   const convert::Position before = std::exchange(anchor_, own_.position());
   const auto fix = own_.take_fix();
   if (!fix) return;
+  told_ = fix->nu;
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
   const core::Vec2<S> way = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;

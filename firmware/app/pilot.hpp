@@ -7,6 +7,7 @@
 
 #include "app/convert_telemetry.hpp"
 #include "app/vessel_track.hpp"
+#include "core/answer.hpp"
 #include "core/supervisor.hpp"
 
 namespace flotilla::app {
@@ -40,7 +41,10 @@ class Pilot {
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
   /// The next step() begins anew: FORMATION was entered.
-  void start() { starting_ = true; }
+  void start() {
+    starting_ = true;
+    answer_ = {};
+  }
 
   /// One step of the law, dt after the last one, s.
   core::ControllerOutput<S> step(std::int64_t now_us, S dt);
@@ -70,6 +74,9 @@ class Pilot {
 
  private:
   void set_limits(const Parameters& p);
+  core::AnswerParams<S> answer_params() const {
+    return {.vessel = law_.vessel, .propellers = law_.propellers};
+  }
   core::Encounter<S> encounter(std::int64_t now_us) const;
 
   core::ControllerParams<S> law_;
@@ -77,6 +84,8 @@ class Pilot {
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   core::JumpLimits<S> afloat_, carried_;
+  core::AnswerState<S> answer_{};
+  core::Nu<S> told_{};        // velocity of the last fix
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;

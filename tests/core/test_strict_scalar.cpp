@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
+#include "core/answer.hpp"
+#include "core/jump.hpp"
 #include "core/manual.hpp"
 #include "core/observer.hpp"
 #include "core/piloted_boat.hpp"
@@ -42,6 +44,13 @@ template struct ObserverParams<Strict>;
 template struct Given<Strict>;
 template struct Observer<Strict>;
 template struct Fix<Strict>;
+template struct AnswerParams<Strict>;
+template struct AnswerAxis<Strict>;
+template struct AnswerState<Strict>;
+template struct AnswerInput<Strict>;
+template struct JumpLimits<Strict>;
+template struct Leg<Strict>;
+template struct Surprise<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
@@ -106,6 +115,14 @@ template Motion<Strict> moment_before(Motion<Strict>, Strict);
 template Nu<Strict> plus(const Nu<Strict>&, Strict, const Nu<Strict>&);
 template Motion<Strict> track_forward(const TrackState<Strict>&, Strict);
 template Strict track_uncertainty(const TrackState<Strict>&, Strict, Strict);
+template void answer_axis(const AnswerParams<Strict>&, AnswerAxis<Strict>&,
+                          const AnswerInput<Strict>&, Strict);
+template void answer_forward(const AnswerParams<Strict>&, AnswerState<Strict>&, const Nu<Strict>&,
+                             const Tau<Strict>&, Strict);
+template bool fails(const AnswerAxis<Strict>&, Strict);
+template bool answers(const AnswerParams<Strict>&, const AnswerState<Strict>&);
+template Strict beyond(const Vec2<Strict>&, const Vec2<Strict>&);
+template Surprise<Strict> surprise_of(const JumpLimits<Strict>&, const Leg<Strict>&, Strict);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,
