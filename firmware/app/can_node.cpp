@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "app/version.hpp"
 
@@ -13,7 +14,8 @@ constexpr std::uint8_t kCommandPriority = 7, kArmingPriority = 24, kStatusPriori
                        kAllocationPriority = 30;
 constexpr std::int64_t kForeignGone_us = 2'000'000;
 constexpr std::int64_t kNodeOffline_us = 3'000'000;
-constexpr std::int64_t kRunDown_us = 500'000, kWindmills_us = 5'000'000, kObeysAgain_us = 1'000'000;
+constexpr std::int64_t kObeysAgain_us = 1'000'000;
+constexpr std::uint16_t kRunDown_ms = 500, kWindmills_ms = 5'000;
 constexpr std::uint8_t kDrives_pct = 5;
 constexpr std::int32_t kTurns_rpm = 300;
 constexpr std::uint8_t kHealthOk = 0, kOperational = 0, kFullyArmed = 255;
@@ -82,35 +84,32 @@ void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
   if (other) {
     esc.claimed_us = now_us;
   } else {
-    esc.heard_us = now_us;
+    const std::int64_t since_us = now_us - std::exchange(esc.heard_us, now_us);
     esc.node = node;
     esc.status = status;
-    judge(esc, now_us);
+    judge(esc, since_us);
   }
 }
 
 /// The sign of rpm is not looked at: many ESCs do not know it.
-void CanNode::judge(Esc& esc, std::int64_t now_us) {
-  const std::int64_t zeros_us = now_us - esc.driven_us;
-  const bool drives = zeros_us >= kRunDown_us && esc.status.power_rating_pct >= kDrives_pct;
-  if (!drives) {
-    esc.powered_us = kNever;
-  } else if (esc.powered_us == kNever) {
-    esc.powered_us = now_us;
-  }
-  const bool turns = std::abs(esc.status.rpm) >= kTurns_rpm && zeros_us >= kWindmills_us;
-  if (turns || (drives && now_us - esc.powered_us >= kRunDown_us)) esc.disobeyed_us = now_us;
-}
-
-void CanNode::note_commands(const link::RawCommand& command, bool armed, std::int64_t now_us) {
-  for (std::size_t i = 0; armed && i < command.count; ++i) {
-    if (command.cmd[i] != 0) escs_[i].driven_us = now_us;
-  }
+void CanNode::judge(Esc& esc, std::int64_t since_us) {
+  const auto more = [&](std::uint16_t ms) {
+    return static_cast<std::uint16_t>(std::min<std::int64_t>(ms + since_us / 1000, kMinute_ms));
+  };
+  const auto longer = [&](std::uint16_t& ms, bool goes_on) {
+    ms = !goes_on ? std::uint16_t{0} : ms == 0 ? std::uint16_t{1} : more(ms);
+  };
+  const bool zeros = !std::exchange(esc.driven, false);
+  esc.zeros_ms = zeros ? more(esc.zeros_ms) : std::uint16_t{0};
+  longer(esc.drives_ms, esc.zeros_ms >= kRunDown_ms && esc.status.power_rating_pct >= kDrives_pct);
+  longer(esc.turns_ms, zeros && std::abs(esc.status.rpm) >= kTurns_rpm);
+  longer(esc.obeyed_ms, esc.drives_ms < kRunDown_ms && esc.turns_ms < kWindmills_ms);
 }
 
 bool CanNode::escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const {
   const auto obeys = [&](std::uint8_t index) {
-    return now_us - escs_[index % escs_.size()].disobeyed_us >= kObeysAgain_us;
+    const Esc& esc = escs_[index % escs_.size()];
+    return esc.obeyed_ms * std::int64_t{1000} + now_us - esc.heard_us >= kObeysAgain_us;
   };
   return obeys(port) && obeys(stbd);
 }
@@ -184,7 +183,9 @@ void CanNode::answer(const Question& question, std::int64_t now_us, link::Counte
 void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now_us,
                    link::Counters& counters, CanOutput& out) {
   if (!started_us_) started_us_ = now_us;
-  note_commands(command, armed, now_us);
+  for (std::size_t i = 0; armed && i < command.count; ++i) {
+    if (command.cmd[i] != 0) escs_[i].driven = true;
+  }
   // An ESC that is being armed shall know it before it gets its first command.
   if (arming_due_.due(now_us) || armed != armed_) {
     armed_ = armed;

@@ -59,15 +59,19 @@ class CanNode {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kLongAgo_us = 500'000;
+  static constexpr std::uint16_t kMinute_ms = 60'000;
 
   struct Esc {
     std::int64_t heard_us = kNever;
-    std::int64_t claimed_us = kNever;    ///< by a second node
-    std::int64_t driven_us = kNever;     ///< told to turn
-    std::int64_t powered_us = kNever;    ///< since when it drives all the same; kNever: it does not
-    std::int64_t disobeyed_us = kNever;  ///< seen not to stand still
+    std::int64_t claimed_us = kNever;  ///< by a second node
     link::EscStatus status{};
     std::uint8_t node = 0;
+    bool driven = false;  ///< told to turn since its last status
+    // How long in ms, at most kMinute_ms, as its last status found it:
+    std::uint16_t zeros_ms = 0;   ///< told to stand still
+    std::uint16_t drives_ms = 0;  ///< all the same
+    std::uint16_t turns_ms = 0;   ///< fast, all the same
+    std::uint16_t obeyed_ms = kMinute_ms;
   };
   /// Small: there is one for each of 128 ids.
   struct Node {
@@ -90,8 +94,7 @@ class CanNode {
   void put(const Message& message, const link::Route& route, const link::DataType& type,
            std::uint8_t transfer_id, link::Counters& counters, CanOutput& out);
   void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
-  void judge(Esc& esc, std::int64_t now_us);
-  void note_commands(const link::RawCommand& command, bool armed, std::int64_t now_us);
+  static void judge(Esc& esc, std::int64_t since_us);
   void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
   void answer(const Question& question, std::int64_t now_us, link::Counters& counters,
               CanOutput& out);

@@ -71,7 +71,7 @@ void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t r
 
 template <class S>
 core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) const {
-  core::Conditions met = core::kBoatAnswers;
+  core::Conditions met = 0;
   if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
   if (leader_.system() != own_.system() &&
       leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
@@ -79,6 +79,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
     met |= core::kLeaderFresh;
   }
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
+  if (!own_.has_moved() || core::answers(answer_params(), answer_)) met |= core::kBoatAnswers;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -93,15 +94,18 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     motion_ = {};
     motion_.motion = own_.motion(now_us);
     anchor_ = own_.position();
-    own_.take_fix();
+    answer_ = {};
+    if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
   }
+  core::answer_forward(answer_params(), answer_, told_, given, since);
   own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
                                  core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
   const convert::Position before = std::exchange(anchor_, own_.position());
   const auto fix = own_.take_fix();
   if (!fix) return;
+  told_ = fix->nu;
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
   const core::Vec2<S> way = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;
@@ -141,6 +145,7 @@ core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) 
 template <class S>
 void Pilot<S>::start(std::int64_t now_us) {
   starting_ = true;
+  answer_ = {};
   follow_leader(now_us);
 }
 

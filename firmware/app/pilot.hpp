@@ -8,6 +8,7 @@
 #include "app/convert_telemetry.hpp"
 #include "app/neighbours.hpp"
 #include "app/vessel_track.hpp"
+#include "core/answer.hpp"
 #include "core/coast.hpp"
 #include "core/supervisor.hpp"
 
@@ -90,6 +91,9 @@ class Pilot {
   void follow_leader(std::int64_t now_us);
   core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
+  core::AnswerParams<S> answer_params() const {
+    return {.vessel = law_.vessel, .propellers = law_.propellers};
+  }
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
@@ -98,6 +102,8 @@ class Pilot {
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   core::JumpLimits<S> afloat_, carried_;
+  core::AnswerState<S> answer_{};
+  core::Nu<S> told_{};        // velocity of the last fix
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;

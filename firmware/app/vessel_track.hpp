@@ -55,6 +55,9 @@ class VesselTrack {
   /// What it says is not the same again and again while it moves.
   bool live() const { return liveness_.live(); }
 
+  /// It has been seen to move, by instruments that are never quite still; else it may be held.
+  bool has_moved() const { return liveness_.moved(); }
+
   /// It has not been told where it cannot be, within the last second.
   bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A boat at its quay: a navigation unit, a leader, an operator and two ESCs talk to it, each can be
-// silenced; what it says is read back.
+// silenced; what it says is read back. Both vessels are held where they are.
 #pragma once
 
 #include <optional>
@@ -67,18 +67,13 @@ struct Harbour {
     for (std::size_t i = 0; i < n; ++i) boat.on_can(frames[i].id, frames[i].bytes(), now_us);
   }
 
-  /// At that speed, since the beginning.
-  float way_m(double speed) const { return static_cast<float>(1e-6 * speed * double(now_us)); }
-
   /// All that talk say what is true now.
   void talk() {
     const link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
     const bool second = now_us % 1'000'000 < kTick_us;
-    if (navigation_talks) say(navigation, state(now_us, way_m(0.2), 0.2F));
+    if (navigation_talks) say(navigation, state(now_us, 0, 0));
     if (navigation_talks && second) say(navigation, origin);
-    if (leader_talks) {
-      say(leader, state(now_us + leader_clock_us, leader_north_m + way_m(0.2), 0.2F));
-    }
+    if (leader_talks) say(leader, state(now_us + leader_clock_us, leader_north_m, 0));
     if (leader_talks && second) say(leader, origin);
     if (now_us % 100'000 >= kTick_us) return;
     for (const std::uint8_t index : std::initializer_list<std::uint8_t>{0, 1}) {

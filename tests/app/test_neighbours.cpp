@@ -111,9 +111,9 @@ TEST_CASE("FOLLOW_TARGET tells a place too") {
 
 TEST_CASE(
     "virtual leaders, stations, companions, gimbals, other components and we are no vessels") {
-  for (const std::uint8_t type : {0, 5, 6, 18, 26, 30}) {
+  for (const unsigned type : {0U, 5U, 6U, 18U, 26U, 30U}) {
     Watch w;
-    w.hear(5, beat(type));
+    w.hear(5, beat(static_cast<std::uint8_t>(type)));
     w.hear(5, at(5, 0));
     CHECK(w.look().count == 0);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
+#include "core/answer.hpp"
 #include "core/coast.hpp"
+#include "core/jump.hpp"
 #include "core/manual.hpp"
 #include "core/observer.hpp"
 #include "core/piloted_boat.hpp"
@@ -52,6 +54,13 @@ template struct SeparationState<Strict>;
 template struct Separation<Strict>;
 template struct Intent<Strict>;
 template struct Way<Strict>;
+template struct AnswerParams<Strict>;
+template struct AnswerAxis<Strict>;
+template struct AnswerState<Strict>;
+template struct AnswerInput<Strict>;
+template struct JumpLimits<Strict>;
+template struct Leg<Strict>;
+template struct Surprise<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
@@ -127,6 +136,14 @@ template Intent<Strict> intent_of(const VirtualVelocityParams<Strict>&, Strict, 
 template Separation<Strict> separate(const SeparationParams<Strict>&, Strict,
                                      SeparationState<Strict>&, const Traffic<Strict>&, Strict,
                                      const Intent<Strict>&, VirtualVelocity<Strict>&);
+template void answer_axis(const AnswerParams<Strict>&, AnswerAxis<Strict>&,
+                          const AnswerInput<Strict>&, Strict);
+template void answer_forward(const AnswerParams<Strict>&, AnswerState<Strict>&, const Nu<Strict>&,
+                             const Tau<Strict>&, Strict);
+template bool fails(const AnswerAxis<Strict>&, Strict);
+template bool answers(const AnswerParams<Strict>&, const AnswerState<Strict>&);
+template Strict beyond(const Vec2<Strict>&, const Vec2<Strict>&);
+template Surprise<Strict> surprise_of(const JumpLimits<Strict>&, const Leg<Strict>&, Strict);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,

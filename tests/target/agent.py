@@ -39,9 +39,9 @@ class Agent:
         return self.course.at((now_us - START_US) * 1e-6)
 
     def measured(self, now_us: int) -> Course:
-        """No instrument says the same twice, in whatever calm: it trembles by some micrometres."""
+        """No instrument says the same twice, in whatever calm: it trembles by a microradian."""
         truth = self.truth(now_us)
-        return replace(truth, north=truth.north + 5e-6 * (now_us // self.period_us % 3))
+        return replace(truth, psi=truth.psi + 1e-6 * (now_us // self.period_us % 3))
 
     def wire(self, now_us: int) -> bytes:
         """What arrives at the boat now."""
