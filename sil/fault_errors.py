@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What a `[[fault]]` must not say."""
 
+import math
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 from sil.plant.sensors import SensorNoise
 from sil.sections import Fault
@@ -37,6 +39,27 @@ def fault_contradictions(
             given = getattr(fault, name)
             shown = f'"{given}"' if isinstance(given, str) else given
             yield key, f'"{".".join(key)}" = {shown}: {problem}'
+    for (one, first), (other, second) in combinations(enumerate(faults, start=1), 2):
+        if _meet(first, second):
+            key = ("fault", str(other), "at_s")
+            same = f"fault {one} is the same one at the same time"
+            yield key, f'"{".".join(key)}" = {second.at_s}: {same}'
+
+
+def _meet(one: Fault, other: Fault) -> bool:
+    """Whether the end of one would be the other's."""
+    if (one.kind, one.agent) != (other.kind, other.agent):
+        return False
+    both = one.esc == other.esc or "both" in (one.esc, other.esc)
+    return both and _begin_s(one) < _end_s(other) and _begin_s(other) < _end_s(one)
+
+
+def _begin_s(fault: Fault) -> float:
+    return fault.at_s - (fault.value if fault.kind == "replay" else 0.0)
+
+
+def _end_s(fault: Fault) -> float:
+    return math.inf if fault.for_s is None else fault.at_s + fault.for_s
 
 
 def _problems(fault: Fault, boats: int, noise: SensorNoise) -> Iterator[tuple[str, str]]:

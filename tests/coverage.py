@@ -114,6 +114,8 @@ def failures(files: dict[str, Coverage]) -> list[str]:
     """What is below its limit, a sentence each."""
     out = []
     for name, room in rooms(files).items():
+        if not (room.lines.all and room.branches.all):
+            out.append(f"{name}: nothing was counted")
         for what, count, least in zip(
             ("lines", "branches"), (room.lines, room.branches), LIMITS[name], strict=True
         ):
@@ -121,7 +123,8 @@ def failures(files: dict[str, Coverage]) -> list[str]:
                 out.append(
                     f"{name}: {what} {100 * count.share:.1f} %, at least {100 * least:.0f} %"
                 )
-    if files[SUPERVISOR].mcdc.share < 1:
+    mcdc = files.get(SUPERVISOR, Coverage()).mcdc
+    if mcdc.reached < max(1, mcdc.all):
         out.append(f"{SUPERVISOR}: MC/DC is not complete")
     return out
 

@@ -14,6 +14,7 @@ from sil.faults.rows import FOLDER
 from sil.faults.timeline import act
 from sil.faults.watch import STATES, ask
 from sil.plant.hull import Array
+from sil.policies import violations
 from sil.recording import Recorder
 from sil.sections import Fault
 from sil.start import start
@@ -63,7 +64,8 @@ def soak(hours: float, seed: int, progress: Callable[[float, Soaked], None]) -> 
     """Sail so many hours; `progress` is told of the share that is done every simulated minute.
 
     A fault that is not recovered from, all boats in FORMATION, within RECOVERED_S of its end is
-    wrong and ends the soak; so is thrust told in DISARMED, HOLD or FAULT to an ESC that listens.
+    wrong and ends the soak; so is thrust told in DISARMED, HOLD or FAULT to an ESC that listens,
+    and a rule of the firmware that is broken.
     """
     source = scenario.read(FOLDER / "soak.toml", [f"seed={seed}"])
     one = scenario.check(source)
@@ -97,7 +99,8 @@ class _Sea:
         return max(1, round(time_s / self._h_s))
 
     def sail(self, ready_us: int, hours: float, progress: Callable[[float, Soaked], None]) -> None:
-        ticks, minute, hour = self._in(3600.0 * hours), self._in(60.0), self._in(3600.0)
+        ticks, second = self._in(3600.0 * hours), self._in(1.0)
+        minute, hour = 60 * second, 3600 * second
         for k in range(1, ticks + 1):
             t_us = ready_us + k * self._batch.h_us
             self._script(k, t_us)
@@ -106,6 +109,8 @@ class _Sea:
             self._batch.bodies.advance(self._batch.command, self._tau, self._h_s)
             if k % hour == 0 or k == minute:
                 self._soaked.resident_MB.append(1e-3 * resident_now_kB())
+            if k % second == 0:
+                self._soaked.wrong += map(str, violations(self._batch).values())
             if k % minute == 0:
                 progress(k / ticks, self._soaked)
             if self._soaked.wrong:

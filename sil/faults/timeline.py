@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The `[[fault]]` lines of runs that are sailed together, each at its tick."""
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -41,7 +42,7 @@ class Timeline:
     """What happens to the runs of `batch`, at which tick after the release.
 
     A replay listens from `value` seconds before its time on. Whatever is to happen at the release
-    or before happens with the first tick after it.
+    or before happens with the first tick after it. The shortest fault lasts a tick.
     """
 
     def __init__(self, batch: Batch) -> None:
@@ -51,12 +52,13 @@ class Timeline:
             for run, scenario in enumerate(batch.scenarios)
             for event in _events(run, scenario, 1e-6 * batch.h_us)
         ]
-        self._events = sorted(events, key=lambda event: event.tick, reverse=True)
+        # What ends makes room for what begins at the same tick.
+        self._events = deque(sorted(events, key=lambda event: (event.tick, event.begins)))
 
     def apply(self, tick: int, t_us: int) -> None:
         """What happens before tick `tick`, at `t_us`."""
-        while self._events and self._events[-1].tick <= tick:
-            event = self._events.pop()
+        while self._events and self._events[0].tick <= tick:
+            event = self._events.popleft()
             act(self._batch, event.run, event.fault, event.begins, t_us, event.seed)
 
 
@@ -83,8 +85,9 @@ def _events(run: int, scenario: Scenario, h_s: float) -> Sequence[_Event]:
     for fault in scenario.fault:
         seed = int(rng.integers(1 << 64, dtype=np.uint64))
         at_s = fault.at_s - (fault.value if fault.kind == "replay" else 0.0)
-        events.append(_Event(round(at_s / h_s), run, fault, True, seed))
+        begin = max(1, round(at_s / h_s))
+        events.append(_Event(begin, run, fault, True, seed))
         if fault.for_s is not None:
-            over = round((fault.at_s + fault.for_s) / h_s)
+            over = max(begin + 1, round((fault.at_s + fault.for_s) / h_s))
             events.append(_Event(over, run, fault, False, seed))
     return events

@@ -5,11 +5,13 @@ import io
 import os
 from pathlib import Path
 
+import pytest
 from rich.console import Console
 
 from sil import flakes
 from sil.flakes import Task
 from sil.scenario import FOLDER
+from sil.start import StartError
 
 SCENARIOS = len(list(FOLDER.glob("*.toml")))
 
@@ -32,6 +34,10 @@ def dies(task: Task) -> str:
     return task[0]
 
 
+def fails(task: Task) -> str:
+    return "no digest: boat 1: not ready" if task[0] == "sea" else task[0]
+
+
 def test_runs_that_come_out_the_same_every_time_are_not_told() -> None:
     assert flakes.lockstep(3 * SCENARIOS, quiet(), by_name) == 0
 
@@ -41,6 +47,15 @@ def test_every_run_that_differs_from_the_first_of_its_scenario_is_told() -> None
     assert flakes.lockstep(2 * SCENARIOS, console, by_process) == SCENARIOS
     assert isinstance(console.file, io.StringIO)
     assert console.file.getvalue().count("run ") == SCENARIOS
+
+
+def test_a_run_that_fails_every_time_in_the_same_way_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    error = StartError("boat 1: not ready")
+    monkeypatch.setattr(flakes, "sail", lambda *_, **__: [error])
+    assert flakes.digest_of(("sea", 0)) == "no digest: boat 1: not ready"
+    assert flakes.lockstep(2 * SCENARIOS, quiet(), fails) == 2
 
 
 def test_a_run_that_kills_its_process_is_told() -> None:

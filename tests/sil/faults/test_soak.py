@@ -5,6 +5,7 @@ import pytest
 
 from sil.faults import soak
 from sil.faults.soak import Soaked
+from sil.policies import PolicyViolationError
 
 MINUTES = 4.0
 
@@ -31,3 +32,9 @@ def test_what_is_not_recovered_from_ends_it(monkeypatch: pytest.MonkeyPatch) -> 
 def test_thrust_without_leave_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "_OFF", [soak.STATES["FORMATION"]])
     assert "thrust without leave" in soaked(1).wrong[0]
+
+
+def test_a_broken_rule_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = {0: PolicyViolationError('boat 3 broke a rule at t = 2.340 s: "it"')}
+    monkeypatch.setattr(soak, "violations", lambda _: broken)
+    assert soaked(1).wrong == [str(broken[0])]

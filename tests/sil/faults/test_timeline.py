@@ -48,6 +48,27 @@ def test_a_fault_begins_and_ends_at_its_ticks() -> None:
     assert states_of(sailing(silent), 2)[:2] == [(0, "FORMATION"), (1, "FAULT")]
 
 
+def test_a_fault_that_begins_as_another_ends_is_there_and_the_shortest_one_is_over() -> None:
+    ends = {"kind": "bus_off", "agent": 2, "at_s": 0.5, "for_s": 0.5}
+    begins = {"kind": "bus_off", "agent": 2, "at_s": 1.0, "for_s": 0.5}
+    bus = [bus_up(sailing(*lines), 2) for lines in ([ends, begins], [begins, ends])]
+    assert bus == [[(0, True), (50, False), (150, True)]] * 2
+    assert bus_up(sailing({**ends, "for_s": 1e-9}), 2) == [(0, True), (50, False), (51, True)]
+
+
+def bus_up(one: Scenario, boat: int) -> list[tuple[int, bool]]:
+    """Tick and value of each change of that condition."""
+    changes: list[tuple[int, bool]] = []
+
+    def watch(batch: Batch, _: Sequence[int], tick: int, __: int) -> None:
+        up = batch.fleet.snapshot(batch.row(0, boat))["conditions"]["bus_up"]
+        if not changes or changes[-1][1] != up:
+            changes.append((tick, up))
+
+    sail([one], {}, watch=watch)
+    return changes
+
+
 def test_a_replay_is_heard_from_its_time_on(tmp_path: Path) -> None:
     told = {"kind": "replay", "agent": 1, "at_s": 2.0, "value": 1.0}
     sizes: list[list[int]] = []
@@ -148,6 +169,31 @@ def test_mistakes_are_told_with_their_key(wrong: dict[str, Any], words: str) -> 
     with pytest.raises(ScenarioError) as error:
         sailing(line)
     assert words in str(error.value) and "\n" not in str(error.value)
+
+
+SAME = "fault 1 is the same one at the same time"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"at_s": 1.5}, SAME),
+        ({"at_s": 0.5, "for_s": 9.0}, SAME),
+        ({"esc": "both"}, SAME),
+        ({"at_s": 2.0}, ""),
+        ({"esc": "stbd"}, ""),
+        ({"agent": 2}, ""),
+        ({"kind": "esc_stuck"}, ""),
+    ],
+)
+def test_a_fault_does_not_happen_twice_at_a_time(changes: dict[str, Any], words: str) -> None:
+    """The end of one would be the other's."""
+    line = {"kind": "esc_silent", "agent": 1, "at_s": 1.0, "for_s": 1.0, "esc": "port"}
+    if not words:
+        sailing(line, {**line, **changes})
+        return
+    with pytest.raises(ScenarioError, match=words):
+        sailing(line, {**line, **changes})
 
 
 def test_only_what_is_noisy_can_be_noisier() -> None:
