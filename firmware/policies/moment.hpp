@@ -78,7 +78,6 @@ struct OnLinks {
 /// What rules look back to, a tick later.
 struct Seen {
   std::int64_t now_us = 0;
-  std::int64_t host_us = kNever_us;  ///< the greatest that the host has said so far
   core::State state = core::State::kDisarmed;
   std::uint8_t arming = 0;  ///< as told last
   std::uint8_t health = 0;  ///< of the node, and mode: 0 is well and operational
@@ -103,7 +102,6 @@ struct Seen {
 struct Moment : Seen {
   std::int64_t dt_us = 0;
   std::uint32_t before_ms = 0;  ///< now_ms of the tick before
-  bool host_on = false;         ///< the host's time is greater than ever before
   bool in_range = true;         ///< parameters
   bool locked_change = false;   ///< of one that is not to change while armed
   const app::Parameters* p = nullptr;

@@ -47,7 +47,7 @@ std::optional<Violation> Monitor<S>::ticked(const app::Boat<S>& boat,
                                             const typename app::Boat<S>::Output& out,
                                             std::int64_t now_us) {
   if (broken_) return std::nullopt;
-  look_inside(boat, now_us);
+  look_inside(boat);
   note_damage(boat.counters());
   note_times();
   can_.read(out.can, known_, now_);
@@ -65,13 +65,11 @@ std::optional<Violation> Monitor<S>::ticked(const app::Boat<S>& boat,
 }
 
 template <class S>
-void Monitor<S>::look_inside(const app::Boat<S>& boat, std::int64_t host_us) {
+void Monitor<S>::look_inside(const app::Boat<S>& boat) {
   now_.now_us = boat.now_us();
   now_.dt_us = now_.now_us - before_.now_us;
   now_.before_ms = before_.now_ms;
   now_.now_ms = static_cast<std::uint32_t>(now_.now_us / 1000);
-  now_.host_on = before_.host_us != kNever_us && host_us > before_.host_us;
-  now_.host_us = std::max(host_us, before_.host_us);
   now_.state = boat.state();
   now_.met = boat.conditions();
   const auto& thrust = boat.thrust();

@@ -47,7 +47,7 @@ class Monitor {
   const std::optional<Violation>& broken() const { return broken_; }
 
  private:
-  void look_inside(const app::Boat<S>& boat, std::int64_t host_us);
+  void look_inside(const app::Boat<S>& boat);
   void note_change(const app::Parameters& now);
   void note_damage(const link::Counters& counters);
   void note_times();

@@ -25,9 +25,6 @@ namespace rules {
 using core::State;
 namespace mav = link::mav;
 
-/// A clock that was set so far ahead has stopped at its end.
-constexpr std::int64_t kLate_us = 4'000'000'000'000'000;
-
 inline std::int64_t us(float seconds) { return static_cast<std::int64_t>(double{seconds} * 1e6); }
 
 inline float greatest_N(const Moment& n) {

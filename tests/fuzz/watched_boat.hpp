@@ -13,6 +13,7 @@
 #include "fuzz/guard.hpp"
 #include "fuzz/wire_numbers.hpp"
 #include "link/dronecan_messages.hpp"
+#include "policies/monitor.hpp"
 
 namespace flotilla::fuzz {
 
@@ -30,7 +31,10 @@ template <class S>
 class WatchedBoat {
  public:
   explicit WatchedBoat(const Setup& setup)
-      : setup_(setup), boat_(setup.parameters, setup.links), self_(boat_.self()) {
+      : setup_(setup),
+        boat_(setup.parameters, setup.links),
+        monitor_(setup.parameters),
+        self_(boat_.self()) {
     boat_.secure(kKey, kSigningClock, 0);
     boat_.set_policy(0, setup.policy);
     verifier_.start(kKey, 0, 0);
@@ -40,16 +44,22 @@ class WatchedBoat {
   std::size_t links() const { return setup_.links; }
 
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link) {
-    const Guard guard;
-    boat_.on_mavlink(data, now_us, link);
+    {
+      const Guard guard;
+      boat_.on_mavlink(data, now_us, link);
+    }
+    monitor_.heard(data);
   }
   void end_of_datagram(std::int64_t now_us, std::size_t link) {
     const Guard guard;
     boat_.end_of_datagram(now_us, link);
   }
   void on_can(const link::CanFrame& frame, std::int64_t now_us) {
-    const Guard guard;
-    boat_.on_can(frame.id, frame.bytes(), now_us);
+    {
+      const Guard guard;
+      boat_.on_can(frame.id, frame.bytes(), now_us);
+    }
+    monitor_.on_can(frame.id, frame.bytes());
   }
   void on_host(const app::HostReport& report) { boat_.on_host(report); }
   void disarm() { boat_.disarm(); }
@@ -73,6 +83,8 @@ class WatchedBoat {
       judge_link(out.links->bytes(link), link);
     self_ = boat_.self();
     judge_snapshot(boat_.snapshot());
+    const auto violation = monitor_.ticked(boat_, out, now_us);
+    require(!violation, violation ? violation->name.data() : "");
     return command_;
   }
 
@@ -183,6 +195,7 @@ class WatchedBoat {
 
   Setup setup_;
   app::Boat<S> boat_;
+  policies::Monitor<S> monitor_;
   link::Address self_;
   link::TransferReceiver bus_;
   link::Counters counters_;
