@@ -13,9 +13,11 @@ from sil.faults import live, matrix, rows, told
 from sil.faults.soak import Soaked, soak
 from sil.start import StartError
 
+_INTERRUPTED = 130
+
 
 def main(arguments: Sequence[str]) -> int:
-    """Exit status: 0 all limits kept, 1 not all, 2 a mistake of the caller, told in one line."""
+    """Exit status: 0 all limits kept, 1 not all, 130 interrupted; 2 a mistake, told in one line."""
     parser = argparse.ArgumentParser(prog="tools/faults", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/faults"), help="(out/faults)")
     parser.add_argument("--only", metavar="NAME", help="rows whose names have this in them")
@@ -44,6 +46,9 @@ def main(arguments: Sequence[str]) -> int:
     except (ValueError, OSError, StartError, live.NoVcanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("interrupted: nothing was written", file=sys.stderr)
+        return _INTERRUPTED
     console.print(f"results: {options.out}/faults.md", soft_wrap=True)
     print(told.summary(done))
     return int(not all(one.passed for one in done))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from rich.console import JustifyMethod
 from rich.table import Table
 
 from sil import files
@@ -19,7 +20,8 @@ def table(outcomes: Sequence[Outcome]) -> Table:
     """For a terminal; what failed says why."""
     out = Table(title="faults")
     for name in _COLUMNS:
-        out.add_column(name, justify="right" if "after" in name else "left")
+        justify: JustifyMethod = "right" if "after" in name else "left"
+        out.add_column(name, justify=justify, no_wrap=name == "fault")
     for one in outcomes:
         *cells, verdict = _cells(one)
         out.add_row(*cells, verdict if one.passed else f"[bold red]{verdict}: {one.why}")

@@ -131,6 +131,18 @@ def test_the_command_fails_where_a_row_does(
     assert "noticed after 0.45 s" in (tmp_path / "faults.md").read_text()
 
 
+def test_a_matrix_that_is_interrupted_has_not_passed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(matrix, "sail_all", interrupt)
+    assert main(["--out", str(tmp_path)]) == 130
+    assert capsys.readouterr().err == "interrupted: nothing was written\n"
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [(["--only", "kraken"], 'no fault has "kraken"'), (["--soak", "0"], "must be positive")],
