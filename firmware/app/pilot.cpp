@@ -98,7 +98,8 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
   }
-  core::answer_forward(answer_params(), answer_, told_, given, since);
+  core::answer_forward(answer_params(), answer_, told_, std::exchange(wanted_, told_), given,
+                       since);
   own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
                                  core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
@@ -137,9 +138,15 @@ core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) 
   const core::Encounter<S> in = encounter(lead_.position, lead_.coast.leader);
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
-  if (!neighbours_.watches()) return core::controller_step(law_, state_, in, since);
-  const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
-  return core::controller_step(law_, state_, in, since, &traffic);
+  core::ControllerOutput<S> out;
+  if (neighbours_.watches()) {
+    const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
+    out = core::controller_step(law_, state_, in, since, &traffic);
+  } else {
+    out = core::controller_step(law_, state_, in, since);
+  }
+  wanted_ = out.wanted.nu_star;
+  return out;
 }
 
 template <class S>

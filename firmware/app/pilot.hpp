@@ -104,6 +104,7 @@ class Pilot {
   core::JumpLimits<S> afloat_, carried_;
   core::AnswerState<S> answer_{};
   core::Nu<S> told_{};        // velocity of the last fix
+  core::Nu<S> wanted_{};      // that the law wanted in the last tick, else as told
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;

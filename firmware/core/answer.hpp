@@ -5,12 +5,13 @@
 //   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / X₀        the wrench seen, in units of X₀
 //   g = ⟨X⟩ / X₀                                          the wrench given, as slow
 //   P ← P + (h / (W + h)) (ŵ g − P)     Q ← Q + (h / (W + h)) (g² − Q)
-//   it does not answer where Q > 1 and P < ε Q for a while; likewise in yaw
+//   it does not answer where Q > 1, P < ε Q and ⟨X⟩ (⟨u*⟩ − ū) > |⟨X⟩| δ for a while; likewise in yaw
 //
 //  symbol    meaning                                            unit         tested range
 //  X, N      wrench given                                       N, N m       ±1000
 //  u, v, r   velocity over ground, as it is told                m/s, rad/s   ±20, ±4
 //  ⟨·⟩, ū    means over the last T                              s            0.5
+//  u*, r*    velocity that is wanted; δ: how near to it is as good    m/s, rad/s   0.15, 0.15
 //  W         time over which it is judged                       s            1
 //  X₀, N₀    a smaller wrench says nothing                      N, N m
 //  ε         share of it that must be seen                      1
@@ -18,7 +19,8 @@
 //
 // Not in paper. It needs no derivative and no observer, which would take a propeller that gives
 // nothing for an unknown force. Yaw is disturbed more than surge, and by turning the boat would come
-// round to the wind: there it must go the wrong way.
+// round to the wind: there it must go the wrong way. A boat that has the velocity that is wanted does
+// answer, whatever else acts: in a stream it takes thrust to stand still.
 #pragma once
 
 #include "core/allocation.hpp"
@@ -37,12 +39,14 @@ struct AnswerParams {
   S least_share = S(0.01);            ///< nor does less of all that the propellers can give
   S surge = S(0.3);                   ///< ε
   S yaw = S(0);
+  S near = S(0.15);  ///< δ
 };
 
 /// One axis: means over T of velocity, of the wrench given and of that which the hull takes.
 template <class S>
 struct AnswerAxis {
   S rate{};
+  S wanted{};
   S given{};
   S resisted{};
   S P{};
@@ -61,6 +65,7 @@ template <class S>
 struct AnswerInput {
   S inertia{};
   S rate{};
+  S wanted{};
   S resisted{};
   S given{};
   S least{};
@@ -71,6 +76,7 @@ void answer_axis(const AnswerParams<S>& params, AnswerAxis<S>& axis, const Answe
                  S h) {
   const S p = h / (params.T + h);
   axis.rate = axis.rate + p * (in.rate - axis.rate);
+  axis.wanted = axis.wanted + p * (in.wanted - axis.wanted);
   axis.given = axis.given + p * (in.given - axis.given);
   axis.resisted = axis.resisted + p * (in.resisted - axis.resisted);
   const S seen = in.inertia * (in.rate - axis.rate) / params.T + axis.resisted;
@@ -82,32 +88,38 @@ void answer_axis(const AnswerParams<S>& params, AnswerAxis<S>& axis, const Answe
 }
 
 template <class S>
-bool fails(const AnswerAxis<S>& axis, S share) {
-  return S(1) < axis.Q && axis.P < share * axis.Q;
+bool fails(const AnswerAxis<S>& axis, S share, S near) {
+  const S lacking = axis.wanted - axis.rate;
+  const bool lacks = near < (axis.given < S(0) ? -lacking : lacking);
+  return lacks && S(1) < axis.Q && axis.P < share * axis.Q;
 }
 
-/// The velocity was last told to be nu, and over the last h seconds the wrench was given.
+/// The velocity was last told to be nu, and over the last h seconds the wrench was given, for the
+/// sake of that wanted.
 template <class S>
 void answer_forward(const AnswerParams<S>& params, AnswerState<S>& state, const Nu<S>& nu,
-                    const Tau<S>& given, S h) {
+                    const Nu<S>& wanted, const Tau<S>& given, S h) {
   const Vessel<S>& m = params.vessel;
   const AllocationParams<S>& propellers = params.propellers;
   if (!state.started) {
     state = AnswerState<S>{};
     state.surge.rate = nu.u;
     state.yaw.rate = nu.r;
+    state.surge.wanted = wanted.u;
+    state.yaw.wanted = wanted.r;
     state.started = true;
   }
   const S most = S(2) * params.least_share * larger(propellers.F, propellers.R);
   answer_axis(params, state.surge,
-              AnswerInput<S>{m.m11, nu.u, m.d11 * nu.u - m.m22 * nu.v * nu.r, given.X,
+              AnswerInput<S>{m.m11, nu.u, wanted.u, m.d11 * nu.u - m.m22 * nu.v * nu.r, given.X,
                              larger(params.least.u * m.d11, most)},
               h);
   answer_axis(params, state.yaw,
-              AnswerInput<S>{m.m33, nu.r, m.d33 * nu.r + (m.m22 - m.m11) * nu.u * nu.v, given.N,
-                             larger(params.least.r * m.d33, propellers.a * most)},
+              AnswerInput<S>{m.m33, nu.r, wanted.r, m.d33 * nu.r + (m.m22 - m.m11) * nu.u * nu.v,
+                             given.N, larger(params.least.r * m.d33, propellers.a * most)},
               h);
-  const bool fail = fails(state.surge, params.surge) || fails(state.yaw, params.yaw);
+  const bool fail =
+      fails(state.surge, params.surge, params.near) || fails(state.yaw, params.yaw, params.near);
   state.failing = fail ? smaller(state.failing + h, S(10)) : S(0);
 }
 

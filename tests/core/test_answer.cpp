@@ -36,16 +36,17 @@ double not_answering_after(const Sailing& how) {
   AnswerState<S> state;
   Hull hull{{0, 0, 0, 0, 0, 0}};
   for (double t = 0; t < how.until; t += 0.01) {
-    const double u = hull.q[3], r = hull.q[5];
+    const double heading = hull.q[2], u = hull.q[3], r = hull.q[5];
     const Allocation<double> asked =
         allocate(AllocationParams<double>{0.25, 20, 20},
-                 Tau<double>{3.436 * 0.6 + 10 * (0.6 - u), -10 * r - 5 * hull.q[2]});
+                 Tau<double>{3.436 * 0.6 + 10 * (0.6 - u), -10 * r - 5 * heading});
     Thrust<double> real = asked.thrust;
     if (t >= how.from) real = {how.port * real.port, how.stbd * real.stbd};
     const auto moved = wrench_of(AllocationParams<double>{0.25, 20, 20}, real);
     const double w = how.noise > 0 ? force(engine) : 0, w_N = how.noise > 0 ? force(engine) : 0;
     hull.advance({moved.X + w - how.drag, moved.N + w_N}, 0.01);
     answer_forward(params, state, Nu<S>{S(hull.q[3]), S(hull.q[4]), S(hull.q[5])},
+                   Nu<S>{S(0.6), S(0), S(-0.5 * heading)},
                    Tau<S>{S(asked.given.X), S(asked.given.N)}, S(0.01));
     if (!answers(params, state)) return t < how.from ? -2 : t - how.from;
   }
@@ -95,8 +96,28 @@ TEST_CASE_TEMPLATE("who is given nothing, or next to nothing, is not asked to mo
   for (const double X : {0.0, 1.0, -1.0}) {  // a current of 0.3 m/s takes as much
     AnswerState<S> state;
     for (int k = 0; k < 3000; ++k) {
-      answer_forward(params, state, Nu<S>{}, Tau<S>{S(X), S(0.3 * X)}, S(0.01));
+      answer_forward(params, state, {}, Nu<S>{S(X), S(0), S(X)}, Tau<S>{S(X), S(0.3 * X)}, S(0.01));
       REQUIRE(answers(params, state));
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE(
+    "a boat that stands in a stream as it shall answers, one that shall go on does not", S, float,
+    double) {
+  AnswerParams<S> params;
+  params.vessel = testing::papers_vessel<S>();
+  params.propellers = {S(0.25), S(20), S(20)};
+  for (const double X : {3.4, -3.4, 10.0}) {  // a stream of 1 m/s takes as much, one of 3 m/s
+    for (const double wanted : {0.0, 0.05, 0.4}) {
+      AnswerState<S> state;
+      bool answered = true;
+      for (int k = 0; k < 6000; ++k) {
+        const S u_star = S(X < 0 ? -wanted : wanted);
+        answer_forward(params, state, {}, Nu<S>{u_star}, Tau<S>{S(X), S(0)}, S(0.01));
+        answered = answered && answers(params, state);
+      }
+      CHECK(answered == (wanted < 0.1));
     }
   }
 }
@@ -107,11 +128,13 @@ TEST_CASE_TEMPLATE("a boat that was seen not to answer is asked anew some second
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
   AnswerState<S> state;
-  for (int k = 0; k < 500; ++k) answer_forward(params, state, {}, Tau<S>{S(10), S(0)}, S(0.01));
+  for (int k = 0; k < 500; ++k) {
+    answer_forward(params, state, {}, Nu<S>{S(1)}, Tau<S>{S(10), S(0)}, S(0.01));
+  }
   CHECK_FALSE(answers(params, state));
   int ticks = 0;
   while (!answers(params, state)) {
-    answer_forward(params, state, {}, {}, S(0.01));
+    answer_forward(params, state, {}, Nu<S>{S(1)}, {}, S(0.01));
     REQUIRE(++ticks < 1000);
   }
   CHECK(ticks > 100);

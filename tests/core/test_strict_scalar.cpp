@@ -139,8 +139,8 @@ template Separation<Strict> separate(const SeparationParams<Strict>&, Strict,
 template void answer_axis(const AnswerParams<Strict>&, AnswerAxis<Strict>&,
                           const AnswerInput<Strict>&, Strict);
 template void answer_forward(const AnswerParams<Strict>&, AnswerState<Strict>&, const Nu<Strict>&,
-                             const Tau<Strict>&, Strict);
-template bool fails(const AnswerAxis<Strict>&, Strict);
+                             const Nu<Strict>&, const Tau<Strict>&, Strict);
+template bool fails(const AnswerAxis<Strict>&, Strict, Strict);
 template bool answers(const AnswerParams<Strict>&, const AnswerState<Strict>&);
 template Strict beyond(const Vec2<Strict>&, const Vec2<Strict>&);
 template Surprise<Strict> surprise_of(const JumpLimits<Strict>&, const Leg<Strict>&, Strict);
