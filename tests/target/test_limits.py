@@ -9,6 +9,7 @@ import pytest
 
 from tests.target.agent import START_US
 from tests.target.course import Course
+from tests.target.hull import Afloat, Hull
 from tests.target.operator_words import sticks
 from tests.target.sea import PAPER, Sea, at_sea, texts
 from tests.target.stations import FORMATION
@@ -88,18 +89,19 @@ def sail_on(sea: Sea, speed_mps: float) -> None:
 def test_beyond_the_fence_the_law_stops_and_within_it_the_operator_may_go_on(
     bearing: float,
 ) -> None:
-    # No observer shall reckon with a thrust that this truth does not answer to.
-    sea = Sea(PAPER | {"FS_FENCE_M": 3.0}, own=Course(1.0, 2.0, bearing, 0.5))
+    leader = Course(math.cos(bearing), math.sin(bearing), bearing, 0.5)
+    sea = Afloat({"FS_FENCE_M": 3.0}, hull=Hull([0.0, 0.0, bearing] + [0.0] * 3), leader=leader)
     sea.enter_formation()
-    armed_s = (sea.now_us - START_US) * 1e-6
-    sea.run_until("HOLD", 6.5)
-    assert (sea.now_us - START_US) * 1e-6 - armed_s == pytest.approx(6.0, abs=0.2)
+    sea.run_until("HOLD", 15.0)
+    assert math.hypot(*sea.hull.q[:2]) == pytest.approx(3.0, abs=0.1)
     assert texts(sea.ticks)[-1] == f"HOLD: {FAR}"
     assert fence_and_battery(sea)[GEOFENCE] == (True, False)
     sea.mode(FORMATION)
     assert sea.state == "HOLD"
-    sail_on(sea, -0.5)
-    sea.run(1.0)
+    sea.hull.push = (-2.0, 0.0)  # somebody tows it astern
+    sea.run(2.0)
+    sea.hull.push = (0.0, 0.0)
+    sea.run(1.5)
     assert sea.state == "HOLD" and fence_and_battery(sea)[GEOFENCE] == (True, True)
     sea.mode(FORMATION)
     assert sea.state == "FORMATION"
