@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat of which every word is judged: whatever was done to it, no tick may break these rules, nor
-// the firmware's own, firmware/POLICIES.md.
+// A boat of which every word is judged: whatever was done to it, no tick may break these rules.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +13,6 @@
 #include "fuzz/guard.hpp"
 #include "fuzz/wire_numbers.hpp"
 #include "link/dronecan_messages.hpp"
-#include "policies/monitor.hpp"
 
 namespace flotilla::fuzz {
 
@@ -32,10 +30,7 @@ template <class S>
 class WatchedBoat {
  public:
   explicit WatchedBoat(const Setup& setup)
-      : setup_(setup),
-        boat_(setup.parameters, setup.links),
-        monitor_(setup.parameters),
-        self_(boat_.self()) {
+      : setup_(setup), boat_(setup.parameters, setup.links), self_(boat_.self()) {
     boat_.secure(kKey, kSigningClock, 0);
     boat_.set_policy(0, setup.policy);
     verifier_.start(kKey, 0, 0);
@@ -45,33 +40,19 @@ class WatchedBoat {
   std::size_t links() const { return setup_.links; }
 
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link) {
-    {
-      const Guard guard;
-      boat_.on_mavlink(data, now_us, link);
-    }
-    hear_time(now_us);
-    monitor_.heard(data);
+    const Guard guard;
+    boat_.on_mavlink(data, now_us, link);
   }
   void end_of_datagram(std::int64_t now_us, std::size_t link) {
     const Guard guard;
-    hear_time(now_us);
     boat_.end_of_datagram(now_us, link);
   }
   void on_can(const link::CanFrame& frame, std::int64_t now_us) {
-    {
-      const Guard guard;
-      boat_.on_can(frame.id, frame.bytes(), now_us);
-    }
-    hear_time(now_us);
-    monitor_.on_can(frame.id, frame.bytes());
+    const Guard guard;
+    boat_.on_can(frame.id, frame.bytes(), now_us);
   }
   void on_host(const app::HostReport& report) { boat_.on_host(report); }
-  /// By the host: over no wire, so that what the boat was told is not certain.
-  void disarm() {
-    constexpr std::array<std::uint8_t, 1> kTorn{};
-    boat_.disarm();
-    monitor_.heard(kTorn);
-  }
+  void disarm() { boat_.disarm(); }
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
     boat_.limit_link(link, bytes_per_s);
   }
@@ -87,10 +68,6 @@ class WatchedBoat {
       const Guard guard;
       return boat_.tick(now_us);
     }();
-    hear_time(now_us);
-    if (const auto broken = monitor_.ticked(boat_, out, latest_us_)) {
-      require(false, broken->name.data());  // a literal of rules.def
-    }
     judge_bus(out.can, now_us);
     for (std::size_t link = 0; link < setup_.links; ++link)
       judge_link(out.links->bytes(link), link);
@@ -101,9 +78,6 @@ class WatchedBoat {
 
  private:
   static constexpr std::uint8_t kTimesync = 111;
-
-  /// Bytes may be stamped later than the tick after them: a boat's time is the latest that it heard.
-  void hear_time(std::int64_t now_us) { latest_us_ = std::max(latest_us_, now_us); }
 
   void judge_bus(std::span<const link::CanFrame> frames, std::int64_t now_us) {
     int commands = 0;
@@ -209,8 +183,6 @@ class WatchedBoat {
 
   Setup setup_;
   app::Boat<S> boat_;
-  policies::Monitor<S> monitor_;
-  std::int64_t latest_us_ = policies::kNever_us;
   link::Address self_;
   link::TransferReceiver bus_;
   link::Counters counters_;
