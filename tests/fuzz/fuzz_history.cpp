@@ -139,6 +139,8 @@ void History<S>::ask(std::uint8_t what) {
     case 7:
       return command(mav::kCmdDoFlightTermination, {1});
     default:
+      // The host's word is on no wire: after noise there, nobody asks for the command.
+      talkers_->bytes(std::array<std::uint8_t, 1>{}, false, now_us_, 0);
       boat_->disarm();
   }
 }

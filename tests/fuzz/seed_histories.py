@@ -101,6 +101,7 @@ def histories() -> Iterator[tuple[str, bytes]]:
     for name, who in (("own", NAVIGATION), ("port", PORT), ("all", ALL)):
         yield f"silent_{name}", silent.bytes + History().talk(ALL & ~who).sail(60).bytes[1:]
     yield "terminated", History().cast_off().ask("terminate").sail(3).ask("disarm").sail(3).bytes
+    yield "left", History().cast_off().ask("terminate").sail(60).ask("leave").sail(3).bytes
     yield (
         "bus",
         History().cast_off().op("Host", 1).sail(3).op("Host", 0).ask("disarm").sail(9).bytes,
