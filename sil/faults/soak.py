@@ -23,6 +23,7 @@ RECOVERED_S = 60.0
 _QUIET_S = (2.0, 6.0)
 _WELL_S = 3.0
 _RETRY_S = 0.5
+_WARM, _MOST_MB = 3, 5.0  # hours until memory is what it will be; growth from then on
 _OFF_S = 0.27  # what an ESC does without a command
 _OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
 
@@ -65,7 +66,7 @@ def soak(hours: float, seed: int, progress: Callable[[float, Soaked], None]) -> 
 
     A fault that is not recovered from, all boats in FORMATION, within RECOVERED_S of its end is
     wrong and ends the soak; so is thrust told in DISARMED, HOLD or FAULT to an ESC that listens,
-    and a rule of the firmware that is broken.
+    and a rule of the firmware that is broken, and memory that grows after the first hours.
     """
     source = scenario.read(FOLDER / "soak.toml", [f"seed={seed}"])
     one = scenario.check(source)
@@ -108,13 +109,19 @@ class _Sea:
             self._check(k)
             self._batch.bodies.advance(self._batch.command, self._tau, self._h_s)
             if k % hour == 0 or k == minute:
-                self._soaked.resident_MB.append(1e-3 * resident_now_kB())
+                self._note_memory()
             if k % second == 0:
                 self._soaked.wrong += map(str, violations(self._batch).values())
             if k % minute == 0:
                 progress(k / ticks, self._soaked)
             if self._soaked.wrong:
                 return
+
+    def _note_memory(self) -> None:
+        sizes = self._soaked.resident_MB
+        sizes.append(1e-3 * resident_now_kB())
+        if sizes[-1] - sizes[: _WARM + 1][-1] > _MOST_MB:
+            self._soaked.wrong.append(f"memory grows: {sizes[-1]:.1f} MB after {len(sizes) - 1} h")
 
     def _script(self, k: int, t_us: int) -> None:
         if self._ended is not None:
