@@ -29,6 +29,7 @@ class Liveness {
     place_.take(stays, v, h);
     heading_.take(heads, {nu.r, S(0)}, h);
     const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
+    whole_.take(same, {}, h);
     pushed_ = same ? left_after(h) * pushed_ : S(0);
     moved_ = moved_ || (S(0) < h && !stays);
     north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
@@ -75,9 +76,9 @@ class Liveness {
 
   void judge(bool well) {
     const S most_s = moved_ ? patience_s_ : kHeld_s;
-    const bool frozen =
-        (place_.lies() && place_.lasts(most_s)) || (heading_.lies() && heading_.lasts(most_s)) ||
-        (moved_ && pushed_ > kPushed && place_.lasts(patience_s_) && heading_.lasts(patience_s_));
+    const bool frozen = (place_.lies() && place_.lasts(most_s)) ||
+                        (heading_.lies() && heading_.lasts(most_s)) ||
+                        (moved_ && pushed_ > kPushed && whole_.lasts(patience_s_));
     well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
     live_ = !frozen && (live_ || well_ == kFew);
   }
@@ -85,7 +86,7 @@ class Liveness {
   S patience_s_;
   double north_m_ = 0, east_m_ = 0, psi_rad_ = 0;
   core::Nu<S> nu_{};
-  Stuck place_, heading_;
+  Stuck place_, heading_, whole_;
   S pushed_{};
   int well_ = 0;
   bool moved_ = false, live_ = true;

@@ -338,7 +338,8 @@ template <class S>
 std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
   const auto offset = clock().offset_us();
   if (!stamp_us_ || !offset) return std::nullopt;
-  return std::max<std::int64_t>(now_us - (*stamp_us_ + *offset), 0);
+  // No state is younger than its arrival, whatever TIMESYNC makes of its stamp since.
+  return std::max<std::int64_t>(now_us - std::min(*stamp_us_ + *offset, arrived_us_), 0);
 }
 
 template <class S>

@@ -93,6 +93,18 @@ TEST_CASE_TEMPLATE("a state that is the same to the last bit while the propeller
   CHECK(w.sail(5, true, 1.0) > 0);
 }
 
+TEST_CASE_TEMPLATE("two equal states under thrust at a place that stays are chance, not a fault", S,
+                   float, double) {
+  Watch<S> w;
+  w.sample.u_mps = 1;
+  REQUIRE(w.sail(3) == -1);
+  for (int k = 0; k < 50;
+       ++k) {  // coarse degrees, and by a quay: only the velocity's noise goes on
+    w.sample.u_mps = 0.001 * (k / 2 % 2);
+    REQUIRE(w.sail(0.1, true, 10) == -1);
+  }
+}
+
 TEST_CASE_TEMPLATE("it is live again some states after it moves", S, float, double) {
   Watch<S> w;
   w.sample.u_mps = 1;

@@ -46,6 +46,17 @@ TEST_CASE_TEMPLATE("a vessel is carried forward from its last message, hours apa
   }
 }
 
+TEST_CASE_TEMPLATE("a state grows old while its vessel's clock is set back an hour", S, float,
+                   double) {
+  Watch<S> w;
+  for (int k = 0; k <= 10; ++k) w.hear(at(kHour_us + k * 100'000, 0.2F * float(k)), k * 100'000);
+  w.track.answered({5, 1}, 1'010'000, 1'020'000, 1'030'000);
+  CHECK(w.track.age_us(1'400'000) == 400'000);
+  CHECK(double(w.track.motion(1'400'000).moved_n.x) == doctest::Approx(0.8));
+  CHECK(w.track.fresh(1'499'999, kLimit_us));
+  CHECK_FALSE(w.track.fresh(1'500'000, kLimit_us));
+}
+
 TEST_CASE_TEMPLATE("another vessel, or our own voice, never moves a track", S, float, double) {
   Watch<S> w;
   w.hear(at(1000, 7), 1000, {6, 1});
