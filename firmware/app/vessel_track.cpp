@@ -146,7 +146,14 @@ void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
     ++counters.mavlink_old_stamp;
     return;
   }
-  heading = {component, *sample};
+  // Of another vessel with another clock, perhaps: it would hide this one's.
+  if (heading.component == component && now_us - heading.arrived_us < kSilent_us &&
+      sample->stamp_us - heading.sample.stamp_us > now_us - heading.arrived_us + kSilent_us) {
+    guard_.note_jump(now_us);
+    ++counters.mavlink_jump;
+    return;
+  }
+  heading = {component, *sample, now_us};
 }
 
 template <class S>
@@ -187,6 +194,9 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, std::uin
   const std::int64_t older_us = sample->stamp_us - heading.sample.stamp_us;
   if (std::abs(older_us) > kHeadingUsable_us) {
     ++counters.mavlink_no_heading;
+    if (component == component_ && source == sources_.in_use()) {
+      guard_.look_at(here(*sample), false, now_us);
+    }
     return;
   }
   if (!chosen(component, now_us)) return;
@@ -243,7 +253,7 @@ bool VesselTrack<S>::is_late(const convert::Sample& sample, std::int64_t now_us)
   refused_stamp_us_ = sample.stamp_us;
   refused_in_a_row_ = advances ? refused_in_a_row_ + 1 : 1;
   if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
-    guard_.look_back(here(sample), now_us);
+    guard_.look_at(here(sample), true, now_us);
     return true;
   }
   rebooted(sample.stamp_us);
