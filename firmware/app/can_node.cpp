@@ -79,6 +79,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
 
 void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
                               std::int64_t now_us) {
+  if (status.esc_index >= escs_.size()) return;
   Esc& esc = escs_[status.esc_index];
   const bool other = esc.node != node && now_us - esc.heard_us < kNodeOffline_us;
   if (other) {
@@ -115,7 +116,7 @@ bool CanNode::escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_u
 }
 
 std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int64_t now_us) const {
-  const Esc& esc = escs_[index];
+  const Esc& esc = escs_[index % escs_.size()];
   if (now_us - esc.heard_us > kNodeOffline_us) return std::nullopt;
   return esc.status;
 }

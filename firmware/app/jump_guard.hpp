@@ -24,9 +24,9 @@ class JumpGuard {
     kMoved,  ///< the new place is believed; no motion led there
   };
 
-  /// A generous vessel: what is known of a leader.
+  /// What is known of a leader: the quickest model boat.
   static constexpr core::JumpLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
-                                                  S(10), S(10),  S(10), S(4)};
+                                                  S(40), S(60),  S(10), S(8)};
 
   void set_limits(const core::JumpLimits<S>& limits) { limits_ = limits; }
   const core::JumpLimits<S>& limits() const { return limits_; }
@@ -44,13 +44,13 @@ class JumpGuard {
   Verdict judge(const convert::Sample& sample, bool far, std::int64_t now_us) {
     const Told state = told(sample, now_us);
     if (!last_) return Verdict::kGoesOn;
-    const auto surprise = between(*last_, state);
+    const auto surprise = between(limits_, *last_, state);
     if (!far && surprise.share <= S(1)) {
       scatter_ = scatter_ + S(0.1) * (surprise.off - scatter_);
       return Verdict::kGoesOn;
     }
     jumped_us_ = now_us;
-    const bool agrees = next_ && between(*next_, state).share <= S(1);
+    const bool agrees = next_ && between(limits_, *next_, state).share <= S(1);
     if (!agrees) since_us_ = now_us;
     agreed_ = agrees ? std::min(agreed_ + 1, kRow) : 1;
     next_ = state;
@@ -58,9 +58,16 @@ class JumpGuard {
     return settled ? Verdict::kMoved : Verdict::kRefused;
   }
 
-  /// A state from before the last one: whether it can be one of the same vessel.
-  void look_back(const convert::Sample& sample, std::int64_t now_us) {
-    if (last_ && between(told(sample, now_us), *last_).share > S(1)) jumped_us_ = now_us;
+  /// A state that is not made use of, of the past or without a heading: whether it can be one of the
+  /// same vessel.
+  void look_at(const convert::Sample& sample, bool heading_known, std::int64_t now_us) {
+    if (!last_) return;
+    const Told state = told(sample, now_us);
+    core::JumpLimits<S> limits = limits_;
+    if (!heading_known) limits.heading = limits.yaw_rate = S(100);
+    const bool before = state.stamp_us < last_->stamp_us;
+    const auto surprise = before ? between(limits, state, *last_) : between(limits, *last_, state);
+    if (surprise.share > S(1)) jumped_us_ = now_us;
   }
 
   /// No jump within the last second.
@@ -85,10 +92,10 @@ class JumpGuard {
 
   /// The two clocks need not go together: no more time than has passed here and a second, which is
   /// what the first one may have been late by.
-  core::Surprise<S> between(const Told& a, const Told& b) const {
+  core::Surprise<S> between(const core::JumpLimits<S>& limits, const Told& a, const Told& b) const {
     const std::int64_t most_us = std::abs(b.arrived_us - a.arrived_us) + kSettled_us;
     const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
-    return core::surprise_of(limits_,
+    return core::surprise_of(limits,
                              {{S(b.north_m - a.north_m), S(b.east_m - a.east_m)},
                               a.psi,
                               b.psi,

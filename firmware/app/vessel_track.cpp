@@ -187,6 +187,9 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, std::uin
   const std::int64_t older_us = sample->stamp_us - heading.sample.stamp_us;
   if (std::abs(older_us) > kHeadingUsable_us) {
     ++counters.mavlink_no_heading;
+    if (component == component_ && source == sources_.in_use()) {
+      guard_.look_at(here(*sample), false, now_us);
+    }
     return;
   }
   if (!chosen(component, now_us)) return;
@@ -243,7 +246,7 @@ bool VesselTrack<S>::is_late(const convert::Sample& sample, std::int64_t now_us)
   refused_stamp_us_ = sample.stamp_us;
   refused_in_a_row_ = advances ? refused_in_a_row_ + 1 : 1;
   if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
-    guard_.look_back(here(sample), now_us);
+    guard_.look_at(here(sample), true, now_us);
     return true;
   }
   rebooted(sample.stamp_us);

@@ -40,7 +40,7 @@ TEST_CASE_TEMPLATE("a place, a heading, a velocity or a yaw rate too far off is 
   CHECK_FALSE(jumps(turn));
   heading.to = {S(2 * std::cos(0.7)), S(-2 * std::sin(0.7)), S(0)};
   CHECK_FALSE(jumps(heading));
-  place.moved_n.y = S(1.2), heading.psi_to = S(1), speed.to.u = S(5.5), turn.to.r = S(3);
+  place.moved_n.y = S(1.2), heading.psi_to = S(1.5), speed.to.u = S(5.5), turn.to.r = S(8);
   CHECK(jumps(place));
   CHECK(jumps(heading));
   CHECK(jumps(speed));
@@ -53,6 +53,7 @@ TEST_CASE_TEMPLATE("whoever runs aground stops at once, and that is no jump", S,
   leg.to = {};
   leg.moved_n = {S(0.3), S(0)};
   CHECK_FALSE(jumps(leg));
+  leg.from.r = S(0);
   leg.to.u = S(-12);
   CHECK(jumps(leg));
 }

@@ -106,10 +106,10 @@ def test_a_reset_without_a_jump_neither_breaks_nor_jolts(first: int) -> None:
 def test_after_a_reset_the_boat_is_where_the_new_estimate_says() -> None:
     """Ten metres in a tick are no speed: neither told nor steered by."""
     sea = sailing(OWN, LAW_OBS_BW=0.0)  # this truth does not answer to thrust
-    for _ in range(20):
+    for _ in range(8):
         say_own(sea, 3)
         sea.run(0.05)
-    for _ in range(20):
+    for _ in range(8):
         say_own(sea, 4, north=10.0)
         for tick in sea.run(0.05):
             assert sea.condition("own_fresh") and sea.state == "FORMATION"
