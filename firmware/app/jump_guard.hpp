@@ -70,6 +70,9 @@ class JumpGuard {
     if (surprise.share > S(1)) jumped_us_ = now_us;
   }
 
+  /// What else is told that cannot be.
+  void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
+
   /// No jump within the last second.
   bool steady(std::int64_t now_us) const {
     return !jumped_us_ || now_us - *jumped_us_ >= kSettled_us;

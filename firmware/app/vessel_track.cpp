@@ -146,7 +146,14 @@ void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
     ++counters.mavlink_old_stamp;
     return;
   }
-  heading = {component, *sample};
+  // Of another vessel with another clock, perhaps: it would hide this one's.
+  if (heading.component == component && now_us - heading.arrived_us < kHeadingUsable_us &&
+      sample->stamp_us - heading.sample.stamp_us > now_us - heading.arrived_us + kSilent_us) {
+    guard_.note_jump(now_us);
+    ++counters.mavlink_jump;
+    return;
+  }
+  heading = {component, *sample, now_us};
 }
 
 template <class S>

@@ -105,6 +105,7 @@ class VesselTrack {
   struct Heading {
     std::uint8_t component = 0;
     convert::HeadingSample sample{};
+    std::int64_t arrived_us = 0;
   };
 
   bool mine(link::Address from) const {
