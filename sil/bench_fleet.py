@@ -91,10 +91,10 @@ def sail(boats: int, duration_s: float) -> FleetFigure:
     # A second's compilation and its memory are nobody's share.
     for _ in _steps(_batch(tree(1, 0.1), profile=False)):
         pass
-    before_kB = _resident_kB()
+    before_kB = resident_now_kB()
     batch = _batch(tree(boats, duration_s), profile=False)
     wall_s = sum(fleet_s + rest_s for fleet_s, rest_s in _steps(batch))
-    resident_kB = _resident_kB() - before_kB
+    resident_kB = resident_now_kB() - before_kB
     figure: FleetFigure = {
         "boats": boats,
         "boat_seconds_per_s": boats * duration_s / wall_s,
@@ -131,7 +131,8 @@ def _steps(batch: Batch) -> Iterator[tuple[float, float]]:
         yield ticked_s - began_s, time.perf_counter() - ticked_s
 
 
-def _resident_kB() -> float:
+def resident_now_kB() -> float:
+    """Memory of this process."""
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * os.sysconf("SC_PAGESIZE") / 1000.0
 

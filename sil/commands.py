@@ -12,6 +12,7 @@ import can
 from rich.console import Console
 
 from sil import arguments, scenario
+from sil.policies import PolicyViolationError
 from sil.run import live, run
 from sil.start import StartError
 
@@ -34,7 +35,7 @@ def add_to(commands: Any) -> None:
 
 
 def main(options: argparse.Namespace, given: Sequence[str]) -> int:
-    """Exit status: 0, or 2 for a mistake of the caller, told in one line.
+    """Exit status: 0, 1 for a boat that broke a rule, 2 for a mistake of the caller, in one line.
 
     `given` is what he typed.
     """
@@ -52,6 +53,9 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
             run(chosen, out, parameters, repeat, Console())
         else:
             live(chosen, options.bus, out, parameters, repeat, Console())
+    except PolicyViolationError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
     except (ValueError, OSError, StartError, can.CanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

@@ -103,10 +103,10 @@ class LiveWorld:
                 opened.callback(self.boats[-1].close)
             self._opened = opened.pop_all()
         agents: list[LiveLeader | LiveBoat] = [self._leader, *self.boats]
-        for boat, live in zip(scenario.boat, self.boats, strict=True):
-            leader = agents[boat.follows]
-            for sender, receiver in ((leader, live), (live, leader)):
-                link = Link(link_rng, **scenario.link.model_dump())
+        for pair in scenario.pairs():
+            ends = [agents[agent] for agent in pair]
+            for sender, receiver in (ends, ends[::-1]):
+                link = Link(link_rng, **scenario.link.quality)
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import can
 
 from sil.clock import Clock
+from sil.ordinary_user import ordinary_user
 from sil.scenario import Scenario
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
@@ -46,7 +47,10 @@ class _Udp:
 
 
 class LiveBoat:
-    """A flotillad, its bus with two ESCs, its navigation unit and its radio."""
+    """A flotillad, its bus with two ESCs, its navigation unit and its radio.
+
+    `escs_speak`: whether the ESCs' frames get onto the bus.
+    """
 
     def __init__(
         self,
@@ -61,12 +65,12 @@ class LiveBoat:
         self.inbox: list[Link] = []
         self.outbox: list[Link] = []
         self.process: subprocess.Popen[bytes] | None = None
+        self.escs_speak = True
         self._parameters = parameters
         self._clock = clock
         self.navigation = _Udp()
         self.radio = _Udp()
-        scheme, _, channel = bus.partition(":")
-        self.can = can.Bus(interface=scheme, channel=channel)
+        self.can = self._open()
         self._unit = NavigationUnit(
             agent,
             NAVIGATION_COMPONENT,
@@ -79,16 +83,28 @@ class LiveBoat:
             EscNode(node, int(index)) for node, index in zip(ESC_NODES, indices, strict=True)
         ]
 
-    def start(self, program: Path, folder: Path) -> None:
-        """Starts the flotillad; its words go to `folder`/flotillad.log."""
+    def _open(self) -> can.BusABC:
+        scheme, _, channel = self.bus.partition(":")
+        return can.Bus(interface=scheme, channel=channel)
+
+    def reopen(self) -> None:
+        """After the bus's interface was made anew."""
+        self.can.shutdown()
+        self.can = self._open()
+
+    def start(self, program: Path, folder: Path, *more: str) -> None:
+        """Starts the flotillad, with `more` options; its words go to `folder`/flotillad.log."""
         folder.mkdir(parents=True, exist_ok=True)
         options = [f"--can={self.bus}", f"--state-dir={folder / 'state'}"]
         options += [f"--mavlink={link.address}" for link in (self.navigation, self.radio)]
         options += [f"--param={name}={value!r}" for name, value in self._parameters.items()]
-        options += [f"--stats={folder / 'stats.json'}"]
+        options += [f"--stats={folder / 'stats.json'}", *more]
         with (folder / "flotillad.log").open("ab") as log:
             self.process = subprocess.Popen(  # noqa: S603
-                [program, *options], stdin=subprocess.DEVNULL, stdout=log, stderr=log
+                [*ordinary_user(), program, *options],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
             )
 
     def close(self) -> None:
@@ -111,10 +127,11 @@ class LiveBoat:
 
     def listen(self, t_us: int, operator: Operator) -> None:
         """Takes what has arrived from the flotillad and from the radio."""
-        while (message := self.can.recv(0.0)) is not None:
-            if not message.is_error_frame:
-                for esc in self._escs:
-                    esc.on_can(message.arbitration_id, bytes(message.data), t_us)
+        with suppress(can.CanError):  # the interface is down, or gone
+            while (message := self.can.recv(0.0)) is not None:
+                if not message.is_error_frame:
+                    for esc in self._escs:
+                        esc.on_can(message.arbitration_id, bytes(message.data), t_us)
         for data in self.navigation.receive():
             self._unit.on_mavlink(data, self._clock.at(t_us))
         for data in self.radio.receive():
@@ -132,7 +149,8 @@ class LiveBoat:
             for can_id, data in esc.tick(t_us, shaft, BATTERY_V, float("nan")):
                 # A full queue loses a report; the next one comes in 40 ms.
                 with suppress(can.CanError):
-                    self.can.send(can.Message(arbitration_id=can_id, data=data))
+                    if self.escs_speak:
+                        self.can.send(can.Message(arbitration_id=can_id, data=data))
 
     def command(self, t_us: int) -> tuple[float, float]:
         """What the ESCs tell their motors now, in [-1, 1]: port, starboard."""

@@ -25,6 +25,11 @@ MAVLINK_IN = 0  # + link, to the boat
 CAN_IN = 8
 MAVLINK_OUT = 16  # + link, from the boat
 CAN_OUT = 24
+HOST = 32  # what its host told the boat or did to it: event (u8), value (i64)
+
+# Events of a host: the bus is up (1) or down (0); the boat's clock is so many us ahead of the
+# world's from now on; the boat's process was killed, and a new one has its parameters.
+BUS, CLOCK, RESTART = range(3)
 
 
 class Recorder:

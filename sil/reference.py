@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""The tables of firmware/README.md, from the firmware's own lists."""
+"""The tables of the firmware's pages, from the firmware's own lists."""
 
-import re
 import sys
 from pathlib import Path
 
 import flotilla
+
+from sil import policy_page, supervisor_page
 
 PAGE = Path(__file__).parent.parent / "firmware" / "README.md"
 
@@ -21,33 +22,35 @@ def parameter_table() -> str:
     return "\n".join(lines)
 
 
-def transition_table() -> str:
-    """The supervisor's table, row by row, as a Markdown table."""
-    lines = ["| in state | asked | all of | or lost one of | goes to |", "|---|---|---|---|---|"]
-    for row in flotilla.supervisor_table():
-        cells = [", ".join(row["from"]), row["request"], ", ".join(row["needs"])]
-        cells += [", ".join(row["lacks"]), row["to"]]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+TABLES = {
+    PAGE: {"parameters": parameter_table},
+    supervisor_page.PAGE: {
+        "choices": supervisor_page.choice_table,
+        "conditions": supervisor_page.condition_table,
+        "losses": supervisor_page.loss_table,
+        "diagram": supervisor_page.diagram,
+        "transitions": supervisor_page.transition_table,
+    },
+    policy_page.PAGE: {"policies": policy_page.table},
+}
 
 
-TABLES = {"parameters": parameter_table, "transitions": transition_table}
-
-
-def page(text: str) -> str:
+def page(path: Path, text: str) -> str:
     """The page with each table between its `<!-- name -->` and `<!-- end -->` lines renewed."""
-    for name, table in TABLES.items():
-        begin = f"<!-- {name}: made by tools/reference -->\n"
-        pattern = re.escape(begin) + r".*?<!-- end -->"
-        text, found = re.subn(pattern, f"{begin}{table()}\n<!-- end -->", text, flags=re.DOTALL)
-        if found != 1:
-            raise ValueError(f"{PAGE}: no place for the table of {name}")
+    for name, table in TABLES[path].items():
+        begin, end = f"<!-- {name}: made by tools/reference -->\n", "<!-- end -->"
+        before, found, rest = text.partition(begin)
+        _, ended, behind = rest.partition(end)
+        if not (found and ended) or begin in behind:
+            raise ValueError(f"{path}: no place for the table of {name}")
+        text = f"{before}{begin}{table()}\n{end}{behind}"
     return text
 
 
 def main() -> int:
-    """Renews the page."""
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    """Renews the pages."""
+    for path in TABLES:
+        path.write_text(page(path, path.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 

@@ -2,29 +2,48 @@
 """Replays a recording: the same bytes and frames at the same times must give the same answers."""
 
 import argparse
+import struct
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import flotilla
 
 from sil.clock import Clock
-from sil.recording import CAN_IN, CAN_OUT, MAVLINK_OUT, Recording
+from sil.recording import BUS, CAN_IN, CAN_OUT, CLOCK, HOST, MAVLINK_OUT, RESTART, Recording
+from sil.wire.operator import HOLD as HOLD_MODE
 
 Said = list[tuple[int, bytes]]
+
+_HOST_EVENT = struct.Struct("<Bq")
 
 
 class _Twin:
     """A boat built like the recorded one, that hears what that one heard."""
 
     def __init__(self, header: dict[str, Any]) -> None:
-        self._boat = flotilla.Boat(header["parameters"], header["links"], header["scalar"])
+        self._links, self._scalar = header["links"], header["scalar"]
+        self._boat = self._boot(header["parameters"])
         self._clock = Clock(**header["clock"])
         self._recorded: Said = []
         self.ticked_us = -1
 
+    def _boot(self, parameters: dict[str, float]) -> Any:
+        return flotilla.Boat(parameters, self._links, self._scalar)
+
+    def _take_host(self, event: int, value: int) -> None:
+        if event == BUS:
+            self._boat.on_host(bus_up=bool(value))
+        elif event == CLOCK:
+            self._clock = replace(self._clock, offset_us=value)
+        elif event == RESTART:
+            self._boat = self._boot({**self._boat.parameters(), "MODE": float(HOLD_MODE)})
+
     def take(self, t_us: int, channel: int, data: bytes) -> None:
-        if channel >= MAVLINK_OUT:
+        if channel >= HOST:
+            self._take_host(*_HOST_EVENT.unpack(data))
+        elif channel >= MAVLINK_OUT:
             self._recorded.append((channel, data))
             self.ticked_us = t_us
         elif channel >= CAN_IN:
@@ -57,8 +76,10 @@ def replay(recording: Recording) -> list[int]:
         boat, channel = (port >> 8) - 1, port & 0xFF
         if boat < 0:  # the virtual leader
             continue
-        # A boat's answers stand together in the recording; what it hears next ends them.
-        if channel < MAVLINK_OUT:
+        # A boat's answers stand together in the recording; what it hears next, or its next tick,
+        # ends them.
+        answers = MAVLINK_OUT <= channel < HOST
+        if not answers or t_us != twins[boat].ticked_us:
             compare(boat)
         twins[boat].take(t_us, channel, data)
     for boat in range(len(twins)):

@@ -33,7 +33,8 @@ def run(
 
     Writes recording.bin, trace.npz, summary.json, the pictures and report.html, each whole or not
     at all. `command` is what a reader types to repeat the run. Raises ValueError for a parameter
-    that the firmware refuses, StartError where the boats cannot be put into FORMATION.
+    that the firmware refuses, StartError where the boats cannot be put into FORMATION,
+    PolicyViolationError where one breaks a rule of the firmware; the recording is there then.
     """
     world = World(scenario, param_overrides)
     out.mkdir(parents=True, exist_ok=True)
@@ -57,6 +58,8 @@ def live(
     `bus` is the address of boat 1's bus. Raises as `run`, and OSError or can.CanError where the
     bus cannot be opened.
     """
+    if scenario.fault:
+        raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
     program = build_flotillad(console.print)
     out.mkdir(parents=True, exist_ok=True)
     began_s = time.perf_counter()

@@ -6,12 +6,14 @@ file with `base = "NAME"` is that scenario with its own keys over it, boats by n
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, Strict, ValidationError
 
 from sil import law, toml_errors
+from sil.fault_errors import fault_contradictions
 from sil.law import Law
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
@@ -19,10 +21,12 @@ from sil.plant.weather import steps_of
 from sil.sections import (
     Boat,
     Clocks,
+    Fault,
     Leader,
     Link,
     Mismatch,
     Navigation,
+    NotNegative,
     Parameters,
     Positive,
     Propellers,
@@ -47,7 +51,8 @@ FOLDER = Path(__file__).parent / "scenarios"
 class Scenario(Section):
     """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
 
-    `name` is the file's unless the file gives another.
+    `name` is the file's unless the file gives another. A campaign draws no start at which two boats
+    are nearer than `start_apart_m`.
     """
 
     name: str
@@ -56,6 +61,7 @@ class Scenario(Section):
     law: Law = "product"
     scalar: Scalar = "float"
     rate_hz: Annotated[float, Field(ge=50.0, le=1000.0)] = 100.0
+    start_apart_m: NotNegative = 0.0
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
     navigation: Navigation = Navigation()
@@ -69,6 +75,7 @@ class Scenario(Section):
     leader: Leader
     parameters: Parameters = Field(default_factory=dict)
     boat: Annotated[tuple[Boat, ...], Strict(False), Field(min_length=1)]
+    fault: Annotated[tuple[Fault, ...], Strict(False)] = ()
     vary: Annotated[tuple[Vary, ...], Strict(False)] = ()
 
     def vessels(self) -> list[Vessel]:
@@ -97,6 +104,14 @@ class Scenario(Section):
         """What the navigation unit of `boat` says."""
         common = self.navigation.model_dump(include=set(Unit.model_fields))
         return Settings(**{**common, **boat.navigation.model_dump(exclude_unset=True)})
+
+    def pairs(self) -> list[tuple[int, int]]:
+        """Agents that hear each other: leader and follower, then, where all do, the other boats."""
+        pairs = [(boat.follows, agent) for agent, boat in enumerate(self.boat, start=1)]
+        if self.link.everyone:
+            boats = range(1, len(self.boat) + 1)
+            pairs += [pair for pair in combinations(boats, 2) if pair not in pairs]
+        return pairs
 
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
         """Firmware parameters that the file gives `boat`: the law's, those of all, its own."""
@@ -178,6 +193,7 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             allowed = f"boat {index} may follow agents 0 to {index - 1}"
             yield key, f'"{".".join(key)}" = {boat.follows}: {allowed}'
     yield from _unit_contradictions(scenario)
+    yield from fault_contradictions(scenario.fault, len(scenario.boat), scenario.navigation.noise)
     noise = scenario.white_noise
     if noise.power:
         try:

@@ -152,12 +152,21 @@ class Navigation(Unit):
 
 
 class Link(Section):
-    """Radio between boats; `rate_Bps` 0 is unlimited."""
+    """Radio between boats; `rate_Bps` 0 is unlimited.
+
+    `everyone`: every boat hears every other one, not its leader and followers only.
+    """
 
     delay_s: NotNegative = 0.0
     jitter_s: NotNegative = 0.0
     loss: Share = 0.0
     rate_Bps: NotNegative = 0.0
+    everyone: bool = False
+
+    @property
+    def quality(self) -> dict[str, float]:
+        """What a single link does, as `flotilla.Fleet.connect` and `sil.wire.link.Link` take it."""
+        return self.model_dump(exclude={"everyone"})
 
 
 class Clocks(Section):
@@ -210,6 +219,47 @@ class Boat(Section):
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
     navigation: Unit = Unit()
+
+
+FaultKind = Literal[
+    "own_silent",
+    "own_frozen",
+    "own_jump",
+    "own_noisy",
+    "own_clock",
+    "esc_silent",
+    "esc_stuck",
+    "esc_reversed",
+    "esc_reboot",
+    "esc_voltage",
+    "bus_off",
+    "frame_loss",
+    "radio_silent",
+    "radio_loss",
+    "byte_errors",
+    "impostor",
+    "replay",
+    "clock",
+    "restart",
+    "gcs_silent",
+]
+
+
+class Fault(Section):
+    """What goes wrong with an agent from `at_s` after the release on, for `for_s` or to the end.
+
+    `value`: metres (own_jump, impostor), seconds (own_clock, clock, replay), volts
+    (esc_voltage), a share (frame_loss, radio_loss, byte_errors) or a factor (own_noisy). `esc`:
+    whose, where it is one of ESCs.
+    `firmware/target/fleet/fault.hpp` says what each kind is.
+    """
+
+    kind: FaultKind
+    agent: Annotated[int, Field(ge=0)]
+    at_s: NotNegative
+    for_s: Positive | None = None
+    value: float = 0.0
+    esc: Literal["port", "stbd", "both"] = "both"
 
 
 class Vary(Section):

@@ -19,7 +19,11 @@ _DISARMED, _HOLD, _IN_FORMATION = (
 _CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
 
 
-class StartError(RuntimeError):
+class RunError(RuntimeError):
+    """Why a run left no figures."""
+
+
+class StartError(RunError):
     """The boats could not be armed or put into FORMATION; says which, and the boat's reason."""
 
 

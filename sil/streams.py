@@ -16,6 +16,7 @@ class Stream(IntEnum):
     WHITE_NOISE = 4
     GUSTS = 5
     WAVES = 6
+    FAULTS = 7
 
 
 def generator(seed: int, stream: Stream) -> np.random.Generator:

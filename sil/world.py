@@ -13,13 +13,18 @@ import flotilla
 
 from sil.agents import parameters_of
 from sil.batch import Batch
+from sil.faults import timeline
 from sil.plant.hull import Array
+from sil.policies import violations
 from sil.recording import MOST_BOATS, Recorder
 from sil.scenario import Scenario
-from sil.start import StartError, start
+from sil.start import RunError, StartError, start
 from sil.trace import Tracer
 
 Progress = Callable[[float], None]
+# Is called after each tick from the release on, before the hulls move: the batch, which of the
+# scenarios each of its runs is, number of the tick, time in us.
+Watch = Callable[[Batch, Sequence[int], int, int], None]
 
 
 @dataclass(frozen=True)
@@ -47,21 +52,23 @@ class World:
         """Sails the scenario; writes `recording`, calls `progress` with the share that is done.
 
         A fleet for which a recording has no room leaves none, and no digest. StartError where the
-        boats cannot be put into FORMATION.
+        boats cannot be put into FORMATION; PolicyViolationError where one breaks a rule, with the
+        recording up to then.
         """
         scenarios = [self._scenario]
         room = len(self._scenario.boat) <= MOST_BOATS
         record = recording if room else None
         (run,) = sail(scenarios, self._overrides, record=record, progress=progress)
-        if isinstance(run, StartError):
+        if isinstance(run, RunError):
             raise run
         return run
 
 
 def check(scenario: Scenario, param_overrides: dict[str, float]) -> None:
-    """ValueError where a boat's firmware refuses a parameter; it names the parameter."""
+    """ValueError where a boat's firmware refuses a parameter, or a fault cannot happen; says it."""
     for own in parameters_of(scenario, param_overrides):
         flotilla.Boat(own, links=2, scalar=scenario.scalar)
+    timeline.check(scenario)
 
 
 def sail(
@@ -72,20 +79,23 @@ def sail(
     digest: bool = False,
     keep_s: float | None = None,
     progress: Progress = lambda _: None,
-) -> list[Run | StartError]:
+    watch: Watch | None = None,
+) -> list[Run | RunError]:
     """Sail scenarios together; a run, or why there was none, of each, in their order.
 
     A run is the same bit for bit whatever it is sailed with. `record`: where the recording of a
     single scenario is written; `digest`: whether runs have one all the same. `keep_s`: what the
     traces keep, every so many seconds; None is every tick, as figures of the whole run need it.
-    `progress` is called with the share that is done. Where the firmware refuses a parameter that
-    is a StartError too. ValueError for records of more boats than they have room for.
+    `progress` is called with the share that is done; `watch` may look at everything. Where the
+    firmware refuses a parameter that is a StartError too; where a boat breaks a rule it is a
+    PolicyViolationError, whatever else came of the run. ValueError for records of more boats than
+    they have room for.
     """
     if record is not None and len(scenarios) != 1:
         raise ValueError("a recording is of one run")
     if (record or digest) and any(len(one.boat) > MOST_BOATS for one in scenarios):
         raise ValueError(f"a recording has room for {MOST_BOATS} boats")
-    results: dict[int, Run | StartError] = {}
+    results: dict[int, Run | RunError] = {}
     alike: dict[Hashable, list[int]] = {}
     for i, scenario in enumerate(scenarios):
         try:
@@ -94,7 +104,7 @@ def sail(
             results[i] = StartError(str(error))
         else:
             alike.setdefault(_shape(scenario), []).append(i)
-    order = _Order(param_overrides, record, record is not None or digest, keep_s, progress)
+    order = _Order(param_overrides, record, record is not None or digest, keep_s, progress, watch)
     for members in alike.values():
         order.sail(members, scenarios, results)
     return [results[i] for i in range(len(scenarios))]
@@ -116,12 +126,13 @@ class _Order:
     digest: bool
     keep_s: float | None
     progress: Progress
+    watch: Watch | None
 
     def sail(
         self,
         members: Sequence[int],
         scenarios: Sequence[Scenario],
-        results: dict[int, Run | StartError],
+        results: dict[int, Run | RunError],
     ) -> None:
         """Sail those of the scenarios that are `members`, which are of one shape."""
         with ExitStack() as opened:
@@ -135,29 +146,48 @@ class _Order:
             if isinstance(ready[0], int) and len(set(ready)) == 1:
                 done = len(results) / len(scenarios)
                 share = len(members) / len(scenarios)
-                runs = self._to_the_end(batch, ready[0], done, share)
+                runs = self._to_the_end(batch, members, ready[0], done, share)
                 results.update(zip(members, runs, strict=True))
                 return
-        failed = [(i, t) for i, t in zip(members, ready, strict=True) if isinstance(t, StartError)]
-        results.update(failed)
+            broken = violations(batch, self.record)
+            if self.record is not None and broken:
+                self._finish(batch)
+        for run, (i, t) in enumerate(zip(members, ready, strict=True)):
+            if isinstance(t, StartError):
+                results[i] = broken.get(run, t)
         # Those that were ready at the same time sail together, from the beginning.
         for t_us in sorted({t for t in ready if isinstance(t, int)}):
             together = [i for i, t in zip(members, ready, strict=True) if t == t_us]
             self.sail(together, scenarios, results)
 
-    def _to_the_end(self, batch: Batch, ready_us: int, done: float, share: float) -> list[Run]:
+    def _to_the_end(
+        self, batch: Batch, members: Sequence[int], ready_us: int, done: float, share: float
+    ) -> list[Run | RunError]:
         """Release the hulls of all runs and sail to the scenarios' end."""
         tracer = Tracer(batch.scenarios, batch.bodies, batch.slots, self.keep_s)
+        faults = timeline.Timeline(batch)
         for k in range(tracer.ticks):
+            t_us = ready_us + k * batch.h_us
             if k > 0:  # the tick of the release has been
-                batch.tick(ready_us + k * batch.h_us)
+                faults.apply(k, t_us)
+                batch.tick(t_us)
+            if self.watch is not None:
+                self.watch(batch, members, k, t_us)
             tracer.step(k, batch.command, batch.fleet.states)
             if k % 100 == 0:
                 self.progress(done + share * k / tracer.ticks)
+                if len(violations(batch)) == len(members):
+                    break
         self.progress(done + share)
-        batch.take()
-        digests = [recorder.finish() for recorder in batch.recorders]
+        digests = self._finish(batch)
+        broken = violations(batch, self.record)
         return [
-            Run(tracer.trace(run), tracer.seconds(run), digests[run] if digests else None)
+            broken.get(run)
+            or Run(tracer.trace(run), tracer.seconds(run), digests[run] if digests else None)
             for run in range(len(batch.scenarios))
         ]
+
+    def _finish(self, batch: Batch) -> list[str]:
+        """Put the recordings into their places; the digests of those that there are."""
+        batch.take()
+        return [recorder.finish() for recorder in batch.recorders]

@@ -49,7 +49,7 @@ void add_frame(std::vector<std::uint8_t>& bytes, link::MavlinkEncoder& encoder,
 link::Odometry odometry_at(std::int64_t t_us, float x) {
   return {static_cast<std::uint64_t>(t_us),
           x,
-          2,
+          x,
           0,
           {0.9F, 0, 0, 0.4F},
           0.6F,
@@ -57,7 +57,7 @@ link::Odometry odometry_at(std::int64_t t_us, float x) {
           0,
           0,
           0,
-          0.1F,
+          0,
           link::mav::kFrameLocalNed,
           link::mav::kFrameBodyFrd};
 }
@@ -70,8 +70,8 @@ std::vector<std::uint8_t> state_of(link::MavlinkEncoder& encoder, std::int64_t t
   if (odometry) {
     add_frame(bytes, encoder, odometry_at(t_us, x));
   } else {
-    add_frame(bytes, encoder, link::Attitude{ms, 0, 0, 0.8F, 0, 0, 0.1F});
-    add_frame(bytes, encoder, link::LocalPositionNed{ms, x, 2, 0, 0.4F, 0.4F, 0});
+    add_frame(bytes, encoder, link::Attitude{ms, 0, 0, 0.8F, 0, 0, 0});
+    add_frame(bytes, encoder, link::LocalPositionNed{ms, x, x, 0, 0.4F, 0.4F, 0});
   }
   return bytes;
 }
@@ -102,10 +102,11 @@ std::vector<Event> made_events(bool odometry) {
   link::MavlinkEncoder own({kOwn, 220}), leader({kLeader, 1}), operator_({255, 190});
   for (std::size_t k = 1; k <= kMade; ++k) {
     const auto t_us = static_cast<std::int64_t>(k) * kPeriod_us;
-    const float x = 0.006F * static_cast<float>(k);
+    // Both sail north-east, one on top of the other: where the boat is, it need not go.
+    const float x = 0.004F * static_cast<float>(k);
     if (k % 50 == 1) add_esc_reports(events, t_us, static_cast<std::uint8_t>(k / 50 % 32));
     events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(own, t_us, x, odometry)});
-    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(leader, t_us, x + 1, odometry)});
+    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(leader, t_us, x, odometry)});
     if (k == 150 || k == 151) {
       link::CommandLong command{link::mav::kCmdComponentArmDisarm, {1}, kOwn, 1, 0};
       if (k == 151) command = {link::mav::kCmdDoSetMode, {1, 6}, kOwn, 1, 0};

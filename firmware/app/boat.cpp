@@ -102,6 +102,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   }
   supervise(now_us);
   steer(now_us);
+  look_at_limits(now_us);
   can_.send(thrust_.raw, core::armed(state()), now_us, counters_, outbox_->can);
   complain(now_us);
   vehicle_.tell(report(now_us), counters_);
@@ -130,7 +131,14 @@ template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
   if (core::armed(state()) && !core::armed(was)) armed_us_ = now_us;
-  if (state() == core::State::kFormation && was != state()) pilot_.start();
+  if (state() == core::State::kCoast) {
+    if (was != state()) coast_us_ = now_us;
+  } else {
+    coast_us_.reset();
+    if (state() == core::State::kFormation && was != core::State::kCoast && was != state()) {
+      pilot_.start(now_us);
+    }
+  }
 }
 
 template <class S>
@@ -142,19 +150,33 @@ void Boat<S>::configure() {
 template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const Parameters& p = parameters();
-  const std::int64_t esc_limit_us = convert::microseconds(p.FS_ESC_S);
-  core::Conditions met = vehicle_.conditions(now_us);
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
-  met |= pilot_.conditions(now_us, p);
-  if (can_.esc_online(byte_of(p.ESC_PORT), now_us, esc_limit_us) &&
-      can_.esc_online(byte_of(p.ESC_STBD), now_us, esc_limit_us)) {
-    met |= core::kEscsOnline;
-  }
+  core::Conditions met = vehicle_.conditions(now_us) | pilot_.conditions(now_us, p) |
+                         propulsion_of(can_, p, now_us) | limits_.conditions() | choices_of(p);
   if (host_.bus_up) met |= core::kBusUp;
-  if (!can_.foreign_controller(now_us)) met |= core::kSoleController;
   if (host_.parameters_saved) met |= core::kParametersSaved;
+  if (coasts_on(now_us)) met |= core::kCoastRunning;
   return met;
+}
+
+template <class S>
+bool Boat<S>::coasts_on(std::int64_t now_us) const {
+  if (!coast_us_) return true;
+  const std::int64_t limit_us = convert::microseconds(parameters().FS_COAST_S);
+  return now_us - *coast_us_ < limit_us && pilot_.can_coast();
+}
+
+/// When this tick's place is known; the next one goes by it.
+template <class S>
+void Boat<S>::look_at_limits(std::int64_t now_us) {
+  const Parameters& p = parameters();
+  const bool placed = pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
+  limits_.look(p, {now_us,
+                   core::armed(state()),
+                   placed ? std::optional(pilot_.place()) : std::nullopt,
+                   {can_.esc_status(byte_of(p.ESC_PORT), now_us),
+                    can_.esc_status(byte_of(p.ESC_STBD), now_us)}});
 }
 
 template <class S>
@@ -179,6 +201,9 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
           static_cast<S>(test.share));
       break;
     }
+    case core::State::kCoast:
+      law_output_ = pilot_.coast(now_us, dt);
+      break;
     default:
       law_output_ = pilot_.step(now_us, dt);
   }
@@ -193,11 +218,12 @@ void Boat<S>::steer(std::int64_t now_us) {
   core::Thrust<S> wanted{};
   const bool drive = may_drive(now_us);
   if (drive) wanted = wanted_thrust(now_us, dt);
-  const bool formation = drive && state() == core::State::kFormation;
-  if (!formation && seen()) law_output_.error = pilot_.look(now_us).error;
+  // COAST does not know the leader: what is told of it is what is heard of it.
+  const bool by_law = drive && state() == core::State::kFormation;
+  if (!by_law && seen()) law_output_.error = pilot_.look(now_us).error;
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
-  thrust_ = thrusters_.step(still, wanted, dt);
+  thrust_ = thrusters_.step(still, wanted, dt, state() != core::State::kCoast);
 }
 
 template <class S>
@@ -213,6 +239,12 @@ void Boat<S>::complain(std::int64_t now_us) {
 }
 
 template <class S>
+std::optional<double> Boat<S>::separation_m() const {
+  const auto& [yielding, known, predicted] = law_output_.separation;
+  return known ? std::optional<double>(predicted) : std::nullopt;
+}
+
+template <class S>
 Report Boat<S>::report(std::int64_t now_us) {
   Report out;
   out.now_us = now_us;
@@ -222,23 +254,22 @@ Report Boat<S>::report(std::int64_t now_us) {
     out.own = OwnReport{convert::boot_ms(now_us), pilot_.own_state(now_us), pilot_.located()};
     out.estimates = pilot_.estimates();
   }
-  const bool just_armed = core::armed(state()) && armed_us_ == now_us;
-  if (out.own && out.own->located && (!home_ || just_armed)) {
-    const auto at = pilot_.place();
-    home_ = Home{at.latitude, at.longitude, pilot_.altitude_mm()};
-  }
-  out.home = home_;
+  out.home = limits_.home();
   if (seen()) {
     out.formation = FormationReport{convert::in_double(law_output_.error.e),
                                     convert::in_double(law_output_.wanted.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }
+  out.depth = pilot_.depth();
+  out.separation_m = separation_m();
   out.own_age_s = pilot_.own_age_s(now_us);
   out.leader_age_s = pilot_.leader_age_s(now_us);
   out.leader_uncertainty_m = pilot_.leader_uncertainty_m(now_us);
   const Parameters& p = parameters();
   out.escs = {EscReport{byte_of(p.ESC_PORT), can_.esc_status(byte_of(p.ESC_PORT), now_us)},
               EscReport{byte_of(p.ESC_STBD), can_.esc_status(byte_of(p.ESC_STBD), now_us)}};
+  out.fenced = p.FS_FENCE_M > 0;
+  out.battery_limited = p.FS_BATT_V > 0;
   out.overruns = host_.overruns;
   return out;
 }
@@ -264,6 +295,8 @@ Snapshot Boat<S>::snapshot() const {
           thrust_.slew_limited,
           law.wanted.u_limited,
           law.wanted.r_limited,
+          law.separation.yielding,
+          separation_m(),
           counters_};
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/can_node.hpp"
+#include "app/conditions.hpp"
 #include "app/pilot.hpp"
 #include "app/thrusters.hpp"
 #include "app/vehicle.hpp"
@@ -30,6 +31,8 @@ struct Snapshot {
   core::Thrust<double> thrust_N;
   bool surge_limited, yaw_limited, slew_limited;
   bool speed_limited, yaw_rate_limited;  ///< by LAW_U_MAX, LAW_R_MAX
+  bool yielding;                         ///< to another vessel
+  std::optional<double> separation_m;    ///< predicted, of the nearest vessel
   link::Counters counters;
 };
 
@@ -106,6 +109,11 @@ class Boat {
   /// What was asked since the last call of the parameters on the disk.
   SaveRequest take_save_request() { return vehicle_.take_save_request(); }
 
+  /// For a host that simulates what is around the boat: it shall judge the failures that operators
+  /// want to inject, and take what it has accepted after each tick. No other host asks for it.
+  void let_failures_be_injected(FailureJudge judge) { vehicle_.let_failures_be_injected(judge); }
+  std::optional<Failure> take_failure() { return vehicle_.take_failure(); }
+
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
   /// One control step. Everything the boat has to say leaves here.
@@ -114,14 +122,26 @@ class Boat {
   Snapshot snapshot() const;
   core::State state() const { return vehicle_.state(); }
 
+  /// Parts of the snapshot, for who looks at every tick; time as the boat counts it.
+  std::int64_t now_us() const { return now_us_; }
+  core::Conditions conditions() const { return conditions_; }
+  const core::Thrust<S>& thrust() const { return thrust_.thrust; }
+  const Pilot<S>& pilot() const { return pilot_; }
+  const link::Counters& counters() const { return counters_; }
+
   /// As set; those that need a restart are in force from the next one on.
   const Parameters& parameters() const { return vehicle_.parameters(); }
+
+  /// Who it is on MAVLink now.
+  link::Address self() const { return vehicle_.self(); }
 
  private:
   std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
   void give_up(std::size_t link, std::int64_t now_us);
   core::Conditions conditions(std::int64_t now_us) const;
+  bool coasts_on(std::int64_t now_us) const;
+  void look_at_limits(std::int64_t now_us);
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
@@ -133,6 +153,7 @@ class Boat {
   core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
+  std::optional<double> separation_m() const;
   void complain(std::int64_t now_us);
 
   std::unique_ptr<Outbox> own_outbox_;  // none where it is shared
@@ -143,7 +164,8 @@ class Boat {
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   std::int64_t armed_us_ = 0;
-  std::optional<Home> home_;
+  std::optional<std::int64_t> coast_us_;  // since when, in COAST
+  Limits limits_;
 
   Pilot<S> pilot_;
   Thrusters<S> thrusters_;

@@ -2,6 +2,8 @@
 #include "app/can_node.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <utility>
 
 #include "app/version.hpp"
 
@@ -12,6 +14,10 @@ constexpr std::uint8_t kCommandPriority = 7, kArmingPriority = 24, kStatusPriori
                        kAllocationPriority = 30;
 constexpr std::int64_t kForeignGone_us = 2'000'000;
 constexpr std::int64_t kNodeOffline_us = 3'000'000;
+constexpr std::int64_t kObeysAgain_us = 1'000'000;
+constexpr std::uint16_t kRunDown_ms = 500, kWindmills_ms = 5'000;
+constexpr std::uint8_t kDrives_pct = 5;
+constexpr std::int32_t kTurns_rpm = 300;
 constexpr std::uint8_t kHealthOk = 0, kOperational = 0, kFullyArmed = 255;
 
 std::uint32_t uptime_s(std::int64_t since_us, std::int64_t now_us) {
@@ -73,19 +79,44 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
 
 void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
                               std::int64_t now_us) {
+  if (status.esc_index >= escs_.size()) return;
   Esc& esc = escs_[status.esc_index];
   const bool other = esc.node != node && now_us - esc.heard_us < kNodeOffline_us;
   if (other) {
     esc.claimed_us = now_us;
   } else {
-    esc.heard_us = now_us;
+    const std::int64_t since_us = now_us - std::exchange(esc.heard_us, now_us);
     esc.node = node;
     esc.status = status;
+    judge(esc, since_us);
   }
 }
 
+/// The sign of rpm is not looked at: many ESCs do not know it.
+void CanNode::judge(Esc& esc, std::int64_t since_us) {
+  const auto more = [&](std::uint16_t ms) {
+    return static_cast<std::uint16_t>(std::min<std::int64_t>(ms + since_us / 1000, kMinute_ms));
+  };
+  const auto longer = [&](std::uint16_t& ms, bool goes_on) {
+    ms = !goes_on ? std::uint16_t{0} : ms == 0 ? std::uint16_t{1} : more(ms);
+  };
+  const bool zeros = !std::exchange(esc.driven, false);
+  esc.zeros_ms = zeros ? more(esc.zeros_ms) : std::uint16_t{0};
+  longer(esc.drives_ms, esc.zeros_ms >= kRunDown_ms && esc.status.power_rating_pct >= kDrives_pct);
+  longer(esc.turns_ms, zeros && std::abs(esc.status.rpm) >= kTurns_rpm);
+  longer(esc.obeyed_ms, esc.drives_ms < kRunDown_ms && esc.turns_ms < kWindmills_ms);
+}
+
+bool CanNode::escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const {
+  const auto obeys = [&](std::uint8_t index) {
+    const Esc& esc = escs_[index % escs_.size()];
+    return esc.obeyed_ms * std::int64_t{1000} + now_us - esc.heard_us >= kObeysAgain_us;
+  };
+  return obeys(port) && obeys(stbd);
+}
+
 std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int64_t now_us) const {
-  const Esc& esc = escs_[index];
+  const Esc& esc = escs_[index % escs_.size()];
   if (now_us - esc.heard_us > kNodeOffline_us) return std::nullopt;
   return esc.status;
 }
@@ -153,6 +184,9 @@ void CanNode::answer(const Question& question, std::int64_t now_us, link::Counte
 void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now_us,
                    link::Counters& counters, CanOutput& out) {
   if (!started_us_) started_us_ = now_us;
+  for (std::size_t i = 0; armed && i < command.count; ++i) {
+    if (command.cmd[i] != 0) escs_[i].driven = true;
+  }
   // An ESC that is being armed shall know it before it gets its first command.
   if (arming_due_.due(now_us) || armed != armed_) {
     armed_ = armed;

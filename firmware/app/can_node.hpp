@@ -39,6 +39,10 @@ class CanNode {
   /// That ESC's status came within the limit, from one node alone, which is operational and OK.
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
+  /// Neither of the two has driven its propeller for a moment though it was told to stand still, nor
+  /// has within the last second. A propeller that water turns is given time to come to rest.
+  bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
+
   /// What that ESC said last; nothing where it has been silent for some seconds.
   std::optional<link::EscStatus> esc_status(std::uint8_t index, std::int64_t now_us) const;
 
@@ -55,12 +59,19 @@ class CanNode {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kLongAgo_us = 500'000;
+  static constexpr std::uint16_t kMinute_ms = 60'000;
 
   struct Esc {
     std::int64_t heard_us = kNever;
     std::int64_t claimed_us = kNever;  ///< by a second node
     link::EscStatus status{};
     std::uint8_t node = 0;
+    bool driven = false;  ///< told to turn since its last status
+    // How long in ms, at most kMinute_ms, as its last status found it:
+    std::uint16_t zeros_ms = 0;   ///< told to stand still
+    std::uint16_t drives_ms = 0;  ///< all the same
+    std::uint16_t turns_ms = 0;   ///< fast, all the same
+    std::uint16_t obeyed_ms = kMinute_ms;
   };
   /// Small: there is one for each of 128 ids.
   struct Node {
@@ -83,13 +94,14 @@ class CanNode {
   void put(const Message& message, const link::Route& route, const link::DataType& type,
            std::uint8_t transfer_id, link::Counters& counters, CanOutput& out);
   void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
+  static void judge(Esc& esc, std::int64_t since_us);
   void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
   void answer(const Question& question, std::int64_t now_us, link::Counters& counters,
               CanOutput& out);
 
   Identity identity_;
   link::TransferReceiver receiver_;
-  std::array<Esc, 32> escs_{};
+  std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>> escs_{};  // no others obey us
   std::array<Node, 128> nodes_{};
   std::array<Question, 4> questions_{};
   std::size_t question_count_ = 0;

@@ -89,6 +89,16 @@ Asked message_rate(const Command& c) {
   return asked;
 }
 
+Asked failure(const Command& c) {
+  const auto unit = whole(c.param[0], 255), type = whole(c.param[1], 255);
+  const auto instance = std::isnan(c.param[2]) ? 0 : whole(c.param[2], 255);
+  Asked asked;
+  if (!unit || !type || !instance) return asked;
+  asked.failure = Failure{static_cast<std::uint8_t>(*unit), static_cast<std::uint8_t>(*type),
+                          static_cast<std::uint8_t>(*instance)};
+  return asked;
+}
+
 }  // namespace
 
 std::optional<Command> command_of(const Question& message) {
@@ -148,6 +158,8 @@ Asked meaning_of(const Command& c) {
       return message(mav::kProtocolVersionId, 0);
     case mav::kCmdSetMessageInterval:
       return message_rate(c);
+    case mav::kCmdInjectFailure:
+      return failure(c);
     case mav::kCmdDoSetStandardMode:
       return {mav::kFailed};
     default:

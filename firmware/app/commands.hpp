@@ -7,6 +7,7 @@
 #include <optional>
 #include <variant>
 
+#include "app/failure.hpp"
 #include "core/supervisor.hpp"
 #include "link/ftp_server.hpp"
 #include "link/messages.hpp"
@@ -61,6 +62,7 @@ struct Asked {
   bool repeated = false;
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
+  std::optional<Failure> failure{};  ///< supported where the host says so
 
   /// Changes nothing that others see: anybody may.
   bool reads_only() const { return message.has_value(); }

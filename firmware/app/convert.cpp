@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/geodesy.hpp"
 
@@ -100,6 +101,12 @@ bool near(const Position& own, const Position& leader) {
          seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
 }
 
+double distance_m(const Position& a, const Position& b) {
+  const Seen seen = seen_from(a, b);
+  return seen.same_side ? std::hypot(seen.north_m, seen.east_m)
+                        : std::numeric_limits<double>::infinity();
+}
+
 template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p) {
   const bool turns = p.FORM_FRAME == 1.0F;
@@ -108,7 +115,8 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
           {S(p.LAW_KDU), S(p.LAW_KDR)},
           {S(p.VES_M11), S(p.VES_M22), S(p.VES_M33), S(p.VES_D11), S(p.VES_D22), S(p.VES_D33)},
           {S(p.THR_ARM), S(p.THR_FWD_MAX), S(p.THR_REV_MAX)},
-          {S(p.LAW_XT_DIST)}};
+          {S(p.LAW_XT_DIST)},
+          {S(p.FS_SEP_M)}};
 }
 
 template <class S>
@@ -120,6 +128,24 @@ core::ObserverParams<S> observer_params(const Parameters& p) {
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
   return {S(p.THR_FWD_MAX), S(p.THR_REV_MAX), S(p.THR_EXPO), S(p.THR_DEAD)};
+}
+
+template <class S>
+core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
+  // Twice what the model says: it may be half wrong. A current of 2 m/s may begin at once.
+  const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
+  const float moment = p.THR_ARM * thrust;
+  const S current = S(2);
+  const core::JumpLimits<S> afloat{S(1),
+                                   S(0.8),
+                                   current,
+                                   S(1.5),
+                                   S(thrust / p.VES_M11),
+                                   S(moment / p.VES_M33),
+                                   S(thrust / p.VES_D11) + current,
+                                   S(moment / p.VES_D33)};
+  if (!carried) return afloat;
+  return {S(20), S(4), S(20), S(20), afloat.a, afloat.a_r, afloat.V + S(20), afloat.R + S(20)};
 }
 
 template <class S>
@@ -185,6 +211,7 @@ link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t time
   template core::ControllerParams<S> controller_params<S>(const Parameters&);                \
   template core::ObserverParams<S> observer_params<S>(const Parameters&);                    \
   template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);             \
+  template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);                      \
   template link::Attitude attitude_of<S>(const OwnState<S>&, std::uint32_t);                 \
   template link::LocalPositionNed local_position_of<S>(const OwnState<S>&, std::uint32_t);   \
   template link::GlobalPositionInt global_position_of<S>(const OwnState<S>&, std::uint32_t); \

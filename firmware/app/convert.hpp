@@ -8,6 +8,7 @@
 
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
+#include "core/jump.hpp"
 #include "core/observer.hpp"
 #include "core/thrust_curve.hpp"
 #include "core/track.hpp"
@@ -92,6 +93,9 @@ bool is_valid(const link::GpsGlobalOrigin& origin);
 /// Near enough for a slot: within 5 km, five times the farthest.
 bool near(const Position& own, const Position& leader);
 
+/// Straight from one to the other.
+double distance_m(const Position& a, const Position& b);
+
 /// From the leader to us, m, north-east in the plane of our origin; all differences are taken as
 /// doubles.
 template <class S>
@@ -142,6 +146,10 @@ template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p);
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
+
+/// What the boat can do by its propellers and by the water; carried: by hand, or on a trailer.
+template <class S>
+core::JumpLimits<S> jump_limits(const Parameters& p, bool carried);
 
 /// Command in [−1, 1] to RawCommand's ±8191 (AM32 and VESC divide by 8192), and back. NaN, which
 /// is no command, is zero.

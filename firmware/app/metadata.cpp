@@ -13,20 +13,20 @@ namespace flotilla::app {
 namespace {
 
 /// Whether a text can stand between quotation marks as it is.
-constexpr bool needs_no_escape(std::string_view text) {
+consteval bool needs_no_escape(std::string_view text) {
   return std::ranges::none_of(
       text, [](char c) { return c == '"' || c == '\\' || (c >= '\0' && c < ' ') || c == '\x7F'; });
 }
 
 /// Takes the digits off the text; whether there were any.
-constexpr bool take_digits(std::string_view& text) {
+consteval bool take_digits(std::string_view& text) {
   const std::size_t n = std::min(text.find_first_not_of("0123456789"), text.size());
   text.remove_prefix(n);
   return n > 0;
 }
 
 /// JSON is stricter than C++: no "1.", ".5", "010" or "1.0F".
-constexpr bool is_json_number(std::string_view text) {
+consteval bool is_json_number(std::string_view text) {
   if (text.starts_with('-')) text.remove_prefix(1);
   if (text.size() > 1 && text[0] == '0' && text[1] != '.') return false;
   if (!take_digits(text)) return false;
@@ -53,6 +53,10 @@ constexpr bool is_json_number(std::string_view text) {
 #define FLOTILLA_IDENTITIES FLOTILLA_VALUE(0, "vehicle") "," FLOTILLA_VALUE(1, "companion")
 #define FLOTILLA_KIND_Frame "\"decimalPlaces\":0,\"values\":[" FLOTILLA_FRAMES "]"
 #define FLOTILLA_FRAMES FLOTILLA_VALUE(0, "north-east") "," FLOTILLA_VALUE(1, "ahead-starboard")
+#define FLOTILLA_KIND_Action "\"decimalPlaces\":0,\"values\":[" FLOTILLA_ACTIONS "]"
+#define FLOTILLA_ACTIONS    \
+  FLOTILLA_VALUE(0, "HOLD") \
+  "," FLOTILLA_VALUE(1, "COAST, then HOLD") "," FLOTILLA_VALUE(2, "MANUAL with fresh sticks")
 #define FLOTILLA_SIGNS FLOTILLA_VALUE(-1, "reversed") "," FLOTILLA_VALUE(1, "normal")
 #define FLOTILLA_MODES        \
   FLOTILLA_VALUE(0, "MANUAL") \
@@ -74,7 +78,7 @@ constexpr std::string_view kEntries =
 
 /// A text of parts, as long as they are together.
 template <std::size_t N>
-constexpr std::array<char, N> joined(std::initializer_list<std::string_view> parts) {
+consteval std::array<char, N> joined(std::initializer_list<std::string_view> parts) {
   std::array<char, N> text{};
   auto end = text.begin();
   for (const std::string_view part : parts) end = std::copy(part.begin(), part.end(), end);
@@ -82,7 +86,7 @@ constexpr std::array<char, N> joined(std::initializer_list<std::string_view> par
 }
 
 template <std::size_t N>
-constexpr std::string_view view(const std::array<char, N>& text) {
+consteval std::string_view view(const std::array<char, N>& text) {
   return {text.data(), N};
 }
 
@@ -93,7 +97,7 @@ constexpr auto kParameters =
 constexpr std::size_t kCrcDigits = 10;
 
 /// A CRC as JSON writes numbers: without zeros before it, so blanks fill the place up.
-constexpr std::array<char, kCrcDigits> digits_of(std::uint32_t number) {
+consteval std::array<char, kCrcDigits> digits_of(std::uint32_t number) {
   std::array<char, kCrcDigits> text{};
   for (std::size_t i = kCrcDigits; i > 0; --i) {
     const bool blank = number == 0 && i < kCrcDigits;

@@ -20,6 +20,7 @@ bool is_valid(const ParameterInfo& info, float value) {
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
     case ParameterKind::kFrame:
+    case ParameterKind::kAction:
       return std::nearbyint(value) == value;
     case ParameterKind::kSign:
       return std::abs(value) == 1.0F;

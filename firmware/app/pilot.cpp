@@ -8,6 +8,8 @@ namespace {
 
 // Another own source must take over before FS_NAV_S stops the boat.
 constexpr std::int64_t kOwnPatience_us = 300'000;
+// And it must move before that, where it is pushed.
+constexpr std::int64_t kOwnFrozen_us = 300'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -23,27 +25,41 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 template <class S>
 Pilot<S>::Pilot(const Parameters& p)
     : law_(convert::controller_params<S>(p)),
+      coast_s_(S(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
-      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us},
+      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
            {p.NAV_OFS_X, p.NAV_OFS_Y}),
-      leader_({byte_of(p.FORM_LEADER), 0}) {}
+      leader_({byte_of(p.FORM_LEADER), 0}) {
+  set_limits(p);
+  neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
+}
+
+template <class S>
+void Pilot<S>::set_limits(const Parameters& p) {
+  afloat_ = convert::jump_limits<S>(p, false);
+  carried_ = convert::jump_limits<S>(p, true);
+  own_.set_limits(carried_);
+}
 
 template <class S>
 void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   law_ = convert::controller_params<S>(p);
+  coast_s_ = S(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
+  set_limits(p);
   own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
   own_.follow(own_system);
-  if (byte_of(p.FORM_LEADER) != leader_.system()) {
-    leader_.follow(byte_of(p.FORM_LEADER));
-    start();
-  }
+  leader_.follow(byte_of(p.FORM_LEADER));
+  neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
 }
 
 template <class S>
 void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
+  if (neighbours_.watches() && own_.has_origin()) {
+    neighbours_.take(received, own_.position(), now_us);
+  }
 }
 
 template <class S>
@@ -62,22 +78,35 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
       own_.has_origin() && convert::near(own_.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
+  if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
+  if (!own_.has_moved() || core::answers(answer_params(), answer_)) met |= core::kBoatAnswers;
+  if (own_.live()) met |= core::kOwnLive;
+  if (own_.steady(now_us)) met |= core::kOwnSteady;
+  if (leader_.live()) met |= core::kLeaderLive;
+  if (leader_.steady(now_us)) met |= core::kLeaderSteady;
   return met;
 }
 
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
+  own_.set_limits(armed ? afloat_ : carried_);
   if (!armed) {
     motion_ = {};
     motion_.motion = own_.motion(now_us);
     anchor_ = own_.position();
-    own_.take_fix();
+    answer_ = {};
+    if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
   }
+  core::answer_forward(answer_params(), answer_, told_, std::exchange(wanted_, told_), given,
+                       since);
+  own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
+                                 core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
   const convert::Position before = std::exchange(anchor_, own_.position());
   const auto fix = own_.take_fix();
   if (!fix) return;
+  told_ = fix->nu;
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
   const core::Vec2<S> way = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;
@@ -90,24 +119,63 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
 }
 
 template <class S>
-core::Encounter<S> Pilot<S>::encounter(std::int64_t now_us) const {
-  auto in =
-      convert::encounter_of<S>(anchor_, motion_.motion, leader_.position(), leader_.motion(now_us));
+core::Encounter<S> Pilot<S>::encounter(const convert::Position& leader,
+                                       const core::Motion<S>& motion) const {
+  auto in = convert::encounter_of<S>(anchor_, motion_.motion, leader, motion);
   in.current_n = motion_.c_n;
   in.unknown = core::unknown_wrench(law_.vessel, motion_);
   return in;
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
-  const core::Encounter<S> in = encounter(now_us);
+void Pilot<S>::follow_leader(std::int64_t now_us) {
+  if (lead_.system != leader_.system()) starting_ = true;
+  lead_ = {leader_.system(), leader_.position(), core::coast_start(leader_.motion(now_us))};
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) {
+  const core::Encounter<S> in = encounter(lead_.position, lead_.coast.leader);
   if (starting_) state_ = core::controller_start(in);
-  return core::controller_step(law_, state_, in, std::exchange(starting_, false) ? S(0) : dt);
+  const S since = std::exchange(starting_, false) ? S(0) : dt;
+  core::ControllerOutput<S> out;
+  if (neighbours_.watches()) {
+    const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
+    out = core::controller_step(law_, state_, in, since, &traffic);
+  } else {
+    out = core::controller_step(law_, state_, in, since);
+  }
+  wanted_ = out.wanted.nu_star;
+  return out;
+}
+
+template <class S>
+void Pilot<S>::start(std::int64_t now_us) {
+  starting_ = true;
+  answer_ = {};
+  follow_leader(now_us);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
+  follow_leader(now_us);
+  return step_behind_lead(now_us, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
+  core::coast_forward(coast_s_, lead_.coast, dt);
+  return step_behind_lead(now_us, dt);
+}
+
+template <class S>
+bool Pilot<S>::can_coast() const {
+  return own_.has_origin() && convert::near(own_.position(), lead_.position);
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
-  const core::Encounter<S> in = encounter(now_us);
+  const core::Encounter<S> in = encounter(leader_.position(), leader_.motion(now_us));
   core::SlotState<S> state = core::slot_start(in);
   core::ControllerOutput<S> out;
   out.slot = core::slot_forward(law_.slot, law_.vessel, state, in, S(0));
@@ -129,8 +197,14 @@ convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
 }
 
 template <class S>
-convert::GlobalPoint Pilot<S>::place() const {
-  return convert::global_of(anchor_, motion_.motion.moved_n);
+convert::Position Pilot<S>::place() const {
+  const core::Vec2<S>& moved = motion_.motion.moved_n;
+  return {anchor_.north_m + double(moved.x), anchor_.east_m + double(moved.y), anchor_.origin};
+}
+
+template <class S>
+std::optional<double> Pilot<S>::depth() const {
+  return neighbours_.watches() ? std::optional<double>(neighbours_.depth()) : std::nullopt;
 }
 
 template <class S>

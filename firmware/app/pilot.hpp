@@ -6,7 +6,10 @@
 #include <optional>
 
 #include "app/convert_telemetry.hpp"
+#include "app/neighbours.hpp"
 #include "app/vessel_track.hpp"
+#include "core/answer.hpp"
+#include "core/coast.hpp"
 #include "core/supervisor.hpp"
 
 namespace flotilla::app {
@@ -32,18 +35,23 @@ class Pilot {
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                 std::int64_t now_us);
 
-  /// Those conditions that the two states make: fresh, and near each other.
+  /// Those conditions that states make: fresh, plausible, near each other; no other vessel too near.
   core::Conditions conditions(std::int64_t now_us, const Parameters& p) const;
 
   /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
   /// has come. A boat that is not armed may be carried about: it is tracked as a leader is.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
-  /// The next step() begins anew: FORMATION was entered.
-  void start() { starting_ = true; }
+  /// FORMATION was entered, not from COAST: the law begins anew, with the leader as it is now.
+  void start(std::int64_t now_us);
 
   /// One step of the law, dt after the last one, s.
   core::ControllerOutput<S> step(std::int64_t now_us, S dt);
+
+  /// The same in COAST: behind the leader of the last step(), carried forward. That can go on while
+  /// it is known where the boat is, seen from there.
+  core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
+  bool can_coast() const;
 
   /// Where the boat is, seen from its slot, without a step.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
@@ -54,8 +62,10 @@ class Pilot {
   /// The own state at the whole millisecond of now.
   convert::OwnState<double> own_state(std::int64_t now_us) const;
   bool located() const { return own_.has_origin(); }
-  convert::GlobalPoint place() const;
-  std::int32_t altitude_mm() const { return anchor_.origin.altitude; }
+  convert::Position place() const;
+
+  /// How deep in the tree, for others; nothing where we keep clear of nobody.
+  std::optional<double> depth() const;
 
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;
@@ -69,16 +79,37 @@ class Pilot {
   }
 
  private:
-  core::Encounter<S> encounter(std::int64_t now_us) const;
+  /// The leader that the law follows.
+  struct Lead {
+    std::uint8_t system = 0;
+    convert::Position position;
+    core::CoastState<S> coast;
+  };
+
+  core::Encounter<S> encounter(const convert::Position& leader,
+                               const core::Motion<S>& motion) const;
+  void follow_leader(std::int64_t now_us);
+  core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
+  void set_limits(const Parameters& p);
+  core::AnswerParams<S> answer_params() const {
+    return {.vessel = law_.vessel, .propellers = law_.propellers};
+  }
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
+  Lead lead_;
+  S coast_s_;  // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
+  core::JumpLimits<S> afloat_, carried_;
+  core::AnswerState<S> answer_{};
+  core::Nu<S> told_{};        // velocity of the last fix
+  core::Nu<S> wanted_{};      // that the law wanted in the last tick, else as told
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;
   VesselTrack<S> leader_;
+  Neighbours neighbours_;
 };
 
 }  // namespace flotilla::app

@@ -35,16 +35,18 @@ link::SysStatus sys_status(const Report& r) {
                                      mav::kSensorGps | mav::kSensorAhrs |
                                      mav::kSensorPositionControl;
   constexpr std::uint32_t kMotors = mav::kSensorMotors | mav::kSensorPropulsion;
-  std::uint32_t health = mav::kSensorGeofence;  // there is none to be broken
-  if ((r.conditions & core::kOwnFresh) != 0) health |= kSensors;
-  if ((r.conditions & core::kPropulsion) == core::kPropulsion) health |= kMotors;
-  if ((r.conditions & core::kArming) == core::kArming) health |= mav::kSensorPrearm;
-  std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
+  const auto met = [&r](core::Conditions all) { return (r.conditions & all) == all; };
   const auto battery = convert::battery_of(r.escs[0].status, r.escs[1].status);
-  if (battery.voltage_mV != UINT16_MAX) {
-    present |= mav::kSensorBattery;
-    health |= mav::kSensorBattery;
-  }
+  const bool measured = battery.voltage_mV != UINT16_MAX;
+  std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
+  if (r.fenced) present |= mav::kSensorGeofence;
+  if (measured || r.battery_limited) present |= mav::kSensorBattery;
+  std::uint32_t health = 0;
+  if (met(core::kOwn)) health |= kSensors;
+  if (met(core::kPropulsion)) health |= kMotors;
+  if (met(core::kArming)) health |= mav::kSensorPrearm;
+  if (!r.fenced || met(core::kInsideFence)) health |= mav::kSensorGeofence;
+  if (measured && met(core::kBatteryGood)) health |= mav::kSensorBattery;
   return {present, present, health, 0, battery.voltage_mV, battery.current_cA, -1};
 }
 

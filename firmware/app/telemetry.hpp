@@ -48,8 +48,11 @@ struct Report {
   std::optional<Home> home;                  ///< where the boat was first seen, then last armed
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
+  std::optional<double> depth;         ///< in the tree of leaders; while FS_SEP_M is not 0
+  std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
   std::optional<Estimates> estimates;  ///< while the own state is fresh
   std::array<EscReport, 2> escs{};     ///< port, starboard
+  bool fenced = false, battery_limited = false;  ///< by FS_FENCE_M, FS_BATT_V
   std::uint32_t overruns = 0;
   link::Address self{};
 };

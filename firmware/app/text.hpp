@@ -12,26 +12,38 @@
 namespace flotilla::app {
 
 inline std::string_view name_of(core::State state) {
-  constexpr std::array<std::string_view, core::kStates> kNames{"DISARMED",  "HOLD", "MANUAL",
-                                                               "FORMATION", "TEST", "FAULT"};
+  constexpr std::array<std::string_view, core::kStates> kNames{
+      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
 struct Complaint {
   core::Conditions condition;
   std::string_view sentence;
+  std::string_view limit = {};  ///< the parameter that sets it
 };
 
 /// What is wrong where a condition is not met, the most important first.
 constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSoleController, "another controller on the CAN bus"},
     {core::kBusUp, "CAN bus is down"},
-    {core::kOwnFresh, "own state is not fresh"},
-    {core::kEscsOnline, "ESCs are not online"},
-    {core::kLeaderFresh, "leader's state is not fresh"},
+    {core::kOwnFresh, "own state is not fresh", "FS_NAV_S"},
+    {core::kOwnLive, "own state is frozen"},
+    {core::kOwnSteady, "own state jumps"},
+    {core::kEscsOnline, "ESCs are not online", "FS_ESC_S"},
+    {core::kEscsObey, "an ESC turns that was told not to"},
+    {core::kBoatAnswers, "boat does not answer to thrust"},
+    {core::kLeaderFresh, "leader's state is not fresh", "FS_LEADER_S"},
+    {core::kLeaderLive, "leader's state is frozen"},
+    {core::kLeaderSteady, "leader's state jumps"},
+    {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
+    {core::kInsideFence, "place is beyond FS_FENCE_M, or unknown", "FS_FENCE_M"},
+    {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
+    {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
     {core::kParametersSaved, "parameters are not saved"},
     {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
     {core::kTestRunning, "no motor test is running"},
+    {core::kCoastRunning, "FS_COAST_S is over", "FS_COAST_S"},
 }};
 
 /// Calls f(sentence) for every condition of the set, the most important first.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/convert.hpp"
+#include "core/coast.hpp"
 #include "link/dronecan_messages.hpp"
 
 namespace flotilla::app {
@@ -27,14 +28,21 @@ class Thrusters {
         stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
 
   /// Zeros at once unless `drive`; else towards the wanted thrusts at no more than the slew rate.
-  Output step(bool drive, const core::Thrust<S>& wanted, S dt) {
+  /// Where the thrust may not rise, no command is greater than the greater one of the last step.
+  Output step(bool drive, const core::Thrust<S>& wanted, S dt, bool may_rise = true) {
     Output out;
     out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);
     if (!drive) {
       port_.command = stbd_.command = S(0);
       return out;
     }
-    out.thrust = {turn(port_, wanted.port, dt, out), turn(stbd_, wanted.stbd, dt, out)};
+    core::Commands<S> asked{core::command_from_thrust(curve_, wanted.port),
+                            core::command_from_thrust(curve_, wanted.stbd)};
+    if (!may_rise) {
+      asked =
+          core::limited(asked, core::larger(core::abs(port_.command), core::abs(stbd_.command)));
+    }
+    out.thrust = {turn(port_, asked.port, dt, out), turn(stbd_, asked.stbd, dt, out)};
     out.given = core::wrench_of(propellers_, out.thrust);
     return out;
   }
@@ -46,8 +54,7 @@ class Thrusters {
     S command{};
   };
 
-  S turn(Propeller& propeller, S wanted, S dt, Output& out) {
-    const S asked = core::command_from_thrust(curve_, wanted);
+  S turn(Propeller& propeller, S asked, S dt, Output& out) {
     const S command = core::limit_slew(propeller.command, asked, S(slew_), dt);
     out.slew_limited = out.slew_limited || command < asked || asked < command;
     propeller.command = command;

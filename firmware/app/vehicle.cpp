@@ -25,6 +25,7 @@ std::uint8_t mode_of(State state) {
     case State::kManual:
       return mode::kManual;
     case State::kFormation:
+    case State::kCoast:
       return mode::kFormation;
     default:
       return mode::kHold;
@@ -85,6 +86,7 @@ Vehicle::Vehicle(const Parameters& p, std::size_t links, std::span<Datagram> out
       streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE), links),
       heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      separation_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       arm_refusal_due_(kSecond_us / 2),
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),
@@ -113,7 +115,7 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
       continue;
     }
     router_.heard(out.from, link, now_us);
-    if (beat != nullptr) identity_.heard(out.from, *beat, parameters_.FORM_LEADER, now_us);
+    if (beat != nullptr) take_beat(out.from, *beat, now_us);
     if (out.target.system != 0) hand_on(link, out, now_us, counters);
     if (!identity_.addressed(out.target)) continue;
     if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
@@ -126,6 +128,11 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
     }
   }
   return false;
+}
+
+void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
+  identity_.heard(from, beat, parameters_.FORM_LEADER, now_us);
+  if (beat.type == mav::kTypeGcs && may_command(from)) gcs_us_ = now_us;
 }
 
 void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
@@ -175,6 +182,8 @@ core::Conditions Vehicle::conditions(std::int64_t now_us) const {
   core::Conditions met = 0;
   if (sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us) met |= core::kSticksFresh;
   if (test_ && now_us < test_end_us_) met |= core::kTestRunning;
+  const std::int64_t silence_us = convert::microseconds(parameters_.FS_GCS_S);
+  if (silence_us == 0 || (gcs_us_ && now_us - *gcs_us_ < silence_us)) met |= core::kGcsHeard;
   return met;
 }
 

@@ -62,7 +62,7 @@ class Vehicle {
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t now_us, std::int64_t dt_us);
 
-  /// Those conditions that an operator makes: sticks, motor test.
+  /// Those conditions that an operator makes: sticks, motor test, being there.
   core::Conditions conditions(std::int64_t now_us) const;
 
   /// What the conditions force, and nothing else.
@@ -92,9 +92,14 @@ class Vehicle {
   bool take_change() { return std::exchange(changed_, false); }
   SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
 
+  /// What MAV_CMD_INJECT_FAILURE asks for is the host's to judge; without a judge: unsupported.
+  void let_failures_be_injected(FailureJudge judge) { failure_judge_ = judge; }
+  std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
+
  private:
   void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                    std::int64_t now_us, link::Counters& counters);
+  void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
   void hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
                link::Counters& counters);
   bool may_command(link::Address from) const;
@@ -119,6 +124,7 @@ class Vehicle {
   bool origin_moved();
   /// Of one tick, for all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
+  void tell_separation(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
   bool may_tell(std::size_t link) const;
@@ -143,10 +149,13 @@ class Vehicle {
   Sticks sticks_;
   link::Address sticks_from_{};
   std::optional<std::int64_t> sticks_us_;
-  std::optional<MotorTest> test_;  // the last one
+  std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
+  std::optional<MotorTest> test_;       // the last one
   std::int64_t test_end_us_ = 0;
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
+  FailureJudge failure_judge_ = nullptr;
+  std::optional<Failure> failure_;
   bool disarm_ = false;
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed
@@ -157,6 +166,7 @@ class Vehicle {
 
   Schedule heartbeat_due_;
   Schedule timesync_due_;
+  Schedule separation_due_;
   Schedule arm_refusal_due_;
   Schedule refusal_due_;
   Schedule parameter_refusal_due_;

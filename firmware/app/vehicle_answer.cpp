@@ -64,6 +64,10 @@ void Vehicle::execute(const Letter& letter, const Command& command, link::Counte
   if (!may_command(letter.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
   }
+  if (asked.failure && failure_judge_ != nullptr) {
+    asked.result = failure_ ? mav::kTemporarilyRejected : failure_judge_(*asked.failure);
+    if (asked.result == mav::kAccepted) failure_ = asked.failure;
+  }
   core::Verdict verdict{state_, true, 0};
   if (asked.request != Request::kNone) verdict = ask(asked);
   if (asked.rate &&

@@ -2,6 +2,7 @@
 // Vehicle, the part that speaks: heartbeat, streams, what clients are owed, sentences.
 #include <algorithm>
 
+#include "app/text.hpp"
 #include "app/vehicle.hpp"
 
 namespace flotilla::app {
@@ -18,13 +19,14 @@ std::uint8_t base_mode_of(State state) {
   unsigned flags = mav::kModeFlagCustom;
   if (core::armed(state)) flags |= mav::kModeFlagArmed;
   if (state == State::kManual) flags |= mav::kModeFlagManual;
-  if (state == State::kFormation) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
+  if (core::law_drives(state)) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
   if (state == State::kTest) flags |= mav::kModeFlagTest;
   return static_cast<std::uint8_t>(flags);
 }
 
 std::uint8_t status_of(State state) {
   if (state == State::kFault) return mav::kStateEmergency;
+  if (state == State::kCoast) return mav::kStateCritical;
   return core::armed(state) ? mav::kStateActive : mav::kStateStandby;
 }
 
@@ -57,6 +59,7 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
   if (timesync_due_.due(now_us_)) {
     links_.broadcast(time_.ask(now_us_, self().system), counters);
   }
+  if (report.depth && separation_due_.due(now_us_)) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
         counters);
@@ -70,6 +73,16 @@ void Vehicle::tell(const Report& report, link::Counters& counters) {
     tell_state(link, state, counters);
     tell_rest(link, counters);
   }
+}
+
+/// For boats around, and for who wonders why this one stops.
+void Vehicle::tell_separation(link::Counters& counters) {
+  const auto tell = [&](std::string_view name, double value) {
+    const std::uint32_t boot_ms = convert::boot_ms(now_us_);
+    links_.broadcast(value_of(name, static_cast<float>(value), boot_ms), counters);
+  };
+  tell("DEPTH", *report_.depth);
+  if (report_.separation_m) tell("SEP_M", *report_.separation_m);
 }
 
 /// Attitude and position leave together or not at all.

@@ -17,7 +17,9 @@ void VesselTrack<S>::follow(std::uint8_t system) {
   if (system == identity_.system) return;
   Identity identity = identity_;
   identity.system = system;
+  const core::JumpLimits<S> limits = guard_.limits();
   *this = VesselTrack(identity, antenna_);
+  set_limits(limits);
 }
 
 template <class S>
@@ -52,6 +54,7 @@ void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
   stamp_us_.reset();
   refused_stamp_us_.reset();
   refused_in_a_row_ = 0;
+  guard_.forget();
   if (sources_.change_to(source)) origin_component_ = 0;
 }
 
@@ -66,6 +69,7 @@ void VesselTrack<S>::rebooted(std::int64_t stamp_us) {
 /// No motion led from the last state to what comes now.
 template <class S>
 void VesselTrack<S>::jumped() {
+  guard_.forget();
   stamp_us_.reset();
   refused_stamp_us_.reset();
   refused_in_a_row_ = 0;
@@ -74,6 +78,7 @@ void VesselTrack<S>::jumped() {
 
 template <class S>
 void VesselTrack<S>::restart() {
+  guard_.forget();
   stamp_us_.reset();
   refused_stamp_us_.reset();
   other_source_us_.reset();
@@ -111,12 +116,14 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
     if (sources_.is_news(Source::kOdometry, reading.sample->stamp_us)) {
-      const bool jump = odometry_resets_.value_or(message.reset_counter) != message.reset_counter;
-      odometry_resets_ = message.reset_counter;
-      if (jump && sources_.in_use() == Source::kOdometry) jumped();
+      // Another number than the next one is no reset of this estimate: another vessel's, perhaps.
+      const std::uint8_t resets = odometry_resets_.value_or(message.reset_counter);
+      const bool next = message.reset_counter == static_cast<std::uint8_t>(resets + 1);
+      if (next && sources_.in_use() == Source::kOdometry) jumped();
     }
     if (preferred(Source::kOdometry, reading.sample->stamp_us, now_us) &&
         accept(*reading.sample, now_us, counters)) {
+      odometry_resets_ = message.reset_counter;
       heading_older_us_ = 0;
     }
   }
@@ -139,7 +146,14 @@ void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
     ++counters.mavlink_old_stamp;
     return;
   }
-  heading = {component, *sample};
+  // Of another vessel with another clock, perhaps: it would hide this one's.
+  if (heading.component == component && now_us - heading.arrived_us < kHeadingUsable_us &&
+      sample->stamp_us - heading.sample.stamp_us > now_us - heading.arrived_us + kSilent_us) {
+    guard_.note_jump(now_us);
+    ++counters.mavlink_jump;
+    return;
+  }
+  heading = {component, *sample, now_us};
 }
 
 template <class S>
@@ -180,6 +194,9 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, std::uin
   const std::int64_t older_us = sample->stamp_us - heading.sample.stamp_us;
   if (std::abs(older_us) > kHeadingUsable_us) {
     ++counters.mavlink_no_heading;
+    if (component == component_ && source == sources_.in_use()) {
+      guard_.look_at(here(*sample), false, now_us);
+    }
     return;
   }
   if (!chosen(component, now_us)) return;
@@ -205,34 +222,75 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t com
   }
 }
 
+/// In the plane that the last position is in.
+template <class S>
+convert::Sample VesselTrack<S>::here(const convert::Sample& sample) const {
+  return sample.at && anchored_ ? convert::in_plane(sample, position_.origin) : sample;
+}
+
 /// A global position gets an origin that stays: followers of this vessel rely on it.
 template <class S>
-void VesselTrack<S>::place(convert::Sample& sample) {
-  if (sample.at) {
-    const auto& at = *sample.at;
-    if (!anchored_ || !convert::reaches(position_.origin, at)) {
-      const bool near = origin_known() && convert::reaches(origin_, at);
-      position_.origin = near ? origin_ : link::GpsGlobalOrigin{at.latitude, at.longitude, 0, 0};
-    }
-    sample = convert::in_plane(sample, position_.origin);
-    anchored_ = true;
-  } else if (anchored_) {
-    position_.origin = origin_;
+convert::Sample VesselTrack<S>::place(const convert::Sample& sample) {
+  if (!sample.at) {
+    if (anchored_) position_.origin = origin_;
     anchored_ = false;
+    return sample;
   }
+  const auto& at = *sample.at;
+  if (!anchored_ || !convert::reaches(position_.origin, at)) {
+    const bool near = origin_known() && convert::reaches(origin_, at);
+    position_.origin = near ? origin_ : link::GpsGlobalOrigin{at.latitude, at.longitude, 0, 0};
+  }
+  anchored_ = true;
+  return here(sample);
+}
+
+/// Its stamp is not younger than the last one, and its clock did not begin anew.
+template <class S>
+bool VesselTrack<S>::is_late(const convert::Sample& sample, std::int64_t now_us) {
+  if (!stamp_us_ || sample.stamp_us > *stamp_us_) return false;
+  const bool advances = refused_stamp_us_ && sample.stamp_us > *refused_stamp_us_;
+  refused_stamp_us_ = sample.stamp_us;
+  refused_in_a_row_ = advances ? refused_in_a_row_ + 1 : 1;
+  if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
+    guard_.look_at(here(sample), true, now_us);
+    return true;
+  }
+  rebooted(sample.stamp_us);
+  return false;
+}
+
+/// It tells a place where the vessel cannot be yet.
+template <class S>
+bool VesselTrack<S>::is_jump(const convert::Sample& sample, std::int64_t now_us) {
+  const bool far = sample.at && anchored_ && !convert::reaches(position_.origin, *sample.at);
+  switch (guard_.judge(here(sample), far, now_us)) {
+    case JumpGuard<S>::Verdict::kRefused:
+      return true;
+    case JumpGuard<S>::Verdict::kMoved:
+      // Its clock may be another one too.
+      if (std::abs(sample.stamp_us - *stamp_us_ - (now_us - arrived_us_)) > kSilent_us) {
+        restart();
+      } else {
+        jumped();
+      }
+      break;
+    case JumpGuard<S>::Verdict::kGoesOn:
+      break;
+  }
+  return false;
 }
 
 template <class S>
-bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters) {
-  if (stamp_us_ && sample.stamp_us <= *stamp_us_) {
-    const bool advances = refused_stamp_us_ && sample.stamp_us > *refused_stamp_us_;
-    refused_stamp_us_ = sample.stamp_us;
-    refused_in_a_row_ = advances ? refused_in_a_row_ + 1 : 1;
-    if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
-      ++counters.mavlink_old_stamp;
-      return false;
-    }
-    rebooted(sample.stamp_us);
+bool VesselTrack<S>::accept(const convert::Sample& sample, std::int64_t now_us,
+                            link::Counters& counters) {
+  if (is_late(sample, now_us)) {
+    ++counters.mavlink_old_stamp;
+    return false;
+  }
+  if (is_jump(sample, now_us)) {
+    ++counters.mavlink_jump;
+    return false;
   }
   // A clock of 32 bits that begins anew after 25 days looks as if it had run ahead.
   if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
@@ -242,8 +300,11 @@ bool VesselTrack<S>::accept(convert::Sample sample, std::int64_t now_us, link::C
   // TIMESYNC vouches for it, they were overtaken on their way.
   if (refused_in_a_row_ >= 3 && !clock().was_answered()) sources_.restart();
   refused_in_a_row_ = 0;
-  place(sample);
-  update(convert::at_reference_point(sample, antenna_.x_m, antenna_.y_m), now_us);
+  const convert::Sample placed = place(sample);
+  guard_.believe(placed, now_us);
+  const std::int64_t since_us = stamp_us_ ? placed.stamp_us - *stamp_us_ : 0;
+  liveness_.take(placed, convert::seconds<S>(std::min(since_us, kSilent_us)));
+  update(convert::at_reference_point(placed, antenna_.x_m, antenna_.y_m), now_us);
   return true;
 }
 
@@ -287,7 +348,8 @@ template <class S>
 std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
   const auto offset = clock().offset_us();
   if (!stamp_us_ || !offset) return std::nullopt;
-  return std::max<std::int64_t>(now_us - (*stamp_us_ + *offset), 0);
+  // No state is younger than its arrival, whatever TIMESYNC makes of its stamp since.
+  return std::max<std::int64_t>(now_us - std::min(*stamp_us_ + *offset, arrived_us_), 0);
 }
 
 template <class S>

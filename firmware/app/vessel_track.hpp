@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "app/convert.hpp"
+#include "app/jump_guard.hpp"
+#include "app/liveness.hpp"
 #include "app/state_sources.hpp"
 #include "link/counters.hpp"
 
@@ -16,7 +18,8 @@ namespace flotilla::app {
 /// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE, by StateSources'
 /// choice. A message counts by its stamp: one that is not younger than the last is refused, unless
 /// nothing younger has come for so long, and the old stamps advance, that the vessel must have
-/// rebooted.
+/// rebooted. What the vessel cannot have come to moves nothing until it has been told for a second,
+/// but after a reboot, a reset of its estimate, or from another source or origin.
 template <class S>
 class VesselTrack {
  public:
@@ -24,13 +27,17 @@ class VesselTrack {
     std::uint8_t system;
     std::uint8_t ignored_component;      ///< 0: none
     std::int64_t patience_us = 500'000;  ///< with the chosen source
+    std::int64_t frozen_us = 700'000;    ///< with the same state again and again
   };
   struct Antenna {
     double x_m, y_m;
   };
 
   explicit VesselTrack(Identity identity, Antenna antenna = {0, 0})
-      : identity_(identity), antenna_(antenna), sources_(identity.patience_us) {}
+      : identity_(identity),
+        antenna_(antenna),
+        sources_(identity.patience_us),
+        liveness_(convert::seconds<S>(identity.frozen_us)) {}
 
   std::uint8_t system() const { return identity_.system; }
 
@@ -38,6 +45,21 @@ class VesselTrack {
   void follow(std::uint8_t system);
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
+
+  /// What this vessel can do; without them it is any vessel.
+  void set_limits(const core::JumpLimits<S>& limits) { guard_.set_limits(limits); }
+
+  /// The propellers alone would have changed its velocity by so much since the last call, m/s.
+  void push(S change_mps) { liveness_.push(change_mps); }
+
+  /// What it says is not the same again and again while it moves.
+  bool live() const { return liveness_.live(); }
+
+  /// It has been seen to move, by instruments that are never quite still; else it may be held.
+  bool has_moved() const { return liveness_.moved(); }
+
+  /// It has not been told where it cannot be, within the last second.
+  bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
 
   /// Takes any message; those of other vessels and of no use here are passed over.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
@@ -83,6 +105,7 @@ class VesselTrack {
   struct Heading {
     std::uint8_t component = 0;
     convert::HeadingSample sample{};
+    std::int64_t arrived_us = 0;
   };
 
   bool mine(link::Address from) const {
@@ -105,9 +128,12 @@ class VesselTrack {
   bool chosen(std::uint8_t component, std::int64_t now_us);
   bool preferred(Source source, std::int64_t stamp_us, std::int64_t now_us);
   void change_to(Source source, std::int64_t now_us);
-  bool accept(convert::Sample sample, std::int64_t now_us, link::Counters& counters);
+  bool accept(const convert::Sample& sample, std::int64_t now_us, link::Counters& counters);
+  bool is_late(const convert::Sample& sample, std::int64_t now_us);
+  bool is_jump(const convert::Sample& sample, std::int64_t now_us);
   void update(const convert::Sample& sample, std::int64_t now_us);
-  void place(convert::Sample& sample);
+  convert::Sample here(const convert::Sample& sample) const;
+  convert::Sample place(const convert::Sample& sample);
   void rebooted(std::int64_t stamp_us);
   void jumped();
   void restart();
@@ -119,6 +145,8 @@ class VesselTrack {
   Antenna antenna_;
   std::uint8_t component_ = 0;
   StateSources sources_;
+  JumpGuard<S> guard_;
+  Liveness<S> liveness_;
   Heading heading_;        // of the chosen component
   Heading other_heading_;  // of another, which may be chosen when its position comes too
   std::optional<std::uint8_t> odometry_resets_;

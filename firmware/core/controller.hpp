@@ -4,11 +4,12 @@
 // Source: B. Wang, A. Loría, Leader-Follower Formation and Tracking Control of Underactuated
 // Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control). Not in paper, each of no
 // effect where its parameters are zero: a slot that steers its own course, the line of sight, limits
-// of ν*, and a current and an unknown wrench that are not zero.
+// of ν*, other vessels, and a current and an unknown wrench that are not zero.
 #pragma once
 
 #include "core/allocation.hpp"
 #include "core/pd_plus.hpp"
+#include "core/separation.hpp"
 
 namespace flotilla::core {
 
@@ -20,12 +21,14 @@ struct ControllerParams {
   Vessel<S> vessel{};
   AllocationParams<S> propellers{};
   LineOfSightParams<S> sight{};
+  SeparationParams<S> separation{};
 };
 
 template <class S>
 struct ControllerState {
   VirtualVelocityState<S> outer{};
   SlotState<S> slot{};
+  SeparationState<S> separation{};
 };
 
 template <class S>
@@ -34,6 +37,7 @@ struct ControllerOutput {
   FormationError<S> error{};
   LineOfSight<S> sight{};
   VirtualVelocity<S> wanted{};
+  Separation<S> separation{};
   Tau<S> tau{};
   Allocation<S> allocation{};
 };
@@ -55,10 +59,29 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> wanted, const Vec2<S>& c_b, 
   return wanted;
 }
 
-/// One control step; dt: time since the step before, s, 0 in the first.
+/// ν* for a boat among others.
+template <class S>
+Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& state,
+                         const Encounter<S>& in, const Traffic<S>& traffic,
+                         ControllerOutput<S>& out) {
+  const Vec2<S> v = to_north_east(out.slot.psi, Vec2<S>{out.slot.nu.u, out.slot.nu.v});
+  const Vec2<S> e = to_north_east(in.psi, Vec2<S>{out.error.e.x, out.error.e.y});
+  const S k = params.outer.k_x;
+  const Intent<S> intent =
+      intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
+  const S a = params.propellers.R / params.vessel.m11;  // half of what both give
+  const auto kept =
+      separate(params.separation, a, state.separation, traffic, in.psi, intent, out.wanted);
+  state.outer.r_star_held = out.wanted.nu_star.r;
+  return kept;
+}
+
+/// One control step; dt: time since the step before, s, 0 in the first; traffic: nullptr where
+/// nobody is looked for.
 template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
-                                    const Encounter<S>& in, S dt) {
+                                    const Encounter<S>& in, S dt,
+                                    const Traffic<S>* traffic = nullptr) {
   ControllerOutput<S> out;
   out.slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
   out.error = formation_error(in, out.slot);
@@ -68,6 +91,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   out.sight = line_of_sight(params.sight, in.nu, out.slot, out.error, U);
   virtual_sway_forward(params.vessel, state.outer, dt);
   out.wanted = virtual_velocity(params.outer, state.outer, out.slot, out.error, out.sight);
+  if (traffic != nullptr) out.separation = keep_clear(params, state, in, *traffic, out);
   const VirtualVelocity<S> wanted_w = through_water(out.wanted, c_b, in.nu.r);
   state.outer.u_star_held = wanted_w.nu_star.u;  // v* is of the water too
   out.tau = pd_plus(params.inner, params.vessel, wanted_w,

@@ -16,10 +16,11 @@ enum class State : std::uint8_t {
   kHold,       ///< armed, no thrust
   kManual,     ///< armed, the sticks drive
   kFormation,  ///< armed, the law drives
+  kCoast,      ///< armed, the law drives behind a leader carried forward, slower and slower
   kTest,       ///< armed, one propeller turns: bounded, for seconds
   kFault,      ///< no thrust, ESCs told to disarm; left by disarming only
 };
-constexpr std::size_t kStates = 6;
+constexpr std::size_t kStates = 7;
 
 enum class Request : std::uint8_t {
   kNone,
@@ -34,24 +35,45 @@ enum class Request : std::uint8_t {
 constexpr std::size_t kRequests = 8;
 
 /// A set of conditions; each is true when all is well.
-using Conditions = std::uint16_t;
-constexpr Conditions kOwnFresh = 1;         ///< own state is younger than its limit
-constexpr Conditions kLeaderFresh = 2;      ///< leader's state is, and both local origins are known
-constexpr Conditions kEscsOnline = 4;       ///< both ESCs report, healthy
-constexpr Conditions kBusUp = 8;            ///< the CAN interface is up and not bus-off
-constexpr Conditions kSoleController = 16;  ///< nobody else on the bus commands or arms ESCs
-constexpr Conditions kParametersSaved = 32;  ///< they are the operator's, not a fall to defaults
-constexpr Conditions kSticksFresh = 64;      ///< MANUAL_CONTROL is younger than 0.5 s
-constexpr Conditions kTestRunning = 128;     ///< a motor test was asked for and is not over
-constexpr unsigned kConditionCount = 8;
+using Conditions = std::uint32_t;
+constexpr Conditions kOwnFresh = 1U << 0U;         ///< own state is younger than its limit
+constexpr Conditions kLeaderFresh = 1U << 1U;      ///< leader's is, and both origins are known
+constexpr Conditions kEscsOnline = 1U << 2U;       ///< both ESCs report, healthy
+constexpr Conditions kBusUp = 1U << 3U;            ///< the CAN interface is up and not bus-off
+constexpr Conditions kSoleController = 1U << 4U;   ///< nobody else commands or arms ESCs
+constexpr Conditions kParametersSaved = 1U << 5U;  ///< the operator's, not a fall to defaults
+constexpr Conditions kSticksFresh = 1U << 6U;      ///< MANUAL_CONTROL is younger than 0.5 s
+constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was asked for, is not over
+constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not the same again and again
+constexpr Conditions kOwnSteady = 1U << 9U;        ///< it does not jump as no vessel can
+constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not the same for ever
+constexpr Conditions kLeaderSteady = 1U << 11U;    ///< it does not jump
+constexpr Conditions kBoatAnswers = 1U << 12U;     ///< the boat moves as its thrust would have it
+constexpr Conditions kEscsObey = 1U << 13U;        ///< no ESC drives that was told to stand still
+constexpr Conditions kGcsHeard = 1U << 14U;        ///< a ground station, or none is required
+constexpr Conditions kBatteryGood = 1U << 15U;     ///< ESCs' voltage, or no limit is set
+constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or no limit is set
+constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
+constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
+// What the operator has chosen, FS_LEADER_ACT and FS_GCS_ACT; neither of two: MANUAL, else HOLD.
+constexpr Conditions kLeaderLossHolds = 1U << 19U;
+constexpr Conditions kLeaderLossCoasts = 1U << 20U;
+constexpr Conditions kGcsLossHolds = 1U << 21U;
+constexpr Conditions kGcsLossCoasts = 1U << 22U;
+constexpr unsigned kConditionCount = 19;  ///< without the choices
 
-constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController;
-constexpr Conditions kDrive = kOwnFresh | kLeaderFresh | kPropulsion;
+constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
+constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
+constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
+constexpr Conditions kLimits = kBatteryGood | kInsideFence;
+constexpr Conditions kByLaw = kOwn | kBoatAnswers | kPropulsion | kLimits;
+constexpr Conditions kDrive = kByLaw | kLeader | kGcsHeard;
+constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // No own state: a boat that lost its navigation can be driven home.
 constexpr Conditions kManualDrive = kSticksFresh | kPropulsion;
-constexpr Conditions kArming = kOwnFresh | kPropulsion | kParametersSaved;
+constexpr Conditions kArming = kOwn | kPropulsion | kLimits | kGcsHeard | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kPropulsion;
-constexpr Conditions kAllConditions = kDrive | kManualDrive | kTestDrive | kParametersSaved;
+constexpr Conditions kAllConditions = (1U << kConditionCount) - 1U;
 
 /// The set of those states.
 template <class... States>
@@ -59,7 +81,8 @@ constexpr std::uint8_t in(States... states) {
   return static_cast<std::uint8_t>(((1U << static_cast<unsigned>(states)) | ...));
 }
 constexpr std::uint8_t kAnyState = (1U << kStates) - 1U;
-constexpr std::uint8_t kArmed = in(State::kHold, State::kManual, State::kFormation, State::kTest);
+constexpr std::uint8_t kLawDrives = in(State::kFormation, State::kCoast);
+constexpr std::uint8_t kArmed = in(State::kHold, State::kManual, State::kTest) | kLawDrives;
 
 struct Row {
   std::uint8_t from;
@@ -69,31 +92,44 @@ struct Row {
   State to;
 };
 
-constexpr std::array<Row, 18> kTable{{
+constexpr std::array<Row, 28> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
+    // What is lost by itself. FAULT is left by disarming, HOLD by the operator, COAST by itself.
     {kArmed, Request::kNone, 0, kPropulsion, State::kFault},
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
-    {in(State::kFormation), Request::kNone, 0, kOwnFresh | kLeaderFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
+    {kLawDrives, Request::kNone, 0, kByLaw, State::kHold},
+    // Of two losses the more careful choice counts, also of one that comes later, in COAST.
+    {kLawDrives, Request::kNone, kLeaderLossHolds, kLeader, State::kHold},
+    {kLawDrives, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
+    {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kLeader, State::kCoast},
+    {in(State::kFormation), Request::kNone, kGcsLossCoasts, kGcsHeard, State::kCoast},
+    {in(State::kFormation), Request::kNone, kSticksFresh, kLeader | kGcsHeard, State::kManual},
+    {in(State::kFormation), Request::kNone, 0, kLeader | kGcsHeard, State::kHold},
+    {in(State::kCoast), Request::kNone, kLeader | kGcsHeard, 0, State::kFormation},
+    {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
+    // What is asked for.
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
-    {in(State::kHold, State::kFormation), Request::kManual, kManualDrive, 0, State::kManual},
-    {in(State::kHold, State::kManual), Request::kFormation, kDrive, 0, State::kFormation},
+    {in(State::kHold) | kLawDrives, Request::kManual, kManualDrive, 0, State::kManual},
+    {in(State::kHold, State::kManual), Request::kFormation, kDrive | kClear, 0, State::kFormation},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
     // Asking for what already is: granted, because commands are repeated when an answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
     {in(State::kHold), Request::kArm, 0, 0, State::kHold},
     {in(State::kManual), Request::kArm, 0, 0, State::kManual},
     {in(State::kFormation), Request::kArm, 0, 0, State::kFormation},
+    {in(State::kCoast), Request::kArm, 0, 0, State::kCoast},
     {in(State::kTest), Request::kArm, 0, 0, State::kTest},
     {in(State::kManual), Request::kManual, 0, 0, State::kManual},
     {in(State::kFormation), Request::kFormation, 0, 0, State::kFormation},
+    {in(State::kCoast), Request::kFormation, 0, 0, State::kCoast},
 }};
 
 struct Verdict {
   State state;
-  bool granted;  ///< a row fitted; always false for Request::kNone when nothing changes
+  bool granted;  ///< a row fitted; for Request::kNone: the boat changed its state by itself
   /// Refused for want of these, none where the state itself forbids it; or what was lost, where the
   /// boat changed its state by itself.
   Conditions missing;
@@ -103,21 +139,23 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
   Conditions missing = 0;
   for (const Row& row : kTable) {
     if ((row.from & in(state)) == 0 || row.request != request) continue;
-    const auto unmet = static_cast<Conditions>(row.needs & ~met);
+    const Conditions unmet = row.needs & ~met;
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
-    if (unmet == 0 && lacking) return {row.to, true, static_cast<Conditions>(row.lacks & ~met)};
+    if (unmet == 0 && lacking) return {row.to, true, row.lacks & ~met};
     missing |= unmet;
   }
-  return {state, false, missing};
+  return {state, false, request == Request::kNone ? Conditions{0} : missing};
 }
 
 constexpr bool armed(State state) { return (kArmed & in(state)) != 0; }
+constexpr bool law_drives(State state) { return (kLawDrives & in(state)) != 0; }
 
 /// Whether thrust is allowed; the propellers' path asks again, after allocation.
 constexpr bool may_drive(State state, Conditions met) {
   const auto all_of = [met](Conditions wanted) { return (met & wanted) == wanted; };
   return (state == State::kManual && all_of(kManualDrive)) ||
          (state == State::kFormation && all_of(kDrive)) ||
+         (state == State::kCoast && all_of(kCoastDrive)) ||
          (state == State::kTest && all_of(kTestDrive));
 }
 

@@ -137,12 +137,10 @@ std::optional<TransferReceiver::Transfer> TransferReceiver::push(
   s.transfer_id = next_id(tid);
   s.toggle = false;
   s.size = 0;
-  if (!starts) {
-    if (whole.size() < 2) return refuse(counters.can_bad_frame);
-    const auto received = static_cast<std::uint16_t>(whole[0] | whole[1] << 8U);
-    whole = whole.subspan(2);
-    if (received != crc16(type.crc_seed, whole)) return refuse(counters.can_bad_checksum);
-  }
+  if (whole.size() < 2) return refuse(counters.can_bad_frame);
+  const auto received = static_cast<std::uint16_t>(whole[0] | whole[1] << 8U);
+  whole = whole.subspan(2);
+  if (received != crc16(type.crc_seed, whole)) return refuse(counters.can_bad_checksum);
   ++counters.can_received;
   return Transfer{route, tid, whole};
 }

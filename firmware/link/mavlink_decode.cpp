@@ -94,9 +94,9 @@ bool accepted(SignatureVerdict verdict, Counters& counters) {
       ++counters.mavlink_future_stamp;
       return false;
     case SignatureVerdict::kNoRoom:
-      ++counters.mavlink_streams_full;
-      return false;
+      break;
   }
+  ++counters.mavlink_streams_full;
   return false;
 }
 

@@ -21,6 +21,7 @@ from sil.campaign.files import Folder, Identity
 from sil.campaign.progress import bar
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import Batch, BatchResult, OtherCodeError, code
+from sil.policies import PolicyViolationError
 from sil.scenario import Scenario
 from sil.start import StartError
 from sil.world import check
@@ -65,6 +66,9 @@ def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> i
     except KeyboardInterrupt:
         console.print(f"interrupted; to go on: {escape(command)}", soft_wrap=True)
         return _INTERRUPTED
+    except PolicyViolationError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
     except (OSError, ValueError, StartError, OtherCodeError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

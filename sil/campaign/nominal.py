@@ -9,7 +9,7 @@ import numpy as np
 from sil.plant.hull import Array
 from sil.scenario import Scenario
 from sil.sections import Mismatch, WhiteNoise
-from sil.start import StartError
+from sil.start import RunError
 from sil.world import Progress, sail
 
 NAME = "nominal.npz"
@@ -27,13 +27,13 @@ def write(
     From its own start, with hulls as the firmware knows them and w = 0: the dash-dotted lines of
     the paper's Fig. 2. Ten samples a second, shapes as in trace.npz. `parameters`: the firmware's,
     over the scenario's; `progress` is called with the share that is done. False, and no file, where
-    the boats cannot be started.
+    the boats cannot be started, or break a rule.
     """
     (out / NAME).unlink(missing_ok=True)
     nominal = {"mismatch": Mismatch(), "white_noise": WhiteNoise()}
     chosen = scenario.model_copy(update=nominal)
     (run,) = sail([chosen], parameters, keep_s=_SAMPLE_S, progress=progress)
-    if isinstance(run, StartError):
+    if isinstance(run, RunError):
         return False
     part = out / f".{NAME.removesuffix('.npz')}.part.npz"
     arrays = {key: run.trace[key] for key in ("t_s", "eta", "error")}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sil import metrics
 from sil.plant.hull import Array
 from sil.scenario import Scenario
-from sil.start import StartError
+from sil.start import RunError
 from sil.world import Run
 
 DIVERGED_M, DIVERGED_TIMES = 10.0, 2.0
@@ -45,9 +45,9 @@ class RunResult:
     psi_rad: Array = field(default_factory=_none)
 
 
-def result_of(run: int, scenario: Scenario, outcome: Run | StartError) -> RunResult:
+def result_of(run: int, scenario: Scenario, outcome: Run | RunError) -> RunResult:
     """Figures and samples of one run."""
-    if isinstance(outcome, StartError):
+    if isinstance(outcome, RunError):
         return RunResult(run, scenario.seed, "failed", str(outcome))
     trace = outcome.trace
     t_s, error = trace["t_s"], trace["error"]

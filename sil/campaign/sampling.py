@@ -2,11 +2,16 @@
 """The runs of a campaign: one scenario, each run with its own draws of what `[[vary]]` names.
 
 Every number has a generator of its own, seeded by the campaign's seed, the run and the key: a run
-does not depend on how many there are, nor a key's draw on which other keys are drawn.
+does not depend on how many there are, nor a key's draw on which other keys are drawn. A start at
+which two boats are nearer than `start_apart_m` is drawn once more, whole: what is left has the
+density that the file says, where it is allowed at all.
 """
 
 import copy
+import math
+from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 from zlib import crc32
 
 import numpy as np
@@ -18,6 +23,9 @@ from sil.toml_errors import KeyPath, Source, lay
 
 Draws = dict[str, Value]
 """What a run's varied keys come to, by their dotted names: `boat.2.eta.3`."""
+
+
+_ATTEMPTS = 1000
 
 
 class Sampler:
@@ -69,20 +77,40 @@ class Sampler:
         return int(self._generator(run, "seed").integers(2**53))
 
     def draws(self, run: int) -> Draws:
-        """What the varied keys are in run `run`."""
-        return {one.name: one.draw(self._generator(run, one.name)) for one in self._varied.values()}
+        """What the varied keys are in run `run`; ScenarioError where no start was wide enough."""
+        return {".".join(path): value for path, value in self._drawn(run).items()}
 
     def scenario(self, run: int) -> Scenario:
         """The scenario of run `run`; ScenarioError, which names the run, where it cannot be."""
         document = copy.deepcopy(self._source.document)
         document["seed"] = self.seed_of(run)
-        for path, one in self._varied.items():
-            lay(document, path, one.draw(self._generator(run, one.name)))
+        for path, value in self._drawn(run).items():
+            lay(document, path, value)
         try:
             return scenario.check(replace(self._source, document=document))
         except ScenarioError as error:
             raise ScenarioError(f"run {run}: {error}") from None
 
-    def _generator(self, run: int, key: str) -> np.random.Generator:
-        spawn_key = (run, crc32(key.encode()))
+    def _drawn(self, run: int) -> dict[KeyPath, Value]:
+        for attempt in range(_ATTEMPTS):
+            drawn = {
+                path: one.draw(self._generator(run, one.name, attempt))
+                for path, one in self._varied.items()
+            }
+            if self._wide_enough(drawn):
+                return drawn
+        least_m = self.nominal.start_apart_m
+        raise ScenarioError(f"run {run}: no start in {_ATTEMPTS} draws is {least_m} m apart")
+
+    def _wide_enough(self, drawn: Mapping[KeyPath, Value]) -> bool:
+        """Whether boats start as far apart as the scenario says."""
+        places = []
+        for number, boat in enumerate(self.nominal.boat, start=1):
+            own = [drawn.get(("boat", str(number), "eta", str(i + 1)), boat.eta[i]) for i in (0, 1)]
+            places.append([float(value) for value in own])
+        least_m = self.nominal.start_apart_m
+        return all(math.dist(a, b) >= least_m for a, b in combinations(places, 2))
+
+    def _generator(self, run: int, key: str, attempt: int = 0) -> np.random.Generator:
+        spawn_key = (run, crc32(key.encode()), *([attempt] if attempt else []))
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=spawn_key))

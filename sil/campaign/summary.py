@@ -15,6 +15,7 @@ from rich.table import Table
 from sil.campaign import late
 from sil.campaign.outcome import RunResult, distances
 from sil.campaign.work import BatchResult
+from sil.metrics import SETTLED_M
 from sil.scenario import Scenario
 
 _NAMED = 10
@@ -42,7 +43,9 @@ def figures(
     """What campaign.json says beyond what was sailed.
 
     `error` are each boat's median and 95th percentile of |e|, m, over the `runs` that sailed and
-    their whole seconds from `from_s` on; infinite where so many diverged.
+    their whole seconds from `from_s` on; infinite where so many diverged. `closest` is the least
+    distance of two boats of a run, None where no run has two; `settled_runs` counts those in which
+    every boat came within 0.05 m of its slot and stayed there.
     """
     boat_s = effort.runs * len(nominal.boat) * nominal.duration_s
     counted = Counter(run.outcome for run in runs)
@@ -58,6 +61,8 @@ def figures(
                 for i, (p50, p95) in enumerate(levels, start=1)
             ],
         },
+        "closest": _closest(runs),
+        "settled_runs": sum(bool(run.boats) and _settled(run) for run in runs),
         "versions": {
             "python": platform.python_version(),
             **{name: version(name) for name in ("flotilla", "numpy", "numba", "pyarrow")},
@@ -71,6 +76,15 @@ def figures(
         "efficiency": effort.busy_s / (effort.cores * effort.wall_s),
         "digest": digest,
     }
+
+
+def _closest(runs: Sequence[RunResult]) -> dict[str, Any] | None:
+    near = [(run.min_separation_m, run.run) for run in runs if run.min_separation_m is not None]
+    return dict(zip(("distance_m", "run"), min(near), strict=True)) if near else None
+
+
+def _settled(run: RunResult) -> bool:
+    return all(boat["settling_time_s"] is not None for boat in run.boats)
 
 
 def show(
@@ -88,6 +102,11 @@ def show(
     for boat in error["boats"]:
         table.add_row(str(boat["boat"]), f"{boat['p50_m']:.4f}", f"{boat['p95_m']:.4f}")
     console.print(table)
+    if told["closest"] is not None:
+        run, distance_m = told["closest"]["run"], told["closest"]["distance_m"]
+        console.print(f"closest two boats: {distance_m:.3f} m, in run {run}")
+    settled = f"{told['settled_runs']} of {len(runs)} runs"
+    console.print(f"every boat within {SETTLED_M} m of its slot in the end: {settled}")
     for outcome in ("diverged", "failed"):
         those = [run for run in runs if run.outcome == outcome]
         for run in those[:_NAMED]:

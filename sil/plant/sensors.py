@@ -34,7 +34,8 @@ class Sensors:
 
     A virtual leader knows its state: it is a reference. `noise` and `rngs` (R): of the boats of
     each run; nothing is drawn where there is no noise. `eta` and `nu`: rows and units of the
-    bodies', as they last were measured; the truth itself where nobody has noise.
+    bodies', as they last were measured; the truth itself where nobody has noise. `worse` (R + R N):
+    how many times each one's deviations are what they should be.
     """
 
     def __init__(
@@ -44,6 +45,7 @@ class Sensors:
         self._true = bodies.eta, bodies.nu
         self._sigma = np.array([one.sigma for one in noise])
         noisy = [bool(sigma.any()) for sigma in self._sigma]
+        self.worse: Array = np.ones(len(bodies.eta))
         self._normals: Normals | None = None
         if any(noisy):
             agents = len(bodies.eta) // bodies.runs
@@ -54,14 +56,20 @@ class Sensors:
     def measure(self) -> None:
         """Measure once, everybody."""
         if self._normals is not None:
-            _measure(*self._true, self._sigma, self._normals.step(), self.eta, self.nu)
+            _measure(*self._true, self._sigma, self.worse, self._normals.step(), self.eta, self.nu)
 
 
 @njit(cache=True)
 def _measure(
-    eta: Array, nu: Array, sigma: Array, normals: Array, eta_out: Array, nu_out: Array
+    eta: Array,
+    nu: Array,
+    sigma: Array,
+    worse: Array,
+    normals: Array,
+    eta_out: Array,
+    nu_out: Array,
 ) -> None:
-    """Sigma (R, 2, 3), normals (R, 2, N+1, 3), the rest (R + R N, 3)."""
+    """Sigma (R, 2, 3), worse (R + R N), normals (R, 2, N+1, 3), the rest (R + R N, 3)."""
     runs, boats = normals.shape[0], normals.shape[2] - 1
     for run in range(runs):
         eta_out[run], nu_out[run] = eta[run], nu[run]
@@ -69,5 +77,5 @@ def _measure(
             row = runs + run * boats + i
             for j in range(3):
                 pose, velocity = normals[run, 0, i + 1, j], normals[run, 1, i + 1, j]
-                eta_out[row, j] = eta[row, j] + sigma[run, 0, j] * pose
-                nu_out[row, j] = nu[row, j] + sigma[run, 1, j] * velocity
+                eta_out[row, j] = eta[row, j] + worse[row] * sigma[run, 0, j] * pose
+                nu_out[row, j] = nu[row, j] + worse[row] * sigma[run, 1, j] * velocity

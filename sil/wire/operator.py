@@ -32,6 +32,21 @@ class Operator:
         """The command to arm."""
         return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
 
+    def disarm(self, system: int) -> bytes:
+        """The command to disarm."""
+        return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
+
+    def set_parameter(self, system: int, name: str, value: float) -> bytes:
+        """The wish for a parameter's value."""
+        wish = mavlink.MAVLink_param_set_message(
+            system,
+            mavlink.MAV_COMP_ID_AUTOPILOT1,
+            name.encode(),
+            value,
+            mavlink.MAV_PARAM_TYPE_REAL32,
+        )
+        return self._pack(wish)
+
     def set_mode(self, system: int, mode: int) -> bytes:
         """The command to change to MANUAL, HOLD or FORMATION."""
         custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
@@ -55,6 +70,9 @@ class Operator:
         message = mavlink.MAVLink_command_long_message(
             system, mavlink.MAV_COMP_ID_AUTOPILOT1, command, 0, *seven
         )
+        return self._pack(message)
+
+    def _pack(self, message: mavlink.MAVLink_message) -> bytes:
         frame: bytes = message.pack(self._mav)
         self._mav.seq = (self._mav.seq + 1) & 0xFF
         return frame

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A boat at its quay: a navigation unit, a leader, an operator and two ESCs talk to it, each can be
-// silenced; what it says is read back.
+// silenced; what it says is read back. Both vessels are held where they are.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,15 @@
 
 namespace flotilla::testing {
 
-template <class S>
+/// B: what takes a boat's place.
+template <class S, class B = app::Boat<S>>
 struct Harbour {
   static constexpr std::int64_t kTick_us = 10'000;
 
   explicit Harbour(const app::Parameters& p = app::Parameters{}, std::size_t links = 1)
       : boat(p, links), received(links) {}
 
-  app::Boat<S> boat;
+  B boat;
   link::MavlinkEncoder navigation{{1, 2}}, leader{{100, 1}}, operator_{{255, 190}};
   bool navigation_talks = true, leader_talks = true, port_talks = true, stbd_talks = true;
   float leader_north_m = 3;
@@ -70,9 +71,9 @@ struct Harbour {
   void talk() {
     const link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
     const bool second = now_us % 1'000'000 < kTick_us;
-    if (navigation_talks) say(navigation, state(now_us, 0, 0.2F));
+    if (navigation_talks) say(navigation, state(now_us, 0, 0));
     if (navigation_talks && second) say(navigation, origin);
-    if (leader_talks) say(leader, state(now_us + leader_clock_us, leader_north_m, 0.5F));
+    if (leader_talks) say(leader, state(now_us + leader_clock_us, leader_north_m, 0));
     if (leader_talks && second) say(leader, origin);
     if (now_us % 100'000 >= kTick_us) return;
     for (const std::uint8_t index : std::initializer_list<std::uint8_t>{0, 1}) {

@@ -25,7 +25,8 @@ TEST_CASE_TEMPLATE("a boat that is armed and told to, pushes towards its slot", 
   Harbour<S> h;
   h.cast_off();
   CHECK(h.boat.state() == State::kFormation);
-  CHECK(h.boat.snapshot().conditions == (core::kDrive | core::kParametersSaved));
+  CHECK((h.boat.snapshot().conditions & core::kAllConditions) ==
+        (core::kAllConditions & ~(core::kSticksFresh | core::kTestRunning)));
   CHECK(h.pushes());
   CHECK(h.raw.cmd[0] > 0);  // the slot is ahead
   CHECK(h.arming == 255);
@@ -82,14 +83,77 @@ TEST_CASE_TEMPLATE("own state silent: both propellers stop within a tick of the 
   CHECK(h.pushes());
 }
 
-TEST_CASE_TEMPLATE("leader silent: both propellers stop within a tick of the timeout, HOLD", S,
-                   float, double) {
-  Harbour<S> h;
+TEST_CASE_TEMPLATE("leader silent, HOLD chosen: both propellers stop within a tick of the timeout",
+                   S, float, double) {
+  Parameters p;
+  p.FS_LEADER_ACT = 0;
+  Harbour<S> h(p);
   h.cast_off();
   h.leader_talks = false;
   check_stops_at(h, h.now_us, 1.0);
   CHECK(h.boat.state() == State::kHold);
   CHECK(h.arming == 255);
+}
+
+TEST_CASE_TEMPLATE("leader silent: the boat coasts from the timeout on, then both propellers stop",
+                   S, float, double) {
+  Harbour<S> h;
+  h.cast_off();
+  h.leader_talks = false;
+  const std::int64_t last_us = h.now_us;
+  while (h.boat.state() == State::kFormation) h.step();
+  CHECK(h.now_us == last_us + 1'000'000);
+  CHECK(h.boat.state() == State::kCoast);
+  CHECK(h.says("COAST: leader's state is not fresh"));
+  const auto greatest = [&h] { return std::max(std::abs(h.raw.cmd[0]), std::abs(h.raw.cmd[1])); };
+  while (h.boat.state() == State::kCoast) {
+    REQUIRE(h.arming == 255);
+    const int before = greatest();
+    h.step();
+    REQUIRE(greatest() <= before);
+  }
+  CHECK(h.now_us == last_us + 6'000'000);
+  CHECK(h.boat.state() == State::kHold);
+  CHECK(h.says("HOLD: FS_COAST_S is over"));
+  CHECK(h.stopped());
+  h.leader_talks = true;
+  h.sail(2);
+  CHECK(h.boat.state() == State::kHold);  // from there on the operator has to say so
+}
+
+TEST_CASE_TEMPLATE("a leader that is heard again within COAST is followed again, by itself", S,
+                   float, double) {
+  Harbour<S> h;
+  h.cast_off();
+  h.leader_talks = false;
+  h.sail(3);
+  REQUIRE(h.boat.state() == State::kCoast);
+  REQUIRE(h.pushes());
+  h.leader_talks = true;
+  h.step();
+  CHECK(h.boat.state() == State::kFormation);
+  CHECK(h.says("FORMATION"));
+  CHECK(h.pushes());
+}
+
+TEST_CASE_TEMPLATE("in COAST the operator has the last word", S, float, double) {
+  for (const float mode : {0.0F, 4.0F, 6.0F}) {
+    Harbour<S> h;
+    h.cast_off();
+    h.leader_talks = false;
+    h.sail(2);
+    REQUIRE(h.boat.state() == State::kCoast);
+    if (mode == 0) h.say(h.operator_, link::ManualControl{0, 0, 0, 0, 0, 1});
+    h.mode(mode);
+    h.step();
+    CHECK(h.boat.state() == (mode == 0   ? State::kManual
+                             : mode == 4 ? State::kHold
+                                         : State::kCoast));
+    h.disarm();
+    h.step();
+    CHECK(h.boat.state() == State::kDisarmed);
+    CHECK(h.stopped());
+  }
 }
 
 TEST_CASE_TEMPLATE("an ESC silent: both propellers stop, ArmingStatus 0, FAULT until disarmed", S,
@@ -411,6 +475,9 @@ TEST_CASE_TEMPLATE("CURRENT_MODE tells the mode that is, and the one that was as
   CHECK(current_mode() == 606);
   h.leader_talks = false;
   h.sail(1.5);
+  REQUIRE(h.boat.state() == State::kCoast);
+  CHECK(current_mode() == 606);
+  h.sail(5);
   REQUIRE(h.boat.state() == State::kHold);
   CHECK(current_mode() == 604);
 }

@@ -276,23 +276,46 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
   CHECK(names(r) == "OVERRUNS ");
 }
 
-TEST_CASE(
-    "SYS_STATUS tells of every set of conditions whether sensors, motors and arming are well") {
+TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whatever is wrong") {
   constexpr std::uint32_t kSensors = 1 | 2 | 4 | 32 | 0x4000 | 0x200000;
   constexpr std::uint32_t kMotors = 0x8000 | 0x40000000;
-  for (unsigned met = 0; met <= core::kAllConditions; ++met) {
-    Report r = full();
-    r.conditions = static_cast<core::Conditions>(met);
-    const auto has = [&](core::Conditions wanted) { return (met & wanted) == wanted; };
-    const auto s = all_as<link::SysStatus>(mav::kSysStatusId, r)[0];
-    REQUIRE((s.sensors_health & kSensors) == (has(core::kOwnFresh) ? kSensors : 0));
-    REQUIRE((s.sensors_health & kMotors) == (has(core::kPropulsion) ? kMotors : 0));
-    REQUIRE(((s.sensors_health & mav::kSensorPrearm) != 0) == has(core::kArming));
-    REQUIRE((s.sensors_health & mav::kSensorGeofence) != 0);
-    REQUIRE((s.sensors_present & (kSensors | kMotors)) == (kSensors | kMotors));
-    REQUIRE((s.sensors_present & s.sensors_enabled) == s.sensors_enabled);
-    REQUIRE(s.battery_remaining == -1);
+  for (unsigned one = 0; one < core::kConditionCount; ++one) {
+    for (unsigned other = 0; other < core::kConditionCount; ++other) {
+      Report r = full();
+      r.conditions = core::kAllConditions & ~(1U << one | 1U << other);
+      const auto has = [&](core::Conditions all) { return (r.conditions & all) == all; };
+      const auto s = all_as<link::SysStatus>(mav::kSysStatusId, r)[0];
+      REQUIRE((s.sensors_health & kSensors) == (has(core::kOwn) ? kSensors : 0));
+      REQUIRE((s.sensors_health & kMotors) == (has(core::kPropulsion) ? kMotors : 0));
+      REQUIRE(((s.sensors_health & mav::kSensorPrearm) != 0) == has(core::kArming));
+      REQUIRE((s.sensors_present & (kSensors | kMotors)) == (kSensors | kMotors));
+      REQUIRE((s.sensors_present & s.sensors_enabled) == s.sensors_enabled);
+      REQUIRE(s.battery_remaining == -1);
+    }
   }
+}
+
+TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they are") {
+  const auto status_of = [](const Report& r, std::uint32_t bit) {
+    const auto s = all_as<link::SysStatus>(mav::kSysStatusId, r)[0];
+    CHECK((s.sensors_enabled & bit) == (s.sensors_present & bit));
+    return std::pair((s.sensors_present & bit) != 0, (s.sensors_health & bit) != 0);
+  };
+  using Status = std::pair<bool, bool>;
+  Report r = full();
+  r.conditions = core::kAllConditions;
+  CHECK(status_of(r, mav::kSensorGeofence) == Status{false, true});  // none to be broken
+  CHECK(status_of(r, mav::kSensorBattery) == Status{true, true});
+  r.fenced = r.battery_limited = true;
+  CHECK(status_of(r, mav::kSensorGeofence) == Status{true, true});
+  CHECK(status_of(r, mav::kSensorBattery) == Status{true, true});
+  r.conditions &= ~(core::kInsideFence | core::kBatteryGood);
+  CHECK(status_of(r, mav::kSensorGeofence) == Status{true, false});
+  CHECK(status_of(r, mav::kSensorBattery) == Status{true, false});
+  r.escs = {};
+  CHECK(status_of(r, mav::kSensorBattery) == Status{true, false});
+  r.battery_limited = false;
+  CHECK(status_of(r, mav::kSensorBattery) == Status{false, false});
 }
 
 TEST_CASE("the boat says what it can, who made it and where its description is") {

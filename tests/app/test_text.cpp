@@ -22,6 +22,7 @@ TEST_CASE("every state has its own name") {
   CHECK(name_of(State::kHold) == "HOLD");
   CHECK(name_of(State::kManual) == "MANUAL");
   CHECK(name_of(State::kFormation) == "FORMATION");
+  CHECK(name_of(State::kCoast) == "COAST");
   CHECK(name_of(State::kTest) == "TEST");
   CHECK(name_of(State::kFault) == "FAULT");
 }
@@ -47,13 +48,15 @@ TEST_CASE("several wants are said one by one, the one to see to first in front")
       complaints_of(core::kTestRunning | core::kOwnFresh | core::kEscsOnline | core::kBusUp);
   CHECK(said == std::vector<std::string>{"CAN bus is down", "own state is not fresh",
                                          "ESCs are not online", "no motor test is running"});
-  for (unsigned unmet = 0; unmet <= core::kAllConditions; ++unmet) {
-    const auto set = static_cast<core::Conditions>(unmet);
-    const auto all = complaints_of(set);
-    CHECK(complaint_of(set) == (all.empty() ? "" : all[0]));
+  for (unsigned one = 0; one < core::kConditionCount; ++one) {
+    for (unsigned other = 0; other < core::kConditionCount; ++other) {
+      const auto set = static_cast<core::Conditions>(1U << one | 1U << other);
+      CHECK(complaint_of(set) == complaints_of(set).at(0));
+    }
   }
   CHECK(complaints_of(core::kAllConditions).size() == core::kConditionCount);
   CHECK(complaints_of(0).empty());
+  CHECK(complaint_of(0).empty());
 }
 
 }  // namespace

@@ -93,5 +93,32 @@ TEST_CASE_TEMPLATE(
   }
 }
 
+TEST_CASE_TEMPLATE("where thrust may not rise, the greater of both commands never does", S, float,
+                   double) {
+  constexpr std::uint32_t kSeed = 73;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> thrust(-25, 25);
+  Parameters p;
+  p.THR_REV_MAX = 12;  // the same thrust is a greater command astern
+  Thrusters<S> thrusters(p);
+  const auto step = [&](bool may_rise) {
+    const core::Thrust<S> wanted{S(thrust(random)), S(thrust(random))};
+    const auto out = thrusters.step(true, wanted, S(0.01), may_rise);
+    return std::max(std::abs(out.raw.cmd[0]), std::abs(out.raw.cmd[1]));
+  };
+  for (int run = 0; run < 20; ++run) {
+    int greatest = 0;
+    for (int k = 0; k < 50; ++k) greatest = step(true);
+    for (int k = 0; k < 200; ++k) {
+      const int next = step(false);
+      REQUIRE(next <= greatest);
+      greatest = next;
+    }
+  }
+  thrusters.step(false, {}, S(0.01));
+  CHECK(step(false) == 0);  // from rest there is nothing to keep
+}
+
 }  // namespace
 }  // namespace flotilla::app

@@ -25,7 +25,9 @@ using testing::frame_of;
 using testing::received_from;
 constexpr std::int64_t kTick_us = 10'000, kSecond_us = 1'000'000;
 /// All that the world, and not the operator, makes.
-constexpr core::Conditions kFair = core::kDrive | core::kArming;
+constexpr core::Conditions kFair = core::kDrive | core::kArming | core::kClear |
+                                   core::kCoastRunning | core::kLeaderLossHolds |
+                                   core::kGcsLossHolds;
 
 std::string text_of(const link::Statustext& t) {
   return {t.text.data(), ::strnlen(t.text.data(), t.text.size())};
@@ -143,16 +145,20 @@ struct Ship {
     tick();
     sticks(0, 0);
     if (wanted == State::kManual) command(mav::kCmdDoSetMode, 1, 0);
-    if (wanted == State::kFormation) command(mav::kCmdDoSetMode, 1, 6);
+    if (core::law_drives(wanted)) command(mav::kCmdDoSetMode, 1, 6);
     if (wanted == State::kTest) test_port();
     if (wanted == State::kFault) command(mav::kCmdDoFlightTermination, 1);
     tick();
+    if (wanted == State::kCoast) {
+      world ^= core::kLeaderFresh | core::kLeaderLossHolds | core::kLeaderLossCoasts;
+      tick();
+    }
     REQUIRE(state() == wanted);
   }
 };
 
-constexpr std::array kEveryState{State::kDisarmed,  State::kHold, State::kManual,
-                                 State::kFormation, State::kTest, State::kFault};
+constexpr std::array kEveryState{State::kDisarmed, State::kHold, State::kManual, State::kFormation,
+                                 State::kCoast,    State::kTest, State::kFault};
 
 // Answers.
 
@@ -245,7 +251,8 @@ TEST_CASE("a disarm behind any flood of requests is answered with the next tick"
   constexpr std::uint32_t kSeed = 61;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  for (const State from : {State::kHold, State::kManual, State::kFormation, State::kTest}) {
+  for (const State from :
+       {State::kHold, State::kManual, State::kFormation, State::kCoast, State::kTest}) {
     for (int round = 0; round < 30; ++round) {
       Ship s;
       s.bring_to(from);
@@ -440,7 +447,7 @@ TEST_CASE("a disarm leads out of every state, and an operator's heartbeat tells 
 
 TEST_CASE("every state has its heartbeat") {
   const std::array<std::array<unsigned, 3>, core::kStates> kExpected{
-      {{1, 4, 3}, {129, 4, 4}, {193, 0, 4}, {141, 6, 4}, {131, 4, 4}, {1, 4, 6}}};
+      {{1, 4, 3}, {129, 4, 4}, {193, 0, 4}, {141, 6, 4}, {141, 6, 5}, {131, 4, 4}, {1, 4, 6}}};
   for (const State state : kEveryState) {
     Ship s;
     s.bring_to(state);
@@ -623,7 +630,8 @@ TEST_CASE(
 
 TEST_CASE("a refusal is said once for each failing check, and not more often than twice a second") {
   Ship s;
-  s.world = core::kBusUp;
+  s.world = kFair &
+            ~(core::kOwnFresh | core::kEscsOnline | core::kParametersSaved | core::kSoleController);
   s.tick();
   int said = 0;
   for (int k = 0; k < 200; ++k) {

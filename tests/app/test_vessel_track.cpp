@@ -46,6 +46,17 @@ TEST_CASE_TEMPLATE("a vessel is carried forward from its last message, hours apa
   }
 }
 
+TEST_CASE_TEMPLATE("a state grows old while its vessel's clock is set back an hour", S, float,
+                   double) {
+  Watch<S> w;
+  for (int k = 0; k <= 10; ++k) w.hear(at(kHour_us + k * 100'000, 0.2F * float(k)), k * 100'000);
+  w.track.answered({5, 1}, 1'010'000, 1'020'000, 1'030'000);
+  CHECK(w.track.age_us(1'400'000) == 400'000);
+  CHECK(double(w.track.motion(1'400'000).moved_n.x) == doctest::Approx(0.8));
+  CHECK(w.track.fresh(1'499'999, kLimit_us));
+  CHECK_FALSE(w.track.fresh(1'500'000, kLimit_us));
+}
+
 TEST_CASE_TEMPLATE("another vessel, or our own voice, never moves a track", S, float, double) {
   Watch<S> w;
   w.hear(at(1000, 7), 1000, {6, 1});
@@ -157,13 +168,13 @@ TEST_CASE_TEMPLATE("a clock that leaps ahead by hours begins a new track, with n
   Watch<S> w;
   std::int64_t t = 0;
   for (; t <= 1'000'000; t += 100'000) w.hear(at(t, 1, 2), t);
-  w.hear(at(t + kHour_us, 30, -2), t);
-  CHECK(w.track.position().north_m == 30);
+  w.hear(at(t + kHour_us, 2, -2), t);
+  CHECK(w.track.position().north_m == 2);
   CHECK(w.track.age_us(t) == 0);
   CHECK(double(w.track.motion(t).nu_dot.u) == doctest::Approx(0));
   for (int k = 0; k < 20; ++k) {
     t += 100'000;
-    w.hear(at(t + kHour_us, 30, -2), t);
+    w.hear(at(t + kHour_us, 2, -2), t);
     REQUIRE(w.track.fresh(t, kLimit_us));
     REQUIRE(w.track.age_us(t) == 0);
   }
@@ -446,9 +457,11 @@ TEST_CASE_TEMPLATE("global positions need no origin, and the one that they get s
     const auto first = w.track.position().origin;
     CHECK(std::abs(w.track.position().east_m) < 1e-6);
     const double east_m = follow ? kFollowEast : kGlobalEast;
-    w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
-    if (follow) w.hear(follow_target_at(w.now_us, east_m + 2500), w.now_us);
-    if (!follow) w.hear(global_at(w.now_us, east_m + 2500), w.now_us);
+    for (int k = 0; k < 11; ++k, w.now_us += kPeriod_us) {  // a second until it is believed
+      w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
+      if (follow) w.hear(follow_target_at(w.now_us, east_m + 2500), w.now_us);
+      if (!follow) w.hear(global_at(w.now_us, east_m + 2500), w.now_us);
+    }
     CHECK(w.track.position().origin.longitude == first.longitude);
     CHECK(std::abs(w.track.position().east_m - 2500) < 0.01);
     w.hear(kOrigin, w.now_us);
@@ -464,9 +477,13 @@ TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the o
     w.hear(link::GlobalPositionInt{convert::boot_ms(us), 0, longitude, 0, 0, 0, 0, 0, 0}, us);
     return convert::near({0, 0, {0, 22'950'000, 0, 0}}, w.track.position());
   };
-  CHECK(hear(1'000'000, 22'950'000));
-  CHECK_FALSE(hear(1'100'000, 22'950'000 - 1'800'000'000));
-  CHECK(hear(1'200'000, 22'950'100));
+  std::int64_t us = 1'000'000;
+  CHECK(hear(us, 22'950'000));
+  // A second until another place is believed.
+  for (int k = 0; k < 11; ++k) hear(us += 100'000, 22'950'000 - 1'800'000'000);
+  CHECK_FALSE(hear(us += 100'000, 22'950'000 - 1'800'000'000));
+  for (int k = 0; k < 11; ++k) hear(us += 100'000, 22'950'100);
+  CHECK(hear(us += 100'000, 22'950'100));
 }
 
 TEST_CASE_TEMPLATE(

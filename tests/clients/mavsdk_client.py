@@ -19,8 +19,8 @@ from mavsdk.plugins.param import Param
 from mavsdk.plugins.telemetry import Telemetry
 
 from tests.clients.boat import Sea
+from tests.clients.fleet_sea import FleetSea
 from tests.target.linux.process import LOOPBACK
-from tests.target.stations import BOAT
 
 _LONGEST_CALL_S = 30.0
 
@@ -28,7 +28,7 @@ _LONGEST_CALL_S = 30.0
 class MavsdkClient:
     """The synchronous API: what blocks runs in a thread, what is subscribed fills lists."""
 
-    def __init__(self, sea: Sea) -> None:
+    def __init__(self, sea: Sea | FleetSea) -> None:
         self.sea = sea
         sea.client = self
         self._log: list[str] = []
@@ -101,15 +101,16 @@ class MavsdkClient:
 
     def command(self, number: int, *params: float) -> int:
         """A COMMAND_LONG's MAV_RESULT."""
+        boat = self.system.get_system_id()
         filled = [*params, *[0.0] * (7 - len(params))]
         fields = {
-            "target_system": BOAT,
+            "target_system": boat,
             "target_component": 1,
             "command": number,
             "confirmation": 0,
             **{f"param{i}": value for i, value in enumerate(filled, 1)},
         }
-        message = MavlinkMessage("COMMAND_LONG", 0, 0, BOAT, 1, json.dumps(fields))
+        message = MavlinkMessage("COMMAND_LONG", 0, 0, boat, 1, json.dumps(fields))
         ack = self.call(self.direct.send_command, message)
         result: int = json.loads(ack.fields_json)["result"]
         return result

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
+#include "core/answer.hpp"
+#include "core/coast.hpp"
+#include "core/jump.hpp"
 #include "core/manual.hpp"
 #include "core/observer.hpp"
 #include "core/piloted_boat.hpp"
@@ -42,6 +45,22 @@ template struct ObserverParams<Strict>;
 template struct Given<Strict>;
 template struct Observer<Strict>;
 template struct Fix<Strict>;
+template struct Commands<Strict>;
+template struct CoastState<Strict>;
+template struct OtherVessel<Strict>;
+template struct Traffic<Strict>;
+template struct SeparationParams<Strict>;
+template struct SeparationState<Strict>;
+template struct Separation<Strict>;
+template struct Intent<Strict>;
+template struct Way<Strict>;
+template struct AnswerParams<Strict>;
+template struct AnswerAxis<Strict>;
+template struct AnswerState<Strict>;
+template struct AnswerInput<Strict>;
+template struct JumpLimits<Strict>;
+template struct Leg<Strict>;
+template struct Surprise<Strict>;
 template struct ControllerParams<Strict>;
 template struct ControllerState<Strict>;
 template struct ControllerOutput<Strict>;
@@ -106,10 +125,31 @@ template Motion<Strict> moment_before(Motion<Strict>, Strict);
 template Nu<Strict> plus(const Nu<Strict>&, Strict, const Nu<Strict>&);
 template Motion<Strict> track_forward(const TrackState<Strict>&, Strict);
 template Strict track_uncertainty(const TrackState<Strict>&, Strict, Strict);
+template CoastState<Strict> coast_start(const Motion<Strict>&);
+template void coast_forward(Strict, CoastState<Strict>&, Strict);
+template Commands<Strict> limited(const Commands<Strict>&, Strict);
+template Strict predicted_distance(Strict, const OtherVessel<Strict>&, const Vec2<Strict>&);
+template Strict stopping_speed(Strict, Strict, Strict);
+template Way<Strict> way_to(Strict, const Vec2<Strict>&);
+template Intent<Strict> intent_of(const VirtualVelocityParams<Strict>&, Strict, const Vec2<Strict>&,
+                                  const Vec2<Strict>&);
+template Separation<Strict> separate(const SeparationParams<Strict>&, Strict,
+                                     SeparationState<Strict>&, const Traffic<Strict>&, Strict,
+                                     const Intent<Strict>&, VirtualVelocity<Strict>&);
+template void answer_axis(const AnswerParams<Strict>&, AnswerAxis<Strict>&,
+                          const AnswerInput<Strict>&, Strict);
+template void answer_forward(const AnswerParams<Strict>&, AnswerState<Strict>&, const Nu<Strict>&,
+                             const Nu<Strict>&, const Tau<Strict>&, Strict);
+template bool fails(const AnswerAxis<Strict>&, Strict, Strict);
+template bool answers(const AnswerParams<Strict>&, const AnswerState<Strict>&);
+template Strict beyond(Strict, Strict);
+template Strict beyond(const Vec2<Strict>&, const Vec2<Strict>&);
+template Surprise<Strict> surprise_of(const JumpLimits<Strict>&, const Leg<Strict>&, Strict);
 template ControllerState<Strict> controller_start(const Encounter<Strict>&);
 template ControllerOutput<Strict> controller_step(const ControllerParams<Strict>&,
                                                   ControllerState<Strict>&,
-                                                  const Encounter<Strict>&, Strict);
+                                                  const Encounter<Strict>&, Strict,
+                                                  const Traffic<Strict>*);
 
 namespace {
 

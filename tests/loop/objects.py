@@ -45,11 +45,11 @@ class ObjectWorld:
         for agent in self.agents:
             agent.record = lambda *record: self.records.append(record)
         seeds = generator(scenario.seed, Stream.LINKS)
-        for boat, vessel in zip(scenario.boat, self.boats, strict=True):
-            leader = self.agents[boat.follows]
-            for sender, receiver in ((leader, vessel), (vessel, leader)):
+        for pair in scenario.pairs():
+            ends = [self.agents[agent] for agent in pair]
+            for sender, receiver in (ends, ends[::-1]):
                 rng = SplitMix64(int(seeds.integers(1 << 64, dtype=np.uint64)))
-                link = Link(rng, **scenario.link.model_dump())
+                link = Link(rng, **scenario.link.quality)
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
         self.bodies = bodies_of([scenario])

@@ -4,6 +4,7 @@
 import re
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import flotilla
 import numpy as np
@@ -15,6 +16,7 @@ from sil.law import Law
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.scenario import FOLDER, Propellers, Scenario, ScenarioError, Vessel, load
+from sil.sections import Fault, FaultKind
 
 TWO_BOATS = """\
 duration_s = 10.0
@@ -95,8 +97,12 @@ def test_sections_that_diamond_spells_out_are_the_defaults() -> None:
 
 
 def test_diamond_shows_every_key() -> None:
-    document = tomllib.loads((FOLDER / "diamond.toml").read_text(encoding="utf-8"))
-    assert set(Scenario.model_fields) - document.keys() == {"name", "vary"}
+    text = (FOLDER / "diamond.toml").read_text(encoding="utf-8")
+    document = tomllib.loads(text)
+    # of what it has none, it shows what there would be
+    assert set(Scenario.model_fields) - document.keys() == {"name", "vary", "fault"}
+    assert all(kind in text for kind in get_args(FaultKind))
+    assert all(f"\n# {key} = " in text for key in Fault.model_fields)
     for section in ("vessel", "propellers", "water", "wind", "waves", "white_noise", "mismatch"):
         model = Scenario.model_fields[section].annotation
         assert document[section].keys() == model.model_fields.keys(), section
@@ -172,7 +178,11 @@ def test_overrides_lie_over_the_file() -> None:
     ("line", "new", "told"),
     [
         ("loss = 0.1", "los = 0.1", 'pair.toml:10: unknown key "link.los" (did you mean "loss"?)'),
-        ("loss = 0.1", "bandwidth_Hz = 1", "(allowed: delay_s, jitter_s, loss, rate_Bps)"),
+        (
+            "loss = 0.1",
+            "bandwidth_Hz = 1",
+            "(allowed: delay_s, jitter_s, loss, rate_Bps, everyone)",
+        ),
         ("[link]", "[lnk]", 'pair.toml:9: unknown key "lnk" (did you mean "link"?)'),
         (
             "offset_m = [-2, -2]",

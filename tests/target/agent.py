@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
@@ -38,11 +38,16 @@ class Agent:
     def truth(self, now_us: int) -> Course:
         return self.course.at((now_us - START_US) * 1e-6)
 
+    def measured(self, now_us: int) -> Course:
+        """No instrument says the same twice, in whatever calm: it trembles by a microradian."""
+        truth = self.truth(now_us)
+        return replace(truth, psi=truth.psi + 1e-6 * (now_us // self.period_us % 3))
+
     def wire(self, now_us: int) -> bytes:
         """What arrives at the boat now."""
         if self.on and now_us >= self.next_us:
             self.next_us = now_us + self.period_us
-            self.post(now_us, odometry(self.truth(now_us), self.clock(now_us)))
+            self.post(now_us, odometry(self.measured(now_us), self.clock(now_us)))
         if self.on and now_us >= self.next_second_us:
             self.next_second_us = now_us + 1_000_000
             if self.beats:

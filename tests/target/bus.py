@@ -102,12 +102,13 @@ cached_esc_status = functools.cache(esc_status)
 
 @dataclass
 class Esc:
-    """An ESC that only says how it is."""
+    """An ESC that only says how it is: at rest, for it hears no command."""
 
     node: int
     index: int
     on: bool = True
     health: int = 0
+    voltage: float = 24.5
     sent: int = 0
     beats: int = 0
     next_status_us: int = 0
@@ -119,7 +120,10 @@ class Esc:
         if now_us >= self.next_status_us:
             self.next_status_us = now_us + 100_000
             self.sent += 1
-            yield from cached_esc_status(self.node, self.index, self.sent % 32)
+            still = {"rpm": 0, "power_rating_pct": 0}
+            yield from cached_esc_status(
+                self.node, self.index, self.sent % 32, voltage=self.voltage, **still
+            )
         if now_us >= self.next_beat_us:
             self.next_beat_us = now_us + 1_000_000
             self.beats += 1

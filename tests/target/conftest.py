@@ -19,11 +19,13 @@ def sea() -> Sea:
 @pytest.fixture(scope="session")
 def voyage() -> Sea:
     """Ten minutes that show everything a boat ever says, on two links."""
-    # This truth does not answer to thrust: an observer would learn what is not there.
+    # This truth does not answer to thrust: an observer would learn what is not there, and a boat
+    # that is not in its slot would find that it does not answer.
     sea = Sea(
         {"CTL_RATE": 50, "LAW_OBS_BW": 0.0, "LAW_CUR_BW": 0.0},
         links=2,
         own=Course(3.0, -4.0, 2.5, 0.6, 0.1, 0.05),
+        leader=Course(3.0, -4.0, 2.5, 0.6, 0.1, 0.05),
     )
     sea.leader.answers_timesync = True
     sea.run(1.0)
@@ -38,7 +40,7 @@ def voyage() -> Sea:
         sea.mode(FORMATION)
         sea.run(5.0)
         silent = (sea.leader, sea.own, sea.escs[k % 2])[k % 3]
-        silent.on = False  # HOLD, HOLD, FAULT
+        silent.on = False  # COAST, HOLD, FAULT
         sea.run(2.0)
         silent.on = True
         sea.order(511, 30.0, 1e5)

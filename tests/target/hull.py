@@ -111,10 +111,14 @@ class Afloat(Sea):
         t_s = (self.now_us - START_US) * 1e-6
         tick = super().tick_only()
         h = self.period_us * 1e-6
-        self.hull.advance(*wrench(tick.commands), h)
+        self.hull.advance(*wrench(self.obeyed(tick.commands)), h)
         if self.thrusting and isinstance(self.leader, Helmsman):
             self.leader.hull.advance(*self.thrusting(t_s), h)
         return tick
+
+    def obeyed(self, commands: tuple[int, ...]) -> tuple[int, ...]:
+        """What the propellers make of their commands."""
+        return commands
 
     def off_slot(self, north: float = 0.0, east: float = 0.0) -> tuple[float, float, float]:
         """Where the boat is from a slot there, in its own axes: m, m, rad."""

@@ -19,7 +19,7 @@ from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import COMPONENT, SYSTEM
 from tests.loop.vessel import NAVIGATION_COMPONENT, ORIGIN, Vessel, VirtualLeader
 
-STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "TEST", "FAULT")
+STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT")
 _NOWHERE = (0, 0)
 
 Array = NDArray[Any]

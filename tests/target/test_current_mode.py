@@ -47,7 +47,9 @@ def test_a_boat_that_fell_to_hold_says_what_it_was_meant_to_do(sea: Sea) -> None
     sea.mode(FORMATION)
     assert current_mode(sea) == (FORMATION, FORMATION)
     sea.leader.on = False
-    sea.run_until("HOLD", 2.0)
+    sea.run_until("COAST", 2.0)
+    assert current_mode(sea) == (FORMATION, FORMATION)
+    sea.run_until("HOLD", 6.0)
     told = sea.ticks[-1].named("CURRENT_MODE")
     assert [(m.custom_mode, m.intended_custom_mode) for m in told] == [(HOLD, FORMATION)]
     assert current_mode(sea) == (HOLD, FORMATION)

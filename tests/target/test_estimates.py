@@ -150,7 +150,7 @@ def test_a_boat_that_was_told_nonsense_finds_its_slot_again() -> None:
         sea.say(odometry(course, sea.now_us), sender=sea.own.station)
         sea.run(0.05)
     sea.own.on = True
-    sea.run(0.5)
+    sea.run(2.5)  # a second until it is believed, and one until it is steady
     sea.mode(FORMATION)
     sea.run(60.0)
     assert sea.state == "FORMATION" and math.hypot(*sea.off_slot()[:2]) < 0.1

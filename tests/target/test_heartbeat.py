@@ -8,7 +8,7 @@ import numpy as np
 from tests.target.sea import Sea
 from tests.target.stations import ARMED_BIT, FORMATION, HOLD
 
-STANDBY, ACTIVE, EMERGENCY = 3, 4, 6
+STANDBY, ACTIVE, CRITICAL, EMERGENCY = 3, 4, 5, 6
 CUSTOM, AUTO, GUIDED = 1, 4, 8
 
 
@@ -17,6 +17,7 @@ def test_the_heartbeat_tells_vehicle_mode_and_status(voyage: Sea) -> None:
         "DISARMED": (CUSTOM, HOLD, STANDBY),
         "HOLD": (CUSTOM | ARMED_BIT, HOLD, ACTIVE),
         "FORMATION": (CUSTOM | ARMED_BIT | AUTO | GUIDED, FORMATION, ACTIVE),
+        "COAST": (CUSTOM | ARMED_BIT | AUTO | GUIDED, FORMATION, CRITICAL),
         "FAULT": (CUSTOM, HOLD, EMERGENCY),
     }
     seen, state = set(), "DISARMED"

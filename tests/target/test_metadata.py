@@ -99,7 +99,14 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
         {"value": -1, "description": "reversed"},
         {"value": 1, "description": "normal"},
     ]
+    action = [
+        {"value": 0, "description": "HOLD"},
+        {"value": 1, "description": "COAST, then HOLD"},
+        {"value": 2, "description": "MANUAL with fresh sticks"},
+    ]
     assert choices == {
+        "FS_LEADER_ACT": action,
+        "FS_GCS_ACT": action,
         "MAV_IDENTITY": [
             {"value": 0, "description": "vehicle"},
             {"value": 1, "description": "companion"},

@@ -47,8 +47,11 @@ def say_own(sea: Sea, resets: int, north: float = 0.0, late_us: int = 0) -> None
     sea.say(message, sender=sea.own.station)
 
 
-def sailing(**parameters: float) -> Sea:
-    sea = Sea(parameters, own=Course(1.0, 2.0, 0.3, 0.6, 0.1, 0.05), leader=TURN)
+OWN = Course(1.0, 2.0, 0.3, 0.6, 0.1, 0.05)
+
+
+def sailing(leader: Course = TURN, **parameters: float) -> Sea:
+    sea = Sea(parameters, own=OWN, leader=leader)
     sea.enter_formation()
     sea.run(1.0)
     sea.own.on = False
@@ -102,11 +105,11 @@ def test_a_reset_without_a_jump_neither_breaks_nor_jolts(first: int) -> None:
 
 def test_after_a_reset_the_boat_is_where_the_new_estimate_says() -> None:
     """Ten metres in a tick are no speed: neither told nor steered by."""
-    sea = sailing(LAW_OBS_BW=0.0)  # this truth does not answer to thrust
-    for _ in range(20):
+    sea = sailing(OWN, LAW_OBS_BW=0.0)  # this truth does not answer to thrust
+    for _ in range(8):
         say_own(sea, 3)
         sea.run(0.05)
-    for _ in range(20):
+    for _ in range(8):
         say_own(sea, 4, north=10.0)
         for tick in sea.run(0.05):
             assert sea.condition("own_fresh") and sea.state == "FORMATION"

@@ -78,7 +78,7 @@ def test_from_the_first_driven_tick_on_the_commands_are_the_published_laws(
     sea.run(0.3)
     assert not any(sea.commands)
     law = Published(sea.leader.course)
-    for tick in [sea.mode(FORMATION), *sea.run(2.0)]:
+    for tick in [sea.mode(FORMATION), *sea.run(0.5)]:
         now_us = tick.now_us
         wanted = law.commands(sea.own.truth(now_us), sea.leader.truth(now_us))
         assert tick.commands == pytest.approx(wanted, abs=0.6), now_us

@@ -201,6 +201,8 @@ def another_value(p: dict[str, Any]) -> float:
         return float(-p["default"])
     if p["kind"] == "frame":
         return float(1 - p["default"])
+    if p["kind"] == "action":
+        return 2.0 - p["default"] if p["default"] != 1 else 0.0
     if p["integer"]:
         return float(p["default"] + (2 if p["default"] + 2 <= p["greatest"] else -2))
     inside = p["default"] + 0.1 * (p["greatest"] - p["default"])
@@ -476,7 +478,7 @@ def test_mode_tells_what_others_have_set_and_what_the_boat_did_itself(sea: Sea) 
     tick = sea.mode(FORMATION)
     assert mode_values([tick, *sea.run(0.1)]) == [6.0]
     sea.leader.on = False
-    sea.run_until("HOLD", 2.0)
+    sea.run_until("HOLD", 7.0)
     assert mode_values([sea.ticks[-1], *sea.run(0.1)]) == [4.0]
     assert sea.boat.parameters()["MODE"] == 4.0
 
@@ -543,7 +545,7 @@ NEW = 9
 
 
 def test_another_leader_is_followed_only_once_it_is_heard_and_asked_for() -> None:
-    sea = at_sea()
+    sea = at_sea({"FS_LEADER_ACT": 0.0})
     sea.say(param_set("FORM_LEADER", float(NEW)))
     tick = sea.step()
     assert sea.state == "HOLD" and tick.commands == (0, 0)
@@ -558,6 +560,25 @@ def test_another_leader_is_followed_only_once_it_is_heard_and_asked_for() -> Non
         if k > 50:
             assert sea.condition("leader_fresh") and sea.state == "HOLD"
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, ACCEPTED)]
+    ahead, starboard, turn = sea.own_course().minus(new.truth(sea.now_us))
+    error = sea.snapshot()["error"]
+    assert (error["x_m"], error["y_m"], error["psi_rad"]) == pytest.approx(
+        (ahead, starboard, turn), abs=0.05
+    )
+
+
+def test_in_coast_another_leader_is_followed_as_soon_as_it_is_heard() -> None:
+    sea = at_sea()
+    sea.say(param_set("FORM_LEADER", float(NEW)))
+    sea.step()
+    assert sea.state == "COAST"
+    sea.run(1.0)
+    assert sea.state == "COAST" and not sea.condition("leader_fresh")
+    new = Agent(Station(NEW, 1), Course(3.0, 3.0, 0.4, 0.5), 100_000)
+    for _ in range(50):
+        sea.boat.on_mavlink(new.wire(sea.now_us), sea.now_us)
+        sea.step()
+    assert sea.state == "FORMATION"
     ahead, starboard, turn = sea.own_course().minus(new.truth(sea.now_us))
     error = sea.snapshot()["error"]
     assert (error["x_m"], error["y_m"], error["psi_rad"]) == pytest.approx(

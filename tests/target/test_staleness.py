@@ -21,7 +21,7 @@ LIMITS = {
 def test_propellers_stop_within_one_tick_of_the_time_limit(
     who: str, rate: int, limit_s: float
 ) -> None:
-    sea = at_sea({LIMITS[who][0]: limit_s, "CTL_RATE": rate})
+    sea = at_sea({LIMITS[who][0]: limit_s, "FS_LEADER_ACT": 0.0, "CTL_RATE": rate})
     last_us = sea.silence(who)
     for _ in range(round((limit_s + 0.5) * rate)):
         tick = sea.step()
@@ -34,7 +34,7 @@ def test_propellers_stop_within_one_tick_of_the_time_limit(
 
 @pytest.mark.parametrize("who", LIMITS)
 def test_a_boat_that_stops_says_state_and_reason(who: str) -> None:
-    sea = at_sea()
+    sea = at_sea({"FS_LEADER_ACT": 0.0})
     sea.silence(who)
     sea.ticks.clear()
     sea.run(1.5)
@@ -52,7 +52,7 @@ def test_a_boat_that_stops_says_state_and_reason(who: str) -> None:
 
 @pytest.mark.parametrize("who", ["own", "leader"])
 def test_hold_stays_when_they_speak_again(who: str) -> None:
-    sea = at_sea()
+    sea = at_sea({"FS_LEADER_ACT": 0.0})
     sea.silence(who)
     sea.run(1.5)
     getattr(sea, who).on = True

@@ -138,6 +138,8 @@ def test_a_stranger_cannot_revive_a_silent_leader_or_navigation_unit() -> None:
         for _ in range(150):
             sea.say(odometry(Course(), sea.now_us), origin(), sender=Station(STRANGER, 1))
             sea.step()
+        assert sea.state == ("HOLD" if who == "own" else "COAST")
+        sea.run(5.0)
         assert sea.state == "HOLD" and sea.commands == (0, 0)
 
 

@@ -2,7 +2,8 @@
 """One flotillad on vcan0 in real time, and everybody around it, played by one thread.
 
 Navigation unit, leader and operator talk MAVLink over one UDP link, two ESCs behave as AM32 does.
-They stay where they are told to be: the leader turns away, so that every propeller is kept busy.
+They stay where they are told to be, all but 1 mm/s, so that no two states are the same: the leader
+turns away, so that every propeller is kept busy.
 All waiting is for a socket or the next word that is due, until a deadline.
 """
 
@@ -16,10 +17,12 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
+from sil.ordinary_user import ordinary_user
 from sil.wire.esc_node import EscNode
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
 from tests.target.course import Course
+from tests.target.hull import ARM_M, GREATEST_N, Helmsman, Hull
 from tests.target.linux.process import PATIENT
 from tests.target.sea import TURN
 from tests.target.stations import (
@@ -45,6 +48,7 @@ ESC_NODES = (31, 32)
 ACCEPTED, EMERGENCY = 0, 6
 
 _STEP_US = 10_000
+_LONGEST_S = 0.1
 _PATIENCE_S = 5.0
 _RETRY_US = 50_000
 _MESSAGE = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | 0xFFFF80
@@ -76,8 +80,10 @@ class Boat:
         self._folder = folder
         self._results: list[int] = []
         self._gcs = Station(GCS, GCS_COMPONENT)
+        self._hull = Hull([1.0, 2.0, 0.3, 0.0, 0.0, 0.0])
+        self._moved_us = now_us()
         self._agents = (
-            Agent(Station(BOAT, NAVIGATION), Course(1.0, 2.0, 0.3), 50_000, beats=False),
+            Helmsman(Station(BOAT, NAVIGATION), Course(), 50_000, beats=False, hull=self._hull),
             Agent(Station(LEADER, LEADER_COMPONENT), TURN, 100_000),
         )
         for agent in self._agents:
@@ -105,6 +111,7 @@ class Boat:
         self._peer = None
         self.process = subprocess.Popen(
             [
+                *ordinary_user(),
                 FLOTILLAD,
                 f"--can=socketcan:{INTERFACE}",
                 f"--mavlink=udpout:127.0.0.1:{self._udp.getsockname()[1]}",
@@ -175,14 +182,22 @@ class Boat:
         return t_us - self._start_us + START_US
 
     def _speak(self, t_us: int) -> None:
+        self._sail(t_us)
         for agent in self._agents:
             self._say(agent.wire(self._clock(t_us)))
         if not self.escs_speak:
             return
         for esc in self.escs:
-            for frame in esc.tick(t_us, 1000.0, 24.0, 1.0):
+            for frame in esc.tick(t_us, 1000.0 * esc.command(t_us), 24.0, 1.0):
                 self.esc_frames += 1
                 self.can.send(*frame)
+
+    def _sail(self, t_us: int) -> None:
+        """As the propellers drive it; of a time in which nobody looked, a moment."""
+        port, stbd = (GREATEST_N * esc.command(t_us) for esc in self.escs)
+        h = min(1e-6 * (t_us - self._moved_us), _LONGEST_S)
+        self._hull.advance(port + stbd, ARM_M * (port - stbd), h)
+        self._moved_us = t_us
 
     def _say(self, wire: bytes) -> None:
         if wire and self._peer is not None:

@@ -18,6 +18,11 @@ constexpr const char* kDescription =
 Every option is also a key of the configuration file (TOML, without the dashes); the command line
 wins. A list of links on the command line replaces the file's, a parameter replaces its namesake.)";
 
+// Whoever finds a mistake in what decodes the bytes of radio and bus shall not own the machine.
+constexpr const char* kNotAsRoot =
+    "does not run as root: use its systemd unit, firmware/target/linux/flotillad.service, or start "
+    "it as another user (setpriv --reuid=USER --regid=GROUP --init-groups flotillad ...)";
+
 constexpr const char* kFooter = R"(
 CAN buses:
   socketcan:IF           a CAN interface of Linux, such as can0 or vcan0
@@ -28,8 +33,9 @@ MAVLink links, each with options behind it:
   ,signing=POLICY        off: no signatures; accept: signs, takes unsigned messages too; required:
                          takes signed ones only. accept where there is a signing-key, else off
 and these addresses:
-  udpin:HOST:PORT        waits there, answers everybody who has talked to it
-  udpout:HOST:PORT       talks to one
+  udpin:[HOST:]PORT      waits at that address of this machine, 127.0.0.1 without HOST; answers
+                         everybody who has talked to it
+  udpout:HOST:PORT       talks to one, hears nobody else
   udpbcast:HOST:PORT     talks to a broadcast address
   serial:DEVICE:BAUD     a serial port, such as serial:/dev/ttyUSB0:57600,rate=3000
 
@@ -130,7 +136,7 @@ Config combined(const CLI::App& app, const Options& options) {
 
 }  // namespace
 
-std::variant<Config, Ending> read_config(std::span<const char* const> arguments) {
+std::variant<Config, Ending> read_config(std::span<const char* const> arguments, bool by_root) {
   CLI::App app(kDescription, "flotillad");
   Options options;
   define(app, options);
@@ -146,6 +152,7 @@ std::variant<Config, Ending> read_config(std::span<const char* const> arguments)
       if (empty_value) words.push_back("");
     }
     app.parse(static_cast<int>(words.size()), words.data());
+    if (by_root) throw ConfigError(kNotAsRoot);
     return combined(app, options);
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, complaint;

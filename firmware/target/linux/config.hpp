@@ -58,7 +58,8 @@ struct Ending {
 
 /// Reads options and the file that --config names. A mistake is one line that says the file, line
 /// and key, or the option, and what is allowed there. `arguments` begins with the program's name.
-std::variant<Config, Ending> read_config(std::span<const char* const> arguments);
+/// Started `by_root` it is a mistake to sail, found before any file is opened.
+std::variant<Config, Ending> read_config(std::span<const char* const> arguments, bool by_root);
 
 void apply(const ParameterOverrides& overrides, app::Parameters& parameters);
 

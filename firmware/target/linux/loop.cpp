@@ -237,6 +237,9 @@ void Loop::send(const app::Boat<float>::Output& out, std::int64_t now_us) {
 void Loop::keep_house(std::int64_t now_us) {
   house_kept_us_ = now_us;
   bus_->maintain();
+  if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
+    say(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
+  }
   for (const auto& link : links_) link->maintain();
   if (const auto complaint = logs_.complaint()) say(*complaint);
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {

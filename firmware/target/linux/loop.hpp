@@ -56,6 +56,7 @@ class Loop {
   bool save_failed_ = false;   // the last one did, which was said
   ParameterSaver saver_;
   std::unique_ptr<CanBus> bus_;
+  bool bus_usable_ = true;  // as it was said last
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   NodeTable node_table_;
   Logs logs_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // flotillad: the autopilot as a program of a Linux companion computer.
+#include <unistd.h>
+
 #include <cstdio>
 #include <exception>
 #include <span>
@@ -10,7 +12,8 @@
 
 int main(int argc, char** argv) {
   using namespace flotilla::target;
-  const auto read = read_config(std::span<const char* const>(argv, static_cast<std::size_t>(argc)));
+  const std::span<const char* const> arguments(argv, static_cast<std::size_t>(argc));
+  const auto read = read_config(arguments, ::geteuid() == 0);
   if (const auto* ending = std::get_if<Ending>(&read)) {
     std::fputs(ending->text.c_str(), ending->status == 0 ? stdout : stderr);
     return ending->status;

@@ -25,16 +25,21 @@ namespace {
   throw std::runtime_error("MAVLink link \"" + std::string(address) + "\": " + why);
 }
 
+constexpr const char* kLoopback = "127.0.0.1";
+
 struct Address {
   std::string scheme, place, number;
 };
 
-/// "a:b:c"; the middle part may itself have no colon.
+/// "a:b:c"; the middle part may itself have no colon. "udpin:c" stays on this machine.
 Address split(std::string_view address) {
   const std::size_t first = address.find(':'), last = address.rfind(':');
+  if (first == last && address.starts_with("udpin:")) {
+    return {"udpin", kLoopback, std::string(address.substr(first + 1))};
+  }
   if (first == std::string_view::npos || first == last) {
     refuse(address,
-           "must be udpin:HOST:PORT, udpout:HOST:PORT, udpbcast:HOST:PORT or serial:DEVICE:BAUD");
+           "must be udpin:[HOST:]PORT, udpout:HOST:PORT, udpbcast:HOST:PORT or serial:DEVICE:BAUD");
   }
   return {std::string(address.substr(0, first)),
           std::string(address.substr(first + 1, last - first - 1)),
@@ -54,39 +59,46 @@ bool same(const sockaddr_in& a, const sockaddr_in& b) {
   return a.sin_addr.s_addr == b.sin_addr.s_addr && a.sin_port == b.sin_port;
 }
 
-/// Datagrams. A fixed peer (udpout, udpbcast), or whoever talked to us most recently (udpin).
+const sockaddr* generic(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+FileDescriptor udp_socket() {
+  FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int yes = 1;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+  return socket;
+}
+
+/// Datagrams. A fixed peer (udpout, udpbcast), or whoever talked to us most recently (udpin). Bound
+/// to one address of this machine: that which is named, or where the way to the peer begins.
 class UdpEndpoint final : public MavlinkEndpoint {
  public:
   UdpEndpoint(std::string_view address, const Address& parts)
-      : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
-        learns_(parts.scheme == "udpin") {
-    sockaddr_in there{};
-    there.sin_family = AF_INET;
-    there.sin_port = htons(static_cast<std::uint16_t>(number_of(address, parts.number, 65535)));
-    if (::inet_pton(AF_INET, parts.place.c_str(), &there.sin_addr) != 1) {
+      : learns_(parts.scheme == "udpin"), broadcasts_(parts.scheme == "udpbcast") {
+    named_.sin_family = AF_INET;
+    named_.sin_port = htons(static_cast<std::uint16_t>(number_of(address, parts.number, 65535)));
+    if (::inet_pton(AF_INET, parts.place.c_str(), &named_.sin_addr) != 1) {
       refuse(address, "\"" + parts.place + "\" is no numeric IPv4 address");
     }
-    if (!socket_) refuse(address, std::strerror(errno));
-    const int yes = 1;
-    if (parts.scheme == "udpbcast") {
-      ::setsockopt(socket_.get(), SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+    const int error = open();
+    lost_ = error != 0;
+    if (learns_ && lost_) {
+      refuse(address, std::string("cannot listen there: ") + std::strerror(error));
     }
-    if (!learns_) {
-      peers_.push_back({there, 0});
-    } else if (::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&there), sizeof there) !=
-               0) {
-      refuse(address, std::string("cannot listen there: ") + std::strerror(errno));
-    }
+    if (lost_ && error != ENETUNREACH) refuse(address, std::strerror(error));
     peers_.reserve(kMostPeers);
+    if (!learns_) peers_.push_back({named_, 0});
   }
 
   void send(std::span<const std::uint8_t> messages) override {
     for (const Peer& peer : peers_) {
-      const ssize_t sent =
-          ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
-                   reinterpret_cast<const sockaddr*>(&peer.address), sizeof peer.address);
+      const ssize_t sent = ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
+                                    generic(peer.address), sizeof peer.address);
       // ECONNREFUSED: nobody listens there yet; MAVLink repeats itself.
-      if (sent < 0 && errno != ECONNREFUSED) ++dropped_;
+      if (sent >= 0 || errno == ECONNREFUSED) continue;
+      ++dropped_;
+      lost_ = errno != EAGAIN && errno != ENOBUFS;
     }
   }
 
@@ -102,9 +114,33 @@ class UdpEndpoint final : public MavlinkEndpoint {
 
   bool datagrams() const override { return true; }
   int descriptor() const override { return socket_.get(); }
-  void maintain() override {}
+
+  /// Where the network came late, or this machine's address has changed.
+  void maintain() override {
+    if (lost_ && !learns_) lost_ = open() != 0;
+  }
 
  private:
+  /// 0, or what was wrong.
+  int open() {
+    FileDescriptor socket = udp_socket();
+    sockaddr_in own = named_;
+    if (!learns_) {
+      socklen_t length = sizeof own;
+      if (::connect(socket.get(), generic(named_), sizeof named_) != 0 ||
+          ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&own), &length) != 0) {
+        return errno;
+      }
+      own.sin_port = 0;
+    }
+    // Connected it would not hear those who answer a broadcast.
+    if (broadcasts_) socket = udp_socket();
+    const bool bound = !learns_ && !broadcasts_;
+    if (!bound && ::bind(socket.get(), generic(own), sizeof own) != 0) return errno;
+    socket_ = std::move(socket);
+    return 0;
+  }
+
   static constexpr std::size_t kMostPeers = 8;
   struct Peer {
     sockaddr_in address;
@@ -126,8 +162,10 @@ class UdpEndpoint final : public MavlinkEndpoint {
     }
   }
 
+  bool learns_, broadcasts_;
+  bool lost_ = false;  // nothing can be sent from here any more, or not yet
+  sockaddr_in named_{};
   FileDescriptor socket_;
-  bool learns_;
   std::vector<Peer> peers_;
   std::uint64_t clock_ = 0;
 };

@@ -37,12 +37,13 @@ class MavlinkEndpoint {
   std::uint64_t dropped_ = 0;  ///< calls of send() whose bytes could not be sent
 };
 
-/// udpin:HOST:PORT     waits there and answers everybody who has talked to it
-/// udpout:HOST:PORT    talks to one, and hears whoever answers
+/// udpin:[HOST:]PORT   waits there, at 127.0.0.1 without HOST; answers all who have talked to it
+/// udpout:HOST:PORT    talks to one, and hears nobody else
 /// udpbcast:HOST:PORT  talks to a broadcast address, and hears whoever answers
 /// serial:DEVICE:BAUD  a serial port, 8N1, raw; one that is absent is opened when it comes
 ///
-/// HOST is a numeric IPv4 address. Throws std::runtime_error that says what is wrong.
+/// HOST is a numeric IPv4 address. Each is bound to one address of this machine, all but udpin's to
+/// the one where the way to HOST begins; a way that comes later is waited for. Throws std::runtime_error that says what is wrong.
 std::unique_ptr<MavlinkEndpoint> open_mavlink_endpoint(std::string_view address);
 
 }  // namespace flotilla::target

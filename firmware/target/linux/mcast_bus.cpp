@@ -113,6 +113,8 @@ int McastBus::open() {
                     ::connect(out.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, SOL_SOCKET, SO_REUSEADDR, 1) &&
                     set_option(in, SOL_SOCKET, SO_RXQ_OVFL, 1) &&
+                    // Else what other programs have joined elsewhere comes in too.
+                    set_option(in, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
                     ::bind(in.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership) &&
                     ::getsockname(out.get(), reinterpret_cast<sockaddr*>(&own_), &size) == 0;

@@ -10,9 +10,10 @@
 #include <variant>
 
 #include "app/text.hpp"
-#include "fleet.hpp"
 #include "fleet_values.hpp"
+#include "policies/rules.hpp"
 #include "snapshot.hpp"
+#include "target/fleet/fleet.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;
@@ -55,6 +56,12 @@ class PyFleet {
     return *found;
   }
 
+  /// The agent, which can have the fault.
+  static std::size_t with(const auto& fleet, std::size_t i, const Fault& fault) {
+    if (is_boats(fault.kind)) boat(fleet, i);
+    return agent(fleet, i);
+  }
+
   static RadioLink& link_of(auto& fleet, std::size_t link) {
     if (link >= fleet.links()) {
       refuse("link " + std::to_string(link) + ": there are " + std::to_string(fleet.links()));
@@ -63,11 +70,13 @@ class PyFleet {
   }
 
  public:
-  PyFleet(const std::string& scalar, bool record, bool profile) {
+  PyFleet(const std::string& scalar, bool record, bool profile, bool inject_failures) {
     if (scalar == "float") {
-      fleet_.emplace<std::unique_ptr<Fleet<float>>>(new Fleet<float>(record, profile));
+      fleet_.emplace<std::unique_ptr<Fleet<float>>>(
+          new Fleet<float>(record, profile, inject_failures));
     } else if (scalar == "double") {
-      fleet_.emplace<std::unique_ptr<Fleet<double>>>(new Fleet<double>(record, profile));
+      fleet_.emplace<std::unique_ptr<Fleet<double>>>(
+          new Fleet<double>(record, profile, inject_failures));
     } else {
       refuse("scalar: \"float\" or \"double\", not \"" + scalar + "\"");
     }
@@ -145,6 +154,25 @@ class PyFleet {
     });
   }
 
+  void heartbeat(const std::vector<std::size_t>& agents, std::int64_t t_us) {
+    visit([&](auto& f) {
+      for (const std::size_t agent : agents) boat(f, agent);
+      for (const std::size_t agent : agents) f.heartbeat(boat(f, agent), time_from(t_us));
+    });
+  }
+
+  void set_fault(std::size_t i, const std::string& kind, std::int64_t t_us, double value,
+                 const nb::object& esc, std::uint64_t seed) {
+    const Fault fault = fault_from(kind, value, esc, seed);
+    visit([&](auto& f) { f.set_fault(with(f, i, fault), fault, time_from(t_us)); });
+  }
+
+  void clear_fault(std::size_t i, const std::string& kind, std::int64_t t_us,
+                   const nb::object& esc) {
+    const Fault fault = fault_from(kind, 0.0, esc, 0);
+    visit([&](auto& f) { f.clear_fault(with(f, i, fault), fault, time_from(t_us)); });
+  }
+
   nb::object states() const {
     return visit([](auto& f) {
       auto* states = new std::uint8_t[f.boats()];
@@ -178,6 +206,16 @@ class PyFleet {
     });
   }
 
+  nb::list violations() const {
+    return visit([](auto& f) {
+      nb::list out;
+      for (const auto& [agent, t_us, rule] : f.violations()) {
+        out.append(nb::make_tuple(agent, t_us, nb::str(rule.data(), rule.size())));
+      }
+      return out;
+    });
+  }
+
   nb::dict profile() {
     constexpr std::array<const char*, kStages> kNames{"units", "decode", "tick", "can", "links"};
     const Seconds seconds = visit([](auto& f) { return f.take_profile(); });
@@ -199,14 +237,29 @@ void bind_fleet(nb::module_& m) {
     states.append(nb::str(name.data(), name.size()));
   }
   m.attr("STATES") = nb::tuple(states);
+  m.def(
+      "policies",
+      [] {
+        nb::list out;
+        for (const auto& [group, name, holds] : policies::kRules) {
+          out.append(nb::make_tuple(nb::str(group.data(), group.size()),
+                                    nb::str(name.data(), name.size())));
+        }
+        return out;
+      },
+      "The rules that every boat of a Fleet is watched by in every tick: (group, name).");
+  nb::list faults;
+  for (const std::string_view name : kFaultNames) faults.append(nb::str(name.data(), name.size()));
+  m.attr("FAULTS") = nb::tuple(faults);
   nb::class_<PyFleet>(
       m, "Fleet",
       "Everything that is on a wire in lockstep runs, many at once: navigation units, boats with "
       "their ESCs, radio links, clocks. Agents (leaders and boats) and links are counted from 0 in "
       "order of adding; times are the world's, microseconds. scalar of the boats' law: \"float\" "
-      "or \"double\". Bad values: ValueError or TypeError says which.")
-      .def(nb::init<const std::string&, bool, bool>(), "scalar"_a = "float", "record"_a = false,
-           "profile"_a = false)
+      "or \"double\". inject_failures: boats obey MAV_CMD_INJECT_FAILURE, which no other build "
+      "does. Bad values: ValueError or TypeError says which.")
+      .def(nb::init<const std::string&, bool, bool, bool>(), "scalar"_a = "float",
+           "record"_a = false, "profile"_a = false, "inject_failures"_a = false)
       .def("add_leader", &PyFleet::add_leader, "run"_a, "system"_a, "unit"_a, "clock"_a,
            "A vehicle that is only a navigation unit; its agent number. unit: (rate_hz, message, "
            "attitude_rate_hz) and, where wanted, (latitude degE7, longitude degE7, altitude mm) "
@@ -237,6 +290,19 @@ void bind_fleet(nb::module_& m) {
       .def("command", &PyFleet::command, "agents"_a, "t_us"_a, "command"_a, "params"_a,
            "COMMAND_LONG with up to 7 params over the radio to each of these boats, from their "
            "run's ground station (255/190).")
+      .def("heartbeat", &PyFleet::heartbeat, "agents"_a, "t_us"_a,
+           "HEARTBEAT of that ground station, over the radio to each of these boats.")
+      .def(
+          "set_fault", &PyFleet::set_fault, "agent"_a, "kind"_a, "t_us"_a, "value"_a = 0.0,
+          "esc"_a = nb::none(), "seed"_a = 0,
+          "Something goes wrong from the next tick on. kind: one of flotilla.FAULTS; value: metres "
+          "(own_jump, impostor), seconds (own_clock, clock, replay), volts (esc_voltage) or a "
+          "share "
+          "(frame_loss, radio_loss, byte_errors); esc: \"port\", \"stbd\" or None for both; seed: "
+          "of what is "
+          "lost or damaged.")
+      .def("clear_fault", &PyFleet::clear_fault, "agent"_a, "kind"_a, "t_us"_a,
+           "esc"_a = nb::none(), "It is over; nothing happens where there is none.")
       .def_prop_ro("states", &PyFleet::states,
                    "(boats,) uint8: the supervisors' states after the last tick, as numbers in "
                    "flotilla.STATES.")
@@ -246,6 +312,9 @@ void bind_fleet(nb::module_& m) {
       .def("take_records", &PyFleet::take_records, "run"_a,
            "What went over the run's wires since the last call, as sil/recording.py has it; needs "
            "record=True.")
+      .def("violations", &PyFleet::violations,
+           "What each boat has broken first of flotilla.policies(), in the order of time: (agent, "
+           "t_us, name).")
       .def("profile", &PyFleet::profile,
            "Seconds by stage since the last call: units, decode (of MAVLink), tick (of the boats), "
            "can, links; zeros without profile=True.");

@@ -3,6 +3,7 @@
 
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -13,6 +14,7 @@ namespace nb = nanobind;
 namespace flotilla::fleet {
 namespace {
 
+constexpr double kMostValue = 1e6;
 constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 127 years; a clock adds as much
 // Longjumeau, as everywhere in the SIL: any place will do.
 constexpr std::array<std::int32_t, 3> kOrigin{487'000'000, 22'950'000, 40'000};
@@ -104,6 +106,23 @@ Order order_from(int command, const nb::sequence& params) {
     order.params[i] = static_cast<float>(item<double>(params, i, "params: at most 7 numbers"));
   }
   return order;
+}
+
+Fault fault_from(const std::string& kind, double value, const nb::object& esc, std::uint64_t seed) {
+  const auto* const found = std::find(kFaultNames.begin(), kFaultNames.end(), kind);
+  if (found == kFaultNames.end()) refuse("kind: one of flotilla.FAULTS, not \"" + kind + "\"");
+  Fault out{static_cast<FaultKind>(found - kFaultNames.begin()), value, std::nullopt, seed};
+  if (!within(value, -kMostValue, kMostValue)) refuse("value: a number from -1e6 to 1e6");
+  if (is_share(out.kind) && !within(value, 0, 1)) refuse("value: a share from 0 to 1");
+  if (out.kind == FaultKind::kReplay && value < 0) refuse("value: seconds, not negative");
+  if (esc.is_none()) return out;
+  std::string name;
+  if (!is_escs(out.kind)) refuse("esc: only a fault of ESCs has one");
+  if (!nb::try_cast(esc, name) || (name != "port" && name != "stbd")) {
+    refuse("esc: \"port\", \"stbd\" or None");
+  }
+  out.esc = name == "port" ? 0 : 1;
+  return out;
 }
 
 std::int64_t time_from(std::int64_t t_us) {

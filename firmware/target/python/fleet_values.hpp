@@ -7,10 +7,10 @@
 
 #include <string>
 
-#include "clock.hpp"
-#include "fleet.hpp"
-#include "navigation_unit.hpp"
-#include "radio_link.hpp"
+#include "target/fleet/clock.hpp"
+#include "target/fleet/fleet.hpp"
+#include "target/fleet/navigation_unit.hpp"
+#include "target/fleet/radio_link.hpp"
 
 namespace flotilla::fleet {
 
@@ -21,6 +21,9 @@ Clock clock_from(const nanobind::tuple& clock);
 LinkQuality quality_from(double delay_s, double jitter_s, double loss, double rate_Bps);
 /// COMMAND_LONG with up to seven parameters; the others are 0.
 Order order_from(int command, const nanobind::sequence& params);
+/// `esc` port, stbd or none; `value` as the kind has it.
+Fault fault_from(const std::string& kind, double value, const nanobind::object& esc,
+                 std::uint64_t seed);
 std::int64_t time_from(std::int64_t t_us);
 
 /// `text` as what() of a ValueError.

@@ -20,6 +20,7 @@
 #include "fleet_binding.hpp"
 #include "helm.hpp"
 #include "snapshot.hpp"
+#include "supervisor.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;
@@ -145,7 +146,7 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity", "frame"};
+  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity", "frame", "action"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -182,37 +183,6 @@ nb::dict metadata() {
   return out;
 }
 
-nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
-
-nb::list condition_names(core::Conditions set) {
-  nb::list out;
-  for (const auto& [bit, name] : kConditionNames) {
-    if ((set & bit) != 0) out.append(name);
-  }
-  return out;
-}
-
-nb::list supervisor_table() {
-  constexpr std::array<const char*, core::kRequests> kRequestNames{
-      "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate"};
-  nb::list out;
-  for (const core::Row& row : core::kTable) {
-    nb::list from;
-    for (std::size_t i = 0; i < core::kStates; ++i) {
-      const auto state = static_cast<core::State>(i);
-      if ((row.from & core::in(state)) != 0) from.append(text(app::name_of(state)));
-    }
-    nb::dict entry;
-    entry["from"] = from;
-    entry["request"] = kRequestNames[static_cast<std::size_t>(row.request)];
-    entry["needs"] = condition_names(row.needs);
-    entry["lacks"] = condition_names(row.lacks);
-    entry["to"] = text(app::name_of(row.to));
-    out.append(entry);
-  }
-  return out;
-}
-
 }  // namespace
 
 NB_MODULE(flotilla, m) {
@@ -224,9 +194,7 @@ NB_MODULE(flotilla, m) {
         "may change, and a sentence.");
   m.def("metadata", &metadata,
         "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
-  m.def("supervisor_table", &supervisor_table,
-        "The supervisor's transitions in order: from, request, needs, lacks, to.");
-
+  bind_supervisor(m);
   bind_helm(m);
   bind_fleet(m);
   nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")

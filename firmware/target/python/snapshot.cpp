@@ -19,6 +19,7 @@ nb::dict counters_dict(const link::Counters& c) {
   out["mavlink_bad_value"] = c.mavlink_bad_value;
   out["mavlink_bad_frame"] = c.mavlink_bad_frame;
   out["mavlink_old_stamp"] = c.mavlink_old_stamp;
+  out["mavlink_jump"] = c.mavlink_jump;
   out["mavlink_no_heading"] = c.mavlink_no_heading;
   out["mavlink_unknown"] = c.mavlink_unknown;
   out["mavlink_signed"] = c.mavlink_signed;
@@ -49,6 +50,7 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   limited["slew"] = s.slew_limited;
   limited["speed"] = s.speed_limited;
   limited["yaw_rate"] = s.yaw_rate_limited;
+  limited["yielding"] = s.yielding;
   nb::dict out;
   out["state"] = nb::str(app::name_of(s.state).data(), app::name_of(s.state).size());
   out["conditions"] = conditions;
@@ -65,6 +67,7 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   out["wrench_asked"] = pair("X_N", s.asked.X, "N_Nm", s.asked.N);
   out["wrench_given"] = pair("X_N", s.given.X, "N_Nm", s.given.N);
   out["limited"] = limited;
+  out["separation_m"] = s.separation_m;
   out["thrust_N"] = pair("port", s.thrust_N.port, "stbd", s.thrust_N.stbd);
   out["counters"] = counters_dict(s.counters);
   return out;

@@ -18,7 +18,18 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kSoleController, "sole_controller"},
                      {flotilla::core::kParametersSaved, "parameters_saved"},
                      {flotilla::core::kSticksFresh, "sticks_fresh"},
-                     {flotilla::core::kTestRunning, "test_running"}}};
+                     {flotilla::core::kTestRunning, "test_running"},
+                     {flotilla::core::kOwnLive, "own_live"},
+                     {flotilla::core::kOwnSteady, "own_steady"},
+                     {flotilla::core::kLeaderLive, "leader_live"},
+                     {flotilla::core::kLeaderSteady, "leader_steady"},
+                     {flotilla::core::kBoatAnswers, "boat_answers"},
+                     {flotilla::core::kEscsObey, "escs_obey"},
+                     {flotilla::core::kGcsHeard, "gcs_heard"},
+                     {flotilla::core::kBatteryGood, "battery_good"},
+                     {flotilla::core::kInsideFence, "inside_fence"},
+                     {flotilla::core::kClear, "clear"},
+                     {flotilla::core::kCoastRunning, "coast_running"}}};
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Draws of a campaign: what they are, that nothing moves them, what cannot be drawn."""
 
+import math
+from itertools import combinations
 from pathlib import Path
 from zlib import crc32
 
@@ -197,3 +199,26 @@ def test_a_draw_that_cannot_be_is_told_with_run_key_value_and_line(tmp_path: Pat
 
 def test_a_single_run_takes_no_notice_of_what_a_campaign_varies(tmp_path: Path) -> None:
     assert scenario.load(short(tmp_path)).boat == scenario.load("diamond").boat
+
+
+def test_boats_that_would_start_too_near_are_drawn_once_more_and_no_other_run_is(
+    tmp_path: Path,
+) -> None:
+    free, wide = sampler(tmp_path), sampler(tmp_path, overrides=("start_apart_m=4",))
+    again = 0
+    for run in range(60):
+        starts = [[boat.eta[:2] for boat in made.scenario(run).boat] for made in (free, wide)]
+        near = [min(math.dist(a, b) for a, b in combinations(places, 2)) for places in starts]
+        assert near[1] >= 4.0
+        if near[0] >= 4.0:
+            assert free.draws(run) == wide.draws(run)
+        else:
+            again += 1
+    assert 20 < again < 60
+
+
+def test_boats_that_cannot_start_so_far_apart_are_told_with_run_and_distance(
+    tmp_path: Path,
+) -> None:
+    with pytest.raises(ScenarioError, match=r"run 3: no start in 1000 draws is 1000\.0 m apart"):
+        sampler(tmp_path, overrides=("start_apart_m=1000",)).scenario(3)

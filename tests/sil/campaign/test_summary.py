@@ -2,6 +2,7 @@
 """The figures that a campaign ends with, from made-up runs."""
 
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -81,3 +82,24 @@ def test_runs_that_failed_are_told_beside_the_figures_that_lack_them() -> None:
     said = console.export_text()
     assert "|e| from 100 s on, 1 of 2 runs; 1 failed are not in it" in said
     assert "0 of 1 runs; 1 failed are not in it" in said and "from 100 s on, 1 runs" in said
+
+
+def test_the_closest_two_boats_and_the_runs_in_formation_are_told() -> None:
+    nominal = scenario.load("diamond", ["duration_s=200"])
+    near = sailed(3, (1.0, 2.0))
+    settled = tuple(boat | {"settling_time_s": 30.0} for boat in near.boats)
+    half = (settled[0], near.boats[1])
+    runs = [
+        replace(near, run=1, min_separation_m=2.5, boats=settled),
+        replace(near, run=2, min_separation_m=1.7, boats=half),
+        replace(near, run=5, min_separation_m=None),
+        FAILED,
+    ]
+    told = summary.figures(nominal, runs, EFFORT, "ab" * 32)
+    assert told["closest"] == {"distance_m": 1.7, "run": 2} and told["settled_runs"] == 1
+    console = Console(width=100, file=io.StringIO(), record=True)
+    summary.show(console, nominal, runs, told)
+    said = console.export_text()
+    assert "closest two boats: 1.700 m, in run 2" in said
+    assert "within 0.05 m of its slot in the end: 1 of 4 runs" in said
+    assert summary.figures(nominal, runs[2:], EFFORT, "ab" * 32)["closest"] is None

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple, Protocol
 import can
 from pymavlink.dialects.v20 import common as mavlink
 
+from sil.ordinary_user import ordinary_user
 from sil.wire.esc_node import EscNode
 from tests.dialect import dialect
 from tests.target.agent import Agent
@@ -172,7 +173,7 @@ class Flotillad:
         self._words = folder / "words"
         with self._words.open("wb") as words:
             self.process = subprocess.Popen(
-                [*prefix, PROGRAM, *options],
+                [*prefix, *ordinary_user(), PROGRAM, *options],
                 stdin=subprocess.DEVNULL,
                 stdout=words,
                 stderr=words if mouth is None else mouth,

@@ -10,9 +10,9 @@
 namespace flotilla::target {
 namespace {
 
-std::variant<Config, Ending> read(std::vector<const char*> options) {
+std::variant<Config, Ending> read(std::vector<const char*> options, bool by_root = false) {
   options.insert(options.begin(), "flotillad");
-  return read_config(options);
+  return read_config(options, by_root);
 }
 
 Config good(const std::vector<const char*>& options) {
@@ -49,6 +49,17 @@ struct File {
     return text.substr(start.size());
   }
 };
+
+TEST_CASE("root is refused before any file is read, and told what it may do instead") {
+  const auto result = read({"--config", "/nowhere.toml"}, true);
+  REQUIRE(std::holds_alternative<Ending>(result));
+  const auto& ending = std::get<Ending>(result);
+  CHECK(ending.status == 2);
+  CHECK(ending.text.starts_with("flotillad: does not run as root"));
+  CHECK(ending.text.find("flotillad.service") != std::string::npos);
+  CHECK(ending.text.find("nowhere") == std::string::npos);
+  CHECK(std::get<Ending>(read({"--help"}, true)).status == 0);
+}
 
 TEST_CASE("one link is all a boat needs to be told") {
   const Config config = good({"--mavlink", "udpin:0.0.0.0:14550"});

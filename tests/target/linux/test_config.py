@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 """flotillad's words for who configures it: the shipped file, mistakes, help and version."""
 
+import os
 import socket
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from sil.ordinary_user import ordinary_user
 from tests.target.linux.process import LOOPBACK, PROGRAM, ROOT, RealSea
 
 SHIPPED = ROOT / "firmware" / "target" / "linux" / "boat.toml"
@@ -17,7 +19,11 @@ def run(*options: object) -> subprocess.CompletedProcess[str]:
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
     return subprocess.run(
-        [PROGRAM, *map(str, options)], capture_output=True, text=True, timeout=20, check=False
+        [*ordinary_user(), PROGRAM, *map(str, options)],
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
     )
 
 
@@ -125,6 +131,21 @@ def test_a_port_that_somebody_has_is_told(tmp_path: Path) -> None:
 
 def test_a_boat_without_any_link_is_a_mistake(tmp_path: Path) -> None:
     assert "no MAVLink link" in mistake("--can=mcast:5", f"--state-dir={tmp_path}")
+
+
+def test_root_is_told_to_be_somebody_else(tmp_path: Path) -> None:
+    if os.geteuid() != 0:
+        pytest.skip("only root can try")
+    done = subprocess.run(
+        [PROGRAM, "--can=mcast:5", f"--mavlink={LINK}", f"--state-dir={tmp_path / 'state'}"],
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("flotillad: does not run as root: ")
+    assert not (tmp_path / "state").exists()
 
 
 def test_help_names_every_option_and_every_kind_of_address() -> None:

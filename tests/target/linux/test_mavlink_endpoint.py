@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """MAVLink links of every kind, as other programs have them at the other end."""
 
+import os
+import socket
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 
@@ -83,6 +85,45 @@ def test_links_of_every_kind_work_at_once(sea: RealSea, tmp_path: Path) -> None:
         assert sea.named("HEARTBEAT", link) and sea.named("ATTITUDE", link)
         assert sea.named("STATUSTEXT", link)
     assert sea.acks(3) and not any(sea.acks(link) for link in range(3))
+
+
+def addresses_of(pid: int) -> set[str]:
+    """Those of this machine that the process's UDP sockets are bound to: proc(5)."""
+    inodes = set()
+    for fd in Path(f"/proc/{pid}/fd").iterdir():
+        with suppress(FileNotFoundError):
+            inodes.add(os.readlink(fd).removeprefix("socket:[").removesuffix("]"))
+    lines = [line.split() for line in Path(f"/proc/{pid}/net/udp").read_text().splitlines()]
+    bound = [fields[1].partition(":")[0] for fields in lines[1:] if fields[9] in inodes]
+    return {socket.inet_ntoa(bytes.fromhex(address)[::-1]) for address in bound}
+
+
+@pytest.mark.parametrize(
+    ("host", "bound"), [("", LOOPBACK), ("127.0.0.2:", "127.0.0.2"), ("0.0.0.0:", "0.0.0.0")]
+)
+def test_a_boat_is_bound_where_its_configuration_says_and_nowhere_else(
+    sea: RealSea, host: str, bound: str
+) -> None:
+    sea.connect(Udp(free_port()), Udp(), broadcast_listener())
+    sea.start(f"--mavlink=udpin:{host}{free_port()}")
+    sea.until(lambda: sea.named("HEARTBEAT", 1))
+    group = f"239.65.82.{sea.bus}"
+    assert addresses_of(sea.process.pid) == {LOOPBACK, bound, group}
+
+
+def test_udpout_hears_nobody_but_whom_it_talks_to(sea: RealSea, opened: ExitStack) -> None:
+    stranger = Udp()
+    opened.callback(stranger.close)
+    sea.start()
+    sea.until(sea.ready)
+    end = sea.ends[0]
+    assert isinstance(end, Udp)
+    stranger.peer = end.peer
+    for _ in range(20):
+        stranger.send(sea.gcs.pack(command_long(0)))
+    sea.say(command_long(1))
+    sea.until(sea.acks)
+    assert {command for command, _ in sea.acks()} == {1}
 
 
 def test_pymavlinks_own_connection_arms_the_boat_and_names_its_mode(

@@ -5,6 +5,7 @@ import os
 import select
 import signal
 import socket
+import subprocess
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -12,10 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.target.linux.process import PROGRAM, RealSea
+from tests.target.linux.process import RealSea
 
 WATCHDOG_US = 300_000
-NOBODY = 65534
 
 
 class Manager:
@@ -89,21 +89,20 @@ def test_real_time_and_locked_memory_that_are_refused_are_said_and_no_more(
     sea: RealSea,
 ) -> None:
     prefix = ["prlimit", "--rtprio=0", "--memlock=0"]
-    with tempfile.TemporaryDirectory() as folder:
-        if os.geteuid() == 0:
-            prefix += ["setpriv", f"--reuid={NOBODY}", "--clear-groups", "--bounding-set=-all"]
-            if not readable_by_all(PROGRAM):
-                pytest.skip(f"{PROGRAM} is not for everybody to run")
-            os.chown(folder, NOBODY, NOBODY)
-        sea.state_dir = Path(folder) / "state"
-        sea.start("--priority=50", "--lock-memory", prefix=prefix)
-        sea.enter_formation()
-        words = sea.process.words
-        assert "SCHED_FIFO refused (Operation not permitted): ordinary priority" in words
-        assert "locked memory refused" in words
-        assert sea.end() == 0
-        assert (sea.state_dir / "parameters.txt").exists()
+    sea.start("--priority=50", "--lock-memory", prefix=prefix)
+    sea.enter_formation()
+    words = sea.process.words
+    assert "SCHED_FIFO refused (Operation not permitted): ordinary priority" in words
+    assert "locked memory refused" in words
+    assert sea.end() == 0
+    assert (sea.state_dir / "parameters.txt").exists()
 
 
-def readable_by_all(path: Path) -> bool:
-    return all(each.stat().st_mode & 0o001 for each in (path, *path.parents))
+def test_the_units_limits_grant_real_time_and_locked_memory(sea: RealSea) -> None:
+    limits = ["prlimit", "--rtprio=50", "--memlock=unlimited"]
+    if subprocess.run([*limits, "true"], check=False, capture_output=True).returncode != 0:
+        pytest.skip("these limits are not ours to give: run as root")
+    sea.start("--priority=50", "--lock-memory", prefix=limits)
+    sea.enter_formation()
+    assert os.sched_getscheduler(sea.process.pid) == os.SCHED_FIFO
+    assert sea.process.words.splitlines() == [f"flotillad: ready: boat 2 on mcast:{sea.bus}"]

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// What the supervisor is told of ESCs, voltage, place and the operator's choices; Vehicle, Pilot and
+// the host say the rest.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "app/can_node.hpp"
+#include "app/telemetry.hpp"
+
+namespace flotilla::app {
+
+/// FS_LEADER_ACT and FS_GCS_ACT.
+core::Conditions choices_of(const Parameters& p);
+
+/// What the bus tells of both propellers' ESCs, and of others that would drive them.
+core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int64_t now_us);
+
+/// Becomes what it is told when that has been so for two seconds; false at first.
+class Settled {
+ public:
+  void look(bool now, std::int64_t now_us) {
+    if (now == is_) {
+      differs_since_us_.reset();
+    } else if (!differs_since_us_) {
+      differs_since_us_ = now_us;
+    } else if (now_us - *differs_since_us_ >= kWait_us) {
+      is_ = now;
+      differs_since_us_.reset();
+    }
+  }
+  bool is() const { return is_; }
+
+ private:
+  static constexpr std::int64_t kWait_us = 2'000'000;
+  bool is_ = false;
+  std::optional<std::int64_t> differs_since_us_;
+};
+
+/// The operator's limits, FS_BATT_V and FS_FENCE_M: what is not known does not keep to them.
+class Limits {
+ public:
+  struct Seen {
+    std::int64_t now_us = 0;
+    bool armed = false;
+    std::optional<convert::Position> place{};  ///< where it is fresh and has an origin
+    std::array<std::optional<link::EscStatus>, 2> escs{};
+  };
+
+  /// Once a tick.
+  void look(const Parameters& p, const Seen& seen);
+
+  core::Conditions conditions() const { return met_; }
+
+  /// Where the boat was first seen, then where it was last armed.
+  std::optional<Home> home() const;
+
+ private:
+  bool inside(float fence_m, const Seen& seen) const;
+
+  core::Conditions met_ = 0;
+  Settled battery_good_;
+  std::optional<convert::Position> home_;
+  bool was_armed_ = false;
+};
+
+}  // namespace flotilla::app

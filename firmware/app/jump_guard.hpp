@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Refuses what no vessel can have done since its last state, until it has been told for a second.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+
+#include "app/convert.hpp"
+#include "core/jump.hpp"
+
+namespace flotilla::app {
+
+/// Told states in, verdicts out. A new place is believed when five states in a row, over at least a
+/// second, agree on it, and none of them on the old one: of two vessels that speak in turn the first
+/// is followed.
+template <class S>
+class JumpGuard {
+ public:
+  enum class Verdict : std::uint8_t {
+    kGoesOn,
+    kRefused,
+    kMoved,  ///< the new place is believed; no motion led there
+  };
+
+  /// What is known of a leader: the quickest model boat.
+  static constexpr core::JumpLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
+                                                  S(40), S(60),  S(10), S(8)};
+
+  void set_limits(const core::JumpLimits<S>& limits) { limits_ = limits; }
+  const core::JumpLimits<S>& limits() const { return limits_; }
+
+  /// No state led to the next one.
+  void forget() { last_.reset(), next_.reset(); }
+
+  /// The state that the next one is compared with.
+  void believe(const convert::Sample& sample, std::int64_t now_us) {
+    last_ = told(sample, now_us);
+    next_.reset();
+  }
+
+  /// A state that has come, in the plane of the last one; `far`: it cannot be in that.
+  Verdict judge(const convert::Sample& sample, bool far, std::int64_t now_us) {
+    const Told state = told(sample, now_us);
+    if (!last_) return Verdict::kGoesOn;
+    const auto surprise = between(limits_, *last_, state);
+    if (!far && surprise.share <= S(1)) {
+      scatter_ = scatter_ + S(0.1) * (surprise.off - scatter_);
+      return Verdict::kGoesOn;
+    }
+    jumped_us_ = now_us;
+    const bool agrees = next_ && between(limits_, *next_, state).share <= S(1);
+    if (!agrees) since_us_ = now_us;
+    agreed_ = agrees ? std::min(agreed_ + 1, kRow) : 1;
+    next_ = state;
+    const bool settled = agreed_ == kRow && now_us - since_us_ >= kSettled_us;
+    return settled ? Verdict::kMoved : Verdict::kRefused;
+  }
+
+  /// A state that is not made use of, of the past or without a heading: whether it can be one of the
+  /// same vessel.
+  void look_at(const convert::Sample& sample, bool heading_known, std::int64_t now_us) {
+    if (!last_) return;
+    const Told state = told(sample, now_us);
+    core::JumpLimits<S> limits = limits_;
+    if (!heading_known) limits.heading = limits.yaw_rate = S(100);
+    const bool before = state.stamp_us < last_->stamp_us;
+    const auto surprise = before ? between(limits, state, *last_) : between(limits, *last_, state);
+    if (surprise.share > S(1)) jumped_us_ = now_us;
+  }
+
+  /// What else is told that cannot be.
+  void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
+
+  /// No jump within the last second.
+  bool steady(std::int64_t now_us) const {
+    return !jumped_us_ || now_us - *jumped_us_ >= kSettled_us;
+  }
+
+ private:
+  static constexpr int kRow = 5;
+  static constexpr std::int64_t kSettled_us = 1'000'000;
+
+  struct Told {
+    double north_m, east_m;
+    S psi;
+    core::Nu<S> nu;
+    std::int64_t stamp_us, arrived_us;
+  };
+
+  static Told told(const convert::Sample& s, std::int64_t now_us) {
+    return {s.north_m, s.east_m, S(s.psi_rad), convert::nu_of<S>(s), s.stamp_us, now_us};
+  }
+
+  /// The two clocks need not go together: no more time than has passed here and a second, which is
+  /// what the first one may have been late by.
+  core::Surprise<S> between(const core::JumpLimits<S>& limits, const Told& a, const Told& b) const {
+    const std::int64_t most_us = std::abs(b.arrived_us - a.arrived_us) + kSettled_us;
+    const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
+    return core::surprise_of(limits,
+                             {{S(b.north_m - a.north_m), S(b.east_m - a.east_m)},
+                              a.psi,
+                              b.psi,
+                              a.nu,
+                              b.nu,
+                              convert::seconds<S>(h_us)},
+                             scatter_);
+  }
+
+  core::JumpLimits<S> limits_ = kAnyVessel;
+  std::optional<Told> last_, next_;
+  S scatter_{};
+  int agreed_ = 0;
+  std::int64_t since_us_ = 0;
+  std::optional<std::int64_t> jumped_us_;
+};
+
+}  // namespace flotilla::app

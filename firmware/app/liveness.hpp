@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Whether a vessel's states still come from an instrument, or are the last one again and again.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "app/convert.hpp"
+
+namespace flotilla::app {
+
+/// Frozen is the place that stays the same to the last bit while the velocity told would have led
+/// elsewhere, and the heading that does beside a yaw rate; or the whole state, while the propellers
+/// push. A vessel that lies still and says so is not. What never moved yet may be held where it is:
+/// it is given some seconds.
+template <class S>
+class Liveness {
+ public:
+  /// patience_s: that much of the same is no fault yet.
+  explicit Liveness(S patience_s) : patience_s_(patience_s) {}
+
+  /// A state, h seconds after the one before it; 0 where none led to it.
+  void take(const convert::Sample& sample, S h) {
+    const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
+    const bool heads = sample.psi_rad == psi_rad_;
+    const core::Nu<S> nu = convert::nu_of<S>(sample);
+    const core::Vec2<S> v = core::to_north_east(S(sample.psi_rad), core::Vec2<S>{nu.u, nu.v});
+    place_.take(stays, v, h);
+    heading_.take(heads, {nu.r, S(0)}, h);
+    const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
+    whole_.take(same, {}, h);
+    pushed_ = same ? left_after(h) * pushed_ : S(0);
+    moved_ = moved_ || (S(0) < h && !stays);
+    north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
+    const bool sails = stays && std::hypot(v.x, v.y) > kSlow;
+    judge(!sails && !(heads && std::abs(nu.r) > kSlow) && pushed_ <= kSlow);
+  }
+
+  /// The propellers alone would have changed the velocity by so much since the last call: m/s, and
+  /// rad/s.
+  void push(S change) { pushed_ = core::smaller(pushed_ + change, S(2) * kPushed); }
+
+  bool live() const { return live_; }
+
+  /// It has ever told two places.
+  bool moved() const { return moved_; }
+
+ private:
+  static constexpr S kForgotten_s = S(5), kHeld_s = S(5);
+  static constexpr S kTold = S(0.15);   ///< m, rad: well over the rounding of any message
+  static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
+  static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: as good as still
+  static constexpr int kFew = 3;        ///< messages
+
+  static S left_after(S h) { return S(1) - core::smaller(h / kForgotten_s, S(1)); }
+
+  /// What stays the same, and where its rate of change would have led since.
+  struct Stuck {
+    core::Vec2<S> way{};
+    S time{};
+    int repeats = 0;
+
+    void take(bool same, const core::Vec2<S>& rate, S h) {
+      if (!same) {
+        *this = {};
+        return;
+      }
+      way = {left_after(h) * way.x + h * rate.x, left_after(h) * way.y + h * rate.y};
+      time = time + h;
+      repeats = std::min(repeats + 1, kFew);
+    }
+    bool lasts(S s) const { return time >= s && repeats == kFew; }
+    bool lies() const { return std::hypot(way.x, way.y) > kTold; }
+  };
+
+  void judge(bool well) {
+    const S most_s = moved_ ? patience_s_ : kHeld_s;
+    const bool frozen = (place_.lies() && place_.lasts(most_s)) ||
+                        (heading_.lies() && heading_.lasts(most_s)) ||
+                        (moved_ && pushed_ > kPushed && whole_.lasts(patience_s_));
+    well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
+    live_ = !frozen && (live_ || well_ == kFew);
+  }
+
+  S patience_s_;
+  double north_m_ = 0, east_m_ = 0, psi_rad_ = 0;
+  core::Nu<S> nu_{};
+  Stuck place_, heading_, whole_;
+  S pushed_{};
+  int well_ = 0;
+  bool moved_ = false, live_ = true;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Whether a vessel can have gone from one told state to the next, and how far it is from that.
+//
+//   w = min(a h, V)          w_r = min(a_r h, R)
+//   |Δp − ½ λ h (v₀ + v₁)| ≤ p_0 + 8 s + ½ h w            |Δψ − ½ λ h (r₀ + r₁)| ≤ ψ_0 + ½ h w_r
+//   |v₁ − Λ v₀| ≤ v_0 + w + 4 h |v₀ r₀|                   |r₁ − λ r₀| ≤ r_0 + w_r + 10 h v₀²
+//
+//  symbol    meaning                                              frame  unit        tested range
+//  Δp, Δψ    way and turn from one state to the next              n      m, rad      ±1e6, ±π
+//  v, r      velocity over ground, yaw rate, of both states       n      m/s, rad/s  ±50, ±20
+//  h         time between them                                           s           0 … 10
+//  a, a_r    what the propellers can do in no time                       m/s², rad/s²
+//  V, R      and what in any time                                        m/s, rad/s
+//  p_0 ψ_0 v_0 r_0  that much two states may differ by their errors alone
+//  λ, Λ      the best of all numbers from 0 to 1; of three, one for each of the vessel's axes
+//  s         by how much the places of this source commonly differ       m
+//
+// Not in paper. A vessel may be held; it may stop as fast as it likes, by a quay or by its drag, which differs from
+// axis to axis: hence Λ. The last terms are what the hull does to itself at speed, by its added mass:
+// (m22/m11) v r, and Munk's moment (m22 − m11) u v / m33, generously.
+#pragma once
+
+#include "core/rotation.hpp"
+
+namespace flotilla::core {
+
+template <class S>
+struct JumpLimits {
+  S position{};
+  S heading{};
+  S speed{};
+  S yaw_rate{};
+  S a{};
+  S a_r{};
+  S V{};
+  S R{};
+};
+
+/// From one told state to the next.
+template <class S>
+struct Leg {
+  Vec2<S> moved_n{};
+  S psi_from{}, psi_to{};
+  Nu<S> from{}, to{};
+  S h{};
+};
+
+template <class S>
+struct Surprise {
+  S off{};    ///< m, of the place
+  S share{};  ///< of the limit that is nearest, or passed: over 1 it is a jump
+};
+
+/// How far b is from all that lies between nothing and a.
+template <class S>
+S beyond(S a, S b) {
+  return abs(b - clamp(b, smaller(a, S(0)), larger(a, S(0))));
+}
+
+template <class S>
+S beyond(const Vec2<S>& a, const Vec2<S>& b) {
+  const S square = a.x * a.x + a.y * a.y;
+  const S along = a.x * b.x + a.y * b.y;
+  const S part = S(0) < square ? clamp(along / square, S(0), S(1)) : S(0);
+  const Vec2<S> off = {b.x - part * a.x, b.y - part * a.y};
+  return sqrt(off.x * off.x + off.y * off.y);
+}
+
+template <class S>
+Surprise<S> surprise_of(const JumpLimits<S>& limits, const Leg<S>& leg, S scatter) {
+  const S half = S(0.5) * leg.h;
+  const S w = smaller(limits.a * leg.h, limits.V);
+  const S w_r = smaller(limits.a_r * leg.h, limits.R);
+  const Vec2<S> before = to_north_east(leg.psi_from, Vec2<S>{leg.from.u, leg.from.v});
+  const Vec2<S> after = to_north_east(leg.psi_to, Vec2<S>{leg.to.u, leg.to.v});
+  const Vec2<S> way = {half * (before.x + after.x), half * (before.y + after.y)};
+  const S off =
+      beyond(way, {clamp(leg.moved_n.x, S(-1e6), S(1e6)), clamp(leg.moved_n.y, S(-1e6), S(1e6))});
+  const S speed = sqrt(before.x * before.x + before.y * before.y);
+  const S munk = S(10) * leg.h * speed * speed;
+  const S psi = wrap_pi(leg.psi_to - leg.psi_from);
+  const S turn = smaller(beyond(half * (leg.from.r + leg.to.r), psi),
+                         abs(wrap_pi(psi - half * (leg.from.r + leg.to.r))));
+  const Vec2<S> was = to_body(leg.psi_to, before);
+  const S u = beyond(was.x, leg.to.u);
+  const S v = beyond(was.y, leg.to.v);
+  const S turned = S(4) * leg.h * speed * abs(leg.from.r);
+  const S place = off / (limits.position + S(8) * scatter + half * w);
+  const S heading = turn / (limits.heading + half * (w_r + munk));
+  const S velocity = sqrt(u * u + v * v) / (limits.speed + w + turned);
+  const S yaw_rate = beyond(leg.from.r, leg.to.r) / (limits.yaw_rate + w_r + munk);
+  return {off, larger(larger(place, heading), larger(velocity, yaw_rate))};
+}
+
+}  // namespace flotilla::core

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+// Keeps clear of other vessels: how ν* changes where the law would lead too near to one.
+//
+//   D(w)    = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
+//   D(w) < 1.4 D_min for a vessel that has the way, w: wanted now, or straight to the slot
+//           ⇒ w ← least of |w − w_0|/U + ½ (1 − |w − w_S|/U) + 0.3 |w − w_before|/U + 10 s(w)
+//             among standing still, w_0, w_S, the last choice and 16 courses at U and at U/2
+//   s(w)    : shortfall of d² under (1.4 D_min + m)², of (that)², at 8 times up to T, the sooner the
+//             heavier; the boat turns bow or stern to its course first, on the spot
+//   u* n ≤ L((|p| − m − 1.1 D_min)/2) + 0.8 max(0, vᵀ p/|p|)           n = cos of the bearing
+//   L(g)    = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                  what still stops in g
+//
+//  symbol  meaning                                            unit   tested range
+//  p, v    other vessel's place seen from us, its velocity    m, m/s ±100, ±5
+//  m       how far it may be from there                       m      0 … 5
+//  D_min   distance to be kept; 0: nobody is looked for       m      0.5 … 20
+//  T       horizon                                            s
+//  w_S     the slot's velocity                                m/s
+//  w_0     velocity that leads straight to the slot           m/s
+//  U       LAW_U_MAX, or D_min a second; a tenth more than |w_S| at least   m/s
+//  a, t_r  half of what astern gives; until it does           m/s², s
+//
+// The choice is the yielding boat's; the last line binds every boat, that with the right of way too:
+// where both obey it nobody comes nearer than 1.1 D_min, and as the other one makes room up to 1.4 D_min
+// the way is free again. Slots must be farther apart than that.
+//
+// Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
+// using velocity obstacles, IJRR 17 (1998).
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/allocation.hpp"
+#include "core/virtual_velocity.hpp"
+
+namespace flotilla::core {
+
+/// Another vessel, now.
+template <class S>
+struct OtherVessel {
+  Vec2<S> p_n{};   ///< from us
+  Vec2<S> v_n{};   ///< over ground
+  S margin{};      ///< how far it may be from there
+  bool has_way{};  ///< we yield to it
+};
+
+constexpr std::size_t kMostVessels = 8;
+
+template <class S>
+struct Traffic {
+  std::array<OtherVessel<S>, kMostVessels> vessels{};
+  std::size_t count = 0;
+};
+
+template <class S>
+struct SeparationParams {
+  S least{};  ///< D_min
+  S horizon = S(4);
+  S reaction = S(0.4);
+};
+
+template <class S>
+struct SeparationState {
+  Vec2<S> w_n{};  ///< chosen last
+  bool yielding = false;
+};
+
+template <class S>
+struct Separation {
+  bool yielding = false;  ///< ν* was changed
+  bool known = false;     ///< there is a vessel at all
+  S predicted{};          ///< least distance within the horizon, had ν* not been changed
+};
+
+/// Where a boat wants to go, north-east, and what it can.
+template <class S>
+struct Intent {
+  Vec2<S> slot_n{};      ///< w_S
+  Vec2<S> straight_n{};  ///< w_0
+  S fastest{};           ///< U
+  S turning{};           ///< yaw rate
+};
+
+template <class S>
+S dot(const Vec2<S>& a, const Vec2<S>& b) {
+  return a.x * b.x + a.y * b.y;
+}
+
+template <class S>
+S length(const Vec2<S>& a) {
+  return sqrt(dot(a, a));
+}
+
+template <class S>
+Vec2<S> minus(const Vec2<S>& a, const Vec2<S>& b) {
+  return {a.x - b.x, a.y - b.y};
+}
+
+/// D(w).
+template <class S>
+S predicted_distance(S horizon, const OtherVessel<S>& other, const Vec2<S>& w) {
+  const Vec2<S> q = minus(other.v_n, w);
+  const S qq = dot(q, q);
+  const S closing = -dot(other.p_n, q);
+  S t = S(0);
+  if (S(0) < closing) t = closing < horizon * qq ? closing / qq : horizon;
+  return length(Vec2<S>{other.p_n.x + t * q.x, other.p_n.y + t * q.y}) - other.margin;
+}
+
+/// Speed from which the boat still stops within the gap.
+template <class S>
+S stopping_speed(S a, S reaction, S gap) {
+  if (!(S(0) < gap)) return S(0);
+  const S lag = a * reaction;
+  return sqrt(lag * lag + S(2) * a * gap) - lag;
+}
+
+/// How a boat gets onto a course: turned by delta, bow or stern first.
+template <class S>
+struct Way {
+  S delta{};
+  S u{};  ///< ahead, while the boat turns too
+};
+
+template <class S>
+Way<S> way_to(S psi, const Vec2<S>& w_n) {
+  const S speed = length(w_n);
+  if (!(S(0) < speed)) return {};
+  const Vec2<S> w = to_body(psi, w_n);
+  const S tiny = S(0.001) * speed;
+  const S x = w.x < S(0) ? smaller(w.x, -tiny) : larger(w.x, tiny);
+  return {atan(w.y / x), w.x * abs(w.x) / speed};
+}
+
+/// s(w) for one vessel.
+template <class S>
+S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, const Vec2<S>& w,
+            S turning_s) {
+  const S keep = S(1.4) * params.least + other.margin;
+  const S keep_square = keep * keep;
+  S sum = S(0);
+  for (int k = 1; k <= 8; ++k) {
+    const S t = params.horizon * S(k) / S(8);
+    const S under_way = larger(S(0), t - turning_s);
+    const Vec2<S> p = {other.p_n.x + t * other.v_n.x - under_way * w.x,
+                       other.p_n.y + t * other.v_n.y - under_way * w.y};
+    sum = sum + S(9 - k) / S(8) * larger(S(0), S(1) - dot(p, p) / keep_square);
+  }
+  return sum;
+}
+
+template <class S>
+S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
+          const Intent<S>& intent, const Traffic<S>& traffic, S psi, const Vec2<S>& w) {
+  const S turning_s = abs(way_to(psi, w).delta) / intent.turning;
+  S cost = length(minus(w, intent.straight_n)) / intent.fastest +
+           S(0.5) * (S(1) - length(minus(w, intent.slot_n)) / intent.fastest);
+  if (state.yielding) cost = cost + S(0.3) * length(minus(w, state.w_n)) / intent.fastest;
+  for (std::size_t i = 0; i < traffic.count; ++i) {
+    const OtherVessel<S>& other = traffic.vessels[i];
+    if (other.has_way) cost = cost + S(10) * shortfall(params, other, w, turning_s);
+  }
+  return cost;
+}
+
+/// The velocity to yield with; the first of the best.
+template <class S>
+Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
+               const Intent<S>& intent, const Traffic<S>& traffic, S psi) {
+  Vec2<S> best{};
+  S least = cost_of(params, state, intent, traffic, psi, best);
+  const auto consider = [&](const Vec2<S>& w) {
+    const S cost = cost_of(params, state, intent, traffic, psi, w);
+    if (!(cost < least)) return;
+    least = cost;
+    best = w;
+  };
+  consider(intent.straight_n);
+  consider(intent.slot_n);
+  if (state.yielding) consider(state.w_n);
+  const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // of π/8
+  Vec2<S> course = {intent.fastest, S(0)};
+  for (int k = 0; k < 16; ++k) {
+    consider(course);
+    consider({S(0.5) * course.x, S(0.5) * course.y});
+    course = {c * course.x - s * course.y, s * course.x + c * course.y};
+  }
+  return best;
+}
+
+/// Whether the boat has to yield, and what is predicted of the nearest.
+template <class S>
+bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
+             const Intent<S>& intent, const Traffic<S>& traffic, const Vec2<S>& w,
+             Separation<S>& out) {
+  const S keep = (state.yielding ? S(1.5) : S(1.4)) * params.least;
+  bool yield = false;
+  for (std::size_t i = 0; i < traffic.count; ++i) {
+    const OtherVessel<S>& other = traffic.vessels[i];
+    const S now = predicted_distance(params.horizon, other, w);
+    out.predicted = out.known ? smaller(out.predicted, now) : now;
+    out.known = true;
+    const S straight = predicted_distance(params.horizon, other, intent.straight_n);
+    yield = yield || (other.has_way && smaller(now, straight) < keep);
+  }
+  return yield;
+}
+
+/// The last line: u within what every vessel leaves.
+template <class S>
+S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S psi, S u) {
+  for (std::size_t i = 0; i < traffic.count; ++i) {
+    const OtherVessel<S>& other = traffic.vessels[i];
+    const S d = larger(length(other.p_n), S(0.001));
+    const S gap = S(0.5) * (d - other.margin - S(1.1) * params.least);
+    const S receding = larger(S(0), dot(other.v_n, other.p_n) / d);
+    const S limit = stopping_speed(a, params.reaction, gap) + S(0.8) * receding;
+    const S n = to_body(psi, other.p_n).x / d;
+    if (limit < u * n) u = limit / n;
+  }
+  return u;
+}
+
+/// w_0 no longer than U.
+template <class S>
+Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
+                    const Vec2<S>& to_slot_n) {
+  const S usual = S(0) < limits.u_max ? limits.u_max : least;
+  const S fastest = larger(usual, S(1.1) * length(slot_n));
+  const S speed = length(to_slot_n);
+  const S share = fastest < speed ? fastest / speed : S(1);
+  return {slot_n,
+          {share * to_slot_n.x, share * to_slot_n.y},
+          fastest,
+          S(0) < limits.r_max ? limits.r_max : S(1)};
+}
+
+/// Changes ν* where that is needed; a: m/s², see above.
+template <class S>
+Separation<S> separate(const SeparationParams<S>& params, S a, SeparationState<S>& state,
+                       const Traffic<S>& traffic, S psi, const Intent<S>& intent,
+                       VirtualVelocity<S>& wanted) {
+  Separation<S> out;
+  Nu<S>& nu = wanted.nu_star;
+  const Vec2<S> w = to_north_east(psi, Vec2<S>{nu.u, S(0)});
+  const bool yields = foresee(params, state, intent, traffic, w, out);
+  if (yields) {
+    state.w_n = choose(params, state, intent, traffic, psi);
+    const Way<S> way = way_to(psi, state.w_n);
+    nu.u = way.u;
+    nu.r = clamp(S(2) * way.delta, -intent.turning, intent.turning);
+    wanted.r_star_dot = S(0);
+  }
+  state.yielding = yields;
+  const S u = held_back(params, a, traffic, psi, nu.u);
+  out.yielding = yields || u < nu.u || nu.u < u;
+  nu.u = u;
+  if (out.yielding) wanted.u_star_dot = S(0);
+  return out;
+}
+
+}  // namespace flotilla::core

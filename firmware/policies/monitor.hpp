@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Watches a boat tick by tick: what it hears, what it says; which rule it breaks first.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "app/boat.hpp"
+#include "policies/can_ear.hpp"
+#include "policies/mavlink_ear.hpp"
+#include "policies/moment.hpp"
+
+namespace flotilla::policies {
+
+struct Violation {
+  std::string_view name;
+  std::int64_t now_us;  ///< the host's, as ticked() was told
+};
+
+/// The first of the rules that does not hold; nothing where all do.
+std::optional<std::string_view> first_broken(const Seen& before, const Moment& now);
+
+/// To be told all that its boat is told, in the same order, and each tick:
+///
+///   boat.on_mavlink(bytes, now_us, link);    monitor.heard(bytes);
+///   boat.on_can(id, data, now_us);           monitor.on_can(id, data);
+///   const auto out = boat.tick(now_us);      monitor.ticked(boat, out, now_us);
+template <class S>
+class Monitor {
+ public:
+  /// Those that the boat was made of.
+  explicit Monitor(const app::Parameters& p);
+
+  void heard(std::span<const std::uint8_t> bytes);
+  void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data) {
+    can_.hear(can_id, data, known_, now_.heard);
+  }
+
+  /// `out` as tick(now_us) has returned it. What broke just now, nothing where that is nothing or
+  /// something broke before.
+  std::optional<Violation> ticked(const app::Boat<S>& boat,
+                                  const typename app::Boat<S>::Output& out, std::int64_t now_us);
+
+  /// What broke first.
+  const std::optional<Violation>& broken() const { return broken_; }
+
+ private:
+  void look_inside(const app::Boat<S>& boat);
+  void note_change(const app::Parameters& now);
+  void note_damage(const link::Counters& counters);
+  void note_times();
+  void note_deeds();
+
+  CanEar can_;
+  MavlinkEar mavlink_;
+  app::Parameters known_;  ///< in force
+  Seen before_;
+  Moment now_;
+  std::uint32_t damage_ = 0;
+  std::int64_t torn_until_us_ = kNever_us;
+  bool torn_ = false;
+  std::optional<Violation> broken_;
+};
+
+}  // namespace flotilla::policies

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: MIT
+"""One flotillad process on vcan0 behind a virtual leader, in real time, and its operator."""
+
+import socket
+import struct
+import subprocess
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from sil import scenario
+from sil.live import LiveWorld, now_us
+from sil.wire.dronecan import RAW_COMMAND
+from sil.wire.dronecan_transfer import message_subject
+from sil.wire.operator import FORMATION
+
+INTERFACE = "vcan0"
+SYSTEM = 1
+
+_RETRY_US = 200_000
+_PATIENCE_S = 20.0
+_LONGEST_S = 300.0
+_FRAME = struct.Struct("=IB3x8s")
+_SUBJECT_MASK = 0xFFFF80
+#: A machine with other things to do is late now and then; a second without a word is a second.
+_PARAMETERS = {"FS_NAV_S": 0.7, "FS_LEADER_S": 3.0, "FS_ESC_S": 3.0}
+
+
+class LiveOuting(LiveWorld):
+    """`state` is what the boat says that it is in, "silent" before its first word.
+
+    `noticed_us`: when what `watch` was asked to watch happened; None while it has not.
+    `thrust_N`: time (us) and the greatest thrust that a propeller is told, tick by tick;
+    `commands`: time of each RawCommand on the bus, and whether it says anything but zeros.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        one = scenario.load("diamond", [f"duration_s={_LONGEST_S}"])
+        one = one.model_copy(update={"boat": one.boat[:1]})
+        super().__init__(one, f"socketcan:{INTERFACE}", _PARAMETERS)
+        (self.boat,) = self.boats
+        self.operator = self._operator
+        self.folder = folder
+        self.disk = folder / "state"
+        self.thrust_N: list[tuple[int, float]] = []
+        self.commands: list[tuple[int, bool]] = []
+        self.noticed_us: int | None = None
+        self._program: Path | None = None
+        self._watched: Callable[[], bool] = lambda: False
+        self._full_N = one.propellers.forward_max_N
+        self._tick_us = 0
+        self._ear = _ear()
+
+    def begin(self, program: Path) -> None:
+        """From nothing to a boat that drives in FORMATION. StartError where it does not."""
+        self._program = program
+        self.start()
+        self._tick_us = self._start()
+        self.wait(self.drives, "thrust")
+
+    def start(self) -> None:
+        """A process, whatever became of the one before. Its parameters and logs are on `disk`."""
+        self.forget()
+        assert self._program is not None
+        self.boat.start(self._program, self.folder, f"--log={self.disk / 'log'}")
+
+    def close(self) -> None:
+        """Ends the process."""
+        self._ear.close()
+        self._opened.close()
+
+    # Time
+
+    def run_for(self, seconds: float) -> None:
+        """Everybody goes on."""
+        end_us = now_us() + round(1e6 * seconds)
+        while now_us() < end_us:
+            self._turn()
+
+    def watch(self, happened: Callable[[], bool]) -> None:
+        """At every tick from now on, until it has happened."""
+        self.noticed_us, self._watched = None, happened
+
+    def first(self, happened: Callable[[], bool], seconds: float) -> float | None:
+        """After how many seconds it has happened; None where it has not in that time."""
+        begin_us = now_us()
+        while not happened():
+            if now_us() - begin_us > 1e6 * seconds:
+                return None
+            self._turn()
+        return 1e-6 * (now_us() - begin_us)
+
+    def wait(self, happened: Callable[[], bool], what: str) -> None:
+        """TimeoutError where it does not happen."""
+        if self.first(happened, _PATIENCE_S) is None:
+            raise TimeoutError(f"no {what}: {self.state}, {self.text!r}")
+
+    def execute(self, *command: str) -> None:
+        """A program of the system, which may take longer than a boat waits for words."""
+        with subprocess.Popen(command) as process:  # noqa: S603
+            self.wait(lambda: process.poll() is not None, f"end of {command[0]}")
+        if process.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: status {process.returncode}")
+
+    def _turn(self) -> None:
+        k = len(self.thrust_N)
+        self._command[0] = self.boat.command(self._tick_us)
+        self.thrust_N.append((self._tick_us, self._full_N * float(np.abs(self._command).max())))
+        h_s = 1e-6 * self._h_us
+        tau = self._scenario.leader.tau(h_s * (k + np.array([0.0, 0.5, 1.0])))
+        self._bodies.advance(self._command, tau[:, None], h_s)
+        self._tick_us += self._h_us
+        self._until(self._tick_us)
+        self._send(self._tick_us)
+        self._hear()
+        if self.noticed_us is None and self._watched():
+            self.noticed_us = now_us()
+
+    def _hear(self) -> None:
+        with suppress(OSError):  # nothing more, or the interface is not there
+            while True:
+                can_id, size, data = _FRAME.unpack(self._ear.recv(_FRAME.size))
+                if can_id & _SUBJECT_MASK == message_subject(RAW_COMMAND):
+                    self.commands.append((now_us(), any(data[: size - 1])))
+
+    def reopen(self) -> None:
+        """After the interface was made anew."""
+        self.boat.reopen()
+        self._ear.close()
+        self._ear = _ear()
+
+    # The operator
+
+    @property
+    def state(self) -> str:
+        """As the last heartbeat has it."""
+        return self._state(self.boat) if SYSTEM in self._operator.armed else "silent"
+
+    @property
+    def text(self) -> str:
+        """The last STATUSTEXT."""
+        return self._operator.text.get(SYSTEM, "")
+
+    def forget(self) -> None:
+        """Nothing was heard so far."""
+        for heard in (self._operator.armed, self._operator.fault, self._operator.text):
+            heard.pop(SYSTEM, None)
+
+    def say(self, data: bytes) -> None:
+        """By radio."""
+        self.boat.radio.send(data)
+
+    def drives(self) -> bool:
+        """In FORMATION, and a propeller turns."""
+        return self.state == "FORMATION" and any(self.boat.command(now_us()))
+
+    def rests(self) -> bool:
+        """Both ESCs tell their motors to stand still."""
+        return not any(self.boat.command(now_us()))
+
+    def help(self, well: Callable[[], bool], seconds: float) -> float | None:
+        """The operator disarms, arms and says FOLLOW until all is well; how long that took."""
+        asked_us = 0
+
+        def there() -> bool:
+            nonlocal asked_us
+            if now_us() - asked_us > _RETRY_US:
+                asked_us = now_us()
+                self._ask()
+            return well()
+
+        return self.first(there, seconds)
+
+    def _ask(self) -> None:
+        operator = self._operator
+        match self.state:
+            case "FAULT":
+                self.say(operator.disarm(SYSTEM))
+            case "DISARMED":
+                self.say(operator.arm(SYSTEM))
+            case "HOLD":
+                self.say(operator.set_mode(SYSTEM, FORMATION))
+
+
+def greatest_N(thrust_N: Sequence[tuple[int, float]], from_us: int, to_us: int) -> float:
+    """Of those between two times."""
+    return max((level for t_us, level in thrust_N if from_us <= t_us <= to_us), default=0.0)
+
+
+def _ear() -> socket.socket:
+    """Hears the bus as a stranger does."""
+    ear = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+    ear.setblocking(False)
+    ear.bind((INTERFACE,))
+    return ear

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: MIT
+"""What can be done to a flotillad, its bus and its disk on a live machine, and undone."""
+
+import errno
+import os
+import signal
+import socket
+import struct
+import zlib
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from sil.faults.live_outing import INTERFACE, SYSTEM, LiveOuting
+
+DISK_BYTES = 1 << 20
+_NEW_LINK, _DEL_LINK, _REQUEST_ACK, _UP = 16, 17, 5, 1
+_CAN_ERR_BUSOFF, _CAN_ERR_RESTARTED = 0x40, 0x100
+_NEW_GAIN = {"LAW_KX": 0.21}
+_UNSAVED = "could not be saved"
+
+
+def _nothing(_: LiveOuting) -> str:
+    return ""
+
+
+def _words(outing: LiveOuting) -> str:
+    """What flotillad has written on its standard error."""
+    return (outing.folder / "flotillad.log").read_text()
+
+
+def _bus_untold(outing: LiveOuting) -> str:
+    told = _words(outing).splitlines()[-1].endswith("is down or not there")
+    return "" if told else "flotillad does not say that its bus is down"
+
+
+def _left(outing: LiveOuting) -> bool:
+    return outing.state != "FORMATION" or outing.rests()
+
+
+@dataclass(frozen=True)
+class Strike:
+    """A fault's beginning and end, when it is noticed, what is wrong while it lasts.
+
+    `well`: whether it is over and forgotten, with an operator's help.
+    """
+
+    begin: Callable[[LiveOuting], None]
+    end: Callable[[LiveOuting], None]
+    noticed: Callable[[LiveOuting], bool] = _left
+    wrong: Callable[[LiveOuting], str] = _nothing
+    well: Callable[[LiveOuting], bool] = LiveOuting.drives
+
+
+def _signal(number: signal.Signals) -> Callable[[LiveOuting], None]:
+    def send(outing: LiveOuting) -> None:
+        assert outing.boat.process is not None
+        outing.boat.process.send_signal(number)
+
+    return send
+
+
+def _kill(outing: LiveOuting) -> None:
+    assert outing.boat.process is not None
+    outing.boat.process.kill()
+    outing.boat.process.wait()
+
+
+def _start(outing: LiveOuting) -> None:
+    outing.start()
+    outing.wait(lambda: outing.state != "silent", "a word of the boat")
+
+
+def _error_frame(kind: int) -> None:
+    """As a controller's driver tells every program."""
+    with closing(socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)) as can:
+        can.bind((INTERFACE,))
+        can.send(struct.pack("=IB3x8s", socket.CAN_ERR_FLAG | kind, 8, b""))
+
+
+def _go_bus_off(outing: LiveOuting) -> None:
+    outing.boat.escs_speak = False  # such a controller hears nothing, and here nobody else does
+    _error_frame(_CAN_ERR_BUSOFF)
+
+
+def _restart_controller(outing: LiveOuting) -> None:
+    _error_frame(_CAN_ERR_RESTARTED)
+    outing.boat.escs_speak = True
+
+
+def _link(kind: int, flags: int = 0, change: int = 0) -> Callable[[LiveOuting], None]:
+    """A word to the kernel about the interface, done when it returns: rtnetlink(7).
+
+    ip(8) says the same, after a time that would be the boat's.
+    """
+
+    def ask(_: LiveOuting) -> None:
+        index = socket.if_nametoindex(INTERFACE)
+        about = struct.pack("=BxHiII", socket.AF_UNSPEC, 0, index, flags, change)
+        head = struct.pack("=IHHII", 16 + len(about), kind, _REQUEST_ACK, 1, 0)
+        with closing(socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 0)) as kernel:
+            kernel.send(head + about)
+            (error,) = struct.unpack_from("=i", kernel.recv(4096), 16)
+        if error != 0:
+            raise OSError(-error, f"{INTERFACE}: {os.strerror(-error)}")
+
+    return ask
+
+
+def _plug_in(outing: LiveOuting) -> None:
+    outing.execute("ip", "link", "add", INTERFACE, "type", "vcan")
+    outing.execute("ip", "link", "set", INTERFACE, "up")
+    outing.reopen()
+
+
+def _ballast(outing: LiveOuting) -> Path:
+    return outing.disk / "ballast"
+
+
+def _parameters(outing: LiveOuting) -> Path:
+    return outing.disk / "parameters.txt"
+
+
+def _fill(outing: LiveOuting) -> None:
+    """To the last byte; then there is something to be saved."""
+    with _ballast(outing).open("wb", buffering=0) as ballast:
+        try:
+            while True:
+                ballast.write(bytes(4096))
+        except OSError as error:
+            if error.errno != errno.ENOSPC:
+                raise
+    for name, value in _NEW_GAIN.items():
+        outing.say(outing.operator.set_parameter(SYSTEM, name, value))
+
+
+def _empty(outing: LiveOuting) -> None:
+    """Nobody says anything: the boat tries again by itself."""
+    _ballast(outing).unlink()
+
+
+def _half_written(outing: LiveOuting) -> str:
+    """What is kept is the old or the new, whole; logs end with a whole line."""
+    for log in outing.disk.glob("log/*.log"):
+        if not log.read_bytes().endswith(b"\n"):
+            return f"{log.name} ends within a line"
+    for file in outing.disk.glob("parameters.txt*"):
+        body, _, checksum = file.read_text().rpartition("crc32 = ")
+        if file.suffix != ".new" and int(checksum or "0", 16) != zlib.crc32(body.encode()):
+            return f"{file.name} is not whole"
+    return ""
+
+
+def _full(outing: LiveOuting) -> str:
+    if "No space left on device" not in _words(outing):
+        return "flotillad does not say that its logs have ended"
+    return _half_written(outing) if outing.drives() else "no thrust"
+
+
+def _saved(outing: LiveOuting) -> bool:
+    text = _parameters(outing).read_text() if _parameters(outing).exists() else ""
+    wanted = [f"{name} = {value:g}\n" for name, value in _NEW_GAIN.items()]
+    return not _half_written(outing) and all(line in text for line in wanted)
+
+
+STRIKES = {
+    "stopped": Strike(_signal(signal.SIGSTOP), _signal(signal.SIGCONT)),
+    "bus_off": Strike(_go_bus_off, _restart_controller, wrong=_bus_untold),
+    "interface_down": Strike(
+        _link(_NEW_LINK, 0, _UP), _link(_NEW_LINK, _UP, _UP), wrong=_bus_untold
+    ),
+    "interface_removed": Strike(_link(_DEL_LINK), _plug_in, wrong=_bus_untold),
+    "disk_full": Strike(_fill, _empty, lambda outing: _UNSAVED in outing.text, _full, _saved),
+    "killed": Strike(_kill, _start),
+}

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: MIT
+"""Hours of random faults, one after another, of four boats in lockstep, with an operator's help."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sil import scenario
+from sil.batch import Batch
+from sil.bench_fleet import resident_now_kB
+from sil.faults.rows import FOLDER
+from sil.faults.timeline import act
+from sil.faults.watch import STATES, ask
+from sil.plant.hull import Array
+from sil.policies import violations
+from sil.recording import Recorder
+from sil.sections import Fault
+from sil.start import start
+
+RECOVERED_S = 60.0
+_QUIET_S = (2.0, 6.0)
+_WELL_S = 3.0
+_RETRY_S = 0.5
+_WARM, _MOST_MB = 3, 5.0  # hours until memory is what it will be; growth from then on
+_OFF_S = 0.27  # what an ESC does without a command
+_OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
+
+# Kind: least and greatest value, whether either sign will do; agents 0 and up, or 1 and up.
+_KINDS: dict[str, tuple[float, float, bool, int]] = {
+    "own_silent": (0.0, 0.0, False, 0),
+    "own_frozen": (0.0, 0.0, False, 0),
+    "own_jump": (1.0, 30.0, True, 0),
+    "own_noisy": (2.0, 10.0, False, 1),
+    "own_clock": (3600.0, 3600.0, True, 0),
+    "esc_silent": (0.0, 0.0, False, 1),
+    "esc_stuck": (0.0, 0.0, False, 1),
+    "esc_reversed": (0.0, 0.0, False, 1),
+    "esc_reboot": (0.0, 0.0, False, 1),
+    "bus_off": (0.0, 0.0, False, 1),
+    "frame_loss": (0.01, 1.0, False, 1),
+    "radio_silent": (0.0, 0.0, False, 0),
+    "radio_loss": (0.1, 1.0, False, 0),
+    "byte_errors": (0.001, 0.3, False, 0),
+    "impostor": (5.0, 50.0, True, 0),
+    "replay": (0.5, 4.0, False, 0),
+    "clock": (3600.0, 3600.0, True, 0),
+    "restart": (0.0, 0.0, False, 1),
+}
+
+
+@dataclass
+class Soaked:
+    """What came of it: `slowest_s` recovery by kind, what went wrong, MB at each hour, digest."""
+
+    faults: Counter[str] = field(default_factory=Counter)
+    slowest_s: dict[str, float] = field(default_factory=dict)
+    wrong: list[str] = field(default_factory=list)
+    resident_MB: list[float] = field(default_factory=list)
+    digest: str = ""
+
+
+def soak(hours: float, seed: int, progress: Callable[[float, Soaked], None]) -> Soaked:
+    """Sail so many hours; `progress` is told of the share that is done every simulated minute.
+
+    A fault that is not recovered from, all boats in FORMATION, within RECOVERED_S of its end is
+    wrong and ends the soak; so is thrust told in DISARMED, HOLD or FAULT to an ESC that listens,
+    and a rule of the firmware that is broken, and memory that grows after the first hours.
+    """
+    source = scenario.read(FOLDER / "soak.toml", [f"seed={seed}"])
+    one = scenario.check(source)
+    batch = Batch([one], {}, record=True)
+    with Recorder(None, batch.header(0)) as recorder:
+        batch.recorders = [recorder]
+        (ready_us,) = start(batch)
+        if not isinstance(ready_us, int):
+            raise ready_us
+        soaked = Soaked()
+        _Sea(batch, np.random.default_rng(seed), soaked).sail(ready_us, hours, progress)
+        batch.take()
+        soaked.digest = recorder.finish()
+    return soaked
+
+
+class _Sea:
+    """The boats, and the one fault that is on or is being recovered from."""
+
+    def __init__(self, batch: Batch, rng: np.random.Generator, soaked: Soaked) -> None:
+        self._batch, self._rng, self._soaked = batch, rng, soaked
+        self._h_s = 1e-6 * batch.h_us
+        self._tau: Array = batch.scenarios[0].leader.tau(np.zeros(3))[:, None, :]
+        self._fault: Fault | None = None
+        self._next = self._in(rng.uniform(*_QUIET_S))  # tick of what comes next
+        self._ended: int | None = None
+        self._well = 0  # since when all have been in FORMATION
+        self._off = np.zeros(batch.boats, int)  # ticks in a row without leave to drive
+
+    def _in(self, time_s: float) -> int:
+        return max(1, round(time_s / self._h_s))
+
+    def sail(self, ready_us: int, hours: float, progress: Callable[[float, Soaked], None]) -> None:
+        ticks, second = self._in(3600.0 * hours), self._in(1.0)
+        minute, hour = 60 * second, 3600 * second
+        for k in range(1, ticks + 1):
+            t_us = ready_us + k * self._batch.h_us
+            self._script(k, t_us)
+            self._batch.tick(t_us)
+            self._check(k)
+            self._batch.bodies.advance(self._batch.command, self._tau, self._h_s)
+            if k % hour == 0 or k == minute:
+                self._note_memory()
+            if k % second == 0:
+                self._soaked.wrong += map(str, violations(self._batch).values())
+            if k % minute == 0:
+                progress(k / ticks, self._soaked)
+            if self._soaked.wrong:
+                return
+
+    def _note_memory(self) -> None:
+        sizes = self._soaked.resident_MB
+        sizes.append(1e-3 * resident_now_kB())
+        if sizes[-1] - sizes[: _WARM + 1][-1] > _MOST_MB:
+            self._soaked.wrong.append(f"memory grows: {sizes[-1]:.1f} MB after {len(sizes) - 1} h")
+
+    def _script(self, k: int, t_us: int) -> None:
+        if self._ended is not None:
+            self._recover(k, t_us)
+        elif k >= self._next and self._fault is None:
+            self._fault = self._drawn()
+            self._soaked.faults[self._fault.kind] += 1
+            seed = int(self._rng.integers(1 << 63))
+            act(self._batch, 0, self._fault, True, t_us, seed)
+            self._next = k + self._in(self._fault.for_s or 1.0)
+        elif k >= self._next and self._fault is not None:
+            act(self._batch, 0, self._fault, False, t_us)
+            self._ended = self._well = k
+
+    def _recover(self, k: int, t_us: int) -> None:
+        assert self._fault is not None
+        assert self._ended is not None
+        states = self._batch.states[0].tolist()
+        late_s = (k - self._ended) * self._h_s
+        if any(state != STATES["FORMATION"] for state in states):
+            self._well = k + 1
+        if (k - self._well) * self._h_s >= _WELL_S:
+            kind, slowest_s = self._fault.kind, self._soaked.slowest_s
+            slowest_s[kind] = max((self._well - self._ended) * self._h_s, slowest_s.get(kind, 0.0))
+            self._fault = self._ended = None
+            self._next = k + self._in(self._rng.uniform(*_QUIET_S))
+        elif late_s > RECOVERED_S:
+            self._soaked.wrong.append(f"{self._fault!r}: not recovered from at tick {k}: {states}")
+        elif (k - self._ended) % self._in(_RETRY_S) == 0:
+            ask(self._batch, 0, states, t_us)
+
+    def _drawn(self) -> Fault:
+        rng = self._rng
+        kind = list(_KINDS)[int(rng.integers(len(_KINDS)))]
+        low, high, signed, first = _KINDS[kind]
+        value = float(rng.uniform(low, high)) * (-1.0 if signed and rng.random() < 0.5 else 1.0)
+        for_s = float(rng.uniform(0.2, 8.0))
+        found = {
+            "kind": kind,
+            "agent": int(rng.integers(first, self._batch.boats + 1)),
+            "at_s": 0.0,
+            "for_s": for_s + (value if kind == "replay" else 0.0),
+            "value": value,
+            "esc": ("port", "stbd", "both")[int(rng.integers(3))] if first else "both",
+        }
+        return Fault.model_validate(found)
+
+    def _check(self, k: int) -> None:
+        off = np.isin(self._batch.states[0], _OFF)
+        self._off = np.where(off, self._off + 1, 0)
+        told = np.abs(self._batch.command)
+        fault = self._fault
+        if fault is not None and fault.kind == "esc_stuck":
+            told[fault.agent - 1, {"port": [0], "stbd": [1], "both": [0, 1]}[fault.esc]] = 0.0
+        if (told.max(axis=1)[self._off > self._in(_OFF_S)] > 0.0).any():
+            self._soaked.wrong.append(f"{fault!r}: thrust without leave at tick {k}")

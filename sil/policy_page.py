@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: MIT
+"""The table of firmware/POLICIES.md: the rules that every boat is watched by."""
+
+from pathlib import Path
+
+import flotilla
+
+PAGE = Path(__file__).parent.parent / "firmware" / "POLICIES.md"
+
+
+def table() -> str:
+    """The rules, each as a row of a Markdown table."""
+    lines = ["| about | what holds in every tick |", "|---|---|"]
+    lines += [f"| {group} | {name} |" for group, name in flotilla.policies()]
+    return "\n".join(lines)

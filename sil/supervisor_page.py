@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""The tables of firmware/SUPERVISOR.md: all of it asked of the firmware's own table."""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from pathlib import Path
+
+import flotilla
+
+PAGE = Path(__file__).parent.parent / "firmware" / "SUPERVISOR.md"
+STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT")
+PUSHING = ("MANUAL", "FORMATION", "COAST", "TEST")
+DEFAULT = ("FS_LEADER_ACT 1", "FS_GCS_ACT 0")
+ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "TEST": "test"}
+NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
+
+
+def after(
+    state: str, request: str, lost: Iterable[str] = (), chosen: tuple[str, ...] = DEFAULT
+) -> str:
+    """Where a request leads if only `lost` is not met; a choice of 2 is neither 0 nor 1."""
+    met = [name for name in (*NAMES, *chosen) if name not in lost and not name.endswith(" 2")]
+    return str(flotilla.supervise(state, request, met)["state"])
+
+
+def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
+    """A Markdown table."""
+    first, *others = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
+    return "\n".join([first, "|" + "---|" * (first.count(" | ") + 1), *others])
+
+
+def condition_table() -> str:
+    """Every condition: name, what the boat says for want of it, its limit, what it is asked for."""
+    rows = []
+    for c in flotilla.supervisor_conditions():
+        name = c["name"]
+        needed = ["to arm"] if after("DISARMED", "arm", [name]) == "DISARMED" else []
+        needed += [
+            f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
+        ]
+        limit = f"`{c['limit']}`" if c["limit"] else ""
+        rows.append([f"`{name}`", c["complaint"], limit, ", ".join(needed)])
+    return table(("condition", "where it is not met the boat says", "limit", "needed"), rows)
+
+
+def way_back(state: str, fallen: str) -> str:
+    """How a boat that fell from a state comes back to it when all is well again."""
+    if after(fallen, "nothing") == state:
+        return "by itself"
+    request = ASKED.get(state, "nothing")
+    if after(fallen, request) == state:
+        return "asked for"
+    return "disarm first"
+
+
+def loss_table() -> str:
+    """What the loss of each condition leads to in each armed state, and how the boat comes back."""
+    states = [s for s in STATES if s not in ("DISARMED", "FAULT")]
+    groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
+    for name in NAMES:
+        cells = []
+        for state in states:
+            fallen = after(state, "nothing", [name, *(["leader_fresh"] * (state == "COAST"))])
+            if fallen == state:
+                cells.append("")
+            else:
+                back = "FORMATION" if state == "COAST" else state
+                cells.append(f"{fallen}; {way_back(back, fallen)}")
+        groups[tuple(cells)].append(f"`{name}`")
+    rows = [["<br>".join(names), *cells] for cells, names in groups.items() if any(cells)]
+    return table(("lost", *(f"in {s}" for s in states)), rows)
+
+
+def choice_table() -> str:
+    """What each choice of action does when the leader or the ground stations are lost."""
+    rows = []
+    for parameter, lost in (("FS_LEADER_ACT", "leader_fresh"), ("FS_GCS_ACT", "gcs_heard")):
+        for number in (0, 1, 2):
+            others = [c for c in DEFAULT if not c.startswith(parameter)]
+            chosen = (f"{parameter} {number}", *others)
+            held = after("FORMATION", "nothing", [lost], chosen)
+            free = after("FORMATION", "nothing", [lost, "sticks_fresh"], chosen)
+            over = after("COAST", "nothing", [lost, "coast_running"], chosen)
+            then = f"{free}, then {over}" if free == "COAST" else free
+            default = " (default)" if f"{parameter} {number}" in DEFAULT else ""
+            rows.append([f"`{parameter}` {number}{default}", then, held if held != free else then])
+    return table(("choice", "FORMATION goes to", "with fresh sticks"), rows)
+
+
+def transition_table() -> str:
+    """The supervisor's table, row by row."""
+    rows = [
+        [
+            "any" if len(row["from"]) == len(STATES) else ", ".join(row["from"]),
+            row["request"],
+            ", ".join(row["needs"]),
+            ", ".join(row["lacks"]),
+            row["to"],
+        ]
+        for row in flotilla.supervisor_table()
+    ]
+    return table(("in state", "asked", "all of", "or lost one of", "goes to"), rows)
+
+
+def edges() -> dict[tuple[str, str], list[str]]:
+    """Transitions of a boat in each state: asked for, lost, or come back; all but disarming."""
+    out: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for state in STATES:
+        for request in ("arm", "HOLD", *ASKED.values()):
+            to = after(state, request, chosen=DEFAULT)
+            if to != state and to != after(state, "nothing"):
+                out[state, to].append(request)
+        if after(state, "nothing") != state:
+            out[state, after(state, "nothing")].append("all is well again")
+        for name in NAMES:
+            away = ["leader_fresh"] if state == "COAST" else []
+            to = after(state, "nothing", [*away, name])
+            if to != state and name not in away:
+                out[state, to].append(f"no {name}")
+    return out
+
+
+def diagram() -> str:
+    """A Mermaid flowchart; solid: asked for, dotted: by itself."""
+    lines = ["```mermaid", "flowchart TD"]
+    for (state, to), causes in edges().items():
+        asked = [c for c in causes if not c.startswith(("no ", "all "))]
+        lost = [c for c in causes if c.startswith(("no ", "all "))]
+        if asked:
+            lines.append(f'  {state} -->|"{", ".join(asked)}"| {to}')
+        if lost:
+            lines.append(f'  {state} -.->|"{"<br>".join(lost)}"| {to}')
+    for kind, states in (("pushes", PUSHING), ("stopped", set(STATES) - set(PUSHING))):
+        lines.append(f"  class {','.join(s for s in STATES if s in states)} {kind}")
+    lines += ["  classDef pushes stroke-width:3px", "  classDef stopped stroke-dasharray:4", "```"]
+    return "\n".join(lines)

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// What a boat is told by its host, and what the host gets from it.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "app/harbour.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using core::State;
+namespace mav = link::mav;
+
+template <class S>
+using Harbour = testing::Harbour<S>;
+
+constexpr link::SigningKey kKey{1, 2, 3};
+constexpr std::int64_t kUnix_us = 1'800'000'000'000'000;
+
+TEST_CASE_TEMPLATE("the bus goes down: FAULT within a tick, until it is up and a disarm was asked",
+                   S, float, double) {
+  Harbour<S> h;
+  h.cast_off();
+  h.boat.on_host({.bus_up = false});
+  h.step();
+  CHECK(h.boat.state() == State::kFault);
+  CHECK(h.stopped());
+  CHECK(h.arming == 0);
+  CHECK(h.says("CAN bus is down"));
+  h.boat.on_host({});
+  h.sail(1);
+  CHECK(h.boat.state() == State::kFault);
+  h.disarm();
+  h.cast_off();
+  CHECK(h.pushes());
+}
+
+TEST_CASE_TEMPLATE("a boat whose parameters fell to defaults is armed by nobody before it saved", S,
+                   float, double) {
+  Harbour<S> h;
+  h.boat.on_host({.parameters_saved = false});
+  h.sail(2);
+  h.arm();
+  h.step();
+  CHECK(h.boat.state() == State::kDisarmed);
+  CHECK(h.says("PreArm: parameters are not saved"));
+  h.command(mav::kCmdPreflightStorage, 1);
+  h.step();
+  CHECK(h.boat.take_save_request() == SaveRequest::kConfirmed);
+  CHECK(h.boat.take_save_request() == SaveRequest::kNone);
+  h.boat.on_host({});
+  h.arm();
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+}
+
+TEST_CASE_TEMPLATE("a disk that does not take the parameters is complained of once", S, float,
+                   double) {
+  Harbour<S> h;
+  h.sail(1);
+  h.boat.on_host({.save_failed = true});
+  h.step();
+  CHECK(h.says("parameters could not be saved"));
+  for (int k = 0; k < 300; ++k) {
+    h.step();
+    REQUIRE_FALSE(h.says("could not be saved"));
+  }
+  h.boat.on_host({});
+  h.step();
+  h.boat.on_host({.save_failed = true});
+  h.step();
+  CHECK(h.says("could not be saved"));
+}
+
+TEST_CASE_TEMPLATE("told by its host to leave, a boat sends zeros and ArmingStatus 0", S, float,
+                   double) {
+  Harbour<S> h;
+  h.cast_off();
+  REQUIRE(h.pushes());
+  h.boat.disarm();
+  h.step();
+  CHECK(h.stopped());
+  CHECK(h.arming == 0);
+  CHECK(h.boat.state() == State::kDisarmed);
+}
+
+TEST_CASE_TEMPLATE("the host's clock is told to all who listen", S, float, double) {
+  Harbour<S> h;
+  h.boat.on_host({.unix_us = kUnix_us});
+  bool told = false;
+  for (int k = 0; k < 200; ++k) {
+    h.step();
+    for (const auto& time : h.template all<link::SystemTime>()) {
+      told = true;
+      CHECK(time.time_unix_usec == kUnix_us);
+    }
+  }
+  CHECK(told);
+}
+
+TEST_CASE_TEMPLATE(
+    "with a key a boat signs, and obeys no unsigned word where it requires signatures", S, float,
+    double) {
+  Harbour<S> h(Parameters{}, 2);
+  const std::uint64_t clock = link::signing_time(kUnix_us);
+  h.boat.secure(kKey, clock - 1000, 0);
+  h.boat.on_host({.unix_us = kUnix_us});
+  CHECK(h.boat.signing_timestamp() == clock);
+  h.boat.set_policy(1, SigningPolicy::kRequired);
+  h.sail(2);
+  h.command(mav::kCmdComponentArmDisarm, 1, 0, 1);
+  h.step();
+  CHECK(h.boat.state() == State::kDisarmed);
+  CHECK(h.boat.snapshot().counters.mavlink_unsigned_refused == 1);
+
+  link::Signing operators;
+  operators.start(kKey, clock, 0);
+  std::array<std::uint8_t, 300> frame;
+  const link::CommandLong arm{mav::kCmdComponentArmDisarm, {1}, {1, 1}, 0};
+  const std::size_t size = h.operator_.encode(arm, frame, &operators, 7);
+  h.boat.on_mavlink(std::span(frame).first(size), h.now_us, 1);
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+  CHECK(h.boat.signing_timestamp() > clock);
+
+  const auto out = h.boat.tick(h.now_us += 1'000'000);
+  const auto bytes = out.links->bytes(1);
+  REQUIRE(bytes.size() > 10);
+  CHECK((bytes[2] & 1U) == 1);
+  CHECK((out.links->bytes(0)[2] & 1U) == 0);
+}
+
+TEST_CASE_TEMPLATE("a link with a limit carries less telemetry, the others as much as ever", S,
+                   float, double) {
+  Harbour<S> h(Parameters{}, 2);
+  h.boat.limit_link(1, 300);
+  std::size_t free = 0, limited = 0;
+  for (int k = 0; k < 1000; ++k) {
+    h.now_us += Harbour<S>::kTick_us;
+    h.talk();
+    const auto out = h.boat.tick(h.now_us);
+    free += out.links->bytes(0).size();
+    limited += out.links->bytes(1).size();
+  }
+  CHECK(limited < 10 * 300 + 300);
+  CHECK(free > 3 * limited);
+}
+
+TEST_CASE_TEMPLATE("node ids that were given away before stay given away", S, float, double) {
+  Harbour<S> h;
+  CHECK(h.boat.node_ids().restore({{7}, 125}));
+  CHECK(h.boat.node_ids().table().size() == 1);
+}
+
+TEST_CASE_TEMPLATE("a host's clock that was set back by an hour is followed after a second", S,
+                   float, double) {
+  constexpr std::int64_t kHour_us = 3'600'000'000;
+  Harbour<S> h;
+  h.now_us = 2 * kHour_us;
+  h.cast_off();
+  REQUIRE(h.pushes());
+  h.now_us -= kHour_us;
+  h.leader_clock_us += kHour_us;
+  h.sail(1.1);
+  // While time stands still nothing can be trusted, the ESCs included.
+  CHECK(h.stopped());
+  CHECK(h.boat.state() == State::kFault);
+  const std::uint32_t counted = h.boat.snapshot().counters.clock_went_back;
+  CHECK(counted > 100);
+  h.sail(3);
+  CHECK(h.boat.snapshot().counters.clock_went_back == counted);
+  CHECK(h.boat.snapshot().own_age_s.value() < 0.1);
+  h.disarm();
+  h.cast_off();
+  CHECK(h.pushes());
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/closed_loop.hpp"
+#include "core/piloted_boat.hpp"
+#include "core/separation.hpp"
+
+namespace flotilla::core {
+namespace {
+
+using testing::approx;
+using testing::Hull;
+using testing::Random;
+using testing::same_bits;
+
+constexpr double kLeast = 1.5;
+
+/// A boat of the product behind a leader, among others; knows them exactly.
+struct Sailor {
+  ControllerParams<double> law = testing::products_law<double>().law;
+  ControllerState<double> state{};
+  Hull hull{};
+  ControllerOutput<double> out{};
+  double h = 0.01;
+
+  explicit Sailor(Hull::Q q, double least = kLeast) {
+    hull.q = q;
+    law.separation.least = least;
+  }
+  Vec2<double> place() const { return {hull.q[0], hull.q[1]}; }
+  Vec2<double> velocity() const {
+    return to_north_east(hull.q[2], Vec2<double>{hull.q[3], hull.q[4]});
+  }
+  OtherVessel<double> seen_by(const Sailor& other, bool has_way) const {
+    return {minus(place(), other.place()), velocity(), 0, has_way};
+  }
+  void sail(const testing::Sighting& leader, const Traffic<double>& traffic) {
+    const auto in = testing::encounter_of<double>(testing::sighting_of(hull), leader);
+    if (!state.slot.started) state = controller_start(in);
+    out = controller_step(law, state, in, h, &traffic);
+    hull.advance(out.allocation.given, h);
+  }
+};
+
+testing::Sighting leader_at(double north, double east, double speed = 0.5) {
+  return {{north, east}, 0, {speed, 0, 0}, {}};
+}
+
+Traffic<double> only(const OtherVessel<double>& other) {
+  Traffic<double> traffic;
+  traffic.vessels[0] = other;
+  traffic.count = 1;
+  return traffic;
+}
+
+TEST_CASE_TEMPLATE("the predicted distance is the least on the way, found step by step too", S,
+                   float, double) {
+  constexpr std::uint32_t kSeed = 71;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  for (int i = 0; i < 300; ++i) {
+    const Vec2<double> p = {random(-20, 20), random(-20, 20)};
+    const Vec2<double> v = {random(-3, 3), random(-3, 3)}, w = {random(-3, 3), random(-3, 3)};
+    const double margin = random(0, 1);
+    double least = 1e9;
+    for (int k = 0; k <= 4000; ++k) {
+      const double t = 0.001 * k;
+      least = std::min(least, std::hypot(p.x + t * (v.x - w.x), p.y + t * (v.y - w.y)));
+    }
+    const OtherVessel<S> other{{S(p.x), S(p.y)}, {S(v.x), S(v.y)}, S(margin), true};
+    const S found = predicted_distance(S(4), other, Vec2<S>{S(w.x), S(w.y)});
+    CHECK(double(found) == doctest::Approx(least - margin).epsilon(1e-3).scale(10));
+  }
+  const OtherVessel<S> beside{{S(3), S(0)}, {S(1), S(0)}, S(0.5), true};
+  CHECK(predicted_distance(S(4), beside, Vec2<S>{S(1), S(0)}) == approx(S(2.5)));
+}
+
+TEST_CASE("from the speed that a gap allows, a boat stops where the gap ends") {
+  Random random(72);
+  for (int i = 0; i < 100; ++i) {
+    const double a = random(0.1, 40), reaction = random(0.05, 1), gap = random(0.01, 30);
+    const double u = stopping_speed(a, reaction, gap);
+    CHECK(u * reaction + u * u / (2 * a) == doctest::Approx(gap));
+  }
+  CHECK(stopping_speed(2.0, 0.4, 0.0) == 0);
+  CHECK(stopping_speed(2.0, 0.4, -1.0) == 0);
+}
+
+TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that is it") {
+  Random random(73);
+  for (int i = 0; i < 500; ++i) {
+    const double psi = random.angle(), course = random.angle(), speed = random(0.01, 3);
+    const Way<double> way =
+        way_to(psi, Vec2<double>{speed * std::cos(course), speed * std::sin(course)});
+    const double turn = std::remainder(course - psi, 2 * testing::kPi);
+    const bool astern = std::abs(turn) > testing::kPi / 2;
+    CHECK((way.u < 0) == astern);
+    CHECK(std::abs(std::remainder(psi + way.delta + (astern ? testing::kPi : 0) - course,
+                                  2 * testing::kPi)) < 2e-3);
+    CHECK(std::abs(way.u) == doctest::Approx(speed * std::pow(std::cos(turn), 2)));
+  }
+  const Way<double> nowhere = way_to(0.3, Vec2<double>{});
+  CHECK((nowhere.delta == 0 && nowhere.u == 0));
+}
+
+TEST_CASE_TEMPLATE(
+    "alone, or with others far away, a boat sails as the law has it, to the last bit", S, float,
+    double) {
+  Random random(74);
+  auto params = testing::products_law<S>().law;
+  params.separation.least = S(kLeast);
+  for (int i = 0; i < 200; ++i) {
+    const auto in = testing::arbitrary_encounter<S>(random);
+    auto state = controller_start(in), same = state;
+    Traffic<S> traffic;
+    const S far = S(random(200, 300));
+    traffic.vessels[0] = {{far, S(0)}, {S(random(-1, 1)), S(0)}, S(0), true};
+    traffic.count = static_cast<std::size_t>(i % 2);
+    for (const S dt : {S(0), S(0.01)}) {
+      const auto with = controller_step(params, state, in, dt, &traffic);
+      const auto without = controller_step(params, same, in, dt);
+      CHECK_FALSE(with.separation.yielding);
+      CHECK(with.separation.known == (traffic.count == 1));
+      CHECK_FALSE(without.separation.known);
+      CHECK(same_bits(with.tau.X, without.tau.X));
+      CHECK(same_bits(with.tau.N, without.tau.N));
+      CHECK(same_bits(state.outer.v_star, same.outer.v_star));
+    }
+  }
+}
+
+TEST_CASE("only who has the way is yielded to; the other is told of all the same") {
+  Sailor boat({0, 0, 0, 0.5, 0, 0});
+  for (const bool has_way : {true, false}) {
+    boat.state = {};
+    // Crosses its course in two seconds, from starboard.
+    boat.sail(leader_at(0, 0), only({{2, 2.5}, {0, -1}, 0, has_way}));
+    CHECK(boat.out.separation.predicted < 1.4 * kLeast);
+    CHECK(boat.out.separation.yielding == has_way);
+  }
+}
+
+TEST_CASE("two boats bow to bow, each with the way, stop before they are too near") {
+  Sailor a({-10, 0, 0, 1.5, 0, 0}), b({10, 0.05, testing::kPi, 1.5, 0, 0});
+  double least = 1e9;
+  for (int k = 0; k < 3000; ++k) {
+    const auto of_b = only(b.seen_by(a, false)), of_a = only(a.seen_by(b, false));
+    a.sail(leader_at(15, 0, 0), of_b);
+    b.sail(leader_at(-15, 0, 0), of_a);
+    least = std::min(least, length(minus(a.place(), b.place())));
+  }
+  CHECK(least > 1.1 * kLeast - 0.05);
+  CHECK(least < 1.4 * kLeast);
+}
+
+TEST_CASE("in 200 chance meetings of two boats the one that yields keeps away, and both arrive") {
+  constexpr std::uint32_t kSeed = 75;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  double closest = 1e9;
+  int nearer_without = 0;
+  for (int run = 0; run < 200; ++run) {
+    const double bearing = random.angle(), psi = random.angle();
+    const double c = std::cos(bearing), s = std::sin(bearing);
+    for (const bool looks : {false, true}) {
+      // Its slot is on the other side of the first one's.
+      Sailor first({0, 0, 0, 0, 0, 0}), second({8 * c, 8 * s, psi, 0, 0, 0});
+      double least = 1e9;
+      for (int k = 0; k < 6000; ++k) {
+        const auto to_first = only(second.seen_by(first, false));
+        const auto to_second = only(first.seen_by(second, true));
+        const double t = first.h * k;
+        first.sail(leader_at(0.5 * t, 0), looks ? to_first : Traffic<double>{});
+        second.sail(leader_at(0.5 * t - 3 * c, -3 * s), looks ? to_second : Traffic<double>{});
+        least = std::min(least, length(minus(first.place(), second.place())));
+      }
+      if (looks) {
+        closest = std::min(closest, least);
+        CHECK(std::hypot(first.out.error.e.x, first.out.error.e.y) < 0.05);
+        CHECK(std::hypot(second.out.error.e.x, second.out.error.e.y) < 0.05);
+      } else if (least < kLeast) {
+        ++nearer_without;
+      }
+    }
+  }
+  MESSAGE("closest ", closest, " m; too near without: ", nearer_without);
+  CHECK(closest > kLeast);
+  CHECK(nearer_without > 20);
+}
+
+TEST_CASE("a vessel that lies in the way is passed, from whichever side") {
+  for (const double aside : {-0.5, 0.0, 0.5}) {
+    for (const double psi : {0.0, 1.5, -3.0}) {
+      Sailor boat({-10, aside, psi, 0, 0, 0});
+      double least = 1e9;
+      for (int k = 0; k < 6000; ++k) {
+        const Vec2<double> there = minus(Vec2<double>{}, boat.place());
+        least = std::min(least, length(there));
+        boat.sail(leader_at(-5 + 0.5 * boat.h * k, 0), only({there, {}, 0, true}));
+      }
+      CHECK(least > 1.1 * kLeast);
+      CHECK(std::hypot(boat.out.error.e.x, boat.out.error.e.y) < 0.05);
+    }
+  }
+}
+
+TEST_CASE("what is uncertain is kept away from farther") {
+  std::vector<double> least;
+  for (const double margin : {0.0, 2.0}) {
+    Sailor boat({-10, 0.3, 0, 0, 0, 0});
+    least.push_back(1e9);
+    for (int k = 0; k < 6000; ++k) {
+      const Vec2<double> there = minus(Vec2<double>{}, boat.place());
+      least.back() = std::min(least.back(), length(there));
+      boat.sail(leader_at(-5 + 0.5 * boat.h * k, 0), only({there, {}, margin, true}));
+    }
+  }
+  CHECK(least[1] > least[0] + 1.5);
+}
+
+TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its distance a second") {
+  const VirtualVelocityParams<double> none{0.2, 0.5, 0, 0}, some{0.2, 0.5, 0.9, 0.4};
+  const Vec2<double> slot = {0.5, 0}, far = {0.5, 4}, near = {0.5, 0.1};
+  CHECK(intent_of(none, 2.0, slot, far).fastest == 2);
+  CHECK(intent_of(none, 2.0, slot, far).turning == 1);
+  CHECK(length(intent_of(none, 2.0, slot, far).straight_n) == doctest::Approx(2));
+  CHECK(intent_of(some, 2.0, slot, far).fastest == 0.9);
+  CHECK(intent_of(some, 2.0, slot, far).turning == 0.4);
+  CHECK(intent_of(some, 2.0, slot, near).straight_n.y == near.y);
+  // No leader is too fast to be followed.
+  CHECK(intent_of(some, 2.0, Vec2<double>{3, 0}, far).fastest == doctest::Approx(3.3));
+}
+
+}  // namespace
+}  // namespace flotilla::core

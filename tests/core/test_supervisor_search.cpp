@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// Every history of the shipped table, searched state by state: a model of what ESCs, links, sea and
+// operator may do between two ticks, in any order and any number of things at once.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <vector>
+
+#include "core/supervisor.hpp"
+
+namespace flotilla::core {
+namespace {
+
+enum class Esc : unsigned { kOnline, kOffline, kDisobeys, kReboots };
+
+/// What surrounds the supervisor. A flag is set where something is wrong.
+struct Node {
+  State state = State::kDisarmed;
+  Esc esc = Esc::kOnline;
+  unsigned wrong = 0;  ///< of kTroubles, a bit each
+  unsigned coast = 0;  ///< ticks that COAST still lasts
+  unsigned test = 0;   ///< ticks that the motor test still lasts
+};
+
+constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
+                                              kLeaderFresh,
+                                              kSoleController | kBusUp,
+                                              kGcsHeard,
+                                              kBatteryGood,
+                                              kSticksFresh,
+                                              kBoatAnswers,
+                                              kClear,
+                                              kParametersSaved};
+constexpr unsigned kCoastTicks = 3, kTestTicks = 2;
+constexpr unsigned kCodeBits = 3 + 2 + kTroubles.size() + 2 + 2;
+
+unsigned code_of(const Node& n) {
+  unsigned code = static_cast<unsigned>(n.state);
+  code = code << 2U | static_cast<unsigned>(n.esc);
+  code = code << kTroubles.size() | n.wrong;
+  return (code << 2U | n.coast) << 2U | n.test;
+}
+
+Conditions conditions_of(const Node& n, Conditions choices) {
+  Conditions met = kAllConditions | choices;
+  for (std::size_t i = 0; i < kTroubles.size(); ++i) {
+    if ((n.wrong >> i & 1U) != 0) met &= ~kTroubles[i];
+  }
+  if (n.esc == Esc::kOffline || n.esc == Esc::kReboots) met &= ~kEscsOnline;
+  if (n.esc == Esc::kDisobeys) met &= ~kEscsObey;
+  if (n.state == State::kCoast && n.coast == 0) met &= ~kCoastRunning;
+  if (n.test == 0) met &= ~kTestRunning;
+  return met;
+}
+
+/// One tick of the boat: what the conditions force, what is asked, and a tick's time.
+struct Tick {
+  Node after;
+  bool pushes = false;
+};
+
+Tick tick_of(Node n, Request request, Conditions choices) {
+  const auto enter = [&n](State state) {
+    if (state == State::kCoast && n.state != State::kCoast) n.coast = kCoastTicks;
+    if (state != State::kCoast) n.coast = 0;
+    if (state != State::kTest) n.test = 0;
+    n.state = state;
+  };
+  enter(supervise(n.state, Request::kNone, conditions_of(n, choices)).state);
+  Node asked = n;
+  if (request == Request::kTest && n.test == 0) asked.test = kTestTicks;
+  const Verdict verdict = supervise(n.state, request, conditions_of(asked, choices));
+  if (request != Request::kNone && verdict.granted) {
+    n.test = asked.test;
+    enter(verdict.state);
+  }
+  const bool pushes = may_drive(n.state, conditions_of(n, choices));
+  if (n.coast > 0) --n.coast;
+  if (n.test > 0) --n.test;
+  return {n, pushes};
+}
+
+/// What may happen between two ticks, one thing at a time.
+std::vector<Node> events_of(const Node& n) {
+  std::vector<Node> out;
+  for (std::size_t i = 0; i < kTroubles.size(); ++i) {
+    out.push_back(n);
+    out.back().wrong ^= 1U << i;
+  }
+  for (const Esc esc : {Esc::kOnline, Esc::kOffline, Esc::kDisobeys, Esc::kReboots}) {
+    // What reboots is silent for a while before it is back.
+    if (n.esc == Esc::kReboots && esc != Esc::kOffline) continue;
+    out.push_back(n);
+    out.back().esc = esc;
+  }
+  return out;
+}
+
+/// Calls f(before, request, tick) for every tick of every history, from a boat that is switched on
+/// where all is well; the number of nodes.
+template <class F>
+std::size_t search(Conditions choices, F f) {
+  std::vector<bool> seen(std::size_t{1} << kCodeBits);
+  std::vector<Node> open;
+  const auto visit = [&](const Node& n) {
+    if (seen[code_of(n)]) return;
+    seen[code_of(n)] = true;
+    open.push_back(n);
+  };
+  visit(Node{});
+  std::size_t nodes = 0;
+  for (; !open.empty(); ++nodes) {
+    const Node n = open.back();
+    open.pop_back();
+    for (const Node& next : events_of(n)) visit(next);
+    for (unsigned r = 0; r < kRequests; ++r) {
+      const auto request = static_cast<Request>(r);
+      const Tick tick = tick_of(n, request, choices);
+      f(n, request, tick);
+      visit(tick.after);
+    }
+  }
+  return nodes;
+}
+
+/// FS_LEADER_ACT and FS_GCS_ACT, three choices each.
+template <class F>
+void for_every_choice(F f) {
+  for (const Conditions leader : {Conditions{0}, kLeaderLossHolds, kLeaderLossCoasts}) {
+    for (const Conditions gcs : {Conditions{0}, kGcsLossHolds, kGcsLossCoasts}) f(leader | gcs);
+  }
+}
+
+/// What must not be seen in any tick, a counter each.
+struct Broken {
+  int pushed_unarmed = 0, pushed_without_escs = 0, law_pushed_blind = 0, fault_left = 0;
+  int armed_without_escs = 0, disarm_refused = 0, terminate_refused = 0, coast_too_long = 0;
+  int coast_ended_elsewhere = 0, formation_by_itself = 0, not_back_to_the_start = 0;
+
+  bool any() const {
+    return pushed_unarmed + pushed_without_escs + law_pushed_blind + fault_left +
+               armed_without_escs + disarm_refused + terminate_refused + coast_too_long +
+               coast_ended_elsewhere + formation_by_itself + not_back_to_the_start !=
+           0;
+  }
+
+  void look(const Node& before, Request request, const Tick& tick) {
+    const State was = before.state, is = tick.after.state;
+    const bool quiet = request == Request::kNone;
+    const bool online = before.esc == Esc::kOnline;
+    const bool blind = (before.wrong & 1U) != 0;
+    pushed_unarmed += tick.pushes && (is == State::kDisarmed || is == State::kFault);
+    pushed_without_escs += tick.pushes && !online;
+    law_pushed_blind += tick.pushes && law_drives(is) && blind;
+    armed_without_escs += armed(is) && !online;
+    fault_left += was == State::kFault && is != was && request != Request::kDisarm;
+    disarm_refused += request == Request::kDisarm && is != State::kDisarmed;
+    terminate_refused += request == Request::kTerminate && is != State::kFault;
+    formation_by_itself += quiet && is == State::kFormation && was != is && was != State::kCoast;
+    if (was != State::kCoast) return;
+    coast_too_long += is == State::kCoast && tick.after.coast + 1 != before.coast;
+    const bool well = online && (before.wrong & 0b100U) == 0;
+    coast_ended_elsewhere +=
+        quiet && well && is != State::kCoast && is != State::kHold && is != State::kFormation;
+  }
+};
+
+TEST_CASE("no history of faults and requests ends where the boat must not be") {
+  std::size_t nodes = 0;
+  for_every_choice([&](Conditions choices) {
+    Broken broken;
+    nodes += search(choices, [&](const Node& before, Request request, const Tick& tick) {
+      broken.look(before, request, tick);
+      // All is repaired and the boat disarmed: as new. So every node leads to every other one.
+      const Node repaired{before.state, Esc::kOnline, 0, before.coast, before.test};
+      broken.not_back_to_the_start +=
+          code_of(tick_of(repaired, Request::kDisarm, choices).after) != code_of(Node{});
+    });
+    CAPTURE(choices);
+    CHECK(broken.pushed_unarmed == 0);
+    CHECK(broken.pushed_without_escs == 0);
+    CHECK(broken.law_pushed_blind == 0);
+    CHECK(broken.armed_without_escs == 0);
+    CHECK(broken.fault_left == 0);
+    CHECK(broken.disarm_refused == 0);
+    CHECK(broken.terminate_refused == 0);
+    CHECK(broken.coast_too_long == 0);
+    CHECK(broken.coast_ended_elsewhere == 0);
+    CHECK(broken.formation_by_itself == 0);
+    CHECK(broken.not_back_to_the_start == 0);
+    CHECK_FALSE(broken.any());
+  });
+  MESSAGE(nodes, " states visited");
+}
+
+TEST_CASE("every state is reached, and from each in one tick just those that it may lead to") {
+  std::array<unsigned, kStates> next{};
+  unsigned pushing = 0;
+  for_every_choice([&](Conditions choices) {
+    search(choices, [&](const Node& before, Request, const Tick& tick) {
+      next[static_cast<std::size_t>(before.state)] |= in(tick.after.state);
+      if (tick.pushes) pushing |= in(tick.after.state);
+    });
+  });
+  using enum State;
+  constexpr unsigned kStops = in(kDisarmed, kFault);
+  constexpr unsigned kDriven = kStops | in(kHold, kManual, kFormation);
+  CHECK(next[0] == (kStops | in(kHold)));
+  CHECK(next[1] == (kDriven | in(kTest)));
+  CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are gone, then a test is asked for
+  CHECK(next[3] == (kDriven | in(kCoast, kTest)));
+  CHECK(next[4] == (kDriven | in(kCoast, kTest)));
+  CHECK(next[5] == (kDriven | in(kTest)));
+  CHECK(next[6] == kStops);
+  CHECK(pushing == in(kManual, kFormation, kCoast, kTest));
+}
+
+}  // namespace
+}  // namespace flotilla::core

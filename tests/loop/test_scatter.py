@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: MIT
+"""Boats that start anywhere keep clear of each other and find into their formation.
+
+The short form of `python -m sil campaign scatter --runs 1000`.
+"""
+
+import numpy as np
+
+from sil import scenario
+from sil.campaign.outcome import result_of
+from sil.campaign.sampling import Sampler
+from sil.world import sail
+
+LEAST_M = 1.5
+
+
+def closest_and_last_errors(
+    runs: int, duration_s: int, *overrides: str
+) -> tuple[list[float], list[float]]:
+    sampler = Sampler(scenario.read("scatter", [f"duration_s={duration_s}", *overrides]))
+    scenarios = [sampler.scenario(run) for run in range(runs)]
+    together = zip(range(runs), scenarios, sail(scenarios, {}), strict=True)
+    results = [result_of(*each) for each in together]
+    closest = [result.min_separation_m or 0.0 for result in results]
+    return closest, [float(result.error_m[:, -1].max()) for result in results]
+
+
+def test_boats_that_start_scattered_never_come_too_near_and_all_arrive() -> None:
+    closest_m, last_m = closest_and_last_errors(40, 75)
+    assert min(closest_m) > LEAST_M
+    assert np.quantile(last_m, 0.9) < 0.05 and max(last_m) < 5.0
+
+
+def test_without_it_they_do_come_too_near() -> None:
+    closest_m, _ = closest_and_last_errors(12, 20, "parameters.FS_SEP_M=0")
+    assert np.mean(np.array(closest_m) < LEAST_M) > 0.5
+
+
+def test_nor_where_boats_are_heard_but_twice_a_second() -> None:
+    slow = ("parameters.SR_STATE=2", "parameters.FS_LEADER_S=3")
+    closest_m, _ = closest_and_last_errors(12, 30, *slow)
+    assert min(closest_m) > LEAST_M

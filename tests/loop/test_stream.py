@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+"""Boats that keep their slots behind a leader that stands, in a stream."""
+
+import pytest
+
+from sil import scenario
+from sil.faults.rows import FOLDER
+from sil.world import sail
+
+
+@pytest.mark.parametrize("stream_mps", [[-0.7, 0.0], [0.4, 0.0], [0.0, 0.5]])
+def test_boats_that_stand_in_a_stream_are_not_taken_for_boats_that_do_not_answer(
+    stream_mps: list[float],
+) -> None:
+    still = ["duration_s=20.0", "leader.nu=[0.0, 0.0, 0.0]", "leader.input=[]"]
+    source = scenario.read(FOLDER / "pair.toml", [*still, f"water.current_mps={stream_mps}"])
+    for boat in source.document["boat"]:
+        boat["nu"] = [0.0, 0.0, 0.0]
+    (run,) = sail([scenario.check(source)], {})
+    assert [list(states) for states in run.states] == [["FORMATION"], ["FORMATION"]]

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: MIT
+// Every rule holds for good pairs of ticks, and is broken by a pair that is made to break it.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "policies/monitor.hpp"
+#include "policies/rules.hpp"
+
+namespace flotilla::policies {
+namespace {
+
+using core::State;
+namespace mav = link::mav;
+
+/// Two ticks of a boat, 10 ms apart, long after it came into that state, all heard just now.
+struct Pair {
+  app::Parameters p{};
+  Moment b, n;
+
+  explicit Pair(State state) {
+    for (Moment* m : {&b, &n}) set(*m, state, m == &b ? 9'990'000 : 10'000'000);
+  }
+  Pair(const Pair&) = delete;
+
+  void set(Moment& m, State state, std::int64_t now_us) {
+    m.now_us = m.own_us = m.leader_us = m.sticks_us = now_us;
+    m.dt_us = 10'000;
+    m.esc_us = {now_us, now_us};
+    m.arming_us = m.status_us = m.beat_us = m.timesync_us = now_us - 50'000;
+    m.state = state;
+    m.state_us = m.armed_us = now_us - 1'000'000;
+    m.met =
+        state == State::kCoast ? core::kAllConditions & ~core::kLeaderFresh : core::kAllConditions;
+    m.own_age_s = 0.05;
+    m.leader_age_s = 0.1;
+    m.p = &p;
+    p.MODE = rules::mode_of(state);
+    m.heard.own = m.heard.leader = true;
+    m.arming = core::armed(state) ? 255 : 0;
+    m.bus.commands = m.bus.frames = 1;
+    m.bus.size = 2;
+    if (core::law_drives(state) || state == State::kManual) {
+      m.port = m.bus.loudest = 1000;
+      m.thrust_N.port = 2;
+    }
+    m.links.beats = true;
+    m.links.mode = rules::mode_of(state);
+    m.links.flags = core::armed(state) ? 128 : 0;
+    m.links.status = state == State::kCoast   ? mav::kStateCritical
+                     : state == State::kFault ? mav::kStateEmergency
+                                              : mav::kStateActive;
+    m.links.states_word = true;
+    m.links.gravest = mav::kSeverityError;
+  }
+};
+
+struct Mutation {
+  std::string_view rule;
+  State state;
+  std::function<void(Pair&)> change;
+};
+
+/// The tick before was in another state, which this one was asked to leave.
+auto from(State before, std::function<void(Pair&)> change = [](Pair&) {}) {
+  return [before, change](Pair& q) {
+    const Moment now = q.n;
+    q.set(q.b, before, q.b.now_us);
+    q.n = now;
+    q.p.MODE = rules::mode_of(now.state);
+    q.n.state_us = now.now_us;
+    if (core::armed(now.state) && !core::armed(before)) {
+      q.n.armed_us = now.now_us;
+      q.n.port = q.n.bus.loudest = 0;
+      q.n.thrust_N = {};
+    }
+    if (core::armed(now.state) != core::armed(before)) q.n.bus.armings = 1;
+    change(q);
+  };
+}
+
+auto lost(core::Conditions bits) {
+  return [bits](Pair& q) { q.n.met &= ~bits; };
+}
+auto done(Ask what) {
+  return [what](Pair& q) { ++q.n.done[what]; };
+}
+void push(Pair& q) { q.n.port = q.n.bus.loudest = 100, q.n.thrust_N.port = 0.2F; }
+
+constexpr State kOff = State::kDisarmed, kHold = State::kHold, kLaw = State::kFormation,
+                kManual = State::kManual, kCoast = State::kCoast, kTest = State::kTest,
+                kFault = State::kFault;
+
+const std::vector<Mutation> kThrust{
+    {"DISARMED: commands are zero within a tick", kOff, push},
+    {"HOLD: zeros within a tick", kHold, push},
+    {"FAULT: zeros within a tick", kFault, push},
+    {"no thrust in the first 0.2 s after arming", kLaw,
+     [](Pair& q) { q.n.armed_us = q.n.now_us - 199'000; }},
+    {"ESCs rebooted: zeros for 0.2 s before thrust", kLaw,
+     [](Pair& q) { q.n.reboot_us = q.n.now_us - 199'000; }},
+    {"no thrust before ArmingStatus 255 was told", kLaw, [](Pair& q) { q.n.arming = 0; }},
+    {"another controller on the bus: zeros for 2 s", kLaw,
+     [](Pair& q) { q.n.controller_us = q.n.now_us - 1'990'000; }},
+    {"no thrust where the port ESC was silent for FS_ESC_S", kLaw,
+     [](Pair& q) { q.n.esc_us[0] -= 1'210'000; }},
+    {"no thrust where the starboard ESC was silent for FS_ESC_S", kLaw,
+     [](Pair& q) { q.n.esc_us[1] -= 1'210'000; }},
+    {"no thrust unless both ESCs are well", kLaw, lost(core::kEscsOnline)},
+    {"no thrust over a bus that is down", kLaw, lost(core::kBusUp)},
+    {"no thrust where an ESC does not obey", kLaw, lost(core::kEscsObey)},
+    {"no thrust by sticks that were silent for 0.5 s", kManual,
+     [](Pair& q) { q.n.sticks_us -= 510'000; }},
+    {"a state older than FS_NAV_S gives no thrust by the law", kLaw,
+     [](Pair& q) { q.n.own_age_s = 0.5; }},
+    {"own system silent for FS_NAV_S: no thrust by the law", kCoast,
+     [](Pair& q) { q.n.own_us -= 510'000; }},
+    {"a leader's state older than FS_LEADER_S gives no thrust in FORMATION", kLaw,
+     [](Pair& q) { q.n.leader_age_s.reset(); }},
+    {"leader silent for FS_LEADER_S: no thrust in FORMATION", kLaw,
+     [](Pair& q) { q.n.leader_us -= 1'010'000; }},
+    {"own state frozen or jumping: no thrust by the law", kLaw, lost(core::kOwnLive)},
+    {"leader's state frozen or jumping: no thrust in FORMATION", kLaw, lost(core::kLeaderSteady)},
+    {"a boat that does not answer is not driven by the law", kCoast, lost(core::kBoatAnswers)},
+    {"battery low: no thrust by the law", kLaw, lost(core::kBatteryGood)},
+    {"beyond the fence: no thrust by the law", kLaw, lost(core::kInsideFence)},
+    {"no ground station where one is required: no thrust in FORMATION", kLaw,
+     lost(core::kGcsHeard)},
+    {"COAST is over: no thrust in it", kCoast, lost(core::kCoastRunning)},
+    {"thrust never rises in COAST", kCoast, [](Pair& q) { q.n.thrust_N.stbd = -2.1F; }},
+    {"thrust is never beyond the propellers' greatest", kLaw,
+     [](Pair& q) { q.n.thrust_N.stbd = -20.1F; }},
+    {"TEST never asks for more than a fifth of the greatest thrust", kTest,
+     [](Pair& q) { q.n.thrust_N.port = 4.1F; }},
+    {"TEST turns one propeller only", kTest, [](Pair& q) { q.n.port = q.n.stbd = 1; }},
+};
+
+const std::vector<Mutation> kBus{
+    {"RawCommand is never beyond ±8191", kLaw, [](Pair& q) { q.n.bus.loudest = 8192; }},
+    {"one RawCommand in every tick", kHold, [](Pair& q) { q.n.bus.commands = 2; }},
+    {"RawCommand names both propellers' ESCs", kHold, [](Pair& q) { q.p.ESC_STBD = 2; }},
+    {"no ESC but the two is ever driven", kLaw, [](Pair& q) { q.n.bus.strangers_idle = false; }},
+    {"each propeller's command stands at its ESC's index", kLaw,
+     [](Pair& q) { std::swap(q.n.port, q.n.stbd); }},
+    {"a command changes no faster than THR_SLEW but to zero", kLaw,
+     [](Pair& q) { q.n.port = 1412; }},
+    {"ArmingStatus is 0 or 255", kHold, [](Pair& q) { q.n.arming = 254; }},
+    {"ArmingStatus 255 only while armed", kOff,
+     [](Pair& q) { q.n.bus.armings = 1, q.n.arming = 255; }},
+    {"ArmingStatus 0 only while not armed", kHold,
+     [](Pair& q) { q.n.bus.armings = 1, q.n.arming = 0; }},
+    {"no longer armed: ArmingStatus 0 in the same tick", kOff,
+     from(kHold, [](Pair& q) { q.n.bus.armings = 0; })},
+    {"armed: ArmingStatus 255 before the tick's command", kHold,
+     from(kOff, [](Pair& q) { q.n.bus.told_before = false; })},
+    {"ArmingStatus at least every 0.11 s", kHold, [](Pair& q) { q.n.arming_us -= 61'000; }},
+    {"NodeStatus at least every 1.1 s", kHold, [](Pair& q) { q.n.status_us -= 1'051'000; }},
+    {"NodeStatus tells a node that is well and operational", kOff, [](Pair& q) { q.n.health = 1; }},
+    {"a node's uptime never runs backwards", kOff, [](Pair& q) { q.b.uptime_s = 1; }},
+    {"every transfer is whole and its checksum good", kOff, [](Pair& q) { q.n.bus.whole = false; }},
+    {"every frame is from CAN_NODE", kOff, [](Pair& q) { q.n.bus.ours = false; }},
+    {"transfer ids count on", kOff, [](Pair& q) { q.n.bus.counted = false; }},
+    {"at most 64 frames in a tick", kOff, [](Pair& q) { q.n.bus.frames = 65; }},
+};
+
+const std::vector<Mutation> kState{
+    {"FAULT is left by disarming only", kOff, from(kFault)},
+    {"FAULT is left to DISARMED, or to where it was asked to go from there", kHold, from(kFault)},
+    {"armed only after a command to arm", kHold, from(kOff, done(Ask::kArm))},
+    {"no other system than MAV_GCS_SYSID arms the boat", kHold, from(kOff, done(Ask::kArmAllowed))},
+    {"MANUAL only where it was asked for or FORMATION was lost", kManual,
+     from(kHold, done(Ask::kManual))},
+    {"FORMATION only where it was asked for or COAST is over", kLaw,
+     from(kHold, done(Ask::kFormation))},
+    {"TEST only after a command for a motor test", kTest, from(kHold, done(Ask::kTest))},
+    {"a boat that is disarmed gets into FAULT by termination only", kFault,
+     from(kOff, done(Ask::kTerminate))},
+    {"a command to disarm is obeyed in the next tick", kHold,
+     [](Pair& q) { q.n.heard.stop = true; }},
+    {"armed only with all that arming needs", kHold, from(kOff, lost(core::kParametersSaved))},
+    {"armed only while the propellers are ready", kHold, lost(core::kSoleController)},
+    {"MANUAL only while sticks are fresh", kManual, lost(core::kSticksFresh)},
+    {"FORMATION only with all that it needs", kLaw, lost(core::kLeaderLive)},
+    {"FORMATION begins in clear water only", kLaw, from(kHold, lost(core::kClear))},
+    {"COAST only with all that it needs", kCoast, lost(core::kOwnSteady)},
+    {"COAST begins in FORMATION only", kCoast, from(kHold)},
+    {"COAST begins where the leader or the ground station is lost", kCoast,
+     from(kLaw, [](Pair& q) { q.n.met = core::kAllConditions; })},
+    {"COAST ends within FS_COAST_S", kCoast, [](Pair& q) { q.n.state_us -= 4'011'000; }},
+    {"TEST ends within 5 s", kTest, [](Pair& q) { q.n.state_us -= 4'011'000; }},
+};
+
+const std::vector<Mutation> kMavlink{
+    {"heartbeat at least every 1.1 s", kHold, [](Pair& q) { q.n.beat_us -= 1'051'000; }},
+    {"the mode that is told is the state's", kLaw, [](Pair& q) { q.n.links.mode = 4; }},
+    {"the armed flag is the state's", kHold, [](Pair& q) { q.n.links.flags = 0; }},
+    {"COAST tells CRITICAL", kCoast, [](Pair& q) { q.n.links.status = mav::kStateActive; }},
+    {"FAULT tells EMERGENCY", kFault, [](Pair& q) { q.n.links.status = mav::kStateStandby; }},
+    {"another state: a heartbeat on every link in the same tick", kHold,
+     from(kOff, [](Pair& q) { q.n.links.beats = false; })},
+    {"another state: a sentence with its name in the same tick", kHold,
+     from(kOff, [](Pair& q) { q.n.links.states_word = false; })},
+    {"FAULT is told as an error or worse", kFault,
+     from(kHold, [](Pair& q) { q.n.links.gravest = mav::kSeverityInfo; })},
+    {"the parameter MODE is the state's", kManual, [](Pair& q) { q.p.MODE = 4; }},
+    {"TIMESYNC is asked at least every 1.1 s", kHold,
+     [](Pair& q) { q.n.timesync_us -= 1'051'000; }},
+    {"sysid of everything sent is ours, or of what is handed on", kOff,
+     [](Pair& q) { q.n.links.ours = false; }},
+    {"what is handed on comes before our own", kOff,
+     [](Pair& q) { q.n.links.others_first = false; }},
+    {"sequence numbers count on", kOff, [](Pair& q) { q.n.links.counted = false; }},
+    {"nothing leaves but whole messages", kOff, [](Pair& q) { q.n.links.whole = false; }},
+    {"a tick says at most 1400 bytes on a link", kOff, [](Pair& q) { q.n.links.longest = 1401; }},
+    {"no number that leaves is NaN", kOff, [](Pair& q) { q.n.links.finite = false; }},
+    {"time in telemetry is the boat's", kOff, [](Pair& q) { q.n.links.punctual = false; }},
+    {"the boat's place is told while its state is fresh only", kOff,
+     [](Pair& q) {
+       q.n.links.places = true;
+       q.b.met &= ~core::kOwnFresh;
+       q.n.met &= ~core::kOwnFresh;
+     }},
+    {"no answer without a command", kOff, done(Ask::kAck)},
+};
+
+const std::vector<Mutation> kInside{
+    {"a foreign system id never moves the leader's track", kOff,
+     [](Pair& q) { q.n.heard.leader = false; }},
+    {"a foreign system id never moves the own track", kOff,
+     [](Pair& q) { q.n.heard.own = false, q.b.own_age_s.reset(); }},
+    {"parameters that need disarmed do not change while armed", kHold,
+     [](Pair& q) { q.n.locked_change = true; }},
+    {"parameters are always in their ranges", kOff, [](Pair& q) { q.n.in_range = false; }},
+    {"the boat's time never runs backwards", kOff, [](Pair& q) { q.b.now_us = q.n.now_us + 1; }},
+    {"thrusts are numbers", kLaw, [](Pair& q) { q.n.thrust_N.stbd = std::nanf(""); }},
+};
+
+std::vector<Mutation> all() {
+  std::vector<Mutation> out;
+  for (const auto* some : {&kThrust, &kBus, &kState, &kMavlink, &kInside}) {
+    out.insert(out.end(), some->begin(), some->end());
+  }
+  return out;
+}
+
+const Rule* rule_of(std::string_view name) {
+  const auto* const found = std::ranges::find(kRules, name, &Rule::name);
+  return found == kRules.end() ? nullptr : found;
+}
+
+TEST_CASE("no two rules have the same name, and there are at least sixty") {
+  std::set<std::string_view> names;
+  for (const Rule& rule : kRules) CHECK(names.insert(rule.name).second);
+  CHECK(names.size() >= 60);
+}
+
+TEST_CASE("a boat that stays in a state breaks no rule") {
+  for (const State s : {kOff, kHold, kManual, kLaw, kCoast, kTest, kFault}) {
+    const Pair q(s);
+    CHECK_MESSAGE(first_broken(q.b, q.n).value_or("") == "", static_cast<int>(s));
+  }
+}
+
+TEST_CASE("a boat that goes from a state to another one breaks no rule") {
+  const std::vector<std::pair<State, State>> ways{{kOff, kHold},    {kHold, kLaw},  {kLaw, kCoast},
+                                                  {kCoast, kLaw},   {kLaw, kHold},  {kHold, kTest},
+                                                  {kHold, kManual}, {kHold, kFault}};
+  for (const auto& [before, now] : ways) {
+    Pair q(now);
+    from(before)(q);
+    CHECK_MESSAGE(first_broken(q.b, q.n).value_or("") == "", static_cast<int>(now));
+  }
+}
+
+TEST_CASE("every rule can be broken") {
+  std::set<std::string_view> broken;
+  for (const Mutation& m : all()) {
+    const Rule* rule = rule_of(m.rule);
+    REQUIRE_MESSAGE(rule != nullptr, std::string(m.rule));
+    Pair q(m.state);
+    m.change(q);
+    CHECK_MESSAGE(!rule->holds(q.b, q.n), std::string(m.rule));
+    CHECK(first_broken(q.b, q.n));
+    broken.insert(m.rule);
+  }
+  for (const Rule& rule : kRules) CHECK_MESSAGE(broken.contains(rule.name), std::string(rule.name));
+}
+
+TEST_CASE("where bytes came torn, no rule says that something was not asked for") {
+  for (const Ask what : {Ask::kArm, Ask::kManual, Ask::kFormation, Ask::kTest, Ask::kAck}) {
+    Pair q(kHold);
+    ++q.n.done[what];
+    CHECK(first_broken(q.b, q.n));
+    q.n.torn = true;
+    CHECK(!first_broken(q.b, q.n));
+  }
+}
+
+}  // namespace
+}  // namespace flotilla::policies

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""The matrix of faults judges what a boat did by its limits, and by nothing else."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sil.faults import matrix, rows, told
+from sil.faults.__main__ import main
+from sil.faults.outcome import Outcome
+from sil.faults.rows import Row
+from sil.faults.watch import STATES
+from sil.world import Run, sail
+from tests.sil.mistakes import assert_told_in_one_line
+
+FAULT = {"kind": "own_silent", "agent": 1, "at_s": 1.0, "for_s": 2.0}
+TICKS = 100
+
+
+def judged(*spells: tuple[str, int, float], **keys: Any) -> Outcome:
+    """Of a boat that was in those states so many ticks (of 0.1 s), told so much thrust (N)."""
+    row = Row.model_validate({"name": "it", "fault": [FAULT], "states": ["HOLD"], **keys})
+    states = np.concatenate([np.full(n, STATES[name], np.uint8) for name, n, _ in spells])
+    thrust_N = np.concatenate([np.full((n, 2), level) for _, n, level in spells])
+    return matrix._Seen(row, 0.1, states, thrust_N, np.full(len(states), 0.1)).judge(row.begins_s)
+
+
+GOOD = (("FORMATION", 13, 5.0), ("HOLD", 30, 0.0), ("FORMATION", 20, 5.0))
+WELL = {"detected_s": 0.5, "recovery": "operator", "recovered_s": 1.5}
+
+
+def test_a_boat_that_keeps_the_limits_passes() -> None:
+    assert judged(*GOOD, **WELL) == Outcome("it", 0.3, "HOLD", 0.0, 1.3, True, "")
+
+
+@pytest.mark.parametrize(
+    ("spells", "keys", "why"),
+    [
+        (GOOD, {"detected_s": 0.2}, "noticed after 0.30 s, not 0.2 s"),
+        (GOOD, {"recovered_s": 1.2}, "back after 1.30 s, not 1.2 s"),
+        (GOOD, {"states": ["COAST"]}, "HOLD, not COAST"),
+        (GOOD, {"then": "FAULT", "then_s": 9.0}, "HOLD for 3.00 s, then FORMATION"),
+        ((("FORMATION", 60, 5.0),), {}, "not noticed; HOLD wanted"),
+        ((*GOOD[:1], ("HOLD", 30, 0.0)), {}, "not back in FORMATION"),
+        ((*GOOD[:1], ("HOLD", 30, 0.5), GOOD[2]), {}, "0.50 N told where none was wanted"),
+        ((*GOOD[:1], ("HOLD", 5, 0.0), GOOD[2]), {}, "before the operator said so"),
+        ((("HOLD", 5, 0.0), *GOOD), {}, "left FORMATION before anything went wrong"),
+        (
+            (GOOD[0], ("COAST", 5, 4.0), ("COAST", 5, 4.5), GOOD[2]),
+            {"states": ["COAST"], "recovery": "automatic"},
+            "thrust rose by 0.50 N in COAST",
+        ),
+        (
+            (GOOD[0], ("COAST", 5, 5.5), GOOD[2]),
+            {"states": ["COAST"], "recovery": "automatic"},
+            "thrust rose by 0.50 N in COAST",
+        ),
+        (GOOD, {"error_m": 0.05}, "0.10 m from its slot, not 0.05 m"),
+    ],
+)
+def test_a_boat_that_does_not_fails_and_why(
+    spells: tuple[Any, ...], keys: dict[str, Any], why: str
+) -> None:
+    outcome = judged(*spells, **{**WELL, **keys})
+    assert not outcome.passed
+    assert why in outcome.why
+
+
+def test_thrust_may_last_as_long_as_the_row_says() -> None:
+    spells = (GOOD[0], ("HOLD", 3, 5.0), ("HOLD", 27, 0.0), GOOD[2])
+    assert judged(*spells, **WELL, off_s=0.3).passed
+    assert not judged(*spells, **WELL, off_s=0.2).passed
+
+
+def test_a_boat_that_may_go_on_may_go_on() -> None:
+    assert judged(("FORMATION", 60, 5.0), states=["FORMATION"], error_m=0.1).passed
+
+
+def test_rows_have_names_of_their_own_and_can_be_sailed() -> None:
+    every = rows.read()
+    assert len({row.name for row in every}) == len(every) >= 40
+    for row in every:
+        assert row.scenario().duration_s > row.ends_s + (row.recovered_s or 0.0)
+
+
+NAMES = [row.name for row in rows.read()]
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict[str, Outcome]:
+    """Of all rows, sailed together."""
+    return {one.fault: one for one in matrix.sail_all(rows.read())}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_boats_take_it_within_the_limits(outcomes: dict[str, Outcome], name: str) -> None:
+    assert outcomes[name].passed, outcomes[name]
+
+
+def test_where_a_boat_may_go_on_the_fault_was_there_all_the_same() -> None:
+    """Such a row passes without its fault, too: then the wires would be those of a good day."""
+    may_go_on = [row for row in rows.read() if "FORMATION" in row.states]
+    assert len(may_go_on) >= 10
+    ill = [row.scenario() for row in may_go_on]
+    well = [one.model_copy(update={"fault": ()}) for one in ill]
+    digests = [run.digest for run in sail([*ill, *well], {}, digest=True) if isinstance(run, Run)]
+    assert len(digests) == 2 * len(may_go_on)
+    without = digests[len(may_go_on) :]
+    pairs = zip(may_go_on, digests, without, strict=False)
+    assert not [row.name for row, one, other in pairs if one == other]
+
+
+def test_the_command_writes_what_it_prints(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--only", "esc_both_silent", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "1 passed, 0 failed"
+    assert "esc_both_silent" in (tmp_path / "faults.json").read_text()
+    assert (tmp_path / "faults.md").read_text().endswith("1 passed, 0 failed\n")
+
+
+def test_the_command_fails_where_a_row_does(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (row,) = (row for row in rows.read() if row.name == "own_silent")
+    monkeypatch.setattr(rows, "read", lambda: (row.model_copy(update={"detected_s": 0.1}),))
+    assert main(["--out", str(tmp_path)]) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == "0 passed, 1 failed"
+    assert "noticed after 0.45 s" in (tmp_path / "faults.md").read_text()
+
+
+def test_a_matrix_that_is_interrupted_has_not_passed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(matrix, "sail_all", interrupt)
+    assert main(["--out", str(tmp_path)]) == 130
+    assert capsys.readouterr().err == "interrupted: nothing was written\n"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [(["--only", "kraken"], 'no fault has "kraken"'), (["--soak", "0"], "must be positive")],
+)
+def test_mistakes_are_told_in_one_line(
+    arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*arguments, "--out", str(tmp_path)]) == 2
+    assert_told_in_one_line(said, capsys)
+
+
+def test_the_last_line_counts() -> None:
+    well, ill = judged(*GOOD, **WELL), judged(*GOOD, **{**WELL, "detected_s": 0.0})
+    assert told.summary([well, ill, well]) == "2 passed, 1 failed"

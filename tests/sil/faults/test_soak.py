@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""A soak is random by its seed, recovers from every fault, and says what it could not."""
+
+import pytest
+
+from sil.faults import soak
+from sil.faults.soak import Soaked
+from sil.policies import PolicyViolationError
+
+MINUTES = 4.0
+
+
+def soaked(seed: int) -> Soaked:
+    return soak.soak(MINUTES / 60.0, seed, lambda *_: None)
+
+
+def test_every_fault_is_recovered_from_and_a_seed_makes_the_history() -> None:
+    one, again, other = soaked(1), soaked(1), soaked(2)
+    assert not one.wrong and not other.wrong
+    assert one.faults.total() > 10
+    assert (one.digest, one.faults, one.slowest_s) == (again.digest, again.faults, again.slowest_s)
+    assert one.digest != other.digest
+
+
+def test_what_is_not_recovered_from_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(soak, "RECOVERED_S", 1.0)
+    monkeypatch.setattr(soak, "ask", lambda *_: None)
+    history = soaked(1)
+    assert "not recovered from" in history.wrong[0]
+
+
+def test_thrust_without_leave_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(soak, "_OFF", [soak.STATES["FORMATION"]])
+    assert "thrust without leave" in soaked(1).wrong[0]
+
+
+def test_a_broken_rule_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = {0: PolicyViolationError('boat 3 broke a rule at t = 2.340 s: "it"')}
+    monkeypatch.setattr(soak, "violations", lambda _: broken)
+    assert soaked(1).wrong == [str(broken[0])]

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: MIT
+"""A silent leader is carried forward, slower and slower: COAST, seen from the wires."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.target.operator_words import sticks
+from tests.target.sea import TURN, Sea, at_sea, named, texts
+from tests.target.stations import FORMATION, HOLD
+
+MANUAL = 0
+CRITICAL, ERROR = 5, 3
+
+
+def greatest(commands: tuple[int, ...]) -> int:
+    return max(abs(c) for c in commands)
+
+
+@pytest.mark.parametrize("coast_s", [0.5, 2.0, 5.0])
+@pytest.mark.parametrize("rate", [50, 333])
+def test_a_silent_leader_is_followed_for_a_while_and_no_harder(coast_s: float, rate: int) -> None:
+    sea = at_sea({"FS_LEADER_S": 0.5, "FS_COAST_S": coast_s, "CTL_RATE": rate})
+    last_us = sea.silence("leader")
+    sea.run_until("COAST", 0.6)
+    assert abs(sea.ticks[-1].now_us - last_us - 500_000) <= sea.period_us
+    begun_us = sea.ticks[-1].now_us
+    most = greatest(sea.ticks[-2].commands)
+    while sea.state == "COAST":
+        now = greatest(sea.commands)
+        assert now <= most, sea.ticks[-1].now_us
+        most = now
+        sea.step()
+    assert abs(sea.ticks[-1].now_us - begun_us - coast_s * 1e6) <= sea.period_us
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    assert texts(sea.ticks)[-2:] == [
+        "COAST: leader's state is not fresh",
+        "HOLD: FS_COAST_S is over",
+    ]
+
+
+def test_coast_is_follow_to_clients_and_critical() -> None:
+    sea = at_sea()
+    sea.silence("leader")
+    sea.run_until("COAST", 1.1)
+    (beat,) = sea.ticks[-1].named("HEARTBEAT")
+    assert (beat.custom_mode, beat.system_status) == (FORMATION, CRITICAL)
+    (said,) = sea.ticks[-1].named("STATUSTEXT")
+    assert said.severity == ERROR
+    told = sea.run(3.0)
+    assert {m.system_status for m in named(told, "HEARTBEAT")} == {CRITICAL}
+    assert named(told, "LOCAL_POSITION_NED"), "its followers still hear where it is"
+
+
+@pytest.mark.parametrize("silence_s", [1.5, 4.0])
+def test_who_is_heard_again_is_followed_again_without_being_asked(silence_s: float) -> None:
+    sea = at_sea()
+    sea.silence("leader")
+    sea.run(silence_s)
+    assert sea.state == "COAST"
+    sea.leader.on = True
+    ticks = sea.run(0.3)
+    assert sea.state == "FORMATION" and texts(ticks) == ["FORMATION"]
+    before = ticks[0].commands
+    for tick in ticks:  # full scale takes 0.2 s: no step at the seam
+        assert all(
+            abs(a - b) <= 8191 * 0.05 + 1 for a, b in zip(tick.commands, before, strict=True)
+        )
+        before = tick.commands
+
+
+def test_in_coast_the_operators_word_counts() -> None:
+    for wanted, state in ((HOLD, "HOLD"), (MANUAL, "MANUAL"), (FORMATION, "COAST")):
+        sea = at_sea()
+        sea.silence("leader")
+        sea.run_until("COAST", 1.1)
+        sea.say(sticks(0, 0))
+        sea.mode(wanted)
+        assert sea.state == state
+        sea.leader.on = True
+        sea.run(0.3)
+        assert sea.state == ("FORMATION" if state == "COAST" else state)
+        sea.disarm()
+        assert sea.state == "DISARMED" and sea.commands == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("lost", "state"), [("own", "HOLD"), ("escs", "FAULT")], ids=["own state", "ESCs"]
+)
+def test_coast_ends_at_once_where_the_boat_is_not_fit(lost: str, state: str) -> None:
+    sea = at_sea({"FS_COAST_S": 60.0})
+    sea.silence("leader")
+    sea.run_until("COAST", 1.1)
+    sea.silence(lost)
+    sea.run_until(state, 1.3)
+    assert sea.commands == (0, 0)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_the_operator_may_choose_manual_where_he_holds_the_sticks(held: bool) -> None:
+    sea = at_sea({"FS_LEADER_ACT": 2.0})
+    sea.leader.on = False
+    for _ in range(150):
+        if held:
+            sea.say(sticks(200, 0))
+        sea.step()
+    assert sea.state == ("MANUAL" if held else "HOLD")
+    assert any(sea.commands) == held
+    assert "leader's state is not fresh" in texts(sea.ticks)[-1]
+
+
+def test_a_boat_whose_leader_was_lost_before_it_ever_pushed_does_not_push() -> None:
+    sea = Sea(leader=TURN)
+    sea.settle()
+    sea.leader.on = False
+    sea.run(0.85)
+    sea.arm()
+    sea.mode(FORMATION)
+    assert sea.state == "FORMATION"
+    ticks = sea.run(6.0)
+    assert "COAST: leader's state is not fresh" in texts(ticks)
+    assert not any(any(tick.commands) for tick in ticks) and sea.state == "HOLD"

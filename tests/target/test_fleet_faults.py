@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: MIT
+"""What goes wrong around a fleet's boats, as it is seen on their wires."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import flotilla
+import numpy as np
+import pytest
+
+from tests.target.bus import ESC_STATUS, NODE_STATUS, of_type, transfers, type_of
+from tests.target.troubled_fleet import NAVIGATION, RADIO, Troubled, frames, heard, messages, said
+from tests.target.twin_fleets import H_US
+
+PORT, STBD = 21, 22
+HOUR_S = 3600.0
+LONG_AGO = (10**10, 0.0)  # a clock that an hour back is not before its beginning
+
+
+def positions(records: Any, agent: int, link: int = NAVIGATION) -> list[Any]:
+    return messages(heard(records, agent, link), "LOCAL_POSITION_NED")
+
+
+# -- the navigation unit
+
+
+def test_a_silent_unit_says_nothing_and_takes_up_again() -> None:
+    sea = Troubled()
+    sea.fail(1, "own_silent")
+    assert heard(sea.sail(100), 1, NAVIGATION) == []
+    assert not sea.conditions(1)["own_fresh"] and sea.conditions(2)["own_fresh"]
+    sea.heal(1, "own_silent")
+    assert len(positions(sea.sail(100), 1)) == 100
+
+
+def test_a_frozen_unit_says_the_same_with_new_stamps() -> None:
+    sea = Troubled()
+    sea.fail(1, "own_frozen")
+    told = positions(sea.sail(50), 1)
+    assert len({(m.x, m.y, m.vx, m.vy) for m in told}) == 1
+    assert [m.time_boot_ms for m in told] == sorted({m.time_boot_ms for m in told})
+    sea.heal(1, "own_frozen")
+    assert len({m.x for m in positions(sea.sail(50), 1)}) == 50
+
+
+@pytest.mark.parametrize("metres", [5.0, -30.0])
+def test_a_unit_that_jumps_is_so_far_north(metres: float) -> None:
+    well, ill = Troubled(), Troubled()
+    ill.fail(1, "own_jump", value=metres)
+    (true, *_), (told, *_) = (positions(sea.sail(1), 1) for sea in (well, ill))
+    assert (told.x, told.y, told.vx) == (pytest.approx(true.x + metres), true.y, true.vx)
+
+
+@pytest.mark.parametrize("metres", [100.0, -100.0])
+def test_a_unit_that_tells_degrees_jumps_as_far(metres: float) -> None:
+    def latitude(by: float) -> int:
+        fleet = flotilla.Fleet(record=True)
+        fleet.add_leader(0, 100, (100.0, "global", 0.0), (0, 0.0))
+        fleet.set_fault(0, "own_jump", 0, value=by)
+        still = np.zeros((1, 3))
+        place = np.array([[487_000_000, 22_950_000]], np.int32)
+        fleet.tick(0, still, still, place, np.zeros((0, 2)), np.zeros((0, 2)))
+        (message,) = messages([(0, fleet.sent(0))], "GLOBAL_POSITION_INT")
+        return int(message.lat)
+
+    moved = 1e-7 * (latitude(metres) - latitude(0.0)) * math.pi / 180 * 6_371_000
+    assert moved == pytest.approx(metres, rel=0.005)
+
+
+@pytest.mark.parametrize("ahead_s", [HOUR_S, -HOUR_S])
+def test_a_units_clock_is_another_than_the_vessels(ahead_s: float) -> None:
+    well, ill = Troubled(LONG_AGO), Troubled(LONG_AGO)
+    ill.fail(1, "own_clock", value=ahead_s)
+    (true, *_), (told, *_) = (positions(sea.sail(1), 1) for sea in (well, ill))
+    assert told.time_boot_ms - true.time_boot_ms == 1000 * ahead_s
+    assert told.x == true.x
+
+
+# -- the ESCs
+
+
+def test_a_silent_esc_says_nothing_and_turns() -> None:
+    sea = Troubled()
+    sea.fail(1, "esc_silent", esc="port")
+    nodes = {type_of(can_id)[2] for can_id, _ in frames(sea.sail(100), 1, to_boat=True)}
+    assert nodes == {STBD}
+    assert sea.commands[0].all()
+    sea.tick(100)
+    assert sea.state(1) == "FAULT" and not sea.commands[0].any()
+
+
+def test_a_stuck_esc_turns_as_it_did_whatever_it_is_told() -> None:
+    sea = Troubled()
+    port = sea.commands[0, 0]
+    sea.fail(1, "esc_stuck", esc="port")
+    sea.fleet.command([1], sea.t_us, 400, (0.0,))
+    sea.tick(100)
+    assert sea.state(1) == "DISARMED"
+    assert sea.commands[0].tolist() == [port, 0.0] and port != 0.0
+    sea.heal(1, "esc_stuck")
+    sea.tick()
+    assert not sea.commands[0].any()
+
+
+def test_a_reversed_esc_turns_the_other_way_and_denies_it() -> None:
+    well, ill = Troubled(), Troubled()
+    ill.fail(1, "esc_reversed", esc="stbd")
+    (port, stbd), (ill_port, ill_stbd) = (rpms(sea.sail(5)) for sea in (well, ill))
+    assert (ill_port, ill_stbd) == (port, -stbd)
+    one, other = Troubled(), Troubled()
+    other.fail(1, "esc_reversed", esc="stbd")
+    for sea in (one, other):
+        sea.tick()
+    assert other.commands[0].tolist() == [one.commands[0, 0], -one.commands[0, 1]]
+    assert one.commands[0, 1] != 0.0
+
+
+def rpms(records: Any) -> list[int]:
+    status = transfers(of_type(frames(records, 1, to_boat=True), ESC_STATUS))
+    return [t.payload.rpm for t in status[:2]]
+
+
+def test_an_esc_that_reboots_was_off_and_needs_a_zero_again() -> None:
+    sea = Troubled()
+    sea.fail(1, "esc_reboot", esc="port")
+    records = sea.sail(50)
+    assert {type_of(can_id)[2] for can_id, _ in frames(records, 1, to_boat=True)} == {STBD}
+    assert sea.commands[0, 0] == 0.0 != sea.commands[0, 1]
+    sea.heal(1, "esc_reboot")
+    sea.tick(2)
+    assert sea.commands[0, 0] == 0.0  # the boat has not said zero
+    beats = of_type(frames(sea.sail(110), 1, to_boat=True), NODE_STATUS)
+    uptimes = {t.source_node_id: t.payload.uptime_sec for t in transfers(beats)}
+    assert uptimes[PORT] <= 2 < uptimes[STBD]
+    assert sea.state(1) == "FAULT"
+
+
+@pytest.mark.parametrize("volts", [20.0, 0.0, 25.5])
+def test_an_esc_says_another_voltage(volts: float) -> None:
+    sea = Troubled()
+    sea.fail(1, "esc_voltage", value=volts, esc="stbd")
+    told = transfers(of_type(frames(sea.sail(50), 1, to_boat=True), ESC_STATUS))
+    assert {(t.source_node_id, t.payload.voltage) for t in told} == {(PORT, 24.0), (STBD, volts)}
+    sea.heal(1, "esc_voltage")
+    told = transfers(of_type(frames(sea.sail(50), 1, to_boat=True), ESC_STATUS))
+    assert {t.payload.voltage for t in told} == {24.0}
+
+
+# -- the bus
+
+
+def test_a_bus_that_is_off_carries_nothing_and_the_host_knows() -> None:
+    sea = Troubled()
+    sea.fail(1, "bus_off")
+    records = sea.sail(1)
+    assert not sea.conditions(1)["bus_up"] and sea.state(1) == "FAULT"
+    records += sea.sail(99)
+    assert frames(records, 1, to_boat=True) == []
+    assert not sea.commands[0].any()
+    sea.heal(1, "bus_off")
+    assert frames(sea.sail(100), 1, to_boat=True)
+    assert sea.conditions(1)["bus_up"]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 1.0])
+def test_so_many_frames_are_lost(share: float) -> None:
+    well, ill = Troubled(), Troubled()
+    ill.fail(1, "frame_loss", value=share, seed=6)
+    sent, come = (len(frames(sea.sail(400), 1, to_boat=True)) for sea in (well, ill))
+    assert come / sent == pytest.approx(1.0 - share, abs=0.04)
+    assert (sea_moves(ill) == 0.0) == (share == 1.0)
+
+
+def sea_moves(sea: Troubled) -> float:
+    return float(abs(sea.commands[0]).max())
+
+
+# -- the radio
+
+
+def test_a_silent_radio_neither_sends_nor_hears() -> None:
+    sea = Troubled()
+    sea.fail(1, "radio_silent")
+    records = sea.sail(50)
+    assert heard(records, 1, RADIO) == [] == heard(records, 2, RADIO)
+    assert said(records, 1)  # the boat does not know
+    sea.fleet.command([1], sea.t_us, 400, (0.0,))
+    sea.tick(5)
+    assert sea.state(1) != "DISARMED"
+
+
+def test_a_silent_leader_is_silent_to_its_followers_only() -> None:
+    sea = Troubled()
+    sea.fail(0, "radio_silent")
+    records = sea.sail(50)
+    assert {m.get_srcSystem() for m in messages(heard(records, 1, RADIO), "ATTITUDE")} == {2}
+
+
+def test_so_many_chunks_are_lost() -> None:
+    sea = Troubled()
+    sea.fail(1, "radio_loss", value=0.3, seed=9)
+    records = sea.sail(500)
+    spoken, come = said(records, 1), heard(records, 2, RADIO)
+    assert set(come) < set(spoken)
+    assert len(come) / len(spoken) == pytest.approx(0.7, abs=0.08)
+
+
+def test_so_many_bytes_are_damaged() -> None:
+    sea = Troubled()
+    sea.fail(1, "byte_errors", value=0.05, seed=9)
+    records = sea.sail(400)
+    spoken, come = dict(said(records, 1)), dict(heard(records, 2, RADIO))
+    assert spoken.keys() == come.keys()
+    sent, told = b"".join(spoken.values()), b"".join(come.values())
+    wrong = sum(a != b for a, b in zip(sent, told, strict=True))
+    assert wrong / len(sent) == pytest.approx(0.05, rel=0.15)
+
+
+def test_an_impostor_says_another_place_under_the_same_id() -> None:
+    sea = Troubled()
+    sea.fail(0, "impostor", value=25.0)
+    told = [m for m in positions(sea.sail(2), 1, RADIO) if m.get_srcSystem() == 100]
+    true, false, *_ = told
+    assert false.x == pytest.approx(true.x + 25.0, abs=0.01) and false.y == true.y
+    assert false.time_boot_ms > true.time_boot_ms
+    assert {(m.get_srcSystem(), m.get_srcComponent()) for m in told} == {(100, 1)}
+
+
+def test_a_replay_says_byte_for_byte_what_was_said() -> None:
+    sea = Troubled()
+    sea.fail(1, "replay", value=0.5)
+    records = sea.sail(120)
+    spoken, come = dict(said(records, 1)), dict(heard(records, 2, RADIO))
+    echoes = {t + 500_000: data for t, data in spoken.items() if t + 500_000 < sea.t_us}
+    assert len(echoes) > 5
+    assert come == {t: spoken.get(t, b"") + echoes.get(t, b"") for t in {*spoken, *echoes}}
+
+
+# -- the boat
+
+
+@pytest.mark.parametrize("by_s", [HOUR_S, -HOUR_S])
+def test_a_vessels_clock_jumps_and_jumps_back(by_s: float) -> None:
+    sea = Troubled(LONG_AGO)
+    (before, *_) = positions(sea.sail(1), 1)
+    sea.fail(1, "clock", value=by_s)
+    (after, *_) = positions(sea.sail(1), 1)
+    assert after.time_boot_ms - before.time_boot_ms == 1000 * by_s + 10
+    sea.heal(1, "clock")
+    (later, *_) = positions(sea.sail(1), 1)
+    assert later.time_boot_ms - before.time_boot_ms == 20
+
+
+def test_a_killed_boat_is_mute_and_a_new_one_has_its_parameters() -> None:
+    sea = Troubled()
+    before = sea.fleet.parameters(1)
+    sea.fail(1, "restart")
+    records = sea.sail(30)
+    assert said(records, 1) == said(records, 1, NAVIGATION) == []
+    assert heard(records, 1, RADIO) == frames(records, 1, to_boat=True) == []
+    assert frames(records, 1, to_boat=False) == []
+    assert not sea.commands[0].any()  # its ESCs stop by themselves
+    sea.heal(1, "restart")
+    sea.tick(100)
+    assert sea.state(1) == "DISARMED" and sea.conditions(1)["own_fresh"]
+    assert sea.fleet.parameters(1) == {**before, "MODE": 4.0}
+    sea.enter_formation([1])
+    assert sea.state(1) == "FORMATION"
+
+
+# -- all of them
+
+
+@pytest.mark.parametrize("kind", flotilla.FAULTS)
+def test_what_is_over_has_left_nothing_and_a_seed_makes_it(kind: str) -> None:
+    def sail(seed: int, fails: bool) -> tuple[bytes, bytes]:
+        sea = Troubled(LONG_AGO)
+        for agent in (1, 2) if fails else ():
+            sea.fail(agent, kind, value=0.2, seed=seed)
+        sea.tick(40)
+        meanwhile = sea.fleet.take_records(0)
+        sea.heal(1, kind)
+        sea.heal(2, kind)
+        sea.heal(2, kind)  # nothing happens
+        for _ in range(2):  # damaged bytes may hide one command, as if it were part of a message
+            sea.fleet.command([1, 2], sea.t_us, 400, (0.0,))
+            sea.tick(150)
+        assert {sea.state(1), sea.state(2)} == {"DISARMED"}
+        met = [name for name, well in sea.conditions(1).items() if well]
+        assert {"own_fresh", "leader_fresh", "escs_online", "bus_up"} <= set(met)
+        return meanwhile, sea.fleet.take_records(0)
+
+    assert sail(3, fails=True) == sail(3, fails=True)
+    assert sail(3, fails=True)[0] != sail(3, fails=False)[0]
+    if kind in ("frame_loss", "radio_loss", "byte_errors"):
+        assert sail(3, fails=True) != sail(4, fails=True)
+
+
+@pytest.mark.parametrize(
+    ("agent", "kind", "named", "words"),
+    [
+        (1, "own_sick", {}, "kind: one of flotilla.FAULTS"),
+        (9, "own_silent", {}, "agent 9: there are 3"),
+        (0, "esc_stuck", {}, "agent 0 is a leader, not a boat"),
+        (0, "restart", {}, "agent 0 is a leader, not a boat"),
+        (1, "own_jump", {"esc": "port"}, "only a fault of ESCs"),
+        (1, "esc_stuck", {"esc": "left"}, '"port", "stbd" or None'),
+        (1, "frame_loss", {"value": 1.1}, "a share from 0 to 1"),
+        (1, "own_jump", {"value": math.nan}, "a number from -1e6 to 1e6"),
+        (1, "replay", {"value": -1.0}, "seconds, not negative"),
+        (1, "clock", {"value": -HOUR_S}, "before 0"),
+        (0, "own_clock", {"value": -HOUR_S}, "before 0"),
+    ],
+)
+def test_what_cannot_fail_is_told(agent: int, kind: str, named: dict[str, Any], words: str) -> None:
+    sea = Troubled()
+    with pytest.raises(ValueError, match="(?s).*" + words.replace("(", r"\(")):
+        sea.fail(agent, kind, **named)
+    well = Troubled()
+    assert sea.sail(20) == well.sail(20)
+
+
+def test_a_second_jump_of_the_clock_takes_the_place_of_the_first() -> None:
+    sea = Troubled(LONG_AGO)
+    (before, *_) = positions(sea.sail(1), 1)
+    sea.fail(1, "clock", value=50.0)
+    sea.fail(1, "clock", value=20.0)
+    (after, *_) = positions(sea.sail(1), 1)
+    assert after.time_boot_ms - before.time_boot_ms == 20_000 + H_US // 1000

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""States that come again and again with new stamps: told, stopped for, and forgiven."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tests.target.course import Course
+from tests.target.hull import Afloat, Hull, s_curve
+from tests.target.sea import Sea, texts
+from tests.target.stations import FORMATION
+
+
+def sailing(own_period_us: int = 50_000) -> Afloat:
+    """Behind the paper's leader for some seconds."""
+    sea = Afloat({"FS_LEADER_ACT": 0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve, own_period_us)
+    sea.enter_formation()
+    sea.run(8.0)
+    assert sea.state == "FORMATION"
+    return sea
+
+
+def freeze(sea: Sea, who: str) -> None:
+    """The same from now on, with new stamps."""
+    agent = getattr(sea, who)
+    last = agent.measured(agent.next_us - agent.period_us)
+    agent.measured = lambda _now_us: last
+
+
+def seconds_until(sea: Sea, condition: str, met: bool, most_s: float) -> float:
+    since_us = sea.now_us
+    while sea.condition(condition) != met:
+        sea.step()
+        assert sea.now_us - since_us < most_s * 1e6, sea.snapshot()
+    return (sea.now_us - since_us) * 1e-6
+
+
+@pytest.mark.parametrize("period_us", [10_000, 50_000, 100_000])
+def test_an_own_state_that_sticks_stops_a_boat_within_half_a_second(period_us: int) -> None:
+    sea = sailing(period_us)
+    freeze(sea, "own")
+    seconds_until(sea, "own_live", False, 0.55)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    assert any("own state is frozen" in text for text in texts(sea.ticks))
+    assert sea.condition("own_fresh")
+    del sea.own.measured
+    seconds_until(sea, "own_live", True, 0.5)
+    sea.run(1.5)  # it has gone on meanwhile, which may be a jump
+    sea.mode(FORMATION)
+    sea.run(1.0)
+    assert sea.state == "FORMATION"
+
+
+def test_a_leader_that_sticks_is_not_followed_after_a_second() -> None:
+    sea = sailing()
+    freeze(sea, "leader")
+    seconds_until(sea, "leader_live", False, 1.0)
+    assert sea.state == "HOLD" and sea.condition("leader_fresh")
+    del sea.leader.measured
+    seconds_until(sea, "leader_live", True, 0.5)
+
+
+def test_a_leader_that_lies_still_is_followed_for_ever() -> None:
+    sea = Afloat({}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), Course(0.0, 0.0, 0.3))
+    sea.enter_formation()
+    freeze(sea, "leader")
+    sea.run(60.0)
+    assert sea.state == "FORMATION" and sea.condition("leader_live")
+
+
+def test_a_boat_that_lies_still_with_exact_instruments_may_be_armed() -> None:
+    sea = Sea(own=Course(1.0, 2.0, 0.3))
+    freeze(sea, "own")
+    sea.run(60.0)
+    assert sea.condition("own_live")
+    sea.enter_hold()
+
+
+def test_a_place_that_sticks_beside_a_velocity_that_lives_is_frozen() -> None:
+    sea = sailing()
+    here = sea.own.truth(sea.now_us)
+    sea.own.measured = lambda now_us: replace(
+        sea.own.truth(now_us), north=here.north, east=here.east
+    )
+    seconds_until(sea, "own_live", False, 1.0)
+    assert sea.state == "HOLD"

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: MIT
+"""FS_GCS_S: a boat that has to hear a ground station, and which one that is."""
+
+from __future__ import annotations
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.operator_words import sticks
+from tests.target.sea import TURN, Sea, Tick, texts
+from tests.target.stations import ARM, FORMATION, GCS, Station, heartbeat
+
+TYPE_GCS = mavlink.MAV_TYPE_GCS
+LOST = "no ground station is heard"
+
+
+class Watched(Sea):
+    """Its ground station beats once a second while it is `on`."""
+
+    def __init__(self, parameters: dict[str, float], links: int = 1) -> None:
+        super().__init__({"FS_GCS_S": 3.0} | parameters, links, leader=TURN)
+        self.on, self.beats_as, self.kind, self.link = True, Station(GCS, 190), TYPE_GCS, 0
+        self.next_beat_us = self.now_us
+
+    def step(self) -> Tick:
+        if self.on and self.now_us >= self.next_beat_us:
+            self.next_beat_us = self.now_us + 1_000_000
+            self.say(heartbeat(self.kind), sender=self.beats_as, link=self.link)
+        return super().step()
+
+
+def sailing(parameters: dict[str, float] | None = None) -> Watched:
+    sea = Watched(parameters or {})
+    sea.enter_formation()
+    sea.run(1.0)
+    assert sea.state == "FORMATION" and any(sea.commands)
+    return sea
+
+
+@pytest.mark.parametrize(
+    ("action", "state"), [(0.0, "HOLD"), (1.0, "COAST"), (2.0, "HOLD")], ids=["0", "1", "2"]
+)
+def test_a_boat_that_hears_no_ground_station_does_what_was_chosen(
+    action: float, state: str
+) -> None:
+    sea = sailing({"FS_GCS_ACT": action})
+    sea.on = False
+    last_us = sea.next_beat_us - 1_000_000
+    sea.run_until(state, 3.1)
+    assert abs(sea.ticks[-1].now_us - last_us - 3_000_000) <= sea.period_us
+    assert texts([sea.ticks[-1]]) == [f"{state}: {LOST}"]
+
+
+def test_with_sticks_in_his_hands_the_operator_drives_on() -> None:
+    sea = sailing({"FS_GCS_ACT": 2.0})
+    sea.on = False
+    for _ in range(320):
+        sea.say(sticks(100, 0))
+        sea.step()
+    assert sea.state == "MANUAL" and any(sea.commands)
+
+
+def test_coast_for_want_of_a_ground_station_ends_when_it_is_heard_or_time_is_over() -> None:
+    for heard in (True, False):
+        sea = sailing({"FS_GCS_ACT": 1.0})
+        sea.on = False
+        sea.run_until("COAST", 3.1)
+        sea.run(2.0)
+        sea.on = heard
+        sea.run(0.1 if heard else 3.1)
+        assert sea.state == ("FORMATION" if heard else "HOLD")
+
+
+def test_of_two_losses_the_more_careful_choice_counts() -> None:
+    sea = sailing({"FS_LEADER_ACT": 1.0, "FS_GCS_ACT": 0.0})
+    sea.on = False
+    sea.run(1.5)
+    sea.leader.on = False
+    sea.run_until("COAST", 1.2)
+    sea.run_until("HOLD", 1.0)
+    assert texts([sea.ticks[-1]]) == [f"HOLD: {LOST}"]
+
+
+def test_a_boat_that_has_to_hear_a_ground_station_is_not_armed_without() -> None:
+    sea = Watched({})
+    sea.on = False
+    sea.settle()
+    tick = sea.arm()
+    assert sea.state == "DISARMED" and texts([tick]) == [f"PreArm: {LOST}"]
+    sea.on = True
+    sea.run(0.1)
+    sea.arm()
+    assert sea.state == "HOLD"
+
+
+def test_without_a_limit_nobody_has_to_be_there() -> None:
+    sea = Watched({"FS_GCS_S": 0.0})
+    sea.on = False
+    sea.enter_formation()
+    sea.run(10.0)
+    assert sea.state == "FORMATION" and sea.condition("gcs_heard")
+
+
+@pytest.mark.parametrize("kind", [mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_TYPE_GENERIC])
+def test_only_ground_stations_are_ground_stations(kind: int) -> None:
+    sea = Watched({})
+    sea.kind = kind
+    sea.run(2.0)
+    assert not sea.condition("gcs_heard")
+
+
+def test_where_one_ground_station_commands_only_that_one_counts() -> None:
+    sea = Watched({"MAV_GCS_SYSID": 250.0})
+    sea.run(2.0)
+    assert not sea.condition("gcs_heard")
+    sea.beats_as = Station(250, 190)
+    sea.run(2.0)
+    assert sea.condition("gcs_heard")
+    sea.order(ARM, 1.0)
+    assert sea.state == "DISARMED"
+
+
+def test_any_link_will_do() -> None:
+    sea = Watched({}, links=2)
+    sea.link = 1
+    sea.run(2.0)
+    assert sea.condition("gcs_heard")
+
+
+def test_where_signatures_are_required_an_unsigned_heartbeat_is_none() -> None:
+    sea = Watched({}, links=2)
+    sea.boat.secure(bytes(range(32)), 1_790_000_000 * 1_000_000)
+    sea.boat.set_signing(1, "required")
+    sea.link = 1
+    sea.run(2.0)
+    assert not sea.condition("gcs_heard")
+    assert sea.mode(FORMATION) and sea.state == "DISARMED"

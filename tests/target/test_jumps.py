@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: MIT
+"""Places where the boat or its leader cannot be: refused, told, believed when they last."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tests.target.course import Course
+from tests.target.hull import Afloat, Hull, s_curve
+from tests.target.sea import Sea, texts
+from tests.target.stations import (
+    FORMATION,
+    LEADER,
+    LEADER_COMPONENT,
+    Station,
+    odometry,
+    state_messages,
+)
+
+
+def sailing() -> Afloat:
+    sea = Afloat({"FS_LEADER_ACT": 0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
+    sea.enter_formation()
+    sea.run(8.0)
+    assert sea.state == "FORMATION" and sea.counter("mavlink_jump") == 0
+    return sea
+
+
+@pytest.mark.parametrize(
+    "off",
+    [{"north": 5.0}, {"east": -100.0}, {"psi": 1.5}, {"u": 8.0}, {"r": 10.0}],
+    ids=lambda off: next(iter(off)),
+)
+def test_one_state_of_the_leader_that_cannot_be_moves_nothing(off: dict[str, float]) -> None:
+    sea = sailing()
+    truth = sea.leader.truth(sea.now_us)
+    wrong = replace(truth, **{name: getattr(truth, name) + by for name, by in off.items()})
+    before = sea.snapshot()["error"]
+    sea.say(odometry(wrong, sea.now_us + 1), sender=sea.leader.station)
+    sea.step()
+    assert sea.counter("mavlink_jump") == 1
+    assert not sea.condition("leader_steady") and sea.state == "HOLD"
+    assert sea.snapshot()["error"] == pytest.approx(before, abs=0.05)
+    assert any("leader's state jumps" in text for text in texts(sea.ticks))
+    sea.run(0.9)
+    assert not sea.condition("leader_steady")
+    sea.run(0.2)
+    assert sea.condition("leader_steady")
+    sea.mode(FORMATION)
+    sea.run(1.0)
+    assert sea.state == "FORMATION" and sea.counter("mavlink_jump") == 1
+
+
+def test_an_own_place_that_cannot_be_stops_the_boat_at_once() -> None:
+    sea = sailing()
+    truth = sea.own.truth(sea.now_us)
+    sea.say(odometry(replace(truth, north=truth.north + 8.0), sea.now_us), sender=sea.own.station)
+    sea.step()
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    assert not sea.condition("own_steady")
+    assert sea.own_course().north == pytest.approx(truth.north, abs=0.3)
+    sea.run(1.2)
+    assert sea.condition("own_steady")
+
+
+def test_a_new_place_is_believed_after_a_second() -> None:
+    sea = sailing()
+    begin_us = sea.now_us
+    sea.own.measured = lambda now_us: replace(
+        sea.own.truth(now_us), east=sea.own.truth(now_us).east + 40.0
+    )
+    sea.run(0.9)
+    assert not sea.condition("own_fresh") and sea.state == "HOLD"
+    while not sea.condition("own_fresh"):
+        sea.step()
+    assert 1_000_000 <= sea.now_us - begin_us < 1_200_000
+    sea.run(1.2)
+    assert sea.condition("own_steady") and sea.condition("own_fresh")
+    truth = sea.own.truth(sea.now_us)
+    assert sea.own_course().east == pytest.approx(truth.east + 40.0, abs=0.3)
+
+
+@pytest.mark.parametrize("clock_us", [0, 30_000, -700_000, 45_000_000, 7_200_000_000])
+@pytest.mark.parametrize("kind", ["ODOMETRY", "LOCAL_POSITION_NED"])
+def test_of_two_leaders_with_one_id_the_first_is_followed(clock_us: int, kind: str) -> None:
+    """A second vessel 20 m beside it, that says it is the same, with whatever clock."""
+    sea = Sea(leader=Course(5.0, 5.0, 0.5, 0.4))
+    sea.enter_hold()
+    sea.leader.on = False
+    leader, other = (Station(LEADER, LEADER_COMPONENT) for _ in range(2))
+    for k in range(600):
+        truth = sea.leader.truth(sea.now_us)
+        if k % 10 == 0:
+            sea.say(*state_messages(kind, truth, sea.now_us), sender=leader)
+        if k % 10 == 4 and 100 <= k < 400:
+            beside = replace(truth, east=truth.east + 20.0)
+            sea.say(*state_messages(kind, beside, sea.now_us + clock_us), sender=other)
+        sea.step()
+        if k > 20:
+            assert sea.condition("leader_fresh"), k
+            error = sea.snapshot()["error"]
+            assert abs(error["x_m"]) < 12.0 and abs(error["y_m"]) < 12.0, k
+        if 120 <= k < 400:
+            assert not sea.condition("leader_steady"), k
+    assert sea.condition("leader_steady") and sea.condition("leader_fresh")
+
+
+def test_a_boat_on_its_trailer_may_go_fast_but_not_be_elsewhere() -> None:
+    sea = Sea(own=Course(0.0, 0.0, 0.3, 15.0))
+    sea.run(5.0)
+    assert sea.condition("own_steady")
+    sea.own.course = replace(sea.own.course, east=100.0)
+    sea.run(0.1)
+    assert not sea.condition("own_steady")
+    sea.run(2.2)
+    assert sea.condition("own_steady")

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""A boat among other vessels: what it tells them, whom it yields to, when it stays in HOLD."""
+
+from __future__ import annotations
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+
+from tests.target.course import Course
+from tests.target.sea import Sea, acks
+from tests.target.stations import (
+    BOAT,
+    FORMATION,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+    Station,
+    heartbeat,
+    local_position,
+    origin,
+)
+
+LEAST_M = 2.0
+OWN = Course(0.0, 0.0, 0.0)
+LEADER = Course(20.0, 0.0, 0.0, 0.5)
+
+
+def boat(least_m: float = LEAST_M, links: int = 1) -> Sea:
+    return Sea({"FS_SEP_M": least_m}, links=links, own=OWN, leader=LEADER)
+
+
+def meet(
+    sea: Sea, north_m: float, seconds: float = 0.0, kind: int = mavlink.MAV_TYPE_SURFACE_BOAT
+) -> None:
+    """A vessel lies there, told ten times a second, but for the first tick."""
+    station = Station(BOAT + 1)
+    sea.say(heartbeat(kind), origin(sea.now_us), sender=station)
+    for _ in range(max(1, round(10 * seconds))):
+        here = local_position(Course(north_m, 0.0, 0.0), sea.now_us)
+        sea.say(here, sender=station)
+        sea.run(0.1)
+
+
+def told(sea: Sea, name: str, link: int = 0) -> list[float]:
+    found = [m for tick in sea.ticks for m in tick.named("NAMED_VALUE_FLOAT", link)]
+    return [m.value for m in found if m.name == name]
+
+
+def test_how_deep_it_is_in_the_tree_is_told_once_a_second_on_every_link() -> None:
+    sea = boat(links=2)
+    sea.run(3.0)
+    # The leader's own depth is not known: it is a virtual one.
+    assert told(sea, "DEPTH", 0) == told(sea, "DEPTH", 1) == [1.0] * 3
+    depth = mavlink.MAVLink_named_value_float_message(0, b"DEPTH", 4.0)
+    sea.say(depth, sender=sea.leader.station)
+    sea.run(1.0)
+    assert told(sea, "DEPTH")[-1] == 5.0
+
+
+def test_a_boat_that_keeps_clear_of_nobody_tells_no_depth_and_looks_for_nobody() -> None:
+    sea = boat(least_m=0.0)
+    sea.enter_formation()
+    meet(sea, 3.0, 1.0)
+    assert not told(sea, "DEPTH") and not told(sea, "SEP_M")
+    assert sea.snapshot()["separation_m"] is None
+    assert sea.condition("clear") and not sea.snapshot()["limited"]["yielding"]
+
+
+def test_formation_is_refused_while_a_vessel_is_nearer_and_says_so() -> None:
+    sea = boat()
+    sea.enter_hold()
+    meet(sea, 1.9)
+    tick = sea.mode(FORMATION)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    texts = [m.text for m in tick.named("STATUSTEXT")]
+    assert "Refused: a vessel is nearer than FS_SEP_M" in texts
+    assert not sea.condition("clear")
+    meet(sea, 2.1)
+    assert sea.condition("clear")
+    sea.mode(FORMATION)
+    assert sea.state == "FORMATION"
+
+
+def test_who_comes_too_near_does_not_end_a_formation() -> None:
+    sea = boat()
+    sea.enter_formation()
+    meet(sea, 1.0, 1.0)
+    assert not sea.condition("clear") and sea.state == "FORMATION"
+
+
+def test_it_stops_or_turns_for_a_vessel_in_its_way_says_how_near_and_goes_on_after() -> None:
+    sea = boat()
+    sea.enter_formation()
+    sea.run(1.0)
+    alone = sea.snapshot()
+    assert not alone["limited"]["yielding"] and alone["separation_m"] is None
+    ahead = alone["virtual_velocity"]
+    meet(sea, 3.0, 2.0)
+    near = sea.snapshot()
+    assert near["limited"]["yielding"]
+    # 1.5 m/s for four seconds leads right through it.
+    assert near["separation_m"] < 0.5 and told(sea, "SEP_M")[-1] < 0.5
+    wanted = near["virtual_velocity"]
+    assert wanted["u_mps"] < 0.5 * ahead["u_mps"] or abs(wanted["r_radps"]) > 0.5
+    sea.run(3.5)  # forgotten
+    after = sea.snapshot()
+    assert not after["limited"]["yielding"] and after["separation_m"] is None
+    assert after["virtual_velocity"]["u_mps"] > 0.9 * ahead["u_mps"]
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        mavlink.MAV_TYPE_GENERIC,
+        mavlink.MAV_TYPE_GCS,
+        mavlink.MAV_TYPE_ONBOARD_CONTROLLER,
+        mavlink.MAV_TYPE_GIMBAL,
+    ],
+)
+def test_what_is_no_vessel_is_no_obstacle(kind: int) -> None:
+    sea = boat()
+    sea.enter_formation()
+    meet(sea, 1.0, 1.0, kind)
+    assert sea.condition("clear") and sea.snapshot()["separation_m"] is None

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""Propellers that give nothing, or the contrary: the boat sees that it does not answer."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.target.hull import Afloat, Hull, s_curve
+from tests.target.sea import PAPER, texts
+from tests.target.stations import FORMATION
+
+
+class Faulty(Afloat):
+    """Of what is commanded, each propeller gives its share."""
+
+    shares = (1.0, 1.0)
+
+    def obeyed(self, commands: tuple[int, ...]) -> tuple[int, ...]:
+        return tuple(round(s * c) for s, c in zip(self.shares, commands, strict=True))
+
+
+def sailing(law: dict[str, float]) -> Faulty:
+    sea = Faulty(law, Hull([-2.0, 1.0, 0.3, 0.1, 0.0, 0.0]), s_curve)
+    sea.enter_formation()
+    sea.run(20.0)
+    assert sea.state == "FORMATION"
+    return sea
+
+
+def stops_after(sea: Faulty) -> float:
+    since_us = sea.now_us
+    while sea.state == "FORMATION":
+        sea.step()
+        assert sea.now_us - since_us < 10_000_000
+    return (sea.now_us - since_us) * 1e-6
+
+
+LAWS = pytest.mark.parametrize("law", [{}, PAPER, {"LAW_OBS_BW": 0.0}], ids=["", "paper", "0"])
+
+
+@LAWS
+@pytest.mark.parametrize("shares", [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0)])
+def test_a_propeller_that_turns_the_other_way_is_seen_within_three_seconds(
+    shares: tuple[float, float], law: dict[str, float]
+) -> None:
+    sea = sailing(law)
+    sea.shares = shares
+    assert stops_after(sea) < 3.0
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    assert any("does not answer" in text for text in texts(sea.ticks))
+
+
+@LAWS
+@pytest.mark.parametrize("shares", [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
+def test_one_that_gives_nothing_within_five(
+    shares: tuple[float, float], law: dict[str, float]
+) -> None:
+    sea = sailing(law)
+    sea.shares = shares
+    assert stops_after(sea) < 5.0
+    assert sea.state == "HOLD" and not sea.condition("boat_answers")
+
+
+def test_it_may_be_tried_again_when_the_propellers_have_rested() -> None:
+    sea = sailing({})
+    sea.shares = (-1.0, -1.0)
+    stops_after(sea)
+    sea.shares = (1.0, 1.0)
+    sea.run(10.0)
+    assert sea.condition("boat_answers") and sea.state == "HOLD"
+    sea.mode(FORMATION)
+    sea.run(20.0)
+    assert sea.state == "FORMATION"
+
+
+@pytest.mark.parametrize("current", [(0.5, 0.0), (-0.5, 0.3)])
+def test_water_that_sets_it_off_its_way_is_no_fault(current: tuple[float, float]) -> None:
+    sea = Faulty({}, Hull([-2.0, 1.0, 0.3, 0.0, 0.0, 0.0], current=current), s_curve)
+    sea.enter_formation()
+    sea.run(60.0)
+    assert sea.state == "FORMATION" and sea.condition("boat_answers")

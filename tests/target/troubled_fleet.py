@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: MIT
+"""A fleet around which things fail, and what was on its wires."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pymavlink.dialects.v20 import common as mavlink
+
+from sil.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
+from tests.target.twin_fleets import H_US, LOCAL, Twins
+
+_HEAD = struct.Struct("<QHH")
+NAVIGATION, RADIO = 0, 1
+
+
+class Record(NamedTuple):
+    t_us: int
+    agent: int
+    channel: int
+    data: bytes
+
+
+class Troubled(Twins):
+    """A leader and two boats in a row in FORMATION: agents 0, 1, 2. `commands` of the last tick."""
+
+    def __init__(self, clock: tuple[int, float] = (0, 0.0), **radio: float) -> None:
+        super().__init__()
+        self.commands: NDArray[np.float64] = np.zeros((2, 2))
+        self.leader(unit=LOCAL, clock=clock)
+        for i in (1, 2):
+            own = {"MAV_SYSID": i, "FORM_LEADER": 100 if i == 1 else 1, "FORM_OFS_N": -3.0}
+            self.boat(own, clock=clock, at=(10.0 - 5.0 * i, 5.0))
+            self.tie(i - 1, i, **radio)
+        self.enter_formation()
+        self.tick(100)
+        self.take()
+
+    def both(self, method: str, *arguments: Any, **named: Any) -> Any:
+        return getattr(self.fleet, method)(*arguments, **named)
+
+    def tick(self, ticks: int = 1) -> None:
+        for _ in range(ticks):
+            eta, nu, _, rpm = self._sensed()
+            self.fleet.tick(self.t_us, eta, nu, None, rpm, self.commands)
+            self._move(self.commands)
+            self.t_us += H_US
+
+    def sail(self, ticks: int) -> list[Record]:
+        """What is on the wires meanwhile."""
+        self.tick(ticks)
+        return self.take()
+
+    def take(self) -> list[Record]:
+        """What has been on the wires since the last call."""
+        return records_of(self.fleet)
+
+    def fail(self, agent: int, kind: str, **named: Any) -> None:
+        self.fleet.set_fault(agent, kind, self.t_us, **named)
+
+    def heal(self, agent: int, kind: str, **named: Any) -> None:
+        self.fleet.clear_fault(agent, kind, self.t_us, **named)
+
+    def conditions(self, agent: int) -> dict[str, bool]:
+        conditions: dict[str, bool] = self.fleet.snapshot(agent)["conditions"]
+        return conditions
+
+
+def records_of(fleet: Any) -> list[Record]:
+    """What has been on the wires of its run 0 since the last call."""
+    data, at, records = fleet.take_records(0), 0, []
+    while at < len(data):
+        t_us, port, length = _HEAD.unpack_from(data, at)
+        at += _HEAD.size
+        records.append(Record(t_us, port >> 8, port & 0xFF, data[at : at + length]))
+        at += length
+    return records
+
+
+def heard(records: list[Record], agent: int, link: int) -> list[tuple[int, bytes]]:
+    """Time and chunk of what an agent's boat heard."""
+    return [(r.t_us, r.data) for r in records if r[1:3] == (agent, MAVLINK_IN + link)]
+
+
+def said(records: list[Record], agent: int, link: int = RADIO) -> list[tuple[int, bytes]]:
+    """Time and chunk of what an agent said."""
+    return [(r.t_us, r.data) for r in records if r[1:3] == (agent, MAVLINK_OUT + link)]
+
+
+def frames(records: list[Record], agent: int, *, to_boat: bool) -> list[tuple[int, bytes]]:
+    """The CAN frames that came to a boat, or that it sent."""
+    channel = CAN_IN if to_boat else CAN_OUT
+    found = [r.data for r in records if r[1:3] == (agent, channel)]
+    return [(int.from_bytes(data[:4], "little"), data[4:]) for data in found]
+
+
+def messages(chunks: list[tuple[int, bytes]], kind: str) -> list[Any]:
+    """What pymavlink makes of them."""
+    reader = mavlink.MAVLink(None)
+    reader.robust_parsing = True
+    found = [m for _, data in chunks for m in reader.parse_buffer(bytearray(data)) or []]
+    return [m for m in found if m.get_type() == kind]

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""What happens to processes, buses and disks, and how a flotillad on vcan0 takes it."""
+
+import pytest
+
+from sil.faults import live
+from sil.faults.live_strikes import STRIKES
+from sil.faults.outcome import Outcome
+from sil.live import FLOTILLAD
+
+NAMES = [row.name for row in live.limits()]
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict[str, Outcome]:
+    """One boat takes them all, one after the other."""
+    if not FLOTILLAD.exists():
+        pytest.skip(f"needs {FLOTILLAD}: cmake --build --preset release --target flotillad")
+    return {one.fault: one for one in live.sail()}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_boat_takes_it_within_the_limits(outcomes: dict[str, Outcome], name: str) -> None:
+    assert outcomes[name].passed, outcomes[name]
+
+
+def test_every_strike_has_limits() -> None:
+    assert list(STRIKES) == NAMES
+
+
+@pytest.mark.parametrize(
+    ("seen", "why"),
+    [
+        ((0.1, "HOLD", 0.0, 1.0), ""),
+        ((None, "HOLD", 0.0, 1.0), "noticed after –"),
+        ((2.0, "HOLD", 0.0, 1.0), "noticed after 2.00 s"),
+        ((0.1, "FORMATION", 0.0, 1.0), "FORMATION, not HOLD"),
+        ((0.1, "HOLD", 0.3, 1.0), "0.30 N told where none was wanted"),
+        ((0.1, "HOLD", 0.0, None), "back after –"),
+        ((0.1, "HOLD", 0.0, 60.0), "back after 60.00 s"),
+    ],
+)
+def test_whoever_is_beyond_a_limit_fails(
+    seen: tuple[float | None, str, float, float | None], why: str
+) -> None:
+    row = next(row for row in live.limits() if row.name == "stopped")
+    said = live.beyond(row, *seen)
+    assert [why in each for each in said] == ([True] if why else [])

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""MAVLink links on a network that comes late and goes, as only a network of one's own does."""
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.target.linux.process import PROGRAM, RealSea
+from tests.vcan.bus import run
+
+FAR = "198.51.100.7"  # nobody's: RFC 5737
+PORT = 14550
+
+
+@pytest.fixture
+def sea(tmp_path: Path) -> Iterator[RealSea]:
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is not built: cmake --build --preset release --target flotillad")
+    with RealSea(0, tmp_path) as sea:
+        yield sea
+
+
+def hear(sea: RealSea) -> None:
+    """Until a word reaches the far address, where the network is up."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as far:
+        far.bind((FAR, PORT))
+        far.setblocking(False)
+        heard: list[bytes] = []
+
+        def word() -> bool:
+            try:
+                heard.append(far.recv(4096))
+            except BlockingIOError:
+                return False
+            return True
+
+        sea.until(word)
+
+
+@pytest.mark.parametrize("kind", ["udpout", "udpbcast"])
+def test_a_link_to_a_network_that_comes_late_and_goes_works_while_it_is_there(
+    sea: RealSea, kind: str
+) -> None:
+    sea.start(f"--mavlink={kind}:{FAR}:{PORT}")
+    sea.until(sea.ready)
+    for _ in range(2):
+        run("ip", "address", "add", f"{FAR}/32", "dev", "lo")
+        try:
+            hear(sea)
+        finally:
+            run("ip", "address", "del", f"{FAR}/32", "dev", "lo")
+        beats = len(sea.named("HEARTBEAT"))
+        sea.until(lambda beats=beats: len(sea.named("HEARTBEAT")) > beats + 1)
