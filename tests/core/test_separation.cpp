@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/closed_loop.hpp"
@@ -231,6 +232,45 @@ TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its dis
   CHECK(intent_of(some, 2.0, slot, near).straight_n.y == near.y);
   // No leader is too fast to be followed.
   CHECK(intent_of(some, 2.0, Vec2<double>{3, 0}, far).fastest == doctest::Approx(3.3));
+}
+
+TEST_CASE("of several vessels those without the way change no course that is taken") {
+  SeparationParams<double> params;
+  params.least = kLeast;
+  const VirtualVelocityParams<double> limits{0.2, 0.5, 1.5, 0.8};
+  const auto intent = intent_of(limits, kLeast, Vec2<double>{0.5, 0}, Vec2<double>{1, 0});
+  const OtherVessel<double> ahead{{3, 0}, {}, 0, true}, aside{{3, 6}, {}, 0, false};
+  const auto yields_to = [&](const Traffic<double>& traffic) {
+    SeparationState<double> state{};
+    VirtualVelocity<double> wanted{};
+    wanted.nu_star.u = 1;
+    const auto out = separate(params, 10.0, state, traffic, 0.0, intent, wanted);
+    CHECK((out.yielding && out.known && out.predicted == 0));
+    return wanted.nu_star;
+  };
+  const Nu<double> alone = yields_to(only(ahead));
+  for (const auto& [first, second] : {std::pair(ahead, aside), std::pair(aside, ahead)}) {
+    Traffic<double> both = only(first);
+    both.vessels[both.count++] = second;
+    const Nu<double> among = yields_to(both);
+    CHECK((among.u == alone.u && among.r == alone.r));
+  }
+}
+
+TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not") {
+  SeparationParams<double> params;
+  params.least = kLeast;
+  const Intent<double> intent{{0.5, 0}, {1, 0}, 1.5, 0.8};
+  for (const double behind_m : {1.4, 1.7, 2.0}) {
+    SeparationState<double> state{};
+    VirtualVelocity<double> wanted{};
+    wanted.nu_star.u = -1;
+    wanted.u_star_dot = 1;
+    const OtherVessel<double> behind{{-behind_m, 0}, {}, 0, false};
+    const auto out = separate(params, 10.0, state, only(behind), 0.0, intent, wanted);
+    CHECK((out.yielding && wanted.u_star_dot == 0));
+    CHECK((-0.5 < wanted.nu_star.u && wanted.nu_star.u <= 0));
+  }
 }
 
 }  // namespace
