@@ -36,8 +36,13 @@ class Liveness {
       heading_ = {};
     }
     const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
-    whole_.take(same, {}, h);
-    pushed_ = same ? left_after(h) * pushed_ : S(0);
+    if (same) {
+      whole_.stay({}, h);
+      pushed_ = left_after(h) * pushed_;
+    } else {
+      whole_ = {};
+      pushed_ = S(0);
+    }
     moved_ = moved_ || (S(0) < h && !stays);
     north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
     const bool sails = stays && nu.u * nu.u + nu.v * nu.v > kSlow * kSlow;
