@@ -27,7 +27,7 @@ SUITE = (
     ("ctest", "--preset", "dev", "--parallel", "2"),
     ("tools/with-vcan", "build/release/tests/socketcan_tests"),
     ("tools/with-vcan", str(_ROOT / ".venv/bin/pytest"), "tests/vcan"),
-    ("pytest", "--ignore=tests/vcan"),
+    ("pytest", "--ignore=tests/vcan", "--numprocesses", "4", "--dist", "loadfile"),
 )
 
 
