@@ -26,7 +26,7 @@ from sil.results_table import Row
 from sil.sailing import Job, Outcome, sail_all
 
 HERE = Path(__file__).parent
-PAGE, PICTURES = HERE / "README.md", HERE / "results"
+PAGE, PICTURES = HERE / "RESULTS.md", HERE / "results"
 SEEDS = 40
 _INTERRUPTED = 130
 
@@ -41,7 +41,7 @@ def add_to(commands: Any) -> None:
         action="append",
         choices=list(CLAIMS),
         metavar="NAME",
-        help="this scenario; repeatable. sil/README.md is left as it is",
+        help="this scenario; repeatable. sil/RESULTS.md is left as it is",
     )
     command.add_argument(
         "--seeds", type=arguments.count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
@@ -34,23 +35,42 @@ class JumpGuard {
   /// No state led to the next one.
   void forget() { last_.reset(), next_.reset(); }
 
+  /// A told state, and when it came.
+  struct Seen {
+    double north_m, east_m;
+    S psi;
+    core::Nu<S> nu;
+    std::int64_t stamp_us, arrived_us;
+  };
+  static Seen seen(const convert::Sample& s, std::int64_t now_us) {
+    return {s.north_m, s.east_m, S(s.psi_rad), convert::nu_of<S>(s), s.stamp_us, now_us};
+  }
+
   /// The state that the next one is compared with.
-  void believe(const convert::Sample& sample, std::int64_t now_us) {
-    last_ = told(sample, now_us);
+  void believe(const Seen& state) {
+    last_ = state;
     next_.reset();
   }
 
   /// A state that has come, in the plane of the last one; `far`: it cannot be in that.
-  Verdict judge(const convert::Sample& sample, bool far, std::int64_t now_us) {
-    const Told state = told(sample, now_us);
+  Verdict judge(const Seen& state, bool far) {
     if (!last_) return Verdict::kGoesOn;
-    const auto surprise = between(limits_, *last_, state);
-    if (!far && surprise.share <= S(1)) {
-      scatter_ = scatter_ + S(0.1) * (surprise.off - scatter_);
+    const core::Leg<S> way = leg(*last_, state);
+    if (!far && core::hardly_moves(limits_, way)) {
+      // What velocity may account for is no scatter.
+      const S speed = std::abs(way.from.u) + std::abs(way.from.v);
+      const S moved = std::max(std::abs(way.moved_n.x), std::abs(way.moved_n.y));
+      note_scatter(std::max(moved - way.h * speed, S(0)));
       return Verdict::kGoesOn;
     }
+    const auto surprise = core::surprise_of(limits_, way, scatter_);
+    if (!far && surprise.share <= S(1)) {
+      note_scatter(surprise.off);
+      return Verdict::kGoesOn;
+    }
+    const std::int64_t now_us = state.arrived_us;
     jumped_us_ = now_us;
-    const bool agrees = next_ && between(limits_, *next_, state).share <= S(1);
+    const bool agrees = next_ && can_be(*next_, state);
     if (!agrees) since_us_ = now_us;
     agreed_ = agrees ? std::min(agreed_ + 1, kRow) : 1;
     next_ = state;
@@ -60,14 +80,13 @@ class JumpGuard {
 
   /// A state that is not made use of, of the past or without a heading: whether it can be one of the
   /// same vessel.
-  void look_at(const convert::Sample& sample, bool heading_known, std::int64_t now_us) {
+  void look_at(const Seen& state, bool heading_known) {
     if (!last_) return;
-    const Told state = told(sample, now_us);
+    const bool before = state.stamp_us < last_->stamp_us;
+    const core::Leg<S> way = before ? leg(state, *last_) : leg(*last_, state);
     core::JumpLimits<S> limits = limits_;
     if (!heading_known) limits.heading = limits.yaw_rate = S(100);
-    const bool before = state.stamp_us < last_->stamp_us;
-    const auto surprise = before ? between(limits, state, *last_) : between(limits, *last_, state);
-    if (surprise.share > S(1)) jumped_us_ = now_us;
+    if (core::surprise_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
   }
 
   /// What else is told that cannot be.
@@ -82,34 +101,26 @@ class JumpGuard {
   static constexpr int kRow = 5;
   static constexpr std::int64_t kSettled_us = 1'000'000;
 
-  struct Told {
-    double north_m, east_m;
-    S psi;
-    core::Nu<S> nu;
-    std::int64_t stamp_us, arrived_us;
-  };
-
-  static Told told(const convert::Sample& s, std::int64_t now_us) {
-    return {s.north_m, s.east_m, S(s.psi_rad), convert::nu_of<S>(s), s.stamp_us, now_us};
-  }
-
   /// The two clocks need not go together: no more time than has passed here and a second, which is
   /// what the first one may have been late by.
-  core::Surprise<S> between(const core::JumpLimits<S>& limits, const Told& a, const Told& b) const {
+  static core::Leg<S> leg(const Seen& a, const Seen& b) {
     const std::int64_t most_us = std::abs(b.arrived_us - a.arrived_us) + kSettled_us;
     const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
-    return core::surprise_of(limits,
-                             {{S(b.north_m - a.north_m), S(b.east_m - a.east_m)},
-                              a.psi,
-                              b.psi,
-                              a.nu,
-                              b.nu,
-                              convert::seconds<S>(h_us)},
-                             scatter_);
+    return {{S(b.north_m - a.north_m), S(b.east_m - a.east_m)},
+            a.psi,
+            b.psi,
+            a.nu,
+            b.nu,
+            convert::seconds<S>(h_us)};
+  }
+  bool can_be(const Seen& a, const Seen& b) const {
+    return core::surprise_of(limits_, leg(a, b), scatter_).share <= S(1);
   }
 
+  void note_scatter(S off) { scatter_ = scatter_ + S(0.1) * (off - scatter_); }
+
   core::JumpLimits<S> limits_ = kAnyVessel;
-  std::optional<Told> last_, next_;
+  std::optional<Seen> last_, next_;
   S scatter_{};
   int agreed_ = 0;
   std::int64_t since_us_ = 0;

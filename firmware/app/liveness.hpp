@@ -25,15 +25,27 @@ class Liveness {
     const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
     const bool heads = sample.psi_rad == psi_rad_;
     const core::Nu<S> nu = convert::nu_of<S>(sample);
-    const core::Vec2<S> v = core::to_north_east(S(sample.psi_rad), core::Vec2<S>{nu.u, nu.v});
-    place_.take(stays, v, h);
-    heading_.take(heads, {nu.r, S(0)}, h);
+    if (stays) {
+      place_.stay(core::to_north_east(S(sample.psi_rad), core::Vec2<S>{nu.u, nu.v}), h);
+    } else {
+      place_ = {};
+    }
+    if (heads) {
+      heading_.stay({nu.r, S(0)}, h);
+    } else {
+      heading_ = {};
+    }
     const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
-    whole_.take(same, {}, h);
-    pushed_ = same ? left_after(h) * pushed_ : S(0);
+    if (same) {
+      whole_.stay({}, h);
+      pushed_ = left_after(h) * pushed_;
+    } else {
+      whole_ = {};
+      pushed_ = S(0);
+    }
     moved_ = moved_ || (S(0) < h && !stays);
     north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
-    const bool sails = stays && std::hypot(v.x, v.y) > kSlow;
+    const bool sails = stays && nu.u * nu.u + nu.v * nu.v > kSlow * kSlow;
     judge(!sails && !(heads && std::abs(nu.r) > kSlow) && pushed_ <= kSlow);
   }
 
@@ -55,23 +67,19 @@ class Liveness {
 
   static S left_after(S h) { return S(1) - core::smaller(h / kForgotten_s, S(1)); }
 
-  /// What stays the same, and where its rate of change would have led since.
+  /// What has stayed the same, and where its rate of change would have led since.
   struct Stuck {
     core::Vec2<S> way{};
     S time{};
     int repeats = 0;
 
-    void take(bool same, const core::Vec2<S>& rate, S h) {
-      if (!same) {
-        *this = {};
-        return;
-      }
+    void stay(const core::Vec2<S>& rate, S h) {
       way = {left_after(h) * way.x + h * rate.x, left_after(h) * way.y + h * rate.y};
       time = time + h;
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }
-    bool lies() const { return std::hypot(way.x, way.y) > kTold; }
+    bool lies() const { return way.x * way.x + way.y * way.y > kTold * kTold; }
   };
 
   void judge(bool well) {

@@ -98,6 +98,13 @@ class MavlinkLinks {
   /// Bytes that still fit into this tick's output.
   std::size_t room(std::size_t link) const { return Datagram{}.size() - links_[link].size; }
 
+  /// The same of the link that has least.
+  std::size_t least_room() const {
+    std::size_t least = Datagram{}.size();
+    for (std::size_t link = 0; link < count(); ++link) least = std::min(least, room(link));
+    return least;
+  }
+
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
     links_[link].credit.spend_on_rest(put(link, message, counters));

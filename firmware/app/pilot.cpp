@@ -38,7 +38,7 @@ template <class S>
 void Pilot<S>::set_limits(const Parameters& p) {
   afloat_ = convert::jump_limits<S>(p, false);
   carried_ = convert::jump_limits<S>(p, true);
-  own_.set_limits(carried_);
+  own_.set_limits(armed_ ? afloat_ : carried_);
 }
 
 template <class S>
@@ -79,7 +79,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
     met |= core::kLeaderFresh;
   }
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
-  if (!own_.has_moved() || core::answers(answer_params(), answer_)) met |= core::kBoatAnswers;
+  if (answers_ || !own_.has_moved()) met |= core::kBoatAnswers;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -89,17 +89,18 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
 
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
-  own_.set_limits(armed ? afloat_ : carried_);
+  if (armed != armed_) own_.set_limits(armed ? afloat_ : carried_);
+  armed_ = armed;
   if (!armed) {
     motion_ = {};
     motion_.motion = own_.motion(now_us);
     anchor_ = own_.position();
     answer_ = {};
+    answers_ = true;
     if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
   }
-  core::answer_forward(answer_params(), answer_, told_, std::exchange(wanted_, told_), given,
-                       since);
+  weigh(given, since);
   own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
                                  core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
@@ -116,6 +117,21 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
                           fix->nu,
                           age,
                           convert::near(before, anchor_) ? fix->dt : S(0)});
+}
+
+/// Some ticks at once: it is about what happens in half a second.
+template <class S>
+void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
+  pushed_ = {pushed_.X + since * given.X, pushed_.N + since * given.N};
+  pushed_s_ = pushed_s_ + since;
+  if (pushed_s_ < S(0.05)) return;
+  const core::AnswerParams<S> params{.vessel = law_.vessel, .propellers = law_.propellers};
+  core::answer_forward(params, answer_, told_, std::exchange(wanted_, told_),
+                       {pushed_.X / pushed_s_, pushed_.N / pushed_s_},
+                       core::smaller(pushed_s_, S(1)));
+  answers_ = core::answers(params, answer_);
+  pushed_ = {};
+  pushed_s_ = S(0);
 }
 
 template <class S>
@@ -153,6 +169,7 @@ template <class S>
 void Pilot<S>::start(std::int64_t now_us) {
   starting_ = true;
   answer_ = {};
+  answers_ = true;
   follow_leader(now_us);
 }
 

@@ -91,9 +91,7 @@ class Pilot {
   void follow_leader(std::int64_t now_us);
   core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
-  core::AnswerParams<S> answer_params() const {
-    return {.vessel = law_.vessel, .propellers = law_.propellers};
-  }
+  void weigh(const core::Tau<S>& given, S since);
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
@@ -102,9 +100,13 @@ class Pilot {
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   core::JumpLimits<S> afloat_, carried_;
+  bool armed_ = false;
   core::AnswerState<S> answer_{};
+  bool answers_ = true;
+  core::Tau<S> pushed_{};  // N s, N m s, not weighed yet
+  S pushed_s_{};
   core::Nu<S> told_{};        // velocity of the last fix
-  core::Nu<S> wanted_{};      // that the law wanted in the last tick, else as told
+  core::Nu<S> wanted_{};      // that the law wants, else as told
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;

@@ -19,6 +19,7 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
 // Of a tick's 1400 bytes: for the heartbeat and the state, and for 24 answers beside them.
 constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
+constexpr std::size_t kSentenceRoom = 200;  // of two chunks
 
 std::uint8_t mode_of(State state) {
   switch (state) {
@@ -265,8 +266,11 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     say(mav::kSeverityWarning, {what, why}, counters);
     return;
   }
-  for_each_complaint(
-      missing, [&](std::string_view why) { say(mav::kSeverityWarning, {what, why}, counters); });
+  // Of many, what leaves the heartbeat its room; the rest when these are seen to.
+  for_each_complaint(missing, [&](std::string_view why) {
+    if (links_.least_room() < kOwnRoom + kSentenceRoom) return;
+    say(mav::kSeverityWarning, {what, why}, counters);
+  });
 }
 
 void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {

@@ -195,7 +195,7 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, std::uin
   if (std::abs(older_us) > kHeadingUsable_us) {
     ++counters.mavlink_no_heading;
     if (component == component_ && source == sources_.in_use()) {
-      guard_.look_at(here(*sample), false, now_us);
+      guard_.look_at(guard_.seen(here(*sample), now_us), false);
     }
     return;
   }
@@ -228,21 +228,19 @@ convert::Sample VesselTrack<S>::here(const convert::Sample& sample) const {
   return sample.at && anchored_ ? convert::in_plane(sample, position_.origin) : sample;
 }
 
-/// A global position gets an origin that stays: followers of this vessel rely on it.
+/// The origin of what is believed from now on. A global position gets one that stays: followers of
+/// this vessel rely on it.
 template <class S>
-convert::Sample VesselTrack<S>::place(const convert::Sample& sample) {
+void VesselTrack<S>::anchor(const convert::Sample& sample) {
   if (!sample.at) {
     if (anchored_) position_.origin = origin_;
     anchored_ = false;
-    return sample;
+    return;
   }
   const auto& at = *sample.at;
-  if (!anchored_ || !convert::reaches(position_.origin, at)) {
-    const bool near = origin_known() && convert::reaches(origin_, at);
-    position_.origin = near ? origin_ : link::GpsGlobalOrigin{at.latitude, at.longitude, 0, 0};
-  }
+  const bool near = origin_known() && convert::reaches(origin_, at);
+  position_.origin = near ? origin_ : link::GpsGlobalOrigin{at.latitude, at.longitude, 0, 0};
   anchored_ = true;
-  return here(sample);
 }
 
 /// Its stamp is not younger than the last one, and its clock did not begin anew.
@@ -253,32 +251,21 @@ bool VesselTrack<S>::is_late(const convert::Sample& sample, std::int64_t now_us)
   refused_stamp_us_ = sample.stamp_us;
   refused_in_a_row_ = advances ? refused_in_a_row_ + 1 : 1;
   if (!silent(now_us) || !advances || sample.stamp_us == *stamp_us_) {
-    guard_.look_at(here(sample), true, now_us);
+    guard_.look_at(guard_.seen(here(sample), now_us), true);
     return true;
   }
   rebooted(sample.stamp_us);
   return false;
 }
 
-/// It tells a place where the vessel cannot be yet.
+/// No motion led to what is believed now; its clock may be another one too.
 template <class S>
-bool VesselTrack<S>::is_jump(const convert::Sample& sample, std::int64_t now_us) {
-  const bool far = sample.at && anchored_ && !convert::reaches(position_.origin, *sample.at);
-  switch (guard_.judge(here(sample), far, now_us)) {
-    case JumpGuard<S>::Verdict::kRefused:
-      return true;
-    case JumpGuard<S>::Verdict::kMoved:
-      // Its clock may be another one too.
-      if (std::abs(sample.stamp_us - *stamp_us_ - (now_us - arrived_us_)) > kSilent_us) {
-        restart();
-      } else {
-        jumped();
-      }
-      break;
-    case JumpGuard<S>::Verdict::kGoesOn:
-      break;
+void VesselTrack<S>::moved(std::int64_t stamp_us, std::int64_t now_us) {
+  if (std::abs(stamp_us - *stamp_us_ - (now_us - arrived_us_)) > kSilent_us) {
+    restart();
+  } else {
+    jumped();
   }
-  return false;
 }
 
 template <class S>
@@ -288,10 +275,15 @@ bool VesselTrack<S>::accept(const convert::Sample& sample, std::int64_t now_us,
     ++counters.mavlink_old_stamp;
     return false;
   }
-  if (is_jump(sample, now_us)) {
+  const bool far = sample.at && anchored_ && !convert::reaches(position_.origin, *sample.at);
+  convert::Sample placed = here(sample);
+  auto seen = guard_.seen(placed, now_us);
+  const auto verdict = guard_.judge(seen, far);
+  if (verdict == JumpGuard<S>::Verdict::kRefused) {
     ++counters.mavlink_jump;
     return false;
   }
+  if (verdict == JumpGuard<S>::Verdict::kMoved) moved(sample.stamp_us, now_us);
   // A clock of 32 bits that begins anew after 25 days looks as if it had run ahead.
   if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
     rebooted(sample.stamp_us);
@@ -300,8 +292,12 @@ bool VesselTrack<S>::accept(const convert::Sample& sample, std::int64_t now_us,
   // TIMESYNC vouches for it, they were overtaken on their way.
   if (refused_in_a_row_ >= 3 && !clock().was_answered()) sources_.restart();
   refused_in_a_row_ = 0;
-  const convert::Sample placed = place(sample);
-  guard_.believe(placed, now_us);
+  if (far || anchored_ != sample.at.has_value()) {
+    anchor(sample);
+    placed = here(sample);
+    seen = guard_.seen(placed, now_us);
+  }
+  guard_.believe(seen);
   const std::int64_t since_us = stamp_us_ ? placed.stamp_us - *stamp_us_ : 0;
   liveness_.take(placed, convert::seconds<S>(std::min(since_us, kSilent_us)));
   update(convert::at_reference_point(placed, antenna_.x_m, antenna_.y_m), now_us);

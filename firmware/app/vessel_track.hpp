@@ -130,10 +130,10 @@ class VesselTrack {
   void change_to(Source source, std::int64_t now_us);
   bool accept(const convert::Sample& sample, std::int64_t now_us, link::Counters& counters);
   bool is_late(const convert::Sample& sample, std::int64_t now_us);
-  bool is_jump(const convert::Sample& sample, std::int64_t now_us);
+  void moved(std::int64_t stamp_us, std::int64_t now_us);
   void update(const convert::Sample& sample, std::int64_t now_us);
   convert::Sample here(const convert::Sample& sample) const;
-  convert::Sample place(const convert::Sample& sample);
+  void anchor(const convert::Sample& sample);
   void rebooted(std::int64_t stamp_us);
   void jumped();
   void restart();

@@ -76,20 +76,33 @@ Surprise<S> surprise_of(const JumpLimits<S>& limits, const Leg<S>& leg, S scatte
   const Vec2<S> way = {half * (before.x + after.x), half * (before.y + after.y)};
   const S off =
       beyond(way, {clamp(leg.moved_n.x, S(-1e6), S(1e6)), clamp(leg.moved_n.y, S(-1e6), S(1e6))});
-  const S speed = sqrt(before.x * before.x + before.y * before.y);
-  const S munk = S(10) * leg.h * speed * speed;
-  const S psi = wrap_pi(leg.psi_to - leg.psi_from);
-  const S turn = smaller(beyond(half * (leg.from.r + leg.to.r), psi),
-                         abs(wrap_pi(psi - half * (leg.from.r + leg.to.r))));
+  const S square = leg.from.u * leg.from.u + leg.from.v * leg.from.v;
+  const S munk = S(10) * leg.h * square;
+  const S turned = wrap_pi(leg.psi_to - leg.psi_from);
+  const S expected = half * (leg.from.r + leg.to.r);
+  const S turn = smaller(beyond(expected, turned), abs(wrap_pi(turned - expected)));
   const Vec2<S> was = to_body(leg.psi_to, before);
   const S u = beyond(was.x, leg.to.u);
   const S v = beyond(was.y, leg.to.v);
-  const S turned = S(4) * leg.h * speed * abs(leg.from.r);
+  const S swing = S(4) * leg.h * sqrt(square) * abs(leg.from.r);
   const S place = off / (limits.position + S(8) * scatter + half * w);
   const S heading = turn / (limits.heading + half * (w_r + munk));
-  const S velocity = sqrt(u * u + v * v) / (limits.speed + w + turned);
+  const S velocity = sqrt(u * u + v * v) / (limits.speed + w + swing);
   const S yaw_rate = beyond(leg.from.r, leg.to.r) / (limits.yaw_rate + w_r + munk);
   return {off, larger(larger(place, heading), larger(velocity, yaw_rate))};
+}
+
+/// No jump for sure, and far less work: so little has changed that it is no matter what was expected.
+template <class S>
+bool hardly_moves(const JumpLimits<S>& limits, const Leg<S>& leg) {
+  const auto within = [](S x, S most) { return -most < x && x < most; };
+  const S place = S(0.5) * limits.position;
+  const S speed = S(0.25) * limits.speed;  // as much again is what 0.1 rad make of ten times that
+  return within(leg.moved_n.x, place) && within(leg.moved_n.y, place) &&
+         within(leg.psi_to - leg.psi_from, smaller(S(0.1), limits.heading)) &&
+         within(leg.to.u - leg.from.u, speed) && within(leg.to.v - leg.from.v, speed) &&
+         within(leg.from.u, S(10) * speed) && within(leg.from.v, S(10) * speed) &&
+         within(leg.to.r - leg.from.r, limits.yaw_rate);
 }
 
 }  // namespace flotilla::core

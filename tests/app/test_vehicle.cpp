@@ -652,6 +652,19 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
   CHECK(s.state() == State::kDisarmed);
 }
 
+TEST_CASE("a refusal with every reason there is leaves the heartbeat its room") {
+  Ship s;
+  s.world = 0;
+  s.vehicle->links().signing().start({1, 2, 3}, 1, 0);
+  s.vehicle->links().set_policy(0, SigningPolicy::kAccept);
+  for (std::uint32_t k = 0; k < 23; ++k) s.ask(link::Ping{k, k, {}});
+  s.command(mav::kCmdComponentArmDisarm, 1);
+  s.tick();
+  CHECK(s.all<link::Statustext>().size() > 0);
+  CHECK(s.all<link::Heartbeat>().size() == 1);
+  CHECK(s.counters.mavlink_not_sent == 0);
+}
+
 // Who may.
 
 TEST_CASE("where one ground station commands, no other does; all may read and stop") {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <random>
 
 #include "core/jump.hpp"
 
@@ -51,7 +52,7 @@ TEST_CASE_TEMPLATE("whoever runs aground stops at once, and that is no jump", S,
   auto leg = sails<S>();
   leg.from = {S(12), S(0), S(6)};
   leg.to = {};
-  leg.moved_n = {S(0.3), S(0)};
+  leg.moved_n.x = S(0.3);
   CHECK_FALSE(jumps(leg));
   leg.from.r = S(0);
   leg.to.u = S(-12);
@@ -78,8 +79,26 @@ TEST_CASE_TEMPLATE("where places commonly differ, a place may differ more", S, f
 TEST_CASE_TEMPLATE("a heading that passes south is no jump", S, float, double) {
   auto leg = sails<S>();
   leg.psi_from = S(3.1), leg.psi_to = S(-3.1);
-  leg.moved_n = {S(-0.2), S(0)};
+  leg.moved_n.x = S(-0.2);
   CHECK_FALSE(jumps(leg));
+}
+
+TEST_CASE_TEMPLATE("what hardly moves is never a jump, whatever else it tells", S, float, double) {
+  std::mt19937 engine(5);
+  int hardly = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const auto any = [&](double most) {
+      return S(std::uniform_real_distribution<double>(-most, most)(engine));
+    };
+    Leg<S> leg{{any(0.6), any(0.6)}, any(3), S(0), {any(6), any(6), any(9)}, {}, any(5)};
+    leg.h = abs(leg.h);
+    leg.psi_to = leg.psi_from + any(0.12);
+    leg.to = {leg.from.u + any(0.6), leg.from.v + any(0.6), leg.from.r + any(1.6)};
+    if (!hardly_moves(any_vessel<S>(), leg)) continue;
+    ++hardly;
+    REQUIRE_FALSE(jumps(leg));
+  }
+  CHECK(hardly > 1000);
 }
 
 }  // namespace

@@ -142,6 +142,7 @@ template void answer_forward(const AnswerParams<Strict>&, AnswerState<Strict>&, 
                              const Nu<Strict>&, const Tau<Strict>&, Strict);
 template bool fails(const AnswerAxis<Strict>&, Strict, Strict);
 template bool answers(const AnswerParams<Strict>&, const AnswerState<Strict>&);
+template bool hardly_moves(const JumpLimits<Strict>&, const Leg<Strict>&);
 template Strict beyond(Strict, Strict);
 template Strict beyond(const Vec2<Strict>&, const Vec2<Strict>&);
 template Surprise<Strict> surprise_of(const JumpLimits<Strict>&, const Leg<Strict>&, Strict);

@@ -51,8 +51,8 @@ def sail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., list[
         monkeypatch.setattr(results, "sail_all", sail_all)
         return jobs
 
-    (tmp_path / "README.md").write_text(PAGE, encoding="utf-8")
-    monkeypatch.setattr(results, "PAGE", tmp_path / "README.md")
+    (tmp_path / "RESULTS.md").write_text(PAGE, encoding="utf-8")
+    monkeypatch.setattr(results, "PAGE", tmp_path / "RESULTS.md")
     monkeypatch.setattr(results.comparison, "png", lambda figure: b"picture")
     monkeypatch.setattr(results_campaigns, "sail", lambda out, workers: [])
     monkeypatch.setattr(results, "PICTURES", tmp_path / "results")
@@ -84,12 +84,12 @@ def test_whole_run_writes_page_and_pictures_and_is_repeatable(
     results.main(options())
     pictures = {f"{name}.png" for name in CLAIMS}
     assert files(tmp_path) == {
-        "README.md",
+        "RESULTS.md",
         "out/results/results.json",
         *(f"results/{picture}" for picture in pictures),
         *(f"out/results/{picture}" for picture in pictures),
     }
-    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    page = (tmp_path / "RESULTS.md").read_text(encoding="utf-8")
     assert page.startswith("before\n") and page.endswith("\nafter\n") and "**NO**" not in page
     once = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     results.main(options())
@@ -102,8 +102,8 @@ def test_less_than_the_whole_leaves_the_page_alone(
 ) -> None:
     jobs = sail(fleet)
     assert results.main(options(*few, "--out", "here")) == 0
-    assert (tmp_path / "README.md").read_text(encoding="utf-8") == PAGE
-    assert {name.partition("/")[0] for name in files(tmp_path)} == {"README.md", "here"}
+    assert (tmp_path / "RESULTS.md").read_text(encoding="utf-8") == PAGE
+    assert {name.partition("/")[0] for name in files(tmp_path)} == {"RESULTS.md", "here"}
     if few[0] == "--only":
         assert jobs == [Job("sea", law) for law in LAWS]
 
@@ -151,16 +151,16 @@ def test_interrupted_it_writes_nothing(sail: Callable[..., list[Job]], tmp_path:
 
     sail(interrupted)
     assert results.main(options()) == 130
-    assert files(tmp_path) == {"README.md"}
+    assert files(tmp_path) == {"RESULTS.md"}
 
 
 def test_what_cannot_be_written_is_told_before_anything_is_sailed(
     sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     jobs = sail(fleet)
-    (tmp_path / "README.md").write_text("no marks", encoding="utf-8")
+    (tmp_path / "RESULTS.md").write_text("no marks", encoding="utf-8")
     assert results.main(options()) == 2
-    assert results.main(options("--only", "sea", "--out", "README.md")) == 2
+    assert results.main(options("--only", "sea", "--out", "RESULTS.md")) == 2
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 2 and all(error.startswith("error: ") for error in errors)
     assert jobs == []

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sil.wire.esc_node import COMMAND_TIMEOUT_US
@@ -119,7 +120,8 @@ def outing(tmp_path_factory: pytest.TempPathFactory) -> Log:
 def test_candump_shows_raw_command_at_the_control_rate(outing: Log) -> None:
     times = [t_s for t_s, can_id, _ in outing if type_of(can_id) == (False, RAW_COMMAND, NODE)]
     assert len(times) > 300
-    assert (len(times) - 1) / (times[-1] - times[0]) == pytest.approx(100.0, rel=0.1)
+    # The median: a busy machine makes a tick late or skips it.
+    assert np.median(np.diff(times)) == pytest.approx(0.01, rel=0.1)
 
 
 def test_pypi_dronecan_decodes_every_frame_on_the_bus(outing: Log) -> None:
