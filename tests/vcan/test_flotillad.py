@@ -220,7 +220,8 @@ def test_a_full_queue_drops_whole_transfers_and_counts_them(boat: Boat, shape: S
     assert 60 < boat.count_commands(1.5) < 130
     assert boat.state == "FORMATION"
     shape(INTERFACE, execute=boat.execute)
-    assert 65 < boat.count_commands(1.0) < 115  # more than the slow bus has; busy machines skip ticks
+    # More than the slow bus has; a busy machine skips ticks.
+    assert 65 < boat.count_commands(1.0) < 115
     assert boat.state == "FORMATION" and boat.drives()
     can = boat.stop()["can"]
     assert 30 < can["transfers_dropped"] < 150 and can["bus_off"] == 0
