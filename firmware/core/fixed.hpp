@@ -46,10 +46,14 @@ class Q16 {
 
   friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
   friend constexpr Q16 operator+(Q16 a, Q16 b) {
-    return of_raw(saturated(std::int64_t{a.raw_} + b.raw_));
+    std::int32_t sum = 0;
+    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
+    return of_raw(sum);
   }
   friend constexpr Q16 operator-(Q16 a, Q16 b) {
-    return of_raw(saturated(std::int64_t{a.raw_} - b.raw_));
+    std::int32_t difference = 0;
+    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
+    return of_raw(difference);
   }
   friend constexpr Q16 operator*(Q16 a, Q16 b) {
     return of_raw(saturated(halved(std::int64_t{a.raw_} * b.raw_, 16)));
@@ -62,24 +66,26 @@ class Q16 {
 
   /// x / 2ⁿ, n < 32, to nearest, ties to even.
   static constexpr std::int64_t halved(std::int64_t x, int n) {
-    const std::uint32_t half = 1U << (n - 1);
-    const std::uint32_t rest = static_cast<std::uint32_t>(x) & (2 * half - 1);
     const std::int64_t whole = x >> n;
     const std::uint32_t odd = static_cast<std::uint32_t>(whole) & 1;
-    return whole + (rest + odd > half ? 1 : 0);
+    const std::uint32_t rest = static_cast<std::uint32_t>(x) & ((1U << n) - 1);
+    return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
   }
 
   /// The nearest that a raw value can be.
   static constexpr std::int32_t saturated(std::int64_t raw) {
-    constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
-    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-    if (raw >= kLeast && raw <= kMost) return static_cast<std::int32_t>(raw);
-    q16_overflow = true;
-    return static_cast<std::int32_t>(raw < 0 ? kLeast : kMost);
+    const auto same = static_cast<std::int32_t>(raw);
+    return same == raw ? same : end(raw < 0);
   }
 
  private:
   static constexpr std::int64_t kOne = 65536;
+
+  static constexpr std::int32_t end(bool negative) {
+    q16_overflow = true;
+    return negative ? std::numeric_limits<std::int32_t>::min()
+                    : std::numeric_limits<std::int32_t>::max();
+  }
 
   static consteval std::int32_t nearest(double literal) {
     const double twice = literal * 131072;
@@ -91,8 +97,8 @@ class Q16 {
     const bool negative = (a < 0) != (b < 0);
     const std::uint32_t n = fixed::magnitude(a), d = fixed::magnitude(b);
     if (n >> 16 >= d) {  // 2³² or more, or by zero
-      if (n == 0) q16_overflow = true;
-      return n == 0 ? 0 : saturated(negative ? -kBeyond : kBeyond);
+      const std::int32_t most = end(negative);
+      return n == 0 ? 0 : most;
     }
     const int zeros = std::countl_zero(d);
     const auto [whole, rest] = fixed::divided(std::uint64_t{n} << (16 + zeros), d << zeros);
@@ -101,7 +107,6 @@ class Q16 {
     return saturated(negative ? -rounded : rounded);
   }
 
-  static constexpr std::int64_t kBeyond = std::int64_t{1} << 32;
   std::int32_t raw_ = 0;
 };
 

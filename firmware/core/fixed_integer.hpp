@@ -58,7 +58,7 @@ constexpr std::uint32_t root(std::uint64_t n) {
   std::uint64_t s = (std::uint64_t{f} * y) >> 30;
   const auto rest = static_cast<std::int64_t>(m - s * s);
   s += static_cast<std::uint64_t>(((rest >> 16) * y + (std::int64_t{1} << 46)) >> 47);
-  std::uint64_t r = (s + ((std::uint64_t{1} << doublings) >> 1)) >> doublings;
+  std::uint64_t r = (s + ((1U << doublings) >> 1)) >> doublings;
   // Nearest is r where r² − r < n ≤ r² + r.
   if (r * r - r >= n) --r;
   if (r * r + r < n) ++r;
