@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The elementary functions of fixed.hpp, in integers; tools/fixed proves their errors.
 //
-// Each reduces its argument to where a polynomial of few terms is within 2⁻²⁸ of it, and rounds
+// Each reduces its argument to where a polynomial of few terms is within 2⁻²⁷ of it, and rounds
 // once. Polynomials are near minimax (Lawson's iteration); their terms alternate in sign or are
 // all positive, so that unsigned products do. Odd functions are computed of |x|.
 #pragma once
@@ -27,7 +27,7 @@ constexpr std::uint32_t phase(Q16 x) {
   return static_cast<std::uint32_t>((magnitude(x.raw()) * 44798133900177U) >> 32);
 }
 
-/// Within ±2⁻²⁸, then rounded.
+/// Within 2⁻²⁷, then rounded.
 constexpr Q16 sine_of(std::uint32_t phase) {
   constexpr std::uint32_t kQuarter = 1U << 30;
   if (phase + kQuarter > 2 * kQuarter) phase = 2 * kQuarter - phase;
@@ -62,14 +62,15 @@ struct Power {
   int n;
 };
 
-/// e to the power raw / 2¹⁶, relatively within 2⁻³⁵, for |raw| < 2²².
+/// 2^(i/16) in 2⁻⁶²
+inline constexpr std::array<std::uint64_t, 16> kSixteenths = {
+    0x4000000000000000, 0x42D561B3E6243D8A, 0x45CAE0F1F545EB73, 0x48E1E9B9D588E19B,
+    0x4C1BF828C6DC54B8, 0x4F7A993048D088D7, 0x52FF6B54D8A89C75, 0x56AC1F752150A563,
+    0x5A827999FCEF3242, 0x5E8451CFAC061B5F, 0x62B39508AA836D6F, 0x6712460A8FC24072,
+    0x6BA27E656B4EB57A, 0x70666F76154A7089, 0x75606373EE921C97, 0x7A92BE8A92436616};
+
+/// e to the power raw / 2¹⁶, relatively within 2⁻³⁴, for |raw| < 2²².
 constexpr Power exponential(std::int32_t raw) {
-  // 2^(i/16)
-  constexpr std::array<std::uint64_t, 16> kSixteenths = {
-      0x4000000000000000, 0x42D561B3E6243D8A, 0x45CAE0F1F545EB73, 0x48E1E9B9D588E19B,
-      0x4C1BF828C6DC54B8, 0x4F7A993048D088D7, 0x52FF6B54D8A89C75, 0x56AC1F752150A563,
-      0x5A827999FCEF3242, 0x5E8451CFAC061B5F, 0x62B39508AA836D6F, 0x6712460A8FC24072,
-      0x6BA27E656B4EB57A, 0x70666F76154A7089, 0x75606373EE921C97, 0x7A92BE8A92436616};
   // x log₂e = n + i/16 + r/16, r in 2⁻³²
   const std::int64_t binary = raw * std::int64_t{1586259972792};
   const std::uint64_t m = kSixteenths[static_cast<std::size_t>(binary >> 52 & 15)];
