@@ -81,7 +81,7 @@ class Q16 {
  private:
   static constexpr std::int64_t kOne = 65536;
 
-  static constexpr std::int32_t end(bool negative) {
+  static std::int32_t end(bool negative) {
     q16_overflow = true;
     return negative ? std::numeric_limits<std::int32_t>::min()
                     : std::numeric_limits<std::int32_t>::max();
