@@ -155,6 +155,18 @@ TEST_CASE("a bearing and a distance are within 0.51 LSB, wherever the other boat
   }
 }
 
+TEST_CASE("the root of an integer is the nearest one, on either side of every half") {
+  RandomQ16 random{std::mt19937(4)};
+  for (int i = 0; i < 100'000; ++i) {
+    // Half of them over 2³¹, whose squares reach 2⁶³.
+    const std::uint64_t r =
+        i % 2 == 0 ? fixed::magnitude(random().raw()) : (1U << 31) + random.engine() % 889'000'000U;
+    CAPTURE(r);
+    CHECK(fixed::root(r * r + r) == r);
+    CHECK(fixed::root(r * r + r + 1) == r + 1);
+  }
+}
+
 TEST_CASE("a boat's mirror image computes the mirror image, to the last bit") {
   RandomQ16 random{std::mt19937(3)};
   for (int i = 0; i < 100'000; ++i) {
