@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// A scalar of 32 bits, 16 of them behind the binary point: the same bits on every machine, and no
+// floating-point instruction.
+//
+//   value = raw / 2¹⁶      −32768 … 32767.99998      one LSB = 1.5e-5
+//
+// +, −, ×, / are correctly rounded, to nearest, ties to even, so that a boat and its mirror image
+// sail alike. What is beyond the range is its nearest end, and raises overflow(), which stays up
+// until somebody lowers it: a saturated number is wrong, but has the right sign and never wraps.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+
+#include "core/fixed_integer.hpp"
+#include "core/scalar.hpp"
+
+namespace flotilla::core {
+
+/// Of this thread: some result since it was last lowered was out of range. The microcontroller has
+/// one thread, and no place for others' flags.
+#ifdef __linux__
+inline thread_local bool q16_overflow = false;
+#else
+inline bool q16_overflow = false;
+#endif
+
+class Q16 {
+ public:
+  constexpr Q16() = default;
+
+  template <std::integral T>
+  constexpr explicit Q16(T whole) : raw_(saturated(std::int64_t{whole} * kOne)) {}
+
+  /// Literals only, when the program is built: one that is out of range does not compile.
+  consteval explicit Q16(double literal) : raw_(nearest(literal)) {}
+
+  static constexpr Q16 of_raw(std::int32_t raw) {
+    Q16 x;
+    x.raw_ = raw;
+    return x;
+  }
+  constexpr std::int32_t raw() const { return raw_; }
+
+  friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
+  friend constexpr Q16 operator+(Q16 a, Q16 b) {
+    std::int32_t sum = 0;
+    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
+    return of_raw(sum);
+  }
+  friend constexpr Q16 operator-(Q16 a, Q16 b) {
+    std::int32_t difference = 0;
+    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
+    return of_raw(difference);
+  }
+  friend constexpr Q16 operator*(Q16 a, Q16 b) {
+    return of_raw(saturated(halved(std::int64_t{a.raw_} * b.raw_, 16)));
+  }
+  /// By zero: the end of the range that a has the sign of; 0 / 0 = 0. Both raise overflow.
+  friend constexpr Q16 operator/(Q16 a, Q16 b) { return of_raw(quotient(a.raw_, b.raw_)); }
+
+  friend constexpr bool operator==(Q16 a, Q16 b) = default;
+  friend constexpr auto operator<=>(Q16 a, Q16 b) = default;
+
+  /// x / 2ⁿ, n < 32, to nearest, ties to even.
+  static constexpr std::int64_t halved(std::int64_t x, int n) {
+    const std::int64_t whole = x >> n;
+    const std::uint32_t odd = static_cast<std::uint32_t>(whole) & 1;
+    const std::uint32_t rest = static_cast<std::uint32_t>(x) & ((1U << n) - 1);
+    return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
+  }
+
+  /// The nearest that a raw value can be.
+  static constexpr std::int32_t saturated(std::int64_t raw) {
+    const auto same = static_cast<std::int32_t>(raw);
+    return same == raw ? same : end(raw < 0);
+  }
+
+ private:
+  static constexpr std::int64_t kOne = 65536;
+
+  static std::int32_t end(bool negative) {
+    q16_overflow = true;
+    return negative ? std::numeric_limits<std::int32_t>::min()
+                    : std::numeric_limits<std::int32_t>::max();
+  }
+
+  static consteval std::int32_t nearest(double literal) {
+    const double twice = literal * 131072;
+    // A conversion that is out of range is no constant expression: that is the error wanted here.
+    return static_cast<std::int32_t>((twice + (twice < 0 ? -1 : 1)) / 2);
+  }
+
+  static constexpr std::int32_t quotient(std::int32_t a, std::int32_t b) {
+    const bool negative = (a < 0) != (b < 0);
+    const std::uint32_t n = fixed::magnitude(a), d = fixed::magnitude(b);
+    if (n >> 16 >= d) {  // 2³² or more, or by zero
+      const std::int32_t most = end(negative);
+      return n == 0 ? 0 : most;
+    }
+    const int zeros = std::countl_zero(d);
+    const auto [whole, rest] = fixed::divided(std::uint64_t{n} << (16 + zeros), d << zeros);
+    const std::uint64_t twice = 2 * std::uint64_t{rest} + (whole & 1);
+    const std::int64_t rounded = std::int64_t{whole} + (twice > d << zeros ? 1 : 0);
+    return saturated(negative ? -rounded : rounded);
+  }
+
+  std::int32_t raw_ = 0;
+};
+
+/// Angles in rad; results within one LSB of the true value of the argument as it is.
+constexpr Q16 sin(Q16 x);
+constexpr Q16 cos(Q16 x);
+constexpr Q16 atan(Q16 x);
+constexpr Q16 atan2(Q16 y, Q16 x);
+constexpr Q16 tanh(Q16 x);
+constexpr Q16 exp(Q16 x);   ///< above ln 32768 it overflows
+constexpr Q16 sqrt(Q16 x);  ///< of a negative number: 0, and overflow
+constexpr Q16 abs(Q16 x) { return x < Q16{} ? -x : x; }
+/// Of a number over 32767 it overflows.
+constexpr Q16 ceil(Q16 x) {
+  return Q16::of_raw(Q16::saturated(((std::int64_t{x.raw()} + 65535) >> 16) * 65536));
+}
+/// √(x² + y²), whose squares may be out of range.
+constexpr Q16 hypot(Q16 x, Q16 y);
+
+}  // namespace flotilla::core
+
+#include "core/fixed_functions.hpp"  // IWYU pragma: export
