@@ -43,8 +43,8 @@ def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -
 def test_every_boat_left_its_latencies_and_kept_its_rate(live: Path) -> None:
     for boat in range(1, 5):
         stats = json.loads((live / f"boat{boat}" / "stats.json").read_text(encoding="utf-8"))
-        assert stats["ticks"] > 100 * DURATION_S
         # A loop that waits for something loses most of them; a loaded machine took 3 %.
+        assert stats["ticks"] > 75 * DURATION_S
         assert stats["overruns"] < 0.25 * stats["ticks"]
         assert stats["can"]["transfers_dropped"] == stats["can"]["bad_packets"] == 0
 
