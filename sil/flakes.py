@@ -27,8 +27,8 @@ Task = tuple[str, int]  # scenario, number of the run
 SUITE = (
     ("ctest", "--preset", "dev", "--parallel", "2"),
     ("tools/with-vcan", "build/release/tests/socketcan_tests"),
-    ("tools/with-vcan", str(_ROOT / ".venv/bin/pytest"), "tests/vcan"),
-    ("pytest", "--ignore=tests/vcan", "--numprocesses", "4", "--dist", "loadfile"),
+    ("tools/with-vcan", str(_ROOT / ".venv/bin/pytest"), "-rs", "tests/vcan"),
+    ("pytest", "-rs", "--ignore=tests/vcan", "--numprocesses", "4", "--dist", "loadfile"),
 )
 
 

@@ -11,6 +11,7 @@ from sil import metrics
 from sil.__main__ import main
 from sil.live import buses_of
 from sil.world import Run
+from tests.punctual import skip_where_too_slow
 
 DURATION_S = 40
 
@@ -21,6 +22,7 @@ def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("live")
     arguments = ["live", "diamond", "--bus", "mcast:1", "--duration", str(DURATION_S)]
     assert main([*arguments, "--out", str(out)]) == 0
+    skip_where_too_slow(out)
     return out
 
 
@@ -43,9 +45,7 @@ def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -
 def test_every_boat_left_its_latencies_and_kept_its_rate(live: Path) -> None:
     for boat in range(1, 5):
         stats = json.loads((live / f"boat{boat}" / "stats.json").read_text(encoding="utf-8"))
-        # A loop that waits for something loses most of them; a loaded machine took 3 %.
-        assert stats["ticks"] > 75 * DURATION_S
-        assert stats["overruns"] < 0.25 * stats["ticks"]
+        assert stats["ticks"] > 95 * DURATION_S
         assert stats["can"]["transfers_dropped"] == stats["can"]["bad_packets"] == 0
 
 

@@ -18,8 +18,8 @@ IMPOSSIBLE = 77
 EVERYTHING = """
 printf '[%s]' "$@"; echo
 pwd; echo "$BOAT"; ip -brief link | cut -d' ' -f1 | tr '\\n' ' '; echo
-candump -L -n 1 -T 60000 vcan0 >heard & dumping=$!
-until grep -q vcan0 /proc/net/can/rcvlist_all; do :; done
+candump -L -n 1 -T 5000 vcan0 >heard & dumping=$!
+until grep -q '^ *vcan0 ' /proc/net/can/rcvlist_all; do :; done
 cansend vcan0 0704060A#FF7C0200C1
 wait $dumping
 echo "not well" >&2
