@@ -20,10 +20,14 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 }  // namespace
 
 template <class S>
-Boat<S>::Boat(const Parameters& p, std::size_t links, Outbox* shared)
-    : own_outbox_(shared == nullptr ? std::make_unique<Outbox>(links) : nullptr),
-      outbox_(shared == nullptr ? own_outbox_.get() : shared),
-      vehicle_(p, links, outbox_->mavlink),
+Boat<S>::Boat(const Parameters& p, std::size_t links) : Boat(p, links, *new Outbox) {
+  own_outbox_.reset(outbox_);
+}
+
+template <class S>
+Boat<S>::Boat(const Parameters& p, std::size_t links, Outbox& outbox)
+    : outbox_(&outbox),
+      vehicle_(p, links, outbox.mavlink),
       tick_rate_Hz_(p.CTL_RATE),
       pilot_(p),
       thrusters_(p),

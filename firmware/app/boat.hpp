@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, no heap
-// after construction, but for a signing key's streams.
+// The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, and where it is
+// given its outbox no heap.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "app/can_node.hpp"
 #include "app/conditions.hpp"
@@ -47,8 +47,7 @@ struct HostReport {
 
 /// Where a boat puts what it says in a tick.
 struct Outbox {
-  explicit Outbox(std::size_t links) : mavlink(links) {}
-  std::vector<Datagram> mavlink;
+  std::array<Datagram, kMaxLinks> mavlink;
   CanOutput can;
 };
 
@@ -63,9 +62,12 @@ class Boat {
   };
 
   /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks. Boats that tick one
-  /// after another may share an outbox of as many links; an output is then valid until the next
+  /// after another may share an outbox, which outlives them; an output is then valid until the next
   /// tick of any of them.
-  Boat(const Parameters& parameters, std::size_t links, Outbox* shared = nullptr);
+  Boat(const Parameters& parameters, std::size_t links, Outbox& outbox);
+
+  /// With an outbox of its own, from the heap.
+  Boat(const Parameters& parameters, std::size_t links);
 
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
@@ -156,7 +158,7 @@ class Boat {
   std::optional<double> separation_m() const;
   void complain(std::int64_t now_us);
 
-  std::unique_ptr<Outbox> own_outbox_;  // none where it is shared
+  std::unique_ptr<Outbox> own_outbox_;  // none where it was given one
   Outbox* outbox_;
   Vehicle vehicle_;
   float tick_rate_Hz_;

@@ -9,16 +9,16 @@
 #include <span>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "app/credit.hpp"
+#include "link/capacity.hpp"
 #include "link/mavlink_decode.hpp"
 #include "link/mavlink_encode.hpp"
 #include "link/signing.hpp"
 
 namespace flotilla::app {
 
-constexpr std::size_t kMaxLinks = 4;
+using link::kMaxLinks;
 
 /// What a link's signatures are worth.
 enum class SigningPolicy : std::uint8_t {
@@ -40,14 +40,13 @@ using Datagram = std::array<std::uint8_t, 1400>;
 
 class MavlinkLinks {
  public:
-  /// count: 1 … kMaxLinks. What is said goes to `out`, one a link, where there is such a place.
-  MavlinkLinks(std::size_t count, link::Address self, std::span<Datagram> out = {})
-      : links_(count), own_(out.empty() ? count : 0), out_(out.empty() ? std::span(own_) : out) {
+  /// count: 1 … kMaxLinks. What is said goes to `out`, one a link, which outlives this.
+  MavlinkLinks(std::size_t count, link::Address self, std::span<Datagram> out)
+      : count_(count), out_(out) {
     rename(self);
   }
-  MavlinkLinks(MavlinkLinks&&) = default;
 
-  std::size_t count() const { return links_.size(); }
+  std::size_t count() const { return count_; }
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
@@ -201,8 +200,8 @@ class MavlinkLinks {
     return link.policy == SigningPolicy::kOff || !signing_.has_key() ? nullptr : &signing_;
   }
 
-  std::vector<Link> links_;
-  std::vector<Datagram> own_;
+  std::size_t count_;
+  std::array<Link, kMaxLinks> links_{};
   std::span<Datagram> out_;
   link::Signing signing_;
 };

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
@@ -25,6 +24,8 @@ class Sentence {
   std::string_view text() const { return {characters_.data(), size_}; }
 
  private:
+  Sentence& add_digits(std::uint32_t digits, int point);
+
   std::array<char, 120> characters_{};
   std::size_t size_ = 0;
 };
@@ -53,8 +54,6 @@ struct Standing {
 
 class ParameterService {
  public:
-  explicit ParameterService(std::size_t links = kMaxLinks) : links_(links) {}
-
   static bool knows(const link::ParamSet& asked);
   static bool asks_for_mode(const link::ParamSet& asked);
 
@@ -107,7 +106,7 @@ class ParameterService {
 
   static std::optional<link::Message> take_turn(Owed& owed, const Parameters& values);
 
-  std::vector<Owed> links_;
+  std::array<Owed, kMaxLinks> links_{};
 };
 
 }  // namespace flotilla::app

@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
-#include <vector>
 
 #include "app/mavlink_links.hpp"
 #include "link/messages.hpp"
@@ -21,18 +19,15 @@ namespace flotilla::app {
 /// circles where two links reach the same boats. Source: mavlink.io, routing.
 class Router {
  public:
-  explicit Router(std::size_t links = kMaxLinks)
-      : links_(links), heard_us_(links * kPlaces, kNever) {}
-
   void heard(link::Address from, std::size_t link, std::int64_t now_us) {
     std::size_t place = 0;
     while (place < used_ && who_[place] != from) ++place;
     if (place == used_) {
       place = used_ < kPlaces ? used_++ : unheard_longest();
       who_[place] = from;
-      std::ranges::fill(row(place), kNever);
+      heard_us_[place].fill(kNever);
     }
-    row(place)[link] = now_us;
+    heard_us_[place][link] = now_us;
   }
 
   /// Links, a bit each, that a message from one link is to be handed on to.
@@ -43,8 +38,8 @@ class Router {
       const link::Address who = who_[place];
       const bool meant = who.system == target.system &&
                          (target.component == 0 || who.component == target.component);
-      for (std::size_t link = 0; meant && link < row(place).size(); ++link) {
-        if (now_us - kGone_us < row(place)[link]) links |= 1U << link;
+      for (std::size_t link = 0; meant && link < kMaxLinks; ++link) {
+        if (now_us - kGone_us < heard_us_[place][link]) links |= 1U << link;
       }
     }
     return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
@@ -55,14 +50,7 @@ class Router {
   static constexpr std::int64_t kGone_us = 10'000'000;
   static constexpr std::size_t kPlaces = 32;
 
-  /// When that place's owner was heard last on each link.
-  std::span<std::int64_t> row(std::size_t place) {
-    return std::span(heard_us_).subspan(place * links_, links_);
-  }
-  std::span<const std::int64_t> row(std::size_t place) const {
-    return std::span(heard_us_).subspan(place * links_, links_);
-  }
-  std::int64_t last_us(std::size_t place) const { return std::ranges::max(row(place)); }
+  std::int64_t last_us(std::size_t place) const { return std::ranges::max(heard_us_[place]); }
 
   std::size_t unheard_longest() const {
     std::size_t longest = 0;
@@ -72,9 +60,10 @@ class Router {
     return longest;
   }
 
-  std::size_t links_, used_ = 0;
+  std::size_t used_ = 0;
   std::array<link::Address, kPlaces> who_{};  // the one unheard for longest gives way
-  std::vector<std::int64_t> heard_us_;
+  /// When each place's owner was heard last on each link.
+  std::array<std::array<std::int64_t, kMaxLinks>, kPlaces> heard_us_{};
 };
 
 }  // namespace flotilla::app

@@ -8,8 +8,8 @@
 
 namespace flotilla::app {
 
-Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::size_t links)
-    : companion_(companion), tick_us_(tick_us), links_(links) {
+Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us)
+    : companion_(companion), tick_us_(tick_us) {
   configure(p);
 }
 

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
@@ -68,7 +67,7 @@ constexpr bool is_companions(std::uint16_t id) {
 /// Every link has intervals of its own, which a client may change.
 class Streams {
  public:
-  Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::size_t links = kMaxLinks);
+  Streams(const Parameters& p, bool companion, std::int64_t tick_us);
 
   /// The default rates have changed.
   void configure(const Parameters& p);
@@ -120,7 +119,7 @@ class Streams {
   bool configured_ = false;
   std::int64_t tick_us_;
   std::int64_t state_us_ = 0, slow_us_ = 0;
-  std::vector<Link> links_;
+  std::array<Link, kMaxLinks> links_{};
 };
 
 }  // namespace flotilla::app

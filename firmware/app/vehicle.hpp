@@ -38,7 +38,7 @@ struct Sticks {
 class Vehicle {
  public:
   /// out: as MavlinkLinks takes it.
-  Vehicle(const Parameters& parameters, std::size_t links, std::span<Datagram> out = {});
+  Vehicle(const Parameters& parameters, std::size_t links, std::span<Datagram> out);
 
   MavlinkLinks& links() { return links_; }
   const MavlinkLinks& links() const { return links_; }

@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "link/capacity.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::link {
@@ -36,10 +36,10 @@ enum class SignatureVerdict : std::uint8_t {
 class Signing {
  public:
   /// A stream is what one (system, component, link id) sends.
-  static constexpr std::size_t kStreams = 255;
+  static constexpr std::size_t kStreams = kSigningStreams;
 
   /// clock: as for set_clock(); stored: the last timestamp() of an earlier run, or 0. Forgets all
-  /// streams, and makes room for new ones.
+  /// streams.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
@@ -71,7 +71,8 @@ class Signing {
   std::uint64_t clock_ = 0;      // the host's
   std::uint64_t timestamp_ = 0;  // of what was sent last
   std::uint64_t floor_ = 0;      // the clock has been there before
-  std::vector<Stream> streams_;  // its room is made with the key: most boats have none
+  std::size_t used_ = 0;
+  std::array<Stream, kStreams> streams_{};
 };
 
 }  // namespace flotilla::link

@@ -300,7 +300,7 @@ TEST_CASE("a link is quiet while no stream but the state's waits, whatever was c
   constexpr std::uint32_t kSeed = 4;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  Streams streams(Parameters{}, false, kTick_us, 2);
+  Streams streams(Parameters{}, false, kTick_us);
   int quiet = 0, busy = 0;
   for (std::int64_t now_us = 0; now_us < 300 * kSecond_us; now_us += kTick_us) {
     const std::size_t link = random() % 2, stream = random() % kStreams.size();

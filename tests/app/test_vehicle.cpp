@@ -42,8 +42,12 @@ link::Text<N> text(std::string_view from) {
 /// A vehicle with two links; an operator and a stranger are behind the first one.
 struct Ship {
   explicit Ship(const Parameters& p = Parameters{}, std::size_t links = 2)
-      : vehicle(std::make_unique<Vehicle>(p, links)), heard(links), decoders(links) {}
+      : datagrams(links),
+        vehicle(std::make_unique<Vehicle>(p, links, datagrams)),
+        heard(links),
+        decoders(links) {}
 
+  std::vector<Datagram> datagrams;
   std::unique_ptr<Vehicle> vehicle;
   link::Counters counters;
   link::MavlinkEncoder operator_{{255, 190}}, stranger{{99, 1}};

@@ -46,7 +46,7 @@ std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const
   const link::Address self{byte_of(p.MAV_SYSID), kComponentGps};
   boats_.push_back({station(run, self, unit, clock, true),
                     EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
-                    app::Boat<S>(p, kLinks, &outbox_), policies::Monitor<S>(p)});
+                    app::Boat<S>(p, kLinks, outbox_), policies::Monitor<S>(p)});
   if (injects_) boats_[boats() - 1].firmware.let_failures_be_injected(&judge);
   return agents() - 1;
 }

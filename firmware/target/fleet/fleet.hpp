@@ -173,7 +173,7 @@ class Fleet {
   bool tells_degrees_ = false;
   std::vector<Agent> agents_;
   std::deque<Station> leaders_;
-  app::Outbox outbox_{kLinks};  // of the boat whose turn it is
+  app::Outbox outbox_;  // of the boat whose turn it is
   HugePageList<Vessel> boats_;
   std::vector<RadioLink> links_;
   std::map<std::int64_t, Run> runs_;
