@@ -55,7 +55,8 @@ def changed(package: Path, target: Path, version: str, **files: str) -> Path:
         )
     )
     for name, content in files.items():
-        file = next(path for path in folder.rglob("*") if path.name.replace(".", "_") == name)
+        files_there = [path for path in folder.rglob("*") if path.is_file()]
+        file = next(path for path in files_there if path.name.replace(".", "_") == name)
         file.write_text(content)
     run(["dpkg-deb", "--root-owner-group", "-Zgzip", "--build", str(folder), str(target)])
     shutil.rmtree(folder)
