@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Packages of this tree, built once, and of two boats that are not it."""
 
+import fcntl
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -12,10 +13,12 @@ from tests.package.root import SOURCES, Root, need, own_root, run
 
 
 def build(arch: str) -> Path:
-    """The package, by tools/package."""
-    said = subprocess.run(
-        [SOURCES / "tools" / "package", arch], check=True, stdout=subprocess.PIPE, text=True
-    ).stdout
+    """The package, by tools/package; one at a time, whoever tests beside us."""
+    with Path("/tmp/flotilla-package.lock").open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        said = subprocess.run(
+            [SOURCES / "tools" / "package", arch], check=True, stdout=subprocess.PIPE, text=True
+        ).stdout
     return SOURCES / said.strip()
 
 

@@ -139,6 +139,8 @@ def foreign_root(place: Path, arch: str) -> Root:
     understand(arch)
     archive = CACHE / f"{SUITE}-{arch}.tar"
     if not archive.exists():
+        if os.environ.get("CI"):
+            pytest.skip(f"SKIPPED: CI has no minutes to make a {arch} Debian by mmdebstrap")
         CACHE.mkdir(parents=True, exist_ok=True)
         made = archive.with_suffix(".new.tar")
         words = ["mmdebstrap", f"--arch={arch}", "--variant=essential"]
@@ -147,7 +149,7 @@ def foreign_root(place: Path, arch: str) -> Root:
         if done.returncode:
             pytest.skip(f"SKIPPED: mmdebstrap fails here: {done.stderr[-500:]}")
         made.rename(archive)
-    return Root(place, f"tar --directory=root --extract --file={archive}", own_network=False)
+    return Root(place, f"tar --directory=root --extract --file={archive}", own_network=True)
 
 
 def understand(arch: str) -> None:
