@@ -14,7 +14,7 @@ from tests.target.linux.process import PROGRAM, ROOT
 FOLDER = ROOT / "firmware" / "target" / "linux"
 UNIT = FOLDER / "flotillad.service"
 MOST_EXPOSED = 2.0
-INSTALLED = Path("/usr/local/bin/flotillad")
+INSTALLED = Path("/usr/bin/flotillad")
 
 
 def analyze(*arguments: object) -> subprocess.CompletedProcess[str]:
