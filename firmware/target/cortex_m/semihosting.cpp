@@ -40,9 +40,14 @@ void leave(bool well) {
 }
 
 bool read(std::span<std::uint8_t> out) {
-  // The answer is how much is missing.
-  return out.empty() || call(kRead, {standard_input(), reinterpret_cast<std::uintptr_t>(out.data()),
-                                     out.size()}) == 0;
+  // The answer is how much is missing: a pipe gives what is there already.
+  while (!out.empty()) {
+    const std::uint32_t missing =
+        call(kRead, {standard_input(), reinterpret_cast<std::uintptr_t>(out.data()), out.size()});
+    if (missing >= out.size()) return false;
+    out = out.last(missing);
+  }
+  return true;
 }
 
 }  // namespace flotilla::target
