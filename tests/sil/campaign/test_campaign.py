@@ -29,6 +29,7 @@ INTERRUPTED = """\
 import os, signal, sys
 from sil.__main__ import main
 from sil.campaign import campaign, files
+signal.signal(signal.SIGINT, signal.default_int_handler)  # shells have background jobs ignore it
 keep = files.Folder.keep
 def keep_and_stop(folder, result):
     keep(folder, result)
