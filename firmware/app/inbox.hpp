@@ -28,7 +28,7 @@ inline bool stops(const Letter& letter) {
 }
 
 /// First come first served; one too many is counted, its sender repeats it. What stops the boat is
-/// never one too many.
+/// never one too many, and of two such the later one has the last word.
 class Inbox {
  public:
   void push(const Letter& letter, link::Counters& counters) {
@@ -38,11 +38,10 @@ class Inbox {
     }
     ++counters.requests_dropped;
     if (!stops(letter)) return;
-    for (std::size_t i = count_; i-- > 0;) {
-      if (stops(letters_[i])) continue;
-      letters_[i] = letter;
-      return;
-    }
+    const auto first = std::find_if_not(letters_.rbegin(), letters_.rend(), stops);
+    const auto given_up = first == letters_.rend() ? letters_.end() - 1 : first.base() - 1;
+    std::move(given_up + 1, letters_.end(), given_up);
+    letters_.back() = letter;
   }
 
   enum class Taken : std::uint8_t {

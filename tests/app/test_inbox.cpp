@@ -220,5 +220,20 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
   }
 }
 
+TEST_CASE("of many stops the last one has the last word, however full the inbox was") {
+  for (const std::size_t others : {std::size_t{0}, std::size_t{1}, std::size_t{5}, kHolds}) {
+    Inbox inbox;
+    link::Counters counters;
+    for (std::size_t i = 0; i < others; ++i) inbox.push(command(7), counters);
+    for (std::size_t i = 0; i < 2 * kHolds; ++i) {
+      inbox.push(command(mav::kCmdDoFlightTermination, 1), counters);
+    }
+    inbox.push(command(mav::kCmdComponentArmDisarm, 0), counters);
+    const auto letters = all(inbox);
+    REQUIRE(letters.size() == kHolds);
+    CHECK(id_of(letters.back()) == mav::kCmdComponentArmDisarm);
+  }
+}
+
 }  // namespace
 }  // namespace flotilla::app

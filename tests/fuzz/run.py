@@ -124,7 +124,8 @@ def fuzz(target: str, seconds: int, keep: bool) -> Result:
                 )
     took_s = max(time.monotonic() - begin, 1)
     count = len(list(kept.iterdir()))
-    inputs_that_crash = sorted(crashes.iterdir())
+    # What only took long is told in the log, beside this machine's other load.
+    inputs_that_crash = sorted(p for p in crashes.iterdir() if not p.name.startswith("slow-unit"))
     if process.returncode != 0 and not inputs_that_crash:
         raise RuntimeError(f"{target}: the run failed, see {log}")
     if keep and not inputs_that_crash:
