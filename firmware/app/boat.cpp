@@ -189,8 +189,9 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
   switch (state()) {
     case core::State::kManual: {
       const Sticks& sticks = vehicle_.sticks();
-      law_output_.tau = core::stick_wrench(pilot_.law().propellers, static_cast<S>(sticks.surge),
-                                           static_cast<S>(sticks.yaw));
+      law_output_.tau =
+          core::stick_wrench(pilot_.law().propellers, convert::scalar<S>(sticks.surge),
+                             convert::scalar<S>(sticks.yaw));
       law_output_.allocation = core::allocate(pilot_.law().propellers, law_output_.tau);
       break;
     }
@@ -198,7 +199,7 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
       const MotorTest& test = *vehicle_.motor_test();
       law_output_.allocation.thrust = core::test_thrust(
           pilot_.law().propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
-          static_cast<S>(test.share));
+          convert::scalar<S>(test.share));
       break;
     }
     case core::State::kCoast:
@@ -241,7 +242,7 @@ void Boat<S>::complain(std::int64_t now_us) {
 template <class S>
 std::optional<double> Boat<S>::separation_m() const {
   const auto& [yielding, known, predicted] = law_output_.separation;
-  return known ? std::optional<double>(predicted) : std::nullopt;
+  return known ? std::optional(convert::number(predicted)) : std::nullopt;
 }
 
 template <class S>
@@ -289,7 +290,7 @@ Snapshot Boat<S>::snapshot() const {
           convert::in_double(law.wanted.nu_star),
           convert::in_double(law.tau),
           convert::in_double(thrust_.given),
-          {double(thrust_.thrust.port), double(thrust_.thrust.stbd)},
+          {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)},
           law.allocation.surge_limited,
           law.allocation.yaw_limited,
           thrust_.slew_limited,

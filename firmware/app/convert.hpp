@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "app/convert_scalar.hpp"
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
 #include "core/jump.hpp"
@@ -108,12 +109,7 @@ core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_
 
 template <class S>
 core::Nu<S> nu_of(const Sample& sample) {
-  return {S(sample.u_mps), S(sample.v_mps), S(sample.r_radps)};
-}
-
-template <class S>
-S seconds(std::int64_t us) {
-  return S(static_cast<double>(us) * 1e-6);
+  return {scalar<S>(sample.u_mps), scalar<S>(sample.v_mps), scalar<S>(sample.r_radps)};
 }
 
 /// µs, at most an hour; 0 for a rate of 0.
@@ -157,8 +153,7 @@ template <class S>
 std::int16_t raw_of(S command) {
   if (!(command <= S(1)) && !(command > S(1))) return 0;
   const S scaled = core::clamp(command, S(-1), S(1)) * S(8191);
-  return static_cast<std::int16_t>(
-      static_cast<int>(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
+  return static_cast<std::int16_t>(whole(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
 }
 template <class S>
 S command_of(std::int16_t raw) {

@@ -314,7 +314,8 @@ void VesselTrack<S>::update(const convert::Sample& sample, std::int64_t now_us) 
                    ? convert::seconds<S>(std::max<std::int64_t>(true_us - *other_source_us_, 1000))
                : stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_)
                            : S(0);
-  const core::TrackMessage<S> message{S(sample.psi_rad), convert::nu_of<S>(sample), dt};
+  const core::TrackMessage<S> message{convert::scalar<S>(sample.psi_rad), convert::nu_of<S>(sample),
+                                      dt};
   if (resumed) {
     core::track_resume(params, track_, message);
   } else {
@@ -367,7 +368,7 @@ std::optional<double> VesselTrack<S>::uncertainty_m(std::int64_t now_us) const {
   const auto least = clock().least_us(), offset = clock().offset_us();
   if (!age || !least || !offset) return std::nullopt;
   const S off = convert::seconds<S>(std::abs(*offset - *least));
-  return double{core::track_uncertainty(track_, convert::seconds<S>(*age), off)};
+  return convert::number(core::track_uncertainty(track_, convert::seconds<S>(*age), off));
 }
 
 template <class S>
