@@ -9,10 +9,12 @@
 // until somebody lowers it: a saturated number is wrong, but has the right sign and never wraps.
 #pragma once
 
+#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <limits>
 
+#include "core/fixed_integer.hpp"
 #include "core/scalar.hpp"
 
 namespace flotilla::core {
@@ -44,10 +46,14 @@ class Q16 {
 
   friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
   friend constexpr Q16 operator+(Q16 a, Q16 b) {
-    return of_raw(saturated(std::int64_t{a.raw_} + b.raw_));
+    std::int32_t sum = 0;
+    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
+    return of_raw(sum);
   }
   friend constexpr Q16 operator-(Q16 a, Q16 b) {
-    return of_raw(saturated(std::int64_t{a.raw_} - b.raw_));
+    std::int32_t difference = 0;
+    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
+    return of_raw(difference);
   }
   friend constexpr Q16 operator*(Q16 a, Q16 b) {
     return of_raw(saturated(halved(std::int64_t{a.raw_} * b.raw_, 16)));
@@ -58,66 +64,68 @@ class Q16 {
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
   friend constexpr auto operator<=>(Q16 a, Q16 b) = default;
 
-  /// x / 2ⁿ, to nearest, ties to even.
+  /// x / 2ⁿ, n < 32, to nearest, ties to even.
   static constexpr std::int64_t halved(std::int64_t x, int n) {
     const std::int64_t whole = x >> n;
-    const std::int64_t rest = x - (whole << n);
-    const std::int64_t half = std::int64_t{1} << (n - 1);
-    return whole + (rest > half || (rest == half && (whole & 1) != 0) ? 1 : 0);
+    const std::uint32_t odd = static_cast<std::uint32_t>(whole) & 1;
+    const std::uint32_t rest = static_cast<std::uint32_t>(x) & ((1U << n) - 1);
+    return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
   }
 
   /// The nearest that a raw value can be.
   static constexpr std::int32_t saturated(std::int64_t raw) {
-    constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
-    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-    if (raw >= kLeast && raw <= kMost) return static_cast<std::int32_t>(raw);
-    q16_overflow = true;
-    return static_cast<std::int32_t>(raw < 0 ? kLeast : kMost);
+    const auto same = static_cast<std::int32_t>(raw);
+    return same == raw ? same : end(raw < 0);
   }
 
  private:
   static constexpr std::int64_t kOne = 65536;
 
+  static std::int32_t end(bool negative) {
+    q16_overflow = true;
+    return negative ? std::numeric_limits<std::int32_t>::min()
+                    : std::numeric_limits<std::int32_t>::max();
+  }
+
   static consteval std::int32_t nearest(double literal) {
-    const double raw = literal * 65536;
-    const double away = raw + (raw < 0 ? -0.5 : 0.5);
+    const double twice = literal * 131072;
     // A conversion that is out of range is no constant expression: that is the error wanted here.
-    return static_cast<std::int32_t>(away);
+    return static_cast<std::int32_t>((twice + (twice < 0 ? -1 : 1)) / 2);
   }
 
   static constexpr std::int32_t quotient(std::int32_t a, std::int32_t b) {
-    if (b == 0) {
-      q16_overflow = true;
-      if (a == 0) return 0;
-      return a < 0 ? std::numeric_limits<std::int32_t>::min()
-                   : std::numeric_limits<std::int32_t>::max();
+    const bool negative = (a < 0) != (b < 0);
+    const std::uint32_t n = fixed::magnitude(a), d = fixed::magnitude(b);
+    if (n >> 16 >= d) {  // 2³² or more, or by zero
+      const std::int32_t most = end(negative);
+      return n == 0 ? 0 : most;
     }
-    const std::int64_t n = std::int64_t{a} * kOne;
-    std::int64_t whole = n / b;
-    const std::int64_t rest = 2 * (n % b < 0 ? -(n % b) : n % b);
-    const std::int64_t divisor = b < 0 ? -std::int64_t{b} : std::int64_t{b};
-    const bool away = rest > divisor || (rest == divisor && (whole & 1) != 0);
-    if (away) whole += (n < 0) == (b < 0) ? 1 : -1;
-    return saturated(whole);
+    const int zeros = std::countl_zero(d);
+    const auto [whole, rest] = fixed::divided(std::uint64_t{n} << (16 + zeros), d << zeros);
+    const std::uint64_t twice = 2 * std::uint64_t{rest} + (whole & 1);
+    const std::int64_t rounded = std::int64_t{whole} + (twice > d << zeros ? 1 : 0);
+    return saturated(negative ? -rounded : rounded);
   }
 
   std::int32_t raw_ = 0;
 };
 
 /// Angles in rad; results within one LSB of the true value of the argument as it is.
-Q16 sin(Q16 x);
-Q16 cos(Q16 x);
-Q16 atan(Q16 x);
-Q16 atan2(Q16 y, Q16 x);
-Q16 tanh(Q16 x);
-Q16 exp(Q16 x);   ///< above ln 32768 it overflows
-Q16 sqrt(Q16 x);  ///< of a negative number: 0, and overflow
+constexpr Q16 sin(Q16 x);
+constexpr Q16 cos(Q16 x);
+constexpr Q16 atan(Q16 x);
+constexpr Q16 atan2(Q16 y, Q16 x);
+constexpr Q16 tanh(Q16 x);
+constexpr Q16 exp(Q16 x);   ///< above ln 32768 it overflows
+constexpr Q16 sqrt(Q16 x);  ///< of a negative number: 0, and overflow
 constexpr Q16 abs(Q16 x) { return x < Q16{} ? -x : x; }
 /// Of a number over 32767 it overflows.
 constexpr Q16 ceil(Q16 x) {
   return Q16::of_raw(Q16::saturated(((std::int64_t{x.raw()} + 65535) >> 16) * 65536));
 }
 /// √(x² + y²), whose squares may be out of range.
-Q16 hypot(Q16 x, Q16 y);
+constexpr Q16 hypot(Q16 x, Q16 y);
 
 }  // namespace flotilla::core
+
+#include "core/fixed_functions.hpp"  // IWYU pragma: export
