@@ -131,7 +131,7 @@ core::ObserverParams<S> observer_params(const Parameters& p) {
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
   return {scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX), scalar<S>(p.THR_EXPO),
-          scalar<S>(p.THR_DEAD)};
+          scalar<S>(p.THR_DEAD), S(kRawFull)};
 }
 
 template <class S>
@@ -139,15 +139,17 @@ core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
   // Twice what the model says: it may be half wrong. A current of 2 m/s may begin at once.
   const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
   const float moment = p.THR_ARM * thrust;
+  const auto within = [](float most, float x) { return scalar<S>(std::min(x, most)); };
+  constexpr float kAnyRate = 500, kAnySpeed = 150;  // that, and no state is refused for it
   const S current = S(2);
   const core::JumpLimits<S> afloat{S(1),
                                    S(0.8),
                                    current,
                                    S(1.5),
-                                   scalar<S>(thrust / p.VES_M11),
-                                   scalar<S>(moment / p.VES_M33),
-                                   scalar<S>(thrust / p.VES_D11) + current,
-                                   scalar<S>(moment / p.VES_D33)};
+                                   within(kAnyRate, thrust / p.VES_M11),
+                                   within(kAnyRate, moment / p.VES_M33),
+                                   within(kAnySpeed, thrust / p.VES_D11) + current,
+                                   within(kAnySpeed, moment / p.VES_D33)};
   if (!carried) return afloat;
   return {S(20), S(4), S(20), S(20), afloat.a, afloat.a_r, afloat.V + S(20), afloat.R + S(20)};
 }
@@ -207,15 +209,21 @@ link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t time
               mav::kFollowAttitude};
 }
 
+#define FLOTILLA_INSTANTIATE(S)                                                         \
+  template core::Vec2<S> separation<S>(const Position&, const Position&);               \
+  template core::Encounter<S> encounter_of<S>(const Position&, const core::Motion<S>&,  \
+                                              const Position&, const core::Motion<S>&); \
+  template GlobalPoint global_of<S>(const Position&, const core::Vec2<S>&);             \
+  template core::ControllerParams<S> controller_params<S>(const Parameters&);           \
+  template core::ObserverParams<S> observer_params<S>(const Parameters&);               \
+  template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);        \
+  template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);
+FLOTILLA_INSTANTIATE(float)
+FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
+#undef FLOTILLA_INSTANTIATE
+
 #define FLOTILLA_INSTANTIATE(S)                                                              \
-  template core::Vec2<S> separation<S>(const Position&, const Position&);                    \
-  template core::Encounter<S> encounter_of<S>(const Position&, const core::Motion<S>&,       \
-                                              const Position&, const core::Motion<S>&);      \
-  template GlobalPoint global_of<S>(const Position&, const core::Vec2<S>&);                  \
-  template core::ControllerParams<S> controller_params<S>(const Parameters&);                \
-  template core::ObserverParams<S> observer_params<S>(const Parameters&);                    \
-  template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);             \
-  template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);                      \
   template link::Attitude attitude_of<S>(const OwnState<S>&, std::uint32_t);                 \
   template link::LocalPositionNed local_position_of<S>(const OwnState<S>&, std::uint32_t);   \
   template link::GlobalPositionInt global_position_of<S>(const OwnState<S>&, std::uint32_t); \

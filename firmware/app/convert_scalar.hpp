@@ -26,8 +26,11 @@ inline core::Q16 q16_of(double x) {
   const int right = kBias + kFraction - 16 - exponent;  // of the point, in units of an LSB
   if (right > kFraction + 1) return {};                 // under half an LSB
   constexpr std::int64_t kBeyond = std::numeric_limits<std::int64_t>::max();
-  const auto whole = static_cast<std::int64_t>(fraction | std::uint64_t{1} << kFraction);
-  const std::int64_t raw = right > 0 ? core::Q16::halved(whole, right) : kBeyond;
+  const std::uint64_t whole = fraction | std::uint64_t{1} << kFraction;
+  const int dropped = right > 31 ? right - 31 : 0;
+  const bool rest = whole << (63 - dropped) << 1 != 0;
+  const auto kept = static_cast<std::int64_t>(whole >> dropped | (rest ? 1U : 0U));
+  const std::int64_t raw = right > 0 ? core::Q16::halved(kept, right - dropped) : kBeyond;
   return core::Q16::of_raw(core::Q16::saturated(bits >> 63U != 0 ? -raw : raw));
 }
 

@@ -101,11 +101,13 @@ class JumpGuard {
  private:
   static constexpr int kRow = 5;
   static constexpr std::int64_t kSettled_us = 1'000'000;
+  static constexpr std::int64_t kLongest_us = 60'000'000;  // that a state says something
 
   /// The two clocks need not go together: no more time than has passed here and a second, which is
   /// what the first one may have been late by.
   static core::Leg<S> leg(const Seen& a, const Seen& b) {
-    const std::int64_t most_us = std::abs(b.arrived_us - a.arrived_us) + kSettled_us;
+    const std::int64_t apart_us = std::abs(b.arrived_us - a.arrived_us);
+    const std::int64_t most_us = std::min(apart_us + kSettled_us, kLongest_us);
     const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
     return {{convert::scalar<S>(b.north_m - a.north_m), convert::scalar<S>(b.east_m - a.east_m)},
             a.psi,

@@ -76,11 +76,11 @@ class Liveness {
 
     void stay(const core::Vec2<S>& rate, S h) {
       way = {left_after(h) * way.x + h * rate.x, left_after(h) * way.y + h * rate.y};
-      time = time + h;
+      time = core::smaller(time + h, S(2) * kHeld_s);
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }
-    bool lies() const { return way.x * way.x + way.y * way.y > kTold * kTold; }
+    bool lies() const { return core::hypot(way.x, way.y) > kTold; }
   };
 
   void judge(bool well) {

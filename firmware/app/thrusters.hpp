@@ -55,12 +55,14 @@ class Thrusters {
   };
 
   S turn(Propeller& propeller, S asked, S dt, Output& out) {
-    const S command = core::limit_slew(propeller.command, asked, slew_, dt);
+    const S command = core::limit_slew(propeller.command, asked, slew_, dt, curve_.full);
     out.slew_limited = out.slew_limited || command < asked || asked < command;
     propeller.command = command;
     const std::int16_t raw = convert::raw_of(command);
+    const S thrust = core::thrust_from_command(curve_, S(raw));
+    if (thrust == S(0)) return thrust;  // less than the scalar tells apart is not asked for
     out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
-    return core::thrust_from_command(curve_, convert::command_of<S>(raw));
+    return thrust;
   }
 
   core::ThrustCurveParams<S> curve_;
