@@ -208,6 +208,7 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
       const;
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
 #undef FLOTILLA_INSTANTIATE
 
 }  // namespace flotilla::app

@@ -237,5 +237,6 @@ std::optional<double> Pilot<S>::leader_age_s(std::int64_t now_us) const {
 
 template class Pilot<float>;
 template class Pilot<double>;
+template class Pilot<core::Q16>;
 
 }  // namespace flotilla::app

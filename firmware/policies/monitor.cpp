@@ -153,5 +153,6 @@ void Monitor<S>::note_deeds() {
 
 template class Monitor<float>;
 template class Monitor<double>;
+template class Monitor<core::Q16>;
 
 }  // namespace flotilla::policies
