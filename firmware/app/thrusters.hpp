@@ -59,10 +59,8 @@ class Thrusters {
     out.slew_limited = out.slew_limited || command < asked || asked < command;
     propeller.command = command;
     const std::int16_t raw = convert::raw_of(command);
-    const S thrust = core::thrust_from_command(curve_, S(raw));
-    if (thrust == S(0)) return thrust;  // less than the scalar tells apart is not asked for
     out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
-    return thrust;
+    return core::thrust_from_command(curve_, S(raw));
   }
 
   core::ThrustCurveParams<S> curve_;
