@@ -31,8 +31,8 @@ struct ThrustCurveParams {
 template <class S>
 S thrust_from_command(const ThrustCurveParams<S>& params, S c) {
   const S T_max = c < S(0) ? params.R : params.F;
-  const S x = c / params.full;
-  return T_max * ((S(1) - params.epsilon) * x + params.epsilon * x * abs(x));
+  return scaled(T_max, c, params.full) *
+         (S(1) - params.epsilon + params.epsilon * abs(c / params.full));
 }
 
 /// Command that gives a thrust in [−R, F]; beyond that ±full.
