@@ -51,7 +51,7 @@ struct Outbox {
   CanOutput can;
 };
 
-/// S: scalar of the law, float or double.
+/// S: scalar of the law, float, double or core::Q16.
 template <class S>
 class Boat {
  public:
@@ -147,6 +147,7 @@ class Boat {
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
+  void note_range();
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (conditions_ & kSeen) == kSeen;
@@ -165,6 +166,9 @@ class Boat {
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
+  bool fits_ = true;       // parameters, into the scalar
+  bool overflow_ = false;  // of some number since the last tick began
+  bool in_range_ = true;
   std::int64_t armed_us_ = 0;
   std::optional<std::int64_t> coast_us_;  // since when, in COAST
   Limits limits_;

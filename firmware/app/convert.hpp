@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "app/convert_scalar.hpp"
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
 #include "core/jump.hpp"
@@ -108,12 +109,7 @@ core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_
 
 template <class S>
 core::Nu<S> nu_of(const Sample& sample) {
-  return {S(sample.u_mps), S(sample.v_mps), S(sample.r_radps)};
-}
-
-template <class S>
-S seconds(std::int64_t us) {
-  return S(static_cast<double>(us) * 1e-6);
+  return {scalar<S>(sample.u_mps), scalar<S>(sample.v_mps), scalar<S>(sample.r_radps)};
 }
 
 /// µs, at most an hour; 0 for a rate of 0.
@@ -151,18 +147,15 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
 template <class S>
 core::JumpLimits<S> jump_limits(const Parameters& p, bool carried);
 
-/// Command in [−1, 1] to RawCommand's ±8191 (AM32 and VESC divide by 8192), and back. NaN, which
-/// is no command, is zero.
+/// A command of all that a propeller gives, in RawCommand (AM32 and VESC divide by 8192).
+constexpr int kRawFull = 8191;
+
+/// Command in RawCommand's counts, rounded and within ±kRawFull. NaN, which is no command, is zero.
 template <class S>
 std::int16_t raw_of(S command) {
-  if (!(command <= S(1)) && !(command > S(1))) return 0;
-  const S scaled = core::clamp(command, S(-1), S(1)) * S(8191);
-  return static_cast<std::int16_t>(
-      static_cast<int>(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
-}
-template <class S>
-S command_of(std::int16_t raw) {
-  return S(raw) / S(8191);
+  if (!(command <= S(kRawFull)) && !(command > S(kRawFull))) return 0;
+  const S counts = core::clamp(command, S(-kRawFull), S(kRawFull));
+  return static_cast<std::int16_t>(whole(counts < S(0) ? counts - S(0.5) : counts + S(0.5)));
 }
 
 /// The own state for followers, at a whole millisecond of our clock.

@@ -14,20 +14,20 @@ namespace flotilla::app::convert {
 /// The law's numbers in the one scalar that telemetry has.
 template <class S>
 core::Nu<double> in_double(const core::Nu<S>& nu) {
-  return {double(nu.u), double(nu.v), double(nu.r)};
+  return {number(nu.u), number(nu.v), number(nu.r)};
 }
 template <class S>
 core::Tau<double> in_double(const core::Tau<S>& tau) {
-  return {double(tau.X), double(tau.N)};
+  return {number(tau.X), number(tau.N)};
 }
 template <class S>
 core::Error<double> in_double(const core::Error<S>& e) {
-  return {double(e.x), double(e.y), double(e.psi)};
+  return {number(e.x), number(e.y), number(e.psi)};
 }
 template <class S>
 core::Motion<double> in_double(const core::Motion<S>& m) {
-  return {{double(m.moved_n.x), double(m.moved_n.y)},
-          double(m.psi),
+  return {{number(m.moved_n.x), number(m.moved_n.y)},
+          number(m.psi),
           in_double(m.nu),
           in_double(m.nu_dot)};
 }

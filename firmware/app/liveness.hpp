@@ -26,7 +26,8 @@ class Liveness {
     const bool heads = sample.psi_rad == psi_rad_;
     const core::Nu<S> nu = convert::nu_of<S>(sample);
     if (stays) {
-      place_.stay(core::to_north_east(S(sample.psi_rad), core::Vec2<S>{nu.u, nu.v}), h);
+      place_.stay(
+          core::to_north_east(convert::scalar<S>(sample.psi_rad), core::Vec2<S>{nu.u, nu.v}), h);
     } else {
       place_ = {};
     }
@@ -46,7 +47,7 @@ class Liveness {
     moved_ = moved_ || (S(0) < h && !stays);
     north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
     const bool sails = stays && nu.u * nu.u + nu.v * nu.v > kSlow * kSlow;
-    judge(!sails && !(heads && std::abs(nu.r) > kSlow) && pushed_ <= kSlow);
+    judge(!sails && !(heads && core::abs(nu.r) > kSlow) && pushed_ <= kSlow);
   }
 
   /// The propellers alone would have changed the velocity by so much since the last call: m/s, and
@@ -75,11 +76,11 @@ class Liveness {
 
     void stay(const core::Vec2<S>& rate, S h) {
       way = {left_after(h) * way.x + h * rate.x, left_after(h) * way.y + h * rate.y};
-      time = time + h;
+      time = core::smaller(time + h, S(2) * kHeld_s);
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }
-    bool lies() const { return way.x * way.x + way.y * way.y > kTold * kTold; }
+    bool lies() const { return core::hypot(way.x, way.y) > kTold; }
   };
 
   void judge(bool well) {

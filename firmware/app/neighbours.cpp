@@ -178,13 +178,14 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
   if (!same(own.origin, frame_)) return out;
   for (const Vessel& v : vessels_) {
     if (!v.located || now_us - v.heard_us > kForgotten_us) continue;
-    const S age = convert::seconds<S>(now_us - v.heard_us) + S(kOnItsWay_s);
-    const core::Vec2<S> v_n = {S(v.v_north_mps), S(v.v_east_mps)};
-    out.vessels[out.count++] = {{S(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
-                                 S(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
-                                v_n,
-                                age * core::length(v_n),  // it may have stopped since
-                                has_way(v)};
+    const S age = convert::seconds<S>(now_us - v.heard_us) + convert::scalar<S>(kOnItsWay_s);
+    const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
+    out.vessels[out.count++] = {
+        {convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
+         convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
+        v_n,
+        age * core::length(v_n),  // it may have stopped since
+        has_way(v)};
   }
   return out;
 }
@@ -194,9 +195,10 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
                        std::int64_t now_us) const {
   if (!watches()) return true;
   const auto around = traffic<S>(own, moved_n, now_us);
-  return std::all_of(
-      around.vessels.begin(), around.vessels.begin() + std::ptrdiff_t(around.count),
-      [&](const core::OtherVessel<S>& v) { return !(core::length(v.p_n) < S(least_m_)); });
+  return std::all_of(around.vessels.begin(), around.vessels.begin() + std::ptrdiff_t(around.count),
+                     [&](const core::OtherVessel<S>& v) {
+                       return !(core::length(v.p_n) < convert::scalar<S>(least_m_));
+                     });
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                                 \
@@ -206,6 +208,7 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
       const;
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
 #undef FLOTILLA_INSTANTIATE
 
 }  // namespace flotilla::app

@@ -25,7 +25,7 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 template <class S>
 Pilot<S>::Pilot(const Parameters& p)
     : law_(convert::controller_params<S>(p)),
-      coast_s_(S(p.FS_COAST_S)),
+      coast_s_(convert::scalar<S>(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
            {p.NAV_OFS_X, p.NAV_OFS_Y}),
@@ -44,7 +44,7 @@ void Pilot<S>::set_limits(const Parameters& p) {
 template <class S>
 void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   law_ = convert::controller_params<S>(p);
-  coast_s_ = S(p.FS_COAST_S);
+  coast_s_ = convert::scalar<S>(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
   set_limits(p);
   own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
@@ -203,7 +203,7 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
 template <class S>
 Estimates Pilot<S>::estimates() const {
   return {convert::in_double(core::unknown_wrench(law_.vessel, motion_)),
-          {double(motion_.c_n.x), double(motion_.c_n.y)}};
+          {convert::number(motion_.c_n.x), convert::number(motion_.c_n.y)}};
 }
 
 template <class S>
@@ -216,7 +216,8 @@ convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
 template <class S>
 convert::Position Pilot<S>::place() const {
   const core::Vec2<S>& moved = motion_.motion.moved_n;
-  return {anchor_.north_m + double(moved.x), anchor_.east_m + double(moved.y), anchor_.origin};
+  return {anchor_.north_m + convert::number(moved.x), anchor_.east_m + convert::number(moved.y),
+          anchor_.origin};
 }
 
 template <class S>
@@ -236,5 +237,6 @@ std::optional<double> Pilot<S>::leader_age_s(std::int64_t now_us) const {
 
 template class Pilot<float>;
 template class Pilot<double>;
+template class Pilot<core::Q16>;
 
 }  // namespace flotilla::app

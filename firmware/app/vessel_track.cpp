@@ -10,6 +10,13 @@ namespace {
 
 /// A heading older than this cannot be carried over to a position.
 constexpr std::int64_t kHeadingUsable_us = 300'000;
+
+/// A time over which a track is carried on, s: after ten nobody makes use of it.
+template <class S>
+S carried(std::int64_t us) {
+  return convert::seconds<S>(std::min<std::int64_t>(us, 10'000'000));
+}
+
 }  // namespace
 
 template <class S>
@@ -314,7 +321,8 @@ void VesselTrack<S>::update(const convert::Sample& sample, std::int64_t now_us) 
                    ? convert::seconds<S>(std::max<std::int64_t>(true_us - *other_source_us_, 1000))
                : stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_)
                            : S(0);
-  const core::TrackMessage<S> message{S(sample.psi_rad), convert::nu_of<S>(sample), dt};
+  const core::TrackMessage<S> message{convert::scalar<S>(sample.psi_rad), convert::nu_of<S>(sample),
+                                      dt};
   if (resumed) {
     core::track_resume(params, track_, message);
   } else {
@@ -358,7 +366,7 @@ bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
 
 template <class S>
 core::Motion<S> VesselTrack<S>::motion(std::int64_t now_us) const {
-  return core::track_forward(track_, convert::seconds<S>(age_us(now_us).value_or(0)));
+  return core::track_forward(track_, carried<S>(age_us(now_us).value_or(0)));
 }
 
 template <class S>
@@ -366,8 +374,8 @@ std::optional<double> VesselTrack<S>::uncertainty_m(std::int64_t now_us) const {
   const auto age = age_us(now_us);
   const auto least = clock().least_us(), offset = clock().offset_us();
   if (!age || !least || !offset) return std::nullopt;
-  const S off = convert::seconds<S>(std::abs(*offset - *least));
-  return double{core::track_uncertainty(track_, convert::seconds<S>(*age), off)};
+  const S off = carried<S>(std::abs(*offset - *least));
+  return convert::number(core::track_uncertainty(track_, carried<S>(*age), off));
 }
 
 template <class S>
@@ -377,5 +385,6 @@ bool VesselTrack<S>::take_frame_complaint() {
 
 template class VesselTrack<float>;
 template class VesselTrack<double>;
+template class VesselTrack<core::Q16>;
 
 }  // namespace flotilla::app

@@ -88,9 +88,9 @@ void answer_axis(const AnswerParams<S>& params, AnswerAxis<S>& axis, const Answe
   const S momentum = in.inertia * (in.rate - axis.rate) / params.T;
   const S seen = momentum + axis.resisted;
   const S doubt = params.mismatch * (abs(momentum) + axis.weight);
-  const S g = clamp(axis.given / in.least, S(-100), S(100));
-  const S w = clamp(seen / in.least, S(-100), S(100));
-  const S d = clamp(doubt / in.least, S(0), S(100));
+  const S g = ratio_within(axis.given, in.least, S(100));
+  const S w = ratio_within(seen, in.least, S(100));
+  const S d = ratio_within(doubt, in.least, S(100));
   const S q = h / (params.W + h);
   axis.P = axis.P + q * (w * g + d * abs(g) - axis.P);
   axis.Q = axis.Q + q * (g * g - axis.Q);

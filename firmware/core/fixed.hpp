@@ -125,6 +125,9 @@ constexpr Q16 ceil(Q16 x) {
 }
 /// √(x² + y²), whose squares may be out of range.
 constexpr Q16 hypot(Q16 x, Q16 y);
+constexpr Q16 hypot(Q16 x, Q16 y, Q16 z) { return hypot(hypot(x, y), z); }
+/// a b / c, rounded once.
+constexpr Q16 scaled(Q16 a, Q16 b, Q16 c);
 
 }  // namespace flotilla::core
 

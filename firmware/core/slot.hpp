@@ -24,6 +24,7 @@
 #pragma once
 
 #include "core/rotation.hpp"
+#include "core/sum.hpp"
 #include "core/vessel.hpp"
 
 namespace flotilla::core {
@@ -55,6 +56,7 @@ template <class S>
 struct Smooth {
   S value{};
   S rate{};
+  Carry<S> rest{};  ///< of the rate
 };
 
 template <class S>
@@ -104,7 +106,7 @@ void smooth(S omega, Smooth<S>& state, S value, S h) {
   const S step = omega * h;
   const S off = (value - state.value - h * state.rate) / (S(1) + step * (S(2) + step));
   state.value = value - off;
-  state.rate = state.rate + omega * step * off;
+  state.rate = state.rate + state.rest.take(omega * step, off);
 }
 
 /// How the slot moves; carries its state over the h seconds since the step before.
@@ -120,7 +122,8 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   }
   smooth(params.omega_n, state.q_s, q.x, h);
   smooth(params.omega_n, state.n, q.y - state.v_w, h);
-  const auto& [q_s, q_s_dot] = state.q_s;
+  const S q_s = state.q_s.value;
+  const S q_s_dot = state.q_s.rate;
   const S qq = q_s * q_s;
   const S D = qq + params.epsilon * params.epsilon;
   const S share = qq / D;  // 1 where the slot makes way

@@ -51,4 +51,19 @@ class Sum<Q16> {
   std::int64_t raw_ = 0;
 };
 
+/// What a product adds to a number of the scalar's own bits, and what is left for the next time.
+template <class S>
+class Carry {
+ public:
+  constexpr S take(S a, S b) {
+    sum_.add(a, b);
+    const S whole = sum_.value();
+    sum_.add(-whole);
+    return whole;
+  }
+
+ private:
+  Sum<S> sum_{};  // at most half an LSB
+};
+
 }  // namespace flotilla::core

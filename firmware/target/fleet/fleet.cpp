@@ -289,5 +289,6 @@ std::span<const std::uint8_t> Fleet<S>::sent(std::size_t agent) const {
 
 template class Fleet<float>;
 template class Fleet<double>;
+template class Fleet<core::Q16>;
 
 }  // namespace flotilla::fleet

@@ -111,9 +111,12 @@ void Fleet<S>::inject(Vessel& v, std::int64_t t_us) {
 
 template void Fleet<float>::inject(Vessel&, std::int64_t);
 template void Fleet<double>::inject(Vessel&, std::int64_t);
+template void Fleet<core::Q16>::inject(Vessel&, std::int64_t);
 template void Fleet<float>::set_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<double>::set_fault(std::size_t, const Fault&, std::int64_t);
+template void Fleet<core::Q16>::set_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<float>::clear_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<double>::clear_fault(std::size_t, const Fault&, std::int64_t);
+template void Fleet<core::Q16>::clear_fault(std::size_t, const Fault&, std::int64_t);
 
 }  // namespace flotilla::fleet
