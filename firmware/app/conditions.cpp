@@ -30,7 +30,11 @@ core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int
 void Limits::look(const Parameters& p, const Seen& seen) {
   const bool just_armed = seen.armed && !was_armed_;
   was_armed_ = seen.armed;
-  if (seen.place && (!home_ || just_armed)) home_ = seen.place;
+  if (seen.place && (!home_ || just_armed)) {
+    left_from_ = seen.place;
+    const auto at = convert::global_of(*seen.place);
+    home_ = {at.latitude, at.longitude, seen.place->origin.altitude};
+  }
   const auto above = [&p](const std::optional<link::EscStatus>& esc) {
     return esc && esc->voltage >= p.FS_BATT_V;  // false for NaN
   };
@@ -43,13 +47,7 @@ void Limits::look(const Parameters& p, const Seen& seen) {
 /// A boat that is not armed is at home: there it will be armed.
 bool Limits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
-  return !seen.armed || convert::distance_m(*home_, *seen.place) <= double{fence_m};
-}
-
-std::optional<Home> Limits::home() const {
-  if (!home_) return std::nullopt;
-  const auto at = convert::global_of(*home_, core::Vec2<double>{});
-  return Home{at.latitude, at.longitude, home_->origin.altitude};
+  return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};
 }
 
 }  // namespace flotilla::app

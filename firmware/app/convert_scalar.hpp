@@ -34,11 +34,30 @@ inline core::Q16 q16_of(double x) {
   return core::Q16::of_raw(core::Q16::saturated(bits >> 63U != 0 ? -raw : raw));
 }
 
+/// The same of a float: those of the range need 32 bits.
+inline core::Q16 q16_of(float x) {
+  constexpr int kFraction = 23, kBias = 127, kMost = 0xFF;
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const int exponent = static_cast<int>(bits >> kFraction & kMost);
+  const int right = kBias + kFraction - 16 - exponent;  // of the point, in units of an LSB
+  if (right > kFraction + 1) return {};                 // under half an LSB
+  if (exponent >= kBias + 15) return q16_of(double{x});
+  const auto kept = static_cast<std::int32_t>((bits & ((1U << kFraction) - 1)) | 1U << kFraction);
+  std::int32_t raw = 0;
+  if (right > 0) {
+    const std::int32_t half = std::int32_t{1} << (right - 1);
+    raw = (kept + half - 1 + (kept >> right & 1)) >> right;
+  } else {
+    raw = kept << -right;
+  }
+  return core::Q16::of_raw(bits >> 31U != 0 ? -raw : raw);
+}
+
 /// A number in the law's scalar, correctly rounded.
 template <class S, std::floating_point T>
 S scalar(T x) {
   if constexpr (std::same_as<S, core::Q16>) {
-    return q16_of(double{x});
+    return q16_of(x);
   } else {
     return static_cast<S>(x);
   }

@@ -42,8 +42,8 @@ class JumpGuard {
     core::Nu<S> nu;
     std::int64_t stamp_us, arrived_us;
   };
-  static Seen seen(const convert::Sample& s, std::int64_t now_us) {
-    return {s.north_m,  s.east_m, convert::scalar<S>(s.psi_rad), convert::nu_of<S>(s),
+  static Seen seen(const convert::Sample<S>& s, std::int64_t now_us) {
+    return {s.north_m,  s.east_m, s.psi_rad, convert::nu_of(s),
             s.stamp_us, now_us};
   }
 

@@ -21,13 +21,13 @@ class Liveness {
   explicit Liveness(S patience_s) : patience_s_(patience_s) {}
 
   /// A state, h seconds after the one before it; 0 where none led to it.
-  void take(const convert::Sample& sample, S h) {
+  void take(const convert::Sample<S>& sample, S h) {
     const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
     const bool heads = sample.psi_rad == psi_rad_;
-    const core::Nu<S> nu = convert::nu_of<S>(sample);
+    const core::Nu<S> nu = convert::nu_of(sample);
     if (stays) {
       place_.stay(
-          core::to_north_east(convert::scalar<S>(sample.psi_rad), core::Vec2<S>{nu.u, nu.v}), h);
+          core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v}), h);
     } else {
       place_ = {};
     }
@@ -93,7 +93,8 @@ class Liveness {
   }
 
   S patience_s_;
-  double north_m_ = 0, east_m_ = 0, psi_rad_ = 0;
+  double north_m_ = 0, east_m_ = 0;
+  S psi_rad_{};
   core::Nu<S> nu_{};
   Stuck place_, heading_, whole_;
   S pushed_{};

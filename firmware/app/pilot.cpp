@@ -28,7 +28,7 @@ Pilot<S>::Pilot(const Parameters& p)
       coast_s_(convert::scalar<S>(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
-           {p.NAV_OFS_X, p.NAV_OFS_Y}),
+           {convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)}),
       leader_({byte_of(p.FORM_LEADER), 0}) {
   set_limits(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
@@ -47,7 +47,7 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   coast_s_ = convert::scalar<S>(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
   set_limits(p);
-  own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
+  own_.set_antenna({convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)});
   own_.follow(own_system);
   leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
@@ -58,7 +58,7 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
   if (neighbours_.watches() && own_.has_origin()) {
-    neighbours_.take(received, own_.position(), now_us);
+    neighbours_.take<S>(received, own_.position(), now_us);
   }
 }
 
@@ -207,10 +207,10 @@ Estimates Pilot<S>::estimates() const {
 }
 
 template <class S>
-convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
+convert::OwnState Pilot<S>::own_state(std::int64_t now_us) const {
   const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
   const core::Motion<S> then = core::moment_before(motion_.motion, since_stamp);
-  return {anchor_.north_m, anchor_.east_m, convert::in_double(then), anchor_.origin};
+  return convert::own_state_of(anchor_, then);
 }
 
 template <class S>

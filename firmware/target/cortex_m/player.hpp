@@ -15,10 +15,9 @@
 
 #include "app/boat.hpp"
 #include "target/cortex_m/sha256.hpp"
+#include "target/scalar.hpp"
 
 namespace flotilla::target {
-
-using Scalar = float;
 
 /// Nothing longer comes over a link at once.
 constexpr std::size_t kMostBytes = 1500;

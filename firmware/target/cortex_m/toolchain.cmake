@@ -6,8 +6,8 @@ set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 
 string(JOIN " " CMAKE_CXX_FLAGS_INIT
-  -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
+  -mcpu=cortex-m4 -mthumb -mfloat-abi=soft
   -ffunction-sections -fdata-sections
   -fno-exceptions -fno-rtti -fno-unwind-tables -fno-asynchronous-unwind-tables
   -fno-threadsafe-statics -fno-use-cxa-atexit
-  -DFLOTILLA_SMALL)
+  -Wno-psabi -DFLOTILLA_SMALL)
