@@ -9,5 +9,4 @@ string(JOIN " " CMAKE_CXX_FLAGS_INIT
   -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16
   -ffunction-sections -fdata-sections
   -fno-exceptions -fno-rtti -fno-unwind-tables -fno-asynchronous-unwind-tables
-  -fno-threadsafe-statics -fno-use-cxa-atexit
-  -DFLOTILLA_SMALL)
+  -fno-threadsafe-statics -fno-use-cxa-atexit)
