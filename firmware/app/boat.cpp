@@ -21,14 +21,9 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 }  // namespace
 
 template <class S>
-Boat<S>::Boat(const Parameters& p, std::size_t links) : Boat(p, links, *new Outbox) {
-  own_outbox_.reset(outbox_);
-}
-
-template <class S>
-Boat<S>::Boat(const Parameters& p, std::size_t links, Outbox& outbox)
-    : outbox_(&outbox),
-      vehicle_(p, links, outbox.mavlink),
+Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
+    : can_output_(storage.can),
+      vehicle_(p, links, storage),
       tick_rate_Hz_(p.CTL_RATE),
       pilot_(p),
       thrusters_(p),
@@ -114,7 +109,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   const std::int64_t now_us = monotonic(now);
   core::take_overflow<S>();
   vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
-  outbox_->can.count = 0;
+  can_output_.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
   for (std::size_t link = 0; link < vehicle_.links().count(); ++link) {
     if (vehicle_.links().waits_in_vain(link, now_us)) give_up(link, now_us);
@@ -124,12 +119,12 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   supervise(now_us);
   steer(now_us);
   look_at_limits(now_us);
-  can_.send(thrust_.raw, core::armed(state()), now_us, counters_, outbox_->can);
+  can_.send(thrust_.raw, core::armed(state()), now_us, counters_, can_output_);
   complain(now_us);
   vehicle_.tell(report(now_us), counters_);
   note_range();
   last_tick_us_ = now_us;
-  return {&vehicle_.links(), std::span(outbox_->can.frames).first(outbox_->can.count)};
+  return {&vehicle_.links(), std::span(can_output_.frames).first(can_output_.count)};
 }
 
 template <class S>

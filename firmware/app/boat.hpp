@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, and where it is
-// given its outbox no heap.
+// given its storage no heap.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "app/can_node.hpp"
 #include "app/conditions.hpp"
 #include "app/pilot.hpp"
+#include "app/storage.hpp"
 #include "app/thrusters.hpp"
 #include "app/vehicle.hpp"
 
@@ -45,12 +45,6 @@ struct HostReport {
   bool save_failed = false;      ///< the last try to write the parameters
 };
 
-/// Where a boat puts what it says in a tick.
-struct Outbox {
-  std::array<Datagram, kMaxLinks> mavlink;
-  CanOutput can;
-};
-
 /// S: scalar of the law, float, double or core::Q16.
 template <class S>
 class Boat {
@@ -61,13 +55,14 @@ class Boat {
     std::span<const link::CanFrame> can;
   };
 
-  /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks. Boats that tick one
-  /// after another may share an outbox, which outlives them; an output is then valid until the next
-  /// tick of any of them.
-  Boat(const Parameters& parameters, std::size_t links, Outbox& outbox);
+  /// Parameters must be valid and free of contradiction; links: 1 … as many as there is storage for,
+  /// which outlives the boat. Where boats share an outbox, an output is valid until the next tick of
+  /// any of them.
+  Boat(const Parameters& parameters, std::size_t links, const Storage& storage);
 
-  /// With an outbox of its own, from the heap.
-  Boat(const Parameters& parameters, std::size_t links);
+  /// With ample storage of its own, from the heap; links: 1 … kMaxLinks.
+  Boat(const Parameters& parameters, std::size_t links)
+      : Boat(parameters, links, std::make_unique<AmpleStorage>()) {}
 
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
@@ -138,6 +133,11 @@ class Boat {
   link::Address self() const { return vehicle_.self(); }
 
  private:
+  Boat(const Parameters& parameters, std::size_t links, std::unique_ptr<AmpleStorage> own)
+      : Boat(parameters, links, Storage(own->room, own->outbox)) {
+    own_storage_ = std::move(own);
+  }
+
   std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
   void give_up(std::size_t link, std::int64_t now_us);
@@ -159,8 +159,8 @@ class Boat {
   std::optional<double> separation_m() const;
   void complain(std::int64_t now_us);
 
-  std::unique_ptr<Outbox> own_outbox_;  // none where it was given one
-  Outbox* outbox_;
+  std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
+  CanOutput& can_output_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   core::ControllerOutput<S> law_output_{};

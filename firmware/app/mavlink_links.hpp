@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,14 +12,14 @@
 #include <utility>
 
 #include "app/credit.hpp"
-#include "link/capacity.hpp"
 #include "link/mavlink_decode.hpp"
 #include "link/mavlink_encode.hpp"
 #include "link/signing.hpp"
 
 namespace flotilla::app {
 
-using link::kMaxLinks;
+/// Of any boat.
+constexpr std::size_t kMaxLinks = 4;
 
 /// What a link's signatures are worth.
 enum class SigningPolicy : std::uint8_t {
@@ -40,13 +41,30 @@ using Datagram = std::array<std::uint8_t, 1400>;
 
 class MavlinkLinks {
  public:
-  /// count: 1 … kMaxLinks. What is said goes to `out`, one a link, which outlives this.
-  MavlinkLinks(std::size_t count, link::Address self, std::span<Datagram> out)
-      : count_(count), out_(out) {
+  /// What is kept of one link.
+  struct Link {
+    link::MavlinkDecoder decoder;
+    link::MavlinkEncoder encoder;
+    std::size_t size = 0;                       // of what is said
+    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
+    std::size_t forwarded_size = 0;
+    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
+    std::size_t next_beat = 0;
+    std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
+    SigningPolicy policy = SigningPolicy::kOff;
+    Credit credit;
+  };
+
+  /// One link for each of `links`, at most kMaxLinks. What is said goes to `out`, one a link;
+  /// `signing` is room for who signs what is heard. All of it outlives this.
+  MavlinkLinks(link::Address self, std::span<Link> links, std::span<Datagram> out,
+               std::span<link::Signing::Stream> signing = {})
+      : links_(links), out_(out), signing_(signing) {
+    std::ranges::fill(links_, Link{});
     rename(self);
   }
 
-  std::size_t count() const { return count_; }
+  std::size_t count() const { return links_.size(); }
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
@@ -172,18 +190,6 @@ class MavlinkLinks {
   }
 
  private:
-  struct Link {
-    link::MavlinkDecoder decoder;
-    link::MavlinkEncoder encoder;
-    std::size_t size = 0;                       // of what is said
-    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
-    std::size_t forwarded_size = 0;
-    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
-    std::size_t next_beat = 0;
-    std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
-    SigningPolicy policy = SigningPolicy::kOff;
-    Credit credit;
-  };
   static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
 
   /// Its size; 0 where there was no room.
@@ -200,8 +206,7 @@ class MavlinkLinks {
     return link.policy == SigningPolicy::kOff || !signing_.has_key() ? nullptr : &signing_;
   }
 
-  std::size_t count_;
-  std::array<Link, kMaxLinks> links_{};
+  std::span<Link> links_;
   std::span<Datagram> out_;
   link::Signing signing_;
 };

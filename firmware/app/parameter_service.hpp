@@ -3,14 +3,15 @@
 // can overflow. What is still lost on the way, clients ask for again, one by one.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
-#include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
 #include "link/messages.hpp"
 
@@ -54,6 +55,35 @@ struct Standing {
 
 class ParameterService {
  public:
+  static constexpr std::size_t kCount = kParameterList.size();
+
+  /// PARAM_ERRORs in the order they came; one too many is left out, its asker will time out.
+  struct Errors {
+    std::array<link::ParamError, 8> ring{};
+    std::size_t first = 0, count = 0;
+
+    bool push(const link::ParamError& error);
+    std::optional<link::ParamError> pop();
+  };
+
+  /// What a link is owed. Errors, single values and the list take turns.
+  struct Owed {
+    Errors errors{};
+    std::bitset<kCount> values{};
+    std::size_t next_value = 0;            // where the search for the next one begins
+    std::size_t list_at = kCount;          // kCount: no list is asked for
+    std::optional<std::size_t> refused{};  // its error has just left, its value goes next
+    int turn = 0;
+
+    std::optional<std::size_t> take_single();
+    std::optional<std::size_t> take_of_list();
+  };
+
+  /// links: one each, outlives this.
+  explicit ParameterService(std::span<Owed> links) : links_(links) {
+    std::ranges::fill(links_, Owed{});
+  }
+
   static bool knows(const link::ParamSet& asked);
   static bool asks_for_mode(const link::ParamSet& asked);
 
@@ -80,33 +110,9 @@ class ParameterService {
   std::optional<link::Message> next(std::size_t link, const Parameters& values);
 
  private:
-  static constexpr std::size_t kCount = kParameterList.size();
-
-  /// PARAM_ERRORs in the order they came; one too many is left out, its asker will time out.
-  struct Errors {
-    std::array<link::ParamError, 8> ring{};
-    std::size_t first = 0, count = 0;
-
-    bool push(const link::ParamError& error);
-    std::optional<link::ParamError> pop();
-  };
-
-  /// What a link is owed. Errors, single values and the list take turns.
-  struct Owed {
-    Errors errors{};
-    std::bitset<kCount> values{};
-    std::size_t next_value = 0;            // where the search for the next one begins
-    std::size_t list_at = kCount;          // kCount: no list is asked for
-    std::optional<std::size_t> refused{};  // its error has just left, its value goes next
-    int turn = 0;
-
-    std::optional<std::size_t> take_single();
-    std::optional<std::size_t> take_of_list();
-  };
-
   static std::optional<link::Message> take_turn(Owed& owed, const Parameters& values);
 
-  std::array<Owed, kMaxLinks> links_{};
+  std::span<Owed> links_;
 };
 
 }  // namespace flotilla::app

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
-#include "app/mavlink_links.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::app {
@@ -19,15 +19,25 @@ namespace flotilla::app {
 /// circles where two links reach the same boats. Source: mavlink.io, routing.
 class Router {
  public:
+  static constexpr std::size_t kPlaces = 32;
+
+  /// What is kept of one link: when each place's owner was heard last on it.
+  struct Link {
+    std::array<std::int64_t, kPlaces> heard_us;
+  };
+
+  /// links: one each, outlives this.
+  explicit Router(std::span<Link> links) : links_(links) {}
+
   void heard(link::Address from, std::size_t link, std::int64_t now_us) {
     std::size_t place = 0;
     while (place < used_ && who_[place] != from) ++place;
     if (place == used_) {
       place = used_ < kPlaces ? used_++ : unheard_longest();
       who_[place] = from;
-      heard_us_[place].fill(kNever);
+      for (Link& each : links_) each.heard_us[place] = kNever;
     }
-    heard_us_[place][link] = now_us;
+    links_[link].heard_us[place] = now_us;
   }
 
   /// Links, a bit each, that a message from one link is to be handed on to.
@@ -38,8 +48,8 @@ class Router {
       const link::Address who = who_[place];
       const bool meant = who.system == target.system &&
                          (target.component == 0 || who.component == target.component);
-      for (std::size_t link = 0; meant && link < kMaxLinks; ++link) {
-        if (now_us - kGone_us < heard_us_[place][link]) links |= 1U << link;
+      for (std::size_t link = 0; meant && link < links_.size(); ++link) {
+        if (now_us - kGone_us < links_[link].heard_us[place]) links |= 1U << link;
       }
     }
     return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
@@ -48,9 +58,12 @@ class Router {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kGone_us = 10'000'000;
-  static constexpr std::size_t kPlaces = 32;
 
-  std::int64_t last_us(std::size_t place) const { return std::ranges::max(heard_us_[place]); }
+  std::int64_t last_us(std::size_t place) const {
+    std::int64_t last = kNever;
+    for (const Link& link : links_) last = std::max(last, link.heard_us[place]);
+    return last;
+  }
 
   std::size_t unheard_longest() const {
     std::size_t longest = 0;
@@ -62,8 +75,7 @@ class Router {
 
   std::size_t used_ = 0;
   std::array<link::Address, kPlaces> who_{};  // the one unheard for longest gives way
-  /// When each place's owner was heard last on each link.
-  std::array<std::array<std::int64_t, kMaxLinks>, kPlaces> heard_us_{};
+  std::span<Link> links_;
 };
 
 }  // namespace flotilla::app

@@ -66,7 +66,7 @@ void Signing::set_clock(std::uint64_t now) {
 }
 
 Signing::Stream* Signing::find(Address from, std::uint8_t link_id) {
-  const std::span<Stream> used = std::span(streams_).first(used_);
+  const std::span<Stream> used = room_.first(used_);
   const auto it = std::ranges::find_if(
       used, [&](const Stream& s) { return s.from == from && s.link_id == link_id; });
   return it == used.end() ? nullptr : &*it;
@@ -90,8 +90,8 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
     if (timestamp <= stream->timestamp) return kReplayed;
   } else {
     if (timestamp + kMinute < std::max(clock_, floor_)) return kStale;
-    if (used_ == kStreams) return kNoRoom;
-    stream = &streams_[used_++];
+    if (used_ == room_.size()) return kNoRoom;
+    stream = &room_[used_++];
   }
   *stream = {from, link_id, timestamp};
   return kGood;

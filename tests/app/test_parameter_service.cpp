@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -34,7 +35,8 @@ std::string name_in(const link::Text<16>& text) {
 
 /// A boat's parameters and what its links heard.
 struct Boat {
-  ParameterService service;
+  std::array<ParameterService::Owed, 4> room;
+  ParameterService service{room};
   Parameters values;
   bool armed = false;
   std::uint8_t system = 0;

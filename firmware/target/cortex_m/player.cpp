@@ -36,12 +36,13 @@ bool Player::build(std::span<const std::uint8_t> bytes) {
   app::Parameters p;
   if (bytes.size() != (1 + app::kParameterList.size()) * sizeof(float)) return false;
   const auto links = read<std::uint32_t>(bytes);
-  if (links < 1 || links > app::kMaxLinks) return false;
+  if (links < 1 || links > kLinks) return false;
   for (const app::ParameterInfo& info : app::kParameterList) {
     bytes = bytes.subspan(sizeof(float));
     p.*(info.member) = read<float>(bytes);
   }
-  boat_ = new (place_.data()) app::Boat<Scalar>(p, links, outbox_);
+  boat_ = new (place_.data()) app::Boat<Scalar>(p, links, {room_, outbox_});
+  links_ = links;
   return true;
 }
 
@@ -63,7 +64,7 @@ bool Player::play(const Record& record, std::span<const std::uint8_t> bytes) {
       out_ = boat_->tick(now_us);
       return true;
     default:
-      if (record.port >= app::kMaxLinks) return false;
+      if (record.port >= links_) return false;
       boat_->on_mavlink(bytes, now_us, record.port);
       return true;
   }

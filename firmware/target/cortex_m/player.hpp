@@ -48,10 +48,14 @@ class Player {
   void add(std::uint16_t port, std::span<const std::uint8_t> head,
            std::span<const std::uint8_t> bytes);
 
-  app::Outbox outbox_;
+  /// A microcontroller's: one radio, one serial line.
+  static constexpr std::size_t kLinks = 2, kSigningStreams = 16;
+  app::LinkRoom<kLinks, kSigningStreams> room_;
+  app::Outbox<kLinks> outbox_;
   /// Never destroyed: that would need a heap.
   alignas(app::Boat<Scalar>) std::array<std::byte, sizeof(app::Boat<Scalar>)> place_;
   app::Boat<Scalar>* boat_ = nullptr;
+  std::size_t links_ = 0;
   std::optional<app::Boat<Scalar>::Output> out_;
   std::uint64_t t_us_ = 0;
   Sha256 sha256_;

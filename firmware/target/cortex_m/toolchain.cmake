@@ -10,4 +10,4 @@ string(JOIN " " CMAKE_CXX_FLAGS_INIT
   -ffunction-sections -fdata-sections
   -fno-exceptions -fno-rtti -fno-unwind-tables -fno-asynchronous-unwind-tables
   -fno-threadsafe-statics -fno-use-cxa-atexit
-  -Wno-psabi -DFLOTILLA_SMALL)
+  -Wno-psabi)

@@ -89,7 +89,7 @@ void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
   app::Parameters kept = v.firmware.parameters();
   kept.MODE = app::mode::kHold;  // every start is in it
   std::destroy_at(&v.firmware);
-  std::construct_at(&v.firmware, kept, kLinks, outbox_);
+  std::construct_at(&v.firmware, kept, kLinks, app::Storage(v.room, outbox_));
   if (injects_) v.firmware.let_failures_be_injected(&judge);
   v.monitor = policies::Monitor<S>(kept);
   const Station& s = v.station;
