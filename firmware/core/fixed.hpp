@@ -13,6 +13,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "core/fixed_integer.hpp"
 #include "core/scalar.hpp"
@@ -32,7 +33,9 @@ class Q16 {
   constexpr Q16() = default;
 
   template <std::integral T>
-  constexpr explicit Q16(T whole) : raw_(saturated(std::int64_t{whole} * kOne)) {}
+  constexpr explicit Q16(T whole) {
+    if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = end(std::cmp_less(whole, 0));
+  }
 
   /// Literals only, when the program is built: one that is out of range does not compile.
   consteval explicit Q16(double literal) : raw_(nearest(literal)) {}
@@ -79,7 +82,7 @@ class Q16 {
   }
 
  private:
-  static constexpr std::int64_t kOne = 65536;
+  static constexpr std::int32_t kOne = 65536;
 
   static std::int32_t end(bool negative) {
     q16_overflow = true;
@@ -123,9 +126,9 @@ constexpr Q16 abs(Q16 x) { return x < Q16{} ? -x : x; }
 constexpr Q16 ceil(Q16 x) {
   return Q16::of_raw(Q16::saturated(((std::int64_t{x.raw()} + 65535) >> 16) * 65536));
 }
-/// √(x² + y²), whose squares may be out of range.
+/// √(x² + y²), √(x² + y² + z²), rounded once; squares may be out of range.
 constexpr Q16 hypot(Q16 x, Q16 y);
-constexpr Q16 hypot(Q16 x, Q16 y, Q16 z) { return hypot(hypot(x, y), z); }
+constexpr Q16 hypot(Q16 x, Q16 y, Q16 z);
 /// a b / c, rounded once.
 constexpr Q16 scaled(Q16 a, Q16 b, Q16 c);
 
