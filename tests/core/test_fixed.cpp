@@ -100,6 +100,10 @@ TEST_CASE("what is divided by zero is as large as can be, and the flag is up") {
   CHECK(lowered_and_risen(true));
   CHECK(Q16(0) / Q16(0) == Q16(0));
   CHECK(lowered_and_risen(true));
+  CHECK(scaled(Q16(2), Q16(-1), Q16(0)) == kLowest);
+  CHECK(lowered_and_risen(true));
+  CHECK(scaled(Q16(0), Q16(-1), Q16(0)) == Q16(0));
+  CHECK(lowered_and_risen(true));
 }
 
 TEST_CASE("halves go to the even neighbour, on either side") {
