@@ -30,6 +30,8 @@ using flotilla::core::Q16;
 using flotilla::testing::kRivals;
 using flotilla::testing::Rival;
 
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
 struct Reference {
   const char* name;
   double (*exact)(double, double);
@@ -43,7 +45,7 @@ constexpr std::array<Reference, 10> kReferences{{
      [](std::int32_t x, std::int32_t) { return fix16_sin(x); }},
     {"cos", [](double x, double) { return std::cos(x); },
      [](std::int32_t x, std::int32_t) { return fix16_cos(x); }},
-    {"atan2", [](double y, double x) { return y == 0 && x == 0 ? NAN : std::atan2(y, x); },
+    {"atan2", [](double y, double x) { return y == 0 && x == 0 ? kNone : std::atan2(y, x); },
      fix16_atan2},
     {"tanh", [](double x, double) { return std::tanh(x); }, nullptr},
     {"exp", [](double x, double) { return std::exp(x); },
@@ -56,7 +58,7 @@ constexpr std::array<Reference, 10> kReferences{{
 }};
 
 struct Errors {
-  double ours = 0, libfixmath = std::numeric_limits<double>::quiet_NaN(), floating = 0;
+  double ours = 0, libfixmath = kNone, floating = 0;
   std::uint64_t arguments = 0;
 
   void see(const Rival& rival, const Reference& reference, std::int32_t x, std::int32_t y) {
@@ -121,9 +123,8 @@ void compare(const Rival& rival, const Reference& reference, std::int64_t count)
   Arguments<std::int32_t> x, y;
   std::ranges::transform(timed.x, x.begin(), &Q16::raw);
   std::ranges::transform(timed.y, y.begin(), &Q16::raw);
-  const double libfixmath_ns = reference.libfixmath == nullptr
-                                   ? std::numeric_limits<double>::quiet_NaN()
-                                   : time_of<std::int32_t>(reference.libfixmath, x, y);
+  const double libfixmath_ns =
+      reference.libfixmath == nullptr ? kNone : time_of<std::int32_t>(reference.libfixmath, x, y);
   std::printf("%s %llu %.4f %.4f %.4f %.2f %.2f %.2f\n", rival.name,
               static_cast<unsigned long long>(errors.arguments), errors.ours, errors.libfixmath,
               errors.floating, time_of<Q16>(rival.ours, timed.x, timed.y), libfixmath_ns,
