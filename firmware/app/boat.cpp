@@ -171,7 +171,7 @@ template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const Parameters& p = parameters();
   // Where time stands still nothing grows old, and nothing can be trusted.
-  if (static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
+  if (idle_ticks_ > 0 && static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
   core::Conditions met = vehicle_.conditions(now_us) | pilot_.conditions(now_us, p) |
                          propulsion_of(can_, p, now_us) | limits_.conditions() | choices_of(p);
   if (host_.bus_up) met |= core::kBusUp;

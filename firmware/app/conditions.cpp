@@ -7,10 +7,11 @@ namespace flotilla::app {
 
 core::Conditions choices_of(const Parameters& p) {
   core::Conditions chosen = 0;
-  if (p.FS_LEADER_ACT == 0) chosen |= core::kLeaderLossHolds;
-  if (p.FS_LEADER_ACT == 1) chosen |= core::kLeaderLossCoasts;
-  if (p.FS_GCS_ACT == 0) chosen |= core::kGcsLossHolds;
-  if (p.FS_GCS_ACT == 1) chosen |= core::kGcsLossCoasts;
+  const int leader_act = static_cast<int>(p.FS_LEADER_ACT), gcs_act = static_cast<int>(p.FS_GCS_ACT);
+  if (leader_act == 0) chosen |= core::kLeaderLossHolds;
+  if (leader_act == 1) chosen |= core::kLeaderLossCoasts;
+  if (gcs_act == 0) chosen |= core::kGcsLossHolds;
+  if (gcs_act == 1) chosen |= core::kGcsLossCoasts;
   return chosen;
 }
 

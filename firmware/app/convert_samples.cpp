@@ -2,6 +2,7 @@
 // MAVLink state messages, read: the half of convert that faces the wire.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdlib>
 #include <initializer_list>
 
@@ -19,11 +20,10 @@ struct Vec3 {
   S x, y, z;
 };
 
+/// By their bits: magnitudes are ordered as whole numbers are, and NaN is above them all.
 bool within(float limit, std::initializer_list<float> values) {
-  for (const float value : values) {
-    if (!(value <= limit && -value <= limit)) return false;  // false for NaN
-  }
-  return true;
+  const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x) & 0x7FFF'FFFFU; };
+  return std::ranges::all_of(values, [&](float x) { return bits(x) <= bits(limit); });
 }
 
 /// Body to frame, of a unit quaternion (w x y z).

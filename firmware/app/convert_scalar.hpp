@@ -68,7 +68,11 @@ template <std::floating_point S>
 double number(S x) {
   return double{x};
 }
-inline double number(core::Q16 x) { return x.raw() * 0x1p-16; }
+inline double number(core::Q16 x) {
+  constexpr std::uint64_t kHalvings = std::uint64_t{16} << 52U;  // off the exponent
+  const double raw = x.raw();
+  return x.raw() == 0 ? 0 : std::bit_cast<double>(std::bit_cast<std::uint64_t>(raw) - kHalvings);
+}
 
 /// The whole part.
 template <std::floating_point S>
@@ -84,6 +88,11 @@ S seconds(std::int64_t us) {
 }
 template <>
 inline core::Q16 seconds(std::int64_t us) {
+  constexpr std::int64_t kShort_us = 65'000;  // for a division of 32 bits
+  if (0 <= us && us <= kShort_us) {
+    const auto short_us = static_cast<std::uint32_t>(us);
+    return core::Q16::of_raw(static_cast<std::int32_t>((short_us * 65536U + 500'000U) / 1'000'000U));
+  }
   constexpr std::int64_t kMost_us = 32'767'000'000;
   const std::int64_t near = us < -kMost_us ? -kMost_us : us > kMost_us ? kMost_us : us;
   const std::int64_t half = near < 0 ? -500'000 : 500'000;

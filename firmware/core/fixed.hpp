@@ -47,19 +47,21 @@ class Q16 {
   }
   constexpr std::int32_t raw() const { return raw_; }
 
-  friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
-  friend constexpr Q16 operator+(Q16 a, Q16 b) {
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
+  [[gnu::always_inline]] friend constexpr Q16 operator+(Q16 a, Q16 b) {
     std::int32_t sum = 0;
     if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
     return of_raw(sum);
   }
-  friend constexpr Q16 operator-(Q16 a, Q16 b) {
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a, Q16 b) {
     std::int32_t difference = 0;
     if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
     return of_raw(difference);
   }
-  friend constexpr Q16 operator*(Q16 a, Q16 b) {
-    return of_raw(saturated(halved(std::int64_t{a.raw_} * b.raw_, 16)));
+  [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
+    const std::int64_t product = std::int64_t{a.raw_} * b.raw_;
+    const std::int64_t odd = product >> 16 & 1;
+    return of_raw(saturated((product + 0x7FFF + odd) >> 16));  // it cannot wrap: |product| ≤ 2⁶²
   }
   /// By zero: the end of the range that a has the sign of; 0 / 0 = 0. Both raise overflow.
   friend constexpr Q16 operator/(Q16 a, Q16 b) {
