@@ -7,7 +7,8 @@ namespace flotilla::app {
 
 core::Conditions choices_of(const Parameters& p) {
   core::Conditions chosen = 0;
-  const int leader_act = static_cast<int>(p.FS_LEADER_ACT), gcs_act = static_cast<int>(p.FS_GCS_ACT);
+  const int leader_act = static_cast<int>(p.FS_LEADER_ACT),
+            gcs_act = static_cast<int>(p.FS_GCS_ACT);
   if (leader_act == 0) chosen |= core::kLeaderLossHolds;
   if (leader_act == 1) chosen |= core::kLeaderLossCoasts;
   if (gcs_act == 0) chosen |= core::kGcsLossHolds;

@@ -107,8 +107,7 @@ Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   const std::int64_t stamp_us = unwrapped_us(time_us, heading.stamp_us);
   // One that is older than a second is of no use, and carried nowhere.
   constexpr std::int64_t kLongest_us = 1'000'000;
-  const std::int64_t later_us =
-      std::clamp(stamp_us - heading.stamp_us, -kLongest_us, kLongest_us);
+  const std::int64_t later_us = std::clamp(stamp_us - heading.stamp_us, -kLongest_us, kLongest_us);
   const S psi = heading.psi_rad + heading.r_radps * seconds<S>(later_us);
   return {stamp_us, 0, 0, psi, S(0), S(0), heading.r_radps};
 }
@@ -231,16 +230,16 @@ Sample<S> at_reference_point(const Sample<S>& antenna, S x, S y) {
 
 bool is_valid(const link::GpsGlobalOrigin& o) { return is_fix(o.latitude, o.longitude); }
 
-#define FLOTILLA_INSTANTIATE(S)                                                            \
-  template Reading<S> sample_of<S>(const link::Odometry&);                                 \
-  template std::optional<HeadingSample<S>> heading_of<S>(const link::Attitude&);           \
-  template std::optional<Sample<S>> sample_of<S>(const link::LocalPositionNed&,            \
-                                                 const HeadingSample<S>&);                 \
-  template std::optional<Sample<S>> sample_of<S>(const link::GlobalPositionInt&,           \
-                                                 const HeadingSample<S>&);                 \
-  template std::optional<Sample<S>> sample_of<S>(const link::FollowTarget&,                \
-                                                 const HeadingSample<S>&);                 \
-  template std::optional<HeadingSample<S>> own_heading_of<S>(const link::FollowTarget&);   \
+#define FLOTILLA_INSTANTIATE(S)                                                          \
+  template Reading<S> sample_of<S>(const link::Odometry&);                               \
+  template std::optional<HeadingSample<S>> heading_of<S>(const link::Attitude&);         \
+  template std::optional<Sample<S>> sample_of<S>(const link::LocalPositionNed&,          \
+                                                 const HeadingSample<S>&);               \
+  template std::optional<Sample<S>> sample_of<S>(const link::GlobalPositionInt&,         \
+                                                 const HeadingSample<S>&);               \
+  template std::optional<Sample<S>> sample_of<S>(const link::FollowTarget&,              \
+                                                 const HeadingSample<S>&);               \
+  template std::optional<HeadingSample<S>> own_heading_of<S>(const link::FollowTarget&); \
   template Sample<S> at_reference_point<S>(const Sample<S>&, S, S);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)

@@ -91,7 +91,8 @@ inline core::Q16 seconds(std::int64_t us) {
   constexpr std::int64_t kShort_us = 65'000;  // for a division of 32 bits
   if (0 <= us && us <= kShort_us) {
     const auto short_us = static_cast<std::uint32_t>(us);
-    return core::Q16::of_raw(static_cast<std::int32_t>((short_us * 65536U + 500'000U) / 1'000'000U));
+    return core::Q16::of_raw(
+        static_cast<std::int32_t>((short_us * 65536U + 500'000U) / 1'000'000U));
   }
   constexpr std::int64_t kMost_us = 32'767'000'000;
   const std::int64_t near = us < -kMost_us ? -kMost_us : us > kMost_us ? kMost_us : us;

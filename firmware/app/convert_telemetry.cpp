@@ -31,7 +31,7 @@ Slot slot_from(const OwnState& state, const core::Error<double>& e) {
 }
 
 std::int16_t degrees(double rad) {
-  return static_cast<std::int16_t>(portable::nearest(core::wrap_pi(rad) * kDegreesPerRadian));
+  return static_cast<std::int16_t>(portable::nearest(portable::wrap_pi(rad) * kDegreesPerRadian));
 }
 
 }  // namespace
@@ -50,8 +50,8 @@ OwnState own_state_of(const Position& from, const core::Motion<S>& motion) {
 }
 
 link::Attitude attitude_of(const OwnState& state, std::uint32_t time_boot_ms) {
-  return {time_boot_ms, 0, 0, static_cast<float>(state.psi_rad), 0, 0,
-          static_cast<float>(state.nu.r)};
+  return {
+      time_boot_ms, 0, 0, static_cast<float>(state.psi_rad), 0, 0, static_cast<float>(state.nu.r)};
 }
 
 link::LocalPositionNed local_position_of(const OwnState& state, std::uint32_t time_boot_ms) {
@@ -76,11 +76,10 @@ link::GlobalPositionInt global_position_of(const OwnState& state, std::uint32_t 
 link::FollowTarget follow_target_of(const OwnState& state, std::uint64_t timestamp_ms) {
   namespace mav = link::mav;
   const GlobalPoint at = global_of({state.north_m, state.east_m, state.origin});
-  const double psi_n = core::wrap_pi(state.psi_rad - at.turn_rad);
+  const double psi_n = portable::wrap_pi(state.psi_rad - at.turn_rad);
   const auto& nu = state.nu;
   const auto v_n = rotated(-at.turn_rad, state.v_n);
-  const auto a_n = rotated(
-      psi_n, {state.nu_dot.u - nu.r * nu.v, state.nu_dot.v + nu.r * nu.u});
+  const auto a_n = rotated(psi_n, {state.nu_dot.u - nu.r * nu.v, state.nu_dot.v + nu.r * nu.u});
   const auto [s, c] = portable::sin_cos(0.5 * psi_n);
   const auto f = [](double value) { return static_cast<float>(value); };
   return {timestamp_ms,
@@ -122,8 +121,8 @@ link::NavControllerOutput nav_controller_output_of(const OwnState& state,
           static_cast<std::uint16_t>(portable::nearest(distance_m)), static_cast<float>(error.y)};
 }
 
-link::PositionTargetLocalNed slot_of(const OwnState& state,
-                                     const core::Error<double>& error, std::uint32_t time_boot_ms) {
+link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<double>& error,
+                                     std::uint32_t time_boot_ms) {
   constexpr std::uint16_t kNotVelocity = 8 | 16 | 32, kNotAcceleration = 64 | 128 | 256,
                           kNotYawRate = 2048;
   const Slot slot = slot_from(state, error);
@@ -133,7 +132,7 @@ link::PositionTargetLocalNed slot_of(const OwnState& state,
   out.type_mask = kNotVelocity | kNotAcceleration | kNotYawRate;
   out.x = static_cast<float>(slot.north_m);
   out.y = static_cast<float>(slot.east_m);
-  out.yaw = static_cast<float>(core::wrap_pi(state.psi_rad - error.psi));
+  out.yaw = static_cast<float>(portable::wrap_pi(state.psi_rad - error.psi));
   return out;
 }
 

@@ -27,10 +27,10 @@ core::Error<double> in_double(const core::Error<S>& e) {
 /// The own state for followers, at a whole millisecond of our clock.
 struct OwnState {
   double north_m, east_m;
-  double psi_rad;             ///< in (−π, π]
-  core::Nu<double> nu;        ///< over ground, in the vessel's axes
-  core::Vec2<double> v_n;     ///< the same, north-east
-  core::Nu<double> nu_dot;    ///< of the components of nu
+  double psi_rad;                  ///< in (−π, π]
+  core::Nu<double> nu;             ///< over ground, in the vessel's axes
+  core::Vec2<double> v_n;          ///< the same, north-east
+  core::Nu<double> nu_dot;         ///< of the components of nu
   link::GpsGlobalOrigin origin{};  ///< of north and east; global messages need it
 };
 template <class S>
@@ -50,8 +50,8 @@ link::NavControllerOutput nav_controller_output_of(const OwnState& state,
                                                    const core::Error<double>& error);
 
 /// The slot itself, from the own origin, and its heading.
-link::PositionTargetLocalNed slot_of(const OwnState& state,
-                                     const core::Error<double>& error, std::uint32_t time_boot_ms);
+link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<double>& error,
+                                     std::uint32_t time_boot_ms);
 
 /// What two ESCs measure of the battery that feeds them: the lower voltage, both currents.
 link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,

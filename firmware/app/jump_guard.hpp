@@ -43,8 +43,7 @@ class JumpGuard {
     std::int64_t stamp_us, arrived_us;
   };
   static Seen seen(const convert::Sample<S>& s, std::int64_t now_us) {
-    return {s.north_m,  s.east_m, s.psi_rad, convert::nu_of(s),
-            s.stamp_us, now_us};
+    return {s.north_m, s.east_m, s.psi_rad, convert::nu_of(s), s.stamp_us, now_us};
   }
 
   /// The state that the next one is compared with.

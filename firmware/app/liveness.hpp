@@ -26,8 +26,7 @@ class Liveness {
     const bool heads = sample.psi_rad == psi_rad_;
     const core::Nu<S> nu = convert::nu_of(sample);
     if (stays) {
-      place_.stay(
-          core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v}), h);
+      place_.stay(core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v}), h);
     } else {
       place_ = {};
     }

@@ -15,6 +15,18 @@ constexpr std::int64_t nearest(double x) {
   return static_cast<std::int64_t>(x < 0 ? x - 0.5 : x + 0.5);
 }
 
+/// The least whole number that is not below x; |x| under 2⁶².
+constexpr std::int64_t ceil(double x) {
+  const auto cut = static_cast<std::int64_t>(x);
+  return static_cast<double>(cut) < x ? cut + 1 : cut;
+}
+
+/// rad, in (−π, π]
+constexpr double wrap_pi(double rad) {
+  constexpr double kTurn = 2 * kPi;
+  return rad - kTurn * static_cast<double>(ceil((rad - kPi) / kTurn));
+}
+
 /// √x by Newton's method, from half the exponent; 0 for what has none.
 constexpr double root(double x) {
   if (!(x > 0)) return 0;

@@ -321,8 +321,7 @@ void VesselTrack<S>::update(const convert::Sample<S>& sample, std::int64_t now_u
                    ? convert::seconds<S>(std::max<std::int64_t>(true_us - *other_source_us_, 1000))
                : stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_)
                            : S(0);
-  const core::TrackMessage<S> message{sample.psi_rad, convert::nu_of(sample),
-                                      dt};
+  const core::TrackMessage<S> message{sample.psi_rad, convert::nu_of(sample), dt};
   if (resumed) {
     core::track_resume(params, track_, message);
   } else {

@@ -47,7 +47,9 @@ class Q16 {
   }
   constexpr std::int32_t raw() const { return raw_; }
 
-  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) {
+    return of_raw(saturated(-std::int64_t{a.raw_}));
+  }
   [[gnu::always_inline]] friend constexpr Q16 operator+(Q16 a, Q16 b) {
     std::int32_t sum = 0;
     if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
@@ -94,8 +96,10 @@ class Q16 {
     }
     const int zeros = std::countl_zero(d);
     const auto [whole, rest] = fixed::divided(n << zeros, d << zeros);
-    const std::uint64_t twice = 2 * std::uint64_t{rest} + (whole & 1);
-    const std::int64_t rounded = std::int64_t{whole} + (twice > d << zeros ? 1 : 0);
+    // rest < d: rest > d − rest is 2 rest > d, which may wrap
+    const std::uint32_t other = (d << zeros) - rest;
+    const std::uint32_t up = rest > other || (rest == other && (whole & 1) != 0) ? 1 : 0;
+    const std::int64_t rounded = std::int64_t{whole} + up;
     return of_raw(saturated(negative ? -rounded : rounded));
   }
 

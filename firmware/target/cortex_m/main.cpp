@@ -18,11 +18,12 @@ namespace {
 
 /// Instructions between one tick's end and the next one's, without what the player itself does.
 struct Cost {
-  std::uint32_t ticks = 0, most = 0;
+  std::uint32_t ticks = 0, least = UINT32_MAX, most = 0;
   std::uint64_t all = 0;
 
   void add(std::uint32_t instructions) {
     ++ticks;
+    least = std::min(least, instructions);
     most = std::max(most, instructions);
     all += instructions;
   }
@@ -86,6 +87,7 @@ bool run() {
   tell("ticks_driving", driving.ticks);
   tell("instructions_mean", every.all / std::max<std::uint32_t>(every.ticks, 1));
   tell("instructions_driving", driving.all / std::max<std::uint32_t>(driving.ticks, 1));
+  tell("instructions_driving_least", driving.least);
   tell("instructions_most", every.most);
   tell("stack_bytes", most_stack_bytes());
   tell("boat_bytes", sizeof(app::Boat<Scalar>));

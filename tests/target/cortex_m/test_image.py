@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""A boat on a Cortex-M4, emulated, against the same boat here."""
+"""A boat in fixed point on a Cortex-M4 and on a 64-bit ARM, emulated, against the same boat here."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -9,18 +10,18 @@ from pathlib import Path
 import pytest
 
 from sil import scenario
-from sil.metal.image import QEMU, play
+from sil.metal.image import IMAGE, QEMU, QEMU_ARM64, play, play_arm64
 from sil.metal.size import sizes
 from sil.metal.stream import stream_of
 from sil.recording import Recording
 from sil.world import sail
 
 ROOT = Path(__file__).resolve().parents[3]
-COMPILER = "arm-none-eabi-g++"
+TOOLS = (QEMU, QEMU_ARM64, "arm-none-eabi-g++", "aarch64-linux-gnu-g++")
 HEAP = {"malloc", "_malloc_r", "_sbrk", "_Znwj", "_Znaj"}
 
 pytestmark = pytest.mark.skipif(
-    not (shutil.which(QEMU) and shutil.which(COMPILER)), reason="no tools for Cortex-M: tools/metal"
+    not all(map(shutil.which, TOOLS)), reason="no tools for Cortex-M and arm64: tools/metal"
 )
 
 
@@ -28,58 +29,81 @@ def run(*command: str | Path) -> str:
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 
-@pytest.fixture(scope="module")
-def image() -> Path:
-    run("cmake", "--preset", "cortex-m", f"-DPython_EXECUTABLE={sys.executable}")
-    run("cmake", "--build", "--preset", "cortex-m", "--target", "flotilla_player")
-    return ROOT / "build/cortex-m/firmware/flotilla_player"
+@pytest.fixture(scope="module", autouse=True)
+def built() -> None:
+    for preset in ("cortex-m", "player-arm64"):
+        run("cmake", "--preset", preset, f"-DPython_EXECUTABLE={sys.executable}")
+        run("cmake", "--build", "--preset", preset)
+
+
+def sailed(scalar: str, path: Path) -> Recording:
+    settings = ["duration_s=4.0", f"scalar='{scalar}'"]
+    sail([scenario.load("diamond", settings)], {}, record=path)
+    return Recording(path)
 
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
-    path = tmp_path_factory.mktemp("diamond") / "recording.bin"
-    sail([scenario.load("diamond", ["duration_s=4.0"])], {}, record=path)
-    return Recording(path)
+    return sailed("q16", tmp_path_factory.mktemp("q16") / "recording.bin")
 
 
-def test_until_its_mathematics_rounds_otherwise_it_says_what_the_boat_here_says(
-    image: Path, recording: Recording
-) -> None:
-    stream, digest = stream_of(recording, 0, 4.0)
-    said = play(image, stream)
+@pytest.mark.parametrize("boat", [0, 2])
+def test_all_processors_say_the_same_to_the_last_bit(recording: Recording, boat: int) -> None:
+    stream, here = stream_of(recording, boat, 4.0)
+    said = play(stream)
     assert int(said["ticks"]) == 401 and int(said["ticks_driving"]) > 90
-    assert said["digest"] == digest
+    assert said["digest"] == play_arm64(stream)["digest"] == here
 
 
-def test_a_boat_to_which_no_message_comes_whole_says_something_else(
-    image: Path, recording: Recording
-) -> None:
-    stream, digest = stream_of(recording, 0, 1.0)
+def test_a_boat_in_floating_point_says_something_else(recording: Recording, tmp_path: Path) -> None:
+    stream, here = stream_of(sailed("float", tmp_path / "recording.bin"), 0, 4.0)
+    assert play_arm64(stream)["digest"] != here
+
+
+def test_a_boat_to_which_no_message_comes_whole_says_something_else(recording: Recording) -> None:
+    stream, here = stream_of(recording, 0, 1.0)
     first = 12 + int.from_bytes(stream[10:12], "little")
     deaf = stream[:first] + stream[first:].replace(b"\xfd", b"\xfc")
-    assert play(image, stream)["digest"] == digest != play(image, deaf)["digest"]
+    assert play(stream)["digest"] == here != play(deaf)["digest"]
 
 
-def test_a_stream_that_begins_with_no_boat_is_refused(image: Path, recording: Recording) -> None:
+def test_a_stream_that_begins_with_no_boat_is_refused(recording: Recording) -> None:
     stream, _ = stream_of(recording, 0, 1.0)
     first = 12 + int.from_bytes(stream[10:12], "little")
     with pytest.raises(RuntimeError, match="the stream is damaged"):
-        play(image, stream[first:])
+        play(stream[first:])
 
 
 def test_flash_and_ram_are_a_small_microcontrollers_and_nothing_is_left_out(
-    image: Path, recording: Recording
+    recording: Recording,
 ) -> None:
-    flash, ram = sizes(image.with_suffix(".map"))
-    text, data, bss = map(int, run("arm-none-eabi-size", image).splitlines()[1].split()[:3])
+    flash, ram = sizes(IMAGE.with_suffix(".map"))
+    text, data, bss = map(int, run("arm-none-eabi-size", IMAGE).splitlines()[1].split()[:3])
     assert flash.total() == pytest.approx(text + data, rel=0.005)
     assert ram.total() == pytest.approx(data + bss, rel=0.005)
-    assert flash.total() < 160 * 1024
-    stack = int(play(image, stream_of(recording, 0, 4.0)[0])["stack_bytes"])
-    assert stack > 1000 and ram.total() + stack < 32 * 1024
+    assert flash.total() < 160_000
+    stack = int(play(stream_of(recording, 0, 4.0)[0])["stack_bytes"])
+    assert stack > 1000 and ram.total() + stack < 32_000
 
 
-def test_there_is_no_heap_in_it(image: Path) -> None:
-    symbols = {line.split()[-1] for line in run("arm-none-eabi-nm", image).splitlines()}
-    assert "reset" in symbols
-    assert not symbols & HEAP
+def symbols() -> set[str]:
+    return {line.split()[-1] for line in run("arm-none-eabi-nm", IMAGE).splitlines()}
+
+
+def test_there_is_no_heap_in_it() -> None:
+    assert "reset" in symbols()
+    assert not symbols() & HEAP
+
+
+def test_there_is_nothing_of_the_mathematical_library_in_it() -> None:
+    library = run("arm-none-eabi-g++", "-mcpu=cortex-m4", "-mthumb", "-print-file-name=libm.a")
+    listed = run("arm-none-eabi-nm", "--defined-only", library.strip())
+    functions = set(re.findall(r" [TW] (\w+)$", listed, re.MULTILINE))
+    assert {"sin", "sqrtf", "floor"} <= functions
+    assert not symbols() & functions
+
+
+def test_there_are_no_floating_point_instructions_in_it() -> None:
+    code = run("arm-none-eabi-objdump", "-d", IMAGE)
+    assert re.search(r"\tsmull\t", code)
+    assert not re.search(r"\tv(add|sub|mul|div|ldr|mov|cvt)\S*\t", code)
