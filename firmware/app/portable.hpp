@@ -5,12 +5,13 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 namespace flotilla::app::portable {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// The nearest whole number, halves away from zero; |x| under 2⁶².
+/// The nearest whole number, halves away from zero; |x| under 2⁵².
 constexpr std::int64_t nearest(double x) {
   return static_cast<std::int64_t>(x < 0 ? x - 0.5 : x + 0.5);
 }
@@ -27,9 +28,10 @@ constexpr double wrap_pi(double rad) {
   return rad - kTurn * static_cast<double>(ceil((rad - kPi) / kTurn));
 }
 
-/// √x by Newton's method, from half the exponent; 0 for what has none.
+/// √x by Newton's method, from half the exponent; 0 for what has none, and ∞ of ∞.
 constexpr double root(double x) {
   if (!(x > 0)) return 0;
+  if (x > std::numeric_limits<double>::max()) return x;
   double y = std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) >> 1U) + 0x1FF8'0000'0000'0000);
   for (int i = 0; i < 5; ++i) y = 0.5 * (y + x / y);
   return y;

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat's recorded stream played on x86-64, aarch64 and a Cortex-M4: digest of what it says,
-instructions of a tick, stack, flash and RAM by room."""
+"""A boat's recorded stream on x86-64, aarch64 and a Cortex-M4: digests, instructions, memory."""
 
 import argparse
 import subprocess

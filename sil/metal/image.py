@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Runs `flotilla_player` on emulated processors: a Cortex-M4 that counts its instructions, and a
-64-bit ARM with Linux."""
+"""Runs `flotilla_player` on emulated processors: a Cortex-M4, and a 64-bit ARM with Linux."""
 
 import subprocess
 from pathlib import Path
@@ -21,7 +20,9 @@ def _said(command: list[str], stream: bytes, timeout_s: float) -> dict[str, str]
 
 
 def play(stream: bytes, image: Path = IMAGE, timeout_s: float = 600.0) -> dict[str, str]:
-    """What the image prints on a Cortex-M4, by name. RuntimeError where it does not end well."""
+    """What the image prints on a Cortex-M4, which counts its instructions, by name.
+
+    RuntimeError where it does not end well."""
     command = [
         *(QEMU, "-machine", "mps2-an386", "-icount", "shift=0"),
         *("-display", "none", "-monitor", "none", "-serial", "none"),

@@ -48,7 +48,7 @@ TEST_CASE("what Q16 has no room for is its nearest end, and raises the overflow"
   CHECK(q16_of(std::nan("")) == Q16(0));
   CHECK(core::take_overflow<Q16>());
   CHECK(q16_of(32768 - kLsb).raw() == most);
-  CHECK(q16_of(-32768).raw() == -most - 1);
+  CHECK(q16_of(-32768.0).raw() == -most - 1);
   CHECK_FALSE(core::take_overflow<Q16>());
 }
 
