@@ -22,7 +22,8 @@ def _said(command: list[str], stream: bytes, timeout_s: float) -> dict[str, str]
 def play(stream: bytes, image: Path = IMAGE, timeout_s: float = 600.0) -> dict[str, str]:
     """What the image prints on a Cortex-M4, which counts its instructions, by name.
 
-    RuntimeError where it does not end well."""
+    RuntimeError where it does not end well.
+    """
     command = [
         *(QEMU, "-machine", "mps2-an386", "-icount", "shift=0"),
         *("-display", "none", "-monitor", "none", "-serial", "none"),
