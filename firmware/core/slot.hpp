@@ -56,7 +56,7 @@ template <class S>
 struct Smooth {
   S value{};
   S rate{};
-  Carry<S> rest{};  ///< of the rate
+  Carry<S> value_rest{}, rate_rest{};
 };
 
 template <class S>
@@ -104,9 +104,11 @@ SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const Encounter<S>& i
 template <class S>
 void smooth(S omega, Smooth<S>& state, S value, S h) {
   const S step = omega * h;
-  const S off = (value - state.value - h * state.rate) / (S(1) + step * (S(2) + step));
-  state.value = value - off;
-  state.rate = state.rate + state.rest.take(omega * step, off);
+  const S gain = step / (S(1) + step * (S(2) + step));
+  const S off = value - state.value - h * state.rate;
+  state.value = state.value + state.value_rest.take(h, state.rate);
+  state.value = state.value + state.value_rest.take(gain * (S(2) + step), off);
+  state.rate = state.rate + state.rate_rest.take(omega * gain, off);
 }
 
 /// How the slot moves; carries its state over the h seconds since the step before.
