@@ -61,9 +61,11 @@ void coast_forward(S T, CoastState<S>& state, S h) {
 /// Neither of them beyond ±most: what turns the boat is kept, as in allocation.
 template <class S>
 Commands<S> limited(const Commands<S>& asked, S most) {
-  const S d = clamp(S(0.5) * (asked.port - asked.stbd), -most, most);
+  const S port = S(0.5) * asked.port;
+  const S stbd = S(0.5) * asked.stbd;
+  const S d = clamp(port - stbd, -most, most);
   const S rest = most - abs(d);
-  const S m = clamp(S(0.5) * (asked.port + asked.stbd), -rest, rest);
+  const S m = clamp(port + stbd, -rest, rest);
   return {clamp(m + d, -most, most), clamp(m - d, -most, most)};
 }
 

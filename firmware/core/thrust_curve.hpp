@@ -46,7 +46,7 @@ S command_from_thrust(const ThrustCurveParams<S>& params, S T) {
   const S root = sqrt(linear * linear + S(4) * params.epsilon * t);
   const S most = scaled(params.full, smaller(abs(T), T_max), T_max);
   const S c =
-      smaller(S(2) * most / (linear + root), params.full);  // rounding may exceed it at t = 1
+      smaller(most / (S(0.5) * (linear + root)), params.full);  // rounding may exceed it at t = 1
   return astern ? -c : c;
 }
 
