@@ -24,6 +24,8 @@
 // loop needs the yaw rate more than 27 times a second, and many navigation units give it 5 times.
 // Fed with the wrench that was given, b does not wind up where the propellers saturate. The current
 // is what keeps sway from going where the model says, whichever way the boat heads.
+//
+// Q16.16: tested within ±500 (wrench given, N)
 #pragma once
 
 #include "core/sum.hpp"

@@ -21,6 +21,8 @@
 // are alike and the water stands still, and it does not turn. A boat sails where its course goes, not
 // where its bow points: in a current, on the leader's outside, behind a leader with another hull.
 // u̇_L and v̇_L, full of noise, enter δ̇ through the smoothing alone; ṙ_S is ṙ_L.
+//
+// Q16.16: tested within ±500 (inertia, kg)
 #pragma once
 
 #include "core/rotation.hpp"
