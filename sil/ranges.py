@@ -79,7 +79,7 @@ def observed(folder: Path = FOLDER) -> ctypes.CDLL:
 
 
 def seen(text: str, run: str) -> dict[str, Most]:
-    """Of the run named `run`, by file of core, from the lines `FILE:LINE RAW` that the module tells."""
+    """What the module's lines `FILE:LINE RAW` say of the run named `run`, by file of core."""
     most: dict[str, Most] = {}
     for file, line, raw in _SEEN.findall(text):
         most = merged(most, {file: Most(int(raw) / 65536, int(line), run)})
@@ -126,18 +126,17 @@ def rows(says: Mapping[str, float], most: Mapping[str, Most]) -> list[Row]:
 
 
 def for_terminal(found: Iterable[Row]) -> Table:
-    """The table for the terminal; what is out of its range is red."""
+    """The table for the terminal, margins to Q16.16's end; what is out of its range is red."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
-    for place, head in enumerate(("file", "greatest", "stated", "margin", "line", "run")):
-        grid.add_column(head, justify="right" if 1 <= place <= 4 else "left", no_wrap=True)
+    for place, head in enumerate(("file:line", "greatest", "stated", "margin", "run")):
+        grid.add_column(head, justify="right" if 1 <= place <= 3 else "left", no_wrap=True)
     for row in found:
-        most = row.most
+        file, most = Path(row.file).stem, row.most
         grid.add_row(
-            row.file,
+            f"{file}:{most.line}" if most else file,
             f"{most.magnitude:,.1f}" if most else "–",
             f"{row.stated:,g}" if row.stated else "none",
-            f"{_END / most.magnitude:,.0f} ×" if most and most.magnitude else "–",
-            str(most.line) if most else "–",
+            f"{_END / most.magnitude:,.0f}" if most and most.magnitude else "–",
             most.run if most else "–",
             style=None if row.kept else "bold red",
         )
