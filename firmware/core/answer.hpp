@@ -23,6 +23,8 @@
 // nothing for an unknown force. Without disturbances P ≥ Q for every boat whose parameters are wrong
 // by no more than μ; in yaw, where they are greater, less is asked for. A boat that has the velocity
 // that is wanted does answer, whatever else acts: in a stream it takes thrust to stand still.
+//
+// Q16.16: tested within ±500 (wrench given, N)
 #pragma once
 
 #include "core/allocation.hpp"

@@ -3,6 +3,8 @@
 // sqrt, ceil. What may be great is not squared: a scalar may end at ±32768.
 //
 // A literal enters only as S(0.5): the build rejects every other floating literal in this folder.
+//
+// Q16.16: tested within ±500 (ratio_within, wrap_pi)
 #pragma once
 
 #include <cmath>

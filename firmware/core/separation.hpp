@@ -26,6 +26,8 @@
 //
 // Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
 // using velocity obstacles, IJRR 17 (1998).
+//
+// Q16.16: tested within ±200 (other vessels' places, m)
 #pragma once
 
 #include <array>

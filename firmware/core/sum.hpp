@@ -3,6 +3,8 @@
 //
 //   Sum<S>     x itself
 //   Sum<Q16>   x in 2⁻³² (64 bits): 0.1 m/s × 0.01 s is exact, 2³² additions lose nothing
+//
+// Q16.16: tested within ±1 (what is carried; the sum itself has 64 bits)
 #pragma once
 
 #include <cstdint>

@@ -12,6 +12,8 @@
 //
 // Not in paper. The inverse is written with the root in the denominator: it needs no case for ε =
 // 0.
+//
+// Q16.16: tested within ±8,192 (commands in a propeller's counts)
 #pragma once
 
 #include "core/scalar.hpp"
@@ -46,7 +48,7 @@ S command_from_thrust(const ThrustCurveParams<S>& params, S T) {
   const S root = sqrt(linear * linear + S(4) * params.epsilon * t);
   const S most = scaled(params.full, smaller(abs(T), T_max), T_max);
   const S c =
-      smaller(S(2) * most / (linear + root), params.full);  // rounding may exceed it at t = 1
+      smaller(most / (S(0.5) * (linear + root)), params.full);  // rounding may exceed it at t = 1
   return astern ? -c : c;
 }
 
@@ -55,8 +57,10 @@ S command_from_thrust(const ThrustCurveParams<S>& params, S T) {
 template <class S>
 S limit_slew(S previous, S wanted, S rate, S dt, S full = S(1)) {
   if (!(S(0) < rate)) return wanted;
-  const S most = full * smaller(rate * dt, S(2));
-  return clamp(wanted, previous - most, previous + most);
+  const S half = S(0.5) * full * smaller(rate * dt, S(2));
+  const S way = S(0.5) * wanted - S(0.5) * previous;  // halves: the whole may be 2 full
+  if (abs(way) <= half) return wanted;
+  return way < S(0) ? previous - half - half : previous + half + half;
 }
 
 }  // namespace flotilla::core

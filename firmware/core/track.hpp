@@ -24,6 +24,8 @@
 // spacing of messages; it has no lag behind a steady jerk. T is twice the last two spacings, within
 // limits: a leader that speaks often is followed at once when it jerks into motion, and two stamps
 // that lie close together say nothing of its acceleration.
+//
+// Q16.16: tested within ±200 (rates of change of nu)
 #pragma once
 
 #include "core/rotation.hpp"

@@ -123,5 +123,36 @@ TEST_CASE("vessels hundreds of metres away overflow nothing") {
   CHECK_FALSE(take_overflow<Q16>());
 }
 
+TEST_CASE("full sticks of the strongest boat overflow nothing and ask what they ask in doubles") {
+  const AllocationParams<Q16> strongest{Q16(5), Q16(500), Q16(500)};
+  take_overflow<Q16>();
+  for (const int s : {-10, -1, 1, 10}) {
+    const Tau<Q16> tau = stick_wrench(strongest, Q16(s), Q16(-s));
+    CHECK(tau.X == Q16(s < 0 ? -1000 : 1000));
+    CHECK(tau.N == Q16(s < 0 ? 5000 : -5000));
+    const auto thrust = test_thrust(strongest, Propeller::kPort, Q16(s));
+    CHECK(std::abs(number_of(thrust.port) - (s < 0 ? -100 : 100)) < 0.002);  // 500 N of ½ LSB
+  }
+  CHECK_FALSE(take_overflow<Q16>());
+}
+
+TEST_CASE("a propeller's counts go from end to end at the slew rate, never beyond the ends") {
+  const Q16 full = Q16(8191);
+  take_overflow<Q16>();
+  for (const int rate : {1, 5, 20, 150, 1000}) {
+    for (const Q16 end : {full, -full}) {
+      Q16 command = -end;
+      for (int k = 1; command != end; ++k) {
+        REQUIRE(k <= 202);
+        command = limit_slew(command, end, Q16(rate), Q16(0.01), full);
+        REQUIRE(abs(command) <= full);
+        const double gone = std::min(2.0, k * rate * 0.01) * 8191;
+        CHECK(std::abs(std::abs(number_of(command) + number_of(end)) - gone) < 0.01 * gone);
+      }
+    }
+  }
+  CHECK_FALSE(take_overflow<Q16>());
+}
+
 }  // namespace
 }  // namespace flotilla::core
