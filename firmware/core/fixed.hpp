@@ -99,8 +99,13 @@ class Q16 {
     // rest < d: rest > d − rest is 2 rest > d, which may wrap
     const std::uint32_t other = (d << zeros) - rest;
     const std::uint32_t up = rest > other || (rest == other && (whole & 1) != 0) ? 1 : 0;
-    const std::int64_t rounded = std::int64_t{whole} + up;
-    return of_raw(saturated(negative ? -rounded : rounded));
+    const std::uint32_t rounded = whole + up;
+    // 2³¹ or more, or 2³²: the sum wraps to 0
+    if (rounded >> 31 != 0 || rounded < whole) {
+      return of_raw(saturated((std::int64_t{whole} + up) * (negative ? -1 : 1)));
+    }
+    const auto raw = static_cast<std::int32_t>(rounded);
+    return of_raw(negative ? -raw : raw);
   }
 
  private:
