@@ -47,7 +47,7 @@ def measure(arguments: int) -> list[Row]:
     """Of that many arguments of every function, or a few more. The programs are built already."""
     command = [str(HERE), str(arguments)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)  # noqa: S603
-    soft, hard = (play(THERE / f"fixed_instructions_{abi}", b"") for abi in ("soft", "hard"))
+    soft, hard = (play(b"", THERE / f"fixed_instructions_{abi}") for abi in ("soft", "hard"))
     rows = []
     for line in done.stdout.splitlines():
         name, count, *figures = line.split()

@@ -97,7 +97,8 @@ def merged(a: Mapping[str, Most], b: Mapping[str, Most]) -> dict[str, Most]:
 
 def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
     """What each run of all scenarios took, `seconds` of them at most."""
-    from sil.world import RunError, sail  # noqa: PLC0415 these import flotilla
+    from sil.start import RunError  # noqa: PLC0415 these import flotilla
+    from sil.world import sail  # noqa: PLC0415
 
     for path in sorted(scenario.FOLDER.glob("*.toml")):
         silence = [_SILENCE] if path.stem == "diamond" else []
