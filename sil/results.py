@@ -6,7 +6,7 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from rich.console import Console
 from rich.markup import escape
@@ -19,11 +19,19 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from sil import arguments, comparison, files, results_campaigns, results_table
+from sil import (
+    arguments,
+    comparison,
+    files,
+    results_campaigns,
+    results_scalar,
+    results_table,
+)
 from sil.campaign.finished import Campaign
 from sil.claims import BASELINE, CLAIMS, LAWS, PRODUCT
 from sil.results_table import Row
 from sil.sailing import Job, Outcome, sail_all
+from sil.sections import Scalar
 
 HERE = Path(__file__).parent
 PAGE, PICTURES = HERE / "RESULTS.md", HERE / "results"
@@ -57,12 +65,19 @@ def add_to(commands: Any) -> None:
         metavar="KEY=VALUE",
         help="a key of every scenario; repeatable",
     )
+    command.add_argument(
+        "--scalar",
+        choices=[scalar for scalar in get_args(Scalar) if scalar != "float"],
+        help="in float and in this arithmetic: where do they differ? nothing is written",
+    )
 
 
 def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
     """Exit status: 0, 1 where a bound is missed or a run failed, 2 mistaken, 130 interrupted."""
     console = Console()
     try:
+        if options.scalar:
+            return _compare(options, console)
         options.out.mkdir(parents=True, exist_ok=True)
         campaigns = []
         if _whole(options):
@@ -83,15 +98,26 @@ def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
     return 0 if all(row.reached for row in table) else 1
 
 
+def _compare(options: argparse.Namespace, console: Console) -> int:
+    """Exit status: 0, 1 where a figure in the other scalar is not as in float."""
+    in_float, other = (
+        _sail(_jobs(options, (f"scalar='{scalar}'",)), options.workers, console)
+        for scalar in ("float", options.scalar)
+    )
+    found = results_scalar.pairs(in_float, other)
+    console.print(results_scalar.for_terminal(options.scalar, found))
+    return 0 if all(pair.alike for pair in found) else 1
+
+
 def _whole(options: argparse.Namespace) -> bool:
     """Whether all is sailed as the page claims it."""
     return not options.only and not options.set and options.seeds == SEEDS
 
 
-def _jobs(options: argparse.Namespace) -> list[Job]:
+def _jobs(options: argparse.Namespace, overrides: tuple[str, ...] = ()) -> list[Job]:
     seeds = range(1, options.seeds + 1)
     return [
-        Job(name, law, seed, tuple(options.set))
+        Job(name, law, seed, (*options.set, *overrides))
         for name, claim in CLAIMS.items()
         if not options.only or name in options.only
         for law in LAWS

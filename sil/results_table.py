@@ -63,7 +63,7 @@ def rows(outcomes: Sequence[Outcome]) -> list[Row]:
             for law in (BASELINE, PRODUCT)
         }
         for bound in CLAIMS[name].bounds:
-            baseline, product = (_percentile(runs, bound, law) for law, runs in laws.items())
+            baseline, product = (percentile(runs, bound, law) for law, runs in laws.items())
             found.append(Row(name, bound, baseline, product, len(laws[PRODUCT])))
     return found
 
@@ -102,7 +102,7 @@ def between(text: str, begin: str, content: str) -> str:
     return f"{before}{begin}{content}\n{END}{after}"
 
 
-def _percentile(runs: Sequence[Outcome], bound: Bound, law: str) -> float | None:
+def percentile(runs: Sequence[Outcome], bound: Bound, law: str) -> float | None:
     """The 95th percentile, rounded up to a run; of a single run its figure."""
     if law not in bound.laws:
         return math.nan

@@ -19,7 +19,7 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 # TOML has arrays only: Strict(False) lets them be tuples, their numbers stay strict
 Pair = Annotated[tuple[float, float], Strict(False)]
 Triple = Annotated[tuple[float, float, float], Strict(False)]
-Scalar = Literal["float", "double"]
+Scalar = Literal["float", "double", "q16"]
 ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Z][A-Z0-9_]{0,15}$")]
 Parameters = dict[ParameterName, float]
 

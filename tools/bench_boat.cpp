@@ -6,6 +6,7 @@
 //   flotilla_bench tick_odometry N the same from an ODOMETRY each
 //   flotilla_bench odometry N      N ODOMETRY decoded by the link alone
 //   flotilla_bench replay N FILE BOAT NAME=VALUE...   first N ticks of that boat in a recording.bin
+//   flotilla_bench stream N        what `tick` plays, as flotilla_player reads it, to standard output
 //
 // Inputs are made, and for a replay read, before the clock starts; it prints ns for all N.
 #include <algorithm>
@@ -190,6 +191,38 @@ std::size_t decode_odometry(std::size_t n) {
   return n;
 }
 
+/// In the layout of firmware/target/cortex_m/player.hpp.
+void write_stream(const std::vector<Event>& events, std::size_t n) {
+  const auto put = [](const auto& value) { std::fwrite(&value, sizeof value, 1, stdout); };
+  const auto record = [&](std::int64_t t_us, std::uint16_t port, std::size_t length) {
+    put(t_us);
+    put(port);
+    put(static_cast<std::uint16_t>(length));
+  };
+  const app::Parameters parameters;
+  record(0, 34, 4 + 4 * app::kParameterList.size());
+  put(std::uint32_t{1});
+  for (const app::ParameterInfo& info : app::kParameterList) put(parameters.*(info.member));
+  std::size_t ticks = 0;
+  for (const Event& event : events) {
+    if (ticks == n) break;
+    switch (event.kind) {
+      case Event::Kind::kMavlink:
+        record(event.t_us, static_cast<std::uint16_t>(event.link), event.bytes.size());
+        break;
+      case Event::Kind::kCan:
+        record(event.t_us, 8, 4 + event.bytes.size());
+        put(event.can_id);
+        break;
+      case Event::Kind::kTick:
+        record(event.t_us, 33, 0);
+        ++ticks;
+        break;
+    }
+    std::fwrite(event.bytes.data(), 1, event.bytes.size(), stdout);
+  }
+}
+
 int fail(const char* why) {
   std::fprintf(stderr, "flotilla_bench: %s\n", why);
   return 2;
@@ -214,6 +247,10 @@ int main(int argc, char** argv) {
     events = recorded_events(argv[3], static_cast<unsigned>(std::atoi(argv[4])));
   } else if (what != "odometry") {
     events = made_events(what == "tick_odometry");
+  }
+  if (what == "stream") {
+    write_stream(events, n);
+    return 0;
   }
   app::Boat<float> boat(parameters, replay ? 2 : 1);
   const auto began = std::chrono::steady_clock::now();

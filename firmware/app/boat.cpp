@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/manual.hpp"
+#include "core/overflow.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -20,15 +21,17 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 }  // namespace
 
 template <class S>
-Boat<S>::Boat(const Parameters& p, std::size_t links, Outbox* shared)
-    : own_outbox_(shared == nullptr ? std::make_unique<Outbox>(links) : nullptr),
-      outbox_(shared == nullptr ? own_outbox_.get() : shared),
-      vehicle_(p, links, outbox_->mavlink),
+Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
+    : can_output_(storage.can),
+      vehicle_(p, links, storage),
       tick_rate_Hz_(p.CTL_RATE),
       pilot_(p),
       thrusters_(p),
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
-      complaint_due_(10 * kSecond_us) {}
+      complaint_due_(10 * kSecond_us) {
+  core::take_overflow<S>();
+  configure();
+}
 
 template <class S>
 std::int64_t Boat<S>::monotonic(std::int64_t now) {
@@ -48,15 +51,25 @@ std::int64_t Boat<S>::monotonic(std::int64_t now) {
 template <class S>
 void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, std::size_t link) {
   const std::int64_t now_us = monotonic(now);
+  core::take_overflow<S>();
   while (!data.empty()) {
     data = data.subspan(vehicle_.links().decoder(link).fill(data));
     take_all(link, now_us);
   }
+  note_range();
 }
 
 template <class S>
 void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
+  core::take_overflow<S>();
   give_up(link, monotonic(now));
+  note_range();
+}
+
+/// The flag is the thread's, of all its boats: each takes what its own calls have raised.
+template <class S>
+void Boat<S>::note_range() {
+  overflow_ = core::take_overflow<S>() || overflow_;
 }
 
 template <class S>
@@ -94,20 +107,24 @@ void Boat<S>::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, s
 template <class S>
 typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   const std::int64_t now_us = monotonic(now);
+  core::take_overflow<S>();
   vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
-  outbox_->can.count = 0;
+  can_output_.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
   for (std::size_t link = 0; link < vehicle_.links().count(); ++link) {
     if (vehicle_.links().waits_in_vain(link, now_us)) give_up(link, now_us);
   }
+  note_range();
+  in_range_ = fits_ && !std::exchange(overflow_, false);
   supervise(now_us);
   steer(now_us);
   look_at_limits(now_us);
-  can_.send(thrust_.raw, core::armed(state()), now_us, counters_, outbox_->can);
+  can_.send(thrust_.raw, core::armed(state()), now_us, counters_, can_output_);
   complain(now_us);
   vehicle_.tell(report(now_us), counters_);
+  note_range();
   last_tick_us_ = now_us;
-  return {&vehicle_.links(), std::span(outbox_->can.frames).first(outbox_->can.count)};
+  return {&vehicle_.links(), std::span(can_output_.frames).first(can_output_.count)};
 }
 
 template <class S>
@@ -143,20 +160,24 @@ void Boat<S>::note_state(std::int64_t now_us) {
 
 template <class S>
 void Boat<S>::configure() {
+  note_range();
   pilot_.configure(parameters(), vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = Thrusters<S>(parameters());
+  fits_ = !core::take_overflow<S>();
+  in_range_ = in_range_ && fits_;
 }
 
 template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const Parameters& p = parameters();
   // Where time stands still nothing grows old, and nothing can be trusted.
-  if (static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
+  if (idle_ticks_ > 0 && static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
   core::Conditions met = vehicle_.conditions(now_us) | pilot_.conditions(now_us, p) |
                          propulsion_of(can_, p, now_us) | limits_.conditions() | choices_of(p);
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
+  if (in_range_) met |= core::kInRange;
   return met;
 }
 
@@ -189,8 +210,9 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
   switch (state()) {
     case core::State::kManual: {
       const Sticks& sticks = vehicle_.sticks();
-      law_output_.tau = core::stick_wrench(pilot_.law().propellers, static_cast<S>(sticks.surge),
-                                           static_cast<S>(sticks.yaw));
+      law_output_.tau =
+          core::stick_wrench(pilot_.law().propellers, convert::scalar<S>(sticks.surge),
+                             convert::scalar<S>(sticks.yaw));
       law_output_.allocation = core::allocate(pilot_.law().propellers, law_output_.tau);
       break;
     }
@@ -198,7 +220,7 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
       const MotorTest& test = *vehicle_.motor_test();
       law_output_.allocation.thrust = core::test_thrust(
           pilot_.law().propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
-          static_cast<S>(test.share));
+          convert::scalar<S>(test.share));
       break;
     }
     case core::State::kCoast:
@@ -224,6 +246,9 @@ void Boat<S>::steer(std::int64_t now_us) {
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, wanted, dt, state() != core::State::kCoast);
+  note_range();
+  // What was computed is wrong, who knows where: FAULT comes with the next tick's conditions.
+  if (overflow_) thrust_ = thrusters_.step(false, wanted, dt);
 }
 
 template <class S>
@@ -241,7 +266,7 @@ void Boat<S>::complain(std::int64_t now_us) {
 template <class S>
 std::optional<double> Boat<S>::separation_m() const {
   const auto& [yielding, known, predicted] = law_output_.separation;
-  return known ? std::optional<double>(predicted) : std::nullopt;
+  return known ? std::optional(convert::number(predicted)) : std::nullopt;
 }
 
 template <class S>
@@ -289,7 +314,7 @@ Snapshot Boat<S>::snapshot() const {
           convert::in_double(law.wanted.nu_star),
           convert::in_double(law.tau),
           convert::in_double(thrust_.given),
-          {double(thrust_.thrust.port), double(thrust_.thrust.stbd)},
+          {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)},
           law.allocation.surge_limited,
           law.allocation.yaw_limited,
           thrust_.slew_limited,
@@ -302,5 +327,6 @@ Snapshot Boat<S>::snapshot() const {
 
 template class Boat<float>;
 template class Boat<double>;
+template class Boat<core::Q16>;
 
 }  // namespace flotilla::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, no heap
-// after construction, but for a signing key's streams.
+// The boat: bytes, frames and the time in; bytes and frames out. No socket, no clock, and where it is
+// given its storage no heap.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "app/can_node.hpp"
 #include "app/conditions.hpp"
 #include "app/pilot.hpp"
+#include "app/storage.hpp"
 #include "app/thrusters.hpp"
 #include "app/vehicle.hpp"
 
@@ -45,14 +45,7 @@ struct HostReport {
   bool save_failed = false;      ///< the last try to write the parameters
 };
 
-/// Where a boat puts what it says in a tick.
-struct Outbox {
-  explicit Outbox(std::size_t links) : mavlink(links) {}
-  std::vector<Datagram> mavlink;
-  CanOutput can;
-};
-
-/// S: scalar of the law, float or double.
+/// S: scalar of the law, float, double or core::Q16.
 template <class S>
 class Boat {
  public:
@@ -62,10 +55,14 @@ class Boat {
     std::span<const link::CanFrame> can;
   };
 
-  /// Parameters must be valid and free of contradiction; links: 1 … kMaxLinks. Boats that tick one
-  /// after another may share an outbox of as many links; an output is then valid until the next
-  /// tick of any of them.
-  Boat(const Parameters& parameters, std::size_t links, Outbox* shared = nullptr);
+  /// Parameters must be valid and free of contradiction; links: 1 … as many as there is storage for,
+  /// which outlives the boat. Where boats share an outbox, an output is valid until the next tick of
+  /// any of them.
+  Boat(const Parameters& parameters, std::size_t links, const Storage& storage);
+
+  /// With ample storage of its own, from the heap; links: 1 … kMaxLinks.
+  Boat(const Parameters& parameters, std::size_t links)
+      : Boat(parameters, links, std::make_unique<AmpleStorage>()) {}
 
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
@@ -136,6 +133,11 @@ class Boat {
   link::Address self() const { return vehicle_.self(); }
 
  private:
+  Boat(const Parameters& parameters, std::size_t links, std::unique_ptr<AmpleStorage> own)
+      : Boat(parameters, links, Storage(own->room, own->outbox)) {
+    own_storage_ = std::move(own);
+  }
+
   std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
   void give_up(std::size_t link, std::int64_t now_us);
@@ -145,6 +147,7 @@ class Boat {
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
+  void note_range();
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (conditions_ & kSeen) == kSeen;
@@ -156,13 +159,16 @@ class Boat {
   std::optional<double> separation_m() const;
   void complain(std::int64_t now_us);
 
-  std::unique_ptr<Outbox> own_outbox_;  // none where it is shared
-  Outbox* outbox_;
+  std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
+  CanOutput& can_output_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
+  bool fits_ = true;       // parameters, into the scalar
+  bool overflow_ = false;  // of some number since the last tick began
+  bool in_range_ = true;
   std::int64_t armed_us_ = 0;
   std::optional<std::int64_t> coast_us_;  // since when, in COAST
   Limits limits_;

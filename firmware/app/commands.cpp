@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/parameters.hpp"
+#include "app/portable.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -23,8 +24,9 @@ bool unused(double param) { return std::isnan(param) || param == 0; }
 
 /// A whole number in that range, or nothing.
 std::optional<std::uint32_t> whole(double param, double most) {
-  if (!(param >= 0 && param <= most) || std::floor(param) != param) return std::nullopt;
-  return static_cast<std::uint32_t>(param);
+  if (!(param >= 0 && param <= most)) return std::nullopt;
+  const auto number = static_cast<std::uint32_t>(param);
+  return number == param ? std::optional(number) : std::nullopt;
 }
 
 /// Force is understood, and overrides no check.
@@ -84,8 +86,8 @@ Asked message_rate(const Command& c) {
   const double interval = c.param[1];
   if (!id || !(interval >= -1 && interval <= kLongestInterval_us)) return denied();
   Asked asked{mav::kAccepted};
-  asked.rate = MessageRate{static_cast<std::uint16_t>(*id),
-                           interval < 0 ? -1 : static_cast<std::int64_t>(std::ceil(interval))};
+  asked.rate =
+      MessageRate{static_cast<std::uint16_t>(*id), interval < 0 ? -1 : portable::ceil(interval)};
   return asked;
 }
 

@@ -7,10 +7,12 @@ namespace flotilla::app {
 
 core::Conditions choices_of(const Parameters& p) {
   core::Conditions chosen = 0;
-  if (p.FS_LEADER_ACT == 0) chosen |= core::kLeaderLossHolds;
-  if (p.FS_LEADER_ACT == 1) chosen |= core::kLeaderLossCoasts;
-  if (p.FS_GCS_ACT == 0) chosen |= core::kGcsLossHolds;
-  if (p.FS_GCS_ACT == 1) chosen |= core::kGcsLossCoasts;
+  const int leader_act = static_cast<int>(p.FS_LEADER_ACT),
+            gcs_act = static_cast<int>(p.FS_GCS_ACT);
+  if (leader_act == 0) chosen |= core::kLeaderLossHolds;
+  if (leader_act == 1) chosen |= core::kLeaderLossCoasts;
+  if (gcs_act == 0) chosen |= core::kGcsLossHolds;
+  if (gcs_act == 1) chosen |= core::kGcsLossCoasts;
   return chosen;
 }
 
@@ -30,7 +32,11 @@ core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int
 void Limits::look(const Parameters& p, const Seen& seen) {
   const bool just_armed = seen.armed && !was_armed_;
   was_armed_ = seen.armed;
-  if (seen.place && (!home_ || just_armed)) home_ = seen.place;
+  if (seen.place && (!home_ || just_armed)) {
+    left_from_ = seen.place;
+    const auto at = convert::global_of(*seen.place);
+    home_ = {at.latitude, at.longitude, seen.place->origin.altitude};
+  }
   const auto above = [&p](const std::optional<link::EscStatus>& esc) {
     return esc && esc->voltage >= p.FS_BATT_V;  // false for NaN
   };
@@ -43,13 +49,7 @@ void Limits::look(const Parameters& p, const Seen& seen) {
 /// A boat that is not armed is at home: there it will be armed.
 bool Limits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
-  return !seen.armed || convert::distance_m(*home_, *seen.place) <= double{fence_m};
-}
-
-std::optional<Home> Limits::home() const {
-  if (!home_) return std::nullopt;
-  const auto at = convert::global_of(*home_, core::Vec2<double>{});
-  return Home{at.latitude, at.longitude, home_->origin.altitude};
+  return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};
 }
 
 }  // namespace flotilla::app

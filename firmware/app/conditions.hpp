@@ -55,14 +55,15 @@ class Limits {
   core::Conditions conditions() const { return met_; }
 
   /// Where the boat was first seen, then where it was last armed.
-  std::optional<Home> home() const;
+  std::optional<Home> home() const { return home_; }
 
  private:
   bool inside(float fence_m, const Seen& seen) const;
 
   core::Conditions met_ = 0;
   Settled battery_good_;
-  std::optional<convert::Position> home_;
+  std::optional<convert::Position> left_from_;
+  std::optional<Home> home_;  // the same place on the globe
   bool was_armed_ = false;
 };
 

@@ -2,10 +2,12 @@
 // The only place where a unit, a frame or a scalar changes: wire on one side, core on the other.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
 
+#include "app/convert_scalar.hpp"
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
 #include "core/jump.hpp"
@@ -26,11 +28,12 @@ struct GlobalPoint {
 /// A vessel's state as one message or pair of messages gave it: north-east from the sender's own
 /// origin, or from a point of the globe; heading clockwise from north, velocity over ground in the
 /// vessel's axes.
+template <class S>
 struct Sample {
   std::int64_t stamp_us;  ///< sender's clock
   double north_m, east_m;
-  double psi_rad;
-  double u_mps, v_mps, r_radps;
+  S psi_rad;
+  S u_mps, v_mps, r_radps;
   std::optional<GlobalPoint> at{};
 };
 
@@ -38,38 +41,48 @@ struct Sample {
 enum class Refusal : std::uint8_t { kBadValue, kBadFrame };
 
 /// A sample, or why there is none. ODOMETRY: any pose in NED or ENU with any legal velocity frame.
+template <class S>
 struct Reading {
-  std::optional<Sample> sample;
+  std::optional<Sample<S>> sample;
   Refusal refusal = Refusal::kBadValue;
 };
-Reading sample_of(const link::Odometry& message);
+template <class S = double>
+Reading<S> sample_of(const link::Odometry& message);
 
 /// Heading and its rate of change; nothing where a field is not finite or the vessel is upside
 /// down.
+template <class S>
 struct HeadingSample {
   std::int64_t stamp_us;
-  double psi_rad;
-  double r_radps;
+  S psi_rad;
+  S r_radps;
 };
-std::optional<HeadingSample> heading_of(const link::Attitude& message);
+template <class S = double>
+std::optional<HeadingSample<S>> heading_of(const link::Attitude& message);
 
 /// Position and velocity joined with the heading carried over to the position's stamp.
-std::optional<Sample> sample_of(const link::LocalPositionNed& message,
-                                const HeadingSample& heading);
+template <class S>
+std::optional<Sample<S>> sample_of(const link::LocalPositionNed& message,
+                                   const HeadingSample<S>& heading);
 
-std::optional<Sample> sample_of(const link::GlobalPositionInt& message,
-                                const HeadingSample& heading);
+template <class S>
+std::optional<Sample<S>> sample_of(const link::GlobalPositionInt& message,
+                                   const HeadingSample<S>& heading);
 
 /// The same of FOLLOW_TARGET, whose position and velocity must be known; its own heading, where it
 /// has one.
-std::optional<Sample> sample_of(const link::FollowTarget& message, const HeadingSample& heading);
-std::optional<HeadingSample> own_heading_of(const link::FollowTarget& message);
+template <class S>
+std::optional<Sample<S>> sample_of(const link::FollowTarget& message,
+                                   const HeadingSample<S>& heading);
+template <class S = double>
+std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message);
 
 /// Its position and velocity are known, and all that is said to be known can be.
 bool is_usable(const link::FollowTarget& message);
 
 /// From the navigation antenna, x_m ahead and y_m to starboard, to the vessel's reference point.
-Sample at_reference_point(const Sample& antenna, double x_m, double y_m);
+template <class S>
+Sample<S> at_reference_point(const Sample<S>& antenna, S x_m, S y_m);
 
 /// Where a vessel is: metres from its own origin, and that origin.
 struct Position {
@@ -78,14 +91,14 @@ struct Position {
 };
 
 /// A state at a point of the globe, north-east from an origin, heading from that origin's north.
-Sample in_plane(const Sample& sample, const link::GpsGlobalOrigin& origin);
+template <class S>
+Sample<S> in_plane(const Sample<S>& sample, const link::GpsGlobalOrigin& origin);
 
 /// Near enough for one local frame: 100 km.
 bool reaches(const link::GpsGlobalOrigin& origin, const GlobalPoint& at);
 
 /// Of a point of the own local frame, whose origin must be known.
-template <class S>
-GlobalPoint global_of(const Position& position, const core::Vec2<S>& moved_n);
+GlobalPoint global_of(const Position& position);
 
 /// Not off the globe, too near a pole, or 0, 0, which is what units without a fix say.
 bool is_valid(const link::GpsGlobalOrigin& origin);
@@ -107,13 +120,8 @@ core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_
                                 const Position& leader, const core::Motion<S>& leader_motion);
 
 template <class S>
-core::Nu<S> nu_of(const Sample& sample) {
-  return {S(sample.u_mps), S(sample.v_mps), S(sample.r_radps)};
-}
-
-template <class S>
-S seconds(std::int64_t us) {
-  return S(static_cast<double>(us) * 1e-6);
+core::Nu<S> nu_of(const Sample<S>& sample) {
+  return {sample.u_mps, sample.v_mps, sample.r_radps};
 }
 
 /// µs, at most an hour; 0 for a rate of 0.
@@ -137,7 +145,16 @@ inline std::int64_t unwrapped_us(std::int64_t us, std::int64_t near_us) {
   return near_us + (least < -kTurn_us / 2 ? least + kTurn_us : least);
 }
 
-inline std::int64_t microseconds(float s) { return static_cast<std::int64_t>(double{s} * 1e6); }
+/// The whole microseconds of a time that is not negative, at most 2²³ s; by the bits alone, since it
+/// is asked in every tick.
+inline std::int64_t microseconds(float s) {
+  constexpr unsigned kFraction = 23, kBias = 127;
+  const auto bits = std::bit_cast<std::uint32_t>(s);
+  const unsigned right = kBias + kFraction - (bits >> kFraction);  // of the point
+  if (right > 63) return 0;                                        // no normal number
+  const std::uint64_t units = (bits & ((1U << kFraction) - 1)) | 1U << kFraction;
+  return static_cast<std::int64_t>(units * 1'000'000U >> right);
+}
 
 /// Parameters in the law's own terms.
 template <class S>
@@ -151,34 +168,15 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
 template <class S>
 core::JumpLimits<S> jump_limits(const Parameters& p, bool carried);
 
-/// Command in [−1, 1] to RawCommand's ±8191 (AM32 and VESC divide by 8192), and back. NaN, which
-/// is no command, is zero.
+/// A command of all that a propeller gives, in RawCommand (AM32 and VESC divide by 8192).
+constexpr int kRawFull = 8191;
+
+/// Command in RawCommand's counts, rounded and within ±kRawFull. NaN, which is no command, is zero.
 template <class S>
 std::int16_t raw_of(S command) {
-  if (!(command <= S(1)) && !(command > S(1))) return 0;
-  const S scaled = core::clamp(command, S(-1), S(1)) * S(8191);
-  return static_cast<std::int16_t>(
-      static_cast<int>(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
+  if (!(command <= S(kRawFull)) && !(command > S(kRawFull))) return 0;
+  const S counts = core::clamp(command, S(-kRawFull), S(kRawFull));
+  return static_cast<std::int16_t>(whole(counts < S(0) ? counts - S(0.5) : counts + S(0.5)));
 }
-template <class S>
-S command_of(std::int16_t raw) {
-  return S(raw) / S(8191);
-}
-
-/// The own state for followers, at a whole millisecond of our clock.
-template <class S>
-struct OwnState {
-  double north_m, east_m;
-  core::Motion<S> motion;
-  link::GpsGlobalOrigin origin{};  ///< of north and east; global messages need it
-};
-template <class S>
-link::Attitude attitude_of(const OwnState<S>& state, std::uint32_t time_boot_ms);
-template <class S>
-link::LocalPositionNed local_position_of(const OwnState<S>& state, std::uint32_t time_boot_ms);
-template <class S>
-link::GlobalPositionInt global_position_of(const OwnState<S>& state, std::uint32_t time_boot_ms);
-template <class S>
-link::FollowTarget follow_target_of(const OwnState<S>& state, std::uint64_t timestamp_ms);
 
 }  // namespace flotilla::app::convert

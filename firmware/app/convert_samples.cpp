@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // MAVLink state messages, read: the half of convert that faces the wire.
+#include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
+#include <cstdlib>
 #include <initializer_list>
 
 #include "app/convert.hpp"
@@ -9,65 +11,82 @@
 namespace flotilla::app::convert {
 namespace {
 
-constexpr double kFarthest_m = 1e6, kFastest_mps = 50, kFastestTurn_radps = 20;
-constexpr double kMetresPerCentimetre = 0.01;
+constexpr float kFarthest_m = 1e6F, kFastest_mps = 50, kFastestTurn_radps = 20, kMostTurns_rad = 10;
+constexpr int kCentimetres = 100;
 constexpr std::int64_t kMicrosecondsPerMillisecond = 1000;
 
+template <class S>
 struct Vec3 {
-  double x, y, z;
+  S x, y, z;
 };
 
-bool within(double limit, std::initializer_list<double> values) {
-  for (const double value : values) {
-    if (!(std::abs(value) <= limit)) return false;  // false for NaN
-  }
-  return true;
+/// By their bits: magnitudes are ordered as whole numbers are, and NaN is above them all.
+bool within(float limit, std::initializer_list<float> values) {
+  const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x) & 0x7FFF'FFFFU; };
+  return std::ranges::all_of(values, [&](float x) { return bits(x) <= bits(limit); });
 }
 
 /// Body to frame, of a unit quaternion (w x y z).
-Vec3 rotate(const std::array<double, 4>& q, const Vec3& v) {
-  const auto [w, x, y, z] = q;
-  return {(1 - 2 * (y * y + z * z)) * v.x + 2 * (x * y - w * z) * v.y + 2 * (x * z + w * y) * v.z,
-          2 * (x * y + w * z) * v.x + (1 - 2 * (x * x + z * z)) * v.y + 2 * (y * z - w * x) * v.z,
-          2 * (x * z - w * y) * v.x + 2 * (y * z + w * x) * v.y + (1 - 2 * (x * x + y * y)) * v.z};
+template <class S>
+Vec3<S> rotate(const std::array<S, 4>& q, const Vec3<S>& v) {
+  const auto& [w, x, y, z] = q;
+  const S one = S(1), two = S(2);
+  return {(one - two * (y * y + z * z)) * v.x + two * (x * y - w * z) * v.y +
+              two * (x * z + w * y) * v.z,
+          two * (x * y + w * z) * v.x + (one - two * (x * x + z * z)) * v.y +
+              two * (y * z - w * x) * v.z,
+          two * (x * z - w * y) * v.x + two * (y * z + w * x) * v.y +
+              (one - two * (x * x + y * y)) * v.z};
 }
 
 /// ψ̇ from body rates and attitude (Fossen 2011, eq. 2.26); nothing near the vertical.
-std::optional<double> heading_rate(double roll, double pitch, double q, double r) {
-  const double c = std::cos(pitch);
-  if (c < 0.1 || std::cos(roll) < 0.1) return std::nullopt;
-  return (q * std::sin(roll) + r * std::cos(roll)) / c;
+template <class S>
+std::optional<S> heading_rate(S roll, S pitch, S q, S r) {
+  const S c = core::cos(pitch), c_roll = core::cos(roll);
+  if (c < S(0.1) || c_roll < S(0.1)) return std::nullopt;
+  return (q * core::sin(roll) + r * c_roll) / c;
 }
 
 /// A vector of the message's frame in north-east-down.
-Vec3 ned_of(bool enu, const Vec3& v) { return enu ? Vec3{v.y, v.x, -v.z} : v; }
+template <class S>
+Vec3<S> ned_of(bool enu, const Vec3<S>& v) {
+  return enu ? Vec3<S>{v.y, v.x, -v.z} : v;
+}
 
-/// Heading and its rate, of body axes in north-east-down.
+/// Heading and its rate, of a vessel with that attitude in the message's frame.
+template <class S>
 struct Turning {
-  double psi_rad, r_radps;
+  S psi_rad, r_radps;
 };
-std::optional<Turning> turning_of(const Vec3& ahead, const Vec3& starboard, const Vec3& keel,
-                                  double pitchspeed, double yawspeed) {
-  const double pitch = std::asin(std::fmax(-1.0, std::fmin(1.0, -ahead.z)));
-  const double roll = std::atan2(starboard.z, keel.z);
-  const auto r = heading_rate(roll, pitch, pitchspeed, yawspeed);
+template <class S>
+std::optional<Turning<S>> turning_of(bool enu, const std::array<S, 4>& q, float pitchspeed,
+                                     float yawspeed) {
+  const auto axis = [&](const Vec3<S>& b) { return ned_of(enu, rotate(q, b)); };
+  const Vec3<S> ahead = axis({S(1), S(0), S(0)});
+  const S pitch = core::atan2(-ahead.z, core::hypot(ahead.x, ahead.y));
+  const S roll = core::atan2(axis({S(0), S(1), S(0)}).z, axis({S(0), S(0), S(1)}).z);
+  const auto r = heading_rate(roll, pitch, scalar<S>(pitchspeed), scalar<S>(yawspeed));
   if (!r) return std::nullopt;
-  return Turning{std::atan2(ahead.y, ahead.x), *r};
+  return Turning<S>{core::atan2(ahead.y, ahead.x), *r};
 }
 
 /// A unit quaternion of the same direction; nothing where there is none.
-std::optional<std::array<double, 4>> normalised(const std::array<float, 4>& wire) {
-  std::array<double, 4> q{wire[0], wire[1], wire[2], wire[3]};
-  const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-  if (!(norm > 0.1 && norm < 10)) return std::nullopt;
-  for (double& component : q) component /= norm;
+template <class S>
+std::optional<std::array<S, 4>> normalised(const std::array<float, 4>& wire) {
+  if (!within(10, {wire[0], wire[1], wire[2], wire[3]})) return std::nullopt;
+  std::array<S, 4> q{scalar<S>(wire[0]), scalar<S>(wire[1]), scalar<S>(wire[2]),
+                     scalar<S>(wire[3])};
+  const S norm = core::hypot(core::hypot(q[0], q[1]), core::hypot(q[2], q[3]));
+  if (!(norm > S(0.1) && norm < S(10))) return std::nullopt;
+  for (S& component : q) component = component / norm;
   return q;
 }
 
-Sample with_velocity_n(Sample sample, double north_mps, double east_mps) {
-  const double c = std::cos(sample.psi_rad), s = std::sin(sample.psi_rad);
-  sample.u_mps = c * north_mps + s * east_mps;
-  sample.v_mps = c * east_mps - s * north_mps;
+template <class S>
+Sample<S> with_velocity_n(Sample<S> sample, S north_mps, S east_mps) {
+  const core::Vec2<S> v = core::to_body(sample.psi_rad, core::Vec2<S>{north_mps, east_mps});
+  sample.u_mps = v.x;
+  sample.v_mps = v.y;
   return sample;
 }
 
@@ -83,16 +102,20 @@ std::int64_t follow_stamp_us(const link::FollowTarget& m) {
 }
 
 /// The heading, carried over to a stamp of the same clock.
-Sample joined(const HeadingSample& heading, std::int64_t time_us) {
+template <class S>
+Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   const std::int64_t stamp_us = unwrapped_us(time_us, heading.stamp_us);
-  const double later_s = static_cast<double>(stamp_us - heading.stamp_us) * 1e-6;
-  const double psi = heading.psi_rad + heading.r_radps * later_s;
-  return {stamp_us, 0, 0, psi, 0, 0, heading.r_radps};
+  // One that is older than a second is of no use, and carried nowhere.
+  constexpr std::int64_t kLongest_us = 1'000'000;
+  const std::int64_t later_us = std::clamp(stamp_us - heading.stamp_us, -kLongest_us, kLongest_us);
+  const S psi = heading.psi_rad + heading.r_radps * seconds<S>(later_us);
+  return {stamp_us, 0, 0, psi, S(0), S(0), heading.r_radps};
 }
 
 }  // namespace
 
-Reading sample_of(const link::Odometry& m) {
+template <class S>
+Reading<S> sample_of(const link::Odometry& m) {
   namespace mav = link::mav;
   const bool enu = m.frame_id == mav::kFrameLocalEnu;
   const bool velocity_b = m.child_frame_id == mav::kFrameBodyFrd ||
@@ -103,51 +126,62 @@ Reading sample_of(const link::Odometry& m) {
       !(velocity_b || velocity_enu || m.child_frame_id == mav::kFrameLocalNed)) {
     return {std::nullopt, Refusal::kBadFrame};
   }
-  const auto q = normalised(m.q);
-  if (m.quality < 0) return {};
-  if (!within(kFarthest_m, {m.x, m.y, m.z}) || !within(kFastest_mps, {m.vx, m.vy, m.vz}) ||
-      !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed}) || !q ||
+  if (m.quality < 0 || !within(kFarthest_m, {m.x, m.y, m.z}) ||
+      !within(kFastest_mps, {m.vx, m.vy, m.vz}) ||
+      !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed}) ||
       m.time_usec > INT64_MAX / 4) {
     return {};
   }
-  const auto turning =
-      turning_of(ned_of(enu, rotate(*q, {1, 0, 0})), ned_of(enu, rotate(*q, {0, 1, 0})),
-                 ned_of(enu, rotate(*q, {0, 0, 1})), m.pitchspeed, m.yawspeed);
+  const auto q = normalised<S>(m.q);
+  if (!q) return {};
+  const auto turning = turning_of(enu, *q, m.pitchspeed, m.yawspeed);
   if (!turning) return {};
-  const auto [psi, r] = *turning;
-  const Vec3 position = ned_of(enu, {m.x, m.y, m.z});
-  const Vec3 wire{m.vx, m.vy, m.vz};
-  const Vec3 velocity = velocity_b ? ned_of(enu, rotate(*q, wire)) : ned_of(velocity_enu, wire);
-  const Sample sample{static_cast<std::int64_t>(m.time_usec), position.x, position.y, psi, 0, 0, r};
+  const Vec3<S> wire{scalar<S>(m.vx), scalar<S>(m.vy), scalar<S>(m.vz)};
+  const Vec3<S> velocity = velocity_b ? ned_of(enu, rotate(*q, wire)) : ned_of(velocity_enu, wire);
+  const Sample<S> sample{static_cast<std::int64_t>(m.time_usec),
+                         enu ? m.y : m.x,
+                         enu ? m.x : m.y,
+                         turning->psi_rad,
+                         S(0),
+                         S(0),
+                         turning->r_radps};
   return {with_velocity_n(sample, velocity.x, velocity.y), {}};
 }
 
-std::optional<HeadingSample> heading_of(const link::Attitude& m) {
-  if (!within(10, {m.roll, m.pitch, m.yaw}) ||
+template <class S>
+std::optional<HeadingSample<S>> heading_of(const link::Attitude& m) {
+  if (!within(kMostTurns_rad, {m.roll, m.pitch, m.yaw}) ||
       !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed})) {
     return std::nullopt;
   }
-  const auto r = heading_rate(m.roll, m.pitch, m.pitchspeed, m.yawspeed);
+  const auto r = heading_rate(scalar<S>(m.roll), scalar<S>(m.pitch), scalar<S>(m.pitchspeed),
+                              scalar<S>(m.yawspeed));
   if (!r) return std::nullopt;
-  return HeadingSample{m.time_boot_ms * kMicrosecondsPerMillisecond, m.yaw, *r};
+  return HeadingSample<S>{m.time_boot_ms * kMicrosecondsPerMillisecond, scalar<S>(m.yaw), *r};
 }
 
-std::optional<Sample> sample_of(const link::LocalPositionNed& m, const HeadingSample& heading) {
+template <class S>
+std::optional<Sample<S>> sample_of(const link::LocalPositionNed& m,
+                                   const HeadingSample<S>& heading) {
   if (!within(kFarthest_m, {m.x, m.y, m.z}) || !within(kFastest_mps, {m.vx, m.vy, m.vz})) {
     return std::nullopt;
   }
-  Sample sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
+  Sample<S> sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
   sample.north_m = m.x;
   sample.east_m = m.y;
-  return with_velocity_n(sample, m.vx, m.vy);
+  return with_velocity_n(sample, scalar<S>(m.vx), scalar<S>(m.vy));
 }
 
-std::optional<Sample> sample_of(const link::GlobalPositionInt& m, const HeadingSample& heading) {
-  const double north_mps = m.vx * kMetresPerCentimetre, east_mps = m.vy * kMetresPerCentimetre;
-  if (!is_fix(m.lat, m.lon) || !within(kFastest_mps, {north_mps, east_mps})) return std::nullopt;
-  Sample sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
+template <class S>
+std::optional<Sample<S>> sample_of(const link::GlobalPositionInt& m,
+                                   const HeadingSample<S>& heading) {
+  constexpr float kFastest_cmps = kFastest_mps * kCentimetres;
+  if (!is_fix(m.lat, m.lon) || !within(kFastest_cmps, {float(m.vx), float(m.vy)})) {
+    return std::nullopt;
+  }
+  Sample<S> sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
   sample.at = {m.lat, m.lon};
-  return with_velocity_n(sample, north_mps, east_mps);
+  return with_velocity_n(sample, S(int{m.vx}) / S(kCentimetres), S(int{m.vy}) / S(kCentimetres));
 }
 
 bool is_usable(const link::FollowTarget& m) {
@@ -161,33 +195,55 @@ bool is_usable(const link::FollowTarget& m) {
                         within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})));
 }
 
-std::optional<HeadingSample> own_heading_of(const link::FollowTarget& m) {
-  const auto q = normalised(m.q);
-  if (!q || (m.est_capabilities & link::mav::kFollowAttitude) == 0) return std::nullopt;
-  const auto turning = turning_of(rotate(*q, {1, 0, 0}), rotate(*q, {0, 1, 0}),
-                                  rotate(*q, {0, 0, 1}), m.rates[1], m.rates[2]);
+template <class S>
+std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& m) {
+  if ((m.est_capabilities & link::mav::kFollowAttitude) == 0 ||
+      !within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})) {
+    return std::nullopt;
+  }
+  const auto q = normalised<S>(m.q);
+  if (!q) return std::nullopt;
+  const auto turning = turning_of(false, *q, m.rates[1], m.rates[2]);
   if (!turning) return std::nullopt;
-  return HeadingSample{follow_stamp_us(m), turning->psi_rad, turning->r_radps};
+  return HeadingSample<S>{follow_stamp_us(m), turning->psi_rad, turning->r_radps};
 }
 
-std::optional<Sample> sample_of(const link::FollowTarget& m, const HeadingSample& heading) {
+template <class S>
+std::optional<Sample<S>> sample_of(const link::FollowTarget& m, const HeadingSample<S>& heading) {
   if (!is_usable(m)) return std::nullopt;
-  Sample sample = joined(heading, follow_stamp_us(m));
+  Sample<S> sample = joined(heading, follow_stamp_us(m));
   sample.at = {m.lat, m.lon};
-  return with_velocity_n(sample, m.vel[0], m.vel[1]);
+  return with_velocity_n(sample, scalar<S>(m.vel[0]), scalar<S>(m.vel[1]));
 }
 
-Sample at_reference_point(const Sample& antenna, double x, double y) {
-  Sample out = antenna;
-  out.u_mps += antenna.r_radps * y;  // v_reference = v_antenna − ω × offset
-  out.v_mps -= antenna.r_radps * x;
-  if (x == 0 && y == 0) return out;
-  const double c = std::cos(antenna.psi_rad), s = std::sin(antenna.psi_rad);
-  out.north_m -= c * x - s * y;
-  out.east_m -= s * x + c * y;
+template <class S>
+Sample<S> at_reference_point(const Sample<S>& antenna, S x, S y) {
+  if (x == S(0) && y == S(0)) return antenna;
+  Sample<S> out = antenna;
+  out.u_mps = out.u_mps + antenna.r_radps * y;  // v_reference = v_antenna − ω × offset
+  out.v_mps = out.v_mps - antenna.r_radps * x;
+  const core::Vec2<S> offset_n = core::to_north_east(antenna.psi_rad, core::Vec2<S>{x, y});
+  out.north_m -= number(offset_n.x);
+  out.east_m -= number(offset_n.y);
   return out;
 }
 
 bool is_valid(const link::GpsGlobalOrigin& o) { return is_fix(o.latitude, o.longitude); }
+
+#define FLOTILLA_INSTANTIATE(S)                                                          \
+  template Reading<S> sample_of<S>(const link::Odometry&);                               \
+  template std::optional<HeadingSample<S>> heading_of<S>(const link::Attitude&);         \
+  template std::optional<Sample<S>> sample_of<S>(const link::LocalPositionNed&,          \
+                                                 const HeadingSample<S>&);               \
+  template std::optional<Sample<S>> sample_of<S>(const link::GlobalPositionInt&,         \
+                                                 const HeadingSample<S>&);               \
+  template std::optional<Sample<S>> sample_of<S>(const link::FollowTarget&,              \
+                                                 const HeadingSample<S>&);               \
+  template std::optional<HeadingSample<S>> own_heading_of<S>(const link::FollowTarget&); \
+  template Sample<S> at_reference_point<S>(const Sample<S>&, S, S);
+FLOTILLA_INSTANTIATE(float)
+FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
+#undef FLOTILLA_INSTANTIATE
 
 }  // namespace flotilla::app::convert

@@ -2,7 +2,8 @@
 #include "app/convert_telemetry.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "app/portable.hpp"
 
 namespace flotilla::app::convert {
 namespace {
@@ -14,29 +15,94 @@ struct Slot {
   core::Vec2<double> to_n;  ///< from the boat to it
 };
 
+core::Vec2<double> rotated(double rad, const core::Vec2<double>& v) {
+  const auto [s, c] = portable::sin_cos(rad);
+  return {c * v.x - s * v.y, s * v.x + c * v.y};
+}
+
+std::int16_t cm_per_s(double mps) {
+  return static_cast<std::int16_t>(portable::nearest(100 * std::clamp(mps, -300.0, 300.0)));
+}
+
 /// e is the boat seen from the slot, along the boat's axes.
-Slot slot_from(const OwnState<double>& state, const core::Error<double>& e) {
-  const auto e_n = core::to_north_east(state.motion.psi, core::Vec2<double>{e.x, e.y});
-  return {state.north_m + state.motion.moved_n.x - e_n.x,
-          state.east_m + state.motion.moved_n.y - e_n.y,
-          {-e_n.x, -e_n.y}};
+Slot slot_from(const OwnState& state, const core::Error<double>& e) {
+  const auto e_n = rotated(state.psi_rad, {e.x, e.y});
+  return {state.north_m - e_n.x, state.east_m - e_n.y, {-e_n.x, -e_n.y}};
 }
 
 std::int16_t degrees(double rad) {
-  return static_cast<std::int16_t>(std::lround(core::wrap_pi(rad) * kDegreesPerRadian));
+  return static_cast<std::int16_t>(portable::nearest(portable::wrap_pi(rad) * kDegreesPerRadian));
 }
 
 }  // namespace
 
-link::Odometry odometry_of(const OwnState<double>& state, std::uint32_t time_boot_ms) {
+template <class S>
+OwnState own_state_of(const Position& from, const core::Motion<S>& motion) {
+  const auto& [moved_n, psi, nu, nu_dot] = motion;
+  const core::Vec2<S> v_n = core::to_north_east(psi, core::Vec2<S>{nu.u, nu.v});
+  return {from.north_m + number(moved_n.x),
+          from.east_m + number(moved_n.y),
+          number(core::wrap_pi(psi)),
+          in_double(nu),
+          {number(v_n.x), number(v_n.y)},
+          in_double(nu_dot),
+          from.origin};
+}
+
+link::Attitude attitude_of(const OwnState& state, std::uint32_t time_boot_ms) {
+  return {
+      time_boot_ms, 0, 0, static_cast<float>(state.psi_rad), 0, 0, static_cast<float>(state.nu.r)};
+}
+
+link::LocalPositionNed local_position_of(const OwnState& state, std::uint32_t time_boot_ms) {
+  return {time_boot_ms,
+          static_cast<float>(state.north_m),
+          static_cast<float>(state.east_m),
+          0,
+          static_cast<float>(state.v_n.x),
+          static_cast<float>(state.v_n.y),
+          0};
+}
+
+link::GlobalPositionInt global_position_of(const OwnState& state, std::uint32_t time_boot_ms) {
+  const GlobalPoint at = global_of({state.north_m, state.east_m, state.origin});
+  const auto v_n = rotated(-at.turn_rad, state.v_n);
+  const double turn_cdeg = 18'000 / portable::kPi * (state.psi_rad - at.turn_rad);
+  const auto hdg = static_cast<std::uint16_t>((portable::nearest(turn_cdeg) + 72'000) % 36'000);
+  return {time_boot_ms,    at.latitude, at.longitude, state.origin.altitude, 0, cm_per_s(v_n.x),
+          cm_per_s(v_n.y), 0,           hdg};
+}
+
+link::FollowTarget follow_target_of(const OwnState& state, std::uint64_t timestamp_ms) {
+  namespace mav = link::mav;
+  const GlobalPoint at = global_of({state.north_m, state.east_m, state.origin});
+  const double psi_n = portable::wrap_pi(state.psi_rad - at.turn_rad);
+  const auto& nu = state.nu;
+  const auto v_n = rotated(-at.turn_rad, state.v_n);
+  const auto a_n = rotated(psi_n, {state.nu_dot.u - nu.r * nu.v, state.nu_dot.v + nu.r * nu.u});
+  const auto [s, c] = portable::sin_cos(0.5 * psi_n);
+  const auto f = [](double value) { return static_cast<float>(value); };
+  return {timestamp_ms,
+          at.latitude,
+          at.longitude,
+          static_cast<float>(state.origin.altitude * 1e-3),
+          {f(v_n.x), f(v_n.y), 0},
+          {f(a_n.x), f(a_n.y), 0},
+          {f(c), 0, 0, f(s)},
+          {0, 0, f(nu.r)},
+          mav::kFollowPosition | mav::kFollowVelocity | mav::kFollowAcceleration |
+              mav::kFollowAttitude};
+}
+
+link::Odometry odometry_of(const OwnState& state, std::uint32_t time_boot_ms) {
   const link::LocalPositionNed at = local_position_of(state, time_boot_ms);
-  const double half = 0.5 * core::wrap_pi(state.motion.psi);
-  const auto& nu = state.motion.nu;
+  const auto [s, c] = portable::sin_cos(0.5 * state.psi_rad);
+  const auto& nu = state.nu;
   return {std::uint64_t{time_boot_ms} * 1000,
           at.x,
           at.y,
           0,
-          {static_cast<float>(std::cos(half)), 0, 0, static_cast<float>(std::sin(half))},
+          {static_cast<float>(c), 0, 0, static_cast<float>(s)},
           static_cast<float>(nu.u),
           static_cast<float>(nu.v),
           0,
@@ -47,16 +113,16 @@ link::Odometry odometry_of(const OwnState<double>& state, std::uint32_t time_boo
           link::mav::kFrameBodyFrd};
 }
 
-link::NavControllerOutput nav_controller_output_of(const OwnState<double>& state,
+link::NavControllerOutput nav_controller_output_of(const OwnState& state,
                                                    const core::Error<double>& error) {
   const core::Vec2<double> to = slot_from(state, error).to_n;
-  const double distance_m = std::min(std::hypot(to.x, to.y), 65535.0);
-  return {degrees(state.motion.psi - error.psi), degrees(std::atan2(to.y, to.x)),
-          static_cast<std::uint16_t>(std::lround(distance_m)), static_cast<float>(error.y)};
+  const double distance_m = std::min(portable::hypot(to.x, to.y), 65535.0);
+  return {degrees(state.psi_rad - error.psi), degrees(portable::atan2(to.y, to.x)),
+          static_cast<std::uint16_t>(portable::nearest(distance_m)), static_cast<float>(error.y)};
 }
 
-link::PositionTargetLocalNed slot_of(const OwnState<double>& state,
-                                     const core::Error<double>& error, std::uint32_t time_boot_ms) {
+link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<double>& error,
+                                     std::uint32_t time_boot_ms) {
   constexpr std::uint16_t kNotVelocity = 8 | 16 | 32, kNotAcceleration = 64 | 128 | 256,
                           kNotYawRate = 2048;
   const Slot slot = slot_from(state, error);
@@ -66,7 +132,7 @@ link::PositionTargetLocalNed slot_of(const OwnState<double>& state,
   out.type_mask = kNotVelocity | kNotAcceleration | kNotYawRate;
   out.x = static_cast<float>(slot.north_m);
   out.y = static_cast<float>(slot.east_m);
-  out.yaw = static_cast<float>(core::wrap_pi(state.motion.psi - error.psi));
+  out.yaw = static_cast<float>(portable::wrap_pi(state.psi_rad - error.psi));
   return out;
 }
 
@@ -79,7 +145,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
     if (!*esc) continue;
     const double voltage_V = double{(*esc)->voltage}, amperes = double{(*esc)->current};
     if (voltage_V >= 0 && voltage_V < 65.5) {
-      const auto mV = static_cast<std::uint16_t>(std::lround(voltage_V * 1000));
+      const auto mV = static_cast<std::uint16_t>(portable::nearest(voltage_V * 1000));
       out.voltage_mV = std::min(out.voltage_mV, mV);
     }
     if (std::abs(amperes) < 150) {  // false for NaN
@@ -88,7 +154,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
     }
   }
   if (currents == 2 && current_A >= 0) {  // half of it would be no figure
-    out.current_cA = static_cast<std::int16_t>(std::lround(current_A * 100));
+    out.current_cA = static_cast<std::int16_t>(portable::nearest(current_A * 100));
   }
   return out;
 }
@@ -96,7 +162,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
 std::int16_t centidegrees_of_kelvin(float kelvin) {
   const double celsius = double{kelvin} - 273.15;
   if (!(std::abs(celsius) < 327)) return INT16_MAX;
-  return static_cast<std::int16_t>(std::lround(celsius * 100));
+  return static_cast<std::int16_t>(portable::nearest(celsius * 100));
 }
 
 bool is_dead(double share, const Parameters& p) {
@@ -108,5 +174,9 @@ std::optional<double> stick_of(std::int16_t axis) {
   if (axis < -1000 || axis > 1000) return std::nullopt;
   return axis / 1000.0;
 }
+
+template OwnState own_state_of<float>(const Position&, const core::Motion<float>&);
+template OwnState own_state_of<double>(const Position&, const core::Motion<double>&);
+template OwnState own_state_of<core::Q16>(const Position&, const core::Motion<core::Q16>&);
 
 }  // namespace flotilla::app::convert

@@ -42,8 +42,8 @@ class JumpGuard {
     core::Nu<S> nu;
     std::int64_t stamp_us, arrived_us;
   };
-  static Seen seen(const convert::Sample& s, std::int64_t now_us) {
-    return {s.north_m, s.east_m, S(s.psi_rad), convert::nu_of<S>(s), s.stamp_us, now_us};
+  static Seen seen(const convert::Sample<S>& s, std::int64_t now_us) {
+    return {s.north_m, s.east_m, s.psi_rad, convert::nu_of(s), s.stamp_us, now_us};
   }
 
   /// The state that the next one is compared with.
@@ -58,9 +58,9 @@ class JumpGuard {
     const core::Leg<S> way = leg(*last_, state);
     if (!far && core::hardly_moves(limits_, way)) {
       // What velocity may account for is no scatter.
-      const S speed = std::abs(way.from.u) + std::abs(way.from.v);
-      const S moved = std::max(std::abs(way.moved_n.x), std::abs(way.moved_n.y));
-      note_scatter(std::max(moved - way.h * speed, S(0)));
+      const S speed = core::abs(way.from.u) + core::abs(way.from.v);
+      const S moved = core::larger(core::abs(way.moved_n.x), core::abs(way.moved_n.y));
+      note_scatter(core::larger(moved - way.h * speed, S(0)));
       return Verdict::kGoesOn;
     }
     const auto surprise = core::surprise_of(limits_, way, scatter_);
@@ -100,13 +100,15 @@ class JumpGuard {
  private:
   static constexpr int kRow = 5;
   static constexpr std::int64_t kSettled_us = 1'000'000;
+  static constexpr std::int64_t kLongest_us = 60'000'000;  // that a state says something
 
   /// The two clocks need not go together: no more time than has passed here and a second, which is
   /// what the first one may have been late by.
   static core::Leg<S> leg(const Seen& a, const Seen& b) {
-    const std::int64_t most_us = std::abs(b.arrived_us - a.arrived_us) + kSettled_us;
+    const std::int64_t apart_us = std::abs(b.arrived_us - a.arrived_us);
+    const std::int64_t most_us = std::min(apart_us + kSettled_us, kLongest_us);
     const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
-    return {{S(b.north_m - a.north_m), S(b.east_m - a.east_m)},
+    return {{convert::scalar<S>(b.north_m - a.north_m), convert::scalar<S>(b.east_m - a.east_m)},
             a.psi,
             b.psi,
             a.nu,

@@ -21,12 +21,12 @@ class Liveness {
   explicit Liveness(S patience_s) : patience_s_(patience_s) {}
 
   /// A state, h seconds after the one before it; 0 where none led to it.
-  void take(const convert::Sample& sample, S h) {
+  void take(const convert::Sample<S>& sample, S h) {
     const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
     const bool heads = sample.psi_rad == psi_rad_;
-    const core::Nu<S> nu = convert::nu_of<S>(sample);
+    const core::Nu<S> nu = convert::nu_of(sample);
     if (stays) {
-      place_.stay(core::to_north_east(S(sample.psi_rad), core::Vec2<S>{nu.u, nu.v}), h);
+      place_.stay(core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v}), h);
     } else {
       place_ = {};
     }
@@ -46,7 +46,7 @@ class Liveness {
     moved_ = moved_ || (S(0) < h && !stays);
     north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
     const bool sails = stays && nu.u * nu.u + nu.v * nu.v > kSlow * kSlow;
-    judge(!sails && !(heads && std::abs(nu.r) > kSlow) && pushed_ <= kSlow);
+    judge(!sails && !(heads && core::abs(nu.r) > kSlow) && pushed_ <= kSlow);
   }
 
   /// The propellers alone would have changed the velocity by so much since the last call: m/s, and
@@ -75,11 +75,11 @@ class Liveness {
 
     void stay(const core::Vec2<S>& rate, S h) {
       way = {left_after(h) * way.x + h * rate.x, left_after(h) * way.y + h * rate.y};
-      time = time + h;
+      time = core::smaller(time + h, S(2) * kHeld_s);
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }
-    bool lies() const { return way.x * way.x + way.y * way.y > kTold * kTold; }
+    bool lies() const { return core::hypot(way.x, way.y) > kTold; }
   };
 
   void judge(bool well) {
@@ -92,7 +92,8 @@ class Liveness {
   }
 
   S patience_s_;
-  double north_m_ = 0, east_m_ = 0, psi_rad_ = 0;
+  double north_m_ = 0, east_m_ = 0;
+  S psi_rad_{};
   core::Nu<S> nu_{};
   Stuck place_, heading_, whole_;
   S pushed_{};

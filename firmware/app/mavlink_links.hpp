@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "app/credit.hpp"
 #include "link/mavlink_decode.hpp"
@@ -18,6 +18,7 @@
 
 namespace flotilla::app {
 
+/// Of any boat.
 constexpr std::size_t kMaxLinks = 4;
 
 /// What a link's signatures are worth.
@@ -40,12 +41,28 @@ using Datagram = std::array<std::uint8_t, 1400>;
 
 class MavlinkLinks {
  public:
-  /// count: 1 … kMaxLinks. What is said goes to `out`, one a link, where there is such a place.
-  MavlinkLinks(std::size_t count, link::Address self, std::span<Datagram> out = {})
-      : links_(count), own_(out.empty() ? count : 0), out_(out.empty() ? std::span(own_) : out) {
+  /// What is kept of one link.
+  struct Link {
+    link::MavlinkDecoder decoder;
+    link::MavlinkEncoder encoder;
+    std::size_t size = 0;                       // of what is said
+    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
+    std::size_t forwarded_size = 0;
+    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
+    std::size_t next_beat = 0;
+    std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
+    SigningPolicy policy = SigningPolicy::kOff;
+    Credit credit;
+  };
+
+  /// One link for each of `links`, at most kMaxLinks. What is said goes to `out`, one a link;
+  /// `signing` is room for who signs what is heard. All of it outlives this.
+  MavlinkLinks(link::Address self, std::span<Link> links, std::span<Datagram> out,
+               std::span<link::Signing::Stream> signing = {})
+      : links_(links), out_(out), signing_(signing) {
+    std::ranges::fill(links_, Link{});
     rename(self);
   }
-  MavlinkLinks(MavlinkLinks&&) = default;
 
   std::size_t count() const { return links_.size(); }
 
@@ -173,18 +190,6 @@ class MavlinkLinks {
   }
 
  private:
-  struct Link {
-    link::MavlinkDecoder decoder;
-    link::MavlinkEncoder encoder;
-    std::size_t size = 0;                       // of what is said
-    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
-    std::size_t forwarded_size = 0;
-    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
-    std::size_t next_beat = 0;
-    std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
-    SigningPolicy policy = SigningPolicy::kOff;
-    Credit credit;
-  };
   static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
 
   /// Its size; 0 where there was no room.
@@ -201,8 +206,7 @@ class MavlinkLinks {
     return link.policy == SigningPolicy::kOff || !signing_.has_key() ? nullptr : &signing_;
   }
 
-  std::vector<Link> links_;
-  std::vector<Datagram> own_;
+  std::span<Link> links_;
   std::span<Datagram> out_;
   link::Signing signing_;
 };

@@ -14,8 +14,9 @@ namespace {
 
 /// Whether a text can stand between quotation marks as it is.
 consteval bool needs_no_escape(std::string_view text) {
-  return std::ranges::none_of(
-      text, [](char c) { return c == '"' || c == '\\' || (c >= '\0' && c < ' ') || c == '\x7F'; });
+  return std::ranges::none_of(text, [](char c) {
+    return c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ' || c == '\x7F';
+  });
 }
 
 /// Takes the digits off the text; whether there were any.

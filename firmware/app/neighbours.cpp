@@ -2,9 +2,10 @@
 #include "app/neighbours.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string_view>
+
+#include "app/portable.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -27,23 +28,24 @@ bool is_named(const link::NamedValueFloat& message, std::string_view name) {
 }
 
 /// Heading does not matter; in its own local frame, or at a point of the globe.
+template <class S>
 struct PlaceOf {
-  static constexpr convert::HeadingSample kNorth{};
+  static constexpr convert::HeadingSample<S> kNorth{};
 
-  std::optional<convert::Sample> operator()(const link::GlobalPositionInt& m) const {
+  std::optional<convert::Sample<S>> operator()(const link::GlobalPositionInt& m) const {
     return convert::sample_of(m, kNorth);
   }
-  std::optional<convert::Sample> operator()(const link::LocalPositionNed& m) const {
+  std::optional<convert::Sample<S>> operator()(const link::LocalPositionNed& m) const {
     return convert::sample_of(m, kNorth);
   }
-  std::optional<convert::Sample> operator()(const link::FollowTarget& m) const {
+  std::optional<convert::Sample<S>> operator()(const link::FollowTarget& m) const {
     return convert::sample_of(m, kNorth);
   }
-  std::optional<convert::Sample> operator()(const link::Odometry& m) const {
-    return convert::sample_of(m).sample;
+  std::optional<convert::Sample<S>> operator()(const link::Odometry& m) const {
+    return convert::sample_of<S>(m).sample;
   }
   template <class Message>
-  std::optional<convert::Sample> operator()(const Message&) const {
+  std::optional<convert::Sample<S>> operator()(const Message&) const {
     return std::nullopt;
   }
 };
@@ -61,6 +63,7 @@ void Neighbours::configure(std::uint8_t own_system, std::uint8_t leader_system, 
   least_m_ = least_m;
 }
 
+template <class S>
 void Neighbours::take(const link::Received& received, const convert::Position& own,
                       std::int64_t now_us) {
   const auto [system, component] = received.from;
@@ -73,7 +76,7 @@ void Neighbours::take(const link::Received& received, const convert::Position& o
   if (component == 0 || autopilot_[system] != component) return;
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin, now_us);
-  } else if (const auto sample = std::visit(PlaceOf{}, received.message)) {
+  } else if (const auto sample = std::visit(PlaceOf<S>{}, received.message)) {
     take_place(system, *sample, own, now_us);
   }
 }
@@ -101,27 +104,29 @@ void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& m
   vessel->has_origin = true;
 }
 
-void Neighbours::take_place(std::uint8_t system, const convert::Sample& sample,
+template <class S>
+void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sample,
                             const convert::Position& own, std::int64_t now_us) {
   const Vessel* known = find(system);
   const bool local = !sample.at;
   if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) return;
   look_from(own.origin);
-  const convert::Sample seen = local ? sample : convert::in_plane(sample, own.origin);
+  const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
   const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
   if (!convert::near(own, there)) return;
-  core::Motion<double> motion;
+  core::Motion<S> motion;
   motion.psi = seen.psi_rad;
-  const auto encounter = convert::encounter_of<double>(own, {}, there, motion);
-  const auto& apart = encounter.separation_n;
-  Vessel* vessel = place_for(system, std::hypot(apart.x, apart.y), own, now_us);
+  const auto encounter = convert::encounter_of<S>(own, {}, there, motion);
+  const double north_m = convert::number(encounter.separation_n.x),
+               east_m = convert::number(encounter.separation_n.y);
+  Vessel* vessel = place_for(system, portable::hypot(north_m, east_m), own, now_us);
   if (vessel == nullptr) return;
-  const auto v_n = core::to_north_east(encounter.psi_L, core::Vec2<double>{seen.u_mps, seen.v_mps});
+  const auto v_n = core::to_north_east(encounter.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
-  vessel->north_m = own.north_m - apart.x;
-  vessel->east_m = own.east_m - apart.y;
-  vessel->v_north_mps = static_cast<float>(v_n.x);
-  vessel->v_east_mps = static_cast<float>(v_n.y);
+  vessel->north_m = own.north_m - north_m;
+  vessel->east_m = own.east_m - east_m;
+  vessel->v_north_mps = static_cast<float>(convert::number(v_n.x));
+  vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
   vessel->heard_us = now_us;
 }
 
@@ -147,7 +152,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
     const bool free = v.system == 0 || now_us - v.heard_us > kForgotten_us;
-    const double far_m = v.located ? std::hypot(v.north_m - own.north_m, v.east_m - own.east_m)
+    const double far_m = v.located ? portable::hypot(v.north_m - own.north_m, v.east_m - own.east_m)
                                    : std::numeric_limits<double>::max();
     if (!free && !(far_m > farthest_m)) continue;
     place = &v;
@@ -178,13 +183,14 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
   if (!same(own.origin, frame_)) return out;
   for (const Vessel& v : vessels_) {
     if (!v.located || now_us - v.heard_us > kForgotten_us) continue;
-    const S age = convert::seconds<S>(now_us - v.heard_us) + S(kOnItsWay_s);
-    const core::Vec2<S> v_n = {S(v.v_north_mps), S(v.v_east_mps)};
-    out.vessels[out.count++] = {{S(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
-                                 S(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
-                                v_n,
-                                age * core::length(v_n),  // it may have stopped since
-                                has_way(v)};
+    const S age = convert::seconds<S>(now_us - v.heard_us) + convert::scalar<S>(kOnItsWay_s);
+    const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
+    out.vessels[out.count++] = {
+        {convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
+         convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
+        v_n,
+        age * core::length(v_n),  // it may have stopped since
+        has_way(v)};
   }
   return out;
 }
@@ -194,18 +200,22 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
                        std::int64_t now_us) const {
   if (!watches()) return true;
   const auto around = traffic<S>(own, moved_n, now_us);
-  return std::all_of(
-      around.vessels.begin(), around.vessels.begin() + std::ptrdiff_t(around.count),
-      [&](const core::OtherVessel<S>& v) { return !(core::length(v.p_n) < S(least_m_)); });
+  return std::all_of(around.vessels.begin(), around.vessels.begin() + std::ptrdiff_t(around.count),
+                     [&](const core::OtherVessel<S>& v) {
+                       return !(core::length(v.p_n) < convert::scalar<S>(least_m_));
+                     });
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                                 \
+  template void Neighbours::take<S>(const link::Received&, const convert::Position&,            \
+                                    std::int64_t);                                              \
   template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \
                                                 std::int64_t) const;                            \
   template bool Neighbours::clear(const convert::Position&, const core::Vec2<S>&, std::int64_t) \
       const;
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
 #undef FLOTILLA_INSTANTIATE
 
 }  // namespace flotilla::app

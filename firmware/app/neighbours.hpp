@@ -22,7 +22,8 @@ class Neighbours {
 
   bool watches() const { return least_m_ > 0; }
 
-  /// Any message. Places are kept in the local frame of `own`.
+  /// Any message. Places are kept in the local frame of `own`. S: what is computed in.
+  template <class S = double>
   void take(const link::Received& received, const convert::Position& own, std::int64_t now_us);
 
   /// Those around, carried forward to now, seen from `own` + `moved_n`.
@@ -53,8 +54,9 @@ class Neighbours {
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
   void take_depth(std::uint8_t system, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
-  void take_place(std::uint8_t system, const convert::Sample& sample, const convert::Position& own,
-                  std::int64_t now_us);
+  template <class S>
+  void take_place(std::uint8_t system, const convert::Sample<S>& sample,
+                  const convert::Position& own, std::int64_t now_us);
   void look_from(const link::GpsGlobalOrigin& origin);
   Vessel* find(std::uint8_t system);
   Vessel* place_for(std::uint8_t system, std::optional<double> distance_m,

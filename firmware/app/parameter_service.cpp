@@ -2,7 +2,7 @@
 #include "app/parameter_service.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cmath>
 
 namespace flotilla::app {
 namespace {
@@ -115,10 +115,31 @@ Sentence& Sentence::operator<<(std::string_view text) {
   return *this;
 }
 
+Sentence& Sentence::add_digits(std::uint32_t digits, int point) {
+  std::array<char, 11> text;
+  std::size_t begin = text.size();
+  do {
+    if (point > 0 && text.size() - begin == static_cast<std::size_t>(point)) text[--begin] = '.';
+    text[--begin] = static_cast<char>('0' + digits % 10);
+    digits /= 10;
+  } while (digits > 0 || text.size() - begin <= static_cast<std::size_t>(std::max(point, 0)));
+  return *this << std::string_view(text.data() + begin, text.size() - begin);
+}
+
+/// Six digits of it. Not std::to_chars: its tables are larger than a microcontroller's program.
 Sentence& Sentence::operator<<(float number) {
-  std::array<char, 20> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-  return *this << std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data()));
+  if (std::isnan(number)) return *this << "nan";
+  if (number < 0) *this << "-";
+  if (std::isinf(number)) return *this << "inf";
+  double x = std::fabs(static_cast<double>(number));
+  int point = 0;  // digits behind it
+  for (const bool large = x >= 1e9; large && x >= 1e6; x /= 10) --point;
+  for (; x > 0 && x * 10 < 1e6 && point < 9; x *= 10) ++point;
+  auto digits = static_cast<std::uint32_t>(x + 0.5);
+  if (digits == 0) point = 0;
+  for (; point != 0 && digits % 10 == 0; digits /= 10) --point;
+  add_digits(digits, point);
+  return point < 0 ? (*this << "e").add_digits(static_cast<std::uint32_t>(-point), 0) : *this;
 }
 
 bool ParameterService::Errors::push(const link::ParamError& error) {

@@ -3,15 +3,15 @@
 // can overflow. What is still lost on the way, clients ask for again, one by one.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
-#include <vector>
 
-#include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
 #include "link/messages.hpp"
 
@@ -25,6 +25,8 @@ class Sentence {
   std::string_view text() const { return {characters_.data(), size_}; }
 
  private:
+  Sentence& add_digits(std::uint32_t digits, int point);
+
   std::array<char, 120> characters_{};
   std::size_t size_ = 0;
 };
@@ -53,7 +55,34 @@ struct Standing {
 
 class ParameterService {
  public:
-  explicit ParameterService(std::size_t links = kMaxLinks) : links_(links) {}
+  static constexpr std::size_t kCount = kParameterList.size();
+
+  /// PARAM_ERRORs in the order they came; one too many is left out, its asker will time out.
+  struct Errors {
+    std::array<link::ParamError, 8> ring{};
+    std::size_t first = 0, count = 0;
+
+    bool push(const link::ParamError& error);
+    std::optional<link::ParamError> pop();
+  };
+
+  /// What a link is owed. Errors, single values and the list take turns.
+  struct Owed {
+    Errors errors{};
+    std::bitset<kCount> values{};
+    std::size_t next_value = 0;            // where the search for the next one begins
+    std::size_t list_at = kCount;          // kCount: no list is asked for
+    std::optional<std::size_t> refused{};  // its error has just left, its value goes next
+    int turn = 0;
+
+    std::optional<std::size_t> take_single();
+    std::optional<std::size_t> take_of_list();
+  };
+
+  /// links: one each, outlives this.
+  explicit ParameterService(std::span<Owed> links) : links_(links) {
+    std::ranges::fill(links_, Owed{});
+  }
 
   static bool knows(const link::ParamSet& asked);
   static bool asks_for_mode(const link::ParamSet& asked);
@@ -81,33 +110,9 @@ class ParameterService {
   std::optional<link::Message> next(std::size_t link, const Parameters& values);
 
  private:
-  static constexpr std::size_t kCount = kParameterList.size();
-
-  /// PARAM_ERRORs in the order they came; one too many is left out, its asker will time out.
-  struct Errors {
-    std::array<link::ParamError, 8> ring{};
-    std::size_t first = 0, count = 0;
-
-    bool push(const link::ParamError& error);
-    std::optional<link::ParamError> pop();
-  };
-
-  /// What a link is owed. Errors, single values and the list take turns.
-  struct Owed {
-    Errors errors{};
-    std::bitset<kCount> values{};
-    std::size_t next_value = 0;            // where the search for the next one begins
-    std::size_t list_at = kCount;          // kCount: no list is asked for
-    std::optional<std::size_t> refused{};  // its error has just left, its value goes next
-    int turn = 0;
-
-    std::optional<std::size_t> take_single();
-    std::optional<std::size_t> take_of_list();
-  };
-
   static std::optional<link::Message> take_turn(Owed& owed, const Parameters& values);
 
-  std::vector<Owed> links_;
+  std::span<Owed> links_;
 };
 
 }  // namespace flotilla::app

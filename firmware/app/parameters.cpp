@@ -21,7 +21,7 @@ bool is_valid(const ParameterInfo& info, float value) {
     case ParameterKind::kIdentity:
     case ParameterKind::kFrame:
     case ParameterKind::kAction:
-      return std::nearbyint(value) == value;
+      return static_cast<float>(static_cast<std::int64_t>(value)) == value;
     case ParameterKind::kSign:
       return std::abs(value) == 1.0F;
     case ParameterKind::kMode:

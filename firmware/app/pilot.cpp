@@ -25,10 +25,10 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 template <class S>
 Pilot<S>::Pilot(const Parameters& p)
     : law_(convert::controller_params<S>(p)),
-      coast_s_(S(p.FS_COAST_S)),
+      coast_s_(convert::scalar<S>(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
-           {p.NAV_OFS_X, p.NAV_OFS_Y}),
+           {convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)}),
       leader_({byte_of(p.FORM_LEADER), 0}) {
   set_limits(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
@@ -44,10 +44,10 @@ void Pilot<S>::set_limits(const Parameters& p) {
 template <class S>
 void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   law_ = convert::controller_params<S>(p);
-  coast_s_ = S(p.FS_COAST_S);
+  coast_s_ = convert::scalar<S>(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
   set_limits(p);
-  own_.set_antenna({p.NAV_OFS_X, p.NAV_OFS_Y});
+  own_.set_antenna({convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)});
   own_.follow(own_system);
   leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
@@ -58,7 +58,7 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
   if (neighbours_.watches() && own_.has_origin()) {
-    neighbours_.take(received, own_.position(), now_us);
+    neighbours_.take<S>(received, own_.position(), now_us);
   }
 }
 
@@ -203,20 +203,21 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
 template <class S>
 Estimates Pilot<S>::estimates() const {
   return {convert::in_double(core::unknown_wrench(law_.vessel, motion_)),
-          {double(motion_.c_n.x), double(motion_.c_n.y)}};
+          {convert::number(motion_.c_n.x), convert::number(motion_.c_n.y)}};
 }
 
 template <class S>
-convert::OwnState<double> Pilot<S>::own_state(std::int64_t now_us) const {
+convert::OwnState Pilot<S>::own_state(std::int64_t now_us) const {
   const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
   const core::Motion<S> then = core::moment_before(motion_.motion, since_stamp);
-  return {anchor_.north_m, anchor_.east_m, convert::in_double(then), anchor_.origin};
+  return convert::own_state_of(anchor_, then);
 }
 
 template <class S>
 convert::Position Pilot<S>::place() const {
   const core::Vec2<S>& moved = motion_.motion.moved_n;
-  return {anchor_.north_m + double(moved.x), anchor_.east_m + double(moved.y), anchor_.origin};
+  return {anchor_.north_m + convert::number(moved.x), anchor_.east_m + convert::number(moved.y),
+          anchor_.origin};
 }
 
 template <class S>
@@ -236,5 +237,6 @@ std::optional<double> Pilot<S>::leader_age_s(std::int64_t now_us) const {
 
 template class Pilot<float>;
 template class Pilot<double>;
+template class Pilot<core::Q16>;
 
 }  // namespace flotilla::app

@@ -60,7 +60,7 @@ class Pilot {
   Estimates estimates() const;
 
   /// The own state at the whole millisecond of now.
-  convert::OwnState<double> own_state(std::int64_t now_us) const;
+  convert::OwnState own_state(std::int64_t now_us) const;
   bool located() const { return own_.has_origin(); }
   convert::Position place() const;
 

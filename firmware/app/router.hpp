@@ -8,9 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
-#include "app/mavlink_links.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::app {
@@ -21,8 +19,15 @@ namespace flotilla::app {
 /// circles where two links reach the same boats. Source: mavlink.io, routing.
 class Router {
  public:
-  explicit Router(std::size_t links = kMaxLinks)
-      : links_(links), heard_us_(links * kPlaces, kNever) {}
+  static constexpr std::size_t kPlaces = 32;
+
+  /// What is kept of one link: when each place's owner was heard last on it.
+  struct Link {
+    std::array<std::int64_t, kPlaces> heard_us;
+  };
+
+  /// links: one each, outlives this.
+  explicit Router(std::span<Link> links) : links_(links) {}
 
   void heard(link::Address from, std::size_t link, std::int64_t now_us) {
     std::size_t place = 0;
@@ -30,9 +35,9 @@ class Router {
     if (place == used_) {
       place = used_ < kPlaces ? used_++ : unheard_longest();
       who_[place] = from;
-      std::ranges::fill(row(place), kNever);
+      for (Link& each : links_) each.heard_us[place] = kNever;
     }
-    row(place)[link] = now_us;
+    links_[link].heard_us[place] = now_us;
   }
 
   /// Links, a bit each, that a message from one link is to be handed on to.
@@ -43,8 +48,8 @@ class Router {
       const link::Address who = who_[place];
       const bool meant = who.system == target.system &&
                          (target.component == 0 || who.component == target.component);
-      for (std::size_t link = 0; meant && link < row(place).size(); ++link) {
-        if (now_us - kGone_us < row(place)[link]) links |= 1U << link;
+      for (std::size_t link = 0; meant && link < links_.size(); ++link) {
+        if (now_us - kGone_us < links_[link].heard_us[place]) links |= 1U << link;
       }
     }
     return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
@@ -53,16 +58,12 @@ class Router {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kGone_us = 10'000'000;
-  static constexpr std::size_t kPlaces = 32;
 
-  /// When that place's owner was heard last on each link.
-  std::span<std::int64_t> row(std::size_t place) {
-    return std::span(heard_us_).subspan(place * links_, links_);
+  std::int64_t last_us(std::size_t place) const {
+    std::int64_t last = kNever;
+    for (const Link& link : links_) last = std::max(last, link.heard_us[place]);
+    return last;
   }
-  std::span<const std::int64_t> row(std::size_t place) const {
-    return std::span(heard_us_).subspan(place * links_, links_);
-  }
-  std::int64_t last_us(std::size_t place) const { return std::ranges::max(row(place)); }
 
   std::size_t unheard_longest() const {
     std::size_t longest = 0;
@@ -72,9 +73,9 @@ class Router {
     return longest;
   }
 
-  std::size_t links_, used_ = 0;
+  std::size_t used_ = 0;
   std::array<link::Address, kPlaces> who_{};  // the one unheard for longest gives way
-  std::vector<std::int64_t> heard_us_;
+  std::span<Link> links_;
 };
 
 }  // namespace flotilla::app

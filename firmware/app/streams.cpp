@@ -8,8 +8,9 @@
 
 namespace flotilla::app {
 
-Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::size_t links)
+Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links)
     : companion_(companion), tick_us_(tick_us), links_(links) {
+  std::ranges::fill(links_, Link{});
   configure(p);
 }
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
+#include <span>
 
 #include "app/mavlink_links.hpp"
 #include "app/parameters.hpp"
@@ -68,7 +68,21 @@ constexpr bool is_companions(std::uint16_t id) {
 /// Every link has intervals of its own, which a client may change.
 class Streams {
  public:
-  Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::size_t links = kMaxLinks);
+  struct Turn {
+    std::int64_t wanted_us = 0;
+    Schedule schedule;
+  };
+  /// What is kept of one link.
+  struct Link {
+    std::array<Turn, kStreams.size()> turns{};
+    std::int64_t radio_us = 0;  ///< when it complained last
+    double share = 1;           ///< of the full rate, as the radio allows
+    /// Before that none waits but those of the state; schedules that change are looked at anew.
+    std::int64_t quiet_until_us = 0;
+  };
+
+  /// links: one each, outlives this.
+  Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links);
 
   /// The default rates have changed.
   void configure(const Parameters& p);
@@ -96,17 +110,6 @@ class Streams {
   void forget_silent_radios(std::int64_t now_us);
 
  private:
-  struct Turn {
-    std::int64_t wanted_us = 0;
-    Schedule schedule;
-  };
-  struct Link {
-    std::array<Turn, kStreams.size()> turns{};
-    std::int64_t radio_us = 0;  ///< when it complained last
-    double share = 1;           ///< of the full rate, as the radio allows
-    /// Before that none waits but those of the state; schedules that change are looked at anew.
-    std::int64_t quiet_until_us = 0;
-  };
   static constexpr std::size_t kNone = kStreams.size();
 
   std::size_t find(std::uint16_t id) const;
@@ -120,7 +123,7 @@ class Streams {
   bool configured_ = false;
   std::int64_t tick_us_;
   std::int64_t state_us_ = 0, slow_us_ = 0;
-  std::vector<Link> links_;
+  std::span<Link> links_;
 };
 
 }  // namespace flotilla::app

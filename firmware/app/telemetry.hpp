@@ -15,7 +15,7 @@ namespace flotilla::app {
 /// The own state at a whole millisecond of our clock.
 struct OwnReport {
   std::uint32_t time_boot_ms = 0;
-  convert::OwnState<double> state{};
+  convert::OwnState state{};
   bool located = false;  ///< where on the globe the local frame's origin is, is known
   bool adrift = false;   ///< it was, and followers still take positions from there
 };

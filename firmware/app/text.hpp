@@ -27,6 +27,7 @@ struct Complaint {
 constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSoleController, "another controller on the CAN bus"},
     {core::kBusUp, "CAN bus is down"},
+    {core::kInRange, "a number is out of the scalar's range"},
     {core::kOwnFresh, "own state is not fresh", "FS_NAV_S"},
     {core::kOwnLive, "own state is frozen"},
     {core::kOwnSteady, "own state jumps"},

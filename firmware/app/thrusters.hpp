@@ -23,7 +23,7 @@ class Thrusters {
   explicit Thrusters(const Parameters& p)
       : curve_(convert::thrust_curve_params<S>(p)),
         propellers_(convert::controller_params<S>(p).propellers),
-        slew_(p.THR_SLEW),
+        slew_(convert::scalar<S>(p.THR_SLEW)),
         port_{static_cast<std::uint8_t>(p.ESC_PORT), p.THR_PORT_DIR < 0},
         stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
 
@@ -55,17 +55,17 @@ class Thrusters {
   };
 
   S turn(Propeller& propeller, S asked, S dt, Output& out) {
-    const S command = core::limit_slew(propeller.command, asked, S(slew_), dt);
+    const S command = core::limit_slew(propeller.command, asked, slew_, dt, curve_.full);
     out.slew_limited = out.slew_limited || command < asked || asked < command;
     propeller.command = command;
     const std::int16_t raw = convert::raw_of(command);
     out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
-    return core::thrust_from_command(curve_, convert::command_of<S>(raw));
+    return core::thrust_from_command(curve_, S(raw));
   }
 
   core::ThrustCurveParams<S> curve_;
   core::AllocationParams<S> propellers_;
-  float slew_;
+  S slew_;
   Propeller port_;
   Propeller stbd_;
 };

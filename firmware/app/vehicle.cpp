@@ -77,14 +77,15 @@ bool asks_for_message(const Letter& letter) {
 
 }  // namespace
 
-Vehicle::Vehicle(const Parameters& p, std::size_t links, std::span<Datagram> out)
+Vehicle::Vehicle(const Parameters& p, std::size_t links, const Storage& storage)
     : parameters_(p),
       identity_(p),
-      links_(links, identity_.self(), out),
-      router_(links),
-      parameter_service_(links),
+      links_(identity_.self(), storage.links.first(links), storage.mavlink, storage.signing),
+      router_(storage.routes.first(links)),
+      parameter_service_(storage.parameters.first(links)),
       ftp_(metadata_files()),
-      streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE), links),
+      streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE),
+               storage.streams.first(links)),
       heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       separation_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "app/mavlink_links.hpp"
 #include "app/parameter_service.hpp"
 #include "app/router.hpp"
+#include "app/storage.hpp"
 #include "app/streams.hpp"
 #include "app/telemetry.hpp"
 #include "app/time_requests.hpp"
@@ -37,8 +37,8 @@ struct Sticks {
 
 class Vehicle {
  public:
-  /// out: as MavlinkLinks takes it.
-  Vehicle(const Parameters& parameters, std::size_t links, std::span<Datagram> out = {});
+  /// links: 1 … as many as there is storage for.
+  Vehicle(const Parameters& parameters, std::size_t links, const Storage& storage);
 
   MavlinkLinks& links() { return links_; }
   const MavlinkLinks& links() const { return links_; }

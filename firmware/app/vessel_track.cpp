@@ -10,6 +10,13 @@ namespace {
 
 /// A heading older than this cannot be carried over to a position.
 constexpr std::int64_t kHeadingUsable_us = 300'000;
+
+/// A time over which a track is carried on, s: after ten nobody makes use of it.
+template <class S>
+S carried(std::int64_t us) {
+  return convert::seconds<S>(std::min<std::int64_t>(us, 10'000'000));
+}
+
 }  // namespace
 
 template <class S>
@@ -109,7 +116,7 @@ void VesselTrack<S>::take_mine(const link::Received& received, std::int64_t now_
 template <class S>
 void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
                           std::int64_t now_us, link::Counters& counters) {
-  const convert::Reading reading = convert::sample_of(message);
+  const convert::Reading<S> reading = convert::sample_of<S>(message);
   if (!reading.sample) {
     const bool bad_frame = reading.refusal == convert::Refusal::kBadFrame;
     ++(bad_frame ? counters.mavlink_bad_frame : counters.mavlink_bad_value);
@@ -132,7 +139,7 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
 template <class S>
 void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
                           std::int64_t now_us, link::Counters& counters) {
-  auto sample = convert::heading_of(message);
+  auto sample = convert::heading_of<S>(message);
   if (!sample) {
     ++counters.mavlink_bad_value;
     return;
@@ -163,7 +170,7 @@ void VesselTrack<S>::take(const link::FollowTarget& message, std::uint8_t compon
     ++counters.mavlink_bad_value;
     return;
   }
-  const auto heading = convert::own_heading_of(message);
+  const auto heading = convert::own_heading_of<S>(message);
   if (!heading) {
     take_joined(Source::kFollowTarget, message, component, now_us, counters);
     return;
@@ -224,14 +231,14 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t com
 
 /// In the plane that the last position is in.
 template <class S>
-convert::Sample VesselTrack<S>::here(const convert::Sample& sample) const {
+convert::Sample<S> VesselTrack<S>::here(const convert::Sample<S>& sample) const {
   return sample.at && anchored_ ? convert::in_plane(sample, position_.origin) : sample;
 }
 
 /// The origin of what is believed from now on. A global position gets one that stays: followers of
 /// this vessel rely on it.
 template <class S>
-void VesselTrack<S>::anchor(const convert::Sample& sample) {
+void VesselTrack<S>::anchor(const convert::Sample<S>& sample) {
   if (!sample.at) {
     if (anchored_) position_.origin = origin_;
     anchored_ = false;
@@ -245,7 +252,7 @@ void VesselTrack<S>::anchor(const convert::Sample& sample) {
 
 /// Its stamp is not younger than the last one, and its clock did not begin anew.
 template <class S>
-bool VesselTrack<S>::is_late(const convert::Sample& sample, std::int64_t now_us) {
+bool VesselTrack<S>::is_late(const convert::Sample<S>& sample, std::int64_t now_us) {
   if (!stamp_us_ || sample.stamp_us > *stamp_us_) return false;
   const bool advances = refused_stamp_us_ && sample.stamp_us > *refused_stamp_us_;
   refused_stamp_us_ = sample.stamp_us;
@@ -269,14 +276,14 @@ void VesselTrack<S>::moved(std::int64_t stamp_us, std::int64_t now_us) {
 }
 
 template <class S>
-bool VesselTrack<S>::accept(const convert::Sample& sample, std::int64_t now_us,
+bool VesselTrack<S>::accept(const convert::Sample<S>& sample, std::int64_t now_us,
                             link::Counters& counters) {
   if (is_late(sample, now_us)) {
     ++counters.mavlink_old_stamp;
     return false;
   }
   const bool far = sample.at && anchored_ && !convert::reaches(position_.origin, *sample.at);
-  convert::Sample placed = here(sample);
+  convert::Sample<S> placed = here(sample);
   auto seen = guard_.seen(placed, now_us);
   const auto verdict = guard_.judge(seen, far);
   if (verdict == JumpGuard<S>::Verdict::kRefused) {
@@ -305,7 +312,7 @@ bool VesselTrack<S>::accept(const convert::Sample& sample, std::int64_t now_us,
 }
 
 template <class S>
-void VesselTrack<S>::update(const convert::Sample& sample, std::int64_t now_us) {
+void VesselTrack<S>::update(const convert::Sample<S>& sample, std::int64_t now_us) {
   clock().heard(sample.stamp_us, now_us);
   const std::int64_t true_us = sample.stamp_us + clock().offset_us().value_or(0);
   const core::TrackParams<S> params{};
@@ -314,7 +321,7 @@ void VesselTrack<S>::update(const convert::Sample& sample, std::int64_t now_us) 
                    ? convert::seconds<S>(std::max<std::int64_t>(true_us - *other_source_us_, 1000))
                : stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_)
                            : S(0);
-  const core::TrackMessage<S> message{S(sample.psi_rad), convert::nu_of<S>(sample), dt};
+  const core::TrackMessage<S> message{sample.psi_rad, convert::nu_of(sample), dt};
   if (resumed) {
     core::track_resume(params, track_, message);
   } else {
@@ -358,7 +365,7 @@ bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
 
 template <class S>
 core::Motion<S> VesselTrack<S>::motion(std::int64_t now_us) const {
-  return core::track_forward(track_, convert::seconds<S>(age_us(now_us).value_or(0)));
+  return core::track_forward(track_, carried<S>(age_us(now_us).value_or(0)));
 }
 
 template <class S>
@@ -366,8 +373,8 @@ std::optional<double> VesselTrack<S>::uncertainty_m(std::int64_t now_us) const {
   const auto age = age_us(now_us);
   const auto least = clock().least_us(), offset = clock().offset_us();
   if (!age || !least || !offset) return std::nullopt;
-  const S off = convert::seconds<S>(std::abs(*offset - *least));
-  return double{core::track_uncertainty(track_, convert::seconds<S>(*age), off)};
+  const S off = carried<S>(std::abs(*offset - *least));
+  return convert::number(core::track_uncertainty(track_, carried<S>(*age), off));
 }
 
 template <class S>
@@ -377,5 +384,6 @@ bool VesselTrack<S>::take_frame_complaint() {
 
 template class VesselTrack<float>;
 template class VesselTrack<double>;
+template class VesselTrack<core::Q16>;
 
 }  // namespace flotilla::app

@@ -30,10 +30,10 @@ class VesselTrack {
     std::int64_t frozen_us = 700'000;    ///< with the same state again and again
   };
   struct Antenna {
-    double x_m, y_m;
+    S x_m, y_m;
   };
 
-  explicit VesselTrack(Identity identity, Antenna antenna = {0, 0})
+  explicit VesselTrack(Identity identity, Antenna antenna = {S(0), S(0)})
       : identity_(identity),
         antenna_(antenna),
         sources_(identity.patience_us),
@@ -104,7 +104,7 @@ class VesselTrack {
 
   struct Heading {
     std::uint8_t component = 0;
-    convert::HeadingSample sample{};
+    convert::HeadingSample<S> sample{};
     std::int64_t arrived_us = 0;
   };
 
@@ -128,12 +128,12 @@ class VesselTrack {
   bool chosen(std::uint8_t component, std::int64_t now_us);
   bool preferred(Source source, std::int64_t stamp_us, std::int64_t now_us);
   void change_to(Source source, std::int64_t now_us);
-  bool accept(const convert::Sample& sample, std::int64_t now_us, link::Counters& counters);
-  bool is_late(const convert::Sample& sample, std::int64_t now_us);
+  bool accept(const convert::Sample<S>& sample, std::int64_t now_us, link::Counters& counters);
+  bool is_late(const convert::Sample<S>& sample, std::int64_t now_us);
   void moved(std::int64_t stamp_us, std::int64_t now_us);
-  void update(const convert::Sample& sample, std::int64_t now_us);
-  convert::Sample here(const convert::Sample& sample) const;
-  void anchor(const convert::Sample& sample);
+  void update(const convert::Sample<S>& sample, std::int64_t now_us);
+  convert::Sample<S> here(const convert::Sample<S>& sample) const;
+  void anchor(const convert::Sample<S>& sample);
   void rebooted(std::int64_t stamp_us);
   void jumped();
   void restart();

@@ -11,6 +11,8 @@
 //  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
 //
 // Not in paper, which has no limits.
+//
+// Q16.16: tested within ±500 (F + R, N)
 #pragma once
 
 #include "core/scalar.hpp"

@@ -23,6 +23,8 @@
 // nothing for an unknown force. Without disturbances P ≥ Q for every boat whose parameters are wrong
 // by no more than μ; in yaw, where they are greater, less is asked for. A boat that has the velocity
 // that is wanted does answer, whatever else acts: in a stream it takes thrust to stand still.
+//
+// Q16.16: tested within ±500 (wrench given, N)
 #pragma once
 
 #include "core/allocation.hpp"
@@ -88,9 +90,9 @@ void answer_axis(const AnswerParams<S>& params, AnswerAxis<S>& axis, const Answe
   const S momentum = in.inertia * (in.rate - axis.rate) / params.T;
   const S seen = momentum + axis.resisted;
   const S doubt = params.mismatch * (abs(momentum) + axis.weight);
-  const S g = clamp(axis.given / in.least, S(-100), S(100));
-  const S w = clamp(seen / in.least, S(-100), S(100));
-  const S d = clamp(doubt / in.least, S(0), S(100));
+  const S g = ratio_within(axis.given, in.least, S(100));
+  const S w = ratio_within(seen, in.least, S(100));
+  const S d = ratio_within(doubt, in.least, S(100));
   const S q = h / (params.W + h);
   axis.P = axis.P + q * (w * g + d * abs(g) - axis.P);
   axis.Q = axis.Q + q * (g * g - axis.Q);

@@ -15,6 +15,8 @@
 //
 // Not in paper: there the leader is always heard. It slows down late at first: a silence that is soon
 // over shall cost nothing.
+//
+// Q16.16: tested within ±8,192 (commands in a propeller's counts)
 #pragma once
 
 #include "core/track.hpp"
@@ -61,9 +63,11 @@ void coast_forward(S T, CoastState<S>& state, S h) {
 /// Neither of them beyond ±most: what turns the boat is kept, as in allocation.
 template <class S>
 Commands<S> limited(const Commands<S>& asked, S most) {
-  const S d = clamp(S(0.5) * (asked.port - asked.stbd), -most, most);
+  const S port = S(0.5) * asked.port;
+  const S stbd = S(0.5) * asked.stbd;
+  const S d = clamp(port - stbd, -most, most);
   const S rest = most - abs(d);
-  const S m = clamp(S(0.5) * (asked.port + asked.stbd), -rest, rest);
+  const S m = clamp(port + stbd, -rest, rest);
   return {clamp(m + d, -most, most), clamp(m - d, -most, most)};
 }
 

@@ -13,6 +13,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "core/fixed_integer.hpp"
 #include "core/scalar.hpp"
@@ -32,7 +33,9 @@ class Q16 {
   constexpr Q16() = default;
 
   template <std::integral T>
-  constexpr explicit Q16(T whole) : raw_(saturated(std::int64_t{whole} * kOne)) {}
+  constexpr explicit Q16(T whole) {
+    if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = end(std::cmp_less(whole, 0));
+  }
 
   /// Literals only, when the program is built: one that is out of range does not compile.
   consteval explicit Q16(double literal) : raw_(nearest(literal)) {}
@@ -44,22 +47,29 @@ class Q16 {
   }
   constexpr std::int32_t raw() const { return raw_; }
 
-  friend constexpr Q16 operator-(Q16 a) { return of_raw(saturated(-std::int64_t{a.raw_})); }
-  friend constexpr Q16 operator+(Q16 a, Q16 b) {
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) {
+    return of_raw(saturated(-std::int64_t{a.raw_}));
+  }
+  [[gnu::always_inline]] friend constexpr Q16 operator+(Q16 a, Q16 b) {
     std::int32_t sum = 0;
     if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
     return of_raw(sum);
   }
-  friend constexpr Q16 operator-(Q16 a, Q16 b) {
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a, Q16 b) {
     std::int32_t difference = 0;
     if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
     return of_raw(difference);
   }
-  friend constexpr Q16 operator*(Q16 a, Q16 b) {
-    return of_raw(saturated(halved(std::int64_t{a.raw_} * b.raw_, 16)));
+  [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
+    const std::int64_t product = std::int64_t{a.raw_} * b.raw_;
+    const std::int64_t odd = product >> 16 & 1;
+    return of_raw(saturated((product + 0x7FFF + odd) >> 16));  // it cannot wrap: |product| ≤ 2⁶²
   }
   /// By zero: the end of the range that a has the sign of; 0 / 0 = 0. Both raise overflow.
-  friend constexpr Q16 operator/(Q16 a, Q16 b) { return of_raw(quotient(a.raw_, b.raw_)); }
+  friend constexpr Q16 operator/(Q16 a, Q16 b) {
+    const std::uint64_t n = std::uint64_t{fixed::magnitude(a.raw_)} << 16;
+    return quotient(n, fixed::magnitude(b.raw_), (a.raw_ < 0) != (b.raw_ < 0));
+  }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
   friend constexpr auto operator<=>(Q16 a, Q16 b) = default;
@@ -78,8 +88,28 @@ class Q16 {
     return same == raw ? same : end(raw < 0);
   }
 
+  /// ±n / d of raw values.
+  static constexpr Q16 quotient(std::uint64_t n, std::uint32_t d, bool negative) {
+    if (n >> 32 >= d) {  // 2³² or more, or by zero
+      const std::int32_t most = end(negative);
+      return of_raw(n == 0 ? 0 : most);
+    }
+    const int zeros = std::countl_zero(d);
+    const auto [whole, rest] = fixed::divided(n << zeros, d << zeros);
+    // rest < d: rest > d − rest is 2 rest > d, which may wrap
+    const std::uint32_t other = (d << zeros) - rest;
+    const std::uint32_t up = rest > other || (rest == other && (whole & 1) != 0) ? 1 : 0;
+    const std::uint32_t rounded = whole + up;
+    // 2³¹ or more, or 2³²: the sum wraps to 0
+    if (rounded >> 31 != 0 || rounded < whole) {
+      return of_raw(saturated((std::int64_t{whole} + up) * (negative ? -1 : 1)));
+    }
+    const auto raw = static_cast<std::int32_t>(rounded);
+    return of_raw(negative ? -raw : raw);
+  }
+
  private:
-  static constexpr std::int64_t kOne = 65536;
+  static constexpr std::int32_t kOne = 65536;
 
   static std::int32_t end(bool negative) {
     q16_overflow = true;
@@ -91,20 +121,6 @@ class Q16 {
     const double twice = literal * 131072;
     // A conversion that is out of range is no constant expression: that is the error wanted here.
     return static_cast<std::int32_t>((twice + (twice < 0 ? -1 : 1)) / 2);
-  }
-
-  static constexpr std::int32_t quotient(std::int32_t a, std::int32_t b) {
-    const bool negative = (a < 0) != (b < 0);
-    const std::uint32_t n = fixed::magnitude(a), d = fixed::magnitude(b);
-    if (n >> 16 >= d) {  // 2³² or more, or by zero
-      const std::int32_t most = end(negative);
-      return n == 0 ? 0 : most;
-    }
-    const int zeros = std::countl_zero(d);
-    const auto [whole, rest] = fixed::divided(std::uint64_t{n} << (16 + zeros), d << zeros);
-    const std::uint64_t twice = 2 * std::uint64_t{rest} + (whole & 1);
-    const std::int64_t rounded = std::int64_t{whole} + (twice > d << zeros ? 1 : 0);
-    return saturated(negative ? -rounded : rounded);
   }
 
   std::int32_t raw_ = 0;
@@ -123,8 +139,11 @@ constexpr Q16 abs(Q16 x) { return x < Q16{} ? -x : x; }
 constexpr Q16 ceil(Q16 x) {
   return Q16::of_raw(Q16::saturated(((std::int64_t{x.raw()} + 65535) >> 16) * 65536));
 }
-/// √(x² + y²), whose squares may be out of range.
+/// √(x² + y²), √(x² + y² + z²), rounded once; squares may be out of range.
 constexpr Q16 hypot(Q16 x, Q16 y);
+constexpr Q16 hypot(Q16 x, Q16 y, Q16 z);
+/// a b / c, rounded once; c = 0 as of the division.
+constexpr Q16 scaled(Q16 a, Q16 b, Q16 c);
 
 }  // namespace flotilla::core
 

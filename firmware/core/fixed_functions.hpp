@@ -151,4 +151,17 @@ constexpr Q16 hypot(Q16 x, Q16 y) {
   return Q16::of_raw(Q16::saturated(fixed::root(a * a + b * b)));
 }
 
+constexpr Q16 hypot(Q16 x, Q16 y, Q16 z) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 63;  // from 2⁶² on, the root is out of range
+  const std::uint64_t a = fixed::magnitude(x.raw()), b = fixed::magnitude(y.raw());
+  const std::uint64_t c = fixed::magnitude(z.raw());
+  return Q16::of_raw(Q16::saturated(fixed::root(smaller(a * a + b * b + c * c, kMost))));
+}
+
+constexpr Q16 scaled(Q16 a, Q16 b, Q16 c) {
+  const bool negative = ((a.raw() < 0) != (b.raw() < 0)) != (c.raw() < 0);
+  const std::uint64_t n = std::uint64_t{fixed::magnitude(a.raw())} * fixed::magnitude(b.raw());
+  return Q16::quotient(n, fixed::magnitude(c.raw()), negative);
+}
+
 }  // namespace flotilla::core

@@ -6,18 +6,20 @@
 //   |v₁ − Λ v₀| ≤ v_0 + w + 4 h |v₀ r₀|                   |r₁ − λ r₀| ≤ r_0 + w_r + 10 h v₀²
 //
 //  symbol    meaning                                              frame  unit        tested range
-//  Δp, Δψ    way and turn from one state to the next              n      m, rad      ±1e6, ±π
+//  Δp, Δψ    way and turn from one state to the next              n      m, rad      ±15000, ±π
 //  v, r      velocity over ground, yaw rate, of both states       n      m/s, rad/s  ±50, ±20
-//  h         time between them                                           s           0 … 10
-//  a, a_r    what the propellers can do in no time                       m/s², rad/s²
-//  V, R      and what in any time                                        m/s, rad/s
+//  h         time between them                                           s           0 … 60
+//  a, a_r    what the propellers can do in no time                       m/s², rad/s²  0 … 500
+//  V, R      and what in any time                                        m/s, rad/s  0 … 200
 //  p_0 ψ_0 v_0 r_0  that much two states may differ by their errors alone
 //  λ, Λ      the best of all numbers from 0 to 1; of three, one for each of the vessel's axes
 //  s         by how much the places of this source commonly differ       m
 //
 // Not in paper. A vessel may be held; it may stop as fast as it likes, by a quay or by its drag, which differs from
 // axis to axis: hence Λ. The last terms are what the hull does to itself at speed, by its added mass:
-// (m22/m11) v r, and Munk's moment (m22 − m11) u v / m33, generously.
+// (m22/m11) v r, and Munk's moment (m22 − m11) u v / m33, generously; after 40 m nobody knows any more.
+//
+// Q16.16: tested within ±2,000 (a_r h, rad/s)
 #pragma once
 
 #include "core/rotation.hpp"
@@ -59,11 +61,11 @@ S beyond(S a, S b) {
 
 template <class S>
 S beyond(const Vec2<S>& a, const Vec2<S>& b) {
-  const S square = a.x * a.x + a.y * a.y;
-  const S along = a.x * b.x + a.y * b.y;
-  const S part = S(0) < square ? clamp(along / square, S(0), S(1)) : S(0);
-  const Vec2<S> off = {b.x - part * a.x, b.y - part * a.y};
-  return sqrt(off.x * off.x + off.y * off.y);
+  const S length = hypot(a.x, a.y);
+  if (!(S(0) < length)) return hypot(b.x, b.y);
+  const Vec2<S> unit = {a.x / length, a.y / length};
+  const S along = clamp(unit.x * b.x + unit.y * b.y, S(0), length);
+  return hypot(b.x - along * unit.x, b.y - along * unit.y);
 }
 
 template <class S>
@@ -74,20 +76,21 @@ Surprise<S> surprise_of(const JumpLimits<S>& limits, const Leg<S>& leg, S scatte
   const Vec2<S> before = to_north_east(leg.psi_from, Vec2<S>{leg.from.u, leg.from.v});
   const Vec2<S> after = to_north_east(leg.psi_to, Vec2<S>{leg.to.u, leg.to.v});
   const Vec2<S> way = {half * (before.x + after.x), half * (before.y + after.y)};
-  const S off =
-      beyond(way, {clamp(leg.moved_n.x, S(-1e6), S(1e6)), clamp(leg.moved_n.y, S(-1e6), S(1e6))});
-  const S square = leg.from.u * leg.from.u + leg.from.v * leg.from.v;
-  const S munk = S(10) * leg.h * square;
+  const auto far = [](S x) { return clamp(x, S(-15000), S(15000)); };  // is as good as anywhere
+  const S off = beyond(way, {far(leg.moved_n.x), far(leg.moved_n.y)});
+  const S speed = hypot(leg.from.u, leg.from.v);
+  const S sailed = smaller(leg.h * speed, S(40));
+  const S munk = smaller(S(10) * sailed * smaller(speed, S(70)), S(500));
   const S turned = wrap_pi(leg.psi_to - leg.psi_from);
   const S expected = half * (leg.from.r + leg.to.r);
   const S turn = smaller(beyond(expected, turned), abs(wrap_pi(turned - expected)));
   const Vec2<S> was = to_body(leg.psi_to, before);
   const S u = beyond(was.x, leg.to.u);
   const S v = beyond(was.y, leg.to.v);
-  const S swing = S(4) * leg.h * sqrt(square) * abs(leg.from.r);
+  const S swing = S(4) * sailed * abs(leg.from.r);
   const S place = off / (limits.position + S(8) * scatter + half * w);
   const S heading = turn / (limits.heading + half * (w_r + munk));
-  const S velocity = sqrt(u * u + v * v) / (limits.speed + w + swing);
+  const S velocity = hypot(u, v) / (limits.speed + w + swing);
   const S yaw_rate = beyond(leg.from.r, leg.to.r) / (limits.yaw_rate + w_r + munk);
   return {off, larger(larger(place, heading), larger(velocity, yaw_rate))};
 }

@@ -24,8 +24,11 @@
 // loop needs the yaw rate more than 27 times a second, and many navigation units give it 5 times.
 // Fed with the wrench that was given, b does not wind up where the propellers saturate. The current
 // is what keeps sway from going where the model says, whichever way the boat heads.
+//
+// Q16.16: tested within ±500 (wrench given, N)
 #pragma once
 
+#include "core/sum.hpp"
 #include "core/track.hpp"
 #include "core/vessel.hpp"
 
@@ -55,6 +58,9 @@ struct Observer {
   Nu<S> b{};
   Vec2<S> c_n{};
   Given<S> given{};
+  Nu<Carry<S>> nu_rest{}, b_rest{};
+  Vec2<Carry<S>> moved_rest{}, c_rest{};
+  Carry<S> psi_rest{};
 };
 
 /// A fix: heading and velocity `age` ago, `dt` after the fix before it, 0 for the first.
@@ -149,28 +155,37 @@ void observer_replay(const Vessel<S>& vessel, Observer<S>& state, S age) {
   }
 }
 
+/// k: what is believed of a fix that came dt after the one before it.
+template <class S>
+S share_of_fix(const ObserverParams<S>& params, S dt) {
+  return S(0) < params.omega ? dt / (dt + params.T) : S(1);
+}
+
 /// What the fix says beyond what was expected, times its gain, becomes unknown force and current.
 template <class S>
 void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observer<S>& state,
                     const Nu<S>& surprise, S dt) {
-  const auto learnt_of = [&](S omega, S b, S off) {  // switched off, none is known
-    return S(0) < omega ? b + omega / (S(1) + omega * dt) * off : S(0);
+  const S k = share_of_fix(params, dt);
+  const auto learnt_of = [&](S omega, S b, S off, Carry<S>& rest) {  // switched off, none is known
+    return S(0) < omega ? b + rest.take(k * omega / (S(1) + omega * dt), off) : S(0);
   };
   // The current needs the sway that it causes well before it has taken that over.
   const S omega_v = larger(params.omega, S(10) * params.omega_c);
-  const Nu<S> b = {learnt_of(params.omega, state.b.u, surprise.u),
-                   learnt_of(omega_v, state.b.v, surprise.v),
-                   learnt_of(params.omega, state.b.r, surprise.r)};
+  const Nu<S> b = {learnt_of(params.omega, state.b.u, surprise.u, state.b_rest.u),
+                   learnt_of(omega_v, state.b.v, surprise.v, state.b_rest.v),
+                   learnt_of(params.omega, state.b.r, surprise.r, state.b_rest.r)};
   state.b =
       bounded(b, Nu<S>{params.b_max.X / m.m11, params.b_max.X / m.m22, params.b_max.N / m.m33});
   if (!(S(0) < params.omega_c)) {
     state.c_n = {};
     return;
   }
-  const S learnt = params.omega_c * smaller(dt, S(1)) * (m.m22 / m.d22) * state.b.v;
-  const Vec2<S> learnt_n = to_north_east(state.motion.psi, Vec2<S>{S(0), learnt});
-  state.c_n = {clamp(state.c_n.x + learnt_n.x, -params.c_max, params.c_max),
-               clamp(state.c_n.y + learnt_n.y, -params.c_max, params.c_max)};
+  const S off = (m.m22 / m.d22) * state.b.v;
+  const Vec2<S> off_n = to_north_east(state.motion.psi, Vec2<S>{S(0), off});
+  const S share = params.omega_c * smaller(dt, S(1));
+  const auto within = [&](S c) { return clamp(c, -params.c_max, params.c_max); };
+  state.c_n = {within(state.c_n.x + state.c_rest.x.take(share, off_n.x)),
+               within(state.c_n.y + state.c_rest.y.take(share, off_n.y))};
 }
 
 /// Takes a fix; the state must have been carried forward to now before. The first one, or one after
@@ -185,18 +200,20 @@ void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, 
     state.b = {};
     return;
   }
-  const S k = S(0) < params.omega ? fix.dt / (fix.dt + params.T) : S(1);
+  const S k = share_of_fix(params, fix.dt);
   const Motion<S> said = state.motion;
-  const Nu<S> surprise = {k * (said.nu.u - expected.nu.u), k * (said.nu.v - expected.nu.v),
-                          k * (said.nu.r - expected.nu.r)};
+  const Nu<S> surprise = {said.nu.u - expected.nu.u, said.nu.v - expected.nu.v,
+                          said.nu.r - expected.nu.r};
   if (k < S(1)) {
     const S rest = S(1) - k;
     const S psi_off = wrap_pi(expected.psi - said.psi);
-    state.motion.moved_n = {said.moved_n.x + rest * (fix.expected_n.x - said.moved_n.x),
-                            said.moved_n.y + rest * (fix.expected_n.y - said.moved_n.y)};
-    state.motion.psi = said.psi + rest * psi_off;
-    state.motion.nu = {expected.nu.u + surprise.u, expected.nu.v + surprise.v,
-                       expected.nu.r + surprise.r};
+    const Vec2<S> off = {fix.expected_n.x - said.moved_n.x, fix.expected_n.y - said.moved_n.y};
+    state.motion.moved_n = {said.moved_n.x + state.moved_rest.x.take(rest, off.x),
+                            said.moved_n.y + state.moved_rest.y.take(rest, off.y)};
+    state.motion.psi = said.psi + state.psi_rest.take(rest, psi_off);
+    state.motion.nu = {expected.nu.u + state.nu_rest.u.take(k, surprise.u),
+                       expected.nu.v + state.nu_rest.v.take(k, surprise.v),
+                       expected.nu.r + state.nu_rest.r.take(k, surprise.r)};
   }
   observer_learn(params, vessel, state, surprise, fix.dt);
 }

@@ -8,6 +8,8 @@
 //  k_du, k_dr  velocity gains, surge, yaw    kg/s, kg m²/s  0 … 100
 //
 // Source: paper (eq:mas-underactuated-control), the two actuated rows written out.
+//
+// Q16.16: tested within ±500 (wrench, N)
 #pragma once
 
 #include "core/virtual_velocity.hpp"

@@ -7,6 +7,8 @@
 //  psi     heading, clockwise from north    n      rad   ±100
 //
 // Source: paper, J(q) below (eq:1).
+//
+// Q16.16: tested within ±200 (places, m)
 #pragma once
 
 #include "core/scalar.hpp"

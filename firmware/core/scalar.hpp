@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The arithmetic that the law is written in: any ordered field with sin, cos, atan, tanh, exp,
-// sqrt, ceil.
+// The arithmetic that the law is written in: any ordered field with sin, cos, atan, atan2, tanh, exp,
+// sqrt, ceil. What may be great is not squared: a scalar may end at ±32768.
 //
 // A literal enters only as S(0.5): the build rejects every other floating literal in this folder.
+//
+// Q16.16: tested within ±500 (ratio_within, wrap_pi)
 #pragma once
 
 #include <cmath>
@@ -12,6 +14,7 @@ namespace flotilla::core {
 // Found unqualified for float and double; a scalar of another type brings its own by ADL.
 using std::abs;
 using std::atan;
+using std::atan2;
 using std::ceil;
 using std::cos;
 using std::exp;
@@ -32,6 +35,29 @@ constexpr S smaller(S a, S b) {
 template <class S>
 constexpr S larger(S a, S b) {
   return a < b ? b : a;
+}
+
+/// √(x² + y²), √(x² + y² + z²); a scalar whose squares may be out of range has its own.
+template <class S>
+S hypot(S x, S y) {
+  return sqrt(x * x + y * y);
+}
+template <class S>
+S hypot(S x, S y, S z) {
+  return sqrt(x * x + y * y + z * z);
+}
+
+/// a b/c; a scalar of few bits keeps those of b/c that its product with a needs.
+template <class S>
+S scaled(S a, S b, S c) {
+  return a * (b / c);
+}
+
+/// a/b within ±most, also where a/b would be out of range; b > 0.
+template <class S>
+S ratio_within(S a, S b, S most) {
+  if (abs(a) / most < b) return clamp(a / b, -most, most);
+  return a < S(0) ? -most : most;
 }
 
 /// Angle in (−π, π], rad, for any finite angle.

@@ -26,6 +26,8 @@
 //
 // Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
 // using velocity obstacles, IJRR 17 (1998).
+//
+// Q16.16: tested within ±200 (other vessels' places, m)
 #pragma once
 
 #include <array>
@@ -89,7 +91,7 @@ S dot(const Vec2<S>& a, const Vec2<S>& b) {
 
 template <class S>
 S length(const Vec2<S>& a) {
-  return sqrt(dot(a, a));
+  return hypot(a.x, a.y);
 }
 
 template <class S>
@@ -101,10 +103,12 @@ Vec2<S> minus(const Vec2<S>& a, const Vec2<S>& b) {
 template <class S>
 S predicted_distance(S horizon, const OtherVessel<S>& other, const Vec2<S>& w) {
   const Vec2<S> q = minus(other.v_n, w);
-  const S qq = dot(q, q);
-  const S closing = -dot(other.p_n, q);
+  const S speed = length(q);
   S t = S(0);
-  if (S(0) < closing) t = closing < horizon * qq ? closing / qq : horizon;
+  if (S(0) < speed) {
+    const S way = -dot(other.p_n, Vec2<S>{q.x / speed, q.y / speed});  // to the nearest place
+    if (S(0) < way) t = way < horizon * speed ? way / speed : horizon;
+  }
   return length(Vec2<S>{other.p_n.x + t * q.x, other.p_n.y + t * q.y}) - other.margin;
 }
 
@@ -113,7 +117,7 @@ template <class S>
 S stopping_speed(S a, S reaction, S gap) {
   if (!(S(0) < gap)) return S(0);
   const S lag = a * reaction;
-  return sqrt(lag * lag + S(2) * a * gap) - lag;
+  return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
 /// How a boat gets onto a course: turned by delta, bow or stern first.
@@ -128,9 +132,15 @@ Way<S> way_to(S psi, const Vec2<S>& w_n) {
   const S speed = length(w_n);
   if (!(S(0) < speed)) return {};
   const Vec2<S> w = to_body(psi, w_n);
-  const S tiny = S(0.001) * speed;
-  const S x = w.x < S(0) ? smaller(w.x, -tiny) : larger(w.x, tiny);
-  return {atan(w.y / x), w.x * abs(w.x) / speed};
+  return {atan2(w.x < S(0) ? -w.y : w.y, abs(w.x)), w.x * abs(w.x) / speed};
+}
+
+/// 1 − (|p|/keep)², 0 beyond; p may be far.
+template <class S>
+S lacking(const Vec2<S>& p, S keep) {
+  if (!(abs(p.x) < keep && abs(p.y) < keep)) return S(0);
+  const Vec2<S> share = {p.x / keep, p.y / keep};
+  return larger(S(0), S(1) - dot(share, share));
 }
 
 /// s(w) for one vessel.
@@ -138,14 +148,13 @@ template <class S>
 S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, const Vec2<S>& w,
             S turning_s) {
   const S keep = S(1.4) * params.least + other.margin;
-  const S keep_square = keep * keep;
   S sum = S(0);
   for (int k = 1; k <= 8; ++k) {
     const S t = params.horizon * S(k) / S(8);
     const S under_way = larger(S(0), t - turning_s);
     const Vec2<S> p = {other.p_n.x + t * other.v_n.x - under_way * w.x,
                        other.p_n.y + t * other.v_n.y - under_way * w.y};
-    sum = sum + S(9 - k) / S(8) * larger(S(0), S(1) - dot(p, p) / keep_square);
+    sum = sum + S(9 - k) / S(8) * lacking(p, keep);
   }
   return sum;
 }
@@ -214,7 +223,7 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
     const OtherVessel<S>& other = traffic.vessels[i];
     const S d = larger(length(other.p_n), S(0.001));
     const S gap = S(0.5) * (d - other.margin - S(1.1) * params.least);
-    const S receding = larger(S(0), dot(other.v_n, other.p_n) / d);
+    const S receding = larger(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
     const S limit = stopping_speed(a, params.reaction, gap) + S(0.8) * receding;
     const S n = to_body(psi, other.p_n).x / d;
     if (limit < u * n) u = limit / n;

@@ -21,9 +21,12 @@
 // are alike and the water stands still, and it does not turn. A boat sails where its course goes, not
 // where its bow points: in a current, on the leader's outside, behind a leader with another hull.
 // u̇_L and v̇_L, full of noise, enter δ̇ through the smoothing alone; ṙ_S is ṙ_L.
+//
+// Q16.16: tested within ±500 (inertia, kg)
 #pragma once
 
 #include "core/rotation.hpp"
+#include "core/sum.hpp"
 #include "core/vessel.hpp"
 
 namespace flotilla::core {
@@ -55,6 +58,7 @@ template <class S>
 struct Smooth {
   S value{};
   S rate{};
+  Carry<S> value_rest{}, rate_rest{};
 };
 
 template <class S>
@@ -102,9 +106,11 @@ SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const Encounter<S>& i
 template <class S>
 void smooth(S omega, Smooth<S>& state, S value, S h) {
   const S step = omega * h;
-  const S off = (value - state.value - h * state.rate) / (S(1) + step * (S(2) + step));
-  state.value = value - off;
-  state.rate = state.rate + omega * step * off;
+  const S gain = step / (S(1) + step * (S(2) + step));
+  const S off = value - state.value - h * state.rate;
+  state.value = state.value + state.value_rest.take(h, state.rate);
+  state.value = state.value + state.value_rest.take(gain * (S(2) + step), off);
+  state.rate = state.rate + state.rate_rest.take(omega * gain, off);
 }
 
 /// How the slot moves; carries its state over the h seconds since the step before.
@@ -120,7 +126,8 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   }
   smooth(params.omega_n, state.q_s, q.x, h);
   smooth(params.omega_n, state.n, q.y - state.v_w, h);
-  const auto& [q_s, q_s_dot] = state.q_s;
+  const S q_s = state.q_s.value;
+  const S q_s_dot = state.q_s.rate;
   const S qq = q_s * q_s;
   const S D = qq + params.epsilon * params.epsilon;
   const S share = qq / D;  // 1 where the slot makes way

@@ -3,6 +3,8 @@
 //
 //   Sum<S>     x itself
 //   Sum<Q16>   x in 2⁻³² (64 bits): 0.1 m/s × 0.01 s is exact, 2³² additions lose nothing
+//
+// Q16.16: tested within ±1 (what is carried; the sum itself has 64 bits)
 #pragma once
 
 #include <cstdint>
@@ -49,6 +51,21 @@ class Sum<Q16> {
   }
 
   std::int64_t raw_ = 0;
+};
+
+/// What a product adds to a number of the scalar's own bits, and what is left for the next time.
+template <class S>
+class Carry {
+ public:
+  constexpr S take(S a, S b) {
+    sum_.add(a, b);
+    const S whole = sum_.value();
+    sum_.add(-whole);
+    return whole;
+  }
+
+ private:
+  Sum<S> sum_{};  // at most half an LSB
 };
 
 }  // namespace flotilla::core

@@ -55,24 +55,27 @@ constexpr Conditions kBatteryGood = 1U << 15U;     ///< ESCs' voltage, or no lim
 constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or no limit is set
 constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
 constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
+constexpr Conditions kInRange = 1U << 19U;         ///< no number was out of the scalar's range
 // What the operator has chosen, FS_LEADER_ACT and FS_GCS_ACT; neither of two: MANUAL, else HOLD.
-constexpr Conditions kLeaderLossHolds = 1U << 19U;
-constexpr Conditions kLeaderLossCoasts = 1U << 20U;
-constexpr Conditions kGcsLossHolds = 1U << 21U;
-constexpr Conditions kGcsLossCoasts = 1U << 22U;
-constexpr unsigned kConditionCount = 19;  ///< without the choices
+constexpr Conditions kLeaderLossHolds = 1U << 20U;
+constexpr Conditions kLeaderLossCoasts = 1U << 21U;
+constexpr Conditions kGcsLossHolds = 1U << 22U;
+constexpr Conditions kGcsLossCoasts = 1U << 23U;
+constexpr unsigned kConditionCount = 20;  ///< without the choices
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
+/// Without them the boat is not sure to do what is meant, and a look at it is needed.
+constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
 constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
-constexpr Conditions kByLaw = kOwn | kBoatAnswers | kPropulsion | kLimits;
+constexpr Conditions kByLaw = kOwn | kBoatAnswers | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kLeader | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // No own state: a boat that lost its navigation can be driven home.
-constexpr Conditions kManualDrive = kSticksFresh | kPropulsion;
-constexpr Conditions kArming = kOwn | kPropulsion | kLimits | kGcsHeard | kParametersSaved;
-constexpr Conditions kTestDrive = kTestRunning | kPropulsion;
+constexpr Conditions kManualDrive = kSticksFresh | kSound;
+constexpr Conditions kArming = kOwn | kSound | kLimits | kGcsHeard | kParametersSaved;
+constexpr Conditions kTestDrive = kTestRunning | kSound;
 constexpr Conditions kAllConditions = (1U << kConditionCount) - 1U;
 
 /// The set of those states.
@@ -96,7 +99,7 @@ constexpr std::array<Row, 28> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
     // What is lost by itself. FAULT is left by disarming, HOLD by the operator, COAST by itself.
-    {kArmed, Request::kNone, 0, kPropulsion, State::kFault},
+    {kArmed, Request::kNone, 0, kSound, State::kFault},
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
     {kLawDrives, Request::kNone, 0, kByLaw, State::kHold},

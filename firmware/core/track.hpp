@@ -24,6 +24,8 @@
 // spacing of messages; it has no lag behind a steady jerk. T is twice the last two spacings, within
 // limits: a leader that speaks often is followed at once when it jerks into motion, and two stamps
 // that lie close together say nothing of its acceleration.
+//
+// Q16.16: tested within ±200 (rates of change of nu)
 #pragma once
 
 #include "core/rotation.hpp"
@@ -93,7 +95,7 @@ Motion<S> track_forward(const TrackState<S>& state, S age) {
 /// How far the vessel may be from where track_forward() says; t: uncertainty of its clock, s.
 template <class S>
 S track_uncertainty(const TrackState<S>& state, S age, S t) {
-  const S speed = sqrt(state.nu.u * state.nu.u + state.nu.v * state.nu.v);
+  const S speed = hypot(state.nu.u, state.nu.v);
   return speed * t + S(0.5) * state.a * age * age;
 }
 
@@ -117,7 +119,7 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   const S kept = (S(1) - p) * (S(1) - p) * (S(1) - q);  // 1 − α
   const S beta = p * (p + S(2) * q - S(1.5) * p * q);
   const S gamma = p * p * q;
-  const S unforeseen = sqrt(off.u * off.u + off.v * off.v) / (dt + params.T) + abs(nu.u * off.r);
+  const S unforeseen = hypot(off.u, off.v) / (dt + params.T) + abs(nu.u * off.r);
   state.psi = psi - kept * wrap_pi(psi - expected.psi);
   state.nu = plus(nu, -kept, off);
   state.nu_dot = plus(expected.nu_dot, beta / dt, off);

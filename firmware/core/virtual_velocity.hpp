@@ -18,6 +18,8 @@
 //
 // Not in paper: θ and the limits, which are for boats far away: no leader is too fast to be followed.
 // At a limit ν* is constant, and nothing is integrated from what could not be reached.
+//
+// Q16.16: tested within ±500 (damping, kg/s)
 #pragma once
 
 #include "core/line_of_sight.hpp"

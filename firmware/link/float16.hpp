@@ -17,8 +17,10 @@ inline std::uint16_t float16_from(float x) {
   if (std::isnan(x)) return signed_(0x7FFF);
   const float magnitude = std::bit_cast<float>(bits & 0x7FFFFFFFU);
   if (magnitude >= 65504.0F) return signed_(0x7BFF);
-  if (magnitude < 6.103515625e-5F) {  // subnormal: multiples of 2⁻²⁴
-    return signed_(static_cast<std::uint32_t>(std::nearbyint(magnitude * 16777216.0F)));
+  if (magnitude < 6.103515625e-5F) {   // subnormal: multiples of 2⁻²⁴
+    constexpr float kWhole = 8388608;  // sums with 2²³ are rounded to whole numbers
+    return signed_(std::bit_cast<std::uint32_t>(magnitude * 16777216.0F + kWhole) -
+                   std::bit_cast<std::uint32_t>(kWhole));
   }
   const std::uint32_t m = std::bit_cast<std::uint32_t>(magnitude) - (112U << 23U);
   const std::uint32_t odd = (m >> 13U) & 1U;

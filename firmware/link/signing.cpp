@@ -53,8 +53,7 @@ std::uint64_t signing_time(std::int64_t unix_us) {
 void Signing::start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored) {
   key_ = key;
   has_key_ = true;
-  streams_.clear();
-  streams_.reserve(kStreams);
+  used_ = 0;
   timestamp_ = std::min(stored, kLatest);
   set_clock(clock);
   // A clock that comes up a little behind, as without a battery, must not make old messages new.
@@ -67,10 +66,10 @@ void Signing::set_clock(std::uint64_t now) {
 }
 
 Signing::Stream* Signing::find(Address from, std::uint8_t link_id) {
-  const auto it = std::find_if(streams_.begin(), streams_.end(), [&](const Stream& s) {
-    return s.from == from && s.link_id == link_id;
-  });
-  return it == streams_.end() ? nullptr : &*it;
+  const std::span<Stream> used = room_.first(used_);
+  const auto it = std::ranges::find_if(
+      used, [&](const Stream& s) { return s.from == from && s.link_id == link_id; });
+  return it == used.end() ? nullptr : &*it;
 }
 
 SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
@@ -91,8 +90,8 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
     if (timestamp <= stream->timestamp) return kReplayed;
   } else {
     if (timestamp + kMinute < std::max(clock_, floor_)) return kStale;
-    if (streams_.size() == kStreams) return kNoRoom;
-    stream = &streams_.emplace_back();
+    if (used_ == room_.size()) return kNoRoom;
+    stream = &room_[used_++];
   }
   *stream = {from, link_id, timestamp};
   return kGood;

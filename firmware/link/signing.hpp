@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "link/messages.hpp"
 
@@ -30,16 +29,23 @@ enum class SignatureVerdict : std::uint8_t {
   kReplayed,  ///< not newer than what this stream has brought already
   kStale,     ///< a new stream, more than a minute behind our clock
   kFuture,    ///< more than a minute ahead of our clock
-  kNoRoom,    ///< a new stream, and there are kStreams already
+  kNoRoom,    ///< a new stream, and there is no room for another
 };
 
 class Signing {
  public:
-  /// A stream is what one (system, component, link id) sends.
-  static constexpr std::size_t kStreams = 255;
+  /// What one (system, component, link id) sends.
+  struct Stream {
+    Address from;
+    std::uint8_t link_id;
+    std::uint64_t timestamp;
+  };
+
+  /// room: for the streams it hears, outlives it; what it sends needs none.
+  explicit Signing(std::span<Stream> room = {}) : room_(room) {}
 
   /// clock: as for set_clock(); stored: the last timestamp() of an earlier run, or 0. Forgets all
-  /// streams, and makes room for new ones.
+  /// streams.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
@@ -59,11 +65,6 @@ class Signing {
             std::span<std::uint8_t, kSignatureBlockBytes> block);
 
  private:
-  struct Stream {
-    Address from;
-    std::uint8_t link_id;
-    std::uint64_t timestamp;
-  };
   Stream* find(Address from, std::uint8_t link_id);
 
   SigningKey key_{};
@@ -71,7 +72,8 @@ class Signing {
   std::uint64_t clock_ = 0;      // the host's
   std::uint64_t timestamp_ = 0;  // of what was sent last
   std::uint64_t floor_ = 0;      // the clock has been there before
-  std::vector<Stream> streams_;  // its room is made with the key: most boats have none
+  std::size_t used_ = 0;
+  std::span<Stream> room_;
 };
 
 }  // namespace flotilla::link

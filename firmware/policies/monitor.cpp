@@ -73,7 +73,8 @@ void Monitor<S>::look_inside(const app::Boat<S>& boat) {
   now_.state = boat.state();
   now_.met = boat.conditions();
   const auto& thrust = boat.thrust();
-  now_.thrust_N = {static_cast<float>(thrust.port), static_cast<float>(thrust.stbd)};
+  now_.thrust_N = {static_cast<float>(app::convert::number(thrust.port)),
+                   static_cast<float>(app::convert::number(thrust.stbd))};
   now_.own_age_s = boat.pilot().own_age_s(now_.now_us);
   now_.leader_age_s = boat.pilot().leader_age_s(now_.now_us);
   now_.p = &boat.parameters();
@@ -152,5 +153,6 @@ void Monitor<S>::note_deeds() {
 
 template class Monitor<float>;
 template class Monitor<double>;
+template class Monitor<core::Q16>;
 
 }  // namespace flotilla::policies

@@ -39,10 +39,12 @@ inline bool at_most(float thrust_N, const Moment& n) {
   return thrust_N <= kRounded * n.p->THR_FWD_MAX && thrust_N >= -kRounded * n.p->THR_REV_MAX;
 }
 
-/// A command has its thrust's sign, and there is no thrust without a command.
-inline bool agrees(std::int16_t command, float thrust_N, float direction) {
-  const float ahead = static_cast<float>(command) * direction;
-  return ahead > 0 ? thrust_N > 0 : ahead < 0 ? thrust_N < 0 : thrust_N == 0;
+/// A command has its thrust's sign, and there is no thrust without a command. What is under the
+/// 16 µN of a scalar in fixed point, on the flattest curve, is none.
+inline bool agrees(std::int16_t command, float thrust_N, float direction, float most_N) {
+  const float ahead = static_cast<float>(command) * direction / 8191.0F;
+  if (thrust_N == 0) return most_N * ahead * ahead < 16e-6F;
+  return ahead * thrust_N > 0;
 }
 
 inline bool slewed(std::int16_t before, std::int16_t now, const Moment& n) {

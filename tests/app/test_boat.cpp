@@ -501,25 +501,29 @@ TEST_CASE_TEMPLATE("noise on every wire crashes nothing and starts no propeller"
   }
 }
 
+constexpr std::size_t kLinks = 2;
+
+std::vector<std::uint8_t> said(const Boat<float>::Output& out) {
+  std::vector<std::uint8_t> all;
+  for (std::size_t link = 0; link < kLinks; ++link) {
+    const auto bytes = out.links->bytes(link);
+    all.insert(all.end(), bytes.begin(), bytes.end());
+  }
+  for (const link::CanFrame& frame : out.can) {
+    all.insert(all.end(), frame.data.begin(), frame.data.begin() + frame.size);
+  }
+  return all;
+}
+
 TEST_CASE("boats that share an outbox say what each of them says alone") {
-  constexpr std::size_t kLinks = 2;
-  const auto said = [](const Boat<float>::Output& out) {
-    std::vector<std::uint8_t> all;
-    for (std::size_t link = 0; link < kLinks; ++link) {
-      const auto bytes = out.links->bytes(link);
-      all.insert(all.end(), bytes.begin(), bytes.end());
-    }
-    for (const link::CanFrame& frame : out.can) {
-      all.insert(all.end(), frame.data.begin(), frame.data.begin() + frame.size);
-    }
-    return all;
-  };
-  Outbox outbox(kLinks);
+  Outbox<kLinks> outbox;
+  std::array<LinkRoom<kLinks, 0>, 3> rooms;
   std::vector<std::unique_ptr<Boat<float>>> together, alone;
   for (std::uint8_t system = 1; system <= 3; ++system) {
     Parameters p;
     p.MAV_SYSID = system;
-    together.push_back(std::make_unique<Boat<float>>(p, kLinks, &outbox));
+    together.push_back(
+        std::make_unique<Boat<float>>(p, kLinks, Storage(rooms[system - 1U], outbox)));
     alone.push_back(std::make_unique<Boat<float>>(p, kLinks));
   }
   std::size_t bytes = 0;
@@ -533,7 +537,42 @@ TEST_CASE("boats that share an outbox say what each of them says alone") {
   CHECK(bytes > 3000);
 }
 
-TEST_CASE("a thousand boats fit into a processor's memory") { CHECK(sizeof(Boat<float>) < 16'000); }
+TEST_CASE("a boat in the storage of one that has been knows nothing of that one's links") {
+  Outbox<kLinks> outbox;
+  LinkRoom<kLinks, 1> room;
+  const Storage storage(room, outbox);
+  link::MavlinkEncoder client({255, 190});
+  {
+    Boat<float> first(Parameters{}, kLinks, storage);
+    const auto hears = [&](const link::Message& message, std::size_t link) {
+      first.on_mavlink(testing::frame_of(client, message), 0, link);
+    };
+    first.secure({1, 2, 3}, 1, 0);
+    first.set_policy(1, SigningPolicy::kAccept);
+    first.limit_link(1, 100);
+    hears(link::ParamRequestList{{1, 1}}, 0);
+    hears(link::RadioStatus{5}, 0);
+    hears(link::CommandLong{mav::kCmdSetMessageInterval, {mav::kAttitudeId, -1}, {1, 1}, 0}, 0);
+    const std::array<std::uint8_t, 3> begun{0xFD, 200, 0};
+    first.on_mavlink(begun, 0, 0);
+    for (std::int64_t now_us = 0; now_us < 50'000; now_us += 10'000) first.tick(now_us);
+  }
+  Boat<float> second(Parameters{}, kLinks, storage), fresh(Parameters{}, kLinks);
+  for (std::int64_t now_us = 0; now_us < 3'000'000; now_us += 10'000) {
+    if (now_us == 1'000'000) {
+      for (Boat<float>* boat : {&second, &fresh}) {
+        link::MavlinkEncoder again({255, 190});
+        const auto ping = testing::frame_of(again, link::Ping{1, 2, {}});
+        boat->on_mavlink(ping, now_us, 0);
+      }
+    }
+    REQUIRE(said(second.tick(now_us)) == said(fresh.tick(now_us)));
+  }
+}
+
+TEST_CASE("a thousand boats fit into a processor's memory") {
+  CHECK(sizeof(Boat<float>) + sizeof(LinkRoom<kLinks, 0>) < 20'000);
+}
 
 }  // namespace
 }  // namespace flotilla::app

@@ -243,7 +243,7 @@ TEST_CASE("FOLLOW_TARGET without position, velocity or a fix, or with absurd num
   const auto refused = [](auto change) {
     link::FollowTarget m = follow_target();
     change(m);
-    return !is_usable(m) && !sample_of(m, {});
+    return !is_usable(m) && !sample_of(m, HeadingSample<double>{});
   };
   CHECK_FALSE(refused([](auto&) {}));
   CHECK(refused([](auto& m) { m.est_capabilities = 1 | 8; }));
@@ -368,7 +368,7 @@ TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours
 }
 
 TEST_CASE("a global position is at the same place as a local one of any origin that reaches it") {
-  const Sample sample{7, 0, 0, 0.5, 1, 2, 3, GlobalPoint{487'125'918, 23'140'342}};
+  const Sample<double> sample{7, 0, 0, 0.5, 1, 2, 3, GlobalPoint{487'125'918, 23'140'342}};
   const link::GpsGlobalOrigin origin{487'000'000, 22'950'000, 0, 0};
   const Sample got = in_plane(sample, origin);
   CHECK(std::abs(got.north_m - 1400.43387) < 1e-3);
@@ -392,9 +392,9 @@ TEST_CASE("any point of the local frame, told in degrees and read again, is that
     const auto origin = origin_at(draw(80), draw(180));
     const double far = i < 250 ? 5'000 : 90'000;
     const double north = draw(far), east = draw(far);
-    const GlobalPoint at =
-        global_of<double>({north - 10, east + 10, origin}, core::Vec2<double>{10, -10});
-    const Sample back = in_plane({0, 0, 0, 1 - at.turn_rad, 0, 0, 0, at}, origin);
+    const GlobalPoint at = global_of({north, east, origin});
+    const Sample<double> told{0, 0, 0, 1 - at.turn_rad, 0, 0, 0, at};
+    const Sample back = in_plane(told, origin);
     CAPTURE(origin.latitude);
     CHECK(std::abs(back.north_m - north) < 0.006);
     CHECK(std::abs(back.east_m - east) < 0.006);
@@ -420,81 +420,13 @@ TEST_CASE("an origin beyond the poles or the antimeridian is none") {
 }
 
 TEST_CASE_TEMPLATE("commands are 8191 steps each way, rounded to the nearest", S, float, double) {
-  CHECK(raw_of(S(1)) == 8191);
-  CHECK(raw_of(S(-1)) == -8191);
+  CHECK(raw_of(S(9000)) == 8191);
+  CHECK(raw_of(S(-9000)) == -8191);
   CHECK(raw_of(S(0)) == 0);
   for (int raw = -8191; raw <= 8191; raw += 7) {
-    CHECK(raw_of(command_of<S>(static_cast<std::int16_t>(raw))) == raw);
-    CHECK(raw_of(S((raw + 0.4) / 8191)) == raw);
+    CHECK(raw_of(S(raw)) == raw);
+    CHECK(raw_of(S(raw + 0.4)) == raw);
   }
-}
-
-TEST_CASE_TEMPLATE("the state for followers, read by a follower, is the state", S, float, double) {
-  OwnState<S> state{100, -50, {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}}};
-  const auto heading = heading_of(attitude_of(state, 4000));
-  REQUIRE(heading);
-  const auto sample = sample_of(local_position_of(state, 4000), *heading);
-  REQUIRE(sample);
-  CHECK(sample->stamp_us == 4'000'000);
-  CHECK(sample->north_m == doctest::Approx(100.5));
-  CHECK(sample->east_m == doctest::Approx(-50.25));
-  CHECK(sample->psi_rad == doctest::Approx(2.5));
-  CHECK(sample->u_mps == doctest::Approx(1.5));
-  CHECK(sample->v_mps == doctest::Approx(-0.2));
-  CHECK(sample->r_radps == doctest::Approx(0.3));
-}
-
-TEST_CASE_TEMPLATE("the state told globally, read by a follower, is the state", S, float, double) {
-  const auto origin = origin_at(48.7, 2.295);
-  const OwnState<S> state{
-      3000, -2000, {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}}, origin};
-  const auto heading = heading_of(attitude_of(state, 4000));
-  const link::GlobalPositionInt position = global_position_of(state, 4000);
-  const link::FollowTarget target = follow_target_of(state, 4000);
-  CHECK(target.lat == position.lat);
-  CHECK(target.est_capabilities == 15);
-  CHECK(target.alt == 0);
-  for (const auto& sample :
-       {sample_of(position, *heading), sample_of(target, own_heading_of(target).value())}) {
-    REQUIRE(sample);
-    CHECK(sample->stamp_us == 4'000'000);
-    const Sample local = in_plane(*sample, origin);
-    CHECK(std::abs(local.north_m - 3000.5) < 0.006);
-    CHECK(std::abs(local.east_m + 2000.25) < 0.006);
-    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // a centimetre a second is the step of one
-    CHECK(std::abs(local.v_mps + 0.2) < 0.008);
-    CHECK(local.r_radps == doctest::Approx(0.3));
-  }
-  // ATTITUDE counts from the north of the local frame, these two from the true north.
-  const double turn = global_of<S>({3000, -2000, origin}, {S(0.5), S(-0.25)}).turn_rad;
-  CHECK(turn == doctest::Approx(3.57e-4).epsilon(0.01));
-  CHECK(own_heading_of(target)->psi_rad == doctest::Approx(2.5 - turn));
-  CHECK(position.hdg == std::lround(18'000 / kPi * (2.5 - turn)));
-}
-
-TEST_CASE_TEMPLATE("FOLLOW_TARGET's acceleration is that of a boat on a circle", S, float, double) {
-  const auto origin = origin_at(48.7, 2.295);
-  const double u = 1.5, v = 0.2, r = 0.3, h = 1e-3, psi = 0.8;
-  const auto at = [&](double t) {
-    return core::to_north_east(psi + r * t, core::Vec2<double>{u + 0.1 * t, v - 0.4 * t});
-  };
-  const link::FollowTarget m = follow_target_of<S>(
-      {0, 0, {{}, S(psi), {S(u), S(v), S(r)}, {S(0.1), S(-0.4), S(0)}}, origin}, 1);
-  CHECK(std::abs(double{m.acc[0]} - (at(h).x - at(-h).x) / (2 * h)) < 1e-4);
-  CHECK(std::abs(double{m.acc[1]} - (at(h).y - at(-h).y) / (2 * h)) < 1e-4);
-}
-
-TEST_CASE("the true heading is told from 0 to 359.99 degrees") {
-  const auto origin = origin_at(48.7, 2.295);
-  const auto told = [&](double psi) {
-    return global_position_of<double>({0, 0, {{}, psi, {}, {}}, origin}, 1).hdg;
-  };
-  CHECK(told(0) == 0);
-  CHECK(told(-1e-7) == 0);
-  CHECK(told(-kPi / 2) == 27'000);
-  CHECK(told(kPi) == 18'000);
-  CHECK(told(5 * kPi) == 18'000);
-  CHECK(told(-0.01 * kPi / 180) == 35'999);
 }
 
 TEST_CASE("rates and times: a rate of zero has no period, milliseconds are those that have begun") {

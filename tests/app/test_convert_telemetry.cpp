@@ -100,9 +100,9 @@ TEST_CASE("a stick is −1 to 1; every other number, 32767 too, is no stick") {
 struct Scene {
   double boat_n, boat_e, psi, slot_n, slot_e, slot_psi;
 
-  OwnState<double> state() const {
+  OwnState state() const {
     // part of the way was made since the last position
-    return {boat_n - 1.5, boat_e + 0.5, {{1.5, -0.5}, psi, {}, {}}};
+    return own_state_of<double>({boat_n - 1.5, boat_e + 0.5}, {{1.5, -0.5}, psi, {}, {}});
   }
   core::Error<double> error() const {
     const double n = boat_n - slot_n, e = boat_e - slot_e;
@@ -166,7 +166,7 @@ TEST_CASE("a slot farther than the message can say is at its end, not around the
 
 TEST_CASE("ODOMETRY is the same state: NED pose, heading as a quaternion, body velocity") {
   for (double psi = -30; psi < 30; psi += 0.1) {
-    const OwnState<double> own{3, -4, {{0.5, 0.25}, psi, {1.5, -0.2, 0.1}, {}}};
+    const auto own = own_state_of<double>({3, -4}, {{0.5, 0.25}, psi, {1.5, -0.2, 0.1}, {}});
     const link::Odometry m = odometry_of(own, 4'000'000'000);
     REQUIRE(m.time_usec == 4'000'000'000'000);
     REQUIRE(m.x == 3.5F);
@@ -185,6 +185,75 @@ TEST_CASE("ODOMETRY is the same state: NED pose, heading as a quaternion, body v
     REQUIRE(reading.sample);
     REQUIRE(std::abs(turn_between(reading.sample->psi_rad, psi)) < 1e-5);
   }
+}
+
+const link::GpsGlobalOrigin kOrigin{487'000'000, 22'950'000, 0, 0};
+
+TEST_CASE_TEMPLATE("the state for followers, read by a follower, is the state", S, float, double) {
+  const auto state =
+      own_state_of<S>({100, -50}, {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}});
+  const auto heading = heading_of(attitude_of(state, 4000));
+  REQUIRE(heading);
+  const auto sample = sample_of(local_position_of(state, 4000), *heading);
+  REQUIRE(sample);
+  CHECK(sample->stamp_us == 4'000'000);
+  CHECK(sample->north_m == doctest::Approx(100.5));
+  CHECK(sample->east_m == doctest::Approx(-50.25));
+  CHECK(sample->psi_rad == doctest::Approx(2.5));
+  CHECK(sample->u_mps == doctest::Approx(1.5));
+  CHECK(sample->v_mps == doctest::Approx(-0.2));
+  CHECK(sample->r_radps == doctest::Approx(0.3));
+}
+
+TEST_CASE_TEMPLATE("the state told globally, read by a follower, is the state", S, float, double) {
+  const auto state = own_state_of<S>({3000, -2000, kOrigin},
+                                     {{S(0.5), S(-0.25)}, S(2.5), {S(1.5), S(-0.2), S(0.3)}, {}});
+  const auto heading = heading_of(attitude_of(state, 4000));
+  const link::GlobalPositionInt position = global_position_of(state, 4000);
+  const link::FollowTarget target = follow_target_of(state, 4000);
+  CHECK(target.lat == position.lat);
+  CHECK(target.est_capabilities == 15);
+  CHECK(target.alt == 0);
+  for (const auto& sample :
+       {sample_of(position, *heading), sample_of(target, own_heading_of(target).value())}) {
+    REQUIRE(sample);
+    CHECK(sample->stamp_us == 4'000'000);
+    const Sample local = in_plane(*sample, kOrigin);
+    CHECK(std::abs(local.north_m - 3000.5) < 0.006);
+    CHECK(std::abs(local.east_m + 2000.25) < 0.006);
+    CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // a centimetre a second is the step of one
+    CHECK(std::abs(local.v_mps + 0.2) < 0.008);
+    CHECK(local.r_radps == doctest::Approx(0.3));
+  }
+  // ATTITUDE counts from the north of the local frame, these two from the true north.
+  const double turn = global_of({3000.5, -2000.25, kOrigin}).turn_rad;
+  CHECK(turn == doctest::Approx(3.57e-4).epsilon(0.01));
+  CHECK(own_heading_of(target)->psi_rad == doctest::Approx(2.5 - turn));
+  CHECK(position.hdg == std::lround(18'000 / kPi * (2.5 - turn)));
+}
+
+TEST_CASE_TEMPLATE("FOLLOW_TARGET's acceleration is that of a boat on a circle", S, float, double) {
+  const double u = 1.5, v = 0.2, r = 0.3, h = 1e-3, psi = 0.8;
+  const auto at = [&](double t) {
+    return core::to_north_east(psi + r * t, core::Vec2<double>{u + 0.1 * t, v - 0.4 * t});
+  };
+  const link::FollowTarget m = follow_target_of(
+      own_state_of<S>({0, 0, kOrigin}, {{}, S(psi), {S(u), S(v), S(r)}, {S(0.1), S(-0.4), S(0)}}),
+      1);
+  CHECK(std::abs(double{m.acc[0]} - (at(h).x - at(-h).x) / (2 * h)) < 1e-4);
+  CHECK(std::abs(double{m.acc[1]} - (at(h).y - at(-h).y) / (2 * h)) < 1e-4);
+}
+
+TEST_CASE("the true heading is told from 0 to 359.99 degrees") {
+  const auto told = [&](double psi) {
+    return global_position_of(own_state_of<double>({0, 0, kOrigin}, {{}, psi, {}, {}}), 1).hdg;
+  };
+  CHECK(told(0) == 0);
+  CHECK(told(-1e-7) == 0);
+  CHECK(told(-kPi / 2) == 27'000);
+  CHECK(told(kPi) == 18'000);
+  CHECK(told(5 * kPi) == 18'000);
+  CHECK(told(-0.01 * kPi / 180) == 35'999);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 template <class S>
 struct Watch {
   Liveness<S> liveness{S(0.3)};
-  convert::Sample sample{};
+  convert::Sample<S> sample{};
   int said = 0;
 
   /// Until it is found frozen, or −1.
@@ -18,8 +18,8 @@ struct Watch {
     double frozen_s = -1;
     for (int k = 0; k < seconds * 10; ++k, ++said) {
       if (!stuck) {
-        sample.north_m += 0.1 * sample.u_mps;
-        sample.psi_rad += 0.1 * sample.r_radps;
+        sample.north_m += 0.1 * double(sample.u_mps);
+        sample.psi_rad += S(0.1) * sample.r_radps;
       }
       liveness.push(S(0.1 * pushed_mps2));
       liveness.take(sample, said > 0 ? S(0.1) : S(0));
@@ -33,7 +33,7 @@ TEST_CASE_TEMPLATE("a vessel that sails or turns and sticks is frozen within hal
                    float, double) {
   for (const auto& [u, r] : {std::pair{1.0, 0.0}, {0.6, 0.3}, {-0.5, 0.0}}) {
     Watch<S> w;
-    w.sample.u_mps = u, w.sample.r_radps = r;
+    w.sample.u_mps = S(u), w.sample.r_radps = S(r);
     CHECK(w.sail(10) == -1);
     const double after_s = w.sail(5, true);
     CHECK(after_s >= 0.3);
@@ -53,11 +53,12 @@ TEST_CASE_TEMPLATE("one that lies still and says so is not, however long", S, fl
 TEST_CASE_TEMPLATE("a place or a heading alone that sticks is frozen too", S, float, double) {
   for (const bool place : {true, false}) {
     Watch<S> w;
-    w.sample.u_mps = 0.5, w.sample.r_radps = 0.2;
+    w.sample.u_mps = S(0.5), w.sample.r_radps = S(0.2);
     REQUIRE(w.sail(5) == -1);
     bool live = true;
     for (int k = 0; k < 30; ++k) {
-      (place ? w.sample.psi_rad : w.sample.north_m) += 0.02;
+      w.sample.psi_rad += place ? S(0.02) : S(0);
+      w.sample.north_m += place ? 0 : 0.02;
       w.liveness.take(w.sample, S(0.1));
       live = w.liveness.live();
     }
@@ -100,7 +101,7 @@ TEST_CASE_TEMPLATE("two equal states under thrust at a place that stays are chan
   REQUIRE(w.sail(3) == -1);
   for (int k = 0; k < 50;
        ++k) {  // coarse degrees, and by a quay: only the velocity's noise goes on
-    w.sample.u_mps = 0.001 * (k / 2 % 2);
+    w.sample.u_mps = S(0.001 * (k / 2 % 2));
     REQUIRE(w.sail(0.1, true, 10) == -1);
   }
 }

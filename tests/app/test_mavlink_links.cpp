@@ -18,7 +18,9 @@ constexpr link::Heartbeat kBeat{4, 11, 0, 1, 3};
 constexpr std::uint64_t kNow = 37'500'000'000'000;  // a signing timestamp
 
 struct Ship {
-  MavlinkLinks links{2, kSelf};
+  std::array<MavlinkLinks::Link, 2> room;
+  std::array<Datagram, 2> datagrams{};
+  MavlinkLinks links{kSelf, room, datagrams};
   link::Counters counters;
 
   Bytes bytes(std::size_t link) const {
@@ -305,7 +307,10 @@ Bytes incoming(Mark mark, const link::Message& message) {
 
 std::optional<link::Received> let_in(SigningPolicy policy, bool key, Mark mark,
                                      const link::Message& message, link::Counters& counters) {
-  MavlinkLinks links(2, kSelf);
+  std::array<MavlinkLinks::Link, 2> room;
+  std::array<Datagram, 2> out;
+  std::array<link::Signing::Stream, 1> operators;
+  MavlinkLinks links(kSelf, room, out, operators);
   if (key) links.signing().start({1, 2, 3}, kNow, 0);
   links.set_policy(1, policy);
   const Bytes bytes = incoming(mark, message);
@@ -351,7 +356,9 @@ TEST_CASE("a radio may say how full its buffer is without a signature, but not w
 
 TEST_CASE("a link signs what it sends if its policy says so and there is a key, with its own id") {
   for (const bool key : {false, true}) {
-    MavlinkLinks links(3, kSelf);
+    std::array<MavlinkLinks::Link, 3> room;
+    std::array<Datagram, 3> out;
+    MavlinkLinks links(kSelf, room, out);
     link::Counters counters;
     if (key) links.signing().start({1, 2, 3}, kNow, 0);
     links.set_policy(1, SigningPolicy::kAccept);
@@ -362,7 +369,8 @@ TEST_CASE("a link signs what it sends if its policy says so and there is a key, 
       REQUIRE(links.bytes(link).size() == (key ? 34 : 21));
       if (!key) continue;
       CHECK(links.bytes(link)[21] == link);
-      link::Signing reader;
+      std::array<link::Signing::Stream, 1> boats;
+      link::Signing reader(boats);
       reader.start({1, 2, 3}, kNow, 0);
       CHECK(reader.check(links.bytes(link)) == link::SignatureVerdict::kGood);
     }

@@ -11,10 +11,12 @@
 namespace flotilla::app {
 namespace {
 
+using Room = std::array<Router::Link, 4>;
 constexpr std::int64_t kNow_us = 5'000'000, kGone_us = 10'000'000;
 
 TEST_CASE("a message goes on to where its addressee was heard, and never to who is unknown") {
-  Router router;
+  Room room;
+  Router router(room);
   router.heard({2, 1}, 1, kNow_us);
   router.heard({2, 191}, 2, kNow_us);
   CHECK(router.beyond({2, 1}, 0, kNow_us) == 0b010);
@@ -25,14 +27,16 @@ TEST_CASE("a message goes on to where its addressee was heard, and never to who 
 }
 
 TEST_CASE("broadcasts are not handed on") {
-  Router router;
+  Room room;
+  Router router(room);
   for (std::uint8_t system = 0; system < 20; ++system) router.heard({system, 1}, 1, kNow_us);
   CHECK(router.beyond({0, 0}, 0, kNow_us) == 0);
   CHECK(router.beyond({0, 1}, 0, kNow_us) == 0);
 }
 
 TEST_CASE("what its addressee hears anyway, on the link that it came by, is not handed on") {
-  Router router;
+  Room room;
+  Router router(room);
   router.heard({2, 1}, 1, kNow_us);
   CHECK(router.beyond({2, 1}, 1, kNow_us) == 0);
   router.heard({2, 1}, 3, kNow_us);
@@ -42,7 +46,8 @@ TEST_CASE("what its addressee hears anyway, on the link that it came by, is not 
 }
 
 TEST_CASE("who was not heard for ten seconds is there no more, on each link for itself") {
-  Router router;
+  Room room;
+  Router router(room);
   router.heard({2, 1}, 1, 0);
   router.heard({2, 1}, 2, 4'000'000);
   CHECK(router.beyond({2, 1}, 0, kGone_us - 1) == 0b110);
@@ -55,7 +60,8 @@ TEST_CASE("who was not heard for ten seconds is there no more, on each link for 
 }
 
 TEST_CASE("one that was heard when the clock stood at 0 was heard") {
-  Router router;
+  Room room;
+  Router router(room);
   router.heard({0, 0}, 3, 0);
   router.heard({2, 1}, 1, 0);
   CHECK(router.beyond({2, 1}, 0, 0) == 0b010);
@@ -100,7 +106,8 @@ TEST_CASE("of the 33rd sender on, the one unheard for longest is forgotten") {
   constexpr std::uint32_t kSeed = 8;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  Router router;
+  Room room;
+  Router router(room);
   Model model;
   std::int64_t now_us = 0;
   for (int k = 0; k < 20'000; ++k) {

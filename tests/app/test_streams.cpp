@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -13,6 +14,18 @@ namespace {
 
 namespace mav = link::mav;
 constexpr std::int64_t kTick_us = 10'000, kSecond_us = 1'000'000;
+constexpr std::size_t kLinks = 4;
+
+struct Room {
+  std::array<Streams::Link, kLinks> links;
+};
+
+struct RoomyStreams : Room, Streams {
+  RoomyStreams(const Parameters& p, bool companion, std::int64_t tick_us)
+      : Streams(p, companion, tick_us, links) {}
+  RoomyStreams(const RoomyStreams&) = delete;
+  RoomyStreams& operator=(const RoomyStreams&) = delete;
+};
 
 std::size_t index_of(std::uint16_t id) {
   for (std::size_t i = 0; i < kStreams.size(); ++i) {
@@ -50,8 +63,8 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
                                                         {mav::kNamedValueFloatId, 1'000'000},
                                                         {mav::kExtendedSysStateId, -1},
                                                         {mav::kHeartbeatId, 1'000'000}};
-  Streams streams(Parameters{}, false, kTick_us);
-  for (std::size_t link = 0; link < kMaxLinks; ++link) {
+  RoomyStreams streams(Parameters{}, false, kTick_us);
+  for (std::size_t link = 0; link < kLinks; ++link) {
     for (unsigned id = 0; id <= UINT16_MAX; ++id) {
       const auto found = kDefaults.find(static_cast<std::uint16_t>(id));
       REQUIRE(streams.interval_us(link, static_cast<std::uint16_t>(id)) ==
@@ -66,7 +79,7 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
 }
 
 TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken for his") {
-  Streams streams(Parameters{}, true, kTick_us);
+  RoomyStreams streams(Parameters{}, true, kTick_us);
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const std::uint16_t id = kStreams[stream].id;
     const bool may = id == mav::kCurrentModeId || id == mav::kEscStatusId ||
@@ -85,7 +98,7 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
 TEST_CASE("an interval is each link's own: −1 none, 0 the default, else as asked") {
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const std::uint16_t id = kStreams[stream].id;
-    Streams streams(Parameters{}, false, kTick_us);
+    RoomyStreams streams(Parameters{}, false, kTick_us);
     const std::int32_t before_us = streams.interval_us(1, id);
     REQUIRE(streams.set(1, id, 250'000, 0));
     CHECK(streams.interval_us(1, id) == 250'000);
@@ -100,7 +113,7 @@ TEST_CASE("an interval is each link's own: −1 none, 0 the default, else as ask
 }
 
 TEST_CASE("there is no stream of ODOMETRY, of HEARTBEAT, or of what nobody streams") {
-  Streams streams(Parameters{}, false, kTick_us);
+  RoomyStreams streams(Parameters{}, false, kTick_us);
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     bool is_stream = false;
     for (const StreamInfo& info : kStreams) is_stream = is_stream || info.id == id;
@@ -119,7 +132,7 @@ TEST_CASE("faster than the tick or than the link carries becomes the fastest tha
   };
   for (int k = 0; k < 3000; ++k) {
     const std::int64_t tick_us = any(1000, 20'000);
-    Streams streams(Parameters{}, false, tick_us);
+    RoomyStreams streams(Parameters{}, false, tick_us);
     const StreamInfo& info = kStreams[random() % kStreams.size()];
     const std::uint32_t rate_Bps =
         random() % 3 == 0 ? 0 : static_cast<std::uint32_t>(any(1, 20'000));
@@ -146,7 +159,7 @@ TEST_CASE("whatever the tick, as many leave as the interval says, and never two 
   for (int k = 0; k < 200; ++k) {
     const std::int64_t tick_us = any(1000, 20'000);
     const std::int64_t interval_us = tick_us + any(0, 500'000);
-    Streams streams(Parameters{}, false, tick_us);
+    RoomyStreams streams(Parameters{}, false, tick_us);
     REQUIRE(streams.set(2, mav::kAttitudeId, interval_us, 0));
     const auto count =
         sent(streams, index_of(mav::kAttitudeId), 2, any(0, 1000), 30 * kSecond_us, tick_us);
@@ -158,7 +171,7 @@ TEST_CASE("whatever the tick, as many leave as the interval says, and never two 
 
 TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a client chose") {
   Parameters p;
-  Streams streams(p, false, kTick_us);
+  RoomyStreams streams(p, false, kTick_us);
   REQUIRE(streams.set(1, mav::kAttitudeId, 40'000, 0));
   REQUIRE(streams.set(1, mav::kEscStatusId, -1, 0));
   p.SR_STATE = 50;
@@ -181,7 +194,7 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
 }
 
 TEST_CASE("parameters set to what they are shift no stream's grid") {
-  Streams streams(Parameters{}, false, kTick_us);
+  RoomyStreams streams(Parameters{}, false, kTick_us);
   const std::size_t battery = index_of(mav::kBatteryStatusId);
   CHECK(sent(streams, battery, 0, 0, kTick_us) == 1);
   for (std::int64_t now = kTick_us; now < 5 * kSecond_us - kTick_us; now += kTick_us) {
@@ -194,7 +207,7 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
   for (const float rate_Hz : {1e-3F, 5e-4F, 3e-4F, 1e-4F, 1e-6F}) {
     Parameters p;
     p.SR_SLOW = rate_Hz;
-    Streams streams(p, false, kTick_us);
+    RoomyStreams streams(p, false, kTick_us);
     const double told_us = streams.interval_us(0, mav::kEscStatusId);
     CAPTURE(rate_Hz);
     CHECK((told_us == -1 || told_us >= std::min(0.99e6 / double{rate_Hz}, double{INT32_MAX})));
@@ -202,10 +215,10 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
 }
 
 TEST_CASE("that which is hurried leaves at once on every link that has it, and on its grid again") {
-  Streams streams(Parameters{}, false, kTick_us);
+  RoomyStreams streams(Parameters{}, false, kTick_us);
   const std::size_t mode = index_of(mav::kCurrentModeId);
   REQUIRE(streams.set(3, mav::kCurrentModeId, -1, 0));
-  for (std::size_t link = 0; link < kMaxLinks; ++link) sent(streams, mode, link, 0, kSecond_us);
+  for (std::size_t link = 0; link < kLinks; ++link) sent(streams, mode, link, 0, kSecond_us);
   streams.hurry(mav::kCurrentModeId);
   for (std::size_t link = 0; link < 3; ++link) {
     CHECK(streams.schedule(mode, link).due(kSecond_us));
@@ -218,7 +231,7 @@ TEST_CASE("that which is hurried leaves at once on every link that has it, and o
 
 /// What leaves on a link in 100 s, as a share of ten a second.
 struct Rates {
-  Streams streams{Parameters{}, false, kTick_us};
+  RoomyStreams streams{Parameters{}, false, kTick_us};
   std::int64_t now_us = 0;
 
   double of(std::uint16_t id, std::size_t link) {
@@ -300,7 +313,7 @@ TEST_CASE("a link is quiet while no stream but the state's waits, whatever was c
   constexpr std::uint32_t kSeed = 4;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  Streams streams(Parameters{}, false, kTick_us, 2);
+  RoomyStreams streams(Parameters{}, false, kTick_us);
   int quiet = 0, busy = 0;
   for (std::int64_t now_us = 0; now_us < 300 * kSecond_us; now_us += kTick_us) {
     const std::size_t link = random() % 2, stream = random() % kStreams.size();

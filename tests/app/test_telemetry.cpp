@@ -28,7 +28,9 @@ Report full() {
   r.conditions = core::kAllConditions;
   r.mode = 6;
   r.intended_mode = 6;
-  r.own = OwnReport{12'345, {1, 2, {{0.5, 0}, 0.3, {1, 0, 0.1}, {}}, kOrigin}, true};
+  r.own = OwnReport{
+      12'345, convert::own_state_of<double>({1, 2, kOrigin}, {{0.5, 0}, 0.3, {1, 0, 0.1}, {}}),
+      true};
   r.home = Home{410'000'100, 20'000'100, 5000};
   r.formation = FormationReport{{1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
   r.own_age_s = 0.1;

@@ -52,8 +52,11 @@ TEST_CASE_TEMPLATE("starting takes its time, stopping does not, and the next sta
   for (int k = 1; k <= 20; ++k) {
     out = thrusters.step(true, full, S(0.01));
     CHECK(std::abs(out.raw.cmd[0] - k * 0.05 * 8191) <= 1);
+    if (k < 20) CHECK(out.slew_limited);
   }
-  CHECK(out.slew_limited == (out.raw.cmd[0] < 8190));
+  out = thrusters.step(true, full, S(0.01));
+  CHECK(out.raw.cmd[0] == 8191);
+  CHECK_FALSE(out.slew_limited);
   out = thrusters.step(false, full, S(0.01));
   CHECK(out.raw.count == 2);
   CHECK(out.raw.cmd[0] == 0);

@@ -42,8 +42,11 @@ link::Text<N> text(std::string_view from) {
 /// A vehicle with two links; an operator and a stranger are behind the first one.
 struct Ship {
   explicit Ship(const Parameters& p = Parameters{}, std::size_t links = 2)
-      : vehicle(std::make_unique<Vehicle>(p, links)), heard(links), decoders(links) {}
+      : vehicle(std::make_unique<Vehicle>(p, links, Storage(storage->room, storage->outbox))),
+        heard(links),
+        decoders(links) {}
 
+  std::unique_ptr<AmpleStorage> storage = std::make_unique<AmpleStorage>();
   std::unique_ptr<Vehicle> vehicle;
   link::Counters counters;
   link::MavlinkEncoder operator_{{255, 190}}, stranger{{99, 1}};

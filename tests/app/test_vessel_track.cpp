@@ -275,7 +275,7 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   w.hear(at(1000, 7), 1000);
   CHECK(w.track.has_origin());
   CHECK(w.track.position().origin.latitude == 410'000'000);
-  VesselTrack<S> track({5, 0}, {1.5, 0.5});
+  VesselTrack<S> track({5, 0}, {S(1.5), S(0.5)});
   track.take({{5, 1}, at(1000, 10)}, 1000, w.counters);
   CHECK(track.position().north_m == doctest::Approx(8.5));
   CHECK(track.position().east_m == doctest::Approx(-0.5));
@@ -291,12 +291,12 @@ link::LocalPositionNed local_at(std::int64_t us, float east_m) {
 }
 
 link::GlobalPositionInt global_at(std::int64_t us, double east_m) {
-  const auto at = convert::global_of<double>({0, east_m, kOrigin}, {});
+  const auto at = convert::global_of({0, east_m, kOrigin});
   return {convert::boot_ms(us), at.latitude, at.longitude, 0, 0, 200, 0, 0, 65535};
 }
 
 link::FollowTarget follow_target_at(std::int64_t us, double east_m) {
-  const auto at = convert::global_of<double>({0, east_m, kOrigin}, {});
+  const auto at = convert::global_of({0, east_m, kOrigin});
   link::FollowTarget m{};
   m.timestamp = static_cast<std::uint64_t>(us / 1000);
   m.lat = at.latitude, m.lon = at.longitude;
@@ -518,7 +518,7 @@ TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIME
   for (std::int64_t t = 1'000'000; t < 6'000'000; t += kPeriod_us) {
     const double v = 1 + 0.2e-6 * double(t), way = 1e-6 * double(t) * (1 + 0.1e-6 * double(t));
     link::GlobalPositionInt global = global_at(t + kClock_us, 0);
-    const auto place = convert::global_of<double>({way, 0, kOrigin}, {});
+    const auto place = convert::global_of({way, 0, kOrigin});
     global.lat = place.latitude, global.lon = place.longitude;
     global.vx = static_cast<std::int16_t>(std::lround(100 * v));
     const std::int64_t now = t + kDelay_us;
@@ -608,7 +608,7 @@ TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message
                    double) {
   Watch<S> w;
   w.hear(at(1'000'000, 10), 1'000'000);
-  w.track.set_antenna({1.5, 0.5});
+  w.track.set_antenna({S(1.5), S(0.5)});
   CHECK(w.track.position().north_m == 10);
   w.hear(at(1'100'000, 10), 1'100'000);
   CHECK(w.track.position().north_m == doctest::Approx(8.5));

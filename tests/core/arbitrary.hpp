@@ -5,15 +5,31 @@
 #include <doctest/doctest.h>
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
 
 #include "core/controller.hpp"
+#include "core/fixed.hpp"
 
 namespace flotilla::testing {
 
 constexpr double kPi = 3.14159265358979323846;
+
+/// A number of a test in the scalar of core.
+template <class S>
+S in_scalar(double x) {
+  return S(x);
+}
+template <>
+inline core::Q16 in_scalar(double x) {
+  return core::Q16::of_raw(core::Q16::saturated(std::llround(65536 * x)));
+}
+
+inline double number_of(float x) { return double{x}; }
+inline double number_of(double x) { return x; }
+inline double number_of(core::Q16 x) { return x.raw() / 65536.0; }
 
 /// Draws in double, so that float and double see the same numbers.
 struct Random {
@@ -42,15 +58,15 @@ inline bool same_bits(double a, double b) {
 
 template <class S>
 core::Nu<S> arbitrary_nu(Random& random) {
-  return {S(random(-3, 3)), S(random(-1, 1)), S(random(-2, 2))};
+  return {in_scalar<S>(random(-3, 3)), in_scalar<S>(random(-1, 1)), in_scalar<S>(random(-2, 2))};
 }
 
 template <class S>
 core::Encounter<S> arbitrary_encounter(Random& random) {
   core::Encounter<S> in;
-  in.separation_n = {S(random(-30, 30)), S(random(-30, 30))};
-  in.psi = S(random.angle());
-  in.psi_L = S(random.angle());
+  in.separation_n = {in_scalar<S>(random(-30, 30)), in_scalar<S>(random(-30, 30))};
+  in.psi = in_scalar<S>(random.angle());
+  in.psi_L = in_scalar<S>(random.angle());
   in.nu = arbitrary_nu<S>(random);
   in.nu_L = arbitrary_nu<S>(random);
   in.nu_L_dot = arbitrary_nu<S>(random);
@@ -96,7 +112,7 @@ core::VirtualVelocity<S> papers_velocity(const core::VirtualVelocityParams<S>& p
 
 template <class S>
 core::Vessel<S> arbitrary_vessel(Random& random) {
-  const auto draw = [&] { return S(random(0.1, 50)); };
+  const auto draw = [&] { return in_scalar<S>(random(0.1, 50)); };
   return {draw(), draw(), draw(), draw(), draw(), draw()};
 }
 

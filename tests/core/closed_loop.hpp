@@ -65,14 +65,14 @@ inline Sighting sighting_of(const Hull& hull, core::Tau<double> tau = {}) {
 
 template <class S>
 core::Nu<S> in_scalar(const core::Nu<double>& nu) {
-  return {S(nu.u), S(nu.v), S(nu.r)};
+  return {in_scalar<S>(nu.u), in_scalar<S>(nu.v), in_scalar<S>(nu.r)};
 }
 
 template <class S>
 core::Encounter<S> encounter_of(const Sighting& own, const Sighting& leader) {
-  return {{S(own.place.x - leader.place.x), S(own.place.y - leader.place.y)},
-          S(own.psi),
-          S(leader.psi),
+  return {{in_scalar<S>(own.place.x - leader.place.x), in_scalar<S>(own.place.y - leader.place.y)},
+          in_scalar<S>(own.psi),
+          in_scalar<S>(leader.psi),
           in_scalar<S>(own.nu),
           in_scalar<S>(leader.nu),
           in_scalar<S>(leader.nu_dot),
@@ -92,9 +92,6 @@ core::ControllerParams<S> papers_controller() {
   return {{}, {S(0.2), S(0.2)}, {S(10), S(10)}, papers_vessel<S>(), {S(0.25), S(50), S(50)}};
 }
 
-inline double number_of(float x) { return double{x}; }
-inline double number_of(double x) { return x; }
-
 template <class S>
 core::Tau<double> in_double(const core::Tau<S>& tau) {
   return {number_of(tau.X), number_of(tau.N)};
@@ -111,7 +108,7 @@ core::Error<double> sail(ClosedLoop& world, core::ControllerState<S>& state, dou
     const core::Tau<double> tau = leader_tau(world.t);
     const auto in = encounter_of<S>(sighting_of(world.boat), sighting_of(world.leader, tau));
     const core::ControllerOutput<S> out =
-        core::controller_step(params, state, in, world.t > 0 ? S(h) : S(0));
+        core::controller_step(params, state, in, world.t > 0 ? in_scalar<S>(h) : S(0));
     world.boat.advance(in_double(out.allocation.given), h);
     world.leader.advance(tau, h);
     e = {number_of(out.error.e.x), number_of(out.error.e.y), number_of(out.error.e.psi)};

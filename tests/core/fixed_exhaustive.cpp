@@ -5,87 +5,28 @@
 //                                upper half, and every lower one is compared with its mirror image;
 //                                where nothing but an end can come out, that is compared instead
 //   atan2 hypot divide           all pairs of a dense grid, and 10⁹ random pairs
+//   hypot3 scaled Sum            all triples of a dense grid, and 10⁹ random ones
+//   Carry                        the totals of 10⁶ random sequences, after each of 10³ products
 //
-// Prints the largest error of each and where; exit 1 where one LSB is reached, or a mirror breaks.
+// Prints the largest error of each and where; exit 1 where its bound is reached, or a mirror breaks.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
-#include <mutex>
 #include <random>
-#include <thread>
 #include <vector>
 
-#include "core/fixed.hpp"
+#include "core/fixed_errors.hpp"
+#include "core/sum.hpp"
 
 namespace {
 
+using namespace flotilla::testing;
+using flotilla::core::Carry;
 using flotilla::core::Q16;
-
-constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
-constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-
-struct Worst {
-  double lsb = 0;
-  std::int64_t x = 0, y = 0;
-  std::uint64_t checked = 0, broken_mirrors = 0;
-
-  /// `exact` in LSB; the nearest end of the range is expected of what is beyond it.
-  void see(Q16 result, double exact, std::int64_t at_x, std::int64_t at_y = 0) {
-    const double nearest = std::clamp(exact, double{kLeast}, double{kMost});
-    const double error = std::abs(result.raw() - nearest);
-    ++checked;
-    if (!(error <= lsb)) {
-      lsb = error;
-      x = at_x;
-      y = at_y;
-    }
-  }
-  void merge(const Worst& other) {
-    if (other.lsb > lsb) {
-      lsb = other.lsb;
-      x = other.x;
-      y = other.y;
-    }
-    checked += other.checked;
-    broken_mirrors += other.broken_mirrors;
-  }
-};
-
-/// All of `chunks`, on every core; one line of progress.
-template <class Chunk>
-Worst over(const char* name, int chunks, Chunk chunk) {
-  Worst worst;
-  std::mutex mutex;
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int i = next++; i < chunks; i = next++) {
-      const Worst found = chunk(i);
-      const std::scoped_lock lock(mutex);
-      worst.merge(found);
-      std::fprintf(stderr, "\r%-8s %3d %%", name, 100 * (i + 1) / chunks);
-    }
-  };
-  {
-    std::vector<std::jthread> crew(std::max(1U, std::thread::hardware_concurrency()));
-    for (std::jthread& hand : crew) hand = std::jthread(work);
-  }
-  std::fprintf(stderr, "\r");
-  return worst;
-}
-
-bool report(const char* name, const Worst& worst) {
-  std::printf("| %-6s | %10llu | %.4f | %lld", name, static_cast<unsigned long long>(worst.checked),
-              worst.lsb, static_cast<long long>(worst.x));
-  if (worst.y != 0) std::printf(", %lld", static_cast<long long>(worst.y));
-  std::printf(" |%s\n", worst.broken_mirrors == 0 ? "" : " mirror images differ");
-  std::fflush(stdout);
-  return worst.lsb < 1 && worst.broken_mirrors == 0;
-}
+using flotilla::core::Sum;
 
 enum class Mirror : std::uint8_t { kOdd, kEven, kNone };
 
@@ -94,6 +35,7 @@ struct Function {
   Q16 (*ours)(Q16);
   double (*exact)(double);
   Mirror mirror = Mirror::kNone;
+  double bound = 1;
   /// Arguments beyond these, in LSB, give what these give.
   std::int64_t from = kLeast, to = kMost;
 };
@@ -102,10 +44,10 @@ constexpr std::array<Function, 6> kFunctions{{
     {"sin", flotilla::core::sin, std::sin, Mirror::kOdd},
     {"cos", flotilla::core::cos, std::cos, Mirror::kEven},
     {"atan", flotilla::core::atan, std::atan, Mirror::kOdd},
-    {"tanh", flotilla::core::tanh, std::tanh, Mirror::kOdd, kLeast, 8 * 65536},
-    {"exp", flotilla::core::exp, std::exp, Mirror::kNone, -13 * 65536, 12 * 65536},
+    {"tanh", flotilla::core::tanh, std::tanh, Mirror::kOdd, 1, kLeast, 8 * 65536},
+    {"exp", flotilla::core::exp, std::exp, Mirror::kNone, 1, -13 * 65536, 12 * 65536},
     {"sqrt", flotilla::core::sqrt, [](double x) { return std::sqrt(std::max(x, 0.0)); },
-     Mirror::kNone, 0},
+     Mirror::kNone, kRoundedOnce, 0},
 }};
 
 /// What `function` gives of `raw`, against the oracle.
@@ -117,7 +59,7 @@ Q16 seen(Worst& worst, const Function& function, std::int64_t raw) {
   const std::int64_t inner = std::clamp(raw, function.from, function.to);
   const double exact =
       inner == raw ? 65536 * function.exact(static_cast<double>(raw) / 65536) : ours(inner).raw();
-  worst.see(result, exact, raw);
+  worst.see(result, exact, {raw});
   return result;
 }
 
@@ -140,65 +82,117 @@ Worst over_all(const Function& function) {
   });
 }
 
-struct Pair {
-  const char* name;
-  Q16 (*ours)(Q16, Q16);
-  double (*exact)(double, double);  ///< LSB of LSB
+/// Half of the pairs of any magnitude: uniform numbers are all large.
+struct Random {
+  explicit Random(int seed) : engine(static_cast<std::uint64_t>(seed)) {}
+
+  std::array<std::int32_t, 2> pair(bool uniform) {
+    const std::uint64_t both = engine(), places = uniform ? 0 : engine();
+    const auto a = static_cast<std::int32_t>(both >> 32), b = static_cast<std::int32_t>(both);
+    return {a >> (places & 31), b >> (places >> 5 & 31)};
+  }
+  std::mt19937_64 engine;
 };
 
-constexpr std::array<Pair, 3> kPairs{{
-    {"atan2", flotilla::core::atan2, [](double y, double x) { return 65536 * std::atan2(y, x); }},
-    {"hypot", flotilla::core::hypot, [](double y, double x) { return std::sqrt(x * x + y * y); }},
-    {"divide", [](Q16 a, Q16 b) { return a / b; },
-     [](double a, double b) { return a == 0 ? 0 : 65536 * a / b; }},
+struct Several {
+  const char* name;
+  double bound;
+  int arguments;
+  Q16 (*ours)(Q16, Q16, Q16);
+  double (*exact)(double, double, double);  ///< LSB of LSB
+};
+
+constexpr std::array<Several, 6> kSeveral{{
+    {"atan2", 1, 2, [](Q16 y, Q16 x, Q16) { return atan2(y, x); },
+     [](double y, double x, double) { return 65536 * std::atan2(y, x); }},
+    {"hypot", kRoundedOnce, 2, [](Q16 y, Q16 x, Q16) { return hypot(y, x); },
+     [](double y, double x, double) { return std::sqrt(x * x + y * y); }},
+    {"divide", kRoundedOnce, 2, [](Q16 a, Q16 b, Q16) { return a / b; },
+     [](double a, double b, double) { return a == 0 ? 0 : 65536 * a / b; }},
+    {"hypot3", kRoundedOnce, 3, [](Q16 x, Q16 y, Q16 z) { return hypot(x, y, z); },
+     [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }},
+    {"scaled", kRoundedOnce, 3, [](Q16 a, Q16 b, Q16 c) { return scaled(a, b, c); },
+     [](double a, double b, double c) { return a * b == 0 ? 0 : a * b / c; }},
+    {"Sum", kRoundedOnce, 3,
+     [](Q16 x, Q16 a, Q16 b) {
+       Sum<Q16> sum(x);
+       sum.add(a, b);
+       return sum.value();
+     },
+     [](double x, double a, double b) { return x + a * b / 65536; }},
 }};
 
-/// Every one up to 1000, then 1000 more at a constant ratio up to the end, and their negatives.
-std::vector<std::int32_t> dense_grid() {
+/// Every one up to `small`, then `great` more at a constant ratio up to the end; their negatives.
+std::vector<std::int32_t> dense_grid(int small, int great) {
   std::vector<std::int32_t> grid;
-  for (int i = 0; i <= 2000; ++i) {
-    const double value = i <= 1000 ? i : 1000 * std::pow(kMost / 1000.0, (i - 1000) / 1000.0);
-    grid.push_back(static_cast<std::int32_t>(std::min(value, double{kMost})));
-    grid.push_back(-grid.back() - (i == 2000 ? 1 : 0));
+  for (int i = 0; i <= small + great; ++i) {
+    const double ratio = std::pow(static_cast<double>(kMost) / small, 1.0 * (i - small) / great);
+    const double value = i <= small ? i : std::min(small * ratio, double{kMost});
+    grid.push_back(static_cast<std::int32_t>(value));
+    grid.push_back(-grid.back() - (i == small + great ? 1 : 0));
   }
   return grid;
 }
 
-Worst over_pairs(const Pair& pair) {
-  const std::vector<std::int32_t> grid = dense_grid();
-  const auto see = [&](Worst& worst, std::int32_t a, std::int32_t b) {
-    worst.see(pair.ours(Q16::of_raw(a), Q16::of_raw(b)), pair.exact(a, b), a, b);
+Worst over_several(const Several& function) {
+  const bool three = function.arguments == 3;
+  const auto grid = three ? dense_grid(40, 100) : dense_grid(1000, 1000);
+  const auto thirds = three ? grid : std::vector<std::int32_t>{0};
+  const auto see = [&](Worst& worst, std::int32_t a, std::int32_t b, std::int32_t c) {
+    const Q16 result = function.ours(Q16::of_raw(a), Q16::of_raw(b), Q16::of_raw(c));
+    worst.see(result, function.exact(a, b, c), {a, b, c});
   };
-  Worst worst = over(pair.name, static_cast<int>(grid.size()), [&](int index) {
+  Worst worst = over(function.name, static_cast<int>(grid.size()), [&](int index) {
     Worst row;
-    for (const std::int32_t b : grid) see(row, grid[static_cast<std::size_t>(index)], b);
+    for (const std::int32_t b : grid) {
+      for (const std::int32_t c : thirds) see(row, grid[static_cast<std::size_t>(index)], b, c);
+    }
     return row;
   });
-  worst.merge(over(pair.name, 1000, [&](int index) {
+  worst.merge(over(function.name, 1000, [&](int index) {
     Worst chunk;
-    std::mt19937_64 random(static_cast<std::uint64_t>(index));
+    Random random(index);
     for (int i = 0; i < 1'000'000; ++i) {
-      const std::uint64_t both = random();
-      const auto a = static_cast<std::int32_t>(both >> 32), b = static_cast<std::int32_t>(both);
-      // Half of them of any magnitude: uniform numbers are all large.
-      const std::uint64_t places = i % 2 == 0 ? 0 : random();
-      see(chunk, a >> (places & 31), b >> (places >> 5 & 31));
+      const auto [a, b] = random.pair(i % 2 == 0);
+      see(chunk, a, b, three ? random.pair(i % 4 < 2)[0] : 0);
     }
     return chunk;
   }));
   return worst;
 }
 
+/// Totals of 1000 products, each within the range: what is taken never is further from them.
+Worst over_carries() {
+  return over("Carry", 1000, [](int index) {
+    Worst chunk;
+    Random random(index);
+    for (int i = 0; i < 1'000; ++i) {
+      Carry<Q16> carry;
+      std::int64_t exact = 0, taken = 0;  // in 2⁻³²
+      for (int k = 0; k < 1'000; ++k) {
+        const auto [a, whole_b] = random.pair(k % 2 == 0);
+        const std::int32_t b = whole_b >> 16;
+        exact += std::int64_t{a} * b;
+        taken += std::int64_t{carry.take(Q16::of_raw(a), Q16::of_raw(b)).raw()} * 65536;
+        chunk.see(static_cast<double>(taken - exact) / 65536, {a, b});
+      }
+    }
+    return chunk;
+  });
+}
+
 }  // namespace
 
 int main() {
-  std::printf("|        |  arguments | max error, LSB | at, in LSB |\n|---|---|---|---|\n");
+  std::printf(
+      "|         |  arguments | max error, LSB | below | at, in LSB |\n|---|---|---|---|---|\n");
   bool holds = true;
   for (const Function& function : kFunctions) {
-    if (!report(function.name, over_all(function))) holds = false;
+    if (!report(function.name, function.bound, over_all(function))) holds = false;
   }
-  for (const Pair& pair : kPairs) {
-    if (!report(pair.name, over_pairs(pair))) holds = false;
+  for (const Several& function : kSeveral) {
+    if (!report(function.name, function.bound, over_several(function))) holds = false;
   }
+  if (!report("Carry", kRoundedOnce, over_carries())) holds = false;
   return holds ? EXIT_SUCCESS : EXIT_FAILURE;
 }

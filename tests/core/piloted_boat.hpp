@@ -24,11 +24,11 @@ ProductParams<S> products_law(double T_max = 20) {
   out.law = papers_controller<S>();
   out.law.slot.steers = true;
   out.law.outer = {S(0.2), S(0.5), S(1.5), S(0.8)};
-  out.law.propellers = {S(0.25), S(T_max), S(T_max)};
+  out.law.propellers = {S(0.25), in_scalar<S>(T_max), in_scalar<S>(T_max)};
   out.law.sight.Delta = S(1);
   out.observer.omega = S(2);
   out.observer.omega_c = S(0.1);
-  out.observer.b_max = {S(T_max), S(0.25 * T_max)};
+  out.observer.b_max = {in_scalar<S>(T_max), in_scalar<S>(0.25 * T_max)};
   return out;
 }
 
@@ -46,10 +46,10 @@ struct PilotedBoat {
   core::Encounter<S> encounter(const core::Vessel<S>& vessel, const Sighting& leader) const {
     const core::Motion<S>& m = motion.motion;
     core::Encounter<S> in;
-    in.separation_n = {S(anchor.x - leader.place.x) + m.moved_n.x,
-                       S(anchor.y - leader.place.y) + m.moved_n.y};
+    in.separation_n = {in_scalar<S>(anchor.x - leader.place.x) + m.moved_n.x,
+                       in_scalar<S>(anchor.y - leader.place.y) + m.moved_n.y};
     in.psi = m.psi;
-    in.psi_L = S(leader.psi);
+    in.psi_L = in_scalar<S>(leader.psi);
     in.nu = m.nu;
     in.nu_L = in_scalar<S>(leader.nu);
     in.nu_L_dot = in_scalar<S>(leader.nu_dot);
@@ -69,16 +69,16 @@ struct PilotedBoat {
   core::ControllerOutput<S> tick(const ProductParams<S>& params, const Sighting& leader, double h) {
     const core::Vessel<S>& vessel = params.law.vessel;
     const auto [own, age] = fix(h);
-    const S dt = under_way ? S(h) : S(0);
+    const S dt = under_way ? in_scalar<S>(h) : S(0);
     core::observer_forward(vessel, motion, given, dt);
     const core::Vec2<S>& moved = motion.motion.moved_n;
-    core::observer_correct(
-        params.observer, vessel, motion,
-        {{S(anchor.x - own.place.x) + moved.x, S(anchor.y - own.place.y) + moved.y},
-         core::wrap_pi(S(own.psi)),
-         in_scalar<S>(own.nu),
-         S(age),
-         dt});
+    core::observer_correct(params.observer, vessel, motion,
+                           {{in_scalar<S>(anchor.x - own.place.x) + moved.x,
+                             in_scalar<S>(anchor.y - own.place.y) + moved.y},
+                            core::wrap_pi(in_scalar<S>(own.psi)),
+                            in_scalar<S>(own.nu),
+                            in_scalar<S>(age),
+                            dt});
     anchor = own.place;
     const core::Encounter<S> in = encounter(vessel, leader);
     if (!under_way) state = core::controller_start(in);

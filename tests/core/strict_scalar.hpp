@@ -47,6 +47,7 @@ class Strict {
 
   friend Strict abs(Strict a) { return Strict(std::abs(a.value_)); }
   friend Strict atan(Strict a) { return Strict(std::atan(a.value_)); }
+  friend Strict atan2(Strict a, Strict b) { return Strict(std::atan2(a.value_, b.value_)); }
   friend Strict ceil(Strict a) { return Strict(std::ceil(a.value_)); }
   friend Strict cos(Strict a) { return Strict(std::cos(a.value_)); }
   friend Strict exp(Strict a) { return Strict(std::exp(a.value_)); }

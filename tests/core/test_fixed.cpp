@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "core/fixed.hpp"
 
@@ -99,6 +100,10 @@ TEST_CASE("what is divided by zero is as large as can be, and the flag is up") {
   CHECK(lowered_and_risen(true));
   CHECK(Q16(0) / Q16(0) == Q16(0));
   CHECK(lowered_and_risen(true));
+  CHECK(scaled(Q16(2), Q16(-1), Q16(0)) == kLowest);
+  CHECK(lowered_and_risen(true));
+  CHECK(scaled(Q16(0), Q16(-1), Q16(0)) == Q16(0));
+  CHECK(lowered_and_risen(true));
 }
 
 TEST_CASE("halves go to the even neighbour, on either side") {
@@ -123,6 +128,22 @@ TEST_CASE("a literal is the nearest number, when the program is built") {
   static_assert(-Q16(1.5) < Q16(-1) && Q16(0.25) * Q16(4) == Q16(1));
   CHECK(Q16(40'000) == kHighest);
   CHECK(lowered_and_risen(true));
+}
+
+TEST_CASE_TEMPLATE("a whole number of any width is itself or the nearest end, and the flag tells",
+                   T, std::int16_t, std::int32_t, std::uint32_t, std::int64_t, std::uint64_t) {
+  q16_overflow = false;
+  constexpr T kLeastWhole = std::numeric_limits<T>::min(),
+              kMostWhole = std::numeric_limits<T>::max();
+  std::vector<T> wholes{0, 1, 32'767, kLeastWhole, kMostWhole, kMostWhole / 2 + 1, kMostWhole / 3};
+  for (int places = 0; places < std::numeric_limits<T>::digits; ++places) {
+    const T power = static_cast<T>(T{1} << places);
+    wholes.insert(wholes.end(), {power, static_cast<T>(power + 5), static_cast<T>(-power)});
+  }
+  for (const T whole : wholes) {
+    CAPTURE(whole);
+    check_saturated(Q16(whole), Wide{whole} * 65536);
+  }
 }
 
 TEST_CASE("every function is within 0.7 LSB of the C library's, whatever the argument") {
@@ -152,6 +173,25 @@ TEST_CASE("a bearing and a distance are within 0.51 LSB, wherever the other boat
     CAPTURE(x.raw());
     REQUIRE(error_lsb(atan2(y, x), std::atan2(a, b)) < 0.51L);
     REQUIRE(error_lsb(hypot(y, x), std::hypot(a, b) / 65536) < 0.51L);
+  }
+}
+
+TEST_CASE("a product's share and a distance in three dimensions are rounded once, or saturate") {
+  RandomQ16 random{std::mt19937(5)};
+  q16_overflow = false;
+  for (int i = 0; i < 300'000; ++i) {
+    const Q16 a = random(), b = random(), c = random();
+    CAPTURE(a.raw());
+    CAPTURE(b.raw());
+    CAPTURE(c.raw());
+    if (c != Q16(0)) check_saturated(scaled(a, b, c), rounded(Wide{a.raw()} * b.raw(), c.raw()));
+    // Nearest is r where (2r − 1)² < 4n < (2r + 1)².
+    const Wide n = Wide{a.raw()} * a.raw() + Wide{b.raw()} * b.raw() + Wide{c.raw()} * c.raw();
+    const Wide r = hypot(a, b, c).raw(), four = 4 * n;
+    const bool over = four > Wide{2 * kMost + 1} * (2 * kMost + 1);
+    CHECK(lowered_and_risen(over));
+    REQUIRE((over ? r == kMost : four < (2 * r + 1) * (2 * r + 1)));
+    REQUIRE((r == 0 || over || four > (2 * r - 1) * (2 * r - 1)));
   }
 }
 

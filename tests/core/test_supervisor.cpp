@@ -11,12 +11,12 @@ namespace {
 
 /// What an operator reads of the boat, in words of his own; knows nothing of the table.
 struct World {
-  bool own, leader, propulsion, answers, gcs, limits, clear, saved, sticks, test, coasts;
+  bool own, leader, sound, answers, gcs, limits, clear, saved, sticks, test, coasts;
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
         leader(has(met, kLeaderFresh | kLeaderLive | kLeaderSteady)),
-        propulsion(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey)),
+        sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
         answers(has(met, kBoatAnswers)),
         gcs(has(met, kGcsHeard)),
         limits(has(met, kBatteryGood | kInsideFence)),
@@ -26,7 +26,7 @@ struct World {
         test(has(met, kTestRunning)),
         coasts(has(met, kCoastRunning)) {}
 
-  bool law() const { return own && propulsion && answers && limits; }
+  bool law() const { return own && sound && answers && limits; }
   bool formation() const { return law() && leader && gcs; }
 };
 
@@ -40,7 +40,7 @@ Care care_of(bool lost, bool holds, bool coasts) {
 State by_itself(State state, Conditions met) {
   const World is(met);
   if (state == State::kDisarmed || state == State::kFault) return state;
-  if (!is.propulsion) return State::kFault;
+  if (!is.sound) return State::kFault;
   if (state == State::kManual) return is.sticks ? state : State::kHold;
   if (state == State::kTest) return is.test ? state : State::kHold;
   if (state == State::kHold) return state;
@@ -70,14 +70,14 @@ Expected when_armed_and_asked(State state, Request request, Conditions met) {
       return {State::kHold, true};
     case Request::kManual:
       if (state == State::kManual) return {state, true};
-      if (state != State::kTest && is.propulsion && is.sticks) return {State::kManual, true};
+      if (state != State::kTest && is.sound && is.sticks) return {State::kManual, true};
       return {state, false};
     case Request::kFormation:
       if (by_law) return {state, true};
       if (state != State::kTest && is.formation() && is.clear) return {State::kFormation, true};
       return {state, false};
     default:
-      if (state == State::kHold && is.propulsion && is.test) return {State::kTest, true};
+      if (state == State::kHold && is.sound && is.test) return {State::kTest, true};
       return {state, false};
   }
 }
@@ -93,7 +93,7 @@ Expected specified(State state, Request request, Conditions met) {
   if (state == State::kFault) return {state, false};
   if (state != State::kDisarmed) return when_armed_and_asked(state, request, met);
   if (request == Request::kHold) return {state, true};
-  const bool fit = is.propulsion && is.own && is.limits && is.gcs && is.saved;
+  const bool fit = is.sound && is.own && is.limits && is.gcs && is.saved;
   if (request == Request::kArm && fit) return {State::kHold, true};
   return {state, false};
 }
@@ -156,10 +156,10 @@ TEST_CASE("the boat may push in four states, each with its own conditions, never
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request, Conditions met) {
     const World is(met);
-    const bool fit = (state == State::kManual && is.propulsion && is.sticks) ||
+    const bool fit = (state == State::kManual && is.sound && is.sticks) ||
                      (state == State::kFormation && is.formation()) ||
                      (state == State::kCoast && is.law() && is.coasts) ||
-                     (state == State::kTest && is.propulsion && is.test);
+                     (state == State::kTest && is.sound && is.test);
     if (may_drive(state, met) != fit || (fit && !armed(state))) ++wrong;
   });
   CHECK(wrong == 0);
@@ -201,8 +201,8 @@ TEST_CASE("a refusal for want of conditions names exactly those, and meeting the
   });
   CHECK(wrong == 0);
   CHECK(supervise(State::kDisarmed, Request::kArm, kLeaderFresh).missing == kArming);
-  CHECK(supervise(State::kHold, Request::kManual, 0).missing == (kPropulsion | kSticksFresh));
-  CHECK(supervise(State::kHold, Request::kTest, kPropulsion).missing == kTestRunning);
+  CHECK(supervise(State::kHold, Request::kManual, 0).missing == (kSound | kSticksFresh));
+  CHECK(supervise(State::kHold, Request::kTest, kSound).missing == kTestRunning);
   CHECK(supervise(State::kFault, Request::kArm, 0).missing == 0);
   CHECK(supervise(State::kFormation, Request::kTest, 0).missing == 0);
   CHECK(supervise(State::kCoast, Request::kNone, kCoastDrive).missing == 0);
@@ -217,12 +217,14 @@ TEST_CASE("what the boat lost is named when it changes its state by itself") {
   CHECK(lost(State::kFormation, kLeaderLive | kSticksFresh).state == State::kCoast);
   CHECK(lost(State::kTest, kTestRunning | kOwnFresh).missing == kTestRunning);
   CHECK(lost(State::kHold, kBusUp | kOwnFresh).missing == kBusUp);
+  CHECK(lost(State::kCoast, kInRange | kOwnFresh).missing == kInRange);
+  CHECK(lost(State::kCoast, kInRange).state == State::kFault);
   CHECK(lost(State::kCoast, kLeader | kCoastRunning).missing == kCoastRunning);
   CHECK(lost(State::kCoast, 0).missing == 0);
 }
 
 TEST_CASE("a boat that lost its navigation and its leader can be driven home") {
-  constexpr Conditions kBlind = kPropulsion | kSticksFresh;
+  constexpr Conditions kBlind = kSound | kSticksFresh;
   const State held = supervise(State::kFormation, Request::kNone, kBlind).state;
   CHECK(held == State::kHold);
   CHECK(supervise(held, Request::kManual, kBlind).state == State::kManual);

@@ -24,7 +24,7 @@ struct Node {
 
 constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
                                               kLeaderFresh,
-                                              kSoleController | kBusUp,
+                                              kSoleController | kBusUp | kInRange,
                                               kGcsHeard,
                                               kBatteryGood,
                                               kSticksFresh,

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "app/convert.hpp"
+#include "app/convert_telemetry.hpp"
 #include "link/messages.hpp"
 
 namespace flotilla::fuzz {
@@ -39,8 +39,8 @@ struct Vessel {
   template <class Say>
   void tell(std::int64_t now_us, Say say) const {
     const double noise = 1e-4 * static_cast<double>(now_us / 1000 % 37 - 18);
-    const app::convert::OwnState<double> state{
-        north_m + noise, east_m - noise, {{}, psi + noise, {u, 0, r}, {}}, origin};
+    const auto state = app::convert::own_state_of<double>({north_m + noise, east_m - noise, origin},
+                                                          {{}, psi + noise, {u, 0, r}, {}});
     const std::int64_t stamp_us = now_us + clock_us;
     const auto boot_ms = static_cast<std::uint32_t>(stamp_us / 1000);
     switch (source % 4) {

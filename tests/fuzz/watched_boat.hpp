@@ -201,7 +201,8 @@ class WatchedBoat {
   link::Counters counters_;
   link::RawCommand command_{};
   std::optional<std::uint8_t> arming_;
-  link::Signing verifier_;
+  std::array<link::Signing::Stream, 255> verified_;
+  link::Signing verifier_{verified_};
   std::optional<link::Timesync> time_request_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <array>
 #include <initializer_list>
 #include <random>
 #include <vector>
@@ -23,11 +24,19 @@ SigningKey counting_key(std::uint8_t first = 0) {
   return key;
 }
 
-Signing keyed(std::uint64_t now = kNow, const SigningKey& key = counting_key()) {
-  Signing signing;
-  signing.start(key, now, 0);
-  return signing;
-}
+struct Room {
+  std::array<Signing::Stream, 255> streams;
+};
+
+/// Has a key, and room for 255 senders.
+struct Keyed : Room, Signing {
+  explicit Keyed(std::uint64_t now = kNow, const SigningKey& key = counting_key())
+      : Signing(streams) {
+    start(key, now, 0);
+  }
+  Keyed(const Keyed&) = delete;
+  Keyed& operator=(const Keyed&) = delete;
+};
 
 /// Somebody who signs heartbeats.
 struct Sender {
@@ -36,7 +45,7 @@ struct Sender {
   MavlinkEncoder encoder{self};
 
   Bytes frame(std::uint64_t at, const SigningKey& key = counting_key()) {
-    Signing signing = keyed(at - 1, key);
+    Keyed signing(at - 1, key);
     Bytes bytes(300);
     bytes.resize(encoder.encode(Heartbeat{0, 6, 8, 0, 4}, bytes, &signing, link_id));
     return bytes;
@@ -50,7 +59,7 @@ const Bytes kByPymavlink{0xFD, 0x09, 0x01, 0x00, 0x00, 0x01, 0xBE, 0x00, 0x00, 0
 
 TEST_CASE("a frame is signed, byte for byte, as pymavlink signs it") {
   CHECK(Sender().frame(kNow) == kByPymavlink);
-  CHECK(keyed().check(kByPymavlink) == kGood);
+  CHECK(Keyed().check(kByPymavlink) == kGood);
 }
 
 TEST_CASE("timestamps begin in 2015 and end in 2104, and no clock leaves that range") {
@@ -68,7 +77,7 @@ TEST_CASE("a boat without a key takes nothing, not even what is signed with zero
 }
 
 TEST_CASE("every single bit of a frame is signed, but for those that make it a frame") {
-  Signing boat = keyed();
+  Keyed boat;
   for (std::size_t bit = 0; bit < 8 * kByPymavlink.size(); ++bit) {
     Bytes changed = kByPymavlink;
     changed[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
@@ -80,14 +89,14 @@ TEST_CASE("every single bit of a frame is signed, but for those that make it a f
 }
 
 TEST_CASE("what is too short to be signed is forged") {
-  Signing boat = keyed();
+  Keyed boat;
   for (std::size_t size = 0; size < kByPymavlink.size(); ++size) {
     CHECK(boat.check(std::span(kByPymavlink).first(size)) == kForged);
   }
 }
 
 TEST_CASE("a forgery with any timestamp leaves no trace: the right key is still obeyed") {
-  Signing boat = keyed();
+  Keyed boat;
   Sender operator_, forger;
   for (const std::uint64_t at : {kNow + 1, kNow + 50 * kSecond, kNow + kDay, kNow + 1000 * kDay}) {
     CHECK(boat.check(forger.frame(at, counting_key(9))) == kForged);
@@ -97,7 +106,7 @@ TEST_CASE("a forgery with any timestamp leaves no trace: the right key is still 
 }
 
 TEST_CASE("a message counts once, on whichever link it comes, and none before it counts after it") {
-  Signing boat = keyed();
+  Keyed boat;
   Sender sender;
   const Bytes first = sender.frame(kNow + 1), second = sender.frame(kNow + 2);
   CHECK(boat.check(first) == kGood);
@@ -109,7 +118,7 @@ TEST_CASE("a message counts once, on whichever link it comes, and none before it
 }
 
 TEST_CASE("each system, component and link id has timestamps of its own") {
-  Signing boat = keyed();
+  Keyed boat;
   CHECK(boat.check(Sender{{1, 190}, 7}.frame(kNow + 10)) == kGood);
   CHECK(boat.check(Sender{{2, 190}, 7}.frame(kNow + 9)) == kGood);
   CHECK(boat.check(Sender{{1, 191}, 7}.frame(kNow + 8)) == kGood);
@@ -118,7 +127,7 @@ TEST_CASE("each system, component and link id has timestamps of its own") {
 }
 
 TEST_CASE("a new sender may be a minute behind, no more; one that is known may be later") {
-  Signing boat = keyed();
+  Keyed boat;
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow - 60 * kSecond - 1)) == kStale);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow - 60 * kSecond)) == kGood);
   boat.set_clock(kNow + kDay);
@@ -128,12 +137,12 @@ TEST_CASE("a new sender may be a minute behind, no more; one that is known may b
 }
 
 TEST_CASE("a year-old recording is refused by a boat that has just been switched on") {
-  Signing boat = keyed(kNow);
+  Keyed boat(kNow);
   CHECK(boat.check(Sender().frame(kNow - 365 * kDay)) == kStale);
 }
 
 TEST_CASE("a sender a day ahead is refused, and drags nobody's time along") {
-  Signing boat = keyed();
+  Keyed boat;
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + kDay)) == kFuture);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 60 * kSecond + 1)) == kFuture);
   CHECK(boat.timestamp() == kNow);
@@ -144,7 +153,7 @@ TEST_CASE("a sender a day ahead is refused, and drags nobody's time along") {
 }
 
 TEST_CASE("many small steps ahead do not get further than one: the limit follows the clock alone") {
-  Signing boat = keyed();
+  Keyed boat;
   Sender ratchet{{66, 6}};
   std::uint64_t at = kNow;
   for (int i = 0; i < 1000; ++i) {
@@ -159,7 +168,7 @@ TEST_CASE("many small steps ahead do not get further than one: the limit follows
 }
 
 TEST_CASE("255 senders are known; the next is refused, and the old ones are still obeyed") {
-  Signing boat = keyed();
+  Keyed boat;
   const auto sender = [](unsigned i) {
     return Sender{{static_cast<std::uint8_t>(i % 100 + 1), static_cast<std::uint8_t>(i / 100 + 1)}};
   };
@@ -175,7 +184,7 @@ TEST_CASE("255 senders are known; the next is refused, and the old ones are stil
 
 TEST_CASE(
     "what is sent goes on with the clock, never back; what is heard is judged by it, set back") {
-  Signing boat = keyed();
+  Keyed boat;
   boat.set_clock(kNow + kSecond);
   CHECK(boat.timestamp() == kNow + kSecond);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 61 * kSecond)) == kGood);
@@ -196,7 +205,7 @@ Bytes sent_by(Signing& boat, MavlinkEncoder& encoder, std::uint8_t link_id = 0) 
 
 TEST_CASE(
     "a station 59 s ahead shuts out nobody whose clock is right, nor drags our stamps along") {
-  Signing boat = keyed();
+  Keyed boat;
   Sender fast{{255, 190}};
   std::uint64_t clock = kNow;
   for (unsigned minute = 0; minute < 60; ++minute, clock += 60 * kSecond) {
@@ -214,10 +223,10 @@ TEST_CASE(
 }
 
 TEST_CASE("beside a station 59 s ahead, every other boat believes what we send, on every link") {
-  Signing boat = keyed();
+  Keyed boat;
   MavlinkEncoder links[2] = {MavlinkEncoder({2, 1}), MavlinkEncoder({2, 1})};
   Sender fast{{255, 190}};
-  Signing second = keyed(kNow), slow = keyed(kNow - 50 * kSecond);
+  Keyed second(kNow), slow(kNow - 50 * kSecond);
   for (std::uint64_t k = 1; k <= 600; ++k) {  // ten a second
     const std::uint64_t clock = kNow + k * kSecond / 10;
     boat.set_clock(clock);
@@ -231,7 +240,7 @@ TEST_CASE("beside a station 59 s ahead, every other boat believes what we send, 
       const Bytes ours = sent_by(boat, links[link], link);
       REQUIRE(second.check(ours) == kGood);
       REQUIRE(slow.check(ours) == kGood);
-      Signing newcomer = keyed(clock);  // that hears both for the first time
+      Keyed newcomer(clock);  // that hears both for the first time
       REQUIRE(newcomer.check(fasts) == kGood);
       REQUIRE(newcomer.check(ours) == kGood);
     }
@@ -239,13 +248,13 @@ TEST_CASE("beside a station 59 s ahead, every other boat believes what we send, 
 }
 
 TEST_CASE("started again with a clock that is behind, a boat sends newer stamps than before") {
-  Signing before = keyed(), station = keyed();
+  Keyed before, station;
   MavlinkEncoder encoder({2, 1});
   std::uint64_t clock = kNow + 40 * kSecond;
   before.set_clock(clock);
   for (int k = 0; k < 10; ++k) REQUIRE(station.check(sent_by(before, encoder)) == kGood);
   // The clock of the new start is right, or the station's was ahead with it: 40 s less, here.
-  Signing after;
+  Keyed after;
   after.start(counting_key(), kNow, before.timestamp());
   CHECK(after.timestamp() == before.timestamp());
   for (int k = 0; k < 10; ++k) {
@@ -262,7 +271,7 @@ TEST_CASE("started again with a clock that is behind, a boat sends newer stamps 
 }
 
 TEST_CASE("stored a year ahead, by a clock that was wrong, a boat is deaf to nobody") {
-  Signing boat;
+  Keyed boat;
   boat.start(counting_key(), kNow, kNow + 365 * kDay);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);
   CHECK(boat.check(Sender{{1, 2}}.frame(kNow + 365 * kDay)) == kFuture);
@@ -273,7 +282,7 @@ TEST_CASE("stored a year ahead, by a clock that was wrong, a boat is deaf to nob
 
 TEST_CASE("stored from an earlier run, or never, a boat sends by the clock that is ahead of it") {
   for (const std::uint64_t stored : {std::uint64_t{0}, kNow - 365 * kDay, kNow}) {
-    Signing boat;
+    Keyed boat;
     boat.start(counting_key(), kNow, stored);
     CHECK(boat.timestamp() == kNow);
   }
@@ -283,7 +292,7 @@ TEST_CASE("everything a boat sends is newer than all it has sent and read off th
   constexpr std::uint32_t kSeed = 77;
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
-  Signing boat = keyed();
+  Keyed boat;
   MavlinkEncoder links[2] = {MavlinkEncoder({2, 1}), MavlinkEncoder({2, 1})};
   std::uint64_t last = 0, clock = kNow;
   for (int i = 0; i < 2000; ++i) {
@@ -305,7 +314,7 @@ TEST_CASE("everything a boat sends is newer than all it has sent and read off th
 }
 
 TEST_CASE("a second start forgets the senders and follows the new key") {
-  Signing boat = keyed();
+  Keyed boat;
   CHECK(boat.check(Sender().frame(kNow + 5)) == kGood);
   boat.start(counting_key(1), kNow, 0);
   CHECK(boat.check(Sender().frame(kNow + 6)) == kForged);
@@ -329,7 +338,7 @@ struct Link {
 };
 
 TEST_CASE("a link with a key delivers what is signed well, what is unsigned, and says which is") {
-  Signing boat = keyed();
+  Keyed boat;
   Link link;
   const auto good = link.hear(kByPymavlink, &boat);
   REQUIRE(good.size() == 1);
@@ -345,7 +354,7 @@ TEST_CASE("a link with a key delivers what is signed well, what is unsigned, and
 }
 
 TEST_CASE("a link with a key skips a badly signed frame whole, and counts why") {
-  Signing boat = keyed();
+  Keyed boat;
   Link link;
   Sender sender;
   Bytes stream = sender.frame(kNow, counting_key(1));
@@ -377,7 +386,7 @@ TEST_CASE("a link without a key delivers signed frames, but never as signed") {
 }
 
 TEST_CASE("a buffer with room for the message but not for its signature takes nothing") {
-  Signing boat = keyed();
+  Keyed boat;
   MavlinkEncoder encoder({1, 190});
   Bytes out(kByPymavlink.size() - 1, 0xEE);
   CHECK(encoder.encode(Heartbeat{0, 6, 8, 0, 4}, out, &boat, 7) == 0);

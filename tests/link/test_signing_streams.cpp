@@ -9,7 +9,9 @@ namespace {
 TEST_CASE("of more senders than there is room for, the first ones are heard, the rest counted") {
   constexpr SigningKey kKey{9};
   constexpr std::uint64_t kClock = 1'000'000'000;
-  Signing theirs, ours;
+  constexpr std::size_t kStreams = 255;
+  std::array<Signing::Stream, kStreams> room;
+  Signing theirs, ours(room);
   theirs.start(kKey, kClock, 0);
   ours.start(kKey, kClock, 0);
   MavlinkDecoder decoder;
@@ -23,9 +25,24 @@ TEST_CASE("of more senders than there is room for, the first ones are heard, the
     CHECK(decoder.fill(std::span(frame).first(size)) == size);
     while (decoder.next(counters, &ours)) ++heard;
   }
-  CHECK(heard == Signing::kStreams);
-  CHECK(counters.mavlink_signed == Signing::kStreams);
-  CHECK(counters.mavlink_streams_full == 300 - Signing::kStreams);
+  CHECK(heard == kStreams);
+  CHECK(counters.mavlink_signed == kStreams);
+  CHECK(counters.mavlink_streams_full == 300 - kStreams);
+}
+
+TEST_CASE("a boat with no room for senders takes no signature, and signs what it sends") {
+  constexpr SigningKey kKey{9};
+  std::array<Signing::Stream, 1> room;
+  Signing ours, theirs(room);
+  ours.start(kKey, 1'000, 0);
+  theirs.start(kKey, 1'000, 0);
+  MavlinkEncoder encoder({1, 1});
+  std::array<std::uint8_t, 300> frame;
+  const auto signed_by = [&](Signing& signing) {
+    return std::span(frame).first(encoder.encode(Heartbeat{4, 11, 0, 0, 4}, frame, &signing, 3));
+  };
+  CHECK(ours.check(signed_by(theirs)) == SignatureVerdict::kNoRoom);
+  CHECK(theirs.check(signed_by(ours)) == SignatureVerdict::kGood);
 }
 
 }  // namespace

@@ -134,3 +134,17 @@ def test_a_double_precision_boat_sails_the_same_course_within_a_millimetre(
         chosen = scenario.load("diamond", ["duration_s=40", f"scalar='{scalar}'"])
         error[scalar] = World(chosen, {}).run(tmp_path / "r.bin", lambda _: None).trace["error"]
     assert np.abs(error["float"] - error["double"]).max() < 0.001
+
+
+def test_in_fixed_point_every_boat_is_within_a_millimetre_of_double_at_every_tick(
+    tmp_path: Path,
+) -> None:
+    place = {}
+    for scalar in ("double", "q16"):
+        chosen = scenario.load("diamond", [f"scalar='{scalar}'"])
+        trace = World(chosen, {}).run(tmp_path / "r.bin", lambda _: None).trace
+        place[scalar] = trace["eta"][:, :, :2]
+        assert trace["t_s"][-1] >= 299.98
+    apart = np.linalg.norm(place["q16"] - place["double"], axis=-1)
+    assert apart.max() < 0.001
+    assert apart.max() > 0  # it is another arithmetic

@@ -129,7 +129,9 @@ TEST_CASE("a track that somebody else moved is told") {
 TEST_CASE("links on which nothing is said break the rule of the heartbeat") {
   WatchedHarbour<> h;
   h.sail(2);
-  app::MavlinkLinks silent(1, {1, 1});
+  std::array<app::MavlinkLinks::Link, 1> room;
+  std::array<app::Datagram, 1> nothing;
+  app::MavlinkLinks silent({1, 1}, room, nothing);
   h.boat.links = &silent;
   const std::int64_t last_us = h.now_us;
   h.sail(2);

@@ -108,6 +108,24 @@ def test_less_than_the_whole_leaves_the_page_alone(
         assert jobs == [Job("sea", law) for law in LAWS]
 
 
+@pytest.mark.parametrize(("worse", "status"), [(1.09, 0), (1.11, 1)])
+def test_other_scalar_is_sailed_beside_float_and_nothing_is_written(
+    sail: Callable[..., list[Job]], tmp_path: Path, worse: float, status: int
+) -> None:
+    def outcome(job: Job) -> Outcome:
+        return fleet(job, rms_error_m=worse if "scalar='q16'" in job.overrides else 1.0)
+
+    jobs = sail(outcome)
+    few = ("--only", "sea", "--set", "duration_s=9")
+    assert results.main(options(*few, "--scalar", "q16")) == status
+    assert jobs == [
+        Job("sea", law, None, ("duration_s=9", f"scalar='{scalar}'"))
+        for scalar in ("float", "q16")
+        for law in LAWS
+    ]
+    assert files(tmp_path) == {"RESULTS.md"}
+
+
 def test_missed_bound_and_failed_run_are_told_by_the_exit_status_and_lose_nothing(
     sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -166,7 +184,10 @@ def test_what_cannot_be_written_is_told_before_anything_is_sailed(
     assert jobs == []
 
 
-@pytest.mark.parametrize("arguments", [["--only", "dimond"], ["--seeds", "0"], ["--workers", "-1"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["--only", "dimond"], ["--seeds", "0"], ["--workers", "-1"], ["--scalar", "float"]],
+)
 def test_mistake_of_the_caller_is_refused(arguments: list[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
         options(*arguments)

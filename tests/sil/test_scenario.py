@@ -210,7 +210,11 @@ def test_overrides_lie_over_the_file() -> None:
             "[white_noise]\npower = 0.1\nsample_s = 0.004\n[link]",
             'pair.toml:11: "white_noise.sample_s" = 0.004: a sample of 0.004 s is not a whole',
         ),
-        ("seed = 3", 'scalar = "half"', "\"scalar\" = \"half\": must be 'float' or 'double'"),
+        (
+            "seed = 3",
+            'scalar = "half"',
+            "\"scalar\" = \"half\": must be 'float', 'double' or 'q16'",
+        ),
         ("LAW_KX = 0.2", "law_kx = 1", 'pair.toml:12: "parameters.law_kx": a parameter\'s name'),
         ("follows = 1", "follows = 2", '18: "boat.2.follows" = 2: boat 2 may follow agents 0 to 1'),
         ("from_s = 5.0", "from_s = 0", '7: "leader.input.2.from_s" = 0.0: must be later than 0.0'),

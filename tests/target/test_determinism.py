@@ -12,11 +12,17 @@ from tests.target.course import Course
 from tests.target.sea import TURN, Sea, Tick
 from tests.target.stations import LEADER
 
-OF_THE_LAW = {"NAMED_VALUE_FLOAT", "NAV_CONTROLLER_OUTPUT", "POSITION_TARGET_LOCAL_NED"}
+OF_THE_LAW = {
+    "ATTITUDE",
+    "LOCAL_POSITION_NED",
+    "NAMED_VALUE_FLOAT",
+    "NAV_CONTROLLER_OUTPUT",
+    "POSITION_TARGET_LOCAL_NED",
+}
 
 
 def assert_alike(these: list[Any], those: list[Any]) -> None:
-    """The same bytes, but for the law's own numbers, which are the same but for rounding."""
+    """The same bytes, but for what is in the law's scalar, which is the same but for rounding."""
     assert [m.get_type() for m in these] == [m.get_type() for m in those]
     for a, b in zip(these, those, strict=True):
         if a.get_type() in OF_THE_LAW:

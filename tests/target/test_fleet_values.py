@@ -118,7 +118,7 @@ def test_a_unit_that_is_none(unit: Any) -> None:
 
 
 def test_a_scalar_that_is_none() -> None:
-    with pytest.raises(ValueError, match='scalar: "float" or "double", not "half"'):
+    with pytest.raises(ValueError, match='scalar: "float", "double" or "q16", not "half"'):
         flotilla.Fleet("half")
 
 

@@ -33,6 +33,13 @@ typename Fleet<S>::Station Fleet<S>::station(std::int64_t run, link::Address sel
 }
 
 template <class S>
+Fleet<S>::Vessel::Vessel(Station place, const app::Parameters& p, Outbox& outbox)
+    : station(std::move(place)),
+      escs({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
+      firmware(p, kLinks, {room, outbox}),
+      monitor(p) {}
+
+template <class S>
 std::size_t Fleet<S>::add_leader(std::int64_t run, std::uint8_t system, const UnitSettings& unit,
                                  const Clock& clock) {
   const link::Address self{system, link::mav::kComponentAutopilot};
@@ -44,9 +51,7 @@ template <class S>
 std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const UnitSettings& unit,
                                const Clock& clock) {
   const link::Address self{byte_of(p.MAV_SYSID), kComponentGps};
-  boats_.push_back({station(run, self, unit, clock, true),
-                    EscNodes({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
-                    app::Boat<S>(p, kLinks, &outbox_), policies::Monitor<S>(p)});
+  boats_.emplace_back(station(run, self, unit, clock, true), p, outbox_);
   if (injects_) boats_[boats() - 1].firmware.let_failures_be_injected(&judge);
   return agents() - 1;
 }
@@ -289,5 +294,6 @@ std::span<const std::uint8_t> Fleet<S>::sent(std::size_t agent) const {
 
 template class Fleet<float>;
 template class Fleet<double>;
+template class Fleet<core::Q16>;
 
 }  // namespace flotilla::fleet

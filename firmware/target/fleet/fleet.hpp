@@ -132,9 +132,15 @@ class Fleet {
 
     bool has(FaultKind kind) const { return faults && faults->has(kind); }
   };
+  using Outbox = app::Outbox<kLinks>;
   struct Vessel {
+    Vessel(Station place, const app::Parameters& p, Outbox& outbox);
+    Vessel(const Vessel&) = delete;  // the firmware works in this one's room
+    Vessel& operator=(const Vessel&) = delete;
+
     Station station;
     EscNodes escs;
+    app::LinkRoom<kLinks, 0> room;  // nobody signs
     app::Boat<S> firmware;
     policies::Monitor<S> monitor;
   };
@@ -173,7 +179,7 @@ class Fleet {
   bool tells_degrees_ = false;
   std::vector<Agent> agents_;
   std::deque<Station> leaders_;
-  app::Outbox outbox_{kLinks};  // of the boat whose turn it is
+  Outbox outbox_;  // of the boat whose turn it is
   HugePageList<Vessel> boats_;
   std::vector<RadioLink> links_;
   std::map<std::int64_t, Run> runs_;

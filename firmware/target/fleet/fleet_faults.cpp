@@ -89,7 +89,7 @@ void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
   app::Parameters kept = v.firmware.parameters();
   kept.MODE = app::mode::kHold;  // every start is in it
   std::destroy_at(&v.firmware);
-  std::construct_at(&v.firmware, kept, kLinks, &outbox_);
+  std::construct_at(&v.firmware, kept, kLinks, app::Storage(v.room, outbox_));
   if (injects_) v.firmware.let_failures_be_injected(&judge);
   v.monitor = policies::Monitor<S>(kept);
   const Station& s = v.station;
@@ -111,9 +111,12 @@ void Fleet<S>::inject(Vessel& v, std::int64_t t_us) {
 
 template void Fleet<float>::inject(Vessel&, std::int64_t);
 template void Fleet<double>::inject(Vessel&, std::int64_t);
+template void Fleet<core::Q16>::inject(Vessel&, std::int64_t);
 template void Fleet<float>::set_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<double>::set_fault(std::size_t, const Fault&, std::int64_t);
+template void Fleet<core::Q16>::set_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<float>::clear_fault(std::size_t, const Fault&, std::int64_t);
 template void Fleet<double>::clear_fault(std::size_t, const Fault&, std::int64_t);
+template void Fleet<core::Q16>::clear_fault(std::size_t, const Fault&, std::int64_t);
 
 }  // namespace flotilla::fleet

@@ -31,9 +31,10 @@ class HugePageList {
   T& operator[](std::size_t i) { return at(i); }
   const T& operator[](std::size_t i) const { return at(i); }
 
-  void push_back(T&& value) {
+  template <class... Arguments>
+  void emplace_back(Arguments&&... arguments) {
     if (size_ == pages_.size() * kInPage) pages_.emplace_back(new_page());
-    std::construct_at(&at(size_), std::move(value));
+    std::construct_at(&at(size_), std::forward<Arguments>(arguments)...);
     ++size_;
   }
 

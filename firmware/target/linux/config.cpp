@@ -91,7 +91,8 @@ void define(CLI::App& app, Options& options) {
   app.add_flag("--lock-memory", options.lock_memory,
                "Keep all memory in RAM; --lock-memory=false undoes the file's");
   app.set_version_flag("--version", "flotillad " + std::to_string(app::kVersionMajor) + "." +
-                                        std::to_string(app::kVersionMinor));
+                                        std::to_string(app::kVersionMinor) + " (" +
+                                        std::string(app::source_revision()) + ")");
   app.footer(kFooter);
 }
 

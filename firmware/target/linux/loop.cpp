@@ -101,8 +101,8 @@ app::Parameters in_force(const Config& config, const LoadedParameters& loaded) {
 Loop::Loop(const Config& config)
     : config_(config),
       parameters_(load(config)),
-      boat_(
-          std::make_unique<app::Boat<float>>(in_force(config, parameters_), config.mavlink.size())),
+      boat_(std::make_unique<app::Boat<Scalar>>(in_force(config, parameters_),
+                                                config.mavlink.size())),
       noted_(boat_->parameters()),
       saver_(config.parameter_file(), parameters_.unknown),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
@@ -218,7 +218,7 @@ void Loop::tick() {
   if (began_us - house_kept_us_ >= kHouse_us) keep_house(began_us);
 }
 
-void Loop::send(const app::Boat<float>::Output& out, std::int64_t now_us) {
+void Loop::send(const app::Boat<Scalar>::Output& out, std::int64_t now_us) {
   bus_->send(out.can);
   const std::int64_t sent_us = now();
   processing_.add(sent_us - now_us);

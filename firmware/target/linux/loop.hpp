@@ -21,6 +21,7 @@
 #include "target/linux/parameter_saver.hpp"
 #include "target/linux/service_manager.hpp"
 #include "target/linux/signing_time.hpp"
+#include "target/scalar.hpp"
 
 namespace flotilla::target {
 
@@ -38,7 +39,7 @@ class Loop {
   void read_links(std::int64_t now_us);
   void read_bus(std::int64_t now_us);
   void tick();
-  void send(const app::Boat<float>::Output& out, std::int64_t now_us);
+  void send(const app::Boat<Scalar>::Output& out, std::int64_t now_us);
   void keep_house(std::int64_t now_us);
   void note_changes();
   void save_changes(std::int64_t now_us);
@@ -49,7 +50,7 @@ class Loop {
 
   Config config_;
   LoadedParameters parameters_;  // as they are to be on the disk
-  std::unique_ptr<app::Boat<float>> boat_;
+  std::unique_ptr<app::Boat<Scalar>> boat_;
   app::Parameters noted_;  // the boat's, when an operator's changes were last looked for
   app::SaveRequest to_save_ = app::SaveRequest::kNone;
   std::int64_t saved_us_ = 0;  // when the last save began

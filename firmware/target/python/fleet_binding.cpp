@@ -31,7 +31,7 @@ std::span<const std::uint8_t> span_of(const nb::bytes& data) {
   return {static_cast<const std::uint8_t*>(data.data()), data.size()};
 }
 
-/// A fleet of either scalar behind one Python type.
+/// A fleet of any scalar behind one Python type.
 class PyFleet {
   template <class Visitor>
   decltype(auto) visit(Visitor visitor) const {
@@ -77,8 +77,11 @@ class PyFleet {
     } else if (scalar == "double") {
       fleet_.emplace<std::unique_ptr<Fleet<double>>>(
           new Fleet<double>(record, profile, inject_failures));
+    } else if (scalar == "q16") {
+      fleet_.emplace<std::unique_ptr<Fleet<core::Q16>>>(
+          new Fleet<core::Q16>(record, profile, inject_failures));
     } else {
-      refuse("scalar: \"float\" or \"double\", not \"" + scalar + "\"");
+      refuse("scalar: \"float\", \"double\" or \"q16\", not \"" + scalar + "\"");
     }
   }
 
@@ -225,7 +228,9 @@ class PyFleet {
   }
 
  private:
-  std::variant<std::unique_ptr<Fleet<float>>, std::unique_ptr<Fleet<double>>> fleet_;
+  std::variant<std::unique_ptr<Fleet<float>>, std::unique_ptr<Fleet<double>>,
+               std::unique_ptr<Fleet<core::Q16>>>
+      fleet_;
 };
 
 }  // namespace
@@ -255,8 +260,9 @@ void bind_fleet(nb::module_& m) {
       m, "Fleet",
       "Everything that is on a wire in lockstep runs, many at once: navigation units, boats with "
       "their ESCs, radio links, clocks. Agents (leaders and boats) and links are counted from 0 in "
-      "order of adding; times are the world's, microseconds. scalar of the boats' law: \"float\" "
-      "or \"double\". inject_failures: boats obey MAV_CMD_INJECT_FAILURE, which no other build "
+      "order of adding; times are the world's, microseconds. scalar of the boats' law: \"float\", "
+      "\"double\" or \"q16\". inject_failures: boats obey MAV_CMD_INJECT_FAILURE, which no other "
+      "build "
       "does. Bad values: ValueError or TypeError says which.")
       .def(nb::init<const std::string&, bool, bool, bool>(), "scalar"_a = "float",
            "record"_a = false, "profile"_a = false, "inject_failures"_a = false)

@@ -42,7 +42,7 @@ std::span<const std::uint8_t> span_of(const nb::bytes& data) {
   return {static_cast<const std::uint8_t*>(data.data()), data.size()};
 }
 
-/// A boat of either scalar behind one Python type.
+/// A boat of any scalar behind one Python type.
 class PyBoat {
  public:
   PyBoat(const nb::dict& values, int links, const std::string& scalar)
@@ -54,8 +54,11 @@ class PyBoat {
       boat_ = std::make_unique<app::Boat<float>>(parameters, links_);
     } else if (scalar == "double") {
       boat_ = std::make_unique<app::Boat<double>>(parameters, links_);
+    } else if (scalar == "q16") {
+      boat_ = std::make_unique<app::Boat<core::Q16>>(parameters, links_);
     } else {
-      throw nb::value_error(("scalar: \"float\" or \"double\", not \"" + scalar + "\"").c_str());
+      throw nb::value_error(
+          ("scalar: \"float\", \"double\" or \"q16\", not \"" + scalar + "\"").c_str());
     }
   }
 
@@ -142,7 +145,9 @@ class PyBoat {
 
  private:
   std::size_t links_;
-  std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>> boat_;
+  std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>,
+               std::unique_ptr<app::Boat<core::Q16>>>
+      boat_;
 };
 
 const char* name_of(app::ParameterKind kind) {
@@ -201,10 +206,11 @@ NB_MODULE(flotilla, m) {
       .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
       .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");
 
-  nb::class_<PyBoat>(m, "Boat",
-                     "One boat. parameters: by MAVLink name, the rest keep their defaults; links: "
-                     "number of MAVLink links, 1 to 4; scalar of the law: \"float\" or "
-                     "\"double\". ValueError names a parameter that is unknown or out of range.")
+  nb::class_<PyBoat>(
+      m, "Boat",
+      "One boat. parameters: by MAVLink name, the rest keep their defaults; links: "
+      "number of MAVLink links, 1 to 4; scalar of the law: \"float\", "
+      "\"double\" or \"q16\". ValueError names a parameter that is unknown or out of range.")
       .def(nb::init<const nb::dict&, int, const std::string&>(), "parameters"_a = nb::dict(),
            "links"_a = 1, "scalar"_a = "float")
       .def("on_mavlink", &PyBoat::on_mavlink, "data"_a, "now_us"_a, "link"_a = 0,

@@ -29,7 +29,8 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kBatteryGood, "battery_good"},
                      {flotilla::core::kInsideFence, "inside_fence"},
                      {flotilla::core::kClear, "clear"},
-                     {flotilla::core::kCoastRunning, "coast_running"}}};
+                     {flotilla::core::kCoastRunning, "coast_running"},
+                     {flotilla::core::kInRange, "in_range"}}};
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);
 

@@ -169,11 +169,12 @@ class Flotillad:
         environment: dict[str, str] | None = None,
         prefix: Sequence[str] = (),
         mouth: int | None = None,
+        program: Path = PROGRAM,
     ) -> None:
         self._words = folder / "words"
         with self._words.open("wb") as words:
             self.process = subprocess.Popen(
-                [*prefix, *ordinary_user(), PROGRAM, *options],
+                [*prefix, *ordinary_user(), program, *options],
                 stdin=subprocess.DEVNULL,
                 stdout=words,
                 stderr=words if mouth is None else mouth,
@@ -210,6 +211,7 @@ class RealSea:
     def __init__(self, bus: int, folder: Path) -> None:
         self.bus = bus
         self.folder = folder
+        self.program = PROGRAM
         self.state_dir = folder / "state"
         self.boat: Flotillad | None = None
         self.can = can.Bus(interface="mcast", channel=str(bus))
@@ -266,7 +268,9 @@ class RealSea:
         values = PATIENT if param is None else param
         given += [f"--param={name}={value}" for name, value in values.items()]
         self._leaving = False
-        self.boat = Flotillad(self.folder, [*given, *options], environment, prefix, mouth)
+        self.boat = Flotillad(
+            self.folder, [*given, *options], environment, prefix, mouth, self.program
+        )
 
     @property
     def process(self) -> Flotillad:

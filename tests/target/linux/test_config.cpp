@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/version.hpp"
 #include "target/linux/config.hpp"
 #include "target/linux/scratch.hpp"
 
@@ -188,7 +189,7 @@ TEST_CASE("--help and --version say it and end well") {
   }
   const auto version = std::get<Ending>(read({"--version"}));
   CHECK(version.status == 0);
-  CHECK(version.text == "flotillad 0.1\n");
+  CHECK(version.text == "flotillad 0.1 (" + std::string(flotilla::app::source_revision()) + ")\n");
 }
 
 TEST_CASE("a mistake in the file names its line, its key and what is allowed") {

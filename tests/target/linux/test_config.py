@@ -2,6 +2,7 @@
 """flotillad's words for who configures it: the shipped file, mistakes, help and version."""
 
 import os
+import re
 import socket
 import subprocess
 from pathlib import Path
@@ -161,4 +162,4 @@ def test_help_names_every_option_and_every_kind_of_address() -> None:
 def test_version_is_one_line() -> None:
     done = run("--version")
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "flotillad 0.1\n"
+    assert re.fullmatch(r"flotillad 0\.1 \([0-9a-f]{8}\)\n", done.stdout)

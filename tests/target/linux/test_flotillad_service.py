@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The systemd unit: an ordinary user in a closed box that has room for a boat."""
 
+import re
 import shutil
 import subprocess
 import tomllib
@@ -14,7 +15,7 @@ from tests.target.linux.process import PROGRAM, ROOT
 FOLDER = ROOT / "firmware" / "target" / "linux"
 UNIT = FOLDER / "flotillad.service"
 MOST_EXPOSED = 2.0
-INSTALLED = Path("/usr/local/bin/flotillad")
+INSTALLED = Path("/usr/bin/flotillad")
 
 
 def analyze(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -66,9 +67,15 @@ def test_systemd_understands_every_line(
         pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
     unit = tmp_path / "flotillad.service"
     unit.write_text(spoil(UNIT.read_text().replace(str(INSTALLED), str(PROGRAM))))
-    # Other units of this machine have mistakes of their own.
-    said = [line for line in analyze("verify", unit).stderr.splitlines() if unit.name in line]
+    # Its manual comes with the package. Other units of this machine have mistakes of their own.
+    done = analyze("verify", "--man=no", unit)
+    said = [line for line in done.stderr.splitlines() if unit.name in line]
     assert any(complaint in line for line in said) if complaint else said == []
+
+
+def test_the_manual_that_the_unit_names_comes_with_the_package() -> None:
+    named = re.fullmatch(r"man:(\w+)\((\d)\)", *settings()["Documentation"])
+    assert named and (FOLDER / "package" / ".".join(named.groups())).is_file()
 
 
 def test_the_shipped_configuration_finds_its_folders() -> None:

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""A boat on a microcontroller, emulated."""

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// A boat in fixed point whose numbers run out of their range: it stops, and wants to be looked at.
+#include <doctest/doctest.h>
+
+#include "app/harbour.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using core::Q16;
+using core::State;
+using testing::Harbour;
+
+constexpr auto kSentence = "a number is out of the scalar's range";
+
+/// Gains of a ship, and 30 m to go: more newtons are asked for than Q16 has.
+Parameters eager() {
+  Parameters p;
+  p.LAW_KDU = 10'000;
+  p.LAW_U_MAX = 20;
+  return p;
+}
+
+/// Ticks for a second: whether the boat ever pushed, and whether it said why not.
+template <class S>
+std::pair<bool, bool> watch(Harbour<S>& h) {
+  bool pushed = false, said = false;
+  for (int i = 0; i < 100; ++i) {
+    h.step();
+    pushed = pushed || !h.stopped();
+    said = said || h.says(kSentence);
+  }
+  return {pushed, said};
+}
+
+TEST_CASE("a wrench beyond the scalar's range: no thrust, not even once, and FAULT") {
+  Harbour<Q16> h(eager());
+  h.leader_north_m = 30;
+  h.sail(2);
+  h.arm();
+  h.step();
+  CHECK(h.boat.state() == State::kHold);
+  h.mode(6);
+  const auto [pushed, said] = watch(h);
+  CHECK_FALSE(pushed);
+  CHECK(said);
+  CHECK(h.boat.state() == State::kFault);
+  CHECK(h.arming == 0);
+}
+
+TEST_CASE("FAULT is left by disarming; the boat arms and sails again, where its numbers fit") {
+  Harbour<Q16> h(eager());
+  h.leader_north_m = 30;
+  h.cast_off();
+  REQUIRE(h.boat.state() == State::kFault);
+  h.mode(6);
+  h.arm();
+  h.sail(1);
+  CHECK(h.boat.state() == State::kFault);
+  h.disarm();
+  h.sail(1);
+  CHECK(h.boat.state() == State::kDisarmed);
+  CHECK((h.boat.conditions() & core::kInRange) != 0);
+  h.leader_north_m = 3;
+  h.cast_off();
+  CHECK(h.boat.state() == State::kFormation);
+  CHECK(h.pushes());
+}
+
+TEST_CASE_TEMPLATE("the same in floating point is driven", S, float, double) {
+  Harbour<S> h(eager());
+  h.leader_north_m = 30;
+  h.cast_off();
+  CHECK(h.boat.state() == State::kFormation);
+  CHECK(h.pushes());
+  CHECK((h.boat.conditions() & core::kInRange) != 0);
+}
+
+TEST_CASE("a leader that is told 40 km away: no number of the law has room for that, FAULT") {
+  Harbour<Q16> h;
+  h.cast_off();
+  REQUIRE(h.boat.state() == State::kFormation);
+  REQUIRE(h.pushes());
+  h.leader_north_m = 40'000;
+  const auto [pushed, said] = watch(h);
+  CHECK_FALSE(pushed);
+  CHECK(said);
+  CHECK(h.boat.state() == State::kFault);
+}
+
+TEST_CASE("one at 400 m/s is believed by nobody: it is lost, and the boat drives on at most") {
+  Harbour<Q16> h;
+  h.cast_off();
+  h.leader_talks = false;
+  const auto before = h.raw.cmd;
+  for (int i = 0; i < 300; ++i) {
+    h.say(h.leader, Harbour<Q16>::state(h.now_us + h.leader_clock_us, 3, 400));
+    h.step();
+    CHECK(std::abs(h.raw.cmd[0]) <= std::max(std::abs(before[0]), std::abs(before[1])) + 8191);
+    CHECK(h.boat.state() != State::kFault);
+  }
+  CHECK(h.boat.state() == State::kCoast);
+}
+
+TEST_CASE("a ship of 40 t is none that Q16 can sail: it stays DISARMED and says so") {
+  Parameters p;
+  p.VES_M11 = 40'000;
+  Harbour<Q16> h(p);
+  h.sail(2);
+  CHECK((h.boat.conditions() & core::kInRange) == 0);
+  h.arm();
+  const auto [pushed, said] = watch(h);
+  CHECK_FALSE(pushed);
+  CHECK(said);
+  CHECK(h.boat.state() == State::kDisarmed);
+  Harbour<float> same(p);
+  same.cast_off();
+  CHECK(same.boat.state() == State::kFormation);
+}
+
+TEST_CASE("a boat's overflow is no other boat's, though they share a thread") {
+  Harbour<Q16> wild(eager()), calm;
+  wild.leader_north_m = 30;
+  for (Harbour<Q16>* h : {&wild, &calm}) h->sail(2);
+  for (Harbour<Q16>* h : {&wild, &calm}) h->arm();
+  for (Harbour<Q16>* h : {&wild, &calm}) h->step();
+  for (Harbour<Q16>* h : {&wild, &calm}) h->mode(6);
+  for (int i = 0; i < 100; ++i) {
+    for (Harbour<Q16>* h : {&wild, &calm}) h->step();
+  }
+  CHECK(wild.boat.state() == State::kFault);
+  CHECK(calm.boat.state() == State::kFormation);
+}
+
+TEST_CASE("hours of silence in HOLD are no overflow") {
+  Harbour<Q16> h;
+  h.sail(2);
+  h.arm();
+  h.sail(1);
+  REQUIRE(h.boat.state() == State::kHold);
+  h.leader_talks = false;
+  h.now_us += 36'000'000'000;
+  h.sail(2);
+  h.leader_talks = true;
+  h.sail(3);
+  CHECK((h.boat.conditions() & core::kInRange) != 0);
+  CHECK(h.boat.state() != State::kDisarmed);
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""A boat in fixed point on a Cortex-M4 and on an arm64, emulated, against the same boat here."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sil import scenario
+from sil.metal.image import IMAGE, QEMU, QEMU_ARM64, play, play_arm64
+from sil.metal.size import sizes
+from sil.metal.stream import stream_of
+from sil.recording import Recording
+from sil.world import sail
+
+ROOT = Path(__file__).resolve().parents[3]
+TOOLS = (QEMU, QEMU_ARM64, "arm-none-eabi-g++", "aarch64-linux-gnu-g++")
+HEAP = {"malloc", "_malloc_r", "_sbrk", "_Znwj", "_Znaj"}
+
+pytestmark = pytest.mark.skipif(
+    not all(map(shutil.which, TOOLS)), reason="no tools for Cortex-M and arm64: tools/metal"
+)
+
+
+def run(*command: str | Path) -> str:
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+
+
+@pytest.fixture(scope="module", autouse=True)
+def built() -> None:
+    for preset in ("cortex-m", "player-arm64"):
+        run("cmake", "--preset", preset, f"-DPython_EXECUTABLE={sys.executable}")
+        run("cmake", "--build", "--preset", preset)
+
+
+def sailed(scalar: str, path: Path) -> Recording:
+    settings = ["duration_s=4.0", f"scalar='{scalar}'"]
+    sail([scenario.load("diamond", settings)], {}, record=path)
+    return Recording(path)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    return sailed("q16", tmp_path_factory.mktemp("q16") / "recording.bin")
+
+
+@pytest.mark.parametrize("boat", [0, 2])
+def test_all_processors_say_the_same_to_the_last_bit(recording: Recording, boat: int) -> None:
+    stream, here = stream_of(recording, boat, 4.0)
+    said = play(stream)
+    assert int(said["ticks"]) == 401 and int(said["ticks_driving"]) > 90
+    assert said["digest"] == play_arm64(stream)["digest"] == here
+
+
+def test_a_boat_in_floating_point_says_something_else(recording: Recording, tmp_path: Path) -> None:
+    stream, here = stream_of(sailed("float", tmp_path / "recording.bin"), 0, 4.0)
+    assert play_arm64(stream)["digest"] != here
+
+
+def test_a_boat_to_which_no_message_comes_whole_says_something_else(recording: Recording) -> None:
+    stream, here = stream_of(recording, 0, 1.0)
+    first = 12 + int.from_bytes(stream[10:12], "little")
+    deaf = stream[:first] + stream[first:].replace(b"\xfd", b"\xfc")
+    assert play(stream)["digest"] == here != play(deaf)["digest"]
+
+
+def test_a_stream_that_begins_with_no_boat_is_refused(recording: Recording) -> None:
+    stream, _ = stream_of(recording, 0, 1.0)
+    first = 12 + int.from_bytes(stream[10:12], "little")
+    with pytest.raises(RuntimeError, match="the stream is damaged"):
+        play(stream[first:])
+
+
+def test_flash_and_ram_are_a_small_microcontrollers_and_nothing_is_left_out(
+    recording: Recording,
+) -> None:
+    flash, ram = sizes(IMAGE.with_suffix(".map"))
+    text, data, bss = map(int, run("arm-none-eabi-size", IMAGE).splitlines()[1].split()[:3])
+    assert flash.total() == pytest.approx(text + data, rel=0.005)
+    assert ram.total() == pytest.approx(data + bss, rel=0.005)
+    assert flash.total() < 160_000
+    stack = int(play(stream_of(recording, 0, 4.0)[0])["stack_bytes"])
+    assert stack > 1000 and ram.total() + stack < 32_000
+
+
+def symbols() -> set[str]:
+    return {line.split()[-1] for line in run("arm-none-eabi-nm", IMAGE).splitlines()}
+
+
+def test_there_is_no_heap_in_it() -> None:
+    assert "reset" in symbols()
+    assert not symbols() & HEAP
+
+
+def test_there_is_nothing_of_the_mathematical_library_in_it() -> None:
+    library = run("arm-none-eabi-g++", "-mcpu=cortex-m4", "-mthumb", "-print-file-name=libm.a")
+    listed = run("arm-none-eabi-nm", "--defined-only", library.strip())
+    functions = set(re.findall(r" [TW] (\w+)$", listed, re.MULTILINE))
+    assert {"sin", "sqrtf", "floor"} <= functions
+    assert not symbols() & functions
+
+
+def test_there_are_no_floating_point_instructions_in_it() -> None:
+    code = run("arm-none-eabi-objdump", "-d", IMAGE)
+    assert re.search(r"\tsmull\t", code)
+    assert not re.search(r"\tv(add|sub|mul|div|ldr|mov|cvt)\S*\t", code)
