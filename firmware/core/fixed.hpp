@@ -38,7 +38,8 @@ class Q16 {
   }
 
   /// Literals only, when the program is built: one that is out of range does not compile.
-  consteval explicit Q16(double literal) : raw_(nearest(literal)) {}
+  template <std::floating_point T>
+  consteval explicit Q16(T literal) : raw_(nearest(literal)) {}
 
   static constexpr Q16 of_raw(std::int32_t raw) {
     Q16 x;
@@ -72,7 +73,7 @@ class Q16 {
   }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
-  friend constexpr auto operator<=>(Q16 a, Q16 b) = default;
+  friend constexpr auto operator<=>(Q16 a, Q16 b) { return a.raw_ <=> b.raw_; }
 
   /// x / 2ⁿ, n < 32, to nearest, ties to even.
   static constexpr std::int64_t halved(std::int64_t x, int n) {
@@ -117,8 +118,9 @@ class Q16 {
                     : std::numeric_limits<std::int32_t>::max();
   }
 
-  static consteval std::int32_t nearest(double literal) {
-    const double twice = literal * 131072;
+  template <std::floating_point T>
+  static consteval std::int32_t nearest(T literal) {
+    const double twice = double{literal} * 131072;
     // A conversion that is out of range is no constant expression: that is the error wanted here.
     return static_cast<std::int32_t>((twice + (twice < 0 ? -1 : 1)) / 2);
   }

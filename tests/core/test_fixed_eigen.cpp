@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <utility>
 
 #include "core/fixed_eigen.hpp"
 
@@ -49,6 +50,27 @@ TEST_CASE("a vector's length is as long as hypot says") {
   CHECK(way.norm() == Q16(5));
   CHECK(way.cwiseAbs().maxCoeff() == Q16(4));
   CHECK(way.normalized()(1) == Q16(-0.8));
+}
+
+TEST_CASE("a number that is changed in place is what the operation gives") {
+  Q16 x(1.5);
+  CHECK((x += Q16(2)) == Q16(3.5));
+  CHECK((x -= Q16(0.5)) == Q16(3));
+  CHECK((x *= Q16(-0.25)) == Q16(-0.75));
+  CHECK((x /= Q16(3)) == Q16(-0.25));
+}
+
+TEST_CASE("Eigen is told the ends of the range and one LSB") {
+  using Traits = Eigen::NumTraits<Q16>;
+  q16_overflow = false;
+  CHECK(Traits::epsilon() == Q16(1) / Q16(16384) / Q16(4));
+  CHECK(number(Traits::lowest()) == -32768);
+  CHECK(number(Traits::highest()) == 32768 - 1.0 / 65536);
+  CHECK_FALSE(q16_overflow);
+  CHECK(Traits::highest() + Traits::epsilon() == Traits::highest());
+  CHECK(std::exchange(q16_overflow, false));
+  CHECK(std::pow(2.0, Traits::digits()) == 2147483648.0);
+  CHECK(std::pow(10.0, Traits::digits10()) < 32768);
 }
 
 }  // namespace

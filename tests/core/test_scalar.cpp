@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/arbitrary.hpp"
+#include "core/fixed.hpp"
 #include "core/scalar.hpp"
 
 namespace flotilla::core {
@@ -66,6 +67,16 @@ TEST_CASE_TEMPLATE("clamp and smaller give one of their arguments", S, float, do
   CHECK(clamp(S(9), S(1), S(1)) == S(1));
   CHECK(smaller(S(1), S(2)) == S(1));
   CHECK(smaller(S(2), S(-1)) == S(-1));
+}
+
+TEST_CASE_TEMPLATE("a ratio stays within its bounds, also where the quotient is out of range", S,
+                   float, double, Q16) {
+  CHECK(ratio_within(S(3), S(2), S(100)) == S(1.5));
+  CHECK(ratio_within(S(-3), S(2), S(100)) == S(-1.5));
+  q16_overflow = false;
+  CHECK(ratio_within(S(30000), S(0.125), S(100)) == S(100));
+  CHECK(ratio_within(S(-30000), S(0.125), S(100)) == S(-100));
+  CHECK_FALSE(q16_overflow);
 }
 
 }  // namespace

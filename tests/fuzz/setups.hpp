@@ -25,18 +25,25 @@ inline Setup setup_of(std::uint8_t kind) {
     setup.parameters.MAV_IDENTITY = 1;
     setup.parameters.MAV_COMPID = 191;
   }
+  if ((kind & 32U) != 0) setup.parameters.FS_SEP_M = 3;  // it looks for other vessels
   return setup;
 }
 
-/// Plays the rest of the input to a boat that its first byte describes. Bit 7: a law in double.
+/// Plays the rest of the input to a boat that its first byte describes. Bits 6, 7: the law's scalar.
 template <template <class> class Play>
 int play(const std::uint8_t* data, std::size_t size) {
   Stream in(std::span(data, size));
   const std::uint8_t kind = in.byte();
-  if ((kind & 128U) == 0) {
-    Play<float>(setup_of(kind)).run(in);
-  } else {
-    Play<double>(setup_of(kind)).run(in);
+  switch (kind >> 6U) {
+    case 1:
+      Play<core::Q16>(setup_of(kind)).run(in);
+      break;
+    case 2:
+    case 3:
+      Play<double>(setup_of(kind)).run(in);
+      break;
+    default:
+      Play<float>(setup_of(kind)).run(in);
   }
   return 0;
 }
