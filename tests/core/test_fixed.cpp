@@ -106,6 +106,14 @@ TEST_CASE("what is divided by zero is as large as can be, and the flag is up") {
   CHECK(lowered_and_risen(true));
 }
 
+TEST_CASE("a quotient that rounding lifts to 2^32 is the end of the range, not zero") {
+  const Q16 a = Q16::of_raw(2147422344), d = Q16::of_raw(1073680521);  // a²/d = 2³² − 0.49995
+  q16_overflow = false;
+  CHECK(scaled(a, a, d) == kHighest);
+  CHECK(scaled(-a, a, d) == kLowest);
+  CHECK(std::exchange(q16_overflow, false));
+}
+
 TEST_CASE("halves go to the even neighbour, on either side") {
   CHECK(Q16::of_raw(1) * Q16(0.5) == Q16(0));
   CHECK(Q16::of_raw(3) * Q16(0.5) == Q16::of_raw(2));
