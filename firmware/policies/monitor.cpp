@@ -140,7 +140,8 @@ void Monitor<S>::note_deeds() {
   if (now_.state != was) {
     const bool lost = core::law_drives(was) && !now_.has(core::kLeader | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
-    if (now_.in(State::kFormation) && was != State::kCoast) ++done[Ask::kFormation];
+    // Lost in the tick in which it was asked for, it may be COAST already.
+    if (core::law_drives(now_.state) && !core::law_drives(was)) ++done[Ask::kFormation];
     if (now_.in(State::kTest)) ++done[Ask::kTest];
     if (now_.in(State::kFault) && was == State::kDisarmed) ++done[Ask::kTerminate];
   }
