@@ -28,7 +28,8 @@ class Thrusters {
         stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
 
   /// Zeros at once unless `drive`; else towards the wanted thrusts at no more than the slew rate.
-  /// Where the thrust may not rise, no command is greater than the greater one of the last step.
+  /// Where the thrust may not rise, no thrust and no command is greater than the greater one of the
+  /// last step: a propeller that turns the other way gives another thrust by the same command.
   Output step(bool drive, const core::Thrust<S>& wanted, S dt, bool may_rise = true) {
     Output out;
     out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);
@@ -36,13 +37,13 @@ class Thrusters {
       port_.command = stbd_.command = S(0);
       return out;
     }
-    core::Commands<S> asked{core::command_from_thrust(curve_, wanted.port),
-                            core::command_from_thrust(curve_, wanted.stbd)};
-    if (!may_rise) {
-      asked =
-          core::limited(asked, core::larger(core::abs(port_.command), core::abs(stbd_.command)));
-    }
-    out.thrust = {turn(port_, asked.port, dt, out), turn(stbd_, asked.stbd, dt, out)};
+    const S most_N = core::larger(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_)));
+    const core::Thrust<S> may = may_rise ? wanted : core::limited(wanted, most_N);
+    const S most =
+        may_rise ? curve_.full : core::larger(core::abs(port_.command), core::abs(stbd_.command));
+    const S port = core::clamp(core::command_from_thrust(curve_, may.port), -most, most),
+            stbd = core::clamp(core::command_from_thrust(curve_, may.stbd), -most, most);
+    out.thrust = {turn(port_, port, dt, out), turn(stbd_, stbd, dt, out)};
     out.given = core::wrench_of(propellers_, out.thrust);
     return out;
   }
@@ -60,7 +61,11 @@ class Thrusters {
     propeller.command = command;
     const std::int16_t raw = convert::raw_of(command);
     out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
-    return core::thrust_from_command(curve_, S(raw));
+    return thrust_of(propeller);
+  }
+
+  S thrust_of(const Propeller& propeller) const {
+    return core::thrust_from_command(curve_, S(convert::raw_of(propeller.command)));
   }
 
   core::ThrustCurveParams<S> curve_;

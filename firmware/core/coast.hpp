@@ -10,25 +10,19 @@
 //  symbol   meaning                                         frame  unit       tested range
 //  t, T     time in COAST, and how long it lasts                   s          0 … 60
 //  nu_0     leader's velocity when COAST began              body   m/s, rad/s ±20, ±4
-//  c        the larger of both |commands| of the step before       –          0 … 1
-//  m, d     commands' mean and half their difference               –          ±1
+//  c        the larger of both |thrusts| of the step before        N          0 … 50
+//  m, d     thrusts' mean and half their difference                N          ±50
 //
 // Not in paper: there the leader is always heard. It slows down late at first: a silence that is soon
 // over shall cost nothing.
 //
-// Q16.16: tested within ±8,192 (commands in a propeller's counts)
+// Q16.16: tested within ±500 (the current's or leader's way, propellers' thrusts)
 #pragma once
 
+#include "core/allocation.hpp"
 #include "core/track.hpp"
 
 namespace flotilla::core {
-
-/// Both propellers' commands, shares of their greatest in that direction.
-template <class S>
-struct Commands {
-  S port{};
-  S stbd{};
-};
 
 template <class S>
 struct CoastState {
@@ -62,7 +56,7 @@ void coast_forward(S T, CoastState<S>& state, S h) {
 
 /// Neither of them beyond ±most: what turns the boat is kept, as in allocation.
 template <class S>
-Commands<S> limited(const Commands<S>& asked, S most) {
+Thrust<S> limited(const Thrust<S>& asked, S most) {
   const S port = S(0.5) * asked.port;
   const S stbd = S(0.5) * asked.stbd;
   const S d = clamp(port - stbd, -most, most);

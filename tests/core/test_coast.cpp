@@ -88,9 +88,9 @@ TEST_CASE_TEMPLATE("no command is greater than the limit, and within it none is 
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 2000; ++i) {
-    const Commands<S> asked{S(random(-1, 1)), S(random(-1, 1))};
+    const Thrust<S> asked{S(random(-1, 1)), S(random(-1, 1))};
     const S most = S(random(0, 1));
-    const Commands<S> given = limited(asked, most);
+    const Thrust<S> given = limited(asked, most);
     CHECK(larger(abs(given.port), abs(given.stbd)) <= most);
     if (larger(abs(asked.port), abs(asked.stbd)) <= most) {
       CHECK(given.port == approx(asked.port));
@@ -103,7 +103,7 @@ TEST_CASE_TEMPLATE("no command is greater than the limit, and within it none is 
     CHECK(double(m * m_given) >= -1e-6);
     CHECK(abs(m_given) <= abs(m) + S(1e-6));
   }
-  CHECK(limited(Commands<S>{S(1), S(-1)}, S(0)).port == S(0));
+  CHECK(limited(Thrust<S>{S(1), S(-1)}, S(0)).port == S(0));
 }
 
 }  // namespace
