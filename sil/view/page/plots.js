@@ -13,8 +13,8 @@ const LINES = {
 /** Horizontal lines with their names, under the boats' lines; `marks`: [value, text] each. */
 const marks = {
   id: "marks",
-  beforeDatasetsDraw({ ctx, chartArea: { left, right, top, bottom }, scales, options }) {
-    for (const [value, text] of options.marks) {
+  beforeDatasetsDraw({ ctx, chartArea: { left, right, top, bottom }, scales, flotillaMarks }) {
+    for (const [value, text] of flotillaMarks ?? []) {
       const down = scales.y.getPixelForValue(value);
       if (down < top - 1 || down > bottom + 1) continue;
       ctx.save();
@@ -55,7 +55,7 @@ class Plots {
       plugins: [marks],
       options: {
         animation: false, responsive: true, maintainAspectRatio: false, events: [], parsing: false,
-        normalized: true, marks: [], devicePixelRatio: Math.min(window.devicePixelRatio || 1, 2),
+        normalized: true, devicePixelRatio: Math.min(window.devicePixelRatio || 1, 2),
         elements: { point: { radius: 0 }, line: { tension: 0 } },
         plugins: { legend: { display: false }, tooltip: { enabled: false } },
         layout: { padding: { right: 6 } },
@@ -70,7 +70,7 @@ class Plots {
       chart.data.datasets = vessels.flatMap((vessel) => LINES[name].map((line) => this.line(vessel, line, from, to, chosen, vessels.length)));
       chart.data.datasets = chart.data.datasets.filter((line) => line.data.length);
       [chart.options.scales.x.min, chart.options.scales.x.max] = [from, to];
-      chart.options.marks = this.marksOf(name, vessels, chart);
+      chart.flotillaMarks = this.marksOf(name, vessels, chart);
       chart.update("none");
     }
   }
