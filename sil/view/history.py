@@ -15,10 +15,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sil.agents import systems_of
 from sil.plant.hull import Array
+from sil.scenario import Scenario
 from sil.wiring import VIRTUAL_LEADER_SYSTEM
 
 MOST_SAMPLES = 1200
+_MOST_NUMBERS, _LEAST_SAMPLES = 300_000, 60
 LENGTH_M = 1.0  # of a hull that nobody knows the length of, as in `sil.plots`
 COLUMNS = (
     "x_m",
@@ -63,6 +66,26 @@ def numbers(text: str) -> npt.NDArray[np.float32]:
     return np.frombuffer(base64.b64decode(text, validate=True), "<f4")
 
 
+def boats_of(scenario: Scenario) -> list[Boat]:
+    """The boats of a scenario, boat 1 first; the virtual leader is none of them."""
+    systems = systems_of(scenario)
+    pairs = zip(scenario.boat, scenario.propeller_pairs(), scenario.vessels()[1:], strict=True)
+    return [
+        Boat(
+            systems[agent],
+            systems[boat.follows],
+            vessel.length_m or LENGTH_M,
+            (-propellers.reverse_max_N, propellers.forward_max_N),
+        )
+        for agent, (boat, propellers, vessel) in enumerate(pairs, start=1)
+    ]
+
+
+def most_samples(vessels: int) -> int:
+    """How many samples a history of so many vessels keeps: a page has to carry them all."""
+    return max(_LEAST_SAMPLES, min(MOST_SAMPLES, _MOST_NUMBERS // (len(COLUMNS) * vessels)))
+
+
 def kept(count: int, most: int = MOST_SAMPLES) -> npt.NDArray[np.int64]:
     """Which of `count` samples a history keeps: at most `most`, evenly, the first and the last."""
     if count <= most:
@@ -99,7 +122,7 @@ def of_trace(
     first; without them the leaders are not known. The virtual leader is the first vessel.
     Slots are where the boats' errors say: p_slot = p − R(ψ) [e_x e_y].
     """
-    every = kept(trace["t_s"].size)
+    every = kept(trace["t_s"].size, most_samples(trace["eta"].shape[1]))
     sampled = {name: values[every] for name, values in trace.items()}
     eta = sampled["eta"]
     if boats is None:

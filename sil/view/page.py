@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The page: one HTML text that carries its style, its scripts and the plot library.
 
-`page/` has its parts. The plots are drawn by Chart.js, which Debian packages; it is read from there.
+`page/` has its parts. The plots are drawn by Chart.js, which is read from where Debian has it.
 """
 
 import json
@@ -58,7 +58,7 @@ class PageError(RuntimeError):
 
 
 def live() -> str:
-    """The page that shows what the WebSocket `live` beside it says, as SPEC of `frames` has it."""
+    """The page that shows what the WebSocket `live` beside it says: a frame of JSON a message."""
     return _page("Flotilla", None)
 
 
@@ -73,8 +73,10 @@ def frame_with(history: Mapping[str, Any], title: str) -> str:
         inner = page_with(history, title)
     except PageError as error:
         return f'<p class="note">No replay here: {escape(str(error))}.</p>'
-    label = escape(title)
-    return f'<iframe class="replay" loading="lazy" title="{label}" srcdoc="{escape(inner)}"></iframe>'
+    # what an attribute needs, and no more: the page is long
+    for sign, name in (("&", "amp"), ('"', "quot"), ("<", "lt")):
+        inner = inner.replace(sign, f"&{name};")
+    return f'<iframe class="replay" title="{escape(title)}" srcdoc="{inner}"></iframe>'
 
 
 def supervisor_json() -> str:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The fleet on the plan view: trails, tree, slots, hulls to scale, names.
-const LEAST_HULL_PX = 16;
+const LEAST_HULL_PX = 22;
 const SILENT_S = 5;
-const TRAIL_POINTS = 160, FADES = 8;
+const TRAIL_POINTS = 3000, FADES = 8; // of all trails together
 // outline of a hull of length 1: forward, starboard; as in the pictures of reports
 const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
 
@@ -21,8 +21,8 @@ function layHull(ctx, [right, down], psi, px) {
   ctx.closePath();
 }
 
-function drawTrail(ctx, camera, vessel, track, from_s, to_s) {
-  const indices = track.indices(from_s, to_s, TRAIL_POINTS);
+function drawTrail(ctx, camera, vessel, track, [from_s, to_s, most]) {
+  const indices = track.indices(from_s, to_s, most);
   const { x_m, y_m } = track.columns;
   ctx.strokeStyle = colourOf(vessel);
   ctx.lineWidth = 1.6;
@@ -94,8 +94,6 @@ function drawSlot(ctx, camera, vessel, psi) {
 function drawVirtual(ctx, camera, vessel) {
   const [right, down] = camera.at(vessel.x_m, vessel.y_m);
   const psi = vessel.psi_rad ?? 0, [ahead_x, ahead_y] = [Math.sin(psi), -Math.cos(psi)];
-  ctx.strokeStyle = isSilent(vessel) ? theme.stale : theme.ink;
-  ctx.lineWidth = 1.6;
   ctx.beginPath();
   ctx.arc(right, down, 8, 0, 2 * Math.PI);
   for (const [dx, dy] of [[1, 0], [0, 1]]) {
@@ -106,7 +104,12 @@ function drawVirtual(ctx, camera, vessel) {
     ctx.moveTo(right + 8 * ahead_x, down + 8 * ahead_y);
     ctx.lineTo(right + 26 * ahead_x, down + 26 * ahead_y);
   }
-  ctx.stroke();
+  // seen on a hull too
+  for (const [colour, width] of [[theme.water, 4], [isSilent(vessel) ? theme.stale : theme.ink, 1.6]]) {
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = width;
+    ctx.stroke();
+  }
 }
 
 function drawHull(ctx, camera, vessel, chosen) {
@@ -130,11 +133,11 @@ function drawHull(ctx, camera, vessel, chosen) {
   ctx.strokeStyle = silent ? theme.stale : vessel.kind === "vessel" ? theme.soft : theme.water;
   ctx.lineWidth = silent || vessel.kind === "vessel" ? 1.5 : 1;
   ctx.stroke();
-  if (chosen) {
-    ctx.strokeStyle = theme.ink;
-    ctx.lineWidth = 1;
+  if (!chosen) return;
+  ctx.strokeStyle = theme.ink;
+  if (px < 50) {
     ctx.beginPath();
     ctx.arc(at[0], at[1], 0.75 * px + 5, 0, 2 * Math.PI);
-    ctx.stroke();
-  }
+  } else ctx.lineWidth = 2.5;
+  ctx.stroke();
 }

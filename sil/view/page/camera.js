@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Where the plan view looks: north up, a centre (metres north and east) and pixels a metre.
 const LEAST_PX_M = 1e-4, MOST_PX_M = 400;
-const ROOM_PX = 60; // around the fleet: labels and tools
+const ROOM_PX = { left: 50, right: 90, top: 56, bottom: 44 }; // around the fleet: names and tools
 
 class Camera {
   constructor() {
@@ -37,7 +37,8 @@ class Camera {
 
   /** Looks at what it is to look at. A fleet that stays well in view does not move the view. */
   aim(vessels) {
-    const placed = vessels.filter((vessel) => known(vessel.x_m) && known(vessel.y_m));
+    const all = vessels.filter(isPlaced), heard = all.filter((vessel) => !isSilent(vessel));
+    const placed = heard.length && this.mode === "fleet" ? heard : all;
     if (this.mode === "free" || !placed.length) return;
     if (this.mode !== "fleet") {
       const followed = placed.find((vessel) => vessel.key === this.mode);
@@ -45,18 +46,21 @@ class Camera {
       return;
     }
     const points = placed.flatMap(({ x_m, y_m, slot }) => (slot ? [[x_m, y_m], slot] : [[x_m, y_m]]));
+    const room = Math.max(...placed.map((vessel) => vessel.length_m || 1)) / 2;
     const [north, east] = [0, 1].map((i) => {
       const values = points.map((point) => point[i]);
-      return [Math.min(...values), Math.max(...values)];
+      return [Math.min(...values) - room, Math.max(...values) + room];
     });
-    const room = Math.min(ROOM_PX, this.width / 5, this.height / 5);
+    const share = Math.min(1, this.width / 400, this.height / 400);
+    const [left, right, top, bottom] = ["left", "right", "top", "bottom"].map((side) => share * ROOM_PX[side]);
     const wide = Math.max(east[1] - east[0], 4), high = Math.max(north[1] - north[0], 4);
-    const ideal = Math.min((this.width - 2 * room) / wide, (this.height - 2 * room) / high, MOST_PX_M);
-    const [left, top] = this.at(north[1], east[0]), [right, bottom] = this.at(north[0], east[1]);
-    const inside = left > room / 2 && top > room / 2 && right < this.width - room / 2 && bottom < this.height - room / 2;
+    const ideal = Math.min((this.width - left - right) / wide, (this.height - top - bottom) / high, MOST_PX_M);
+    const [west, upper] = this.at(north[1], east[0]), [east_most, lower] = this.at(north[0], east[1]);
+    const inside = west > left / 2 && upper > top / 2 && east_most < this.width - 0.7 * right && lower < this.height - bottom / 2;
     if (this.placed && inside && ideal < 1.8 * this.scale) return;
-    [this.north, this.east] = [(north[0] + north[1]) / 2, (east[0] + east[1]) / 2];
     this.scale = ideal / (this.placed ? 1.15 : 1.0);
+    this.north = (north[0] + north[1] + (top - bottom) / this.scale) / 2;
+    this.east = (east[0] + east[1] + (right - left) / this.scale) / 2;
     this.placed = true;
   }
 }
@@ -87,7 +91,11 @@ function steer(canvas, camera, moved) {
   for (const end of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
   }
+  // inside another page the wheel and a finger up or down are that page's, until the plan is chosen
+  const inside = window !== window.top;
+  if (inside) canvas.style.touchAction = "pan-y";
   canvas.addEventListener("wheel", (event) => {
+    if (inside && document.activeElement !== canvas) return;
     event.preventDefault();
     camera.zoom(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY);
     moved();

@@ -9,7 +9,7 @@ const FACTS = [
   ["leader_age_s", "leader's state", (v) => (known(v.leader_age_s) ? `${age(v.leader_age_s)} old` : DASH)],
   ["battery_V", "battery", (v) => withUnit(v.battery_V, 1, "V")],
 ];
-const ESC_ROWS = [["rpm", "rpm", 0], ["voltage_V", "V", 1], ["current_A", "A", 1], ["temperature_C", "°C", 0], ["errors", "errors", 0]];
+const ESC_CELLS = [["rpm", "rpm", 0], ["voltage_V", "V", 1], ["current_A", "A", 1], ["temperature_C", "°C", 0], ["errors", "errs", 0]];
 const SIDES = ["port", "stbd"];
 
 function element(tag, parent, attributes = {}) {
@@ -42,8 +42,7 @@ class Card {
     this.why = element("p", this.root, { class: "why held" });
     this.text = element("p", this.root, { class: "why said" });
     this.facts = this.makeFacts();
-    this.gauges = this.makeGauges();
-    this.escs = null;
+    this.drives = this.makeDrives();
   }
 
   makeFacts() {
@@ -55,13 +54,20 @@ class Card {
     });
   }
 
-  makeGauges() {
-    const box = element("div", this.root, { class: "gauges", hidden: "", role: "group", "aria-label": "Thrust" });
-    const bars = SIDES.map((side) => {
-      element("span", box, { text: side });
-      return [element("i", box), element("b", box)];
+  /** A row a propeller: thrust against its limits, and what its ESC says. */
+  makeDrives() {
+    const table = element("table", this.root, { hidden: "", "aria-label": "Propellers and ESCs" });
+    const head = element("tr", element("thead", table));
+    for (const text of ["", "", "N"]) element("th", head, { text });
+    for (const [, text] of ESC_CELLS) element("th", head, { text, class: "esc", scope: "col" });
+    const body = element("tbody", table);
+    const rows = SIDES.map((side) => {
+      const row = element("tr", body);
+      element("th", row, { text: side, scope: "row" });
+      const bar = element("i", element("td", row, { class: "gauge" }));
+      return { bar, thrust: element("td", row), escs: ESC_CELLS.map(() => element("td", row, { class: "esc" })) };
     });
-    return { box, bars };
+    return { table, rows };
   }
 
   show(vessel, byId, chosen) {
@@ -81,38 +87,21 @@ class Card {
       say(place, text);
       place.className = name === "link_age_s" ? (isSilent(vessel) ? "age" : vessel[name] > LATE_S ? "late" : "") : "";
     });
-    this.showThrust(vessel);
-    if (vessel.escs.length) this.showEscs(vessel.escs);
+    this.showDrives(vessel);
   }
 
-  showThrust({ thrust_N, limits_N }) {
-    if (thrust_N) this.gauges.box.hidden = false;
+  showDrives({ thrust_N, limits_N, escs }) {
+    if (thrust_N || escs.length) this.drives.table.hidden = false;
+    if (escs.length) this.drives.table.className = "with-escs";
     const [low, high] = limits_N ?? [0, 0], wide = high - low;
-    this.gauges.bars.forEach(([bar, number], side) => {
-      const thrust = thrust_N?.[side];
-      say(number, withUnit(thrust, 1, "N"));
-      const percent = (value) => (wide > 0 ? (100 * (Math.min(Math.max(value, low), high) - low)) / wide : 50);
-      const zero = percent(0), end = known(thrust) ? percent(thrust) : zero;
-      style(bar, "--zero", `${zero.toFixed(1)}%`);
-      style(bar, "--from", `${Math.min(zero, end).toFixed(1)}%`);
-      style(bar, "--wide", `${Math.abs(end - zero).toFixed(1)}%`);
-    });
-  }
-
-  showEscs(escs) {
-    if (!this.escs) {
-      const table = element("table", this.root, { "aria-label": "ESCs" });
-      const head = element("tr", element("thead", table));
-      for (const label of ["ESC", ...ESC_ROWS.map(([, unit]) => unit)]) element("th", head, { text: label, scope: "col" });
-      const body = element("tbody", table);
-      this.escs = SIDES.map((side) => {
-        const row = element("tr", body);
-        element("th", row, { text: side, scope: "row" });
-        return ESC_ROWS.map(() => element("td", row));
-      });
-    }
-    this.escs.forEach((cells, side) => {
-      ESC_ROWS.forEach(([name, , digits], i) => say(cells[i], fixed(escs[side]?.[name], digits)));
+    const percent = (value) => (wide > 0 ? (100 * (Math.min(Math.max(value, low), high) - low)) / wide : 50);
+    this.drives.rows.forEach((row, side) => {
+      const thrust = thrust_N?.[side], zero = percent(0), end = known(thrust) ? percent(thrust) : zero;
+      say(row.thrust, fixed(thrust, 1));
+      style(row.bar, "--zero", `${zero.toFixed(1)}%`);
+      style(row.bar, "--from", `${Math.min(zero, end).toFixed(1)}%`);
+      style(row.bar, "--wide", `${Math.abs(end - zero).toFixed(1)}%`);
+      ESC_CELLS.forEach(([name, , digits], i) => say(row.escs[i], fixed(escs[side]?.[name], digits)));
     });
   }
 }

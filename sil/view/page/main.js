@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together: a source of frames, what shows them, what the reader touches.
-const PLAN_MS = 95, CARDS_MS = 250, PLOTS_MS = 500;
+const PLAN_MS = 95, CARDS_MS = 250, PLOTS_MS = [500, 1000], MANY = 8, MOST_PLOTTED = 40;
 const WINDOWS_S = [30, 60, 120, 300, 600];
 const byName = (id) => document.getElementById(id);
 const history_ = JSON.parse(byName("history").textContent);
@@ -45,7 +45,7 @@ function draw() {
     tell(shown, chosen);
   }
   if (plots && (every || now >= due.plots)) {
-    due.plots = now + PLOTS_MS;
+    due.plots = now + PLOTS_MS[shown.vessels.length > MANY ? 1 : 0];
     drawPlots(chosen, every);
   }
   if (plots && isReplay) plots.cursor(shown.t_s);
@@ -59,7 +59,8 @@ function drawPlots(chosen, every) {
   if (isReplay && wanted === drawnPlots) return;
   if (paused && !every) return;
   drawnPlots = wanted;
-  plots.draw(shown.vessels, from, to, chosen);
+  const plotted = shown.vessels.filter((vessel, i) => i < MOST_PLOTTED || vessel.key === chosen);
+  plots.draw(plotted, from, to, chosen);
 }
 
 /** What is heard, the connection, the clock, whom the view can follow. */
@@ -71,7 +72,7 @@ function tell(frame, chosen) {
   if (frame.heard) {
     const { address, bytes_per_s, damaged, ignored } = frame.heard;
     const garbage = source.garbage ? ` · ${source.garbage} frames not understood` : "";
-    const parts = [address ?? "", `${bytes(bytes_per_s)}/s`, `${bytes(damaged)} damaged`, `${fixed(ignored, 0)} messages ignored`];
+    const parts = [address ?? "", `${bytes(bytes_per_s)}/s`, `${frame.vessels.length} vessels`, `${bytes(damaged)} damaged`, `${fixed(ignored, 0)} messages ignored`];
     say(byName("heard"), source.frames ? parts.join(" · ") + garbage : "");
   }
   byName("nothing").hidden = frame.vessels.length > 0;
@@ -132,4 +133,4 @@ setTimeout(() => {
   schedule(true);
 }, 0);
 openPage(location.hash === "#failsafe" ? "failsafe" : "fleet");
-window.flotilla = { supervise, cleanFrame, plan, get shown() { return shown; }, get source() { return source; }, get plots() { return plots; } };
+window.flotilla = { supervise, cleanFrame, plan, cards, get shown() { return shown; }, get source() { return source; }, get plots() { return plots; } };

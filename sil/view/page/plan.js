@@ -13,6 +13,7 @@ class Plan {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
+      this.camera.placed = false;
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
     }
@@ -35,19 +36,18 @@ class Plan {
       const leader = byId.get(vessel.leader);
       if (leader && leader !== vessel) drawFollows(ctx, camera, vessel, leader);
     }
+    const most = Math.min(600, Math.max(60, TRAIL_POINTS / placed.length));
     for (const vessel of placed) {
-      drawTrail(ctx, camera, vessel, this.source.track(vessel.key), frame.t_s - window_s, frame.t_s);
+      drawTrail(ctx, camera, vessel, this.source.track(vessel.key), [frame.t_s - window_s, frame.t_s, most]);
     }
     for (const vessel of frame.vessels) {
       if (vessel.slot) drawSlot(ctx, camera, vessel, byId.get(vessel.leader)?.psi_rad ?? vessel.psi_rad ?? 0);
     }
-    for (const vessel of placed) {
-      if (vessel.kind === "leader") drawVirtual(ctx, camera, vessel);
-      else {
-        drawThrust(ctx, camera, vessel);
-        drawHull(ctx, camera, vessel, vessel.key === chosen);
-      }
+    for (const vessel of placed.filter(({ kind }) => kind !== "leader")) {
+      drawThrust(ctx, camera, vessel);
+      drawHull(ctx, camera, vessel, vessel.key === chosen);
     }
+    for (const vessel of placed.filter(({ kind }) => kind === "leader")) drawVirtual(ctx, camera, vessel);
     this.names(ctx, placed);
     drawScaleBar(ctx, camera);
     drawNorth(ctx, camera);
@@ -57,16 +57,21 @@ class Plan {
   /** Names beside the vessels, with the state where it is not FORMATION. */
   names(ctx, placed) {
     ctx.font = `600 ${FONT}`;
+    const boats = placed.filter((vessel) => vessel.kind !== "leader");
+    const middle = boats.reduce((sum, vessel) => sum + vessel.y_m, 0) / boats.length;
     for (const vessel of placed) {
-      const [right, down] = this.camera.at(vessel.x_m, vessel.y_m);
-      const beside = vessel.kind === "leader" ? 15 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 8;
+      const [right, middle_down] = this.camera.at(vessel.x_m, vessel.y_m);
+      // a virtual leader may be where a boat is
+      const down = middle_down - (vessel.kind === "leader" ? 14 : 0);
+      const beside = vessel.kind === "leader" ? 6 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 8;
       const name = vessel.kind === "leader" ? "leader" : `${vessel.id}`;
-      const colour = isSilent(vessel) ? theme.stale : colourOf(vessel);
-      write(ctx, name, right + beside, down + 4, colour);
-      const told = isSilent(vessel) ? `silent ${age(vessel.link_age_s)}` : vessel.state;
-      if (!told || told === "FORMATION") continue;
-      const width = ctx.measureText(name).width;
-      write(ctx, told, right + beside + width + 5, down + 4, theme[isSilent(vessel) ? "stale" : STATE_THEME[told]]);
+      const told = isSilent(vessel) ? `silent ${age(vessel.link_age_s)}` : vessel.state === "FORMATION" ? null : vessel.state;
+      const width = ctx.measureText(name).width, more = told ? ctx.measureText(told).width + 5 : 0;
+      // to the west of a boat that is in the west, so that names of neighbours do not meet
+      const west = vessel.kind !== "leader" && vessel.y_m < middle - 1e-6 && right - beside - width - more > 0;
+      const begin = west ? right - beside - width - more : right + beside;
+      write(ctx, name, begin, down + 4, isSilent(vessel) ? theme.stale : colourOf(vessel));
+      if (told) write(ctx, told, begin + width + 5, down + 4, theme[isSilent(vessel) ? "stale" : STATE_THEME[told]]);
     }
   }
 

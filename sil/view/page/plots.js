@@ -10,36 +10,55 @@ const LINES = {
   speed: [{ column: "speed_mps", dash: dashOf }],
 };
 
-/** Horizontal lines with their names, under the boats' lines; `marks`: [value, text] each. */
+/** Horizontal lines under the boats' lines, their names over them; [value, text] each. */
 const marks = {
   id: "marks",
-  beforeDatasetsDraw({ ctx, chartArea: { left, right, top, bottom }, scales, flotillaMarks }) {
-    for (const [value, text] of flotillaMarks ?? []) {
-      const down = scales.y.getPixelForValue(value);
-      if (down < top - 1 || down > bottom + 1) continue;
-      ctx.save();
-      ctx.strokeStyle = ctx.fillStyle = theme.soft;
-      ctx.setLineDash([6, 4]);
-      ctx.beginPath();
+  places({ chartArea: { top, bottom }, scales, flotillaMarks }) {
+    const places = (flotillaMarks ?? []).map(([value, text]) => [scales.y.getPixelForValue(value), text]);
+    return places.filter(([down]) => down > top - 1 && down < bottom + 1);
+  },
+  beforeDatasetsDraw(chart) {
+    const { ctx, chartArea: { left, right } } = chart;
+    ctx.save();
+    ctx.strokeStyle = theme.soft;
+    ctx.setLineDash([6, 4]);
+    ctx.beginPath();
+    for (const [down] of this.places(chart)) {
       ctx.moveTo(left, down);
       ctx.lineTo(right, down);
-      ctx.stroke();
-      ctx.font = FONT;
-      ctx.textAlign = "right";
-      ctx.fillText(text, right - 4, down < top + 16 ? down + 13 : down - 4);
-      ctx.restore();
     }
+    ctx.stroke();
+    ctx.restore();
+  },
+  afterDatasetsDraw(chart) {
+    const { ctx, chartArea: { left, top } } = chart;
+    ctx.save();
+    ctx.font = SMALL;
+    for (const [down, text] of this.places(chart)) write(ctx, text, left + 4, down < top + 16 ? down + 13 : down - 4, theme.soft, "left", theme.panel);
+    ctx.restore();
   },
 };
 
 function scalesOf(name) {
   const ticks = { color: theme.soft, maxRotation: 0, font: { size: 11 } };
-  const x = { type: "linear", grid: { color: theme.grid }, ticks: { ...ticks, maxTicksLimit: 6, callback: (v) => fixed(v, 0) },
-    title: { display: true, text: "s", align: "end", color: theme.soft, padding: 0, font: { size: 11 } } };
+  const x = { type: "linear", grid: { color: theme.grid }, ticks: { ...ticks, maxTicksLimit: 6, includeBounds: false, callback: (v) => (v < 0 ? "" : `${fixed(v, 0)} s`) } };
   const y = { grid: { color: theme.grid }, ticks: { ...ticks, maxTicksLimit: 6, callback: (v) => String(Number(v.toPrecision(6))).replace("-", "−") } };
-  if (name !== "error") return { x, y: { type: "linear", grace: "8%", ...y } };
+  if (name !== "error") return { x, y: { type: "linear", grace: "8%", beginAtZero: name === "speed", ...y } };
   y.ticks = { ...ticks, autoSkip: false, callback: (v) => (DECADE(v) ? String(Number(v.toPrecision(1))) : null) };
   return { x, y: { type: "logarithmic", ...y } };
+}
+
+/** The greatest of what `of` makes of a line's values. */
+function greatest(data, of) {
+  let found = -Infinity;
+  for (const { y } of data) if (of(y) > found) found = of(y);
+  return found;
+}
+
+function limitsText(limits) {
+  const texts = limits.map((x) => fixed(x, Number.isInteger(x) ? 0 : 1));
+  if (!limits.length) return "";
+  return limits.length === 2 && limits[0] === -limits[1] ? `, limits ±${texts[1]}` : `, limits ${texts.join(", ")}`;
 }
 
 class Plots {
@@ -95,19 +114,26 @@ class Plots {
 
   /** The level that counts as settled; the limits of the thrust, where they are near enough. */
   marksOf(name, vessels, chart) {
-    if (name === "error") return [[CONFIG.settled_m, `settled: ${CONFIG.settled_m} m`]];
+    if (name === "error") {
+      this.decades(chart);
+      return [[CONFIG.settled_m, `settled: ${CONFIG.settled_m} m`]];
+    }
     if (name !== "thrust") return [];
     const limits = [...new Set(vessels.flatMap((vessel) => vessel.limits_N ?? []))].sort((a, b) => a - b);
-    const note = limits.length ? `; limits ${limits.map((x) => fixed(x, Number.isInteger(x) ? 0 : 1)).join(", ")} N` : "";
-    const text = `port solid, starboard dashed${note}`;
-    const place = document.getElementById("thrust-note");
-    if (place.textContent !== text) place.textContent = text;
-    let most = 0;
-    for (const { data } of chart.data.datasets) for (const { y } of data) if (Math.abs(y) > most) most = Math.abs(y);
+    say(document.getElementById("thrust-note"), `port solid, stbd dashed${limitsText(limits)}`);
+    const most = Math.max(0, ...chart.data.datasets.map(({ data }) => greatest(data, Math.abs)));
     const near = limits.filter((limit) => Math.abs(limit) < 2.5 * most);
     const scale = chart.options.scales.y;
     [scale.suggestedMin, scale.suggestedMax] = [Math.min(...near, 0), Math.max(...near, 0)];
     return near.map((limit) => [limit, `limit ${fixed(limit, Number.isInteger(limit) ? 0 : 1)} N`]);
+  }
+
+  /** Whole decades around the errors. */
+  decades(chart) {
+    const least = -Math.max(-1, ...chart.data.datasets.map(({ data }) => greatest(data, (y) => -y)));
+    const most = Math.max(0.1, ...chart.data.datasets.map(({ data }) => greatest(data, (y) => y)));
+    const { y } = chart.options.scales;
+    [y.min, y.max] = [10 ** Math.floor(Math.log10(Math.min(least, 0.04))), 10 ** Math.ceil(Math.log10(most))];
   }
 
   restyle() {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What is under the fleet: grid with metres at its edges, scale bar, north.
+const SMALL = '11px system-ui, "Segoe UI", Roboto, sans-serif';
 const FONT = '12px system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
 
 /** Text that is read over anything. */
-function write(ctx, text, right, down, colour, align = "left") {
+function write(ctx, text, right, down, colour, align = "left", paper = theme.water) {
   ctx.textAlign = align;
   ctx.lineWidth = 3;
-  ctx.strokeStyle = theme.water;
+  ctx.strokeStyle = paper;
   ctx.setLineDash([]);
   ctx.strokeText(text, right, down);
   ctx.fillStyle = colour;
@@ -35,7 +36,7 @@ function drawGrid(ctx, camera) {
   }
   ctx.stroke();
   const [from, to] = [150, camera.width - 40];
-  ctx.font = '11px system-ui, "Segoe UI", Roboto, sans-serif';
+  ctx.font = SMALL;
   for (const [text, right, down, align] of labels) {
     if (align === "right" || (right > from && right < to)) write(ctx, text, right, down, theme.stale, align);
   }

@@ -85,7 +85,9 @@ class Browser:
         """Every address that was asked for, by request or WebSocket."""
         names = {"Network.requestWillBeSent", "Network.webSocketCreated"}
         found = [message["params"] for message in self.noted() if message["method"] in names]
-        return [params["request"]["url"] if "request" in params else params["url"] for params in found]
+        return [
+            params["request"]["url"] if "request" in params else params["url"] for params in found
+        ]
 
     def asked_outside(self) -> list[str]:
         """Those of them that leave the machine."""
