@@ -8,14 +8,14 @@ const isReplay = history_ !== null;
 
 readTheme();
 let source = null, player = null, plots = null, failsafe = null;
-let paused = false, shown = null, drawing = 0, touched = true;
+let paused = false, shown = null, drawing = false, touched = true, later = 0;
 const due = { plan: 0, cards: 0, plots: 0 };
 
 /** Asks for a picture: at once for a touch, else when the next is due. */
 function schedule(at_once = false) {
   touched ||= at_once;
   if (drawing) return;
-  drawing = 1;
+  drawing = true;
   const wait = at_once ? 0 : Math.max(0, due.plan - performance.now());
   setTimeout(() => requestAnimationFrame(draw), wait);
 }
@@ -32,7 +32,7 @@ function range(t_s) {
 }
 
 function draw() {
-  drawing = 0;
+  drawing = false;
   const now = performance.now(), every = touched;
   touched = false;
   if (!paused || shown === null) shown = source.frame;
@@ -49,6 +49,10 @@ function draw() {
     drawPlots(chosen, every);
   }
   if (plots && isReplay) plots.cursor(shown.t_s);
+  // what was not due yet is shown then, also if nothing more comes
+  const wait = Math.max(0, Math.max(due.cards, plots ? due.plots : 0) - performance.now());
+  clearTimeout(later);
+  if (!every) later = setTimeout(() => schedule(true), wait);
 }
 
 let drawnPlots = "";
@@ -123,7 +127,7 @@ if (isReplay) {
   source = new ReplaySource(history_);
   player = new Player(source, () => schedule(!player?.playing));
 } else {
-  source = new LiveSource(() => schedule());
+  source = new LiveSource((at_once) => schedule(at_once));
 }
 listen();
 schedule(true);

@@ -37,7 +37,7 @@ function cleanFrame(text) {
 }
 
 class LiveSource {
-  /** `changed` is called after each frame and whenever the connection comes or goes. */
+  /** `changed` is called after each frame, and with true whenever the connection comes or goes. */
   constructor(changed) {
     this.changed = changed;
     this.frame = { t_s: 0, heard: {}, vessels: [] };
@@ -71,7 +71,7 @@ class LiveSource {
   say(kind, text) {
     if (this.status[0] === kind && this.status[1] === text) return;
     this.status = [kind, text];
-    this.changed();
+    this.changed(true);
   }
 
   take(data) {

@@ -81,6 +81,12 @@ class Browser:
                 self._noted.append(message)
         return self._noted
 
+    def forget(self) -> None:
+        """Nothing was said or asked for so far."""
+        self.said()
+        self.noted()
+        self._said, self._noted = [], []
+
     def asked_for(self) -> list[str]:
         """Every address that was asked for, by request or WebSocket."""
         names = {"Network.requestWillBeSent", "Network.webSocketCreated"}
