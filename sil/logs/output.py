@@ -69,9 +69,9 @@ class Output:
         self._buffer = io.BytesIO()
         self._writer = foxglove.open_mcap(self._buffer, context=self._context)
         self._transforms = FrameTransformsChannel("/tf", context=self._context)
-        self._log = LogChannel("/log", context=self._context)
         self._fixes: dict[str, LocationFixChannel] = {}
         self._own: dict[str, foxglove.Channel] = {}
+        self._logs: dict[str, LogChannel] = {}
         self._drawn: set[str] = set()
         self.messages = 0
 
@@ -111,22 +111,23 @@ class Output:
         self.messages += 1
 
     def log(self, t_ns: int, vessel: str, level: LogLevel, text: str) -> None:
-        """What a vessel said, or that its state changed: `/log`."""
+        """What a vessel said, or that its state changed: `/VESSEL/log`."""
         line = Log(timestamp=_stamp(t_ns), level=level, message=text, name=vessel)
-        self._log.log(line, log_time=t_ns)
+        if vessel not in self._logs:
+            self._logs[vessel] = LogChannel(f"/{vessel}/log", context=self._context)
+        self._logs[vessel].log(line, log_time=t_ns)
         self.messages += 1
 
     def _fix(self, t_ns: int, vessel: str, pose: Pose) -> None:
         if self.origin is None or self.world is None:
             return
-        latitude, longitude, psi = self.world.geodetic(pose.x_m, pose.y_m, pose.psi_rad)
+        latitude, longitude, _ = self.world.geodetic(pose.x_m, pose.y_m, pose.psi_rad)
         fix = LocationFix(
             timestamp=_stamp(t_ns),
             frame_id=vessel,
             latitude=1e-7 * latitude,
             longitude=1e-7 * longitude,
             altitude=0.001 * self.origin[2],
-            heading=psi,
         )
         if vessel not in self._fixes:
             self._fixes[vessel] = LocationFixChannel(f"/{vessel}/fix", context=self._context)

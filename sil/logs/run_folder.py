@@ -58,7 +58,7 @@ def _ns(t_us: int) -> int:
 
 def _trace(path: Path) -> dict[str, Array]:
     try:
-        with np.load(path) as file:
+        with path.open("rb") as stream, np.load(stream) as file:
             return {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
     except (BadZipFile, KeyError, EOFError, ValueError) as error:
         raise ValueError(f"{path}: not the trace of a run: {error}") from None

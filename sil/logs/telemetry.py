@@ -79,7 +79,7 @@ def state_of(heartbeat: Any) -> str | None:
 
 
 class Telemetry:
-    """Writes `/BOAT/status`, `/BOAT/law` and lines of `/log`.
+    """Writes `/BOAT/status`, `/BOAT/law` and `/BOAT/log`.
 
     NAMED_VALUE_FLOATs come one by one, over several links in any order: with `tells_law` those of
     50 ms are one message, with what the others were. Call `end` after the last one.
