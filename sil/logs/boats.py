@@ -147,7 +147,8 @@ class _Boats:
 
     def _vessel(self, system: int) -> _Vessel:
         if system not in self._vessels:
-            facts = self._facts.values()
+            # what its own log says counts first
+            facts = sorted(self._facts.values(), key=lambda one: one.owner != system)
             self._vessels[system] = _Vessel(self._output, self._name(system), facts, system)
         return self._vessels[system]
 
