@@ -72,7 +72,8 @@ class Output:
         self._fixes: dict[str, LocationFixChannel] = {}
         self._own: dict[str, foxglove.Channel] = {}
         self._logs: dict[str, LogChannel] = {}
-        self._drawn: set[str] = set()
+        self._scenes: dict[str, SceneUpdateChannel] = {}
+        self._with_slot: set[str] = set()
         self.messages = 0
 
     def __enter__(self) -> "Output":
@@ -88,13 +89,17 @@ class Output:
 
     def pose(self, t_ns: int, vessel: str, pose: Pose) -> None:
         """`/VESSEL/state`, `/VESSEL/fix` and `/tf`; with the first one what it looks like."""
-        self._draw(t_ns, vessel)
+        if vessel not in self._scenes:
+            self._draw(t_ns, vessel)
         self.own(t_ns, f"/{vessel}/state", "State", pose._asdict())
         self._transform(t_ns, vessel, pose.x_m, pose.y_m, pose.psi_rad)
         self._fix(t_ns, vessel, pose)
 
     def slot(self, t_ns: int, vessel: str, x_m: float, y_m: float) -> None:
         """Where a vessel is to be, north and east of the world's origin: `/tf`."""
+        if vessel not in self._with_slot:
+            self._with_slot.add(vessel)
+            self._draw(t_ns, vessel)
         self._transform(t_ns, f"{vessel}/slot", x_m, y_m, 0.0)
 
     def own(self, t_ns: int, topic: str, name: str, values: dict[str, Any]) -> None:
@@ -147,11 +152,11 @@ class Output:
         self.messages += 1
 
     def _draw(self, t_ns: int, vessel: str) -> None:
-        if vessel in self._drawn:
-            return
-        self._drawn.add(vessel)
-        channel = SceneUpdateChannel(f"/{vessel}/scene", context=self._context)
-        channel.log(scene.of(vessel, _stamp(t_ns)), log_time=t_ns)
+        """All of it again with its slot: who opens a log in the middle sees the last message."""
+        if vessel not in self._scenes:
+            self._scenes[vessel] = SceneUpdateChannel(f"/{vessel}/scene", context=self._context)
+        drawn = scene.of(vessel, _stamp(t_ns), with_slot=vessel in self._with_slot)
+        self._scenes[vessel].log(drawn, log_time=t_ns)
         self.messages += 1
 
 
