@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Rerun's own converter finds the boats on the map and in space. It is not among the pins: 170 MB.
+"""Rerun's own converter finds the boats on the map and in space. It is not pinned: 0.5 GB.
 
 pip install --no-deps --target /tmp/rerun rerun-sdk
 PYTHONPATH=/tmp/rerun python -m pytest tests/sil/logs/test_rerun.py
