@@ -28,7 +28,8 @@ def main(arguments: Sequence[str]) -> int:
     try:
         _convert(options.logs, options.out, Console())
     except OSError as error:
-        print(f"error: {error.filename}: {error.strerror}", file=sys.stderr)
+        place = f"{error.filename}: " if error.filename else ""
+        print(f"error: {place}{error.strerror}", file=sys.stderr)
         return 2
     except ValueError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -70,14 +70,18 @@ def convert(tlogs: Sequence[Path], candumps: Sequence[Path], out: Path, progress
     A candump log is that of the boat whose tlog lies in the same folder, else named after its bus.
     Raises ValueError for a file that is no log, OSError for one that cannot be read.
     """
-    size = sum(path.stat().st_size for path in (*tlogs, *candumps))
-    facts = {path: tlog.facts(path) for path in tlogs}
+    size = sum(path.stat().st_size for path in (*tlogs, *tlogs, *candumps))
+    facts: dict[Path, Facts] = {}
+    done = 0
+    for path in tlogs:
+        facts[path] = tlog.facts(path)
+        done += path.stat().st_size
+        progress(done / size)
     origins = [origin for one in facts.values() for origin in one.origins.values()]
     with Output(origins[0] if origins else None) as output:
         boats = _Boats(output, facts)
         sources = [boats.frames(path) for path in candumps]
         sources += [boats.packets(path) for path in tlogs]
-        done = 0
         for count, (_, length, take) in enumerate(merge(*sources, key=itemgetter(0))):
             take()
             done += length
@@ -88,7 +92,7 @@ def convert(tlogs: Sequence[Path], candumps: Sequence[Path], out: Path, progress
             raise ValueError("these logs say nothing of any boat")
         output.write(out)
         progress(1.0)
-        return Done(sorted(boats.names), output.messages, sum(boats.damaged))
+        return Done(sorted(output.vessels), output.messages, sum(boats.damaged))
 
 
 # Time in us, bytes of the file up to there since the last one, what is to be done.
@@ -99,7 +103,6 @@ class _Boats:
     """The vessels of all logs; `damaged`: lengths of what could not be read."""
 
     def __init__(self, output: Output, facts: dict[Path, Facts]) -> None:
-        self.names: set[str] = set()
         self.damaged: list[int] = []
         self._output = output
         self._facts = facts
@@ -129,7 +132,6 @@ class _Boats:
         if len(owners) == 1 and (owner := owners.pop()) is not None:
             self._vessel(owner).has_bus = True
             name = self._name(owner)
-        self.names.add(name)
         bus = EscBus(self._output, name)
         return (
             (frame.t_us, frame.size, partial(bus.on_frame, frame.t_us, frame.can_id, frame.data))

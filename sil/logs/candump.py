@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 _LINE = re.compile(
-    rb"\((\d{1,10})\.(\d{6})\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#((?:[0-9A-Fa-f]{2}){0,8})"
+    rb"\(([0-3]?\d{1,9})\.(\d{6})\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#((?:[0-9A-Fa-f]{2}){0,8})"
     rb"(?: [RT])?\n"
 )
 

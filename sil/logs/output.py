@@ -6,7 +6,7 @@ is turned into x east, y north, z up, and x ahead, y to port, z up aboard. Times
 """
 
 import io
-from math import cos, nan, pi, sin
+from math import cos, isfinite, nan, pi, sin
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +33,7 @@ from sil.logs import scene, schema
 from sil.wire.geodesy import LocalFrame
 
 WORLD = "world"
+FAR_M = 1e7  # nothing on the globe is so far away
 _SECOND_NS = 1_000_000_000
 
 #: Latitude and longitude (degE7) and altitude (mm) where a local frame begins.
@@ -75,6 +76,7 @@ class Output:
         self._scenes: dict[str, SceneUpdateChannel] = {}
         self._with_slot: set[str] = set()
         self.messages = 0
+        self.vessels: set[str] = set()
 
     def __enter__(self) -> "Output":
         return self
@@ -88,15 +90,23 @@ class Output:
         files.replace(path, self._buffer.getvalue())
 
     def pose(self, t_ns: int, vessel: str, pose: Pose) -> None:
-        """`/VESSEL/state`, `/VESSEL/fix` and `/tf`; with the first one what it looks like."""
+        """`/VESSEL/state`, `/VESSEL/fix` and `/tf`; with the first one what it looks like.
+
+        A place that is none, or off the globe, is not told; without a heading nothing is in `/tf`.
+        """
+        if not (abs(pose.x_m) < FAR_M and abs(pose.y_m) < FAR_M):
+            return
         if vessel not in self._scenes:
             self._draw(t_ns, vessel)
         self.own(t_ns, f"/{vessel}/state", "State", pose._asdict())
-        self._transform(t_ns, vessel, pose.x_m, pose.y_m, pose.psi_rad)
+        if isfinite(pose.psi_rad):
+            self._transform(t_ns, vessel, pose.x_m, pose.y_m, pose.psi_rad)
         self._fix(t_ns, vessel, pose)
 
     def slot(self, t_ns: int, vessel: str, x_m: float, y_m: float) -> None:
         """Where a vessel is to be, north and east of the world's origin: `/tf`."""
+        if not (abs(x_m) < FAR_M and abs(y_m) < FAR_M):
+            return
         if vessel not in self._with_slot:
             self._with_slot.add(vessel)
             self._draw(t_ns, vessel)
@@ -106,6 +116,7 @@ class Output:
         """A message of our own: `name` and its `values` are those of `sil.logs.schema`."""
         channel = self._own.get(topic)
         if channel is None:
+            self.vessels.add(topic.split("/")[1])
             channel = self._own[topic] = foxglove.Channel(
                 topic,
                 schema=schema.schema(name),

@@ -13,7 +13,7 @@ from sil.logs.output import Origin
 
 _TIME = 8
 _V1, _V2 = 0xFE, 0xFD
-_LATEST_US = 1 << 52  # in the year 2112: a time after that is none
+_LATEST_US = 4_102_444_800_000_000  # the year 2100: a time after that is none
 _VEHICLE = 1  # the component of an autopilot
 _ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
 _HEARTBEAT = mavlink.MAVLINK_MSG_ID_HEARTBEAT

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Where one vessel says that it is, in any of the messages that tell it, and its slot."""
 
-from math import atan2, cos, nan, sin
+from math import atan2, cos, isfinite, nan, sin
 from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
-from sil.logs.output import Origin, Output, Pose, frame_of
+from sil.logs.output import FAR_M, Origin, Output, Pose, frame_of
 
 _LOCAL, _ODOMETRY, _ATTITUDE, _GLOBAL, _FOLLOW, _SLOT = _KINDS = (
     mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
@@ -41,7 +41,7 @@ class Track:
         if kind == _ORIGIN:
             self._frame = frame_of(origin_of(message))
         elif kind == _ATTITUDE:
-            self._attitude = (message.yaw, message.yawspeed)
+            self._attitude = (message.yaw if isfinite(message.yaw) else nan, message.yawspeed)
         elif kind == _SLOT:
             x, y, _ = self._in_world(message.x, message.y, 0.0)
             self._output.slot(t_ns, self._vessel, x, y)
@@ -86,7 +86,12 @@ class Track:
         return Pose(x, y, psi, message.vx, message.vy, message.yawspeed)
 
     def _in_world(self, x: float, y: float, psi: float) -> tuple[float, float, float]:
-        """Of the vessel's local frame; one that nobody has placed is taken for the world's."""
+        """Of the vessel's local frame; one that nobody has placed is taken for the world's.
+
+        NaN for a place that is none.
+        """
+        if not (abs(x) < FAR_M and abs(y) < FAR_M):
+            return nan, nan, psi
         world = self._output.world
         if self._frame is None or world is None or self._frame.origin_degE7 == world.origin_degE7:
             return x, y, psi

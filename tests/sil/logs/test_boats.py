@@ -11,6 +11,8 @@ from typing import Any
 
 import can
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sil.logs.__main__ import main
 from sil.wire.dronecan import ESC_STATUS, EscStatus
@@ -107,8 +109,11 @@ def converted(*arguments: Path | str) -> dict[str, list[tuple[int, Any]]]:
     return messages_of(out)
 
 
-def test_a_boat_is_where_it_said_that_it_is(log: Path, tmp_path: Path) -> None:
+def test_a_boat_is_where_it_said_that_it_is(
+    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     topics = converted(log, tmp_path / "out.mcap")
+    assert "messages of boat2, leader1" in capsys.readouterr().out
     states, fixes = topics["/boat2/state"], topics["/boat2/fix"]
     assert len(states) == len(fixes) == STEPS
     world = LocalFrame(*ORIGIN[:2], 488.0)
@@ -286,6 +291,41 @@ def test_a_full_disk_is_told_and_leaves_nothing(
 ) -> None:
     assert main([str(log), "--out", "/dev/full"]) == 2
     assert_told_in_one_line("No space left", capsys)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(
+    cuts=st.lists(
+        st.tuples(st.integers(0, 9_000), st.integers(0, 40), st.binary(max_size=60)), max_size=4
+    )
+)
+def test_no_damage_is_more_than_what_it_hits(
+    cuts: list[tuple[int, int, bytes]], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("damaged")
+    write_boat(folder / "boat.tlog")
+    content = (folder / "boat.tlog").read_bytes()
+    for at, length, noise in cuts:
+        content = content[:at] + noise + content[at + length :]
+    (folder / "boat.tlog").write_bytes(content)
+    states = converted(folder, folder / "out.mcap")["/boat2/state"]
+    assert len(states) >= STEPS - 5 * len(cuts)
+
+
+@pytest.mark.parametrize("place", [(math.nan, 0.0), (math.inf, 0.0), (1e30, 1e30)])
+def test_a_place_that_is_none_is_not_told(place: tuple[float, float], tmp_path: Path) -> None:
+    d, pen = dialect(), Pen()
+    pen.put(START_US, 1, 1, d.MAVLink_gps_global_origin_message(*ORIGIN[::-1], 0))
+    pen.put(START_US, 4, 1, d.MAVLink_gps_global_origin_message(*ORIGIN, 0))
+    pen.put(START_US, 4, 1, d.MAVLink_attitude_message(0, 0, 0, math.inf, 0, 0, 0))
+    pen.put(START_US, 4, 1, d.MAVLink_local_position_ned_message(0, *place, 0, 0, 0, 0))
+    pen.put(START_US, 4, 1, d.MAVLink_position_target_local_ned_message(0, 1, 0, *place, *[0] * 9))
+    pen.put(START_US, 4, 1, d.MAVLink_gps_global_origin_message(*ORIGIN[::-1], 0))
+    pen.put(START_US, 4, 1, d.MAVLink_local_position_ned_message(1, 1.0, 2.0, 0, 0, 0, 0))
+    (tmp_path / "boat.tlog").write_bytes(pen.content)
+    topics = converted(tmp_path / "boat.tlog", tmp_path / "out.mcap")
+    assert [(state.x_m, state.y_m) for _, state in topics["/boat4/state"]] == [(1.0, 2.0)]
+    assert "/tf" not in topics  # nobody said where the bow is
 
 
 def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) -> None:
