@@ -42,19 +42,26 @@ def _convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> Non
     if runs and len(logs) > 1:
         raise ValueError(f"{runs[0]} is the folder of a run: it is converted alone")
     if runs:
-        out = wanted or runs[0] / run_folder.NAME
+        out = _place(wanted or runs[0] / run_folder.NAME)
         with bar(out, console) as progress:
             messages = run_folder.convert(runs[0], out, progress)
         console.print(f"{out}: {messages} messages", soft_wrap=True)
         return
     tlogs, candumps = _sorted_out(logs)
-    out = wanted or (tlogs or candumps)[0].with_suffix(".mcap")
+    out = _place(wanted or (tlogs or candumps)[0].with_suffix(".mcap"))
     with bar(out, console) as progress:
         done = boats.convert(tlogs, candumps, out, progress)
     told = ", ".join(done.vessels)
     console.print(f"{out}: {done.messages} messages of {told}", soft_wrap=True)
     if done.damaged:
         console.print(f"[bold red]{done.damaged} bytes of the logs are damaged, and left out")
+
+
+def _place(out: Path) -> Path:
+    """The same, where a file can be; before hours of logs are read for nothing."""
+    if not out.parent.is_dir():
+        raise ValueError(f"{out.parent}: there is no such folder")
+    return out
 
 
 def _sorted_out(logs: Sequence[Path]) -> tuple[list[Path], list[Path]]:

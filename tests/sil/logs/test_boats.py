@@ -286,6 +286,13 @@ def test_what_is_no_log_is_told_in_one_line_and_nothing_is_written(
     assert not any(".mcap" in path.name for path in tmp_path.iterdir())
 
 
+def test_a_folder_that_is_not_there_is_told(
+    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(log), "--out", str(tmp_path / "nowhere" / "out.mcap")]) == 2
+    assert_told_in_one_line("nowhere: there is no such folder", capsys)
+
+
 def test_a_full_disk_is_told_and_leaves_nothing(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
