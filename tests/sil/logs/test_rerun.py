@@ -1,11 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Rerun's own converter finds the boats on the map and in space. It is not pinned: 0.5 GB.
+"""Rerun's own converter finds the boats on the map and in space; `tools/test` installs it."""
 
-pip install --no-deps --target /tmp/rerun rerun-sdk
-PYTHONPATH=/tmp/rerun python -m pytest tests/sil/logs/test_rerun.py
-"""
-
-import importlib.util
 import re
 import subprocess
 from pathlib import Path
@@ -18,16 +13,17 @@ from sil.logs.run_folder import NAME
 from sil.wire.geodesy import LocalFrame
 from sil.wiring import ORIGIN
 
+ROOT = Path(__file__).parents[3]
 SAMPLES = 21
 
 
 @pytest.fixture(scope="module")
 def rerun() -> Path:
     """The program in the package."""
-    found = importlib.util.find_spec("rerun_cli")
-    if found is None or found.origin is None:
-        pytest.skip(f"Rerun is not there, nothing was tried with it: {__doc__}")
-    return Path(found.origin).parent / "rerun"
+    program = ROOT / "build" / "rerun" / "rerun_cli" / "rerun"
+    if not program.exists():
+        pytest.skip(f"no {program}, nothing was tried with Rerun: see tools/test")
+    return program
 
 
 @pytest.fixture(scope="module")
