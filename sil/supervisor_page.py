@@ -30,7 +30,7 @@ def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
 
 
 def condition_table() -> str:
-    """Every condition: name, what the boat says for want of it, its limit, what it is asked for."""
+    """Every condition: name, bit of COND, what the boat says for want of it, limit, need."""
     rows = []
     for c in flotilla.supervisor_conditions():
         name = c["name"]
@@ -39,8 +39,9 @@ def condition_table() -> str:
             f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
         ]
         limit = f"`{c['limit']}`" if c["limit"] else ""
-        rows.append([f"`{name}`", c["complaint"], limit, ", ".join(needed)])
-    return table(("condition", "where it is not met the boat says", "limit", "needed"), rows)
+        rows.append([f"`{name}`", str(c["bit"]), c["complaint"], limit, ", ".join(needed)])
+    head = ("condition", "bit of `COND`", "where it is not met the boat says", "limit", "needed")
+    return table(head, rows)
 
 
 def way_back(state: str, fallen: str) -> str:
