@@ -52,18 +52,23 @@ def live(
     param_overrides: dict[str, float],
     command: str,
     console: Console,
+    mavlink: str | None = None,
 ) -> Summary:
     """Sail `scenario` in real time, a flotillad a boat, and leave the same results but no digest.
 
-    `bus` is the address of boat 1's bus. Raises as `run`, and OSError or can.CanError where the
-    bus cannot be opened.
+    `bus` is the address of boat 1's bus; `mavlink` is where what is said over the radio is
+    repeated. Raises as `run`, and OSError or can.CanError where the
+    bus or the other address cannot be opened.
     """
     if scenario.fault:
         raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
     program = build_flotillad(console.print)
     out.mkdir(parents=True, exist_ok=True)
     began_s = time.perf_counter()
-    with LiveWorld(scenario, bus, param_overrides) as world, _bar(scenario, console) as progress:
+    with (
+        LiveWorld(scenario, bus, param_overrides, mavlink) as world,
+        _bar(scenario, console) as progress,
+    ):
         tracer = world.run(program, out, progress)
         console.print(f"latest step of the world: {world.late_us / 1000:.1f} ms behind its time")
     result = Run(tracer.trace(0), tracer.seconds(0), None)
