@@ -291,6 +291,10 @@ Report Boat<S>::report(std::int64_t now_us) {
   out.leader_age_s = pilot_.leader_age_s(now_us);
   out.leader_uncertainty_m = pilot_.leader_uncertainty_m(now_us);
   const Parameters& p = parameters();
+  out.thrust = {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)};
+  out.most_N = p.THR_FWD_MAX;
+  out.least_N = -p.THR_REV_MAX;
+  out.leader = byte_of(p.FORM_LEADER);
   out.escs = {EscReport{byte_of(p.ESC_PORT), can_.esc_status(byte_of(p.ESC_PORT), now_us)},
               EscReport{byte_of(p.ESC_STBD), can_.esc_status(byte_of(p.ESC_STBD), now_us)}};
   out.fenced = p.FS_FENCE_M > 0;

@@ -135,7 +135,7 @@ std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
   return out;
 }
 
-/// Errors, what was wanted, what could not be given, ages: one message each.
+/// Errors, what was wanted, what could not be given, ages, conditions, thrusts: one message each.
 std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   struct Value {
     std::string_view name;
@@ -149,7 +149,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   };
   using F = FormationReport;
   using E = Estimates;
-  const std::array<Value, 15> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+  const std::array<Value, 21> values{{{"E_X", of([](const F& f) { return f.error.x; })},
                                       {"E_Y", of([](const F& f) { return f.error.y; })},
                                       {"E_PSI", of([](const F& f) { return f.error.psi; })},
                                       {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
@@ -163,6 +163,13 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
                                       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
                                       {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
+                                      {"LEADER", double(r.leader)},
+                                      // 24 bits: all that a float counts exactly
+                                      {"COND", double(r.conditions)},
+                                      {"T_PORT", r.thrust.port},
+                                      {"T_STBD", r.thrust.stbd},
+                                      {"T_MAX", r.most_N},
+                                      {"T_MIN", r.least_N},
                                       {"OVERRUNS", double(r.overruns)}}};
   for (const Value& v : values) {
     if (!v.value) continue;

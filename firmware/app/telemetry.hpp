@@ -51,6 +51,9 @@ struct Report {
   std::optional<double> depth;         ///< in the tree of leaders; while FS_SEP_M is not 0
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
   std::optional<Estimates> estimates;  ///< while the own state is fresh
+  core::Thrust<double> thrust{};       ///< N, of the commands as sent
+  double most_N = 0, least_N = 0;      ///< of one propeller, least: astern, negative
+  std::uint8_t leader = 0;             ///< system id
   std::array<EscReport, 2> escs{};     ///< port, starboard
   bool fenced = false, battery_limited = false;  ///< by FS_FENCE_M, FS_BATT_V
   std::uint32_t overruns = 0;

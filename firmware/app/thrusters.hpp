@@ -37,10 +37,13 @@ class Thrusters {
       port_.command = stbd_.command = S(0);
       return out;
     }
-    const S most_N = core::larger(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_)));
-    const core::Thrust<S> may = may_rise ? wanted : core::limited(wanted, most_N);
-    const S most =
-        may_rise ? curve_.full : core::larger(core::abs(port_.command), core::abs(stbd_.command));
+    core::Thrust<S> may = wanted;
+    S most = curve_.full;
+    if (!may_rise) {
+      may = core::limited(wanted,
+                          core::larger(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_))));
+      most = core::larger(core::abs(port_.command), core::abs(stbd_.command));
+    }
     const S port = core::clamp(core::command_from_thrust(curve_, may.port), -most, most),
             stbd = core::clamp(core::command_from_thrust(curve_, may.stbd), -most, most);
     out.thrust = {turn(port_, port, dt, out), turn(stbd_, stbd, dt, out)};

@@ -161,6 +161,11 @@ class Vehicle {
   bool announce_ = false;     // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
+  struct Begun {
+    std::size_t stream = kStreams.size();
+    std::uint32_t told = 0;
+  };
+  std::array<Begun, kMaxLinks> begun_{};  // the stream that has told only so many of its messages
   std::uint16_t text_id_ = 0;
   std::int64_t now_us_ = 0;
 

@@ -12,6 +12,8 @@ namespace mav = link::mav;
 using core::State;
 
 constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
+// Whose turn it may be, beside the streams.
+constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kTurns = kFiles + 1;
 // Per tick and link, beside the control tick's own traffic: files come at some 70 kB/s.
 constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
 
@@ -101,8 +103,6 @@ void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters&
 
 /// Everything else in turn: what a slow link has no room for is the first of a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
-  constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1,
-                        kTurns = kFiles + 1;
   if (!streams_.any_waits(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
     return;
   }
@@ -117,7 +117,8 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
     } else if (kStreams[turn].pace != Pace::kState) {
       told = tell_stream(turn, link, counters);
     }
-    if (told) turn_[link] = (turn + 1) % kTurns;
+    const Begun& begun = begun_[link];
+    if (told) turn_[link] = begun.told > 0 ? begun.stream : (turn + 1) % kTurns;
   }
 }
 
@@ -125,17 +126,24 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.credit(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// It keeps its turn where there is nothing to tell yet.
+/// It keeps its turn where there is nothing to tell yet. What a slow link cannot carry at once goes
+/// on in a later tick, before all others but parameters that somebody waits for.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
-  const StreamInfo& info = kStreams[stream];
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.waits(now_us_)) return false;
-  if (links_.room(link) < std::size_t{2} * info.bytes) return false;  // signatures and all
-  std::uint32_t turn = 0;
-  for (; const auto message = compose(info.id, turn, report_); ++turn) {
+  Begun& begun = begun_[link];
+  const std::uint32_t first = begun.stream == stream ? begun.told : 0;
+  std::uint32_t told = first;
+  for (; const auto message = compose(kStreams[stream].id, told, report_); ++told) {
+    if (told > first && !may_tell(link)) {
+      begun = {stream, told};
+      turn_[link] = parameter_service_.owes(link) ? kParameters : stream;
+      return false;
+    }
     links_.send(link, *message, counters);
   }
-  return turn > 0 && schedule.due(now_us_);
+  begun = {};
+  return told > 0 && schedule.due(now_us_);
 }
 
 bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {

@@ -147,6 +147,31 @@ TEST_CASE_TEMPLATE("a link with a limit carries less telemetry, the others as mu
   CHECK(free > 3 * limited);
 }
 
+TEST_CASE_TEMPLATE(
+    "what a slow link cannot carry at once goes on in a later tick: every value in its turn", S,
+    float, double) {
+  Harbour<S> h(Parameters{}, 2);
+  h.boat.limit_link(1, 300);
+  h.sail(5);
+  std::vector<link::Text<10>> names[2];
+  for (int k = 0; k < 6000; ++k) {
+    h.step();
+    for (std::size_t link = 0; link < 2; ++link) {
+      for (const link::Message& message : h.received[link]) {
+        const auto* value = std::get_if<link::NamedValueFloat>(&message);
+        if (value != nullptr) names[link].push_back(value->name);
+      }
+    }
+  }
+  REQUIRE(names[1].size() > 50);
+  REQUIRE(names[0].size() > names[1].size());
+  auto next = std::find(names[0].begin(), names[0].end(), names[1].front());
+  for (const auto& name : names[1]) {
+    CHECK(name == *next);
+    ++next;
+  }
+}
+
 TEST_CASE_TEMPLATE("node ids that were given away before stay given away", S, float, double) {
   Harbour<S> h;
   CHECK(h.boat.node_ids().restore({{7}, 125}));

@@ -37,6 +37,10 @@ Report full() {
   r.leader_age_s = 0.2;
   r.leader_uncertainty_m = 0.3;
   r.estimates = Estimates{{-1.5, 0.75}, {0.1, -0.2}};
+  r.thrust = {3.5, -2.5};
+  r.most_N = 20;
+  r.least_N = -12;
+  r.leader = 100;
   r.escs = {EscReport{0, link::EscStatus{}}, EscReport{1, link::EscStatus{}}};
   r.self = {7, 1};
   return r;
@@ -264,18 +268,20 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
   CHECK(
       names(r) ==
       "E_X E_Y E_PSI U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E "
-      "OVERRUNS ");
+      "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
   const auto values = all_as<link::NamedValueFloat>(mav::kNamedValueFloatId, r);
-  const std::array expected{1.0F, 2.0F, 0.1F,  1.0F,  0.2F, 0.5F,  0.25F, 0.1F,
-                            0.2F, 0.3F, -1.5F, 0.75F, 0.1F, -0.2F, 0.0F};
+  const std::array expected{1.0F,   2.0F,       0.1F, 1.0F,  0.2F,  0.5F,   0.25F,
+                            0.1F,   0.2F,       0.3F, -1.5F, 0.75F, 0.1F,   -0.2F,
+                            100.0F, 1048575.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(values[i].value == expected[i]);
   r.formation.reset();
-  CHECK(names(r) == "NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E OVERRUNS ");
+  const std::string always = "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ";
+  CHECK(names(r) == "NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E " + always);
   r.own_age_s.reset();
   r.leader_age_s.reset();
   r.leader_uncertainty_m.reset();
   r.estimates.reset();
-  CHECK(names(r) == "OVERRUNS ");
+  CHECK(names(r) == always);
 }
 
 TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whatever is wrong") {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "app/text.hpp"
 #include "policies/monitor.hpp"
 #include "policies/rules.hpp"
 #include "policies/watched_boat.hpp"
@@ -113,6 +114,21 @@ TEST_CASE("armed by nobody's command: told, and which rule it is") {
   h.step();
   CHECK(h.boat.state() == State::kHold);
   CHECK(h.boat.broken() == "armed only after a command to arm");
+}
+
+TEST_CASE(
+    "a leader lost in the tick in which FORMATION is asked for: COAST at once, no rule broken") {
+  WatchedHarbour<> h;
+  h.sail(2);
+  h.arm();
+  h.step();
+  h.mode(6);
+  link::ParamSet set{101, {1, 1}, {}, mav::kParamReal32};
+  app::put_text(set.param_id, "FORM_LEADER");
+  h.say(h.operator_, set);
+  h.step();
+  CHECK(h.boat.state() == State::kCoast);
+  CHECK(h.boat.broken() == "");
 }
 
 TEST_CASE("a track that somebody else moved is told") {

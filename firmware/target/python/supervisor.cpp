@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <array>
+#include <bit>
 #include <string>
 #include <vector>
 
@@ -88,6 +89,7 @@ nb::list conditions() {
   for (const app::Complaint& complaint : app::kComplaints) {
     nb::dict entry;
     entry["name"] = names_of(complaint.condition)[0];
+    entry["bit"] = std::countr_zero(complaint.condition);
     entry["complaint"] = text(complaint.sentence);
     entry["limit"] = text(complaint.limit);
     out.append(entry);
@@ -113,9 +115,10 @@ nb::dict supervise(const std::string& state, const std::string& request,
 void bind_supervisor(nb::module_& m) {
   m.def("supervisor_table", &table,
         "The supervisor's transitions in order: from, request, needs, lacks, to.");
-  m.def("supervisor_conditions", &conditions,
-        "Its conditions, the most important first: name, complaint (what the boat says where it is "
-        "not met), limit (the parameter that sets it, or nothing).");
+  m.def(
+      "supervisor_conditions", &conditions,
+      "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND), complaint "
+      "(what the boat says where it is not met), limit (the parameter that sets it, or nothing).");
   m.def("supervise", &supervise, "state"_a, "request"_a, "met"_a,
         "What the table makes of a state, a request and the names of what is met or chosen: state, "
         "granted, missing, and drives, whether propellers may turn there. ValueError for a name "
