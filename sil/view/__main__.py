@@ -4,13 +4,42 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
+from rich.console import Console
+
+from sil.recording import MAGIC
+from sil.start import RunError
+from sil.view.history import History
 from sil.view.live import Live
+from sil.view.recorded import history_of_run
 from sil.view.serve import serve
+from sil.view.tlog import history_of_tlog
 from sil.wire.mavlink_mcast import LOOPBACK, host_and_port
 
-_SOURCE = """\
-mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT, /dev/TTY[:BAUD]: a live fleet"""
+_SOURCE = """a live fleet: mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT,
+/dev/TTY[:BAUD]; or what was recorded: a tlog, the folder of a run, or that of a campaign, whose
+worst run is sailed again"""
+_LENGTH_M = 1.0
+
+
+def source_of(text: str, length_m: float | None) -> Live | History:
+    """What there is to be seen; ValueError, OSError or RunError where it cannot be."""
+    path = Path(text)
+    if (path / "campaign.json").is_file():
+        # a campaign's tables take a second to import
+        from sil.view.worst import history_of_worst  # noqa: PLC0415
+
+        return history_of_worst(path, Console(), length_m)
+    if path.is_dir():
+        return history_of_run(path, length_m)
+    if path.is_file():
+        with path.open("rb") as file:
+            is_recording = file.read(len(MAGIC)) == MAGIC
+        if is_recording:
+            return history_of_run(path.parent, length_m)
+        return history_of_tlog(path, length_m or _LENGTH_M)
+    return Live(text, length_m or _LENGTH_M)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -21,19 +50,17 @@ def main(arguments: Sequence[str]) -> int:
         "--bind",
         default=f"{LOOPBACK}:8321",
         metavar="HOST:PORT",
-        help="where the page is served (127.0.0.1:8321); with 0.0.0.0:8321 who can reach this "
-        "machine sees it",
+        help="where the page is served (127.0.0.1:8321, port 0: any); with 0.0.0.0:8321 who can "
+        "reach this machine sees it",
     )
-    parser.add_argument(
-        "--length", type=float, default=1.0, metavar="M", help="of boats, for the plan view (1 m)"
-    )
+    parser.add_argument("--length", type=float, metavar="M", help="of boats (a scenario's, or 1 m)")
     options = parser.parse_args(arguments)
     try:
         bind = host_and_port(options.bind, least=0)
-        serve(Live(options.source, options.length), bind)
+        serve(source_of(options.source, options.length), bind)
     except KeyboardInterrupt:
         return 0
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, RunError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0

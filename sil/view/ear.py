@@ -51,7 +51,7 @@ class Ear:
         data, self._rest = self._rest + chunk, b""
         at, size = 0, len(data)
         while at < size:
-            end = self._end(data, at)
+            end = _end(data, at)
             if end > size:
                 if self._stream:
                     self._rest = data[at:]
@@ -72,18 +72,29 @@ class Ear:
         self.damaged += len(self._rest)
         self._rest = b""
 
-    @staticmethod
-    def _end(data: bytes, at: int) -> int:
-        """Where the message that may begin at `at` ends, at the earliest; 0: there is none."""
-        header = _HEADER.get(data[at])
-        if header is None:
-            return 0
-        if at + header > len(data):
-            return at + header + _CRC
-        flags = data[at + 2] if header == _HEADER[_MAGIC_2] else 0
-        if flags & ~_SIGNED:
-            return 0
-        return at + header + data[at + 1] + _CRC + (_SIGNATURE if flags else 0)
+
+def first(data: bytes, at: int) -> tuple[int, int, Message] | None:
+    """Where the first whole message from `at` on begins and ends, and what it is."""
+    while at < len(data):
+        end = _end(data, at)
+        if 0 < end <= len(data) and (message := _message(data, at, end)) is not None:
+            return at, end, message
+        begin = _BEGIN.search(data, at + 1)
+        at = begin.start() if begin else len(data)
+    return None
+
+
+def _end(data: bytes, at: int) -> int:
+    """Where the message that may begin at `at` ends, at the earliest; 0: there is none."""
+    header = _HEADER.get(data[at])
+    if header is None:
+        return 0
+    if at + header > len(data):
+        return at + header + _CRC
+    flags = data[at + 2] if header == _HEADER[_MAGIC_2] else 0
+    if flags & ~_SIGNED:
+        return 0
+    return at + header + data[at + 1] + _CRC + (_SIGNATURE if flags else 0)
 
 
 def _message(data: bytes, at: int, end: int) -> Message | None:

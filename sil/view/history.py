@@ -2,13 +2,14 @@
 """What the page plays back: columns over time, and what changed when."""
 
 import base64
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 MOST_SAMPLES = 1200
+_LEAST_SAMPLES = 100
+_MOST_POSES = 100_000  # of all vessels: a thousand boats are a page of some 10 MB
 
 History = dict[str, Any]
 """{"title", "t_s": column, "vessels": [{"id", "kind", "length_m", "limits_N", "leader", columns,
@@ -21,30 +22,33 @@ def column(values: npt.ArrayLike) -> str:
     return base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()
 
 
-def numbers(column_: str) -> npt.NDArray[np.float32]:
+def numbers(text: str) -> npt.NDArray[np.float32]:
     """The numbers of a column."""
-    return np.frombuffer(base64.b64decode(column_), "<f4")
+    return np.frombuffer(base64.b64decode(text), "<f4")
 
 
-def thinned(count: int) -> npt.NDArray[np.int64]:
+def most_samples(vessels: int) -> int:
+    """How many samples a history of so many vessels has at most."""
+    return max(_LEAST_SAMPLES, min(MOST_SAMPLES, _MOST_POSES // max(1, vessels)))
+
+
+def thinned(count: int, vessels: int) -> npt.NDArray[np.int64]:
     """Which of `count` samples are kept: the first, the last and what is evenly between them."""
-    kept = min(count, MOST_SAMPLES)
+    kept = min(count, most_samples(vessels))
     return np.linspace(0, count - 1, kept).round().astype(np.int64)
 
 
 class Changes:
-    """What changed when: [[t_s, what], …], an entry for each change."""
+    """What changed when: [[t_s, what], …], an entry for each change; of what was at t_s 0, one."""
 
     def __init__(self) -> None:
         self.list: list[list[Any]] = []
 
     def note(self, t_s: float, what: Any) -> None:
-        """It is so at `t_s`; None is not known."""
-        if what is None or (self.list and self.list[-1][1] == what):
+        """It is so at `t_s`; None: it is not known."""
+        if what is None:
             return
-        self.list.append([round(t_s, 3), what])
-
-
-def known(values: Sequence[float | None]) -> list[float]:
-    """Numbers with NaN for None."""
-    return [float("nan") if value is None else value for value in values]
+        if t_s <= 0.0:
+            self.list.clear()
+        if not self.list or self.list[-1][1] != what:
+            self.list.append([round(t_s, 3), what])

@@ -2,13 +2,14 @@
 """A boat's state in its HEARTBEAT, and what holds it there, asked of the firmware's own table."""
 
 from functools import lru_cache
+from typing import Any
 
 import flotilla
 
 _ARMED, _TEST = 128, 2  # base_mode
 _CRITICAL, _EMERGENCY = 5, 6  # system_status
 _MODES = {0: "MANUAL", 4: "HOLD", 6: "FORMATION"}
-_CONDITIONS: list[dict[str, str]] = flotilla.supervisor_conditions()
+_CONDITIONS: list[dict[str, Any]] = flotilla.supervisor_conditions()
 
 
 def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None:
@@ -27,12 +28,13 @@ def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None
 def held_by(conditions: int, state: str) -> tuple[str, ...]:
     """What a boat says for want of each condition that keeps it from FORMATION.
 
-    `conditions`: bit i is set where `flotilla.supervisor_conditions()[i]` is met; a disarmed boat
-    needs those for arming too. The most important comes first. Nothing holds a boat in FORMATION.
+    `conditions`: the bits that `flotilla.supervisor_conditions()` names are set where they are met;
+    a disarmed boat needs those for arming too. The most important comes first. Nothing holds a boat
+    that is in FORMATION.
     """
     if state == "FORMATION":
         return ()
-    met = [c["name"] for bit, c in enumerate(_CONDITIONS) if conditions >> bit & 1]
+    met = [c["name"] for c in _CONDITIONS if conditions >> c["bit"] & 1]
     missing = set(flotilla.supervise("HOLD", "FORMATION", met)["missing"])
     if state == "DISARMED":
         missing |= set(flotilla.supervise("DISARMED", "arm", met)["missing"])

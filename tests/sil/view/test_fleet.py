@@ -136,8 +136,8 @@ def test_a_silent_vessel_stays_with_its_age_and_what_it_said_last_then_is_droppe
 
 
 def test_what_holds_a_boat_is_told_in_its_words() -> None:
-    names = [c["name"] for c in flotilla.supervisor_conditions()]
-    lost = ALL - (1 << names.index("leader_fresh"))
+    bits = {c["name"]: 1 << c["bit"] for c in flotilla.supervisor_conditions()}
+    lost = ALL - bits["leader_fresh"]
     coasting = mavlink.MAVLink_heartbeat_message(11, 0, 137, 6, 5, 3)
     view = Listening()
     view.hear(boat(3) + said(3, coasting, value("COND", lost)), 0.0)

@@ -17,6 +17,7 @@ import pytest
 from tornado.websocket import websocket_connect
 
 from sil.live import build
+from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
 from tests.target.linux.process import free_port
 
@@ -62,8 +63,8 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[dict[str, Any]]
     build(print)
     out = tmp_path_factory.mktemp("seen")
     group = f"mcast:239.255.145.63:{free_port()}"
-    live = ["sil", "live", "diamond", "--bus", "mcast:5", "--duration", str(DURATION_S)]
-    with process("sil.view", group, "--bind", "127.0.0.1:0") as view:
+    with live_buses() as bus, process("sil.view", group, "--bind", "127.0.0.1:0") as view:
+        live = ["sil", "live", "diamond", "--bus", bus, "--duration", str(DURATION_S)]
         assert view.stdout is not None
         url = view.stdout.readline().split()[-1]
         with process(*live, "--mavlink", group, "--out", str(out)) as sailing:

@@ -6,8 +6,8 @@ import pytest
 
 from sil.view.states import held_by, state_of
 
-CONDITIONS = [c["name"] for c in flotilla.supervisor_conditions()]
-ALL = (1 << len(CONDITIONS)) - 1
+BITS = {c["name"]: 1 << c["bit"] for c in flotilla.supervisor_conditions()}
+ALL = sum(BITS.values())
 
 
 @pytest.mark.parametrize(
@@ -33,11 +33,11 @@ def test_a_boat_that_may_sail_is_held_by_nothing() -> None:
 
 
 def test_what_holds_a_boat_is_what_formation_needs_in_the_boats_own_words() -> None:
-    leader = ALL & ~(1 << CONDITIONS.index("leader_fresh"))
+    leader = ALL & ~BITS["leader_fresh"]
     assert held_by(leader, "COAST") == ("leader's state is not fresh",)
-    sticks = ALL & ~(1 << CONDITIONS.index("sticks_fresh"))
+    sticks = ALL & ~BITS["sticks_fresh"]
     assert held_by(sticks, "HOLD") == ()
-    saved = ALL & ~(1 << CONDITIONS.index("parameters_saved"))
+    saved = ALL & ~BITS["parameters_saved"]
     assert held_by(saved, "HOLD") == () and held_by(saved, "DISARMED")
 
 
