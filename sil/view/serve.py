@@ -3,12 +3,12 @@
 
 import asyncio
 import json
+import socket
 from asyncio import Future
 from contextlib import suppress
 from typing import Any
 
 import tornado.httpserver
-import tornado.netutil
 import tornado.web
 from tornado.ioloop import PeriodicCallback
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
@@ -29,15 +29,20 @@ class Server:
     def __init__(self, source: Live | History, bind: tuple[str, int]) -> None:
         self._source = source
         self._clients: set[_Frames] = set()
-        self._sockets = tornado.netutil.bind_sockets(bind[1], bind[0])
-        port = self._sockets[0].getsockname()[1]
+        try:
+            family = socket.AF_INET6 if ":" in bind[0] else socket.AF_INET
+            self._socket = socket.create_server(bind, family=family)
+        except OSError as error:
+            raise OSError(f"{bind[0]}:{bind[1]}: {error.strerror}") from None
+        self._socket.setblocking(False)
+        port = self._socket.getsockname()[1]
         host = f"[{bind[0]}]" if ":" in bind[0] else bind[0]
         self.url = f"http://{host}:{port}/"
 
     async def run(self) -> None:
         """Serves until it is cancelled."""
         server = tornado.httpserver.HTTPServer(self._application())
-        server.add_sockets(self._sockets)
+        server.add_socket(self._socket)
         beat = PeriodicCallback(self._tell, 1000 / FRAMES_PER_S)
         try:
             if isinstance(self._source, Live):

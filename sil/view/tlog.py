@@ -18,6 +18,7 @@ from sil.view.vessel import Vessel
 _TIME_BYTES = 8
 _LONGEST_GAP_S = 3600.0
 _FIRST_STEP_S = 0.1
+_MOMENT_S = 0.001
 _COLUMNS: dict[str, tuple[str, int | None]] = {
     "x_m": ("x_m", None),
     "y_m": ("y_m", None),
@@ -47,7 +48,8 @@ def history_of_tlog(path: Path, length_m: float = 1.0) -> History:
         watch.hear(t_s, message)
     if not watch.times:
         raise ValueError(f"{path} is no tlog: no MAVLink message is in it")
-    return {"title": path.name, "t_s": column(watch.times), "vessels": watch.vessels()}
+    vessels = watch.vessels()  # which looks once more
+    return {"title": path.name, "t_s": column(watch.times), "vessels": vessels}
 
 
 class _Watch:
@@ -55,6 +57,7 @@ class _Watch:
 
     def __init__(self, fleet: Fleet) -> None:
         self.times: list[float] = []
+        self._last_s = 0.0
         self._step_s = _FIRST_STEP_S
         self._fleet = fleet
         self._told: dict[int, _Told] = {}
@@ -63,6 +66,7 @@ class _Watch:
         """Takes a message that came at `t_s`."""
         while len(self.times) * self._step_s <= t_s:
             self._look(len(self.times) * self._step_s)
+        self._last_s = t_s
         self._fleet.hear([message], t_s)
         if message.number in (messages.HEARTBEAT, messages.STATUSTEXT, messages.NAMED_VALUE_FLOAT):
             vessel = self._fleet.systems.get(message.system)
@@ -71,7 +75,7 @@ class _Watch:
 
     def vessels(self) -> list[Told]:
         """All of them as a history has them, with what they told last."""
-        self._look(len(self.times) * self._step_s)
+        self._look(max(self._last_s, self.times[-1] + _MOMENT_S))
         return [
             told.history(len(self.times)) for _, told in sorted(self._told.items()) if told.last
         ]

@@ -89,9 +89,10 @@ class Vessel:
             return
         elif kind in _NO_VESSELS:
             self.kind = None
+        elif kind == mavlink.MAV_TYPE_GENERIC:
+            self.kind = "leader" if component == _AUTOPILOT else None
         elif autopilot == mavlink.MAV_AUTOPILOT_INVALID:
-            leads = kind == mavlink.MAV_TYPE_GENERIC and component == _AUTOPILOT
-            self.kind = "leader" if leads else None
+            self.kind = None
         else:
             ours = autopilot == mavlink.MAV_AUTOPILOT_GENERIC
             ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT

@@ -73,6 +73,26 @@ def test_the_error_that_a_boat_tells_is_the_distance_from_its_slot_on_the_page()
         assert vessel["error_m"] == pytest.approx(apart_m, abs=0.02)
 
 
+def test_real_boats_whose_leader_is_lost_coast_and_hold_and_say_why() -> None:
+    view, seen = Listening(), list[tuple[str, tuple[str, ...]]]()
+
+    def look(k: int, chunks: list[bytes], _: Array) -> None:
+        for chunk in chunks:
+            view.hear(chunk, 0.01 * k)
+        if k > 150:
+            boat = view.by_id(0.01 * k)[1]
+            assert boat["leader"] == VIRTUAL_LEADER_SYSTEM and boat["limits_N"] == (-50.0, 50.0)
+            assert max(map(abs, boat["thrust_N"])) <= 50.0
+            if not seen or seen[-1] != (boat["state"], boat["held"]):
+                seen.append((boat["state"], boat["held"]))
+
+    sail_and_look(look, "duration_s=14", "fault=[{kind='radio_silent', agent=0, at_s=3.0}]")
+    states = [state for state, _ in seen]
+    assert sorted(set(states), key=states.index) == ["FORMATION", "COAST", "HOLD"]
+    assert seen[0] == ("FORMATION", ()) and states[-1] == "HOLD"
+    assert seen[-1][1] == ("leader's state is not fresh",)
+
+
 def boat(system: int, x: float = 0.0) -> bytes:
     return said(system, BEAT, origin(*ORIGIN), attitude(0.5), local(x, 2.0, 1.0, 0.0))
 
