@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from string import Template
+from typing import Any
 
 from matplotlib.figure import Figure
 from rich import box
@@ -16,6 +17,8 @@ from rich.table import Table
 from sil import files, plots
 from sil.metrics import BoatSummary, Summary
 from sil.plant.hull import Array
+from sil.view import history
+from sil.view import page as view
 
 COLUMNS = (
     "boat",
@@ -32,11 +35,18 @@ STYLE = (_HERE / "report.css").read_text(encoding="utf-8")
 _PAGE = Template((_HERE / "report.html").read_text(encoding="utf-8"))
 
 
-def write(directory: Path, summary: Summary, trace: Mapping[str, Array], command: str) -> None:
+def write(
+    directory: Path,
+    summary: Summary,
+    trace: Mapping[str, Array],
+    command: str,
+    told: Mapping[str, Any] | None = None,
+) -> None:
     """Write formation.png, errors.png, thrust.png and report.html into an existing directory.
 
-    `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. Each file
-    appears whole or not at all.
+    `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. `told`: the
+    run's history as `sil.view.history` has it, for the replay; by default what the trace tells.
+    Each file appears whole or not at all.
     """
     name = summary["scenario"]
     pictures = {
@@ -46,7 +56,9 @@ def write(directory: Path, summary: Summary, trace: Mapping[str, Array], command
     }
     for stem, picture in pictures.items():
         files.replace(directory / f"{stem}.png", picture)
-    files.replace(directory / "report.html", page(summary, pictures, command).encode())
+    title = f"{name}, seed {summary['seed']}"
+    replay = view.frame_with(told or history.of_trace(trace, title), title)
+    files.replace(directory / "report.html", page(summary, pictures, command, replay).encode())
 
 
 def table(summary: Summary) -> Table:
@@ -60,12 +72,16 @@ def table(summary: Summary) -> Table:
     return grid
 
 
-def page(summary: Summary, pictures: Mapping[str, bytes], command: str) -> str:
-    """The report as one HTML page that needs no other file; `pictures` are PNG by stem."""
+def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: str = "") -> str:
+    """The report as one HTML page that needs no other file.
+
+    `pictures` are PNG by stem, `replay` is HTML.
+    """
     separation = summary["min_separation_m"]
     return _PAGE.substitute(
         {stem: base64.b64encode(picture).decode() for stem, picture in pictures.items()},
         style=STYLE,
+        replay=replay,
         scenario=escape(summary["scenario"]),
         seed=summary["seed"],
         duration=f"{summary['duration_s']:g} s",

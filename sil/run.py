@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rich.progress
@@ -19,6 +20,8 @@ from sil.live import build as build_flotillad
 from sil.metrics import Summary
 from sil.plant.hull import Array
 from sil.scenario import Scenario
+from sil.view import history
+from sil.view.history import boats_of
 from sil.world import Progress, Run, World
 
 
@@ -107,7 +110,8 @@ def _finish(
         "boats": boats,
         "min_separation_m": separation_m,
     }
-    write(out, summary, trace, command)
+    replayed = history.of_trace(trace, f"{scenario.name}, seed {scenario.seed}", boats_of(scenario))
+    write(out, summary, trace, command, replayed)
     console.print(report.table(summary))
     for boat in summary["boats"]:
         others = {name: s for name, s in boat["states"].items() if name != "FORMATION"}
@@ -123,10 +127,17 @@ def _finish(
     return summary
 
 
-def write(out: Path, summary: Summary, trace: Mapping[str, Array], command: str) -> None:
+def write(
+    out: Path,
+    summary: Summary,
+    trace: Mapping[str, Array],
+    command: str,
+    told: Mapping[str, Any] | None = None,
+) -> None:
     """Write trace.npz, summary.json and the report into the existing folder `out`.
 
-    What is not finite in the summary is null in summary.json.
+    `told`: the history that the report replays, by default what the trace tells. What is not finite
+    in the summary is null in summary.json.
     """
     part = out / ".trace.part.npz"
     # numpy's stubs take any keyword for its own options
@@ -134,4 +145,4 @@ def write(out: Path, summary: Summary, trace: Mapping[str, Array], command: str)
     os.replace(part, out / "trace.npz")
     content = json.dumps(files.plain(dict(summary)), indent=2, allow_nan=False)
     files.replace(out / "summary.json", f"{content}\n".encode())
-    report.write(out, summary, trace, command)
+    report.write(out, summary, trace, command, told)

@@ -160,7 +160,7 @@ def _finish(
 ) -> None:
     """Write the tables and campaign.json, tell what is in them."""
     # what workers need not have, and nobody waits for
-    from sil.campaign import report, table  # noqa: PLC0415
+    from sil.campaign import report, table, worst  # noqa: PLC0415
 
     folder, sampler = campaign.folder, campaign.sampler
     sailed = {run.run: run for result in results for run in result.runs}
@@ -177,6 +177,7 @@ def _finish(
     told = summary.figures(sampler.nominal, runs, effort, table.content_digest(rows))
     folder.write_json(campaign.identity, {"command": campaign.command, **told})
     summary.show(console, sampler.nominal, runs, told)
+    worst.write(folder.path, sampler, dict(campaign.identity.parameters))
     report.write(folder.path)
     folder.finish()
     console.print(f"results: {folder.path}", soft_wrap=True)

@@ -6,15 +6,17 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from sil import files, plots, report
-from sil.campaign import finished, nominal, page_tables, pictures, replay, samples
+from sil.campaign import finished, nominal, page_tables, pictures, replay, samples, worst
 from sil.campaign.finished import FAILED, Campaign
 from sil.campaign.samples import Samples
 from sil.comparison import png
 from sil.plant.hull import Array
+from sil.view import page as view
 
 _PAGE = Template((Path(__file__).parent / "report.html").read_text(encoding="utf-8"))
 
@@ -26,12 +28,20 @@ def write(out: Path) -> None:
     """
     campaign = finished.tables(out)
     sampled = samples.read(campaign)
-    text = page(campaign, sampled, nominal.read(out))
+    text = page(campaign, sampled, nominal.read(out), worst.read(out))
     files.replace(out / "report.html", text.encode())
 
 
-def page(campaign: Campaign, sampled: Samples, trace: dict[str, Array] | None) -> str:
-    """The report as one HTML page; `trace`: the nominal run's, as nominal.npz has it."""
+def page(
+    campaign: Campaign,
+    sampled: Samples,
+    trace: dict[str, Array] | None,
+    worst_told: dict[str, Any] | None = None,
+) -> str:
+    """The report as one HTML page; `trace`: the nominal run's, as nominal.npz has it.
+
+    `worst_told`: the history of the worst run, as worst.json has it.
+    """
     header, ended = campaign.header, page_tables.outcomes(campaign)
     last_lost, more = page_tables.lost(campaign)
     speed, wall_s = header.get("boat_seconds_per_s"), header.get("wall_s")
@@ -53,12 +63,19 @@ def page(campaign: Campaign, sampled: Samples, trace: dict[str, Array] | None) -
         lost=_replays(campaign, page_tables.LOST, last_lost),
         more=f"and {more} more, in table.parquet" if more else "",
         worst=_replays(campaign, page_tables.WORST, page_tables.worst(campaign)),
+        replay=_replay(worst_told),
         thrust=_table(page_tables.THRUST, page_tables.thrust(campaign)),
         states=_table(*page_tables.states(campaign)),
         separation=escape(page_tables.separation(campaign)),
         command=escape(str(header.get("command"))),
         digest=escape(str(header.get("digest", "none"))),
     )
+
+
+def _replay(told: dict[str, Any] | None) -> str:
+    if told is None:
+        return "<p>None was sailed again.</p>"
+    return view.frame_with(told, told["title"])
 
 
 def _of(campaign: Campaign, failed: int) -> str:

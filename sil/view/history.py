@@ -1,54 +1,160 @@
 # SPDX-License-Identifier: MIT
-"""What the page plays back: columns over time, and what changed when."""
+"""What a replay page plays: one JSON object of a run's boats over time.
+
+A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N", "leader", …}]}`.
+Everything that changes is a column beside `t_s` and as long: base64 of little-endian float32, NaN
+where it is not known; a column that nobody knows is absent. `states`, `held` and `texts` are lists
+of [t_s, value], each value true from its time on.
+"""
 
 import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-MOST_SAMPLES = 1200
-_LEAST_SAMPLES = 100
-_MOST_POSES = 100_000  # of all vessels: a thousand boats are a page of some 10 MB
+from sil.agents import systems_of
+from sil.plant.hull import Array
+from sil.scenario import Scenario
+from sil.wiring import VIRTUAL_LEADER_SYSTEM
 
-History = dict[str, Any]
-"""{"title", "t_s": column, "vessels": [{"id", "kind", "length_m", "limits_N", "leader", columns,
-"states", "held", "texts": [[t_s, what], …]}]}; a column is base64 of little-endian float32, NaN
-where nothing is known."""
+MOST_SAMPLES = 1200
+_MOST_NUMBERS, _LEAST_SAMPLES = 300_000, 60
+LENGTH_M = 1.0  # of a hull that nobody knows the length of, as in `sil.plots`
+COLUMNS = (
+    "x_m",
+    "y_m",
+    "psi_rad",
+    "u_mps",
+    "v_mps",
+    "slot_x_m",
+    "slot_y_m",
+    "error_m",
+    "thrust_port_N",
+    "thrust_stbd_N",
+    "link_age_s",
+    "leader_age_s",
+    "battery_V",
+)
+
+
+@dataclass(frozen=True)
+class Boat:
+    """What a trace does not say of a boat; `leader` and `id` are system ids.
+
+    `limits_N`: least and greatest thrust of one propeller, the least negative or 0.
+    """
+
+    id: int
+    leader: int | None = None
+    length_m: float = LENGTH_M
+    limits_N: tuple[float, float] | None = None
 
 
 def column(values: npt.ArrayLike) -> str:
-    """A column of numbers."""
-    return base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()
+    """Numbers (T) as a history has them: base64 of little-endian float32, infinite ones as NaN."""
+    with np.errstate(over="ignore"):
+        numbers = np.asarray(values, np.float64).astype("<f4")
+    numbers[~np.isfinite(numbers)] = np.nan
+    return base64.b64encode(numbers.tobytes()).decode("ascii")
 
 
 def numbers(text: str) -> npt.NDArray[np.float32]:
-    """The numbers of a column."""
-    return np.frombuffer(base64.b64decode(text), "<f4")
+    """What `column` was given (T), as float32."""
+    return np.frombuffer(base64.b64decode(text, validate=True), "<f4")
+
+
+def boats_of(scenario: Scenario) -> list[Boat]:
+    """The boats of a scenario, boat 1 first; the virtual leader is none of them."""
+    systems = systems_of(scenario)
+    pairs = zip(scenario.boat, scenario.propeller_pairs(), scenario.vessels()[1:], strict=True)
+    return [
+        Boat(
+            systems[agent],
+            systems[boat.follows],
+            vessel.length_m or LENGTH_M,
+            (-propellers.reverse_max_N, propellers.forward_max_N),
+        )
+        for agent, (boat, propellers, vessel) in enumerate(pairs, start=1)
+    ]
 
 
 def most_samples(vessels: int) -> int:
-    """How many samples a history of so many vessels has at most."""
-    return max(_LEAST_SAMPLES, min(MOST_SAMPLES, _MOST_POSES // max(1, vessels)))
+    """How many samples a history of so many vessels keeps: a page has to carry them all."""
+    return max(_LEAST_SAMPLES, min(MOST_SAMPLES, _MOST_NUMBERS // (len(COLUMNS) * vessels)))
 
 
-def thinned(count: int, vessels: int) -> npt.NDArray[np.int64]:
-    """Which of `count` samples are kept: the first, the last and what is evenly between them."""
-    kept = min(count, most_samples(vessels))
-    return np.linspace(0, count - 1, kept).round().astype(np.int64)
+def kept(count: int, most: int = MOST_SAMPLES) -> npt.NDArray[np.int64]:
+    """Which of `count` samples a history keeps: at most `most`, evenly, the first and the last."""
+    if count <= most:
+        return np.arange(count)
+    return np.linspace(0, count - 1, most).round().astype(np.int64)
 
 
-class Changes:
-    """What changed when: [[t_s, what], …], an entry for each change; of what was at t_s 0, one."""
+def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict[str, Any]:
+    """One of a history's `vessels`; `columns`: arrays (T), already thinned, by names of `COLUMNS`.
 
-    def __init__(self) -> None:
-        self.list: list[list[Any]] = []
+    Its `states`, `held` and `texts` are empty lists, to be filled by who knows them.
+    """
+    if unknown := set(columns) - set(COLUMNS):
+        raise ValueError(f"no columns of a history: {', '.join(sorted(unknown))}")
+    return {
+        "id": about.id,
+        "kind": kind,
+        "length_m": about.length_m,
+        "limits_N": None if about.limits_N is None else list(about.limits_N),
+        "leader": about.leader,
+        **{name: column(values) for name, values in columns.items()},
+        "states": [],
+        "held": [],
+        "texts": [],
+    }
 
-    def note(self, t_s: float, what: Any) -> None:
-        """It is so at `t_s`; None: it is not known."""
-        if what is None:
-            return
-        if t_s <= 0.0:
-            self.list.clear()
-        if not self.list or self.list[-1][1] != what:
-            self.list.append([round(t_s, 3), what])
+
+def of_trace(
+    trace: Mapping[str, Array], title: str, boats: Sequence[Boat] | None = None
+) -> dict[str, Any]:
+    """The history of a run, of its trace alone: arrays as in trace.npz, (T, N+1, …) and (T, N, …).
+
+    Needs `t_s`, `eta` and `error`; takes `nu` and `thrust` where they are. `boats` (N): boat 1
+    first; without them the leaders are not known. The virtual leader is the first vessel.
+    Slots are where the boats' errors say: p_slot = p − R(ψ) [e_x e_y].
+    """
+    every = kept(trace["t_s"].size, most_samples(trace["eta"].shape[1]))
+    sampled = {name: values[every] for name, values in trace.items()}
+    eta = sampled["eta"]
+    if boats is None:
+        boats = [Boat(agent) for agent in range(1, eta.shape[1])]
+    leader = Boat(VIRTUAL_LEADER_SYSTEM)
+    vessels = [vessel(leader, "leader", _motion(sampled, 0))]
+    vessels += [
+        vessel(boat, "boat", {**_motion(sampled, agent), **_slot(sampled, agent)})
+        for agent, boat in enumerate(boats, start=1)
+    ]
+    return {"title": title, "t_s": column(sampled["t_s"]), "vessels": vessels}
+
+
+def _motion(trace: Mapping[str, Array], agent: int) -> dict[str, Array]:
+    columns = {name: trace["eta"][:, agent, i] for i, name in enumerate(("x_m", "y_m", "psi_rad"))}
+    if "nu" in trace:
+        columns |= {name: trace["nu"][:, agent, i] for i, name in enumerate(("u_mps", "v_mps"))}
+    return columns
+
+
+def _slot(trace: Mapping[str, Array], agent: int) -> dict[str, Array]:
+    """Columns of a boat that a leader has not."""
+    x, y, psi = trace["eta"][:, agent].T
+    e_x, e_y, _ = trace["error"][:, agent - 1].T
+    # of what diverged, figures are not finite
+    with np.errstate(all="ignore"):
+        columns = {
+            "slot_x_m": x - (np.cos(psi) * e_x - np.sin(psi) * e_y),
+            "slot_y_m": y - (np.sin(psi) * e_x + np.cos(psi) * e_y),
+            "error_m": np.hypot(e_x, e_y),
+        }
+    if "thrust" in trace:
+        port, stbd = trace["thrust"][:, agent - 1].T
+        columns |= {"thrust_port_N": port, "thrust_stbd_N": stbd}
+    return columns

@@ -4,6 +4,7 @@
 import io
 import json
 import re
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from rich.console import Console
 from sil import metrics, plots, report, run
 from sil.metrics import Summary
 from sil.plant.hull import Array
+from sil.view import history
+from sil.view import page as view
 
 PICTURES = ("formation.png", "errors.png", "thrust.png")
 COMMAND = "python -m sil run pair --seed 7 --set 'boat.1.eta=[0, 0, 0]'"
@@ -61,6 +64,31 @@ def test_page_carries_its_pictures_and_needs_no_other_file(folder: Path) -> None
     assert page.count('src="data:image/png;base64,') == len(PICTURES)
     assert not re.search(r"(src|href)=\"(?!data:)", page)
     assert 'name="viewport"' in page
+
+
+def test_page_carries_the_replay_of_the_run(folder: Path) -> None:
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    (inner,) = re.findall(r'srcdoc="([^"]*)"', text)
+    (told,) = re.findall(r'id="history">(.*?)</script>', unescape(inner))
+    replay = json.loads(told)
+    assert replay["title"] == "pair & co, seed 7"
+    assert [vessel["kind"] for vessel in replay["vessels"]] == ["leader", "boat", "boat"]
+    shown = history.numbers(replay["vessels"][2]["error_m"])
+    trace = made_up_run()[1]
+    wanted = metrics.distances(trace["error"][history.kept(trace["t_s"].size), 1])
+    assert shown == pytest.approx(wanted, abs=1e-5)
+
+
+def test_report_without_the_plot_library_says_so_and_has_all_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> str:
+        raise view.PageError("no chart.min.js")
+
+    monkeypatch.setattr(view, "library", missing)
+    report.write(tmp_path, *made_up_run(), COMMAND)
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "No replay here: no chart.min.js." in text and "<h1>pair &amp; co</h1>" in text
 
 
 def test_page_says_what_was_sailed_and_how_to_repeat_it(folder: Path) -> None:

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""The page: one HTML text that carries its style, its scripts and the plot library.
+
+`page/` has its parts. The plots are drawn by Chart.js, which is read from where Debian has it.
+"""
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import flotilla
+
+from sil import metrics, plots
+
+LIBRARY = Path("/usr/share/javascript/chart.js/chart.min.js")
+_PARTS = Path(__file__).parent / "page"
+# in this order: a script uses what was defined before it
+_SCRIPTS = (
+    "numbers",
+    "colours",
+    "track",
+    "source_live",
+    "source_replay",
+    "camera",
+    "sea",
+    "boats",
+    "thrust_bars",
+    "plan",
+    "plots",
+    "cards",
+    "supervisor",
+    "failsafe",
+    "replay",
+    "keys",
+    "main",
+)
+_REQUESTS = ("arm", "disarm", "HOLD", "MANUAL", "FORMATION", "test", "terminate", "nothing")
+_CHOICES = (
+    {
+        "name": "FS_LEADER_ACT",
+        "options": [["0", "0: HOLD"], ["1", "1: COAST"], ["2", "2: MANUAL, else HOLD"]],
+        "chosen": "1",
+    },
+    {
+        "name": "FS_GCS_ACT",
+        "options": [["0", "0: HOLD"], ["1", "1: COAST"], ["2", "2: MANUAL, else HOLD"]],
+        "chosen": "0",
+    },
+)
+
+
+class PageError(RuntimeError):
+    """The page cannot be made; the text says what is missing."""
+
+
+def live() -> str:
+    """The page that shows what the WebSocket `live` beside it says: a frame of JSON a message."""
+    return _page("Flotilla", None)
+
+
+def page_with(history: Mapping[str, Any], title: str) -> str:
+    """A page that replays `history`, as `sil.view.history` makes it, and needs no other file."""
+    return _page(title, history)
+
+
+def frame_with(history: Mapping[str, Any], title: str) -> str:
+    """The same page as a frame inside another one; a sentence where it cannot be made."""
+    try:
+        inner = page_with(history, title)
+    except PageError as error:
+        return f'<p class="note">No replay here: {escape(str(error))}.</p>'
+    # what an attribute needs, and no more: the page is long
+    for sign, name in (("&", "amp"), ('"', "quot"), ("<", "lt")):
+        inner = inner.replace(sign, f"&{name};")
+    return f'<iframe class="replay" title="{escape(title)}" srcdoc="{inner}"></iframe>'
+
+
+def supervisor_json() -> str:
+    """The firmware's supervisor as the page plays it.
+
+    `table` and `conditions` as `flotilla` has them, `states`, `requests`, the operator's `choices`,
+    and `drives`: by state, what must be met for propellers to turn.
+    """
+    content = {
+        "states": list(flotilla.STATES),
+        "requests": _REQUESTS,
+        "conditions": flotilla.supervisor_conditions(),
+        "table": flotilla.supervisor_table(),
+        "choices": _CHOICES,
+        "drives": drives(),
+    }
+    return json.dumps(content)
+
+
+def drives() -> dict[str, list[str]]:
+    """What must be met for propellers to turn, by state; asked of the firmware.
+
+    Asked for arming, an armed boat stays as it is: so each condition's want can be tried alone.
+    """
+    names = [c["name"] for c in flotilla.supervisor_conditions()]
+    found = {}
+    for state in flotilla.STATES:
+        if flotilla.supervise(state, "arm", names)["drives"]:
+            found[state] = [
+                name
+                for name in names
+                if not flotilla.supervise(state, "arm", [n for n in names if n != name])["drives"]
+            ]
+    return found
+
+
+def _page(title: str, history: Mapping[str, Any] | None) -> str:
+    config = {
+        "colours": plots.COLOURS,
+        "settled_m": metrics.SETTLED_M,
+        "supervisor": json.loads(supervisor_json()),
+    }
+    return _template().substitute(
+        title=escape(title),
+        mode="live" if history is None else "replay",
+        connect="'self'" if history is None else "'none'",
+        style=_part("page.css"),
+        config=_json(config),
+        history=_json(history),
+        library=library(),
+        script="\n".join(_part(f"{name}.js") for name in _SCRIPTS),
+    )
+
+
+def _json(value: object) -> str:
+    """JSON that no HTML parser takes for markup."""
+    text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    return text.replace("<", "\\u003c")
+
+
+@cache
+def library() -> str:
+    """Chart.js. PageError, naming Debian's package, where it is not installed."""
+    try:
+        return LIBRARY.read_text(encoding="utf-8")
+    except OSError:
+        raise PageError(f"no {LIBRARY}; install it with: apt-get install libjs-chart.js") from None
+
+
+@cache
+def _part(name: str) -> str:
+    return (_PARTS / name).read_text(encoding="utf-8")
+
+
+@cache
+def _template() -> Template:
+    return Template(_part("page.html"))

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// The fleet on the plan view: trails, tree, slots, hulls to scale, names.
+const LEAST_HULL_PX = 22;
+const SILENT_S = 5;
+const TRAIL_POINTS = 3000, FADES = 8; // of all trails together
+// outline of a hull of length 1: forward, starboard; as in the pictures of reports
+const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
+
+const hullPx = (vessel, camera) => Math.max(LEAST_HULL_PX, (vessel.length_m || 1) * camera.scale);
+const isPlaced = (vessel) => known(vessel.x_m) && known(vessel.y_m);
+const isSilent = (vessel) => known(vessel.link_age_s) && vessel.link_age_s > SILENT_S;
+
+/** Lays a hull of `px` pixels as the path, heading `psi` rad. */
+function layHull(ctx, [right, down], psi, px) {
+  const cos = Math.cos(psi), sin = Math.sin(psi);
+  ctx.beginPath();
+  for (const [ahead, starboard] of HULL) {
+    const north = cos * ahead - sin * starboard, east = sin * ahead + cos * starboard;
+    ctx.lineTo(right + px * east, down - px * north);
+  }
+  ctx.closePath();
+}
+
+function drawTrail(ctx, camera, vessel, track, [from_s, to_s, most]) {
+  const indices = track.indices(from_s, to_s, most);
+  const { x_m, y_m } = track.columns;
+  ctx.strokeStyle = colourOf(vessel);
+  ctx.lineWidth = 1.6;
+  ctx.setLineDash(vessel.kind === "leader" ? [4, 4] : []);
+  for (let fade = 0; fade < FADES; fade += 1) {
+    const begin = Math.floor((fade * indices.length) / FADES), end = Math.floor(((fade + 1) * indices.length) / FADES);
+    ctx.globalAlpha = 0.08 + (0.72 * (fade + 1)) / FADES;
+    ctx.beginPath();
+    let drawn = false;
+    for (let k = begin; k <= end && k < indices.length; k += 1) {
+      const i = indices[k];
+      if (!known(x_m[i]) || !known(y_m[i])) drawn = false;
+      else {
+        const [right, down] = camera.at(x_m[i], y_m[i]);
+        if (drawn) ctx.lineTo(right, down);
+        else ctx.moveTo(right, down);
+        drawn = true;
+      }
+    }
+    if (fade === FADES - 1 && isPlaced(vessel) && drawn) ctx.lineTo(...camera.at(vessel.x_m, vessel.y_m));
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
+  ctx.setLineDash([]);
+}
+
+/** Line from a follower to its leader, with an arrow in its middle that points to the leader. */
+function drawFollows(ctx, camera, vessel, leader) {
+  const [x, y] = camera.at(vessel.x_m, vessel.y_m), [to_x, to_y] = camera.at(leader.x_m, leader.y_m);
+  const length = Math.hypot(to_x - x, to_y - y);
+  ctx.strokeStyle = theme.stale;
+  ctx.lineWidth = 1;
+  ctx.setLineDash([2, 4]);
+  ctx.beginPath();
+  ctx.moveTo(x, y);
+  ctx.lineTo(to_x, to_y);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  if (length < 40) return;
+  const [dx, dy] = [(to_x - x) / length, (to_y - y) / length];
+  const [tip_x, tip_y] = [(x + to_x) / 2 + 5 * dx, (y + to_y) / 2 + 5 * dy];
+  ctx.beginPath();
+  ctx.moveTo(tip_x - 9 * dx - 4 * dy, tip_y - 9 * dy + 4 * dx);
+  ctx.lineTo(tip_x, tip_y);
+  ctx.lineTo(tip_x - 9 * dx + 4 * dy, tip_y - 9 * dy - 4 * dx);
+  ctx.stroke();
+}
+
+function drawSlot(ctx, camera, vessel, psi) {
+  const slot = camera.at(...vessel.slot);
+  ctx.strokeStyle = colourOf(vessel);
+  ctx.globalAlpha = isSilent(vessel) ? 0.35 : 0.9;
+  ctx.lineWidth = 1;
+  if (isPlaced(vessel)) {
+    ctx.beginPath();
+    ctx.moveTo(...camera.at(vessel.x_m, vessel.y_m));
+    ctx.lineTo(...slot);
+    ctx.stroke();
+  }
+  layHull(ctx, slot, psi, 1.25 * hullPx(vessel, camera));
+  ctx.setLineDash([4, 2]);
+  ctx.lineWidth = 1.3;
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.globalAlpha = 1;
+}
+
+/** The virtual leader: no hull, a ring with a cross, and where it heads. */
+function drawVirtual(ctx, camera, vessel) {
+  const [right, down] = camera.at(vessel.x_m, vessel.y_m);
+  const psi = vessel.psi_rad ?? 0, [ahead_x, ahead_y] = [Math.sin(psi), -Math.cos(psi)];
+  ctx.beginPath();
+  ctx.arc(right, down, 8, 0, 2 * Math.PI);
+  for (const [dx, dy] of [[1, 0], [0, 1]]) {
+    ctx.moveTo(right - 12 * dx, down - 12 * dy);
+    ctx.lineTo(right + 12 * dx, down + 12 * dy);
+  }
+  if (known(vessel.psi_rad)) {
+    ctx.moveTo(right + 8 * ahead_x, down + 8 * ahead_y);
+    ctx.lineTo(right + 26 * ahead_x, down + 26 * ahead_y);
+  }
+  // seen on a hull too
+  for (const [colour, width] of [[theme.water, 4], [isSilent(vessel) ? theme.stale : theme.ink, 1.6]]) {
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = width;
+    ctx.stroke();
+  }
+}
+
+function drawHull(ctx, camera, vessel, chosen) {
+  const at = camera.at(vessel.x_m, vessel.y_m), px = hullPx(vessel, camera);
+  const silent = isSilent(vessel), psi = vessel.psi_rad;
+  if (known(psi)) {
+    const [ahead_x, ahead_y] = [Math.sin(psi), -Math.cos(psi)];
+    ctx.strokeStyle = silent ? theme.stale : colourOf(vessel);
+    ctx.lineWidth = 1.5;
+    ctx.beginPath();
+    ctx.moveTo(at[0], at[1]);
+    ctx.lineTo(at[0] + ahead_x * (0.5 * px + 12), at[1] + ahead_y * (0.5 * px + 12));
+    ctx.stroke();
+    layHull(ctx, at, psi, px);
+  } else {
+    ctx.beginPath();
+    ctx.arc(at[0], at[1], px / 3, 0, 2 * Math.PI);
+  }
+  ctx.fillStyle = silent || vessel.kind === "vessel" ? theme.water : colourOf(vessel);
+  ctx.fill();
+  ctx.strokeStyle = silent ? theme.stale : vessel.kind === "vessel" ? theme.soft : theme.water;
+  ctx.lineWidth = silent || vessel.kind === "vessel" ? 1.5 : 1;
+  ctx.stroke();
+  if (!chosen) return;
+  ctx.strokeStyle = theme.ink;
+  if (px < 50) {
+    ctx.beginPath();
+    ctx.arc(at[0], at[1], 0.75 * px + 5, 0, 2 * Math.PI);
+  } else ctx.lineWidth = 2.5;
+  ctx.stroke();
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// One colour a boat, the same as in all pictures; beyond the seventh also another dash.
+const CONFIG = JSON.parse(document.getElementById("config").textContent);
+const DASHES = [[], [7, 3], [2, 2], [9, 3, 2, 3]];
+const dark = window.matchMedia("(prefers-color-scheme: dark)");
+let theme = {};
+
+function readTheme() {
+  const style = getComputedStyle(document.documentElement);
+  theme = {};
+  for (const name of ["paper", "panel", "water", "grid", "ink", "soft", "line", "stale", "good", "warn", "bad", "calm", "hand", "odd"]) {
+    theme[name] = style.getPropertyValue(`--${name}`).trim();
+  }
+}
+
+/** A colour as on dark paper: a third nearer to white, so that deep blue and wine can be seen. */
+function lighter(hex) {
+  const parts = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+  return `rgb(${parts.map((p) => Math.round(p + (255 - p) * 0.33)).join(" ")})`;
+}
+
+const place = (id) => Math.max(0, id - 1);
+
+function colourOf(vessel) {
+  if (vessel.kind === "leader") return theme.ink;
+  if (vessel.kind !== "boat") return theme.soft;
+  const colour = CONFIG.colours[place(vessel.id) % CONFIG.colours.length];
+  return dark.matches ? lighter(colour) : colour;
+}
+
+function dashOf(vessel) {
+  if (vessel.kind === "leader") return [4, 3];
+  return DASHES[Math.floor(place(vessel.id) / CONFIG.colours.length) % DASHES.length];
+}
+
+const STATE_THEME = {
+  DISARMED: "calm", HOLD: "warn", MANUAL: "hand", FORMATION: "good", COAST: "warn", TEST: "odd", FAULT: "bad",
+};
+
+function nameOf(vessel) {
+  if (vessel.kind === "leader") return `Leader ${vessel.id}`;
+  return `${vessel.kind === "boat" ? "Boat" : "Vessel"} ${vessel.id}`;
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// Puts the page together: a source of frames, what shows them, what the reader touches.
+const PLAN_MS = 95, CARDS_MS = 250, PLOTS_MS = [500, 1000], MANY = 8, MOST_PLOTTED = 40;
+const WINDOWS_S = [30, 60, 120, 300, 600];
+const byName = (id) => document.getElementById(id);
+const history_ = JSON.parse(byName("history").textContent);
+const isReplay = history_ !== null;
+
+readTheme();
+let source = null, player = null, plots = null, failsafe = null;
+let paused = false, shown = null, drawing = false, touched = true, later = 0;
+const due = { plan: 0, cards: 0, plots: 0 };
+
+/** Asks for a picture: at once for a touch, else when the next is due. */
+function schedule(at_once = false) {
+  touched ||= at_once;
+  if (drawing) return;
+  drawing = true;
+  const wait = at_once ? 0 : Math.max(0, due.plan - performance.now());
+  setTimeout(() => requestAnimationFrame(draw), wait);
+}
+
+function window_s() {
+  const chosen = Number(byName("window").value);
+  return chosen > 0 ? chosen : Infinity;
+}
+
+function range(t_s) {
+  const wide = window_s();
+  if (!isReplay) return [t_s - wide, t_s];
+  return Number.isFinite(wide) ? [Math.max(source.begin_s, t_s - wide), Math.max(t_s, source.begin_s + wide)] : [source.begin_s, source.end_s];
+}
+
+function draw() {
+  drawing = false;
+  const now = performance.now(), every = touched;
+  touched = false;
+  if (!paused || shown === null) shown = source.frame;
+  const chosen = plan.camera.mode in { fleet: 0, free: 0 } ? null : plan.camera.mode;
+  plan.draw(shown, window_s(), chosen);
+  due.plan = now + (isReplay ? 0 : PLAN_MS);
+  if (every || now >= due.cards) {
+    due.cards = now + CARDS_MS;
+    cards.show(shown.vessels, chosen);
+    tell(shown, chosen);
+  }
+  if (plots && (every || now >= due.plots)) {
+    due.plots = now + PLOTS_MS[shown.vessels.length > MANY ? 1 : 0];
+    drawPlots(chosen, every);
+  }
+  if (plots && isReplay) plots.cursor(shown.t_s);
+  // what was not due yet is shown then, also if nothing more comes
+  const wait = Math.max(0, Math.max(due.cards, plots ? due.plots : 0) - performance.now());
+  clearTimeout(later);
+  if (!every) later = setTimeout(() => schedule(true), wait);
+}
+
+let drawnPlots = "";
+
+function drawPlots(chosen, every) {
+  const [from, to] = range(shown.t_s);
+  const wanted = `${from} ${to} ${chosen} ${dark.matches} ${plots.charts.error.width}`;
+  if (isReplay && wanted === drawnPlots) return;
+  if (paused && !every) return;
+  drawnPlots = wanted;
+  const plotted = shown.vessels.filter((vessel, i) => i < MOST_PLOTTED || vessel.key === chosen);
+  plots.draw(plotted, from, to, chosen);
+}
+
+/** What is heard, the connection, the clock, whom the view can follow. */
+function tell(frame, chosen) {
+  const [kind, text] = source.status;
+  say(byName("status"), paused && !isReplay ? "paused" : text);
+  byName("status").className = paused && !isReplay ? "warn" : kind;
+  document.body.classList.toggle("cut", source.cut);
+  if (frame.heard) {
+    const { address, bytes_per_s, damaged, ignored } = frame.heard;
+    const garbage = source.garbage ? ` · ${source.garbage} frames not understood` : "";
+    const parts = [address ?? "", `${bytes(bytes_per_s)}/s`, `${frame.vessels.length} vessels`, `${bytes(damaged)} damaged`, `${fixed(ignored, 0)} messages ignored`];
+    say(byName("heard"), source.frames ? parts.join(" · ") + garbage : "");
+  }
+  byName("nothing").hidden = frame.vessels.length > 0;
+  say(byName("clock"), clock(frame.t_s));
+  say(byName("pause"), player ? (player.playing ? "Pause" : "Play") : paused ? "Go on" : "Pause");
+  byName("pause").setAttribute("aria-label", byName("pause").textContent);
+  const options = [["fleet", "whole fleet"], ["free", "free"], ...frame.vessels.map((vessel) => [vessel.key, nameOf(vessel)])];
+  fill(byName("centre"), options, plan.camera.mode);
+}
+
+/** Gives a select its options, only where they are others. */
+function fill(select, options, value) {
+  const wanted = options.map(([, text]) => text).join("\n");
+  if (select.dataset.options !== wanted) {
+    select.replaceChildren(...options.map(([key, text]) => new Option(text, key)));
+    select.dataset.options = wanted;
+  }
+  if (select.value !== value) select.value = value;
+}
+
+function centreOn(mode) {
+  plan.camera.mode = mode;
+  plan.camera.placed = false;
+  schedule(true);
+}
+
+function togglePause() {
+  if (player) player.toggle();
+  else paused = !paused;
+  schedule(true);
+}
+
+function openPage(name) {
+  for (const page of ["fleet", "failsafe"]) {
+    byName(page).hidden = page !== name;
+    byName(`tab-${page}`).setAttribute("aria-selected", String(page === name));
+  }
+  if (name === "failsafe") failsafe ??= new Failsafe();
+  schedule(true);
+}
+
+const plan = new Plan(byName("plan"), { track: (key) => source.track(key) });
+const cards = new Cards(byName("cards"), (key) => centreOn(plan.camera.mode === key ? "fleet" : key));
+const windows = WINDOWS_S.map((s) => [`${s}`, s < 60 ? `${s} s` : `${s / 60} min`]);
+fill(byName("window"), isReplay ? [["0", "all"], ...windows] : windows, isReplay ? "0" : "60");
+
+if (isReplay) {
+  source = new ReplaySource(history_);
+  player = new Player(source, () => schedule(!player?.playing));
+} else {
+  source = new LiveSource((at_once) => schedule(at_once));
+}
+listen();
+schedule(true);
+// the library's plots come after the first picture
+setTimeout(() => {
+  plots = new Plots(source);
+  schedule(true);
+}, 0);
+openPage(location.hash === "#failsafe" ? "failsafe" : "fleet");
+window.flotilla = { supervise, cleanFrame, plan, cards, get shown() { return shown; }, get source() { return source; }, get plots() { return plots; } };

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The plan view: everything that is drawn of a frame, in order, on a canvas that fits its box.
+class Plan {
+  constructor(canvas, source) {
+    this.canvas = canvas;
+    this.source = source;
+    this.camera = new Camera();
+    this.said = "";
+  }
+
+  /** Fits the canvas to its box and the screen's pixels. */
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
+      this.camera.placed = false;
+      this.canvas.width = Math.round(width * ratio);
+      this.canvas.height = Math.round(height * ratio);
+    }
+    [this.camera.width, this.camera.height] = [Math.max(width, 1), Math.max(height, 1)];
+    const ctx = this.canvas.getContext("2d");
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    return ctx;
+  }
+
+  /** Draws a frame with the trails of the last `window_s` seconds; `chosen`: key of one vessel. */
+  draw(frame, window_s, chosen) {
+    const ctx = this.resize(), camera = this.camera;
+    camera.aim(frame.vessels);
+    ctx.clearRect(0, 0, camera.width, camera.height);
+    ctx.lineJoin = "round";
+    drawGrid(ctx, camera);
+    const placed = frame.vessels.filter(isPlaced);
+    const byId = new Map(placed.map((vessel) => [vessel.id, vessel]));
+    for (const vessel of placed) {
+      const leader = byId.get(vessel.leader);
+      if (leader && leader !== vessel) drawFollows(ctx, camera, vessel, leader);
+    }
+    const most = Math.min(600, Math.max(60, TRAIL_POINTS / placed.length));
+    for (const vessel of placed) {
+      drawTrail(ctx, camera, vessel, this.source.track(vessel.key), [frame.t_s - window_s, frame.t_s, most]);
+    }
+    for (const vessel of frame.vessels) {
+      if (vessel.slot) drawSlot(ctx, camera, vessel, byId.get(vessel.leader)?.psi_rad ?? vessel.psi_rad ?? 0);
+    }
+    for (const vessel of placed.filter(({ kind }) => kind !== "leader")) {
+      drawThrust(ctx, camera, vessel);
+      drawHull(ctx, camera, vessel, vessel.key === chosen);
+    }
+    for (const vessel of placed.filter(({ kind }) => kind === "leader")) drawVirtual(ctx, camera, vessel);
+    this.names(ctx, placed);
+    drawScaleBar(ctx, camera);
+    drawNorth(ctx, camera);
+    this.describe(frame);
+  }
+
+  /** Names beside the vessels, with the state where it is not FORMATION. */
+  names(ctx, placed) {
+    ctx.font = `600 ${FONT}`;
+    const boats = placed.filter((vessel) => vessel.kind !== "leader");
+    const middle = boats.reduce((sum, vessel) => sum + vessel.y_m, 0) / boats.length;
+    for (const vessel of placed) {
+      const [right, middle_down] = this.camera.at(vessel.x_m, vessel.y_m);
+      // a virtual leader may be where a boat is
+      const down = middle_down - (vessel.kind === "leader" ? 14 : 0);
+      const beside = vessel.kind === "leader" ? 6 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 8;
+      const name = vessel.kind === "leader" ? "leader" : `${vessel.id}`;
+      const told = isSilent(vessel) ? `silent ${age(vessel.link_age_s)}` : vessel.state === "FORMATION" ? null : vessel.state;
+      const width = ctx.measureText(name).width, more = told ? ctx.measureText(told).width + 5 : 0;
+      // to the west of a boat that is in the west, so that names of neighbours do not meet
+      const west = vessel.kind !== "leader" && vessel.y_m < middle - 1e-6 && right - beside - width - more > 0;
+      const begin = west ? right - beside - width - more : right + beside;
+      write(ctx, name, begin, down + 4, isSilent(vessel) ? theme.stale : colourOf(vessel));
+      if (told) write(ctx, told, begin + width + 5, down + 4, theme[isSilent(vessel) ? "stale" : STATE_THEME[told]]);
+    }
+  }
+
+  /** The key of the vessel at a pixel, or null. */
+  under(right, down, vessels) {
+    let best = null, least = 22;
+    for (const vessel of vessels.filter(isPlaced)) {
+      const [x, y] = this.camera.at(vessel.x_m, vessel.y_m);
+      const far = Math.hypot(x - right, y - down) - 0.3 * hullPx(vessel, this.camera);
+      if (far < least) [best, least] = [vessel.key, far];
+    }
+    return best;
+  }
+
+  describe({ vessels }) {
+    const told = vessels.map((vessel) => `${nameOf(vessel)}${vessel.state ? ` ${vessel.state}` : ""}`);
+    const text = `Plan view, north up: ${told.join(", ") || "no vessel"}`;
+    if (text !== this.said) this.canvas.setAttribute("aria-label", text);
+    this.said = text;
+  }
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// The live source: frames from the view's WebSocket. What is no frame is counted and ignored.
+const SILENT_MS = 3000;
+const RETRY_MS = [250, 500, 1000, 2000];
+const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "link_age_s", "leader_age_s", "battery_V"];
+const STATES = CONFIG.supervisor.states;
+
+const textOr = (x) => (typeof x === "string" ? x : null);
+
+/** A vessel with everything that the page reads, each of its type or null; null without an id. */
+function cleanVessel(raw) {
+  if (raw === null || typeof raw !== "object" || !Number.isInteger(raw.id)) return null;
+  const out = { id: raw.id, key: `${raw.id}`, kind: ["boat", "leader"].includes(raw.kind) ? raw.kind : "vessel" };
+  for (const name of NUMBERS) out[name] = numberOr(raw[name]);
+  for (const name of ["slot", "thrust_N", "limits_N"]) out[name] = pair(raw[name]);
+  out.state = STATES.includes(raw.state) ? raw.state : null;
+  out.held = Array.isArray(raw.held) ? raw.held.filter((x) => typeof x === "string") : [];
+  out.text = textOr(raw.text);
+  const escs = Array.isArray(raw.escs) ? raw.escs.slice(0, 2) : [];
+  out.escs = escs.map((esc) => (esc !== null && typeof esc === "object" ? esc : {}));
+  return out;
+}
+
+/** A frame of what came over the wire; null where it is none. */
+function cleanFrame(text) {
+  let raw;
+  try {
+    raw = JSON.parse(text);
+  } catch {
+    return null;
+  }
+  if (raw === null || typeof raw !== "object" || !known(raw.t_s) || !Array.isArray(raw.vessels)) return null;
+  const unique = new Map();
+  for (const vessel of raw.vessels.map(cleanVessel)) if (vessel) unique.set(vessel.id, vessel);
+  const vessels = [...unique.values()].sort((a, b) => a.id - b.id);
+  return { t_s: raw.t_s, heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
+}
+
+class LiveSource {
+  /** `changed` is called after each frame, and with true whenever the connection comes or goes. */
+  constructor(changed) {
+    this.changed = changed;
+    this.frame = { t_s: 0, heard: {}, vessels: [] };
+    this.tracks = new Map();
+    this.garbage = 0;
+    this.frames = 0;
+    this.tries = 0;
+    this.status = ["warn", "connecting"];
+    this.connect();
+  }
+
+  get cut() {
+    return this.status[0] === "bad";
+  }
+
+  connect() {
+    const url = new URL("live", location.href);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    url.hash = url.search = "";
+    const socket = new WebSocket(url);
+    socket.onopen = () => this.say("warn", "connected, waiting for the first frame");
+    socket.onmessage = (event) => this.take(event.data);
+    socket.onclose = () => {
+      clearTimeout(this.watchdog);
+      this.say("bad", "connection to the view lost, trying again");
+      setTimeout(() => this.connect(), RETRY_MS[Math.min(this.tries++, RETRY_MS.length - 1)]);
+    };
+    this.socket = socket;
+  }
+
+  say(kind, text) {
+    if (this.status[0] === kind && this.status[1] === text) return;
+    this.status = [kind, text];
+    this.changed(true);
+  }
+
+  take(data) {
+    const frame = typeof data === "string" ? cleanFrame(data) : null;
+    if (frame === null) {
+      this.garbage += 1;
+      return;
+    }
+    clearTimeout(this.watchdog);
+    this.watchdog = setTimeout(() => this.say("bad", "the view says nothing any more"), SILENT_MS);
+    this.tries = 0;
+    this.frames += 1;
+    this.status = ["good", "live"];
+    // a view that was started again counts from 0
+    if (frame.t_s < this.frame.t_s - 1) this.tracks.clear();
+    this.frame = frame;
+    const here = new Set(frame.vessels.map((vessel) => vessel.key));
+    for (const key of this.tracks.keys()) if (!here.has(key)) this.tracks.delete(key);
+    for (const vessel of frame.vessels) this.track(vessel.key).push(frame.t_s, vessel);
+    this.changed();
+  }
+
+  track(key) {
+    if (!this.tracks.has(key)) this.tracks.set(key, new Track());
+    return this.tracks.get(key);
+  }
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// The replay source: a history's columns, and the frame of any instant of it.
+
+/** base64 of little-endian float32 as numbers. */
+function columnOf(text) {
+  const raw = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const view = new DataView(raw.buffer);
+  return Float32Array.from({ length: raw.length >> 2 }, (_, i) => view.getFloat32(4 * i, true));
+}
+
+/** Value of a list of [t_s, value] that holds at time s. */
+function holding(list, s, otherwise) {
+  let found = otherwise;
+  for (const [from_s, value] of list ?? []) {
+    if (from_s > s + 1e-9) break;
+    found = value;
+  }
+  return found;
+}
+
+const CHANGING = [
+  "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m",
+  "thrust_port_N", "thrust_stbd_N", "link_age_s", "leader_age_s", "battery_V",
+];
+
+class ReplaySource {
+  constructor(history) {
+    this.t = columnOf(history.t_s);
+    this.vessels = history.vessels.map((vessel, i) => {
+      const columns = Object.fromEntries(
+        CHANGING.filter((name) => typeof vessel[name] === "string").map((name) => [name, columnOf(vessel[name])]));
+      return { ...vessel, key: `${i}`, columns };
+    });
+    this.begin_s = this.t[0] ?? 0;
+    this.end_s = this.t[this.t.length - 1] ?? 0;
+    this.status = ["good", "replay"];
+    this.tracks = new Map(this.vessels.map((vessel) => [vessel.key, this.trackOf(vessel)]));
+    this.seek(this.begin_s);
+  }
+
+  get cut() {
+    return false;
+  }
+
+  trackOf({ columns }) {
+    const nothing = new Float32Array(this.t.length).fill(NaN);
+    const { u_mps: u, v_mps: v } = columns;
+    return new Track(this.t, {
+      x_m: columns.x_m ?? nothing, y_m: columns.y_m ?? nothing, error_m: columns.error_m ?? nothing,
+      port_N: columns.thrust_port_N ?? nothing, stbd_N: columns.thrust_stbd_N ?? nothing,
+      speed_mps: u && v ? u.map((x, i) => Math.hypot(x, v[i])) : nothing,
+    });
+  }
+
+  track(key) {
+    return this.tracks.get(key);
+  }
+
+  seek(s) {
+    this.t_s = Math.min(Math.max(s, this.begin_s), this.end_s);
+    const after = Math.min(this.tracks.size ? this.tracks.get("0").index(this.t_s) : 0, this.t.length - 1);
+    const before = Math.max(after - 1, 0);
+    const span = this.t[after] - this.t[before];
+    const share = span > 0 ? (this.t_s - this.t[before]) / span : 1;
+    const vessels = this.vessels.map((vessel) => this.vesselAt(vessel, before, after, share));
+    this.frame = { t_s: this.t_s, heard: null, vessels };
+  }
+
+  vesselAt(vessel, before, after, share) {
+    const at = (name) => {
+      const column = vessel.columns[name];
+      if (!column) return null;
+      const a = column[before], b = column[after];
+      if (!known(a) || !known(b)) return numberOr(share < 0.5 ? a : b);
+      const gap = name === "psi_rad" ? Math.atan2(Math.sin(b - a), Math.cos(b - a)) : b - a;
+      return a + share * gap;
+    };
+    const both = (one, other) => (known(one) && known(other) ? [one, other] : null);
+    const values = Object.fromEntries(CHANGING.map((name) => [name, at(name)]));
+    return {
+      id: vessel.id, key: vessel.key, kind: vessel.kind, leader: vessel.leader ?? null,
+      length_m: vessel.length_m ?? null, limits_N: pair(vessel.limits_N), escs: [], ...values,
+      slot: both(values.slot_x_m, values.slot_y_m),
+      thrust_N: both(values.thrust_port_N, values.thrust_stbd_N),
+      state: holding(vessel.states, this.t_s, null),
+      held: holding(vessel.held, this.t_s, []),
+      text: holding(vessel.texts, this.t_s, null),
+    };
+  }
+}

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""The page as text: whole, small, and of the firmware's own table."""
+
+import json
+import re
+from pathlib import Path
+
+import flotilla
+import pytest
+
+from sil.view import history, page
+from sil.view.history import Boat
+
+NOTHING = {"title": "nothing", "t_s": history.column([]), "vessels": []}
+
+
+def told(text: str) -> dict[str, object]:
+    vessel = history.vessel(Boat(1), "boat", {"x_m": [0.0, 1.0], "y_m": [0.0, 1.0]})
+    vessel["texts"] = [[0.0, text]]
+    return {"title": text, "t_s": history.column([0.0, 1.0]), "vessels": [vessel]}
+
+
+def test_live_page_is_small_and_needs_no_other_file() -> None:
+    text = page.live()
+    assert len(text.encode()) < 1_000_000
+    assert not re.search(r'<(script|img|iframe)[^>]* src=|<link[^>]* href="(?!data:)|@import', text)
+    assert "default-src 'none'" in text and "connect-src 'self'" in text
+
+
+def test_replay_page_may_ask_for_nothing_at_all() -> None:
+    assert "connect-src 'none'" in page.page_with(NOTHING, "nothing")
+
+
+def test_what_a_boat_says_is_never_markup() -> None:
+    text = page.page_with(told("</script><script>alert(1)</script>"), "<b>a & b</b>")
+    assert text.count("</script>") == page.page_with(NOTHING, "nothing").count("</script>")
+    assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;</title>" in text
+    (found,) = re.findall(r'id="history">(.*?)</script>', text)
+    assert json.loads(found) == told("</script><script>alert(1)</script>")
+
+
+def test_frame_is_one_attribute_of_the_report() -> None:
+    text = page.frame_with(told('"</iframe>" & more'), "a run")
+    assert text.count('"') == 6 and text.count("<") == 2 and text.endswith("</iframe>")
+
+
+def test_page_without_the_plot_library_names_the_package(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    page.library.cache_clear()
+    monkeypatch.setattr(page, "LIBRARY", tmp_path / "chart.min.js")
+    with pytest.raises(page.PageError, match=r"apt-get install libjs-chart\.js"):
+        page.live()
+    assert "libjs-chart.js" in page.frame_with(NOTHING, "nothing")
+    monkeypatch.undo()
+    page.library.cache_clear()
+    assert "Chart.js" in page.library()
+
+
+def test_supervisor_is_the_firmwares() -> None:
+    content = json.loads(page.supervisor_json())
+    assert content["table"] == flotilla.supervisor_table()
+    assert content["conditions"] == flotilla.supervisor_conditions()
+    assert set(content["requests"]) == {row["request"] for row in flotilla.supervisor_table()}
+    assert set(content["drives"]) == {"MANUAL", "FORMATION", "COAST", "TEST"}
+
+
+def test_choices_are_those_of_the_table() -> None:
+    names = {c["name"] for c in flotilla.supervisor_conditions()}
+    chosen = {name for row in flotilla.supervisor_table() for name in row["needs"]} - names
+    offered = {
+        f"{choice['name']} {value}"
+        for choice in json.loads(page.supervisor_json())["choices"]
+        for value, _ in choice["options"]
+    }
+    assert chosen <= offered

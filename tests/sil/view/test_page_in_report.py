@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: MIT
+"""Reports in Chromium: the page that they carry plays."""
+
+from pathlib import Path
+
+from sil import report
+from tests.sil.test_report import COMMAND, made_up_run
+from tests.sil.view.browser import Browser
+
+INSIDE = "const inside = frames[0]; return "
+
+
+def test_report_of_a_run_plays_it(browser: Browser, tmp_path: Path) -> None:
+    report.write(tmp_path, *made_up_run(), COMMAND)
+    browser.open((tmp_path / "report.html").as_uri())
+    browser.until(INSIDE + "inside.flotilla?.plots && inside.flotilla.shown !== null")
+    assert browser.run(INSIDE + "inside.document.querySelectorAll('.card').length") == 3
+    browser.run(INSIDE + "inside.document.getElementById('pause').click()")
+    browser.until(INSIDE + "inside.flotilla.shown.t_s > 0.3")
+
+
+def test_report_fits_a_phone(browser: Browser, tmp_path: Path) -> None:
+    report.write(tmp_path, *made_up_run(), COMMAND)
+    browser.size(360, 740)
+    browser.open((tmp_path / "report.html").as_uri())
+    browser.until(INSIDE + "inside.flotilla?.shown && true")
+    wide = INSIDE + "[document, inside.document].map((d) => d.documentElement.scrollWidth)"
+    outer, inner = browser.run(wide)
+    assert outer <= 360 and inner <= browser.run(INSIDE + "inside.innerWidth")

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""The live page in Chromium, fed with a fleet that is made up."""
+
+import pytest
+
+from tests.sil.view.browser import Browser
+from tests.sil.view.feeder import Feeder, boat, feeding, fleet, frame, leader
+from tests.sil.view.live_page import CARD, LIVE, shown, word
+
+GARBAGE: list[str | bytes] = [
+    "",
+    "null",
+    "{}",
+    "[1, 2",
+    '{"t_s": "soon", "vessels": []}',
+    '{"t_s": 1, "vessels": {}}',
+    b"\x00\xff\xfd",
+    '{"t_s": 1e999, "vessels": []}',
+]
+ODD = [None, 7, "boat", [], {}, {"id": "one"}, {"id": 1.5}]
+
+
+def places(browser: Browser) -> dict[str, list[float]]:
+    """North and east of every vessel that is shown, by name."""
+    script = """return Object.fromEntries(flotilla.shown.vessels.map((v) =>
+      [v.key, flotilla.plan.camera.at(v.x_m, v.y_m).concat([v.x_m, v.y_m])]))"""
+    found: dict[str, list[float]] = browser.run(script)
+    return found
+
+
+def test_four_boats_move_on_the_plan_and_have_a_card_each(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    before = places(browser)
+    assert set(before) == {"1", "2", "3", "4", "100"}
+    browser.until(
+        "return flotilla.shown.t_s > arguments[0]", browser.run("return flotilla.shown.t_s") + 1
+    )
+    after = places(browser)
+    assert all(after[key][2:] != before[key][2:] for key in before)
+    cards = browser.run(
+        "return [...document.querySelectorAll('.card h3')].map((c) => c.textContent)"
+    )
+    assert cards == ["Boat 1", "Boat 2", "Boat 3", "Boat 4", "Leader 100"]
+    label = browser.run("return document.getElementById('plan').getAttribute('aria-label')")
+    assert "Boat 3 FORMATION" in label
+
+
+def test_nothing_but_the_page_and_its_socket_is_asked_for(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    asked = [url for url in browser.asked_for() if url.startswith(("http", "ws"))]
+    assert asked == [four.url, f"{four.url.replace('http', 'ws')}live"]
+
+
+def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    assert word(browser, "Boat 2", ".state") == "FORMATION"
+    lost = {"held": ["leader's state is not fresh"], "text": "leader is lost", "leader_age_s": 1.2}
+    for state in ("COAST", "HOLD"):
+        four.frames = lambda t_s, state=state: frame(  # type: ignore[misc]
+            t_s, [leader(t_s), boat(1, t_s), boat(2, t_s, state=state, **lost)]
+        )
+        browser.until(
+            f"{CARD} return card.querySelector('.state').textContent === '{state}'", "Boat 2"
+        )
+        assert word(browser, "Boat 2", ".held") == "leader's state is not fresh"
+    assert word(browser, "Boat 2", ".said") == "“leader is lost”"
+    assert word(browser, "Boat 1", ".state") == "FORMATION"
+
+
+def test_vessel_that_is_silent_is_greyed_and_one_that_is_gone_has_no_card(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, link_age_s=12.3)])
+    browser.until(f"{CARD} return card.classList.contains('stale')", "Boat 2")
+    assert word(browser, "Boat 2", ".held") == "silent for 12 s"
+    assert browser.run("return document.querySelectorAll('.card').length") == 2
+    four.frames = lambda t_s: frame(t_s, [])
+    browser.until("return !document.getElementById('nothing').hidden")
+    assert browser.run("return document.querySelectorAll('.card').length") == 0
+
+
+def test_page_says_what_is_heard(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    heard = browser.run("return document.getElementById('heard').textContent")
+    assert heard == "mcast: · 12.3 kB/s · 5 vessels · 7 B damaged · 3 messages ignored"
+
+
+def test_page_says_that_the_view_went_away_and_goes_on_when_it_is_back(browser: Browser) -> None:
+    with feeding(fleet(2), begin_s=500.0) as feeder:
+        shown(browser, feeder)
+        port = feeder.port
+    browser.until("return document.getElementById('status').className === 'bad'")
+    assert browser.run("return document.body.classList.contains('cut')")
+    with feeding(fleet(3), port):
+        browser.until(LIVE)
+        browser.until("return document.querySelectorAll('.card').length === 4")
+        # the view counts from 0 again: what was before is no past of this
+        assert browser.run("return flotilla.source.track('1').t[0] < 400")
+    assert all("WebSocket connection" in text for text in browser.errors())
+    browser.forget()
+
+
+@pytest.mark.parametrize("message", GARBAGE, ids=range(len(GARBAGE)))
+def test_garbage_is_counted_and_the_fleet_goes_on(
+    browser: Browser, four: Feeder, message: str | bytes
+) -> None:
+    shown(browser, four)
+    four.frames = lambda _: message
+    browser.until("return flotilla.source.garbage > 0")
+    four.frames = fleet(2)
+    browser.until("return document.querySelectorAll('.card').length === 3")
+    assert "frames not understood" in browser.until(
+        "return document.getElementById('heard').textContent"
+    )
+
+
+def test_vessels_of_the_wrong_types_are_left_out_or_unknown(browser: Browser, four: Feeder) -> None:
+    wrong = {name: ["x"] for name in boat(9, 0.0) if name != "id"}
+    dots = {**boat(8, 0.0), "x_m": None, "psi_rad": "north", "slot": [1], "escs": [None, 3]}
+    again = boat(7, 1.0)
+    four.frames = lambda t_s: frame(t_s, [*ODD, {"id": 9, **wrong}, dots, again, again, {"id": 6}])
+    shown(browser, four)
+    cards = browser.run(
+        "return [...document.querySelectorAll('.card h3')].map((c) => c.textContent)"
+    )
+    assert cards == ["Vessel 6", "Boat 7", "Boat 8", "Vessel 9"]
+
+
+def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
+    shown(browser, four, fleet(100))
+    browser.until("return document.querySelectorAll('.card').length === 100")
+    browser.until("return flotilla.plots.charts.error.data.datasets.length === 40")
