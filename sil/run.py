@@ -20,8 +20,7 @@ from sil.live import build as build_flotillad
 from sil.metrics import Summary
 from sil.plant.hull import Array
 from sil.scenario import Scenario
-from sil.view import history
-from sil.view.history import boats_of
+from sil.view.recorded import history_of
 from sil.world import Progress, Run, World
 
 
@@ -110,7 +109,9 @@ def _finish(
         "boats": boats,
         "min_separation_m": separation_m,
     }
-    replayed = history.of_trace(trace, f"{scenario.name}, seed {scenario.seed}", boats_of(scenario))
+    title, recording = f"{scenario.name}, seed {scenario.seed}", out / "recording.bin"
+    recorded = recording if result.digest is not None else None
+    replayed = history_of(title, trace, scenario, recorded)
     write(out, summary, trace, command, replayed)
     console.print(report.table(summary))
     for boat in summary["boats"]:

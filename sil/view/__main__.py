@@ -5,13 +5,15 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
 from sil.recording import MAGIC
 from sil.start import RunError
-from sil.view.history import History
+from sil.view.history import LENGTH_M
 from sil.view.live import Live
+from sil.view.page import PageError
 from sil.view.recorded import history_of_run
 from sil.view.serve import serve
 from sil.view.tlog import history_of_tlog
@@ -20,10 +22,9 @@ from sil.wire.mavlink_mcast import LOOPBACK, host_and_port
 _SOURCE = """a live fleet: mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT,
 /dev/TTY[:BAUD]; or what was recorded: a tlog, the folder of a run, or that of a campaign, whose
 worst run is sailed again"""
-_LENGTH_M = 1.0
 
 
-def source_of(text: str, length_m: float | None) -> Live | History:
+def source_of(text: str, length_m: float | None) -> Live | dict[str, Any]:
     """What there is to be seen; ValueError, OSError or RunError where it cannot be."""
     path = Path(text)
     if (path / "campaign.json").is_file():
@@ -38,8 +39,8 @@ def source_of(text: str, length_m: float | None) -> Live | History:
             is_recording = file.read(len(MAGIC)) == MAGIC
         if is_recording:
             return history_of_run(path.parent, length_m)
-        return history_of_tlog(path, length_m or _LENGTH_M)
-    return Live(text, length_m or _LENGTH_M)
+        return history_of_tlog(path, length_m or LENGTH_M)
+    return Live(text, length_m or LENGTH_M)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -60,7 +61,7 @@ def main(arguments: Sequence[str]) -> int:
         serve(source_of(options.source, options.length), bind)
     except KeyboardInterrupt:
         return 0
-    except (ValueError, OSError, RunError) as error:
+    except (ValueError, OSError, RunError, PageError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from sil.plant.hull import Array
 from sil.recording import MAVLINK_OUT, Recording
 from sil.view import messages
+from sil.view.changes import Changes
 from sil.view.ear import Ear
-from sil.view.history import Changes, column
+from sil.view.history import column
 from sil.view.vessel import Vessel
 
 _RADIO = MAVLINK_OUT + 1
@@ -27,8 +27,8 @@ Bytes = npt.NDArray[np.uint8]
 Places = npt.NDArray[np.int64]
 
 
-class _Boat:
-    """What one boat has said, over time; `held` for true from the release on, t_s 0."""
+class SaidByBoat:
+    """What one boat has said, over time; what it said before the release, t_s 0, as of then."""
 
     def __init__(self, system: int) -> None:
         self._vessel = Vessel(system, 0.0)
@@ -49,27 +49,23 @@ class _Boat:
         if told is not None and told[1] is not None:
             self.numbers[told[0]].append((t_s, told[1]))
 
+    def told(self, t_s: npt.NDArray[np.floating]) -> dict[str, Any]:
+        """What a history has of it: lists of changes, columns at the times `t_s`."""
+        columns = {}
+        for name, numbers in self.numbers.items():
+            if numbers:
+                at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
+                columns[name] = column(values[np.searchsorted(at_s, t_s, side="right") - 1])
+        changes = {"states": self.states, "held": self.held, "texts": self.texts}
+        return {**{name: each.list for name, each in changes.items()}, **columns}
+
 
 class Said:
     """What all boats of a run said; `parameters`: of their firmware, boat 1's first."""
 
     def __init__(self, parameters: list[dict[str, float]]) -> None:
         self.parameters = parameters
-        self.boats = [_Boat(int(own["MAV_SYSID"])) for own in parameters]
-
-    def of(self, agent: int, t_s: Array) -> dict[str, Any]:
-        """What a history has of an agent's: lists of changes, columns at times `t_s`."""
-        boat = self.boats[agent - 1]
-        told: dict[str, Any] = {
-            "states": boat.states.list,
-            "held": boat.held.list,
-            "texts": boat.texts.list,
-        }
-        for name, numbers in boat.numbers.items():
-            if numbers:
-                at, values = np.array([(-np.inf, np.nan), *numbers]).T
-                told[name] = column(values[np.searchsorted(at, t_s, side="right") - 1])
-        return told
+        self.boats = [SaidByBoat(int(own["MAV_SYSID"])) for own in parameters]
 
 
 def said_in(path: Path, duration_us: float) -> Said:

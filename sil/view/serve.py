@@ -14,7 +14,6 @@ from tornado.ioloop import PeriodicCallback
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from sil.view import page
-from sil.view.history import History
 from sil.view.live import FRAMES_PER_S, Live
 
 _POLICY = (
@@ -26,7 +25,7 @@ _POLICY = (
 class Server:
     """Serves `source` at `bind` (host, port; port 0: any) while a loop runs; OSError."""
 
-    def __init__(self, source: Live | History, bind: tuple[str, int]) -> None:
+    def __init__(self, source: Live | dict[str, Any], bind: tuple[str, int]) -> None:
         self._source = source
         self._clients: set[_Frames] = set()
         try:
@@ -127,7 +126,7 @@ def _no_log(_: tornado.web.RequestHandler) -> None:
     pass
 
 
-def serve(source: Live | History, bind: tuple[str, int]) -> None:
+def serve(source: Live | dict[str, Any], bind: tuple[str, int]) -> None:
     """Serve until interrupted; says where. OSError where it cannot."""
 
     async def run() -> None:

@@ -10,35 +10,28 @@ from pathlib import Path
 from typing import Any
 
 from sil.view import messages
+from sil.view.changes import Changes
 from sil.view.ear import Message, first
 from sil.view.fleet import Fleet
-from sil.view.history import Changes, History, column, most_samples
+from sil.view.history import COLUMNS, LENGTH_M, column, most_samples
 from sil.view.vessel import Vessel
 
 _TIME_BYTES = 8
 _LONGEST_GAP_S = 3600.0
 _FIRST_STEP_S = 0.1
 _MOMENT_S = 0.001
-_COLUMNS: dict[str, tuple[str, int | None]] = {
-    "x_m": ("x_m", None),
-    "y_m": ("y_m", None),
-    "psi_rad": ("psi_rad", None),
-    "u_mps": ("u_mps", None),
-    "v_mps": ("v_mps", None),
+# Where a column is not a number of the frame by its own name.
+_PLACES = {
     "slot_x_m": ("slot", 0),
     "slot_y_m": ("slot", 1),
-    "error_m": ("error_m", None),
     "thrust_port_N": ("thrust_N", 0),
     "thrust_stbd_N": ("thrust_N", 1),
-    "link_age_s": ("link_age_s", None),
-    "leader_age_s": ("leader_age_s", None),
-    "battery_V": ("battery_V", None),
 }
-_NOTHING = [nan] * len(_COLUMNS)
+_NOTHING = [nan] * len(COLUMNS)
 Told = dict[str, Any]
 
 
-def history_of_tlog(path: Path, length_m: float = 1.0) -> History:
+def history_of_tlog(path: Path, length_m: float = LENGTH_M) -> dict[str, Any]:
     """The history of a tlog; `length_m`: of its boats. ValueError where it has no messages.
 
     Its clock may have been set meanwhile: steps back, and ahead by more than an hour, are no time.
@@ -84,7 +77,7 @@ class _Watch:
         for vessel in self._fleet.vessels(t_s):
             self._told.setdefault(vessel["id"], _Told()).look(len(self.times), vessel)
         self.times.append(t_s)
-        if len(self.times) >= most_samples(len(self._told)):
+        if len(self.times) >= most_samples(max(1, len(self._told))):
             self._step_s *= 2.0
             for told in self._told.values():
                 told.halve(len(self.times))
@@ -104,7 +97,7 @@ class _Told:
     def look(self, index: int, vessel: Told) -> None:
         """The view's sample of that index."""
         self._fill(index)
-        self._rows.append([_number(vessel[name], place) for name, place in _COLUMNS.values()])
+        self._rows.append([_number(vessel, name) for name in COLUMNS])
         self.last = vessel
         self._leader = self._leader if vessel["leader"] is None else vessel["leader"]
         self._limits_N = vessel["limits_N"] or self._limits_N
@@ -123,10 +116,10 @@ class _Told:
     def history(self, samples: int) -> Told:
         """The vessel as a history has it."""
         self._fill(samples)
-        columns = zip(_COLUMNS, zip(*self._rows, strict=True), strict=True)
+        columns = zip(COLUMNS, zip(*self._rows, strict=True), strict=True)
         return {
             **{name: self.last[name] for name in ("id", "kind", "length_m")},
-            "limits_N": self._limits_N,
+            "limits_N": self._limits_N and list(self._limits_N),
             "leader": self._leader,
             **{name: column(values) for name, values in columns},
             "states": self._states.list,
@@ -138,7 +131,9 @@ class _Told:
         self._rows += [_NOTHING] * (samples - len(self._rows))
 
 
-def _number(value: Any, place: int | None) -> float:
+def _number(vessel: Told, column_name: str) -> float:
+    name, place = _PLACES.get(column_name, (column_name, None))
+    value = vessel[name]
     if value is not None and place is not None:
         value = value[place]
     return nan if value is None else float(value)

@@ -2,6 +2,7 @@
 """The worst run of a campaign, sailed again with its recording."""
 
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -9,7 +10,6 @@ from sil.campaign import finished, page_tables, replay
 from sil.campaign.finished import Campaign
 from sil.campaign.sampling import Sampler
 from sil.toml_errors import Source
-from sil.view.history import History
 from sil.view.recorded import history_of_run
 
 
@@ -21,7 +21,9 @@ def worst_run(campaign: Campaign) -> int:
     return runs[0]
 
 
-def history_of_worst(folder: Path, console: Console, length_m: float | None = None) -> History:
+def history_of_worst(
+    folder: Path, console: Console, length_m: float | None = None
+) -> dict[str, Any]:
     """The history of the worst run of the campaign in `folder`.
 
     It is sailed into the folder where `campaign --run` leaves it, unless it is there already.

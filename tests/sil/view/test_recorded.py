@@ -71,7 +71,7 @@ def test_slots_are_where_the_scenario_puts_them(lost: Path) -> None:
         for axis, name in enumerate(("x_m", "y_m")):
             offset = numbers(own[f"slot_{name}"]) - numbers(leader[name])
             np.testing.assert_allclose(offset, boat.offset_m[axis], atol=1e-4)
-    assert vessels[1]["leader"] == 100 and vessels[1]["limits_N"] == (-50.0, 50.0)
+    assert vessels[1]["leader"] == 100 and vessels[1]["limits_N"] == [-50.0, 50.0]
 
 
 def test_a_history_has_what_boats_said_of_themselves_from_the_release_on(lost: Path) -> None:
@@ -101,7 +101,7 @@ def test_the_recording_of_another_run_is_not_that_of_a_live_one(lost: Path, tmp_
     )
     vessels = by_id(history_of_run(tmp_path / "live"))
     assert vessels[1]["states"] == [] and vessels[2]["leader"] == 1
-    assert vessels[1]["limits_N"] == (-50.0, 50.0)
+    assert vessels[1]["limits_N"] == [-50.0, 50.0]
 
 
 @pytest.mark.parametrize("damage", ["nothing", "summary.json", "trace.npz", "recording.bin"])

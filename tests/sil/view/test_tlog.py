@@ -75,7 +75,7 @@ def test_boats_are_played_back_where_they_were(sailed: tuple[Path, Array]) -> No
             shown = numbers(vessels[agent][name])[late]
             # what was told up to 0.05 s before, at some 1.5 m/s
             np.testing.assert_allclose(shown, truth[ticks, agent, axis], atol=0.12)
-        assert vessels[agent]["length_m"] == 1.5 and vessels[agent]["limits_N"] == (-50.0, 50.0)
+        assert vessels[agent]["length_m"] == 1.5 and vessels[agent]["limits_N"] == [-50.0, 50.0]
     follows = [boat.follows for boat in scenario.load("diamond").boat]
     assert [vessels[i]["leader"] for i in (1, 2, 3, 4)] == [follow or 100 for follow in follows]
     assert vessels[100]["kind"] == "leader"
