@@ -10,8 +10,10 @@ from typing import Any
 
 import can
 from rich.console import Console
+from rich.progress import Progress
 
 from sil import arguments, scenario
+from sil.logs import run_folder
 from sil.policies import PolicyViolationError
 from sil.run import live, run
 from sil.start import StartError
@@ -25,6 +27,9 @@ def add_to(commands: Any) -> None:
     )
     for command in (lockstep, in_real_time):
         arguments.add_to(command, out="folder of the results (out/SCENARIO)")
+    lockstep.add_argument(
+        "--mcap", action="store_true", help="leave run.mcap too, for Foxglove, Lichtblick, Rerun"
+    )
     in_real_time.add_argument(
         "--bus",
         required=True,
@@ -56,6 +61,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         repeat = shlex.join(["python", "-m", "sil", *given])
         if options.command == "run":
             run(chosen, out, parameters, repeat, Console())
+            _leave_mcap(out, options.mcap, Console())
         else:
             live(chosen, options.bus, out, parameters, repeat, Console(), options.mavlink)
     except PolicyViolationError as error:
@@ -65,3 +71,15 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
+
+
+def _leave_mcap(out: Path, wanted: bool, console: Console) -> None:
+    """Write the log of the run in `out`; unwanted, none of an earlier run stays there."""
+    path = out / run_folder.NAME
+    if not wanted:
+        path.unlink(missing_ok=True)
+        return
+    with Progress(console=console) as shown:
+        task = shown.add_task(run_folder.NAME, total=1.0)
+        run_folder.convert(out, path, lambda share: shown.update(task, completed=share))
+    console.print(f"log: {path}", soft_wrap=True)

@@ -2,7 +2,7 @@
 // The fleet on the plan view: trails, tree, slots, hulls to scale, names.
 const LEAST_HULL_PX = 22;
 const SILENT_S = 5;
-const TRAIL_POINTS = 3000, FADES = 8; // of all trails together
+const TRAIL_POINTS = 3000, FADES = 6; // of all trails together
 // outline of a hull of length 1: forward, starboard; as in the pictures of reports
 const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
 

@@ -9,7 +9,7 @@ class Failsafe {
     this.complaints = new Map(conditions.map(({ name, complaint }) => [name, complaint]));
     this.state = "FORMATION";
     this.boxes = new Map();
-    const places = Object.fromEntries(["verdict", "states", "requests", "choices", "conditions", "story"].map((id) => [id, document.getElementById(id)]));
+    const places = Object.fromEntries(["verdict", "states", "requests", "choices", "boats", "conditions", "story"].map((id) => [id, document.getElementById(id)]));
     this.places = places;
     this.pills = states.map((state) => this.button(places.states, state, () => this.put(state)));
     for (const request of requests) if (request !== "nothing") this.button(places.requests, request, () => this.ask(request));
@@ -71,10 +71,19 @@ class Failsafe {
     this.settle([`put into ${state}`]);
   }
 
-  /** A boat as it is now: its state, what it lacks, by what it says. */
-  take(state, held) {
+  /** A button for each boat whose state is known. */
+  offer(vessels) {
+    for (const made of this.places.boats.querySelectorAll("button")) made.remove();
+    const boats = vessels.filter((vessel) => vessel.state !== null);
+    this.places.boats.hidden = !boats.length;
+    for (const boat of boats) this.button(this.places.boats, nameOf(boat), () => this.take(boat));
+  }
+
+  /** A boat as it is: its state, and what it says that it lacks. */
+  take({ id, state, held }) {
     for (const [name, box] of this.boxes) box.checked = !held.includes(this.complaints.get(name));
-    this.put(state);
+    this.state = state;
+    this.settle([`as boat ${id} is: ${state}`]);
   }
 
   ask(request) {

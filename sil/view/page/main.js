@@ -114,7 +114,10 @@ function openPage(name) {
     byName(page).hidden = page !== name;
     byName(`tab-${page}`).setAttribute("aria-selected", String(page === name));
   }
-  if (name === "failsafe") failsafe ??= new Failsafe();
+  if (name === "failsafe") {
+    failsafe ??= new Failsafe();
+    failsafe.offer((shown ?? source.frame).vessels);
+  }
   schedule(true);
 }
 

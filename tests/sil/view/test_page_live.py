@@ -127,6 +127,16 @@ def test_vessels_of_the_wrong_types_are_left_out_or_unknown(browser: Browser, fo
     assert cards == ["Vessel 6", "Boat 7", "Boat 8", "Vessel 9"]
 
 
+def test_boat_that_holds_can_be_played_with_as_it_is(browser: Browser, four: Feeder) -> None:
+    held = {"held": ["own state jumps"], "state": "HOLD"}
+    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **held)]))
+    browser.run("document.getElementById('tab-failsafe').click()")
+    browser.run("document.querySelectorAll('#boats button')[1].click()")
+    script = """const lost = [...document.querySelectorAll('#conditions input:not(:checked)')];
+      return [document.querySelector('#verdict .state').textContent, lost.map((box) => box.id)]"""
+    assert browser.run(script) == ["HOLD", ["met-own_steady"]]
+
+
 def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
     shown(browser, four, fleet(100))
     browser.until("return document.querySelectorAll('.card').length === 100")

@@ -75,3 +75,21 @@ def test_drag_moves_the_plan_and_the_wheel_zooms_where_it_points(
     )
     browser.until("return flotilla.plan.camera.scale > arguments[0]", pointed[2])
     assert browser.run(under)[:2] == pytest.approx(pointed[:2], abs=2.0 / pointed[2])
+
+
+def test_two_fingers_zoom(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    scale = browser.run("return flotilla.plan.camera.scale")
+    fingers = []
+    for name, begin, end in (("one", 300, 200), ("other", 400, 500)):
+        moves = [
+            {"type": "pointerMove", "x": begin, "y": 300},
+            {"type": "pointerDown", "button": 0},
+            {"type": "pointerMove", "x": end, "y": 300, "duration": 50},
+            {"type": "pointerUp", "button": 0},
+        ]
+        touch = {"pointerType": "touch"}
+        fingers.append({"type": "pointer", "id": name, "parameters": touch, "actions": moves})
+    browser.call("POST", "/actions", {"actions": fingers})
+    browser.until("return flotilla.plan.camera.scale > 2.9 * arguments[0]", scale)
+    assert browser.run("return flotilla.plan.camera.scale") == pytest.approx(3.0 * scale, rel=0.02)

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: MIT
+"""The logs of one boat or several, telemetry and CAN, as one MCAP file.
+
+A vessel's messages are taken from its own tlog where that is among them, else from all that heard
+it. What goes out over several links is in a tlog as often; the same payload counts once in 0.2 s.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from heapq import merge
+from operator import itemgetter
+from pathlib import Path
+from typing import NamedTuple
+
+from sil.logs import candump, telemetry, tlog, track
+from sil.logs.esc_messages import ESC_INFO, ESC_STATUS
+from sil.logs.escs import EscBus, EscReport
+from sil.logs.output import Output
+from sil.logs.telemetry import Telemetry
+from sil.logs.tlog import Facts, Packet
+from sil.logs.track import Track
+
+_TWICE_US = 200_000
+_MANY = 10_000
+
+Progress = Callable[[float], None]
+Teller = int | Path
+
+
+class Done(NamedTuple):
+    """What came of it: vessels by name, messages written, bytes that could not be read."""
+
+    vessels: list[str]
+    messages: int
+    damaged: int
+
+
+class _Vessel:
+    """All that one system says."""
+
+    def __init__(self, output: Output, name: str, facts: Iterable[Facts], system: int) -> None:
+        components = [c for one in facts for c in one.components.get(system, ())]
+        origins = [one.origins[system] for one in facts if system in one.origins]
+        self._component = min(components, default=None)
+        self._track = Track(output, name, origins[0] if origins else None)
+        self._escs = EscReport(output, name)
+        self.telemetry = Telemetry(output, name, tells_law=True)
+        self.has_bus = False
+
+    def take(self, packet: Packet) -> bool:
+        """Takes a packet of `tlog.NEEDED`; whether it was whole."""
+        message, t_ns, kind = packet.decoded(), 1000 * packet.t_us, packet.message_id
+        if message is None:
+            return False
+        if kind in telemetry.MESSAGES:
+            self.telemetry.take(t_ns, message)
+        elif kind in track.MESSAGES:
+            if packet.component == self._component:
+                self._track.take(t_ns, message)
+        elif kind == ESC_INFO:
+            self._escs.on_info(message)
+        elif kind == ESC_STATUS and not self.has_bus:
+            self._escs.on_status(t_ns, message)
+        return True
+
+
+def convert(tlogs: Sequence[Path], candumps: Sequence[Path], out: Path, progress: Progress) -> Done:
+    """Write `out` of the logs' contents; their own UNIX times.
+
+    A candump log is that of the boat whose tlog lies in the same folder, else named after its bus.
+    Raises ValueError for a file that is no log, OSError for one that cannot be read.
+    """
+    size = sum(path.stat().st_size for path in (*tlogs, *tlogs, *candumps))
+    facts: dict[Path, Facts] = {}
+    done = 0
+    for path in tlogs:
+        facts[path] = tlog.facts(path)
+        done += path.stat().st_size
+        progress(done / size)
+    origins = [origin for one in facts.values() for origin in one.origins.values()]
+    with Output(origins[0] if origins else None) as output:
+        boats = _Boats(output, facts)
+        sources = [boats.frames(path) for path in candumps]
+        sources += [boats.packets(path) for path in tlogs]
+        for count, (_, length, take) in enumerate(merge(*sources, key=itemgetter(0))):
+            take()
+            done += length
+            if count % _MANY == 0:
+                progress(min(1.0, done / size))
+        boats.end()
+        if not output.messages:
+            raise ValueError("these logs say nothing of any boat")
+        output.write(out)
+        progress(1.0)
+        return Done(sorted(output.vessels), output.messages, sum(boats.damaged))
+
+
+# Time in us, bytes of the file up to there since the last one, what is to be done.
+_Record = tuple[int, int, Callable[[], None]]
+
+
+class _Boats:
+    """The vessels of all logs; `damaged`: lengths of what could not be read."""
+
+    def __init__(self, output: Output, facts: dict[Path, Facts]) -> None:
+        self.damaged: list[int] = []
+        self._output = output
+        self._facts = facts
+        self._leaders = {system for one in facts.values() for system in one.leaders}
+        # Whose logs tell of a system: a boat's own ones, else those that do so first.
+        self._tellers: dict[int, Teller] = {
+            one.owner: one.owner for one in facts.values() if one.owner is not None
+        }
+        self._vessels: dict[int, _Vessel] = {}
+
+    def packets(self, path: Path) -> Iterator[_Record]:
+        """What a tlog says."""
+        facts, once, length = self._facts[path], _Once(), 0
+        teller = path.parent if facts.owner is None else facts.owner
+        for packet in tlog.packets(path.read_bytes(), self.damaged):
+            length += packet.size
+            if packet.message_id not in tlog.NEEDED or not once.new(packet):
+                continue
+            if self._tellers.setdefault(packet.system, teller) == teller:
+                yield packet.t_us, length, partial(self._take, packet)
+                length = 0
+
+    def frames(self, path: Path) -> Iterator[_Record]:
+        """What a candump log says. ValueError where there is no frame in it."""
+        name = candump.bus_of(path)
+        owners = {one.owner for tlog, one in self._facts.items() if tlog.parent == path.parent}
+        if len(owners) == 1 and (owner := owners.pop()) is not None:
+            self._vessel(owner).has_bus = True
+            name = self._name(owner)
+        bus = EscBus(self._output, name)
+        return (
+            (frame.t_us, frame.size, partial(bus.on_frame, frame.t_us, frame.can_id, frame.data))
+            for frame in candump.frames(path, self.damaged)
+        )
+
+    def end(self) -> None:
+        """There is no more."""
+        for vessel in self._vessels.values():
+            vessel.telemetry.end()
+
+    def _take(self, packet: Packet) -> None:
+        if not self._vessel(packet.system).take(packet):
+            self.damaged.append(packet.size)
+
+    def _vessel(self, system: int) -> _Vessel:
+        if system not in self._vessels:
+            # what its own log says counts first
+            facts = sorted(self._facts.values(), key=lambda one: one.owner != system)
+            self._vessels[system] = _Vessel(self._output, self._name(system), facts, system)
+        return self._vessels[system]
+
+    def _name(self, system: int) -> str:
+        return f"leader{system}" if system in self._leaders else f"boat{system}"
+
+
+class _Once:
+    """Tells a packet from its copies on other links."""
+
+    def __init__(self) -> None:
+        self._now: set[tuple[int, int, int, bytes]] = set()
+        self._before = self._now
+        self._since_us = 0
+
+    def new(self, packet: Packet) -> bool:
+        """Whether its like was not there in the last 0.2 s."""
+        if not 0 <= packet.t_us - self._since_us < _TWICE_US:
+            self._now, self._before, self._since_us = set(), self._now, packet.t_us
+        key = (packet.system, packet.component, packet.message_id, packet.payload)
+        if key in self._now or key in self._before:
+            return False
+        self._now.add(key)
+        return True

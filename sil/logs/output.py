@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: MIT
+"""An MCAP file while it is written: the topics of vessels, in Foxglove's schemas and ours.
+
+Poses are north-east-down, as everywhere here; what a three-dimensional view shows (`/tf`, scenes)
+is turned into x east, y north, z up, and x ahead, y to port, z up aboard. Times are UNIX, ns.
+"""
+
+import io
+from math import cos, isfinite, nan, pi, sin
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import foxglove
+from foxglove.channels import (
+    FrameTransformsChannel,
+    LocationFixChannel,
+    LogChannel,
+    SceneUpdateChannel,
+)
+from foxglove.messages import (
+    FrameTransform,
+    FrameTransforms,
+    LocationFix,
+    Log,
+    LogLevel,
+    Quaternion,
+    Timestamp,
+    Vector3,
+)
+
+from sil import files
+from sil.logs import scene, schema
+from sil.wire.geodesy import LocalFrame
+
+WORLD = "world"
+FAR_M = 1e7  # nothing on the globe is so far away
+_SECOND_NS = 1_000_000_000
+
+#: Latitude and longitude (degE7) and altitude (mm) where a local frame begins.
+Origin = tuple[int, int, int]
+
+
+def frame_of(origin: Origin) -> LocalFrame:
+    """The local frame that begins there."""
+    return LocalFrame(*origin[:2], 0.001 * origin[2])
+
+
+class Pose(NamedTuple):
+    """Where a vessel is in the world's frame and how it moves; body axes."""
+
+    x_m: float
+    y_m: float
+    psi_rad: float
+    u_mps: float = nan
+    v_mps: float = nan
+    r_radps: float = nan
+
+
+class Output:
+    """Collects messages; nothing is on the disk before `write`. A context manager.
+
+    `origin`: of the world's frame (degE7, degE7, mm), None where nobody has said it; then no vessel
+    has a LocationFix.
+    """
+
+    def __init__(self, origin: Origin | None) -> None:
+        self.origin = origin
+        self.world = None if origin is None else frame_of(origin)
+        self._context = foxglove.Context()
+        self._buffer = io.BytesIO()
+        self._writer = foxglove.open_mcap(self._buffer, context=self._context)
+        self._transforms = FrameTransformsChannel("/tf", context=self._context)
+        self._fixes: dict[str, LocationFixChannel] = {}
+        self._own: dict[str, foxglove.Channel] = {}
+        self._logs: dict[str, LogChannel] = {}
+        self._scenes: dict[str, SceneUpdateChannel] = {}
+        self._with_slot: set[str] = set()
+        self.messages = 0
+        self.vessels: set[str] = set()
+
+    def __enter__(self) -> "Output":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._writer.close()
+
+    def write(self, path: Path) -> None:
+        """Ends the file and puts it into its place, whole or not at all."""
+        self._writer.close()
+        files.replace(path, self._buffer.getvalue())
+
+    def pose(self, t_ns: int, vessel: str, pose: Pose) -> None:
+        """`/VESSEL/state`, `/VESSEL/fix` and `/tf`; with the first one what it looks like.
+
+        A place that is none, or off the globe, is not told; without a heading nothing is in `/tf`.
+        """
+        if not (abs(pose.x_m) < FAR_M and abs(pose.y_m) < FAR_M):
+            return
+        if vessel not in self._scenes:
+            self._draw(t_ns, vessel)
+        self.own(t_ns, f"/{vessel}/state", "State", pose._asdict())
+        if isfinite(pose.psi_rad):
+            self._transform(t_ns, vessel, pose.x_m, pose.y_m, pose.psi_rad)
+        self._fix(t_ns, vessel, pose)
+
+    def slot(self, t_ns: int, vessel: str, x_m: float, y_m: float) -> None:
+        """Where a vessel is to be, north and east of the world's origin: `/tf`."""
+        if not (abs(x_m) < FAR_M and abs(y_m) < FAR_M):
+            return
+        if vessel not in self._with_slot:
+            self._with_slot.add(vessel)
+            self._draw(t_ns, vessel)
+        self._transform(t_ns, f"{vessel}/slot", x_m, y_m, 0.0)
+
+    def own(self, t_ns: int, topic: str, name: str, values: dict[str, Any]) -> None:
+        """A message of our own: `name` and its `values` are those of `sil.logs.schema`."""
+        channel = self._own.get(topic)
+        if channel is None:
+            self.vessels.add(topic.split("/")[1])
+            channel = self._own[topic] = foxglove.Channel(
+                topic,
+                schema=schema.schema(name),
+                message_encoding="protobuf",
+                context=self._context,
+            )
+        channel.log(schema.encode(name, values), log_time=t_ns)
+        self.messages += 1
+
+    def log(self, t_ns: int, vessel: str, level: LogLevel, text: str) -> None:
+        """What a vessel said, or that its state changed: `/VESSEL/log`."""
+        line = Log(timestamp=_stamp(t_ns), level=level, message=text, name=vessel)
+        if vessel not in self._logs:
+            self._logs[vessel] = LogChannel(f"/{vessel}/log", context=self._context)
+        self._logs[vessel].log(line, log_time=t_ns)
+        self.messages += 1
+
+    def _fix(self, t_ns: int, vessel: str, pose: Pose) -> None:
+        if self.origin is None or self.world is None:
+            return
+        latitude, longitude, _ = self.world.geodetic(pose.x_m, pose.y_m, pose.psi_rad)
+        fix = LocationFix(
+            timestamp=_stamp(t_ns),
+            frame_id=vessel,
+            latitude=1e-7 * latitude,
+            longitude=1e-7 * longitude,
+            altitude=0.001 * self.origin[2],
+        )
+        if vessel not in self._fixes:
+            self._fixes[vessel] = LocationFixChannel(f"/{vessel}/fix", context=self._context)
+        self._fixes[vessel].log(fix, log_time=t_ns)
+        self.messages += 1
+
+    def _transform(self, t_ns: int, child: str, x_m: float, y_m: float, psi: float) -> None:
+        half = 0.5 * (0.5 * pi - psi)
+        transform = FrameTransform(
+            timestamp=_stamp(t_ns),
+            parent_frame_id=WORLD,
+            child_frame_id=child,
+            translation=Vector3(x=y_m, y=x_m, z=0.0),
+            rotation=Quaternion(x=0.0, y=0.0, z=sin(half), w=cos(half)),
+        )
+        self._transforms.log(FrameTransforms(transforms=[transform]), log_time=t_ns)
+        self.messages += 1
+
+    def _draw(self, t_ns: int, vessel: str) -> None:
+        """All of it again with its slot: who opens a log in the middle sees the last message."""
+        if vessel not in self._scenes:
+            self._scenes[vessel] = SceneUpdateChannel(f"/{vessel}/scene", context=self._context)
+        drawn = scene.of(vessel, _stamp(t_ns), with_slot=vessel in self._with_slot)
+        self._scenes[vessel].log(drawn, log_time=t_ns)
+        self.messages += 1
+
+
+def _stamp(t_ns: int) -> Timestamp:
+    return Timestamp(sec=t_ns // _SECOND_NS, nsec=t_ns % _SECOND_NS)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""A run's folder as one MCAP file: the truth of trace.npz ten times a second, and the recording.
+
+Poses, errors and thrusts are the truth; states, words, what the law wants, ages and ESCs are what
+went over the boats' wires. The release, t = 0, is EPOCH_S; what was before it is before it.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from math import cos, sin
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+
+from sil.logs.escs import EscBus
+from sil.logs.output import Output, Pose
+from sil.logs.telemetry import MESSAGES, Telemetry
+from sil.plant.hull import Array
+from sil.recording import CAN_IN, MAVLINK_OUT, Recording
+from sil.wire.mavlink_frames import frames
+from sil.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
+
+EPOCH_S = 946_684_800  # 2000-01-01 00:00:00 UTC
+RATE_HZ = 10.0
+NAME = "run.mcap"
+_RADIO = 1  # the link
+_US = 1_000_000
+
+Progress = Callable[[float], None]
+
+
+def convert(folder: Path, out: Path, progress: Progress) -> int:
+    """Write `out` of a run's folder; how many messages it has.
+
+    A live run has no recording; then only the truth is told. ValueError for a file that is damaged.
+    """
+    trace = _trace(folder / "trace.npz")
+    t_us = np.rint(1e6 * trace["t_s"]).astype(np.int64)
+    boats = trace["error"].shape[1]
+    with Output(ORIGIN) as output:
+        wires = _Wires(output, folder / "recording.bin", boats, int(t_us[-1]))
+        step = max(1, round(1e6 / RATE_HZ / (t_us[1] - t_us[0]))) if t_us.size > 1 else 1
+        for k in range(0, t_us.size, step):
+            wires.until(int(t_us[k]))
+            _tell(output, wires, trace, k, _ns(int(t_us[k])))
+            progress(k / t_us.size)
+        wires.until(int(t_us[-1]))
+        output.write(out)
+        progress(1.0)
+        return output.messages
+
+
+def _ns(t_us: int) -> int:
+    return 1000 * (EPOCH_S * _US + t_us)
+
+
+def _trace(path: Path) -> dict[str, Array]:
+    try:
+        with path.open("rb") as stream, np.load(stream) as file:
+            return {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
+    except (BadZipFile, KeyError, EOFError, ValueError) as error:
+        raise ValueError(f"{path}: not the trace of a run: {error}") from None
+
+
+def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t_ns: int) -> None:
+    """Everything of one sample; what is not finite is not told."""
+    for agent, (eta, nu) in enumerate(zip(trace["eta"][k], trace["nu"][k], strict=True)):
+        pose = Pose(*eta.tolist(), *nu.tolist())
+        if not np.isfinite(pose).all():
+            continue
+        name = f"boat{agent}" if agent else f"leader{VIRTUAL_LEADER_SYSTEM}"
+        output.pose(t_ns, name, pose)
+        if not agent:
+            continue
+        e_x, e_y, e_psi = trace["error"][k, agent - 1].tolist()
+        port_N, stbd_N = trace["thrust"][k, agent - 1].tolist()
+        c, s = cos(pose.psi_rad), sin(pose.psi_rad)
+        output.slot(t_ns, name, pose.x_m - (c * e_x - s * e_y), pose.y_m - (s * e_x + c * e_y))
+        truth = {
+            "error_x_m": e_x,
+            "error_y_m": e_y,
+            "error_psi_rad": e_psi,
+            "error_m": float(np.hypot(e_x, e_y)),
+            "thrust_port_N": port_N,
+            "thrust_stbd_N": stbd_N,
+        }
+        said = wires.boats[agent].law(t_ns)
+        output.own(t_ns, f"/{name}/law", "Law", {**said, **truth})
+
+
+class _Wires:
+    """What went over the boats' wires, told up to a time; `boats`: telemetry by agent."""
+
+    def __init__(self, output: Output, path: Path, boats: int, last_us: int) -> None:
+        agents = range(1, boats + 1)
+        self.boats = {i: Telemetry(output, f"boat{i}", tells_law=False) for i in agents}
+        self._buses = {i: EscBus(output, f"boat{i}") for i in agents}
+        self._mav = mavlink.MAVLink(None)
+        self._records: Iterator[tuple[int, int, bytes]] = iter(())
+        self._release_us = 0
+        if path.exists():
+            recording = Recording(path)
+            # the last tick of the trace is the last one that is recorded
+            self._release_us = max(t_us for t_us, _, _ in recording) - last_us
+            self._records = iter(recording)
+        self._next = next(self._records, None)
+
+    def until(self, t_us: int) -> None:
+        """Tells what was up to `t_us` after the release."""
+        while self._next is not None and self._next[0] - self._release_us <= t_us:
+            at_us, port, data = self._next
+            agent, channel = port >> 8, port & 0xFF
+            if agent in self.boats:
+                self._take(agent, channel, EPOCH_S * _US + at_us - self._release_us, data)
+            self._next = next(self._records, None)
+
+    def _take(self, agent: int, channel: int, unix_us: int, data: bytes) -> None:
+        if channel == CAN_IN:
+            self._buses[agent].on_frame(unix_us, int.from_bytes(data[:4], "little"), data[4:])
+        elif channel == MAVLINK_OUT + _RADIO:
+            for message_id, _, _, frame in frames(data):
+                if message_id in MESSAGES:
+                    message: Any = self._mav.decode(bytearray(frame))
+                    self.boats[agent].take(1000 * unix_us, message)

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""The worst run of a campaign, which its report replays."""
+
+import re
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sil import metrics
+from sil.__main__ import main
+from sil.campaign import finished, page_tables, report, worst
+from sil.start import StartError
+from sil.view import history
+from sil.world import sail
+from tests.sil.campaign.made_up import Made
+from tests.sil.campaign.short import sampler, short
+
+
+@pytest.fixture(scope="module")
+def sailed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("campaign")
+    out = folder / "out"
+    given = ["campaign", str(short(folder)), "--runs", "4", "--workers", "1", "--out", str(out)]
+    assert main(given) == 0
+    return out
+
+
+def test_worst_run_is_replayed_as_it_was_sailed(sailed: Path) -> None:
+    told = worst.read(sailed)
+    number = page_tables.worst(finished.read(sailed))[0][0]
+    (run,) = sail([sampler(sailed.parent).scenario(number)], {})
+    assert told is not None and not isinstance(run, StartError)
+    assert told["title"] == f"short, run {number}"
+    distance = metrics.distances(run.trace["error"][::10])
+    assert history.numbers(told["t_s"]) == pytest.approx(run.trace["t_s"][::10], abs=1e-6)
+    for i, boat in enumerate(told["vessels"][1:]):
+        assert boat["id"] == i + 1
+        assert history.numbers(boat["error_m"]) == pytest.approx(distance[:, i], rel=1e-6)
+
+
+def test_report_carries_the_worst_run(sailed: Path) -> None:
+    text = (sailed / "report.html").read_text(encoding="utf-8")
+    (inner,) = re.findall(r'srcdoc="([^"]*)"', text)
+    told = worst.read(sailed)
+    assert told is not None and f"<title>{told['title']}</title>" in unescape(inner)
+
+
+def test_campaign_of_which_every_run_diverged_has_no_worst_that_did_not(tmp_path: Path) -> None:
+    chosen = sampler(tmp_path)
+    folder = Made(runs=3, diverged=(0, 1, 2)).write(tmp_path / "lost")
+    np.savez(folder / "nominal.npz", t_s=[0.0], eta=np.zeros((1, 5, 3)), error=np.ones((1, 4, 3)))
+    (folder / worst.NAME).write_bytes(b"of another campaign")
+    assert not worst.write(folder, chosen, {})
+    assert worst.read(folder) is None
+    report.write(folder)
+    assert "<p>None was sailed again.</p>" in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_worst_run_that_cannot_be_started_here_is_left_out(tmp_path: Path) -> None:
+    folder = Made(runs=3).write(tmp_path / "made")
+    assert not worst.write(folder, sampler(tmp_path), {"LAW_KX": 99.0})
+    assert worst.read(folder) is None

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""The layout for Foxglove and Lichtblick shows what is in the file of a run of four boats."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sil.__main__ import main
+from sil.logs.run_folder import NAME
+from tests.sil.logs.reading import messages_of, schemas_of
+
+LAYOUT = Path(__file__).parents[3] / "sil" / "logs" / "layout.json"
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("run")
+    assert main(["run", "diamond", "--set", "duration_s=2", "--mcap", "--out", str(out)]) == 0
+    return out / NAME
+
+
+def panels(node: Any) -> Iterator[str]:
+    """The panels of a part of a layout, those in tabs too."""
+    if isinstance(node, dict):
+        yield from panels(node["first"])
+        yield from panels(node["second"])
+    else:
+        yield node
+
+
+def test_every_panel_has_its_place_and_its_settings() -> None:
+    layout = json.loads(LAYOUT.read_text())
+    placed = list(panels(layout["layout"]))
+    for settings in layout["configById"].values():
+        placed += [name for tab in settings.get("tabs", ()) for name in panels(tab["layout"])]
+    assert sorted(placed) == sorted(layout["configById"])
+    kinds = {name.partition("!")[0] for name in placed}
+    assert kinds == {"map", "3D", "Plot", "StateTransitions", "RosOut", "Tab"}
+
+
+def test_every_path_is_a_number_or_a_word_in_the_log(log: Path) -> None:
+    topics = messages_of(log)
+    paths = re.findall(r'"value": "(/[^"]*)"', LAYOUT.read_text())
+    assert len(paths) == 24
+    for path in paths:
+        topic, _, field = path.partition(".")
+        assert isinstance(getattr(topics[topic][-1][1], field), float | str)
+
+
+def test_every_topic_that_is_shown_is_in_the_log_with_the_schema_that_its_panel_wants(
+    log: Path,
+) -> None:
+    schemas = schemas_of(log)
+    panels_of = json.loads(LAYOUT.read_text())["configById"]
+    for topic in panels_of["map!flotilla"]["topicColors"]:
+        assert schemas[topic] == "foxglove.LocationFix"
+    for topic in panels_of["3D!flotilla"]["topics"]:
+        assert schemas[topic] == "foxglove.SceneUpdate"
+    for name, settings in panels_of.items():
+        if name.startswith("RosOut!"):
+            assert schemas[settings["topicToRender"]] == "foxglove.Log"
+
+
+def test_everything_that_is_drawn_moves_with_a_frame_that_is_told(log: Path) -> None:
+    topics = messages_of(log)
+    frames = {one.child_frame_id for _, message in topics["/tf"] for one in message.transforms}
+    for topic, messages in topics.items():
+        if topic.endswith("/scene"):
+            entities = [entity for _, message in messages for entity in message.entities]
+            assert {entity.frame_id for entity in entities} <= frames
+            assert len(messages[-1][1].entities) == (1 if "leader" in topic else 2)
