@@ -36,6 +36,11 @@ def add_to(commands: Any) -> None:
         metavar="mcast:N|socketcan:NAMEn",
         help="bus of boat 1, as mcast:0 or socketcan:vcan0; boat i takes the next one",
     )
+    in_real_time.add_argument(
+        "--mavlink",
+        metavar="mcast:[GROUP:PORT[:ADDRESS]]|udpout:HOST:PORT",
+        help="repeat all that is said over the radio there, for tools/view and ground stations",
+    )
     in_real_time.add_argument("--duration", type=float, help="seconds (the scenario's)")
 
 
@@ -58,7 +63,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
             run(chosen, out, parameters, repeat, Console())
             _leave_mcap(out, options.mcap, Console())
         else:
-            live(chosen, options.bus, out, parameters, repeat, Console())
+            live(chosen, options.bus, out, parameters, repeat, Console(), options.mavlink)
     except PolicyViolationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

@@ -28,6 +28,7 @@ from sil.start import StartError
 from sil.streams import Stream, generator
 from sil.trace import Tracer
 from sil.wire.link import Link
+from sil.wire.mavlink_mcast import Mouth
 from sil.wire.operator import FORMATION, HOLD, MANUAL, Operator
 from sil.world import Progress
 
@@ -71,11 +72,18 @@ def buses_of(first: str, boats: int) -> list[str]:
 class LiveWorld:
     """One scenario, ready to be sailed once in real time. A context manager.
 
-    `bus`: address of boat 1's bus. ValueError where it is none; can.CanError or OSError where it
-    cannot be opened.
+    `bus`: address of boat 1's bus. `mavlink`: where all that is said over the radio is repeated, as
+    `sil.wire.mavlink_mcast.Mouth` has it; None is nowhere. ValueError where one is none;
+    can.CanError or OSError where it cannot be opened.
     """
 
-    def __init__(self, scenario: Scenario, bus: str, param_overrides: dict[str, float]) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        bus: str,
+        param_overrides: dict[str, float],
+        mavlink: str | None = None,
+    ) -> None:
         self._scenario = scenario
         link_rng = generator(scenario.seed, Stream.LINKS)
         clocks = clocks_of(scenario)
@@ -96,6 +104,9 @@ class LiveWorld:
         self._leader = LiveLeader(scenario.leader_unit(), clocks[0])
         self.late_us = 0
         with ExitStack() as opened:
+            mouths = [Mouth(address) for address in (mavlink,) if address is not None]
+            for mouth in mouths:
+                opened.callback(mouth.close)
             self.boats: list[LiveBoat] = []
             for agent, address in enumerate(buses_of(bus, len(scenario.boat)), start=1):
                 own = self._parameters[agent - 1]
@@ -109,6 +120,8 @@ class LiveWorld:
                 link = Link(link_rng, **scenario.link.quality)
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
+        for vessel in agents:
+            vessel.outbox += mouths
 
     def __enter__(self) -> "LiveWorld":
         return self

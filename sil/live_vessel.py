@@ -6,6 +6,7 @@ import socket
 import subprocess
 from contextlib import suppress
 from pathlib import Path
+from typing import Protocol
 
 import can
 
@@ -19,6 +20,13 @@ from sil.wire.operator import Operator
 from sil.wiring import BATTERY_V, ESC_NODES, NAVIGATION_COMPONENT, ORIGIN, VIRTUAL_LEADER_SYSTEM
 
 _LOOPBACK = "127.0.0.1"
+
+
+class Outlet(Protocol):
+    """Where what a vessel says over the radio goes: to another one, or to who listens."""
+
+    def send(self, data: bytes, t_us: int) -> None:
+        """Takes a chunk that is said at `t_us`."""
 
 
 class _Udp:
@@ -63,7 +71,7 @@ class LiveBoat:
         self.system = agent
         self.bus = bus
         self.inbox: list[Link] = []
-        self.outbox: list[Link] = []
+        self.outbox: list[Outlet] = []
         self.process: subprocess.Popen[bytes] | None = None
         self.escs_speak = True
         self._parameters = parameters
@@ -163,7 +171,7 @@ class LiveLeader:
 
     def __init__(self, navigation: Settings, clock: Clock) -> None:
         self.inbox: list[Link] = []
-        self.outbox: list[Link] = []
+        self.outbox: list[Outlet] = []
         self._clock = clock
         self._unit = NavigationUnit(
             VIRTUAL_LEADER_SYSTEM, 1, vehicle_type=0, origin=ORIGIN, settings=navigation

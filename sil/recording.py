@@ -75,7 +75,10 @@ def _part(path: Path) -> Path:
 
 
 class Recording:
-    """A recording.bin that was read. ValueError where the file is none, or cut off."""
+    """A recording.bin that was read. ValueError where the file is none, or cut off.
+
+    `records`: the bytes of all of them.
+    """
 
     def __init__(self, path: Path) -> None:
         content = path.read_bytes()
@@ -88,21 +91,21 @@ class Recording:
         except ValueError:
             raise ValueError(f"{path}: the header is damaged") from None
         self._path = path
-        self._records = memoryview(content)[start + length :]
+        self.records = memoryview(content)[start + length :]
 
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of the records."""
-        return hashlib.sha256(self._records).hexdigest()
+        return hashlib.sha256(self.records).hexdigest()
 
     def __iter__(self) -> Iterator[tuple[int, int, bytes]]:
         """Time in us, port and bytes of each record, in order."""
-        at, end = 0, len(self._records)
+        at, end = 0, len(self.records)
         while at < end:
             if at + _HEAD.size > end:
                 raise ValueError(f"{self._path}: cut off after {at} bytes of records")
-            t_us, where, length = _HEAD.unpack_from(self._records, at)
+            t_us, where, length = _HEAD.unpack_from(self.records, at)
             at += _HEAD.size
             if at + length > end:
                 raise ValueError(f"{self._path}: cut off after {at} bytes of records")
-            yield t_us, where, bytes(self._records[at : at + length])
+            yield t_us, where, bytes(self.records[at : at + length])
             at += length

@@ -20,8 +20,7 @@ from sil.live import build as build_flotillad
 from sil.metrics import Summary
 from sil.plant.hull import Array
 from sil.scenario import Scenario
-from sil.view import history
-from sil.view.history import boats_of
+from sil.view.recorded import history_of
 from sil.world import Progress, Run, World
 
 
@@ -55,18 +54,23 @@ def live(
     param_overrides: dict[str, float],
     command: str,
     console: Console,
+    mavlink: str | None = None,
 ) -> Summary:
     """Sail `scenario` in real time, a flotillad a boat, and leave the same results but no digest.
 
-    `bus` is the address of boat 1's bus. Raises as `run`, and OSError or can.CanError where the
-    bus cannot be opened.
+    `bus` is the address of boat 1's bus; `mavlink` is where what is said over the radio is
+    repeated. Raises as `run`, and OSError or can.CanError where the
+    bus or the other address cannot be opened.
     """
     if scenario.fault:
         raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
     program = build_flotillad(console.print)
     out.mkdir(parents=True, exist_ok=True)
     began_s = time.perf_counter()
-    with LiveWorld(scenario, bus, param_overrides) as world, _bar(scenario, console) as progress:
+    with (
+        LiveWorld(scenario, bus, param_overrides, mavlink) as world,
+        _bar(scenario, console) as progress,
+    ):
         tracer = world.run(program, out, progress)
         console.print(f"latest step of the world: {world.late_us / 1000:.1f} ms behind its time")
     result = Run(tracer.trace(0), tracer.seconds(0), None)
@@ -105,7 +109,9 @@ def _finish(
         "boats": boats,
         "min_separation_m": separation_m,
     }
-    replayed = history.of_trace(trace, f"{scenario.name}, seed {scenario.seed}", boats_of(scenario))
+    title, recording = f"{scenario.name}, seed {scenario.seed}", out / "recording.bin"
+    recorded = recording if result.digest is not None else None
+    replayed = history_of(title, trace, scenario, recorded)
     write(out, summary, trace, command, replayed)
     console.print(report.table(summary))
     for boat in summary["boats"]:

@@ -11,6 +11,7 @@ from sil import metrics
 from sil.__main__ import main
 from sil.live import buses_of
 from sil.world import Run
+from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
 
 DURATION_S = 40
@@ -20,8 +21,9 @@ DURATION_S = 40
 def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short live run of `diamond` on mcast:1 … mcast:4."""
     out = tmp_path_factory.mktemp("live")
-    arguments = ["live", "diamond", "--bus", "mcast:1", "--duration", str(DURATION_S)]
-    assert main([*arguments, "--out", str(out)]) == 0
+    with live_buses() as bus:
+        arguments = ["live", "diamond", "--bus", bus, "--duration", str(DURATION_S)]
+        assert main([*arguments, "--out", str(out)]) == 0
     skip_where_too_slow(out)
     return out
 

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""What a vessel says of what is aboard: named values, battery, ESCs. Times are s."""
+
+from math import isfinite, nan
+from typing import Any
+
+from sil.view import messages
+
+_SLOW_S, _RARE_S = 5.0, 20.0  # how long what comes once a second, or every 5 s, is held for true
+_UNKNOWN_mV, _UNKNOWN_cdegC = 65535, 32767
+_MOST_VALUES = 100
+_GROUP = 4
+_DIGITS = {"rpm": 0, "voltage_V": 2, "current_A": 2, "temperature_C": 1, "errors": 0}
+
+
+class _Kept:
+    """Numbers by name, each with the time until which it is held for true."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, tuple[float, float]] = {}
+
+    def put(self, name: str, number: float, until_s: float) -> None:
+        if name in self._numbers or len(self._numbers) < _MOST_VALUES:
+            self._numbers[name] = until_s, number
+
+    def get(self, name: str, now_s: float) -> float | None:
+        until_s, number = self._numbers.get(name, (-1.0, nan))
+        return number if now_s <= until_s and isfinite(number) else None
+
+
+class Aboard:
+    """What a vessel has told of it; questions are for what it still told at a time."""
+
+    def __init__(self) -> None:
+        self._values = _Kept()
+        self._escs: dict[int, _Kept] = {}
+        self._indices = [0, 1]  # ESC_PORT and ESC_STBD, where somebody asked for them
+
+    def value(self, name: str, now_s: float) -> float | None:
+        """A NAMED_VALUE_FLOAT."""
+        return self._values.get(name, now_s)
+
+    def battery_V(self, now_s: float) -> float | None:
+        """The lowest voltage at the ESCs, as the boat says."""
+        return self._values.get("battery", now_s)
+
+    def escs(self, now_s: float) -> list[dict[str, float | None]]:
+        """Port and starboard; nothing of a vessel that tells of none."""
+        if not self._escs:
+            return []
+        kept = [self._escs.get(index, _Kept()) for index in self._indices]
+        return [
+            {name: _round(esc.get(name, now_s), d) for name, d in _DIGITS.items()} for esc in kept
+        ]
+
+    def hear(self, number: int, fields: tuple[Any, ...], now_s: float) -> None:
+        """Takes a message of one of its components."""
+        if (take := _TAKE.get(number)) is not None:
+            take(self, fields, now_s)
+
+    def _named_value(self, f: tuple[Any, ...], now_s: float) -> None:
+        name = f[2].split(b"\0")[0].decode("ascii", "replace")
+        self._values.put(name, f[1], now_s + _SLOW_S)
+
+    def _system_status(self, f: tuple[Any, ...], now_s: float) -> None:
+        volts = nan if f[4] == _UNKNOWN_mV else 0.001 * f[4]
+        # No NAMED_VALUE_FLOAT begins with a small letter here.
+        self._values.put("battery", volts, now_s + _SLOW_S)
+
+    def _esc_status(self, f: tuple[Any, ...], now_s: float) -> None:
+        for i, esc in self._of_group(f[13]):
+            for name, number in zip(
+                ("rpm", "voltage_V", "current_A"), f[1 + i : 13 : 4], strict=True
+            ):
+                esc.put(name, number, now_s + _SLOW_S)
+
+    def _esc_info(self, f: tuple[Any, ...], now_s: float) -> None:
+        for i, esc in self._of_group(f[14]):
+            warmth_C = nan if f[10 + i] == _UNKNOWN_cdegC else 0.01 * f[10 + i]
+            esc.put("errors", f[1 + i], now_s + _RARE_S)
+            esc.put("temperature_C", warmth_C, now_s + _RARE_S)
+
+    def _of_group(self, first: int) -> list[tuple[int, _Kept]]:
+        """Place in its message of four, and what is kept, of each ESC that is a propeller's."""
+        return [
+            (index - first, self._escs.setdefault(index, _Kept()))
+            for index in self._indices
+            if first <= index < first + _GROUP
+        ]
+
+    def _parameter(self, f: tuple[Any, ...], _: float) -> None:
+        name = f[3].split(b"\0")[0]
+        if name in (b"ESC_PORT", b"ESC_STBD") and 0 <= f[0] < 20:
+            self._indices[name == b"ESC_STBD"] = int(f[0])
+
+
+def _round(number: float | None, digits: int) -> float | None:
+    return None if number is None else round(number, digits or None)
+
+
+_TAKE = {
+    messages.NAMED_VALUE_FLOAT: Aboard._named_value,
+    messages.SYS_STATUS: Aboard._system_status,
+    messages.ESC_STATUS: Aboard._esc_status,
+    messages.ESC_INFO: Aboard._esc_info,
+    messages.PARAM_VALUE: Aboard._parameter,
+}

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""Listens at a MAVLink address; nothing here can send a byte.
+
+`udpin:HOST:PORT`: what is sent there. `mcast:[GROUP:PORT[:ADDRESS]]`: as `sil.wire.mavlink_mcast`.
+`tcp:HOST:PORT`: what a server says to who connects. `/dev/…[:BAUD]`: a serial line.
+"""
+
+import asyncio
+import os
+import socket
+import termios
+import tty
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from sil.view.ear import Ear, Message
+from sil.wire import mavlink_mcast
+
+Take = Callable[[Iterable[Message]], None]
+
+_BAUD = 57600
+_RETRY_S = 1.0
+_MOST_BYTES = 65536
+_MOST_DATAGRAMS = 256  # in a row; the page has its turn between
+
+
+class Listener:
+    """One address. ValueError where it is none, OSError where a socket cannot be opened.
+
+    `ear` counts what was heard. A server or a serial line that goes, or is not there yet, is tried
+    again every second.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        try:
+            self._socket = _socket_of(address)
+        except ValueError as error:
+            raise ValueError(f'"{address}": {error}') from None
+        self.ear = Ear(stream=self._socket is None)
+
+    async def run(self, take: Take) -> None:
+        """Hands all that is heard to `take` until it is cancelled."""
+        if self._socket is not None:
+            await self._hear_datagrams(self._socket, take)
+        while True:
+            with suppress(OSError, termios.error):
+                if self.address.startswith("tcp:"):
+                    await self._hear_server(take)
+                else:
+                    await self._hear_line(take)
+            self.ear.forget()
+            await asyncio.sleep(_RETRY_S)
+
+    async def _hear_datagrams(self, end: socket.socket, take: Take) -> None:
+        def hear() -> None:
+            with suppress(BlockingIOError):
+                for _ in range(_MOST_DATAGRAMS):
+                    take(self.ear.hear(end.recv(_MOST_BYTES)))
+
+        loop = asyncio.get_running_loop()
+        loop.add_reader(end, hear)
+        try:
+            await loop.create_future()
+        finally:
+            loop.remove_reader(end)
+            end.close()
+
+    async def _hear_server(self, take: Take) -> None:
+        host, port = mavlink_mcast.host_and_port(self.address.removeprefix("tcp:"))
+        reader, writer = await asyncio.open_connection(host, port)
+        try:
+            while data := await reader.read(_MOST_BYTES):
+                take(self.ear.hear(data))
+        finally:
+            writer.close()
+            with suppress(OSError):
+                await writer.wait_closed()
+
+    async def _hear_line(self, take: Take) -> None:
+        loop, ended = asyncio.get_running_loop(), asyncio.Event()
+        line = _open_line(*_line_of(self.address))
+
+        def hear() -> None:
+            try:
+                data = os.read(line, _MOST_BYTES)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b""
+            if data:
+                take(self.ear.hear(data))
+            else:
+                ended.set()
+
+        loop.add_reader(line, hear)
+        try:
+            await ended.wait()
+        finally:
+            loop.remove_reader(line)
+            os.close(line)
+
+
+def _socket_of(address: str) -> socket.socket | None:
+    """Where datagrams come; None of an address that is a stream's."""
+    scheme, _, rest = address.partition(":")
+    if scheme == "mcast":
+        return mavlink_mcast.listener(mavlink_mcast.group_of(rest))
+    if scheme == "udpin":
+        at = mavlink_mcast.host_and_port(rest)
+        end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            end.bind(at)
+        except OSError as error:
+            end.close()
+            raise OSError(f"{address}: {error}") from None
+        end.setblocking(False)
+        return end
+    if scheme == "tcp":
+        mavlink_mcast.host_and_port(rest)
+    elif not address.startswith("/dev/"):
+        wanted = "mcast:, udpin:HOST:PORT, tcp:HOST:PORT or /dev/…"
+        raise ValueError(f"no file, no folder and no MAVLink address, which are {wanted}")
+    else:
+        _line_of(address)
+    return None
+
+
+def _line_of(address: str) -> tuple[Path, int]:
+    """Device and speed constant of DEVICE[:BAUD]; ValueError."""
+    device, _, baud = address.partition(":")
+    speed = getattr(termios, f"B{baud or _BAUD}", None)
+    if speed is None:
+        raise ValueError(f"{baud} is no speed of a serial line")
+    return Path(device), speed
+
+
+def _open_line(device: Path, speed: int) -> int:
+    """Opened for reading only."""
+    line = os.open(device, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        tty.setraw(line)
+        settings = termios.tcgetattr(line)
+        settings[4] = settings[5] = speed
+        termios.tcsetattr(line, termios.TCSANOW, settings)
+    except termios.error:
+        os.close(line)
+        raise
+    return line

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: MIT
+"""The MAVLink messages that a view reads: their numbers, and how their fields lie on the wire.
+
+Layouts and checksum seeds are pymavlink's, but for those of two messages that its wheel lacks.
+Source: mavlink.io, common message set.
+"""
+
+from struct import Struct
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+
+HEARTBEAT, SYS_STATUS, PARAM_VALUE, ATTITUDE = 0, 1, 22, 30
+LOCAL_POSITION_NED, GLOBAL_POSITION_INT, GPS_GLOBAL_ORIGIN = 32, 33, 49
+POSITION_TARGET_LOCAL_NED, FOLLOW_TARGET, NAMED_VALUE_FLOAT, STATUSTEXT = 85, 144, 251, 253
+ESC_INFO, ESC_STATUS, ODOMETRY = 290, 291, 331
+
+SEEDS: dict[int, int] = {
+    **{number: kind.crc_extra for number, kind in mavlink.mavlink_map.items()},
+    ESC_INFO: 251,
+    ESC_STATUS: 10,
+}
+"""Checksum seed (CRC_EXTRA) of every message that is known, by its number."""
+
+_READ = (
+    HEARTBEAT,
+    SYS_STATUS,
+    PARAM_VALUE,
+    ATTITUDE,
+    LOCAL_POSITION_NED,
+    GLOBAL_POSITION_INT,
+    GPS_GLOBAL_ORIGIN,
+    POSITION_TARGET_LOCAL_NED,
+    FOLLOW_TARGET,
+    NAMED_VALUE_FLOAT,
+    STATUSTEXT,
+    ODOMETRY,
+)
+
+LAYOUTS: dict[int, Struct] = {
+    **{number: mavlink.mavlink_map[number].unpacker for number in _READ},
+    ESC_INFO: Struct("<Q4IH4H4hBBBB"),
+    ESC_STATUS: Struct("<Q4i4f4fB"),
+}
+"""Fields of those that are read, in the order of the wire: the widest first, extensions last."""

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Where a vessel says that it is, how it moves, and where its slot is. Times are s."""
+
+from math import atan2, cos, isfinite, sin
+from typing import Any, NamedTuple
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+
+from sil.view import messages
+
+Origin = tuple[int, int, int]
+"""Latitude, longitude (degE7), altitude (mm)."""
+
+_FRESH_S = 1.0
+_POSITION, _VELOCITY, _ATTITUDE = 1, 2, 8  # FOLLOW_TARGET's capabilities
+
+
+class Place(NamedTuple):
+    """A position: north and east (m) of an origin, or latitude and longitude (degE7)."""
+
+    t_s: float
+    on_globe: bool
+    x: float
+    y: float
+
+
+class Motion:
+    """What a vessel has told of it; None where it has not."""
+
+    def __init__(self) -> None:
+        self.origin: Origin | None = None
+        self.psi_rad: float | None = None
+        self.slot: tuple[float, float] | None = None
+        self.slot_s = 0.0
+        self._velocity: tuple[float, float] | None = None  # north, east
+        self._local: Place | None = None
+        self._globe: Place | None = None
+
+    @property
+    def place(self) -> Place | None:
+        """Where it was last: in its local frame, unless only the globe is told any more."""
+        local, globe = self._local, self._globe
+        if local is None or globe is None:
+            return local or globe
+        return globe if globe.t_s - local.t_s > _FRESH_S else local
+
+    @property
+    def body_velocity(self) -> tuple[float | None, float | None]:
+        """Velocity over ground ahead and to starboard, m/s."""
+        if self._velocity is None or self.psi_rad is None:
+            return None, None
+        (north, east), c, s = self._velocity, cos(self.psi_rad), sin(self.psi_rad)
+        return c * north + s * east, c * east - s * north
+
+    def hear(self, number: int, fields: tuple[Any, ...], now_s: float) -> None:
+        """Takes a message of its autopilot."""
+        if (take := _TAKE.get(number)) is not None:
+            take(self, fields, now_s)
+
+    def _attitude(self, f: tuple[Any, ...], _: float) -> None:
+        self.psi_rad = f[3] if isfinite(f[3]) else None
+
+    def _local_position(self, f: tuple[Any, ...], now_s: float) -> None:
+        if _finite(f[1], f[2], f[4], f[5]):
+            self._local = Place(now_s, False, f[1], f[2])
+            self._velocity = f[4], f[5]
+
+    def _odometry(self, f: tuple[Any, ...], now_s: float) -> None:
+        x, y, q, u, v, frame, child = f[1], f[2], f[4:8], f[8], f[9], f[-5], f[-4]
+        if frame != mavlink.MAV_FRAME_LOCAL_NED or not _finite(x, y, *q, u, v):
+            return
+        self._local = Place(now_s, False, x, y)
+        self.psi_rad = psi = _yaw(*q)
+        c, s = (1.0, 0.0) if child == mavlink.MAV_FRAME_LOCAL_NED else (cos(psi), sin(psi))
+        self._velocity = c * u - s * v, s * u + c * v
+
+    def _global_position(self, f: tuple[Any, ...], now_s: float) -> None:
+        if not any(f[1:3]):
+            return
+        self._globe = Place(now_s, True, f[1], f[2])
+        if self._local is None or now_s - self._local.t_s > _FRESH_S:
+            self._velocity = 0.01 * f[5], 0.01 * f[6]
+
+    def _follow_target(self, f: tuple[Any, ...], now_s: float) -> None:
+        north, east, q, capabilities = f[5], f[6], f[11:15], f[-1]
+        if not capabilities & _POSITION:
+            return
+        self._globe = Place(now_s, True, f[2], f[3])
+        if capabilities & _VELOCITY and _finite(north, east):
+            self._velocity = north, east
+        if capabilities & _ATTITUDE and _finite(*q):
+            self.psi_rad = _yaw(*q)
+
+    def _begins(self, f: tuple[Any, ...], _: float) -> None:
+        if self.origin != f[:3]:
+            if self.origin is not None:
+                self._local = self.slot = None  # those were of the other frame
+            self.origin = f[0], f[1], f[2]
+
+    def _slot(self, f: tuple[Any, ...], now_s: float) -> None:
+        if _finite(f[1], f[2]):
+            self.slot, self.slot_s = (f[1], f[2]), now_s
+
+
+def _finite(*numbers: float) -> bool:
+    return all(map(isfinite, numbers))
+
+
+def _yaw(w: float, x: float, y: float, z: float) -> float:
+    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+_TAKE = {
+    messages.ATTITUDE: Motion._attitude,
+    messages.LOCAL_POSITION_NED: Motion._local_position,
+    messages.ODOMETRY: Motion._odometry,
+    messages.GLOBAL_POSITION_INT: Motion._global_position,
+    messages.FOLLOW_TARGET: Motion._follow_target,
+    messages.GPS_GLOBAL_ORIGIN: Motion._begins,
+    messages.POSITION_TARGET_LOCAL_NED: Motion._slot,
+}

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: MIT
+"""The history of a run: the truth of its trace, and what its boats said in its recording."""
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sil import scenario
+from sil.plant.hull import Array
+from sil.scenario import Scenario
+from sil.view import history
+from sil.view.history import Boat
+from sil.view.said import Said, said_in
+
+
+def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any]:
+    """The history of a folder that `sil run` or `sil live` left; `length_m`: of its boats.
+
+    ValueError, in one line, where it has no trace.npz and summary.json.
+    """
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        name, digest = str(summary["scenario"]), summary["digest"]
+        with np.load(folder / "trace.npz") as arrays:
+            trace = {key: arrays[key] for key in ("t_s", "eta", "nu", "error", "thrust")}
+    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        raise ValueError(f"{folder} is not the folder of a run: {error}") from None
+    try:
+        sailed = scenario.load(name)
+    except ValueError:
+        sailed = None  # a file of somebody's own
+    recording = folder / "recording.bin"
+    # A live run leaves none; one that is there is of another run then.
+    there = recording if digest is not None and recording.is_file() else None
+    return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, there, length_m)
+
+
+def history_of(
+    title: str,
+    trace: Mapping[str, Array],
+    sailed: Scenario | None,
+    recording: Path | None,
+    length_m: float | None = None,
+) -> dict[str, Any]:
+    """The history of a run whose trace is at hand: `trace` as in trace.npz.
+
+    `sailed`: its scenario. ValueError for a recording that is none.
+    """
+    t_s, boats = trace["t_s"], trace["error"].shape[1]
+    said = said_in(recording, 1e6 * float(t_s[-1])) if recording is not None else None
+    about = _boats(boats, sailed, said)
+    if length_m is not None:
+        about = [replace(boat, length_m=length_m) for boat in about]
+    told = history.of_trace(trace, title, about)
+    if said is not None and len(said.boats) == boats:
+        kept_s = history.numbers(told["t_s"])
+        for boat, vessel in zip(said.boats, told["vessels"][1:], strict=True):
+            vessel.update(boat.told(kept_s))
+    return told
+
+
+def _boats(count: int, sailed: Scenario | None, said: Said | None) -> list[Boat]:
+    """What is known of the boats: their recording goes before the scenario."""
+    boats = [Boat(agent) for agent in range(1, count + 1)]
+    if sailed is not None and len(sailed.boat) == count:
+        boats = history.boats_of(sailed)
+    if said is not None and len(said.parameters) == count:
+        boats = [
+            Boat(
+                int(own["MAV_SYSID"]),
+                int(own["FORM_LEADER"]),
+                boat.length_m,
+                (-own["THR_REV_MAX"], own["THR_FWD_MAX"]),
+            )
+            for boat, own in zip(boats, said.parameters, strict=True)
+        ]
+    if len({boat.id for boat in boats}) < count:
+        # More than there are system ids: by their numbers, and who follows whom is not told.
+        boats = [replace(boat, id=i, leader=None) for i, boat in enumerate(boats, start=1)]
+    return boats

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: MIT
+"""What the boats of a recorded run said over their radios, as far as a view shows it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from sil.recording import MAVLINK_OUT, Recording
+from sil.view import messages
+from sil.view.changes import Changes
+from sil.view.ear import Ear
+from sil.view.history import column
+from sil.view.vessel import Vessel
+
+_RADIO = MAVLINK_OUT + 1
+_SLOW = (
+    messages.HEARTBEAT,
+    messages.SYS_STATUS,
+    messages.NAMED_VALUE_FLOAT,
+    messages.STATUSTEXT,
+)
+
+Bytes = npt.NDArray[np.uint8]
+Places = npt.NDArray[np.int64]
+
+
+class SaidByBoat:
+    """What one boat has said, over time; what it said before the release, t_s 0, as of then."""
+
+    def __init__(self, system: int) -> None:
+        self._vessel = Vessel(system, 0.0)
+        self.states, self.held, self.texts = Changes(), Changes(), Changes()
+        self.numbers: dict[str, list[tuple[float, float]]] = {"battery_V": [], "leader_age_s": []}
+
+    def hear(self, message: Any, t_s: float) -> None:
+        """Takes a message of it, at a time after the release."""
+        vessel = self._vessel
+        vessel.hear(message, t_s)
+        self.states.note(t_s, vessel.state)
+        self.held.note(t_s, list(vessel.held()))
+        self.texts.note(t_s, vessel.texts.last or None)
+        told = {
+            messages.SYS_STATUS: ("battery_V", vessel.aboard.battery_V(t_s)),
+            messages.NAMED_VALUE_FLOAT: ("leader_age_s", vessel.value("LEAD_AGE")),
+        }.get(message.number)
+        if told is not None and told[1] is not None:
+            self.numbers[told[0]].append((t_s, told[1]))
+
+    def told(self, t_s: npt.NDArray[np.floating]) -> dict[str, Any]:
+        """What a history has of it: lists of changes, columns at the times `t_s`."""
+        columns = {}
+        for name, numbers in self.numbers.items():
+            if numbers:
+                at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
+                columns[name] = column(values[np.searchsorted(at_s, t_s, side="right") - 1])
+        changes = {"states": self.states, "held": self.held, "texts": self.texts}
+        return {**{name: each.list for name, each in changes.items()}, **columns}
+
+
+class Said:
+    """What all boats of a run said; `parameters`: of their firmware, boat 1's first."""
+
+    def __init__(self, parameters: list[dict[str, float]]) -> None:
+        self.parameters = parameters
+        self.boats = [SaidByBoat(int(own["MAV_SYSID"])) for own in parameters]
+
+
+def said_in(path: Path, duration_us: float) -> Said:
+    """What was said in a recording that ends `duration_us` after the release; ValueError."""
+    recording = Recording(path)
+    data = np.frombuffer(recording.records, np.uint8)
+    wanted = np.zeros(1 << 16, np.bool_)
+    wanted[list(_SLOW)] = True
+    found = np.empty((_frames(data, wanted, np.empty((0, 4), np.int64))[0], 4), np.int64)
+    _, last_us = _frames(data, wanted, found)
+    said = Said([boat["parameters"] for boat in recording.header["boats"]])
+    release_us = last_us - duration_us
+    ear = Ear(stream=False)
+    for t_us, agent, begin, end in found.tolist():
+        for message in ear.hear(bytes(recording.records[begin:end])):
+            said.boats[agent - 1].hear(message, max(0.0, 1e-6 * (t_us - release_us)))
+    return said
+
+
+@njit(cache=True)
+def _frames(data: Bytes, wanted: npt.NDArray[np.bool_], found: Places) -> tuple[int, int]:
+    """Writes (time in us, agent, begin, end) of the wanted frames that boats sent by radio.
+
+    As many as `found` (F, 4) has room for; returns how many there are, and the last time of all
+    records. Layout: `sil.recording`.
+    """
+    at, count, t_us = 0, 0, 0
+    while at + 12 <= data.size:
+        t_us = 0
+        for i in range(8):
+            t_us |= int(data[at + i]) << (8 * i)
+        channel, agent = data[at + 8], data[at + 9]
+        begin = at + 12
+        end = min(begin + int(data[at + 10]) + (int(data[at + 11]) << 8), data.size)
+        at = end
+        if channel != _RADIO or agent == 0:
+            continue
+        while begin + 12 <= end and data[begin] == 0xFD:
+            number = int(data[begin + 7]) + (int(data[begin + 8]) << 8)
+            size = 12 + int(data[begin + 1]) + (13 if data[begin + 2] & 1 else 0)
+            if wanted[number]:
+                if count < found.shape[0]:
+                    found[count, 0], found[count, 1] = t_us, agent
+                    found[count, 2], found[count, 3] = begin, min(begin + size, end)
+                count += 1
+            begin += size
+    return count, t_us

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""One MAVLink system: whether it is a vessel, of which kind, and what it has told of itself."""
+
+from typing import Any
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+
+from sil.view import messages, states
+from sil.view.aboard import Aboard
+from sil.view.ear import Message
+from sil.view.motion import Motion
+from sil.view.texts import Texts
+
+_SLOW_S = 5.0
+_RESTARTED_MS = 1000
+_AUTOPILOT: int = mavlink.MAV_COMP_ID_AUTOPILOT1
+_COMPANION: int = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
+_NO_VESSELS = {mavlink.MAV_TYPE_GCS, mavlink.MAV_TYPE_ADSB, mavlink.MAV_TYPE_ONBOARD_CONTROLLER}
+
+
+class Vessel:
+    """A system that may be a vessel; `kind` is None until its HEARTBEAT says that it is.
+
+    kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). Where it is
+    is said by its component 1, or the lowest that is heard; times are the listener's, s.
+    """
+
+    def __init__(self, system: int, now_s: float) -> None:
+        self.system = system
+        self.since_s = now_s
+        self.messages = 0
+        self.heard_s = 0.0
+        self.kind: str | None = None
+        self.state: str | None = None
+        self.texts = Texts()
+        self.motion = Motion()
+        self.aboard = Aboard()
+        self._main = 256
+        self._is_companion = False  # a Flotilla beside another autopilot
+        self._boot_ms = 0
+
+    def hear(self, message: Message, now_s: float) -> None:
+        """Takes a message of this system."""
+        number, _, component, fields = message
+        self.messages += 1
+        self.heard_s = now_s
+        if component != self._main and (component == _AUTOPILOT or component < self._main != 1):
+            self._main = component
+        if not fields:
+            return
+        if number == messages.HEARTBEAT:
+            self._beat(component, fields)
+        elif number == messages.STATUSTEXT:
+            _, piece, text, chunk = fields
+            self.texts.hear(component, piece, text, chunk, now_s)
+        elif component == self._main:
+            if number == messages.ATTITUDE:
+                self._look_at_clock(fields[0])
+            self.motion.hear(number, fields, now_s)
+            self.aboard.hear(number, fields, now_s)
+        elif component == _COMPANION:
+            self.aboard.hear(number, fields, now_s)
+            if self.aboard.value("COND", now_s) is not None:
+                self._is_companion = True
+
+    def value(self, name: str) -> float | None:
+        """A NAMED_VALUE_FLOAT that it still told when it was heard last."""
+        return self.aboard.value(name, self.heard_s)
+
+    def slot_is_told(self) -> bool:
+        """Whether it still told its slot when it was heard last."""
+        motion = self.motion
+        return motion.slot is not None and self.heard_s - motion.slot_s < _SLOW_S
+
+    def held(self) -> tuple[str, ...]:
+        """The complaints that keep a boat from FORMATION."""
+        conditions = self.value("COND")
+        if conditions is None or self.state is None or not 0 <= conditions < 1 << 32:
+            return ()
+        return states.held_by(int(conditions), self.state)
+
+    def _beat(self, component: int, f: tuple[Any, ...]) -> None:
+        custom_mode, kind, autopilot, base_mode, status = f[:5]
+        if self._is_companion:
+            if component != _COMPANION:
+                return
+            self.kind = "boat"
+        elif component != self._main:
+            return
+        elif kind in _NO_VESSELS:
+            self.kind = None
+        elif kind == mavlink.MAV_TYPE_GENERIC:
+            self.kind = "leader" if component == _AUTOPILOT else None
+        elif autopilot == mavlink.MAV_AUTOPILOT_INVALID:
+            self.kind = None
+        else:
+            ours = autopilot == mavlink.MAV_AUTOPILOT_GENERIC
+            ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT
+            self.kind = "boat" if ours else "vessel"
+        is_boat = self.kind == "boat"
+        self.state = states.state_of(custom_mode, base_mode, status) if is_boat else None
+
+    def _look_at_clock(self, boot_ms: int) -> None:
+        """A vessel that was started again said on another voyage what it said before."""
+        if boot_ms + _RESTARTED_MS < self._boot_ms:
+            self.motion, self.aboard = Motion(), Aboard()
+        self._boot_ms = boot_ms

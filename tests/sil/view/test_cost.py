@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+"""The measure of what a view costs: it measures what it says."""
+
+import pytest
+
+from sil.view.cost import fleet_of, main, said_by
+from sil.view.ear import Ear
+
+
+def test_boats_in_a_line_say_their_state_ten_times_a_second() -> None:
+    said = said_by(fleet_of(3))
+    heard = [message for _, data in said for message in Ear(stream=False).hear(data)]
+    states = [m for m in heard if m.number == 32 and m.system == 2]
+    assert 9.5 * said[-1][0] < len(states) < 10.5 * said[-1][0] + 2
+
+
+def test_what_it_costs_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--boats", "2", "--seconds", "1"]) == 0
+    words = capsys.readouterr().out
+    assert "2 boats and their leader say" in words and "% of a core" in words

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: MIT
+"""The server of the page, with real sockets and clients."""
+
+import asyncio
+import json
+import random
+import socket
+import urllib.request
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import Any
+
+import pytest
+from tornado.httpclient import AsyncHTTPClient, HTTPClientError
+from tornado.websocket import websocket_connect
+
+from sil.view.history import column, numbers
+from sil.view.live import Live
+from sil.view.serve import Server
+from sil.wire.mavlink_mcast import LOOPBACK
+from tests.sil.view.feed import BEAT, attitude, local, origin, said
+from tests.target.linux.process import free_port
+
+_PATIENCE_S = 20.0
+Use = Callable[[str], Awaitable[Any]]
+
+
+def served(source: Any, use: Use) -> Any:
+    """What `use` makes of the URL of a running server."""
+
+    async def run() -> Any:
+        server = Server(source, (LOOPBACK, 0))
+        running = asyncio.ensure_future(server.run())
+        try:
+            async with asyncio.timeout(_PATIENCE_S):
+                return await use(server.url)
+        finally:
+            running.cancel()
+            with suppress(asyncio.CancelledError):
+                await running
+
+    return asyncio.run(run())
+
+
+class Sender:
+    """Says to a port what it is given, many times a second, as long as it is entered."""
+
+    def __init__(self, port: int, say: Callable[[], list[bytes]]) -> None:
+        self._port, self._say = port, say
+        self._end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+    async def __aenter__(self) -> None:
+        self._running = asyncio.ensure_future(self._run())
+
+    async def __aexit__(self, *_: object) -> None:
+        self._running.cancel()
+        self._end.close()
+
+    async def _run(self) -> None:
+        while True:
+            for data in self._say():
+                self._end.sendto(data, (LOOPBACK, self._port))
+            await asyncio.sleep(0.02)
+
+
+async def frame_in_which(url: str, seen: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
+    page = await websocket_connect(f"ws{url.removeprefix('http')}live")
+    try:
+        while (message := await page.read_message()) is not None:
+            frame: dict[str, Any] = json.loads(message)
+            if seen(frame):
+                return frame
+    finally:
+        page.close()
+        while await page.read_message() is not None:
+            pass
+    raise AssertionError("the server has closed the connection")
+
+
+def fleet_of(count: int) -> list[bytes]:
+    ids = range(1, count + 1)
+    return [said(i, BEAT, origin(1, 2), attitude(0.1), local(float(i), 0.0)) for i in ids]
+
+
+def test_a_page_is_sent_ten_frames_a_second_of_what_is_heard() -> None:
+    port = free_port()
+
+    async def use(url: str) -> list[float]:
+        async with Sender(port, lambda: fleet_of(4)):
+            frame = await frame_in_which(url, lambda frame: frame["heard"]["vessels"] == 4)
+            assert [v["x_m"] for v in frame["vessels"]] == [1.0, 2.0, 3.0, 4.0]
+            heard = frame["heard"]
+            assert heard["address"] == f"udpin:{LOOPBACK}:{port}" and heard["damaged"] == 0
+            times: list[float] = []
+            await frame_in_which(url, lambda f: times.append(f["t_s"]) or len(times) == 6)
+            return times
+
+    times = served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use)
+    # a busy machine leaves frames out, never adds any
+    assert times[-1] - times[0] > 0.4
+
+
+def test_garbage_and_a_hundred_systems_leave_the_page_up_and_are_counted() -> None:
+    rng, port = random.Random(2), free_port()
+
+    def say() -> list[bytes]:
+        return [*fleet_of(100), rng.randbytes(700), b"\xfd" * 300, said(255, attitude(0.0))]
+
+    async def use(url: str) -> dict[str, Any]:
+        async with Sender(port, say):
+            return await frame_in_which(
+                url, lambda f: f["heard"]["vessels"] == 100 and f["heard"]["damaged"] > 3000
+            )
+
+    frame = served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use)
+    assert frame["heard"]["ignored"] > 0 and frame["heard"]["bytes_per_s"] > 0
+    assert all(v["state"] == "FORMATION" for v in frame["vessels"])
+
+
+def test_a_page_that_does_not_read_holds_up_nobody() -> None:
+    port = free_port()
+
+    async def use(url: str) -> None:
+        host, at = url.removeprefix("http://").rstrip("/").split(":")
+        with socket.create_connection((host, int(at))) as deaf:
+            deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+            deaf.send(
+                f"GET /live HTTP/1.1\r\nHost: {host}:{at}\r\nUpgrade: websocket\r\n"
+                "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode()
+            )
+            async with Sender(port, lambda: fleet_of(200)):
+                count = iter(range(25))
+                await frame_in_which(url, lambda _: next(count) == 24)
+
+    served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use)
+
+
+def test_another_sites_page_is_sent_nothing() -> None:
+    async def use(url: str) -> int:
+        request = urllib.request.Request(f"{url}live", headers={"Origin": "http://elsewhere"})
+        for name, text in (
+            ("Upgrade", "websocket"),
+            ("Connection", "Upgrade"),
+            ("Sec-WebSocket-Version", "13"),
+            ("Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ=="),
+        ):
+            request.add_header(name, text)
+        with pytest.raises(HTTPClientError) as refused:
+            await AsyncHTTPClient().fetch(request.full_url, headers=dict(request.header_items()))
+        return refused.value.code
+
+    assert served(Live(f"udpin:{LOOPBACK}:{free_port()}", 1.0), use) == 403
+
+
+def test_the_page_asks_for_nothing_elsewhere_and_a_replay_has_its_history() -> None:
+    history = {"title": "a run", "t_s": column([0.0, 1.0]), "vessels": []}
+
+    async def use(url: str) -> tuple[Any, Any]:
+        client = AsyncHTTPClient()
+        return await client.fetch(url), await client.fetch(f"{url}history")
+
+    page, told = served(history, use)
+    policy = page.headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy and "http" not in policy
+    assert list(numbers(json.loads(told.body)["t_s"])) == [0.0, 1.0]
