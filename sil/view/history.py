@@ -67,13 +67,17 @@ def numbers(text: str) -> npt.NDArray[np.float32]:
 
 
 def boats_of(scenario: Scenario) -> list[Boat]:
-    """The boats of a scenario, boat 1 first; the virtual leader is none of them."""
+    """The boats of a scenario, boat 1 first; the virtual leader is none of them.
+
+    Of more boats than there are system ids, `id` is the boat's number, and no leader is told.
+    """
     systems = systems_of(scenario)
+    unique = len(set(systems)) == len(systems)
     pairs = zip(scenario.boat, scenario.propeller_pairs(), scenario.vessels()[1:], strict=True)
     return [
         Boat(
-            systems[agent],
-            systems[boat.follows],
+            systems[agent] if unique else agent,
+            systems[boat.follows] if unique else None,
             vessel.length_m or LENGTH_M,
             (-propellers.reverse_max_N, propellers.forward_max_N),
         )

@@ -80,7 +80,7 @@ class Card {
     say(this.state, vessel.state ?? (vessel.kind === "leader" ? "virtual" : ""));
     this.state.className = `state ${vessel.state ?? ""}`;
     say(this.why, isSilent(vessel) ? `silent for ${age(vessel.link_age_s)}` : vessel.held.join("; "));
-    say(this.text, vessel.text ? `“${vessel.text}”` : "");
+    say(this.text, vessel.text && vessel.text !== vessel.state ? `“${vessel.text}”` : "");
     FACTS.forEach(([name, , read], i) => {
       const [row, place] = this.facts[i], text = read(vessel);
       if (text !== DASH) row.hidden = false;

@@ -6,7 +6,7 @@ import json
 import math
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import tornado.httpserver
@@ -119,7 +119,9 @@ class Feeder:
         while not self._stopped.is_set():
             message = self.frames(self.begin_s + self._loop.time() - began_s)
             for socket in self._sockets:
-                socket.write_message(message, binary=isinstance(message, bytes))
+                # a page that has just been left
+                with suppress(tornado.websocket.WebSocketClosedError):
+                    socket.write_message(message, binary=isinstance(message, bytes))
             await asyncio.sleep(0.1)
         server.stop()
         for socket in list(self._sockets):

@@ -8,7 +8,7 @@ import struct
 import numpy as np
 import pytest
 
-from sil import metrics
+from sil import metrics, scenario
 from sil.plant.hull import Array
 from sil.view import history
 from sil.view.history import Boat
@@ -99,6 +99,31 @@ def test_run_that_diverged_has_no_numbers_where_it_is_nowhere() -> None:
     boat = history.of_trace(run, "lost")["vessels"][1]
     lost = np.isnan(history.numbers(boat["slot_x_m"]))
     assert lost[-1] and not lost[0] and np.isnan(history.numbers(boat["x_m"])[-1])
+
+
+def test_boats_of_a_scenario_have_its_ids_leaders_hulls_and_limits() -> None:
+    changes = ["boat.2.vessel.length_m=2.5", "propellers.reverse_max_N=30"]
+    boats = history.boats_of(scenario.load("diamond", changes))
+    follows = [boat.follows for boat in scenario.load("diamond").boat]
+    assert [boat.id for boat in boats] == [1, 2, 3, 4]
+    assert [boat.leader for boat in boats] == [i or VIRTUAL_LEADER_SYSTEM for i in follows]
+    assert [boat.length_m for boat in boats] == [1.0, 2.5, 1.0, 1.0]
+    assert {boat.limits_N for boat in boats} == {(-30.0, 50.0)}
+
+
+def test_boats_beyond_the_system_ids_are_told_by_their_numbers() -> None:
+    few = scenario.load("diamond")
+    many = few.model_copy(update={"boat": few.boat * 70})
+    boats = history.boats_of(many)
+    assert [boat.id for boat in boats] == list(range(1, 281))
+    assert {boat.leader for boat in boats} == {None}
+
+
+@pytest.mark.parametrize("boats", [1, 4, 20, 1000])
+def test_history_of_many_boats_stays_one_that_a_page_can_carry(boats: int) -> None:
+    samples = history.most_samples(boats + 1)
+    assert 60 <= samples <= 1200
+    assert samples * len(history.COLUMNS) * (boats + 1) <= 1_000_000
 
 
 def test_column_that_no_history_has_is_refused() -> None:
