@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: MIT
+"""Saying MAVLink to a multicast group or to one listener."""
+
+import select
+import socket
+
+import pytest
+
+from sil.wire.mavlink_mcast import LOOPBACK, Group, Mouth, group_of, host_and_port, listener
+from tests.target.linux.process import free_port
+
+PATIENCE_S = 20.0
+
+
+def heard(end: socket.socket) -> bytes:
+    assert select.select([end], [], [], PATIENCE_S)[0]
+    return end.recv(1000)
+
+
+def test_all_who_listen_to_the_group_hear_what_is_said_in_order() -> None:
+    group = Group("239.255.145.64", free_port())
+    with listener(group) as one, listener(group) as other:
+        mouth = Mouth(f"mcast:{group.host}:{group.port}")
+        for data in (b"first", b"", b"second"):
+            mouth.send(data, 0)
+        for end in (one, other):
+            assert [heard(end), heard(end)] == [b"first", b"second"]
+        mouth.close()
+
+
+def test_nothing_that_is_said_on_the_loopback_leaves_the_machine() -> None:
+    mouth = Mouth(f"mcast:239.255.145.65:{free_port()}")
+    hops = mouth._socket.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL)
+    interface = mouth._socket.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, 4)
+    assert hops == 0 and socket.inet_ntoa(interface) == LOOPBACK
+    mouth.close()
+
+
+def test_one_listener_hears_and_one_that_is_not_there_holds_up_nobody() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
+        end.bind((LOOPBACK, 0))
+        port = end.getsockname()[1]
+        mouth = Mouth(f"udpout:{LOOPBACK}:{port}")
+        mouth.send(b"there", 0)
+        assert heard(end) == b"there"
+    for _ in range(5):
+        mouth.send(b"gone", 0)
+    mouth.close()
+
+
+def test_addresses_are_read_as_they_are_written() -> None:
+    assert group_of("") == Group("239.255.145.50", 14550, LOOPBACK)
+    assert group_of("239.0.0.1:7") == Group("239.0.0.1", 7, LOOPBACK)
+    assert group_of("239.0.0.1:7:10.0.0.1") == Group("239.0.0.1", 7, "10.0.0.1")
+    assert host_and_port("[::1]:80") == ("::1", 80)
+
+
+@pytest.mark.parametrize("text", ["1", "239.0.0.1", "10.0.0.1:7", "239.0.0.1:x", "239.0.0.1:7:x:y"])
+def test_what_is_no_group_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        group_of(text)
