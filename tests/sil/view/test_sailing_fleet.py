@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: MIT
+"""The whole way: boats that sail in real time, heard on a multicast group, seen in a browser."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+
+from sil import scenario
+from sil.live import LiveWorld, build
+from sil.wire.mavlink_mcast import group_of, listener
+from tests.live_buses import live_buses
+from tests.punctual import skip_where_too_slow
+from tests.sil.view.browser import Browser
+from tests.sil.view.live_page import LIVE, word
+from tests.sil.view.test_live_fleet import process
+from tests.target.linux.process import free_port
+
+ROOT = Path(__file__).parents[3]
+PICTURES = ROOT / "build" / "view"
+SILENT_S = 15.0
+PARAMETERS = {"SR_SLOW": 5.0, "FS_LEADER_S": 1.0, "FS_COAST_S": 3.0}
+BOATS = ("Boat 1", "Boat 2", "Boat 3", "Boat 4")
+
+
+class Ear:
+    """Hears boat 1's HEARTBEATs by pymavlink; `at_s`: when each state was first told."""
+
+    def __init__(self, address: str) -> None:
+        self.at_s: dict[str, float] = {}
+        self._socket = listener(group_of(address.removeprefix("mcast:")))
+        self._socket.setblocking(True)
+        self._socket.settimeout(0.2)
+        self._mav = mavlink.MAVLink(None)
+        self._mav.robust_parsing = True
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._hear)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._ended.set()
+        self._thread.join()
+        self._socket.close()
+
+    def _hear(self) -> None:
+        while not self._ended.is_set():
+            try:
+                data = self._socket.recv(4096)
+            except TimeoutError:
+                continue
+            for message in self._mav.parse_buffer(bytearray(data)) or []:
+                if message.get_type() == "HEARTBEAT" and message.get_srcSystem() == 1:
+                    self._note(message)
+
+    def _note(self, beat: mavlink.MAVLink_message) -> None:
+        if beat.custom_mode == 6:
+            critical = beat.system_status == mavlink.MAV_STATE_CRITICAL
+            self.at_s.setdefault("COAST" if critical else "FORMATION", time.monotonic())
+        elif "COAST" in self.at_s:
+            self.at_s.setdefault("HOLD", time.monotonic())
+
+
+class Voyage:
+    """`diamond` in real time in a thread; after `SILENT_S` its virtual leader says no more."""
+
+    def __init__(self, bus: str, address: str, out: Path) -> None:
+        sailed = scenario.load("diamond", ["duration_s=120"])
+        self._world = LiveWorld(sailed, bus, PARAMETERS, address)
+        self._out = out
+        self._ended = False
+        self._mistake: BaseException | None = None
+        self._thread = threading.Thread(target=self._sail)
+        self._thread.start()
+
+    def end(self) -> None:
+        self._ended = True
+        self._thread.join()
+        if self._mistake is not None:
+            raise self._mistake
+
+    def _sail(self) -> None:
+        class EndedError(Exception):
+            pass
+
+        def progress(share: float) -> None:
+            if 120 * share >= SILENT_S:
+                self._world._leader.outbox = []
+            if self._ended:
+                raise EndedError
+
+        try:
+            with self._world as world:
+                world.run(build(print), self._out, progress)
+        except EndedError:
+            pass
+        except BaseException as error:  # told where it is waited for
+            self._mistake = error
+
+
+@contextmanager
+def sailing(address: str, out: Path) -> Iterator[None]:
+    with live_buses() as bus:
+        voyage = Voyage(bus, address, out)
+        try:
+            yield
+        finally:
+            voyage.end()
+
+
+def seen_at_s(browser: Browser, state: str) -> float:
+    """When the card of boat 1 has that state, at the latest."""
+    browser.until(f"{STATE_OF} === arguments[1]", "Boat 1", state)
+    return time.monotonic()
+
+
+STATE_OF = """return [...document.querySelectorAll('.card')].find((c) =>
+  c.getAttribute('aria-label') === arguments[0])?.querySelector('.state').textContent"""
+
+
+def places(browser: Browser) -> dict[str, Any]:
+    found: dict[str, Any] = browser.run(
+        "return Object.fromEntries(flotilla.shown.vessels.map((v) => [v.key, [v.x_m, v.y_m]]))"
+    )
+    return found
+
+
+def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
+    browser: Browser, tmp_path: Path
+) -> None:
+    build(print)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    address = f"mcast:239.255.145.64:{free_port()}"
+    ear = Ear(address)
+    try:
+        with process("sil.view", address, "--bind", "127.0.0.1:0") as view:
+            assert view.stdout is not None
+            browser.open(view.stdout.readline().split()[-1])
+            browser.until(LIVE)
+            with sailing(address, tmp_path):
+                late_s = watched(browser, ear)
+            browser.open("about:blank")
+    finally:
+        ear.close()
+    skip_where_too_slow(tmp_path)
+    print(f"shown after the boat had said it: {late_s}")
+    assert all(seconds < 1.0 for seconds in late_s.values())
+
+
+def watched(browser: Browser, ear: Ear) -> dict[str, float]:
+    """Looks on; how many seconds after a boat had said that it is in a state the page showed it."""
+    for name in BOATS:
+        browser.until(f"{STATE_OF} === 'FORMATION'", name)
+    before = places(browser)
+    began_s = browser.run("return flotilla.shown.t_s")
+    browser.until("return flotilla.shown.t_s > arguments[0]", began_s + 8.0)
+    after = places(browser)
+    assert all(after[key] != before[key] for key in ("1", "2", "3", "4", "100"))
+    browser.picture(PICTURES / "formation.png")
+    late_s = {}
+    for state in ("COAST", "HOLD"):
+        at_s = seen_at_s(browser, state)
+        late_s[state] = at_s - ear.at_s.get(state, at_s)
+        browser.picture(PICTURES / f"{state.lower()}.png")
+    assert set(ear.at_s) == {"FORMATION", "COAST", "HOLD"}
+    assert "leader" in word(browser, "Boat 1", ".held")
+    assert word(browser, "Boat 2", ".state") == "FORMATION"
+    return late_s
