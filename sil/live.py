@@ -132,7 +132,8 @@ class LiveWorld:
     def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
         """Starts the boats' processes and sails the scenario, in real time."""
         for boat in self.boats:
-            boat.start(program, out / f"boat{boat.system}")
+            folder = out / f"boat{boat.system}"
+            boat.start(program, folder, f"--log={folder / 'log'}")
         tick_us = self._start()
         tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])
         for k in range(tracer.ticks):

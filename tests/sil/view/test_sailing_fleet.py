@@ -8,16 +8,22 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pytest
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
 from sil import scenario
 from sil.live import LiveWorld, build
+from sil.view import page
+from sil.view.history import numbers
+from sil.view.tlog import history_of_tlog
 from sil.wire.mavlink_mcast import group_of, listener
 from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
 from tests.sil.view.browser import Browser
 from tests.sil.view.live_page import LIVE, word
 from tests.sil.view.test_live_fleet import process
+from tests.sil.view.test_page_replay import seek
 from tests.target.linux.process import free_port
 
 ROOT = Path(__file__).parents[3]
@@ -121,11 +127,14 @@ STATE_OF = """return [...document.querySelectorAll('.card')].find((c) =>
   c.getAttribute('aria-label') === arguments[0])?.querySelector('.state').textContent"""
 
 
-def places(browser: Browser) -> dict[str, Any]:
-    found: dict[str, Any] = browser.run(
-        "return Object.fromEntries(flotilla.shown.vessels.map((v) => [v.key, [v.x_m, v.y_m]]))"
-    )
-    return found
+def shown(browser: Browser) -> dict[int, dict[str, Any]]:
+    """The vessels of the frame on the page, by system id."""
+    vessels = browser.run("return flotilla.shown.vessels")
+    return {vessel["id"]: vessel for vessel in vessels}
+
+
+def places(browser: Browser) -> dict[int, tuple[float, float]]:
+    return {number: (v["x_m"], v["y_m"]) for number, v in shown(browser).items()}
 
 
 def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
@@ -141,31 +150,57 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
             browser.open(view.stdout.readline().split()[-1])
             browser.until(LIVE)
             with sailing(address, tmp_path):
-                late_s = watched(browser, ear)
+                late_s, coasting = watched(browser, ear)
             browser.open("about:blank")
     finally:
         ear.close()
     skip_where_too_slow(tmp_path)
     print(f"shown after the boat had said it: {late_s}")
     assert all(seconds < 1.0 for seconds in late_s.values())
+    (tlog,) = (tmp_path / "boat1" / "log").glob("*.tlog")
+    replayed(browser, tlog, coasting)
 
 
-def watched(browser: Browser, ear: Ear) -> dict[str, float]:
-    """Looks on; how many seconds after a boat had said that it is in a state the page showed it."""
+def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dict[str, Any]]]:
+    """Looks on.
+
+    How many seconds after a boat had said that it is in a state the page showed it; and what was
+    shown in COAST.
+    """
     for name in BOATS:
         browser.until(f"{STATE_OF} === 'FORMATION'", name)
     before = places(browser)
     began_s = browser.run("return flotilla.shown.t_s")
     browser.until("return flotilla.shown.t_s > arguments[0]", began_s + 8.0)
     after = places(browser)
-    assert all(after[key] != before[key] for key in ("1", "2", "3", "4", "100"))
+    assert all(after[system] != before[system] for system in (1, 2, 3, 4, 100))
     browser.picture(PICTURES / "formation.png")
-    late_s = {}
+    late_s, moments = {}, {}
     for state in ("COAST", "HOLD"):
         at_s = seen_at_s(browser, state)
         late_s[state] = at_s - ear.at_s.get(state, at_s)
+        moments[state] = shown(browser)
         browser.picture(PICTURES / f"{state.lower()}.png")
     assert set(ear.at_s) == {"FORMATION", "COAST", "HOLD"}
     assert "leader" in word(browser, "Boat 1", ".held")
     assert word(browser, "Boat 2", ".state") == "FORMATION"
-    return late_s
+    return late_s, moments["COAST"]
+
+
+def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> None:
+    """Boat 1's log plays back what was seen `then`."""
+    history = history_of_tlog(tlog)
+    boat = next(vessel for vessel in history["vessels"] if vessel["id"] == 1)
+    away_m = np.hypot(numbers(boat["x_m"]) - then[1]["x_m"], numbers(boat["y_m"]) - then[1]["y_m"])
+    path = tlog.with_suffix(".html")
+    path.write_text(page.page_with(history, "boat 1"), encoding="utf-8")
+    browser.open(path.as_uri())
+    browser.until("return flotilla.plots !== null && flotilla.shown !== null")
+    seek(browser, float(numbers(history["t_s"])[np.nanargmin(away_m)]))
+    now = shown(browser)
+    for system in (1, 2, 100):  # whom boat 1 hears
+        for name in ("x_m", "y_m", "psi_rad"):
+            assert now[system][name] == pytest.approx(then[system][name], abs=0.1), (system, name)
+    for name in ("state", "held", "text", "leader"):
+        assert now[1][name] == then[1][name]
+    browser.picture(PICTURES / "replayed.png")
