@@ -6,7 +6,7 @@
 // effect where its parameters are zero: a slot that steers its own course, the line of sight, limits
 // of ν*, other vessels, and a current and an unknown wrench that are not zero.
 //
-// Q16.16: tested within ±500 (wrench, N)
+// Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
 
 #include "core/allocation.hpp"

@@ -14,7 +14,7 @@
 // Source: paper (eq:formation-error), (eq:error-kinematics-formation), where the slot's heading and
 // velocity are the leader's. Not in paper: the wrap.
 //
-// Q16.16: tested within ±100 (separation, m)
+// Q16.16: tested within ±200 (separation, m)
 #pragma once
 
 #include "core/slot.hpp"
