@@ -109,14 +109,11 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   if (!fix) return;
   told_ = fix->nu;
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
-  const core::Vec2<S> way = convert::separation<S>(before, anchor_);
+  const auto [way, near] = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;
-  core::observer_correct(observer_, law_.vessel, motion_,
-                         {{way.x + moved.x, way.y + moved.y},
-                          fix->psi,
-                          fix->nu,
-                          age,
-                          convert::near(before, anchor_) ? fix->dt : S(0)});
+  core::observer_correct(
+      observer_, law_.vessel, motion_,
+      {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
 }
 
 /// Some ticks at once: it is about what happens in half a second.

@@ -62,6 +62,7 @@ class Pilot {
   /// The own state at the whole millisecond of now.
   convert::OwnState own_state(std::int64_t now_us) const;
   bool located() const { return own_.has_origin(); }
+  const link::GpsGlobalOrigin& origin() const { return anchor_.origin; }
   convert::Position place() const;
 
   /// How deep in the tree, for others; nothing where we keep clear of nobody.
