@@ -10,17 +10,17 @@ _LIBRARIES = {
     "libgcc.a": "libgcc",
     "libc_nano.a": "libc",
     "libstdc++_nano.a": "libstdc++",
-    "libflotilla_link.a": "link",
-    "libflotilla_app.a": "app",
 }
+# The rooms' namespaces: what is optimised as a whole comes from no file of theirs.
+_ROOM = re.compile(r"8flotilla\d(core|link|app|target)")
 _PIECE = re.compile(r"^ (?:(\.\S+)\s+)?0x([0-9a-f]+)\s+0x([0-9a-f]+)\s+(\S.*)$")
 _GAP = re.compile(r"^ \*fill\*\s+0x([0-9a-f]+)\s+0x([0-9a-f]+)")
 _RAM = 0x20000000
 
 
 def _room(section: str, file: str) -> str:
-    if "8flotilla4core" in section:
-        return "core"  # templates, made where they are used
+    if named := _ROOM.search(section):
+        return named[1]
     for library, room in _LIBRARIES.items():
         if library in file:
             return room
