@@ -193,9 +193,11 @@ bool Boat<S>::coasts_on(std::int64_t now_us) const {
 template <class S>
 void Boat<S>::look_at_limits(std::int64_t now_us) {
   const Parameters& p = parameters();
-  const bool placed = pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
+  const bool armed = core::armed(state());
+  const bool placed =
+      limits_.asks_place(p, armed) && pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
   limits_.look(p, {now_us,
-                   core::armed(state()),
+                   armed,
                    placed ? std::optional(pilot_.place()) : std::nullopt,
                    {can_.esc_status(byte_of(p.ESC_PORT), now_us),
                     can_.esc_status(byte_of(p.ESC_STBD), now_us)}});

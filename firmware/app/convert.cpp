@@ -2,6 +2,8 @@
 #include "app/convert.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 #include "app/geodesy.hpp"
@@ -37,8 +39,14 @@ Seen seen_from(const Position& own, const Position& leader) {
   return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
 }
 
+/// By its bits: magnitudes are ordered as whole numbers are.
+bool within(double limit, double x) {
+  return std::bit_cast<std::uint64_t>(x) << 1U <= std::bit_cast<std::uint64_t>(limit) << 1U;
+}
+
 bool is_near(const Seen& seen) {
-  constexpr double kNear_m = 5000;
+  constexpr double kNear_m = 5000, kSurely_m = 3500;
+  if (within(kSurely_m, seen.north_m) && within(kSurely_m, seen.east_m)) return seen.same_side;
   return seen.same_side &&
          seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
 }

@@ -147,17 +147,19 @@ void Pilot<S>::follow_leader(std::int64_t now_us) {
 }
 
 template <class S>
+core::ControllerOutput<S> Pilot<S>::step_among_others(const core::Encounter<S>& in,
+                                                      std::int64_t now_us, S dt) {
+  const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
+  return core::controller_step(law_, state_, in, dt, &traffic);
+}
+
+template <class S>
 core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) {
   const core::Encounter<S> in = encounter(lead_.position, lead_.coast.leader);
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
-  core::ControllerOutput<S> out;
-  if (neighbours_.watches()) {
-    const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
-    out = core::controller_step(law_, state_, in, since, &traffic);
-  } else {
-    out = core::controller_step(law_, state_, in, since);
-  }
+  const auto out = neighbours_.watches() ? step_among_others(in, now_us, since)
+                                         : core::controller_step(law_, state_, in, since);
   wanted_ = out.wanted.nu_star;
   return out;
 }

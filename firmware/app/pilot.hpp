@@ -90,6 +90,8 @@ class Pilot {
   core::Encounter<S> encounter(const convert::Position& leader,
                                const core::Motion<S>& motion) const;
   void follow_leader(std::int64_t now_us);
+  core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
+                                              S dt);
   core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);

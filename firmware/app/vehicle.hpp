@@ -136,6 +136,8 @@ class Vehicle {
   /// Of one tick, for all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void tell_separation(link::Counters& counters);
+  bool state_waits();
+  void tell_state(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
   bool may_tell(std::size_t link) const;

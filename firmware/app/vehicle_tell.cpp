@@ -50,14 +50,9 @@ void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
 }
 
 bool Vehicle::tells_report() {
-  if (separation_due_.waits(now_us_)) return true;
+  if (separation_due_.waits(now_us_) || state_waits()) return true;
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    const Credit& credit = links_.credit(link);
-    const auto waits = [&](std::size_t stream) {
-      return streams_.schedule(stream, link).waits(now_us_);
-    };
-    if (credit.for_state() && std::ranges::any_of(kStateStreams, waits)) return true;
-    if (credit.for_rest() && streams_.any_waits(link, now_us_)) return true;
+    if (links_.credit(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
   }
   return false;
 }
@@ -80,13 +75,13 @@ void Vehicle::tell(link::Counters& counters) {
         counters);
   }
   streams_.forget_silent_radios(now_us_);
-  const bool moved = std::exchange(origin_moved_, false);
-  StateMessages state;
-  for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (moved) tell_stream(kOriginStream, link, counters);  // before any position from there
-    tell_state(link, state, counters);
-    tell_rest(link, counters);
+  if (std::exchange(origin_moved_, false)) {  // before any position from there
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      tell_stream(kOriginStream, link, counters);
+    }
   }
+  if (state_waits()) tell_state(counters);
+  for (std::size_t link = 0; link < links_.count(); ++link) tell_rest(link, counters);
 }
 
 /// For boats around, and for who wonders why this one stops.
@@ -97,6 +92,20 @@ void Vehicle::tell_separation(link::Counters& counters) {
   };
   tell("DEPTH", *report_.depth);
   if (report_.separation_m) tell("SEP_M", *report_.separation_m);
+}
+
+bool Vehicle::state_waits() {
+  for (const std::size_t stream : kStateStreams) {
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      if (streams_.schedule(stream, link).waits(now_us_)) return true;
+    }
+  }
+  return false;
+}
+
+void Vehicle::tell_state(link::Counters& counters) {
+  StateMessages state;
+  for (std::size_t link = 0; link < links_.count(); ++link) tell_state(link, state, counters);
 }
 
 /// Attitude and position leave together or not at all.

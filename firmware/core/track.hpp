@@ -122,7 +122,8 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   }
   const S psi_hat = track_heading(state, dt);
   const Nu<S> nu_hat_dot = track_acceleration(state, dt);
-  const Nu<S> off = plus(nu, S(-1), track_velocity(state, dt));
+  const Nu<S> nu_hat = track_velocity(state, dt);
+  const Nu<S> off = {nu.u - nu_hat.u, nu.v - nu_hat.v, nu.r - nu_hat.r};
   const S T = clamp(S(2) * (dt + state.dt), params.T_min, params.T);
   const S p = dt / (T + dt);
   const S q = dt / (params.T_j + dt);
