@@ -4,7 +4,7 @@
 //   Sum<S>     x itself
 //   Sum<Q16>   x in 2⁻³² (64 bits): 0.1 m/s × 0.01 s is exact, 2³² additions lose nothing
 //
-// Q16.16: tested within ±1 (what is carried; the sum itself has 64 bits)
+// Q16.16: tested within ±1 (what is taken at once; the sum itself has 64 bits, seen where it is used)
 #pragma once
 
 #include <cstdint>
