@@ -11,7 +11,7 @@ import pytest
 
 from sil import metrics, scenario
 from sil.recording import Recording
-from sil.replay import replay
+from sil.replay import main, replay
 from sil.world import Run, World
 
 REFERENCE = Path(__file__).parent.parent / "reference" / "nominal_formation.csv"
@@ -79,6 +79,7 @@ def test_the_recording_replays_bit_for_bit(diamond: tuple[Run, Path]) -> None:
     recording = Recording(path)
     assert recording.digest() == run.digest
     assert replay(recording) == [-1, -1, -1, -1]
+    assert main([str(path.parent)]) == 0
 
 
 def test_a_replay_with_another_gain_differs_at_the_first_driven_tick(

@@ -76,7 +76,7 @@ class Card {
     this.name.setAttribute("aria-pressed", String(chosen));
     const leader = byId.get(vessel.leader);
     const virtual = leader ? leader.kind === "leader" : false;
-    say(this.follows, vessel.leader === null || vessel.leader === 0 ? "" : virtual ? "follows the leader" : `follows ${vessel.leader}`);
+    say(this.follows, vessel.leader === null || vessel.leader === 0 ? "" : virtual ? "follows leader" : `follows ${vessel.leader}`);
     say(this.state, vessel.state ?? (vessel.kind === "leader" ? "virtual" : ""));
     this.state.className = `state ${vessel.state ?? ""}`;
     say(this.why, isSilent(vessel) ? `silent for ${age(vessel.link_age_s)}` : vessel.held.join("; "));

@@ -96,7 +96,7 @@ def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Pa
     ):
         seek(browser, t_s)
         browser.until(
-            f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows the leader"])
+            f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"])
         )
 
 
