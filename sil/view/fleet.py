@@ -119,9 +119,11 @@ class Fleet:
                 return None
             frame = LocalFrame(int(place.x), int(place.y), 0.001 * self.origin[2])
             x, y = 0.0, 0.0
+        elif abs(place.x) + abs(place.y) > _FAR_M:
+            return None
         elif origin == self.origin:
             return Pose(place.x, place.y, psi)
-        elif origin is None or self.origin is None or abs(place.x) + abs(place.y) > _FAR_M:
+        elif origin is None or self.origin is None:
             return None
         else:
             frame, x, y = self._frame(origin), place.x, place.y

@@ -311,3 +311,9 @@ def test_every_system_id_there_is_is_shown_and_random_messages_break_nothing() -
         view.hear(boat(system, float(system)), 40.0)
     vessels = view.by_id(40.0)
     assert len(vessels) == 255
+
+
+def test_a_place_farther_away_than_the_sea_is_wide_is_none() -> None:
+    view = Listening()
+    view.hear(boat(1, 3.0) + boat(2, 3e38), 0.0)
+    assert [view.by_id(0.0)[i]["x_m"] for i in (1, 2)] == [3.0, None]

@@ -141,3 +141,15 @@ def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
     shown(browser, four, fleet(100))
     browser.until("return document.querySelectorAll('.card').length === 100")
     browser.until("return flotilla.plots.charts.error.data.datasets.length === 40")
+
+
+def test_a_vessel_that_is_followed_to_where_no_metre_counts_does_not_stop_the_page(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    browser.run("""const select = document.getElementById('centre'); select.value = '1';
+      select.dispatchEvent(new Event('change'))""")
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s, x_m=1e30, y_m=-1e30)])
+    browser.until("return flotilla.shown.vessels.length === 1 && flotilla.shown.vessels[0].x_m")
+    at_s = browser.run("return flotilla.shown.t_s")
+    browser.until("return flotilla.shown.t_s > arguments[0]", at_s + 0.5)
