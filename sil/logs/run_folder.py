@@ -5,6 +5,7 @@ Poses, errors and thrusts are the truth; states, words, what the law wants, ages
 went over the boats' wires. The release, t = 0, is EPOCH_S; what was before it is before it.
 """
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from math import cos, sin
 from pathlib import Path
@@ -40,7 +41,7 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
     t_us = np.rint(1e6 * trace["t_s"]).astype(np.int64)
     boats = trace["error"].shape[1]
     with Output(ORIGIN) as output:
-        wires = _Wires(output, folder / "recording.bin", boats, int(t_us[-1]))
+        wires = _Wires(output, _recording(folder), boats, int(t_us[-1]))
         step = max(1, round(1e6 / RATE_HZ / (t_us[1] - t_us[0]))) if t_us.size > 1 else 1
         for k in range(0, t_us.size, step):
             wires.until(int(t_us[k]))
@@ -50,6 +51,17 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
         output.write(out)
         progress(1.0)
         return output.messages
+
+
+def _recording(folder: Path) -> Path | None:
+    """None of a live run, which leaves none: one that is there is of an earlier run."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        was_live = summary["digest"] is None
+    except (OSError, ValueError, KeyError, TypeError):
+        was_live = False
+    path = folder / "recording.bin"
+    return path if path.exists() and not was_live else None
 
 
 def _ns(t_us: int) -> int:
@@ -93,14 +105,14 @@ def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t
 class _Wires:
     """What went over the boats' wires, told up to a time; `boats`: telemetry by agent."""
 
-    def __init__(self, output: Output, path: Path, boats: int, last_us: int) -> None:
+    def __init__(self, output: Output, path: Path | None, boats: int, last_us: int) -> None:
         agents = range(1, boats + 1)
         self.boats = {i: Telemetry(output, f"boat{i}", tells_law=False) for i in agents}
         self._buses = {i: EscBus(output, f"boat{i}") for i in agents}
         self._mav = mavlink.MAVLink(None)
         self._records: Iterator[tuple[int, int, bytes]] = iter(())
         self._release_us = 0
-        if path.exists():
+        if path is not None:
             recording = Recording(path)
             # the last tick of the trace is the last one that is recorded
             self._release_us = max(t_us for t_us, _, _ in recording) - last_us
