@@ -19,7 +19,7 @@ from sil.logs.escs import EscBus
 from sil.logs.output import Output, Pose
 from sil.logs.telemetry import MESSAGES, Telemetry
 from sil.plant.hull import Array
-from sil.recording import CAN_IN, MAVLINK_OUT, Recording
+from sil.recording import CAN_IN, MAVLINK_OUT, Recording, of_run
 from sil.wire.mavlink_frames import frames
 from sil.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
 
@@ -54,14 +54,13 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
 
 
 def _recording(folder: Path) -> Path | None:
-    """None of a live run, which leaves none: one that is there is of an earlier run."""
+    """Without a summary any that is there counts."""
     try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        was_live = summary["digest"] is None
+        digest = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["digest"]
     except (OSError, ValueError, KeyError, TypeError):
-        was_live = False
-    path = folder / "recording.bin"
-    return path if path.exists() and not was_live else None
+        path = folder / "recording.bin"
+        return path if path.exists() else None
+    return of_run(folder, digest)
 
 
 def _ns(t_us: int) -> int:
@@ -71,9 +70,12 @@ def _ns(t_us: int) -> int:
 def _trace(path: Path) -> dict[str, Array]:
     try:
         with path.open("rb") as stream, np.load(stream) as file:
-            return {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
+            trace = {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
+        if not trace["t_s"].size:
+            raise ValueError("it is empty")
     except (BadZipFile, KeyError, EOFError, ValueError) as error:
         raise ValueError(f"{path}: not the trace of a run: {error}") from None
+    return trace
 
 
 def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t_ns: int) -> None:
