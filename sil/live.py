@@ -184,7 +184,7 @@ class LiveWorld:
     def _check_processes(self) -> None:
         for boat in self.boats:
             if boat.process is not None and (status := boat.process.poll()) is not None:
-                raise StartError(f"flotillad of boat {boat.system} left with status {status}")
+                raise StartError(f"boat {boat.system}: {boat.last_words(status)}")
 
     def _until(self, tick_us: int) -> None:
         """Takes what arrives until `tick_us`, when it arrives."""

@@ -73,6 +73,7 @@ class LiveBoat:
         self.inbox: list[Link] = []
         self.outbox: list[Outlet] = []
         self.process: subprocess.Popen[bytes] | None = None
+        self._words = Path()
         self.escs_speak = True
         self._parameters = parameters
         self._clock = clock
@@ -103,17 +104,23 @@ class LiveBoat:
     def start(self, program: Path, folder: Path, *more: str) -> None:
         """Starts the flotillad, with `more` options; its words go to `folder`/flotillad.log."""
         folder.mkdir(parents=True, exist_ok=True)
+        self._words = folder / "flotillad.log"
         options = [f"--can={self.bus}", f"--state-dir={folder / 'state'}"]
         options += [f"--mavlink={link.address}" for link in (self.navigation, self.radio)]
         options += [f"--param={name}={value!r}" for name, value in self._parameters.items()]
         options += [f"--stats={folder / 'stats.json'}", *more]
-        with (folder / "flotillad.log").open("ab") as log:
+        with self._words.open("ab") as log:
             self.process = subprocess.Popen(  # noqa: S603
                 [*ordinary_user(), program, *options],
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=log,
             )
+
+    def last_words(self, status: int) -> str:
+        """Why its flotillad left with that status, as far as it said."""
+        lines = self._words.read_text(encoding="utf-8", errors="replace").splitlines()
+        return lines[-1] if lines else f"flotillad left with status {status}, see {self._words}"
 
     def close(self) -> None:
         """Asks the flotillad to leave, and sees to it."""

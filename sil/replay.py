@@ -90,9 +90,10 @@ def replay(recording: Recording) -> list[int]:
 def main(arguments: list[str]) -> int:
     """Exit status: 0 all the same, 1 a difference, 2 a file that cannot be replayed."""
     parser = argparse.ArgumentParser(prog="tools/replay", description=__doc__)
-    parser.add_argument("recording", type=Path, help="the recording.bin of a run")
+    parser.add_argument("recording", type=Path, help="the recording.bin of a run, or its folder")
+    path: Path = parser.parse_args(arguments).recording
     try:
-        recording = Recording(parser.parse_args(arguments).recording)
+        recording = Recording(path / "recording.bin" if path.is_dir() else path)
         first = replay(recording)
     except (OSError, ValueError) as error:
         print(f"error: {error}", file=sys.stderr)

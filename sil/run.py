@@ -3,6 +3,7 @@
 
 import json
 import os
+import shutil
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -22,6 +23,9 @@ from sil.plant.hull import Array
 from sil.scenario import Scenario
 from sil.view.recorded import history_of
 from sil.world import Progress, Run, World
+
+# Boats stop where their own state is 0.5 s old, which is the firmware's default.
+_LATE_US = 300_000
 
 
 def run(
@@ -66,15 +70,29 @@ def live(
         raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
     program = build_flotillad(console.print)
     out.mkdir(parents=True, exist_ok=True)
+    _remove_earlier(out, len(scenario.boat))
     began_s = time.perf_counter()
     with (
         LiveWorld(scenario, bus, param_overrides, mavlink) as world,
         _bar(scenario, console) as progress,
     ):
         tracer = world.run(program, out, progress)
-        console.print(f"latest step of the world: {world.late_us / 1000:.1f} ms behind its time")
+        console.print(f"the world was {world.late_us / 1000:.1f} ms behind its time at most")
+        if world.late_us > _LATE_US:
+            console.print(
+                "[bold red]this machine was too slow for real time: the boats were told too late"
+            )
     result = Run(tracer.trace(0), tracer.seconds(0), None)
     return _finish(scenario, out, result, time.perf_counter() - began_s, command, console)
+
+
+def _remove_earlier(out: Path, boats: int) -> None:
+    """Of an earlier run in the folder: what a live run does not leave, and its boats' logs."""
+    for name in ("recording.bin", "run.mcap"):
+        (out / name).unlink(missing_ok=True)
+    for system in range(1, boats + 1):
+        (out / f"boat{system}" / "flotillad.log").unlink(missing_ok=True)
+        shutil.rmtree(out / f"boat{system}" / "log", ignore_errors=True)
 
 
 @contextmanager

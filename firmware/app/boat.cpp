@@ -116,12 +116,13 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   }
   note_range();
   in_range_ = fits_ && !std::exchange(overflow_, false);
+  if (last_tick_us_ && vehicle_.is_asked()) vehicle_.report(report(*last_tick_us_));
   supervise(now_us);
   steer(now_us);
   look_at_limits(now_us);
   can_.send(thrust_.raw, core::armed(state()), now_us, counters_, can_output_);
   complain(now_us);
-  vehicle_.tell(report(now_us), counters_);
+  tell(now_us);
   note_range();
   last_tick_us_ = now_us;
   return {&vehicle_.links(), std::span(can_output_.frames).first(can_output_.count)};
@@ -192,9 +193,11 @@ bool Boat<S>::coasts_on(std::int64_t now_us) const {
 template <class S>
 void Boat<S>::look_at_limits(std::int64_t now_us) {
   const Parameters& p = parameters();
-  const bool placed = pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
+  const bool armed = core::armed(state());
+  const bool placed =
+      limits_.asks_place(p, armed) && pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
   limits_.look(p, {now_us,
-                   core::armed(state()),
+                   armed,
                    placed ? std::optional(pilot_.place()) : std::nullopt,
                    {can_.esc_status(byte_of(p.ESC_PORT), now_us),
                     can_.esc_status(byte_of(p.ESC_STBD), now_us)}});
@@ -261,6 +264,13 @@ void Boat<S>::complain(std::int64_t now_us) {
     vehicle_.say(link::mav::kSeverityError, {"parameters could not be saved: see the host's disk"},
                  counters_);
   }
+}
+
+template <class S>
+void Boat<S>::tell(std::int64_t now_us) {
+  if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
+  if (vehicle_.tells_report()) vehicle_.report(report(now_us));
+  vehicle_.tell(counters_);
 }
 
 template <class S>

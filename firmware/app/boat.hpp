@@ -158,6 +158,7 @@ class Boat {
   Report report(std::int64_t now_us);
   std::optional<double> separation_m() const;
   void complain(std::int64_t now_us);
+  void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
   CanOutput& can_output_;

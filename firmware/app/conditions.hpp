@@ -45,9 +45,14 @@ class Limits {
   struct Seen {
     std::int64_t now_us = 0;
     bool armed = false;
-    std::optional<convert::Position> place{};  ///< where it is fresh and has an origin
+    std::optional<convert::Position> place{};  ///< where it is asked for, fresh and has an origin
     std::array<std::optional<link::EscStatus>, 2> escs{};
   };
+
+  /// Whether look() makes use of the place.
+  bool asks_place(const Parameters& p, bool armed) const {
+    return !home_ || (armed && !was_armed_) || p.FS_FENCE_M != 0;
+  }
 
   /// Once a tick.
   void look(const Parameters& p, const Seen& seen);

@@ -2,6 +2,8 @@
 #include "app/convert.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 #include "app/geodesy.hpp"
@@ -37,12 +39,24 @@ Seen seen_from(const Position& own, const Position& leader) {
   return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
 }
 
+/// By its bits: magnitudes are ordered as whole numbers are.
+bool within(double limit, double x) {
+  return std::bit_cast<std::uint64_t>(x) << 1U <= std::bit_cast<std::uint64_t>(limit) << 1U;
+}
+
+bool is_near(const Seen& seen) {
+  constexpr double kNear_m = 5000, kSurely_m = 3500;
+  if (within(kSurely_m, seen.north_m) && within(kSurely_m, seen.east_m)) return seen.same_side;
+  return seen.same_side &&
+         seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
+}
+
 }  // namespace
 
 template <class S>
-core::Vec2<S> separation(const Position& own, const Position& leader) {
+Separation<S> separation(const Position& own, const Position& leader) {
   const Seen seen = seen_from(own, leader);
-  return {scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)};
+  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen)};
 }
 
 template <class S>
@@ -88,12 +102,7 @@ GlobalPoint global_of(const Position& position) {
   return {latitude, longitude, plane.turn_of({latitude, longitude})};
 }
 
-bool near(const Position& own, const Position& leader) {
-  constexpr double kNear_m = 5000;
-  const Seen seen = seen_from(own, leader);
-  return seen.same_side &&
-         seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
-}
+bool near(const Position& own, const Position& leader) { return is_near(seen_from(own, leader)); }
 
 double distance_m(const Position& a, const Position& b) {
   const Seen seen = seen_from(a, b);
@@ -119,7 +128,10 @@ template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p) {
   const S most =
       S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of what both give
-  return {scalar<S>(p.LAW_OBS_BW), scalar<S>(p.LAW_CUR_BW), {most, scalar<S>(p.THR_ARM) * most}};
+  return {scalar<S>(p.LAW_OBS_BW),
+          scalar<S>(p.LAW_CUR_BW),
+          {most / scalar<S>(p.VES_M11), most / scalar<S>(p.VES_M22),
+           scalar<S>(p.THR_ARM) * most / scalar<S>(p.VES_M33)}};
 }
 
 template <class S>
@@ -149,7 +161,7 @@ core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                         \
-  template core::Vec2<S> separation<S>(const Position&, const Position&);               \
+  template Separation<S> separation<S>(const Position&, const Position&);               \
   template core::Encounter<S> encounter_of<S>(const Position&, const core::Motion<S>&,  \
                                               const Position&, const core::Motion<S>&); \
   template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);       \

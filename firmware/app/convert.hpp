@@ -109,10 +109,15 @@ bool near(const Position& own, const Position& leader);
 /// Straight from one to the other.
 double distance_m(const Position& a, const Position& b);
 
-/// From the leader to us, m, north-east in the plane of our origin; all differences are taken as
-/// doubles.
+/// From the leader to us, m, north-east in the plane of our origin, and whether that is near; all
+/// differences are taken as doubles.
 template <class S>
-core::Vec2<S> separation(const Position& own, const Position& leader);
+struct Separation {
+  core::Vec2<S> n;
+  bool near;
+};
+template <class S>
+Separation<S> separation(const Position& own, const Position& leader);
 
 /// What the law sees: two positions and the motions since, in the plane of our origin.
 template <class S>

@@ -83,11 +83,10 @@ std::optional<std::array<S, 4>> normalised(const std::array<float, 4>& wire) {
 }
 
 template <class S>
-Sample<S> with_velocity_n(Sample<S> sample, S north_mps, S east_mps) {
+void set_velocity_n(Sample<S>& sample, S north_mps, S east_mps) {
   const core::Vec2<S> v = core::to_body(sample.psi_rad, core::Vec2<S>{north_mps, east_mps});
   sample.u_mps = v.x;
   sample.v_mps = v.y;
-  return sample;
 }
 
 /// Not off the globe, too near a pole, or 0, 0, which is what units without a fix say.
@@ -138,14 +137,15 @@ Reading<S> sample_of(const link::Odometry& m) {
   if (!turning) return {};
   const Vec3<S> wire{scalar<S>(m.vx), scalar<S>(m.vy), scalar<S>(m.vz)};
   const Vec3<S> velocity = velocity_b ? ned_of(enu, rotate(*q, wire)) : ned_of(velocity_enu, wire);
-  const Sample<S> sample{static_cast<std::int64_t>(m.time_usec),
-                         enu ? m.y : m.x,
-                         enu ? m.x : m.y,
-                         turning->psi_rad,
-                         S(0),
-                         S(0),
-                         turning->r_radps};
-  return {with_velocity_n(sample, velocity.x, velocity.y), {}};
+  Sample<S> sample{static_cast<std::int64_t>(m.time_usec),
+                   enu ? m.y : m.x,
+                   enu ? m.x : m.y,
+                   turning->psi_rad,
+                   S(0),
+                   S(0),
+                   turning->r_radps};
+  set_velocity_n(sample, velocity.x, velocity.y);
+  return {sample, {}};
 }
 
 template <class S>
@@ -169,7 +169,8 @@ std::optional<Sample<S>> sample_of(const link::LocalPositionNed& m,
   Sample<S> sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
   sample.north_m = m.x;
   sample.east_m = m.y;
-  return with_velocity_n(sample, scalar<S>(m.vx), scalar<S>(m.vy));
+  set_velocity_n(sample, scalar<S>(m.vx), scalar<S>(m.vy));
+  return sample;
 }
 
 template <class S>
@@ -181,7 +182,8 @@ std::optional<Sample<S>> sample_of(const link::GlobalPositionInt& m,
   }
   Sample<S> sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
   sample.at = {m.lat, m.lon};
-  return with_velocity_n(sample, S(int{m.vx}) / S(kCentimetres), S(int{m.vy}) / S(kCentimetres));
+  set_velocity_n(sample, S(int{m.vx}) / S(kCentimetres), S(int{m.vy}) / S(kCentimetres));
+  return sample;
 }
 
 bool is_usable(const link::FollowTarget& m) {
@@ -213,7 +215,8 @@ std::optional<Sample<S>> sample_of(const link::FollowTarget& m, const HeadingSam
   if (!is_usable(m)) return std::nullopt;
   Sample<S> sample = joined(heading, follow_stamp_us(m));
   sample.at = {m.lat, m.lon};
-  return with_velocity_n(sample, scalar<S>(m.vel[0]), scalar<S>(m.vel[1]));
+  set_velocity_n(sample, scalar<S>(m.vel[0]), scalar<S>(m.vel[1]));
+  return sample;
 }
 
 template <class S>

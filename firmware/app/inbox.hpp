@@ -44,6 +44,8 @@ class Inbox {
     letters_.back() = letter;
   }
 
+  bool is_empty() const { return count_ == 0; }
+
   enum class Taken : std::uint8_t {
     kAnswered,
     kKept,  ///< for the next time

@@ -74,7 +74,8 @@ class Liveness {
     int repeats = 0;
 
     void stay(const core::Vec2<S>& rate, S h) {
-      way = {left_after(h) * way.x + h * rate.x, left_after(h) * way.y + h * rate.y};
+      const S left = left_after(h);
+      way = {left * way.x + h * rate.x, left * way.y + h * rate.y};
       time = core::smaller(time + h, S(2) * kHeld_s);
       repeats = std::min(repeats + 1, kFew);
     }
@@ -84,8 +85,8 @@ class Liveness {
 
   void judge(bool well) {
     const S most_s = moved_ ? patience_s_ : kHeld_s;
-    const bool frozen = (place_.lies() && place_.lasts(most_s)) ||
-                        (heading_.lies() && heading_.lasts(most_s)) ||
+    const bool frozen = (place_.lasts(most_s) && place_.lies()) ||
+                        (heading_.lasts(most_s) && heading_.lies()) ||
                         (moved_ && pushed_ > kPushed && whole_.lasts(patience_s_));
     well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
     live_ = !frozen && (live_ || well_ == kFew);

@@ -61,6 +61,7 @@ void Neighbours::configure(std::uint8_t own_system, std::uint8_t leader_system, 
   if (leader_system != leader_system_) leader_depth_.reset();
   leader_system_ = leader_system;
   least_m_ = least_m;
+  watches_ = least_m > 0;
 }
 
 template <class S>

@@ -20,7 +20,7 @@ class Neighbours {
   /// Our own system and our leader's. Nobody is tracked where `least_m`, FS_SEP_M, is 0.
   void configure(std::uint8_t own_system, std::uint8_t leader_system, float least_m);
 
-  bool watches() const { return least_m_ > 0; }
+  bool watches() const { return watches_; }
 
   /// Any message. Places are kept in the local frame of `own`. S: what is computed in.
   template <class S = double>
@@ -65,6 +65,7 @@ class Neighbours {
 
   std::uint8_t own_system_ = 0, leader_system_ = 0;
   float least_m_ = 0;
+  bool watches_ = false;
   std::optional<std::uint8_t> leader_depth_;
   link::GpsGlobalOrigin frame_{};  // that all places are in
   std::array<Vessel, core::kMostVessels> vessels_{};

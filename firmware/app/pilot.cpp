@@ -109,14 +109,11 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   if (!fix) return;
   told_ = fix->nu;
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
-  const core::Vec2<S> way = convert::separation<S>(before, anchor_);
+  const auto [way, near] = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;
-  core::observer_correct(observer_, law_.vessel, motion_,
-                         {{way.x + moved.x, way.y + moved.y},
-                          fix->psi,
-                          fix->nu,
-                          age,
-                          convert::near(before, anchor_) ? fix->dt : S(0)});
+  core::observer_correct(
+      observer_, law_.vessel, motion_,
+      {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
 }
 
 /// Some ticks at once: it is about what happens in half a second.
@@ -150,17 +147,19 @@ void Pilot<S>::follow_leader(std::int64_t now_us) {
 }
 
 template <class S>
+core::ControllerOutput<S> Pilot<S>::step_among_others(const core::Encounter<S>& in,
+                                                      std::int64_t now_us, S dt) {
+  const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
+  return core::controller_step(law_, state_, in, dt, &traffic);
+}
+
+template <class S>
 core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) {
   const core::Encounter<S> in = encounter(lead_.position, lead_.coast.leader);
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
-  core::ControllerOutput<S> out;
-  if (neighbours_.watches()) {
-    const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
-    out = core::controller_step(law_, state_, in, since, &traffic);
-  } else {
-    out = core::controller_step(law_, state_, in, since);
-  }
+  const auto out = neighbours_.watches() ? step_among_others(in, now_us, since)
+                                         : core::controller_step(law_, state_, in, since);
   wanted_ = out.wanted.nu_star;
   return out;
 }

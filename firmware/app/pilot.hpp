@@ -62,6 +62,7 @@ class Pilot {
   /// The own state at the whole millisecond of now.
   convert::OwnState own_state(std::int64_t now_us) const;
   bool located() const { return own_.has_origin(); }
+  const link::GpsGlobalOrigin& origin() const { return anchor_.origin; }
   convert::Position place() const;
 
   /// How deep in the tree, for others; nothing where we keep clear of nobody.
@@ -89,6 +90,8 @@ class Pilot {
   core::Encounter<S> encounter(const convert::Position& leader,
                                const core::Motion<S>& motion) const;
   void follow_leader(std::int64_t now_us);
+  core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
+                                              S dt);
   core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);

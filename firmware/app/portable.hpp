@@ -3,7 +3,9 @@
 // on every processor, and no libm on a microcontroller. The law's are core/scalar.hpp's.
 #pragma once
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -77,9 +79,14 @@ constexpr double atan2(double y, double x) {
   double t = (steep ? ax : ay) / longer;
   // tan of a quarter of the angle, under 0.2.
   for (int i = 0; i < 2; ++i) t = t / (1 + root(1 + t * t));
+  constexpr auto kTerms = [] {  // 1/23 … 1/3, 1
+    std::array<double, 12> terms{};
+    for (int i = 0; i < 12; ++i) terms[static_cast<std::size_t>(i)] = 1.0 / (23 - 2 * i);
+    return terms;
+  }();
   const double z = t * t;
   double sum = 0;
-  for (int k = 23; k >= 1; k -= 2) sum = 1.0 / k - z * sum;
+  for (const double term : kTerms) sum = term - z * sum;
   double angle = 4 * t * sum;
   if (steep) angle = kPi / 2 - angle;
   if (x < 0) angle = kPi - angle;

@@ -72,8 +72,20 @@ class Vehicle {
   /// the boat: whether it is to be called again, when that is in force (take_change()).
   bool answer(link::Counters& counters);
 
+  /// There are questions, perhaps for what a report tells.
+  bool is_asked() const { return !inbox_.is_empty(); }
+
+  /// Our positions are measured from there from now on.
+  void locate(const link::GpsGlobalOrigin& origin);
+
+  /// Whether tell() will make use of a report of this tick.
+  bool tells_report();
+
+  /// What is told, and answered, from now on.
+  void report(const Report& report);
+
   /// Telemetry, and what is still owed to clients.
-  void tell(const Report& report, link::Counters& counters);
+  void tell(link::Counters& counters);
 
   /// A sentence to every operator; longer ones in chunks of 50 characters.
   void say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
@@ -121,10 +133,11 @@ class Vehicle {
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
   void enter(core::State state, core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
-  bool origin_moved();
   /// Of one tick, for all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void tell_separation(link::Counters& counters);
+  bool state_waits();
+  void tell_state(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
   bool may_tell(std::size_t link) const;
@@ -141,7 +154,7 @@ class Vehicle {
   link::FtpServer ftp_;
   Streams streams_;
   TimeRequests time_;
-  Report report_;  // of the last tick, and the mode of now: requested messages are made of it
+  Report report_;  // the last one, and the mode of now
 
   core::State state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
@@ -160,6 +173,7 @@ class Vehicle {
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
+  bool origin_moved_ = false;                  // in this tick
   std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
   struct Begun {
     std::size_t stream = kStreams.size();

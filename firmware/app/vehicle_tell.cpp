@@ -43,38 +43,47 @@ link::Heartbeat Vehicle::heartbeat() const {
 }
 
 /// Followers take our positions from another origin from now on.
-bool Vehicle::origin_moved() {
-  if (!report_.own) return false;
-  const link::GpsGlobalOrigin& origin = report_.own->state.origin;
+void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
   const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
-  report_.own->adrift = !report_.own->located && told_origin_;
-  if (!report_.own->located || told_origin_ == here) return false;
+  if (told_origin_ == here) return;
   told_origin_ = here;
-  return true;
+  origin_moved_ = true;
+  streams_.hurry(mav::kGpsGlobalOriginId);
 }
 
-void Vehicle::tell(const Report& report, link::Counters& counters) {
+bool Vehicle::tells_report() {
+  if (separation_due_.waits(now_us_) || state_waits()) return true;
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (links_.credit(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
+  }
+  return false;
+}
+
+void Vehicle::report(const Report& report) {
   report_ = report;
+  if (report_.own) report_.own->adrift = !report_.own->located && told_origin_;
   freshen();
+}
+
+void Vehicle::tell(link::Counters& counters) {
   if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
   if (timesync_due_.due(now_us_)) {
     links_.broadcast(time_.ask(now_us_, self().system), counters);
   }
-  if (report.depth && separation_due_.due(now_us_)) tell_separation(counters);
+  if (separation_due_.due(now_us_) && report_.depth) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
         counters);
   }
   streams_.forget_silent_radios(now_us_);
-  const bool moved = origin_moved();
-  if (moved) streams_.hurry(mav::kGpsGlobalOriginId);
-  StateMessages state;
-  for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (moved) tell_stream(kOriginStream, link, counters);  // before any position from there
-    tell_state(link, state, counters);
-    tell_rest(link, counters);
+  if (std::exchange(origin_moved_, false)) {  // before any position from there
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      tell_stream(kOriginStream, link, counters);
+    }
   }
+  if (state_waits()) tell_state(counters);
+  for (std::size_t link = 0; link < links_.count(); ++link) tell_rest(link, counters);
 }
 
 /// For boats around, and for who wonders why this one stops.
@@ -85,6 +94,20 @@ void Vehicle::tell_separation(link::Counters& counters) {
   };
   tell("DEPTH", *report_.depth);
   if (report_.separation_m) tell("SEP_M", *report_.separation_m);
+}
+
+bool Vehicle::state_waits() {
+  for (const std::size_t stream : kStateStreams) {
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      if (streams_.schedule(stream, link).waits(now_us_)) return true;
+    }
+  }
+  return false;
+}
+
+void Vehicle::tell_state(link::Counters& counters) {
+  StateMessages state;
+  for (std::size_t link = 0; link < links_.count(); ++link) tell_state(link, state, counters);
 }
 
 /// Attitude and position leave together or not at all.

@@ -12,7 +12,7 @@
 //
 // Not in paper, which has no limits.
 //
-// Q16.16: tested within ±500 (F + R, N)
+// Q16.16: tested within ±1,000 (F + R, N)
 #pragma once
 
 #include "core/scalar.hpp"

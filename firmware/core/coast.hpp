@@ -16,7 +16,7 @@
 // Not in paper: there the leader is always heard. It slows down late at first: a silence that is soon
 // over shall cost nothing.
 //
-// Q16.16: tested within ±500 (the current's or leader's way, propellers' thrusts)
+// Q16.16: tested within ±500 (the leader's way, propellers' thrusts)
 #pragma once
 
 #include "core/allocation.hpp"

@@ -6,7 +6,7 @@
 // effect where its parameters are zero: a slot that steers its own course, the line of sight, limits
 // of ν*, other vessels, and a current and an unknown wrench that are not zero.
 //
-// Q16.16: tested within ±500 (wrench, N)
+// Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
 
 #include "core/allocation.hpp"
@@ -67,7 +67,7 @@ Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& 
                          const Encounter<S>& in, const Traffic<S>& traffic,
                          ControllerOutput<S>& out) {
   const Vec2<S> v = to_north_east(out.slot.psi, Vec2<S>{out.slot.nu.u, out.slot.nu.v});
-  const Vec2<S> e = to_north_east(in.psi, Vec2<S>{out.error.e.x, out.error.e.y});
+  const Vec2<S> e = to_north_east(out.error.R, Vec2<S>{out.error.e.x, out.error.e.y});
   const S k = params.outer.k_x;
   const Intent<S> intent =
       intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
@@ -87,7 +87,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   ControllerOutput<S> out;
   out.slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
   out.error = formation_error(in, out.slot);
-  const Vec2<S> c_b = to_body(in.psi, in.current_n);
+  const Vec2<S> c_b = to_body(out.error.R, in.current_n);
   const S U = steering_speed(params.vessel, out.slot, in.unknown,
                              wanted_surge(params.outer, out.slot, out.error) - c_b.x);
   out.sight = line_of_sight(params.sight, in.nu, out.slot, out.error, U);

@@ -73,7 +73,9 @@ class Q16 {
   }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
-  friend constexpr auto operator<=>(Q16 a, Q16 b) { return a.raw_ <=> b.raw_; }
+  [[gnu::always_inline]] friend constexpr auto operator<=>(Q16 a, Q16 b) {
+    return a.raw_ <=> b.raw_;
+  }
 
   /// x / 2ⁿ, n < 32, to nearest, ties to even.
   static constexpr std::int64_t halved(std::int64_t x, int n) {
@@ -95,8 +97,10 @@ class Q16 {
       const std::int32_t most = end(negative);
       return of_raw(n == 0 ? 0 : most);
     }
-    const int zeros = std::countl_zero(d);
-    const auto [whole, rest] = fixed::divided(n << zeros, d << zeros);
+    const bool is_short = n >> 32 == 0;  // |a| < 1: one division will do
+    const int zeros = is_short ? 0 : std::countl_zero(d);
+    const auto [whole, rest] = is_short ? fixed::divided(static_cast<std::uint32_t>(n), d)
+                                        : fixed::divided(n << zeros, d << zeros);
     // rest < d: rest > d − rest is 2 rest > d, which may wrap
     const std::uint32_t other = (d << zeros) - rest;
     const std::uint32_t up = rest > other || (rest == other && (whole & 1) != 0) ? 1 : 0;

@@ -22,6 +22,9 @@ struct Quotient {
   std::uint32_t whole, rest;
 };
 
+/// n / d, in one instruction and a product.
+constexpr Quotient divided(std::uint32_t n, std::uint32_t d) { return {n / d, n % d}; }
+
 /// One digit of base 2¹⁶ of n / d, n < 2¹⁶ d, d ≥ 2³¹. Schoolbook: the estimate from the leading
 /// digit of d is never too low, and at most 2 too high.
 constexpr Quotient digit(std::uint64_t n, std::uint32_t d) {

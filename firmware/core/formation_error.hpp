@@ -14,7 +14,7 @@
 // Source: paper (eq:formation-error), (eq:error-kinematics-formation), where the slot's heading and
 // velocity are the leader's. Not in paper: the wrap.
 //
-// Q16.16: tested within ±100 (separation, m)
+// Q16.16: tested within ±200 (separation, m)
 #pragma once
 
 #include "core/slot.hpp"
@@ -25,19 +25,24 @@ template <class S>
 struct FormationError {
   Error<S> e{};
   Error<S> e_dot{};
+  Rotation<S> R{};    ///< R(ψ)
+  Rotation<S> R_e{};  ///< R(e_ψ)
 };
 
 template <class S>
 FormationError<S> formation_error(const Encounter<S>& in, const Slot<S>& slot) {
   const Vec2<S> from_slot = {in.separation_n.x - slot.d_n.x, in.separation_n.y - slot.d_n.y};
-  const Vec2<S> e_b = to_body(in.psi, from_slot);
+  const Rotation<S> R = rotation(in.psi);
+  const Vec2<S> e_b = to_body(R, from_slot);
   const S e_psi = wrap_pi(in.psi - slot.psi);
-  const S c = cos(e_psi);
-  const S s = sin(e_psi);
+  const Rotation<S> R_e = rotation(e_psi);
+  const auto& [c, s] = R_e;
   return {{e_b.x, e_b.y, e_psi},
           {in.nu.r * e_b.y + in.nu.u - slot.nu.u * c - slot.nu.v * s,  // :a
            in.nu.v - in.nu.r * e_b.x + slot.nu.u * s - slot.nu.v * c,  // :b
-           in.nu.r - slot.nu.r}};                                      // :c
+           in.nu.r - slot.nu.r},                                       // :c
+          R,
+          R_e};
 }
 
 }  // namespace flotilla::core

@@ -57,8 +57,7 @@ template <class S>
 LineOfSight<S> line_of_sight(const LineOfSightParams<S>& params, const Nu<S>& nu,
                              const Slot<S>& slot, const FormationError<S>& error, S U) {
   if (!(S(0) < params.Delta)) return {};
-  const S c = cos(error.e.psi);
-  const S s = sin(error.e.psi);
+  const auto& [c, s] = error.R_e;
   const S e_s = c * error.e.x - s * error.e.y;
   const S e_c = s * error.e.x + c * error.e.y;
   const S e_s_dot = nu.u * c - nu.v * s - slot.nu.u + slot.nu.r * e_c;

@@ -36,10 +36,10 @@ namespace flotilla::core {
 
 template <class S>
 struct ObserverParams {
-  S omega{};       ///< ω
-  S omega_c{};     ///< ω_c
-  Tau<S> b_max{};  ///< the greatest wrench that b may stand for
-  S T = S(0.1);    ///< time over which the noise of fixes is averaged; 0 where ω is 0
+  S omega{};    ///< ω
+  S omega_c{};  ///< ω_c
+  Nu<S> b_max{};
+  S T = S(0.1);  ///< time over which the noise of fixes is averaged; 0 where ω is 0
   S c_max = S(2);
 };
 
@@ -161,21 +161,22 @@ S share_of_fix(const ObserverParams<S>& params, S dt) {
   return S(0) < params.omega ? dt / (dt + params.T) : S(1);
 }
 
-/// What the fix says beyond what was expected, times its gain, becomes unknown force and current.
+/// What the fix says beyond what was expected, times its gain, becomes unknown force and current; k:
+/// its share.
 template <class S>
 void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observer<S>& state,
-                    const Nu<S>& surprise, S dt) {
-  const S k = share_of_fix(params, dt);
-  const auto learnt_of = [&](S omega, S b, S off, Carry<S>& rest) {  // switched off, none is known
-    return S(0) < omega ? b + rest.take(k * omega / (S(1) + omega * dt), off) : S(0);
+                    const Nu<S>& surprise, S k, S dt) {
+  const auto gain_of = [&](S omega) { return k * omega / (S(1) + omega * dt); };
+  const auto learnt_of = [](S omega, S gain, S b, S off, Carry<S>& rest) {
+    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // switched off, none is known
   };
   // The current needs the sway that it causes well before it has taken that over.
   const S omega_v = larger(params.omega, S(10) * params.omega_c);
-  const Nu<S> b = {learnt_of(params.omega, state.b.u, surprise.u, state.b_rest.u),
-                   learnt_of(omega_v, state.b.v, surprise.v, state.b_rest.v),
-                   learnt_of(params.omega, state.b.r, surprise.r, state.b_rest.r)};
-  state.b =
-      bounded(b, Nu<S>{params.b_max.X / m.m11, params.b_max.X / m.m22, params.b_max.N / m.m33});
+  const S gain = gain_of(params.omega), gain_v = gain_of(omega_v);
+  const Nu<S> b = {learnt_of(params.omega, gain, state.b.u, surprise.u, state.b_rest.u),
+                   learnt_of(omega_v, gain_v, state.b.v, surprise.v, state.b_rest.v),
+                   learnt_of(params.omega, gain, state.b.r, surprise.r, state.b_rest.r)};
+  state.b = bounded(b, params.b_max);
   if (!(S(0) < params.omega_c)) {
     state.c_n = {};
     return;
@@ -215,7 +216,7 @@ void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, 
                        expected.nu.v + state.nu_rest.v.take(k, surprise.v),
                        expected.nu.r + state.nu_rest.r.take(k, surprise.r)};
   }
-  observer_learn(params, vessel, state, surprise, fix.dt);
+  observer_learn(params, vessel, state, surprise, k, fix.dt);
 }
 
 /// The wrench that b stands for.

@@ -9,7 +9,7 @@
 //
 // Source: paper (eq:mas-underactuated-control), the two actuated rows written out.
 //
-// Q16.16: tested within ±500 (wrench, N)
+// Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
 
 #include "core/virtual_velocity.hpp"

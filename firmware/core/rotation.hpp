@@ -16,20 +16,36 @@
 
 namespace flotilla::core {
 
+/// R(ψ), of a heading that more than one vector is turned by.
+template <class S>
+struct Rotation {
+  S c = S(1);
+  S s{};
+};
+
+template <class S>
+Rotation<S> rotation(S psi) {
+  return {cos(psi), sin(psi)};
+}
+
 /// R(ψ) x_b.
 template <class S>
+Vec2<S> to_north_east(const Rotation<S>& R, const Vec2<S>& b) {
+  return {R.c * b.x - R.s * b.y, R.s * b.x + R.c * b.y};
+}
+template <class S>
 Vec2<S> to_north_east(S psi, const Vec2<S>& b) {
-  const S c = cos(psi);
-  const S s = sin(psi);
-  return {c * b.x - s * b.y, s * b.x + c * b.y};
+  return to_north_east(rotation(psi), b);
 }
 
 /// R(ψ)ᵀ x_n.
 template <class S>
+Vec2<S> to_body(const Rotation<S>& R, const Vec2<S>& n) {
+  return {R.c * n.x + R.s * n.y, R.c * n.y - R.s * n.x};
+}
+template <class S>
 Vec2<S> to_body(S psi, const Vec2<S>& n) {
-  const S c = cos(psi);
-  const S s = sin(psi);
-  return {c * n.x + s * n.y, c * n.y - s * n.x};
+  return to_body(rotation(psi), n);
 }
 
 }  // namespace flotilla::core

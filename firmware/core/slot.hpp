@@ -102,15 +102,27 @@ SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const Encounter<S>& i
   return {w, {a.u - a.r * d.y, a.v + a.r * d.x}, {w.x - c.x, w.y - c.y}};
 }
 
-/// A tracker of second order over a step h: no lag behind a steady change.
+/// A step of such a tracker: of second order, without lag behind a steady change.
 template <class S>
-void smooth(S omega, Smooth<S>& state, S value, S h) {
+struct Smoothing {
+  S h{};
+  S of_value{};  ///< gains
+  S of_rate{};
+};
+
+template <class S>
+Smoothing<S> smoothing(S omega, S h) {
   const S step = omega * h;
   const S gain = step / (S(1) + step * (S(2) + step));
-  const S off = value - state.value - h * state.rate;
-  state.value = state.value + state.value_rest.take(h, state.rate);
-  state.value = state.value + state.value_rest.take(gain * (S(2) + step), off);
-  state.rate = state.rate + state.rate_rest.take(omega * gain, off);
+  return {h, gain * (S(2) + step), omega * gain};
+}
+
+template <class S>
+void smooth(const Smoothing<S>& by, Smooth<S>& state, S value) {
+  const S off = value - state.value - by.h * state.rate;
+  state.value = state.value + state.value_rest.take(by.h, state.rate);
+  state.value = state.value + state.value_rest.take(by.of_value, off);
+  state.rate = state.rate + state.rate_rest.take(by.of_rate, off);
 }
 
 /// How the slot moves; carries its state over the h seconds since the step before.
@@ -124,8 +136,9 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
     state.n.value = q.y - state.v_w;
     state.started = true;
   }
-  smooth(params.omega_n, state.q_s, q.x, h);
-  smooth(params.omega_n, state.n, q.y - state.v_w, h);
+  const Smoothing<S> by = smoothing(params.omega_n, h);
+  smooth(by, state.q_s, q.x);
+  smooth(by, state.n, q.y - state.v_w);
   const S q_s = state.q_s.value;
   const S q_s_dot = state.q_s.rate;
   const S qq = q_s * q_s;
@@ -141,8 +154,9 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   slot.pace = q_s;
   state.v_w = (state.v_w - h * m.m11 / m.m22 * q_s * slot.nu.r) / (S(1) + h * m.d22 / m.m22);
   if (!params.steers) return slot;
-  const Vec2<S> nu = to_body(delta, w);
-  const Vec2<S> nu_dot = to_body(delta, w_dot);
+  const Rotation<S> turned = rotation(delta);
+  const Vec2<S> nu = to_body(turned, w);
+  const Vec2<S> nu_dot = to_body(turned, w_dot);
   slot.psi = in.psi_L + delta;
   slot.nu.u = nu.x;
   slot.nu.v = nu.y;

@@ -4,11 +4,12 @@
 //   Sum<S>     x itself
 //   Sum<Q16>   x in 2⁻³² (64 bits): 0.1 m/s × 0.01 s is exact, 2³² additions lose nothing
 //
-// Q16.16: tested within ±1 (what is carried; the sum itself has 64 bits)
+// Q16.16: tested within ±1 (what is taken at once; the sum itself has 64 bits, seen where it is used)
 #pragma once
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "core/fixed.hpp"
 
@@ -23,6 +24,9 @@ class Sum {
   constexpr S value() const { return x_; }
   constexpr void add(S a) { x_ = x_ + a; }
   constexpr void add(S a, S b) { x_ = x_ + a * b; }
+
+  /// The value; what it does not say stays.
+  constexpr S take() { return std::exchange(x_, S(0)); }
 
  private:
   S x_ = S(0);
@@ -39,6 +43,11 @@ class Sum<Q16> {
   constexpr Q16 value() const { return Q16::of_raw(Q16::saturated(Q16::halved(raw_, 16))); }
   constexpr void add(Q16 a) { add_raw(a.raw() * kOne); }
   constexpr void add(Q16 a, Q16 b) { add_raw(std::int64_t{a.raw()} * b.raw()); }
+  constexpr Q16 take() {
+    const Q16 whole = value();
+    raw_ -= whole.raw() * kOne;
+    return whole;
+  }
 
  private:
   static constexpr std::int64_t kOne = 65536;
@@ -59,9 +68,7 @@ class Carry {
  public:
   constexpr S take(S a, S b) {
     sum_.add(a, b);
-    const S whole = sum_.value();
-    sum_.add(-whole);
-    return whole;
+    return sum_.take();
   }
 
  private:

@@ -73,23 +73,32 @@ Nu<S> plus(const Nu<S>& a, S k, const Nu<S>& b) {
   return {a.u + k * b.u, a.v + k * b.v, a.r + k * b.r};
 }
 
+/// ν, ν̇ and ψ, h seconds after the last message.
+template <class S>
+Nu<S> track_velocity(const TrackState<S>& state, S h) {
+  const S m = smaller(h, S(1));
+  return plus(plus(state.nu, h, state.nu_dot), m * (h - S(0.5) * m), state.nu_ddot);
+}
+template <class S>
+Nu<S> track_acceleration(const TrackState<S>& state, S h) {
+  return plus(state.nu_dot, smaller(h, S(1)), state.nu_ddot);
+}
+template <class S>
+S track_heading(const TrackState<S>& state, S h) {
+  const S m = smaller(h, S(1));
+  const S twice = S(0.5) * m * (h * (h - m) + S(0.33333333333333333) * m * m);
+  return state.psi + h * state.nu.r + S(0.5) * h * h * state.nu_dot.r + twice * state.nu_ddot.r;
+}
+
 /// The motion `age` seconds after the last message.
 template <class S>
 Motion<S> track_forward(const TrackState<S>& state, S age) {
-  const auto velocity_at = [&](S h) {
-    const S m = smaller(h, S(1));
-    return plus(plus(state.nu, h, state.nu_dot), m * (h - S(0.5) * m), state.nu_ddot);
-  };
-  const auto heading_at = [&](S h) {
-    const S m = smaller(h, S(1));
-    const S twice = S(0.5) * m * (h * (h - m) + S(0.33333333333333333) * m * m);
-    return state.psi + h * state.nu.r + S(0.5) * h * h * state.nu_dot.r + twice * state.nu_ddot.r;
-  };
   const S half = S(0.5) * age;
-  const Nu<S> middle = velocity_at(half);
-  const Vec2<S> way = to_north_east(heading_at(half), Vec2<S>{middle.u * age, middle.v * age});
-  return {way, heading_at(age), velocity_at(age),
-          plus(state.nu_dot, smaller(age, S(1)), state.nu_ddot)};
+  const Nu<S> middle = track_velocity(state, half);
+  const Vec2<S> way =
+      to_north_east(track_heading(state, half), Vec2<S>{middle.u * age, middle.v * age});
+  return {way, track_heading(state, age), track_velocity(state, age),
+          track_acceleration(state, age)};
 }
 
 /// How far the vessel may be from where track_forward() says; t: uncertainty of its clock, s.
@@ -111,8 +120,10 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
     state.started = true;
     return;
   }
-  const Motion<S> expected = track_forward(state, dt);
-  const Nu<S> off = plus(nu, S(-1), expected.nu);
+  const S psi_hat = track_heading(state, dt);
+  const Nu<S> nu_hat_dot = track_acceleration(state, dt);
+  const Nu<S> nu_hat = track_velocity(state, dt);
+  const Nu<S> off = {nu.u - nu_hat.u, nu.v - nu_hat.v, nu.r - nu_hat.r};
   const S T = clamp(S(2) * (dt + state.dt), params.T_min, params.T);
   const S p = dt / (T + dt);
   const S q = dt / (params.T_j + dt);
@@ -120,9 +131,9 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   const S beta = p * (p + S(2) * q - S(1.5) * p * q);
   const S gamma = p * p * q;
   const S unforeseen = hypot(off.u, off.v) / (dt + params.T) + abs(nu.u * off.r);
-  state.psi = psi - kept * wrap_pi(psi - expected.psi);
+  state.psi = psi - kept * wrap_pi(psi - psi_hat);
   state.nu = plus(nu, -kept, off);
-  state.nu_dot = plus(expected.nu_dot, beta / dt, off);
+  state.nu_dot = plus(nu_hat_dot, beta / dt, off);
   state.nu_ddot = plus(state.nu_ddot, gamma / (dt * dt), off);
   state.dt = dt;
   state.a = larger(state.a + p * (unforeseen - state.a), params.a_min);

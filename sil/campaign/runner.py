@@ -76,6 +76,7 @@ def _sail(client: Any, batches: Sequence[Batch], note: Note) -> None:
         batch_of.update(zip((future.key for future in futures), some, strict=True))
         return futures
 
+    suspects: list[Batch] = []
     under_way = as_completed(submit(batches))
     for future in under_way:
         batch = batch_of.pop(future.key)
@@ -84,4 +85,9 @@ def _sail(client: Any, batches: Sequence[Batch], note: Note) -> None:
         elif len(batch.runs) > 1:
             under_way.update(submit(tuple(batch.singles())))
         else:
-            note(failed(batch, _DIED))
+            suspects.append(batch)
+    # Dask blames all that waited on a worker that died: alone, none is blamed for another.
+    for batch in suspects:
+        (alone,) = submit((batch,))
+        killed = isinstance(alone.exception(), KilledWorker)
+        note(failed(batch, _DIED) if killed else alone.result())

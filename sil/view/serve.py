@@ -5,6 +5,7 @@ import asyncio
 import ipaddress
 import json
 import re
+import signal
 import socket
 from asyncio import Future
 from contextlib import suppress
@@ -134,11 +135,15 @@ def _no_log(_: tornado.web.RequestHandler) -> None:
 
 
 def serve(source: Live | dict[str, Any], bind: tuple[str, int]) -> None:
-    """Serve until interrupted; says where. OSError where it cannot."""
+    """Serve until SIGINT or SIGTERM; says where. OSError where it cannot."""
 
     async def run() -> None:
         server = Server(source, bind)
+        serving = asyncio.ensure_future(server.run())
+        for number in (signal.SIGINT, signal.SIGTERM):  # whatever a shell has made of them
+            asyncio.get_running_loop().add_signal_handler(number, serving.cancel)
         print(f"view: {server.url}", flush=True)
-        await server.run()
+        with suppress(asyncio.CancelledError):
+            await serving
 
     asyncio.run(run())

@@ -338,10 +338,10 @@ TEST_CASE("a leader whose origin is 2 km away is seen where geodesics say, withi
   for (const TwoOrigins& t : kTwoOrigins) {
     CAPTURE(t.own.latitude);
     const Position own{-20, 30, t.own}, leader{t.north_m, t.east_m, t.leader};
-    const auto got = separation<double>(own, leader);
+    const auto got = separation<double>(own, leader).n;
     CHECK(std::abs(got.x - (-20 - t.seen_north_m)) < 1e-3);
     CHECK(std::abs(got.y - (30 - t.seen_east_m)) < 1e-3);
-    const auto coarse = separation<float>(own, leader);
+    const auto coarse = separation<float>(own, leader).n;
     CHECK(std::abs(double(coarse.x) - got.x) < 3e-4);
     CHECK(std::abs(double(coarse.y) - got.y) < 3e-4);
   }
@@ -358,7 +358,7 @@ TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours
     CHECK(double(in.psi) == doctest::Approx(0.3));
     CHECK(std::abs(double(in.psi_L) - (-1 + t.turn_rad)) < 1e-6);
     // Where it would be, had it told that place itself.
-    const auto there = separation<double>(own, {t.north_m + 200, t.east_m + 100, t.leader});
+    const auto there = separation<double>(own, {t.north_m + 200, t.east_m + 100, t.leader}).n;
     CHECK(std::abs(double(in.separation_n.x) - there.x) < 2e-3);
     CHECK(std::abs(double(in.separation_n.y) - there.y) < 2e-3);
     CHECK(in.nu.v == S(2));
@@ -406,7 +406,8 @@ TEST_CASE_TEMPLATE("far from a common origin, a float's separation still has mil
                    double) {
   const auto origin = origin_at(41, 2);
   const auto got = separation<S>(Position{400'000.125, -300'000.5, origin},
-                                 Position{400'001.5, -300'002.5, origin});
+                                 Position{400'001.5, -300'002.5, origin})
+                       .n;
   CHECK(got.x == S(-1.375));
   CHECK(got.y == S(2));
 }

@@ -93,8 +93,10 @@ struct Ship {
       r.own->state.origin = {410'000'000, 20'000'000, 0, 0};
       r.home = Home{410'000'000, 20'000'000, 0};
       r.formation = FormationReport{};
+      vehicle->locate(r.own->state.origin);
     }
-    vehicle->tell(r, counters);
+    vehicle->report(r);
+    vehicle->tell(counters);
     for (std::size_t link = 0; link < heard.size(); ++link) {
       link::Counters ignored;
       heard[link] = received_from(decoders[link], vehicle->links().bytes(link), ignored);
@@ -225,7 +227,7 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   CHECK_FALSE(s.vehicle->answer(s.counters));
   CHECK_FALSE(s.take_change());
   CHECK(s.state() == State::kDisarmed);
-  s.vehicle->tell({}, s.counters);
+  s.vehicle->tell(s.counters);
   const auto heard = received_from(s.decoders[0], s.vehicle->links().bytes(0), s.counters);
   const auto ack = std::find_if(heard.begin(), heard.end(), [](const link::Received& r) {
     return std::holds_alternative<link::CommandAck>(r.message);

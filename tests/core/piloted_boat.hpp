@@ -28,7 +28,9 @@ ProductParams<S> products_law(double T_max = 20) {
   out.law.sight.Delta = S(1);
   out.observer.omega = S(2);
   out.observer.omega_c = S(0.1);
-  out.observer.b_max = {in_scalar<S>(T_max), in_scalar<S>(0.25 * T_max)};
+  const core::Vessel<S>& m = out.law.vessel;
+  out.observer.b_max = {in_scalar<S>(T_max) / m.m11, in_scalar<S>(T_max) / m.m22,
+                        in_scalar<S>(0.25 * T_max) / m.m33};
   return out;
 }
 

@@ -161,18 +161,18 @@ TEST_CASE_TEMPLATE("what changes steadily is smoothed without lag, a leap by two
     const double rho = 1 / (1 + 2 * h);
     Smooth<S> ramp, leap;
     ramp.value = S(0.3);
-    smooth(S(2), ramp, S(0.3), S(h));
+    smooth(smoothing(S(2), S(h)), ramp, S(0.3));
     CHECK(ramp.value == S(0.3));
     CHECK(ramp.rate == S(0));
-    for (double t = h; t < 20; t += h) smooth(S(2), ramp, S(0.3 + 0.1 * t), S(h));
+    for (double t = h; t < 20; t += h) smooth(smoothing(S(2), S(h)), ramp, S(0.3 + 0.1 * t));
     const S before = ramp.value;
-    smooth(S(2), ramp, ramp.value + S(0.1 * h), S(h));
+    smooth(smoothing(S(2), S(h)), ramp, ramp.value + S(0.1 * h));
     CHECK(double(ramp.rate) == doctest::Approx(0.1).epsilon(1e-3));
     CHECK(double(ramp.value - before) == doctest::Approx(0.1 * h).epsilon(1e-3));
-    smooth(S(2), leap, S(0), S(h));
+    smooth(smoothing(S(2), S(h)), leap, S(0));
     for (int k = 0; k < 100; ++k) {  // 1 − n after k + 1 steps: (1 + …) of a double pole
       const double left = rho * rho * std::pow(rho, k) * (1 + k - k / rho);
-      smooth(S(2), leap, S(1), S(h));
+      smooth(smoothing(S(2), S(h)), leap, S(1));
       REQUIRE(std::abs(1 - double(leap.value) - left) < 1e-4);
     }
   }

@@ -21,6 +21,14 @@ DURATION_S = 40
 def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short live run of `diamond` on mcast:1 … mcast:4."""
     out = tmp_path_factory.mktemp("live")
+    for name in (
+        "recording.bin",
+        "run.mcap",
+        "boat2/flotillad.log",
+        "boat2/log/mavlink-00001.tlog",
+    ):
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_bytes(b"of an earlier run")
     with live_buses() as bus:
         arguments = ["live", "diamond", "--bus", bus, "--duration", str(DURATION_S)]
         assert main([*arguments, "--out", str(out)]) == 0
@@ -42,6 +50,23 @@ def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -
     assert summary["digest"] is None
     assert [boat["states"].keys() for boat in summary["boats"]] == [{"FORMATION"}] * 4
     assert (live / "report.html").exists()
+
+
+def test_nothing_of_an_earlier_run_in_the_folder_is_taken_for_this_ones(live: Path) -> None:
+    assert not (live / "recording.bin").exists()
+    assert not (live / "run.mcap").exists()
+    (log,) = (live / "boat2" / "log").glob("*.tlog")
+    assert b"earlier" not in log.read_bytes()
+    assert "earlier" not in (live / "boat2" / "flotillad.log").read_text(encoding="utf-8")
+
+
+def test_what_flotillad_refuses_is_told_in_its_own_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with live_buses() as bus:
+        arguments = ["live", "diamond", "--bus", bus, "--param", "NOPE=1", "--out", str(tmp_path)]
+        assert main(arguments) == 2
+    assert "NOPE" in capsys.readouterr().err
 
 
 def test_every_boat_left_its_latencies_and_kept_its_rate(live: Path) -> None:

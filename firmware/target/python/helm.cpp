@@ -103,7 +103,7 @@ class Helm {
 
   static nb::dict told(const core::ControllerOutput<double>& law, const core::Encounter<double>& in,
                        bool drive) {
-    const auto& [e, e_dot] = law.error;
+    const core::Error<double>& e = law.error.e;
     const core::Nu<double>& star = law.wanted.nu_star;
     const core::Allocation<double>& a = law.allocation;
     const core::Thrust<double> thrust = drive ? a.thrust : core::Thrust<double>{};

@@ -88,6 +88,15 @@ def test_tables_do_not_depend_on_workers_and_batches(
     assert_same(tmp_path, sailed)
 
 
+@pytest.mark.parametrize("varies", [False, True])
+def test_runs_that_are_all_the_same_are_told(
+    varies: bool, scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short = [str(scenario)] if varies else ["diamond", "--set", "duration_s=2.0"]
+    assert main(["campaign", *short, "--runs", "2", "--out", str(tmp_path / "out")]) == 0
+    assert ("are the same one: see [[vary]]" in capsys.readouterr().out) != varies
+
+
 def test_fewer_runs_are_the_first_of_more(scenario: Path, sailed: Path, tmp_path: Path) -> None:
     assert main(command(scenario, tmp_path, "--runs", "2")) == 0
     few, all_of_them = (pq.read_table(out / "table.parquet") for out in (tmp_path, sailed))
