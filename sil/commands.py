@@ -61,9 +61,9 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         repeat = shlex.join(["python", "-m", "sil", *given])
         if options.command == "run":
             run(chosen, out, parameters, repeat, Console())
-            _leave_mcap(out, options.mcap, Console())
         else:
             live(chosen, options.bus, out, parameters, repeat, Console(), options.mavlink)
+        _leave_mcap(out, options.command == "run" and options.mcap, Console())
     except PolicyViolationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

@@ -109,3 +109,17 @@ class Recording:
                 raise ValueError(f"{self._path}: cut off after {at} bytes of records")
             yield t_us, where, bytes(self.records[at : at + length])
             at += length
+
+
+def of_run(folder: Path, digest: str | None) -> Path | None:
+    """The recording in the folder of a run whose summary.json tells `digest`; None where none is.
+
+    A live run has no digest and leaves none: one that is there is of an earlier run. ValueError for
+    one that is not that of the summary.
+    """
+    path = folder / "recording.bin"
+    if digest is None or not path.is_file():
+        return None
+    if Recording(path).digest() != digest:
+        raise ValueError(f"{path}: damaged, or not of the run that summary.json tells of")
+    return path

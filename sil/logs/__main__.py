@@ -15,6 +15,7 @@ import rich.progress
 from rich.console import Console
 
 from sil.logs import boats, run_folder
+from sil.recording import MAGIC
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -49,6 +50,8 @@ def _convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> Non
         return
     tlogs, candumps = _sorted_out(logs)
     out = _place(wanted or (tlogs or candumps)[0].with_suffix(".mcap"))
+    if any(out.exists() and out.samefile(log) for log in (*tlogs, *candumps)):
+        raise ValueError(f"{out} is one of the logs: it would be lost")
     with bar(out, console) as progress:
         done = boats.convert(tlogs, candumps, out, progress)
     told = ", ".join(done.vessels)
@@ -81,12 +84,14 @@ def _sorted_out(logs: Sequence[Path]) -> tuple[list[Path], list[Path]]:
 
 
 def _is_candump(path: Path) -> bool:
-    """By what the file begins with. ValueError for an empty one."""
+    """By what the file begins with. ValueError for one that is no log."""
     with path.open("rb") as file:
-        begin = file.read(1)
+        begin = file.read(len(MAGIC))
     if not begin:
         raise ValueError(f"{path}: the file is empty")
-    return begin == b"(" or path.suffix == ".log"
+    if begin == MAGIC:
+        raise ValueError(f"{path}: a run's recording; its folder is what can be converted")
+    return begin[:1] == b"(" or path.suffix == ".log"
 
 
 @contextmanager

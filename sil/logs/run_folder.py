@@ -5,6 +5,7 @@ Poses, errors and thrusts are the truth; states, words, what the law wants, ages
 went over the boats' wires. The release, t = 0, is EPOCH_S; what was before it is before it.
 """
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from math import cos, sin
 from pathlib import Path
@@ -18,7 +19,7 @@ from sil.logs.escs import EscBus
 from sil.logs.output import Output, Pose
 from sil.logs.telemetry import MESSAGES, Telemetry
 from sil.plant.hull import Array
-from sil.recording import CAN_IN, MAVLINK_OUT, Recording
+from sil.recording import CAN_IN, MAVLINK_OUT, Recording, of_run
 from sil.wire.mavlink_frames import frames
 from sil.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
 
@@ -40,7 +41,7 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
     t_us = np.rint(1e6 * trace["t_s"]).astype(np.int64)
     boats = trace["error"].shape[1]
     with Output(ORIGIN) as output:
-        wires = _Wires(output, folder / "recording.bin", boats, int(t_us[-1]))
+        wires = _Wires(output, _recording(folder), boats, int(t_us[-1]))
         step = max(1, round(1e6 / RATE_HZ / (t_us[1] - t_us[0]))) if t_us.size > 1 else 1
         for k in range(0, t_us.size, step):
             wires.until(int(t_us[k]))
@@ -52,6 +53,16 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
         return output.messages
 
 
+def _recording(folder: Path) -> Path | None:
+    """Without a summary any that is there counts."""
+    try:
+        digest = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["digest"]
+    except (OSError, ValueError, KeyError, TypeError):
+        path = folder / "recording.bin"
+        return path if path.exists() else None
+    return of_run(folder, digest)
+
+
 def _ns(t_us: int) -> int:
     return 1000 * (EPOCH_S * _US + t_us)
 
@@ -59,9 +70,12 @@ def _ns(t_us: int) -> int:
 def _trace(path: Path) -> dict[str, Array]:
     try:
         with path.open("rb") as stream, np.load(stream) as file:
-            return {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
+            trace = {name: file[name] for name in ("t_s", "eta", "nu", "error", "thrust")}
+        if not trace["t_s"].size:
+            raise ValueError("it is empty")
     except (BadZipFile, KeyError, EOFError, ValueError) as error:
         raise ValueError(f"{path}: not the trace of a run: {error}") from None
+    return trace
 
 
 def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t_ns: int) -> None:
@@ -93,14 +107,14 @@ def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t
 class _Wires:
     """What went over the boats' wires, told up to a time; `boats`: telemetry by agent."""
 
-    def __init__(self, output: Output, path: Path, boats: int, last_us: int) -> None:
+    def __init__(self, output: Output, path: Path | None, boats: int, last_us: int) -> None:
         agents = range(1, boats + 1)
         self.boats = {i: Telemetry(output, f"boat{i}", tells_law=False) for i in agents}
         self._buses = {i: EscBus(output, f"boat{i}") for i in agents}
         self._mav = mavlink.MAVLink(None)
         self._records: Iterator[tuple[int, int, bytes]] = iter(())
         self._release_us = 0
-        if path.exists():
+        if path is not None:
             recording = Recording(path)
             # the last tick of the trace is the last one that is recorded
             self._release_us = max(t_us for t_us, _, _ in recording) - last_us

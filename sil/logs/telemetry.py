@@ -11,7 +11,7 @@ from foxglove.messages import LogLevel
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
 from sil.logs.output import Output
-from sil.wire.operator import FORMATION, MANUAL
+from sil.view import states
 
 #: Fields of `sil.logs.schema.LAW` by the names of NAMED_VALUE_FLOAT.
 LAW_NAMES = {
@@ -66,16 +66,7 @@ def state_of(heartbeat: Any) -> str | None:
     aboard = (mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID)
     if (heartbeat.type, heartbeat.autopilot) not in (kinds, aboard):
         return None
-    if heartbeat.system_status == mavlink.MAV_STATE_EMERGENCY:
-        return "FAULT"
-    if not heartbeat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED:
-        return "DISARMED"
-    if heartbeat.base_mode & mavlink.MAV_MODE_FLAG_TEST_ENABLED:
-        return "TEST"
-    if heartbeat.custom_mode == FORMATION:
-        coasts = heartbeat.system_status == mavlink.MAV_STATE_CRITICAL
-        return "COAST" if coasts else "FORMATION"
-    return "MANUAL" if heartbeat.custom_mode == MANUAL else "HOLD"
+    return states.state_of(heartbeat.custom_mode, heartbeat.base_mode, heartbeat.system_status)
 
 
 class Telemetry:

@@ -4,6 +4,7 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,14 @@ def source_of(text: str, length_m: float | None) -> Live | dict[str, Any]:
     return Live(text, length_m or LENGTH_M)
 
 
+def _metres(text: str) -> float:
+    """A length; ValueError."""
+    length_m = float(text)
+    if not 0.0 < length_m < inf:
+        raise ValueError(text)
+    return length_m
+
+
 def main(arguments: Sequence[str]) -> int:
     """Exit status: 0 when interrupted, 2 for a mistake of the caller, in one line."""
     parser = argparse.ArgumentParser(prog="tools/view", description=__doc__)
@@ -54,7 +63,9 @@ def main(arguments: Sequence[str]) -> int:
         help="where the page is served (127.0.0.1:8321, port 0: any); with 0.0.0.0:8321 who can "
         "reach this machine sees it",
     )
-    parser.add_argument("--length", type=float, metavar="M", help="of boats (a scenario's, or 1 m)")
+    parser.add_argument(
+        "--length", type=_metres, metavar="M", help="of boats (a scenario's, or 1 m)"
+    )
     options = parser.parse_args(arguments)
     try:
         bind = host_and_port(options.bind, least=0)

@@ -74,10 +74,14 @@ class Ear:
 
 
 def first(data: bytes, at: int) -> tuple[int, int, Message] | None:
-    """Where the first whole message from `at` on begins and ends, and what it is."""
+    """Where the first whole message from `at` on begins and ends, and what it is.
+
+    One that nobody can check is none here: what is no log has bytes that look like it.
+    """
     while at < len(data):
         end = _end(data, at)
-        if 0 < end <= len(data) and (message := _message(data, at, end)) is not None:
+        message = _message(data, at, end) if 0 < end <= len(data) else None
+        if message is not None and message.fields is not None:
             return at, end, message
         begin = _BEGIN.search(data, at + 1)
         at = begin.start() if begin else len(data)

@@ -77,7 +77,8 @@ class Fleet:
         return [self._told(self.systems[system], now_s) for system in known]
 
     def _told(self, vessel: Vessel, now_s: float) -> dict[str, Any]:
-        pose = self._pose(vessel)
+        vessel.motion.forget(vessel.heard_s - SILENT_S)
+        pose, place = self._pose(vessel), vessel.motion.place
         u, v = vessel.motion.body_velocity
         at_s, value = vessel.heard_s, vessel.value
         e_x, e_y, leader = value("E_X"), value("E_Y"), value("LEADER")
@@ -88,6 +89,7 @@ class Fleet:
             "kind": vessel.kind,
             "x_m": _round(pose and pose.x, 3),
             "y_m": _round(pose and pose.y, 3),
+            "place_age_s": None if place is None else round(max(0.0, now_s - place.t_s), 2),
             "psi_rad": _round(pose.psi if pose else vessel.motion.psi_rad, 4),
             "u_mps": _round(u, 3),
             "v_mps": _round(v, 3),
@@ -119,9 +121,11 @@ class Fleet:
                 return None
             frame = LocalFrame(int(place.x), int(place.y), 0.001 * self.origin[2])
             x, y = 0.0, 0.0
+        elif abs(place.x) + abs(place.y) > _FAR_M:
+            return None
         elif origin == self.origin:
             return Pose(place.x, place.y, psi)
-        elif origin is None or self.origin is None or abs(place.x) + abs(place.y) > _FAR_M:
+        elif origin is None or self.origin is None:
             return None
         else:
             frame, x, y = self._frame(origin), place.x, place.y

@@ -106,7 +106,11 @@ def _socket_of(address: str) -> socket.socket | None:
     """Where datagrams come; None of an address that is a stream's."""
     scheme, _, rest = address.partition(":")
     if scheme == "mcast":
-        return mavlink_mcast.listener(mavlink_mcast.group_of(rest))
+        group = mavlink_mcast.group_of(rest)
+        try:
+            return mavlink_mcast.listener(group)
+        except OSError as error:
+            raise OSError(f"{address}: {error}") from None
     if scheme == "udpin":
         at = mavlink_mcast.host_and_port(rest)
         end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

@@ -35,6 +35,7 @@ COLUMNS = (
     "thrust_port_N",
     "thrust_stbd_N",
     "link_age_s",
+    "place_age_s",
     "leader_age_s",
     "battery_V",
 )

@@ -32,6 +32,7 @@ class Motion:
         self.psi_rad: float | None = None
         self.slot: tuple[float, float] | None = None
         self.slot_s = 0.0
+        self._psi_s = self._velocity_s = 0.0
         self._velocity: tuple[float, float] | None = None  # north, east
         self._local: Place | None = None
         self._globe: Place | None = None
@@ -52,34 +53,51 @@ class Motion:
         (north, east), c, s = self._velocity, cos(self.psi_rad), sin(self.psi_rad)
         return c * north + s * east, c * east - s * north
 
+    def forget(self, before_s: float) -> None:
+        """Heading and velocity that were told last before then are not known any more."""
+        if self._psi_s < before_s:
+            self.psi_rad = None
+        if self._velocity_s < before_s:
+            self._velocity = None
+
     def hear(self, number: int, fields: tuple[Any, ...], now_s: float) -> None:
         """Takes a message of its autopilot."""
         if (take := _TAKE.get(number)) is not None:
             take(self, fields, now_s)
 
-    def _attitude(self, f: tuple[Any, ...], _: float) -> None:
-        self.psi_rad = f[3] if isfinite(f[3]) else None
+    def _heads(self, psi_rad: float, now_s: float) -> None:
+        self.psi_rad, self._psi_s = psi_rad, now_s
+
+    def _moves(self, north: float, east: float, now_s: float) -> None:
+        self._velocity, self._velocity_s = (north, east), now_s
+
+    def _attitude(self, f: tuple[Any, ...], now_s: float) -> None:
+        if isfinite(f[3]):
+            self._heads(f[3], now_s)
+        else:
+            self.psi_rad = None
 
     def _local_position(self, f: tuple[Any, ...], now_s: float) -> None:
         if _finite(f[1], f[2], f[4], f[5]):
             self._local = Place(now_s, False, f[1], f[2])
-            self._velocity = f[4], f[5]
+            self._moves(f[4], f[5], now_s)
 
     def _odometry(self, f: tuple[Any, ...], now_s: float) -> None:
         x, y, q, u, v, frame, child = f[1], f[2], f[4:8], f[8], f[9], f[-5], f[-4]
         if frame != mavlink.MAV_FRAME_LOCAL_NED or not _finite(x, y, *q, u, v):
             return
         self._local = Place(now_s, False, x, y)
-        self.psi_rad = psi = _yaw(*q)
+        psi = _yaw(*q)
+        self._heads(psi, now_s)
         c, s = (1.0, 0.0) if child == mavlink.MAV_FRAME_LOCAL_NED else (cos(psi), sin(psi))
-        self._velocity = c * u - s * v, s * u + c * v
+        self._moves(c * u - s * v, s * u + c * v, now_s)
 
     def _global_position(self, f: tuple[Any, ...], now_s: float) -> None:
         if not any(f[1:3]):
             return
         self._globe = Place(now_s, True, f[1], f[2])
         if self._local is None or now_s - self._local.t_s > _FRESH_S:
-            self._velocity = 0.01 * f[5], 0.01 * f[6]
+            self._moves(0.01 * f[5], 0.01 * f[6], now_s)
 
     def _follow_target(self, f: tuple[Any, ...], now_s: float) -> None:
         north, east, q, capabilities = f[5], f[6], f[11:15], f[-1]
@@ -87,9 +105,9 @@ class Motion:
             return
         self._globe = Place(now_s, True, f[2], f[3])
         if capabilities & _VELOCITY and _finite(north, east):
-            self._velocity = north, east
+            self._moves(north, east, now_s)
         if capabilities & _ATTITUDE and _finite(*q):
-            self.psi_rad = _yaw(*q)
+            self._heads(_yaw(*q), now_s)
 
     def _begins(self, f: tuple[Any, ...], _: float) -> None:
         if self.origin != f[:3]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sil import scenario
+from sil import recording, scenario
 from sil.plant.hull import Array
 from sil.scenario import Scenario
 from sil.view import history
@@ -28,15 +28,15 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
         name, digest = str(summary["scenario"]), summary["digest"]
         with np.load(folder / "trace.npz") as arrays:
             trace = {key: arrays[key] for key in ("t_s", "eta", "nu", "error", "thrust")}
+        if not trace["t_s"].size:
+            raise ValueError("its trace is empty")
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise ValueError(f"{folder} is not the folder of a run: {error}") from None
     try:
         sailed = scenario.load(name)
     except ValueError:
         sailed = None  # a file of somebody's own
-    recording = folder / "recording.bin"
-    # A live run leaves none; one that is there is of another run then.
-    there = recording if digest is not None and recording.is_file() else None
+    there = recording.of_run(folder, digest)
     return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, there, length_m)
 
 
@@ -44,15 +44,15 @@ def history_of(
     title: str,
     trace: Mapping[str, Array],
     sailed: Scenario | None,
-    recording: Path | None,
+    recorded: Path | None,
     length_m: float | None = None,
 ) -> dict[str, Any]:
     """The history of a run whose trace is at hand: `trace` as in trace.npz.
 
-    `sailed`: its scenario. ValueError for a recording that is none.
+    `sailed`: its scenario, `recorded`: its recording. ValueError for a recording that is none.
     """
     t_s, boats = trace["t_s"], trace["error"].shape[1]
-    said = said_in(recording, 1e6 * float(t_s[-1])) if recording is not None else None
+    said = said_in(recorded, 1e6 * float(t_s[-1])) if recorded is not None else None
     about = _boats(boats, sailed, said)
     if length_m is not None:
         about = [replace(boat, length_m=length_m) for boat in about]

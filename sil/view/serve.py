@@ -2,7 +2,9 @@
 """The web server of a view: one page, and either live frames for it or a history in it."""
 
 import asyncio
+import ipaddress
 import json
+import re
 import signal
 import socket
 from asyncio import Future
@@ -35,7 +37,10 @@ class Server:
         except OSError as error:
             raise OSError(f"{bind[0]}:{bind[1]}: {error.strerror}") from None
         self._socket.setblocking(False)
-        port = self._socket.getsockname()[1]
+        address, port = self._socket.getsockname()[:2]
+        own = rf"(localhost|127(\.\d+){{3}}|\[::1\]|{re.escape(bind[0])})"
+        # another site's name that is said to be this machine's opens no page of the loopback
+        self._names = own if ipaddress.ip_address(address).is_loopback else ".*"
         host = f"[{bind[0]}]" if ":" in bind[0] else bind[0]
         self.url = f"http://{host}:{port}/"
 
@@ -65,9 +70,11 @@ class Server:
             history = json.dumps(source, separators=(",", ":"))
             routes.append((r"/", _Text, {"text": text, "kind": "text/html"}))
             routes.append((r"/history", _Text, {"text": history, "kind": "application/json"}))
-        return tornado.web.Application(
-            routes, compress_response=True, websocket_ping_interval=10, log_function=_no_log
+        application = tornado.web.Application(
+            compress_response=True, websocket_ping_interval=10, log_function=_no_log
         )
+        application.add_handlers(self._names, routes)
+        return application
 
     def _tell(self) -> None:
         if isinstance(self._source, Live) and self._clients:

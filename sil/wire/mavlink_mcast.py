@@ -111,9 +111,9 @@ class Mouth:
         _join(self._socket, group)
 
     def send(self, data: bytes, t_us: int) -> None:  # noqa: ARG002
-        """Says whole messages now, or loses them: nobody listens, or a queue is full."""
+        """Says whole messages now, or loses them: nobody listens, no network, a queue is full."""
         if data:
-            with suppress(ConnectionRefusedError, BlockingIOError):
+            with suppress(OSError):
                 self._socket.send(data)
 
     def close(self) -> None:

@@ -9,6 +9,8 @@ const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
 const hullPx = (vessel, camera) => Math.max(LEAST_HULL_PX, (vessel.length_m || 1) * camera.scale);
 const isPlaced = (vessel) => known(vessel.x_m) && known(vessel.y_m);
 const isSilent = (vessel) => known(vessel.link_age_s) && vessel.link_age_s > SILENT_S;
+/** Whether it is drawn where it was: silent, or heard without saying where it is. */
+const isElsewhere = (vessel) => isSilent(vessel) || (known(vessel.place_age_s) && vessel.place_age_s > SILENT_S);
 
 /** Lays a hull of `px` pixels as the path, heading `psi` rad. */
 function layHull(ctx, [right, down], psi, px) {
@@ -105,7 +107,7 @@ function drawVirtual(ctx, camera, vessel) {
     ctx.lineTo(right + 26 * ahead_x, down + 26 * ahead_y);
   }
   // seen on a hull too
-  for (const [colour, width] of [[theme.water, 4], [isSilent(vessel) ? theme.stale : theme.ink, 1.6]]) {
+  for (const [colour, width] of [[theme.water, 4], [isElsewhere(vessel) ? theme.stale : theme.ink, 1.6]]) {
     ctx.strokeStyle = colour;
     ctx.lineWidth = width;
     ctx.stroke();
@@ -114,7 +116,7 @@ function drawVirtual(ctx, camera, vessel) {
 
 function drawHull(ctx, camera, vessel, chosen) {
   const at = camera.at(vessel.x_m, vessel.y_m), px = hullPx(vessel, camera);
-  const silent = isSilent(vessel), psi = vessel.psi_rad;
+  const silent = isElsewhere(vessel), psi = vessel.psi_rad;
   if (known(psi)) {
     const [ahead_x, ahead_y] = [Math.sin(psi), -Math.cos(psi)];
     ctx.strokeStyle = silent ? theme.stale : colourOf(vessel);

@@ -37,7 +37,7 @@ class Camera {
 
   /** Looks at what it is to look at. A fleet that stays well in view does not move the view. */
   aim(vessels) {
-    const all = vessels.filter(isPlaced), heard = all.filter((vessel) => !isSilent(vessel));
+    const all = vessels.filter(isPlaced), heard = all.filter((vessel) => !isElsewhere(vessel));
     const placed = heard.length && this.mode === "fleet" ? heard : all;
     if (this.mode === "free" || !placed.length) return;
     if (this.mode !== "fleet") {

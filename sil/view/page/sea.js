@@ -14,6 +14,12 @@ function write(ctx, text, right, down, colour, align = "left", paper = theme.wat
   ctx.fillText(text, right, down);
 }
 
+/** Multiples of `step` no farther than `half` from `middle`; of numbers too large for the step, few. */
+function multiples(middle, half, step) {
+  const first = Math.ceil((middle - half) / step) * step;
+  return Array.from({ length: Math.floor((2 * half) / step) + 1 }, (_, i) => first + i * step).filter((x) => x <= middle + half);
+}
+
 function drawGrid(ctx, camera) {
   const step = roundDown(150 / camera.scale) || 1;
   const digits = Math.max(0, -Math.floor(Math.log10(step)));
@@ -22,13 +28,13 @@ function drawGrid(ctx, camera) {
   ctx.beginPath();
   const labels = [];
   const half = [camera.width / 2 / camera.scale, camera.height / 2 / camera.scale];
-  for (let east = Math.ceil((camera.east - half[0]) / step) * step; east <= camera.east + half[0]; east += step) {
+  for (const east of multiples(camera.east, half[0], step)) {
     const right = Math.round(camera.at(0, east)[0]) + 0.5;
     ctx.moveTo(right, 0);
     ctx.lineTo(right, camera.height);
     labels.push([`${fixed(east, digits)} E`, right, camera.height - 6, "center"]);
   }
-  for (let north = Math.ceil((camera.north - half[1]) / step) * step; north <= camera.north + half[1]; north += step) {
+  for (const north of multiples(camera.north, half[1], step)) {
     const down = Math.round(camera.at(north, 0)[1]) + 0.5;
     ctx.moveTo(0, down);
     ctx.lineTo(camera.width, down);

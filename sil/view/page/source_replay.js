@@ -20,7 +20,7 @@ function holding(list, s, otherwise) {
 
 const CHANGING = [
   "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m",
-  "thrust_port_N", "thrust_stbd_N", "link_age_s", "leader_age_s", "battery_V",
+  "thrust_port_N", "thrust_stbd_N", "link_age_s", "place_age_s", "leader_age_s", "battery_V",
 ];
 
 class ReplaySource {
@@ -44,11 +44,13 @@ class ReplaySource {
 
   trackOf({ columns }) {
     const nothing = new Float32Array(this.t.length).fill(NaN);
-    const { u_mps: u, v_mps: v } = columns;
+    const { u_mps: u, v_mps: v, link_age_s } = columns;
+    // what a silent one said last is no line
+    const line = (column) => column?.map((x, i) => (link_age_s?.[i] > SILENT_S ? NaN : x)) ?? nothing;
     return new Track(this.t, {
-      x_m: columns.x_m ?? nothing, y_m: columns.y_m ?? nothing, error_m: columns.error_m ?? nothing,
-      port_N: columns.thrust_port_N ?? nothing, stbd_N: columns.thrust_stbd_N ?? nothing,
-      speed_mps: u && v ? u.map((x, i) => Math.hypot(x, v[i])) : nothing,
+      x_m: line(columns.x_m), y_m: line(columns.y_m), error_m: line(columns.error_m),
+      port_N: line(columns.thrust_port_N), stbd_N: line(columns.thrust_stbd_N),
+      speed_mps: line(u && v && u.map((x, i) => Math.hypot(x, v[i]))),
     });
   }
 

@@ -16,7 +16,8 @@ class Track {
     const last = this.t[this.t.length - 1];
     if (last !== undefined && t - last < SAMPLE_S) return;
     this.t.push(t);
-    const values = tracked(vessel);
+    // what a silent one said last is no line
+    const values = isSilent(vessel) ? {} : tracked(vessel);
     for (const name of TRACKED) this.columns[name].push(values[name] ?? NaN);
     if (t - this.t[0] > KEPT_S) this.drop(Math.ceil(this.t.length / 20));
   }

@@ -346,3 +346,11 @@ def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) 
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.count("LOCAL_POSITION_NED") >= STEPS
+
+
+def test_a_log_is_not_written_over(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tlog = next(log.glob("*.tlog"))
+    before = tlog.read_bytes()
+    assert main([str(log), "--out", str(tlog)]) == 2
+    assert_told_in_one_line("is one of the logs", capsys)
+    assert tlog.read_bytes() == before

@@ -151,3 +151,18 @@ def test_a_damaged_run_is_told_and_leaves_nothing(
     assert convert([str(tmp_path)]) == 2
     assert_told_in_one_line(name, capsys)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recording.bin", "trace.npz"]
+
+
+def test_a_live_runs_log_has_nothing_of_an_earlier_runs_recording(
+    folder: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(folder, tmp_path / "live")
+    summary = json.loads((folder / "summary.json").read_text())
+    (tmp_path / "live" / "summary.json").write_text(json.dumps({**summary, "digest": None}))
+    assert convert([str(tmp_path / "live")]) == 0
+    assert not any(topic.endswith("/status") for topic in messages_of(tmp_path / "live" / NAME))
+
+
+def test_a_recording_alone_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert convert([str(folder / "recording.bin")]) == 2
+    assert_told_in_one_line("its folder is what can be converted", capsys)

@@ -117,6 +117,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "kind": "boat",
         "x_m": 7.0,
         "y_m": 2.0,
+        "place_age_s": 0.5,
         "psi_rad": 0.5,
         "u_mps": 0.878,
         "v_mps": -0.479,
@@ -311,3 +312,19 @@ def test_every_system_id_there_is_is_shown_and_random_messages_break_nothing() -
         view.hear(boat(system, float(system)), 40.0)
     vessels = view.by_id(40.0)
     assert len(vessels) == 255
+
+
+def test_a_place_farther_away_than_the_sea_is_wide_is_none() -> None:
+    view = Listening()
+    view.hear(boat(1, 3.0) + boat(2, 3e38), 0.0)
+    assert [view.by_id(0.0)[i]["x_m"] for i in (1, 2)] == [3.0, None]
+
+
+def test_a_boat_that_is_heard_but_says_no_more_where_it_is_was_there() -> None:
+    view = Listening()
+    view.hear(boat(2, 7.0), 0.0)
+    for t_s in range(1, 9):
+        view.hear(said(2, BEAT), float(t_s))
+    vessel = view.by_id(8.0)[2]
+    assert (vessel["link_age_s"], vessel["x_m"], vessel["place_age_s"]) == (0.0, 7.0, 8.0)
+    assert vessel["psi_rad"] is None and vessel["u_mps"] is None

@@ -50,6 +50,7 @@ def test_a_file_is_a_tlog(tmp_path: Path) -> None:
     [
         ("nowhere", "no file, no folder and no MAVLink address"),
         ("mcast:x", "must be mcast:"),
+        ("mcast:239.255.145.67:14999:192.0.2.1", "mcast:239.255.145.67:14999:192.0.2.1: "),
         (".", "is not the folder of a run"),
         (__file__, "is no tlog"),
     ],
@@ -67,3 +68,10 @@ def test_an_address_that_is_taken_is_told(sailed: Path, capsys: pytest.CaptureFi
         port = taken.getsockname()[1]
         assert main([str(sailed), "--bind", f"{LOOPBACK}:{port}"]) == 2
     assert str(port) in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("length", ["nan", "inf", "0", "-1", "long"])
+def test_a_length_that_is_none_is_refused(length: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["mcast:", f"--length={length}"])
+    assert "--length" in capsys.readouterr().err

@@ -141,3 +141,39 @@ def test_hundred_vessels_are_shown(browser: Browser, four: Feeder) -> None:
     shown(browser, four, fleet(100))
     browser.until("return document.querySelectorAll('.card').length === 100")
     browser.until("return flotilla.plots.charts.error.data.datasets.length === 40")
+
+
+def test_a_vessel_that_is_followed_to_where_no_metre_counts_does_not_stop_the_page(
+    browser: Browser, four: Feeder
+) -> None:
+    shown(browser, four)
+    browser.run("""const select = document.getElementById('centre'); select.value = '1';
+      select.dispatchEvent(new Event('change'))""")
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s, x_m=1e30, y_m=-1e30)])
+    browser.until("return flotilla.shown.vessels.length === 1 && flotilla.shown.vessels[0].x_m")
+    at_s = browser.run("return flotilla.shown.t_s")
+    browser.until("return flotilla.shown.t_s > arguments[0]", at_s + 0.5)
+
+
+def test_old_places_and_lines_of_silent_boats_are_not_shown_as_new(browser: Browser) -> None:
+    def frames(t_s: float) -> str:
+        silent = boat(1, 0.0, link_age_s=9.0, place_age_s=9.0)
+        return frame(t_s, [silent, boat(2, 0.0, place_age_s=9.0), boat(3, 0.0, place_age_s=0.1)])
+
+    with feeding(frames) as feeder:
+        shown(browser, feeder)
+        browser.until("return flotilla.source.track('3').t.length > 2")
+        old = "return flotilla.shown.vessels.map((v) => v.place_age_s > 5)"
+        assert browser.run(old) == [True, True, False]
+        lines = """return ['1', '2'].map((key) =>
+          flotilla.source.track(key).columns.error_m.some(Number.isFinite))"""
+        assert browser.run(lines) == [False, True]
+        hulls = """const { camera, canvas } = flotilla.plan, ctx = canvas.getContext('2d');
+          const ratio = canvas.width / camera.width;
+          return flotilla.shown.vessels.map((v) => {
+            const [x, y] = camera.at(v.x_m, v.y_m).map((at) => Math.round(at * ratio));
+            return [...ctx.getImageData(x, y, 1, 1).data].join();
+          })"""
+        # the boat's own colour fills the hull of the one alone whose place is new
+        one, two, three = browser.run(hulls)
+        assert one == two != three

@@ -198,3 +198,15 @@ def test_replay_fits_a_phone_also_inside_a_report(
     browser.size(width, 740)
     replayed(browser, tmp_path)
     assert browser.run("return document.documentElement.scrollWidth") <= width
+
+
+def test_a_silent_boat_has_no_line_in_the_plots(browser: Browser, tmp_path: Path) -> None:
+    told = history.of_trace(trace(), "a run")
+    ages = np.maximum(0.0, history.numbers(told["t_s"]) - 40.0)
+    told["vessels"][1]["link_age_s"] = history.column(ages)
+    path = tmp_path / "run.html"
+    path.write_text(page.page_with(told, "a run"), encoding="utf-8")
+    browser.open(path.as_uri())
+    errors = "return [...flotilla.source.track(arguments[0]).columns.error_m].map(Number.isFinite)"
+    assert browser.run(errors, "1") == [t_s <= 45.0 for t_s in range(101)]
+    assert all(browser.run(errors, "2"))

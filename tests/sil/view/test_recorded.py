@@ -119,15 +119,22 @@ def test_a_folder_that_is_no_runs_is_told_in_one_line(
     assert "\n" not in str(told.value)
 
 
-def test_a_recording_that_was_cut_off_is_shown_as_far_as_it_goes(
+def test_a_recording_that_was_cut_off_has_no_times_and_is_refused(
     lost: Path, tmp_path: Path
 ) -> None:
+    shutil.copytree(lost, tmp_path / "run")
     content = (lost / "recording.bin").read_bytes()
-    (tmp_path / "recording.bin").write_bytes(content[: len(content) // 2])
+    (tmp_path / "run" / "recording.bin").write_bytes(content[: len(content) // 2])
+    with pytest.raises(ValueError, match=r"recording.bin: damaged, or not of the run"):
+        history_of_run(tmp_path / "run")
+
+
+def test_a_trace_without_a_tick_is_no_run(lost: Path, tmp_path: Path) -> None:
+    shutil.copytree(lost, tmp_path / "run")
     with np.load(lost / "trace.npz") as arrays:
-        trace = dict(arrays)
-    history = history_of("cut", trace, None, tmp_path / "recording.bin")
-    assert len(history["vessels"]) == 5
+        np.savez(tmp_path / "run" / "trace.npz", **{name: a[:0] for name, a in arrays.items()})
+    with pytest.raises(ValueError, match="its trace is empty"):
+        history_of_run(tmp_path / "run")
 
 
 def test_a_run_whose_scenario_is_not_known_has_boats_by_their_numbers(lost: Path) -> None:

@@ -164,3 +164,21 @@ def test_the_page_asks_for_nothing_elsewhere_and_a_replay_has_its_history() -> N
     policy = page.headers["Content-Security-Policy"]
     assert "default-src 'none'" in policy and "http" not in policy
     assert list(numbers(json.loads(told.body)["t_s"])) == [0.0, 1.0]
+
+
+def test_another_sites_name_for_this_machine_opens_no_page() -> None:
+    async def use(url: str) -> list[int]:
+        client, port, codes = AsyncHTTPClient(), url.rstrip("/").rpartition(":")[2], []
+        for name in ("elsewhere.example", "127.0.0.1.example", "localhost", LOOPBACK, "[::1]"):
+            headers = {"Host": f"{name}:{port}"}
+            answer = await client.fetch(url, headers=headers, raise_error=False)
+            codes.append(answer.code)
+        return codes
+
+    assert served({"title": "", "t_s": column([0.0]), "vessels": []}, use) == [
+        404,
+        404,
+        200,
+        200,
+        200,
+    ]

@@ -59,3 +59,9 @@ def test_addresses_are_read_as_they_are_written() -> None:
 def test_what_is_no_group_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"."):
         group_of(text)
+
+
+def test_a_network_that_refuses_what_is_said_holds_up_nobody() -> None:
+    mouth = Mouth(f"mcast:239.255.145.66:{free_port()}")
+    mouth.send(bytes(70_000), 0)  # no datagram is so long
+    mouth.close()
