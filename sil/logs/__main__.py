@@ -68,14 +68,15 @@ def _place(out: Path) -> Path:
 
 
 def _sorted_out(logs: Sequence[Path]) -> tuple[list[Path], list[Path]]:
-    """Telemetry logs and candump logs; of a folder all that it has."""
+    """Telemetry logs and candump logs; of a folder all that it has, or its folder `log`."""
     tlogs: list[Path] = []
     candumps: list[Path] = []
     for path in logs:
         if not path.is_dir():
             (candumps if _is_candump(path) else tlogs).append(path)
             continue
-        found = sorted(path.glob("*.tlog")), sorted(path.glob("can-*.log"))
+        folder = path / "log" if (path / "log").is_dir() else path
+        found = sorted(folder.glob("*.tlog")), sorted(folder.glob("can-*.log"))
         if not any(found):
             raise ValueError(f"{path}: neither a run's folder nor one with logs of a boat")
         tlogs += found[0]

@@ -293,6 +293,11 @@ def test_a_folder_that_is_not_there_is_told(
     assert_told_in_one_line("nowhere: there is no such folder", capsys)
 
 
+def test_a_boats_folder_of_a_live_run_is_looked_into(log: Path, tmp_path: Path) -> None:
+    assert main([str(log.parent), "--out", str(tmp_path / "out.mcap")]) == 0
+    assert (tmp_path / "out.mcap").stat().st_size > 0
+
+
 def test_a_full_disk_is_told_and_leaves_nothing(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

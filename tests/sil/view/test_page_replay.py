@@ -95,9 +95,7 @@ def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Pa
         (99.0, ["COAST", "leader's state is not fresh", "“leader is lost”"]),
     ):
         seek(browser, t_s)
-        browser.until(
-            f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"])
-        )
+        browser.until(f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"]))
 
 
 def test_replay_plays_at_its_speed_and_stops_at_the_end(browser: Browser, tmp_path: Path) -> None:
