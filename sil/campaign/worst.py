@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The worst run of a campaign, sailed again for the report to replay."""
+"""The worst run of a campaign, sailed again for its report and for tools/view to play back."""
 
 import json
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +10,10 @@ from sil import files
 from sil.campaign import finished, page_tables
 from sil.campaign.sampling import Sampler
 from sil.start import RunError
-from sil.view import history
-from sil.world import sail
+from sil.view.recorded import history_of
+from sil.world import World
 
 NAME = "worst.json"
-_SAMPLE_S = 0.1
 
 
 def write(out: Path, sampler: Sampler, parameters: dict[str, float]) -> bool:
@@ -23,21 +23,32 @@ def write(out: Path, sampler: Sampler, parameters: dict[str, float]) -> bool:
     sailed here as it was.
     """
     (out / NAME).unlink(missing_ok=True)
-    runs = page_tables.worst(finished.tables(out))
+    campaign = finished.tables(out)
+    runs = page_tables.worst(campaign)
     if not runs:
         return False
     number = runs[0][0]
     scenario = sampler.scenario(number)
-    (run,) = sail([scenario], parameters, keep_s=_SAMPLE_S)
-    if isinstance(run, RunError):
-        return False
-    boats = history.boats_of(scenario)
-    told = history.of_trace(run.trace, f"{scenario.name}, run {number}", boats)
+    title = f"{scenario.name}, run {number}, the worst of {campaign.runs.size}"
+    with tempfile.TemporaryDirectory() as folder:
+        recording = Path(folder) / "recording.bin"
+        try:
+            run = World(scenario, parameters).run(recording, lambda _: None)
+        except (RunError, ValueError):
+            return False
+        recorded = recording if recording.is_file() else None
+        told = history_of(title, run.trace, scenario, recorded)
     files.replace(out / NAME, json.dumps(told, allow_nan=False).encode())
     return True
 
 
 def read(out: Path) -> dict[str, Any] | None:
-    """The history in worst.json, None where `out` has none."""
+    """The history in worst.json, None where `out` has none. ValueError where it is damaged."""
     path = out / NAME
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    if not path.is_file():
+        return None
+    try:
+        told: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{path} is damaged: {error}") from None
+    return told

@@ -8,10 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from sil.recording import MAGIC
-from sil.start import RunError
 from sil.view.history import LENGTH_M
 from sil.view.live import Live
 from sil.view.page import PageError
@@ -22,17 +19,14 @@ from sil.wire.mavlink_mcast import LOOPBACK, host_and_port
 
 _SOURCE = """a live fleet: mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT,
 /dev/TTY[:BAUD]; or what was recorded: a tlog, the folder of a run, or that of a campaign, whose
-worst run is sailed again"""
+worst run is shown"""
 
 
 def source_of(text: str, length_m: float | None) -> Live | dict[str, Any]:
-    """What there is to be seen; ValueError, OSError or RunError where it cannot be."""
+    """What there is to be seen; ValueError or OSError where it cannot be."""
     path = Path(text)
     if (path / "campaign.json").is_file():
-        # a campaign's tables take a second to import
-        from sil.view.worst import history_of_worst  # noqa: PLC0415
-
-        return history_of_worst(path, Console(), length_m)
+        return _worst_of(path, length_m)
     if path.is_dir():
         return history_of_run(path, length_m)
     if path.is_file():
@@ -42,6 +36,19 @@ def source_of(text: str, length_m: float | None) -> Live | dict[str, Any]:
             return history_of_run(path.parent, length_m)
         return history_of_tlog(path, length_m or LENGTH_M)
     return Live(text, length_m or LENGTH_M)
+
+
+def _worst_of(folder: Path, length_m: float | None) -> dict[str, Any]:
+    # a campaign's tables take a second to import
+    from sil.campaign import worst  # noqa: PLC0415
+
+    history = worst.read(folder)
+    if history is None:
+        raise ValueError(f"{folder}: a campaign without {worst.NAME}, no run to play back")
+    if length_m is not None:
+        for vessel in history["vessels"]:
+            vessel["length_m"] = length_m
+    return history
 
 
 def _metres(text: str) -> float:
@@ -72,7 +79,7 @@ def main(arguments: Sequence[str]) -> int:
         serve(source_of(options.source, options.length), bind)
     except KeyboardInterrupt:
         return 0
-    except (ValueError, OSError, RunError, PageError) as error:
+    except (ValueError, OSError, PageError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0

@@ -34,6 +34,7 @@ class Aboard:
     def __init__(self) -> None:
         self._values = _Kept()
         self._escs: dict[int, _Kept] = {}
+        self._offline: set[int] = set()  # whose zeros in ESC_STATUS are no measurements
         self._indices = [0, 1]  # ESC_PORT and ESC_STBD, where somebody asked for them
 
     def value(self, name: str, now_s: float) -> float | None:
@@ -48,7 +49,10 @@ class Aboard:
         """Port and starboard; nothing of a vessel that tells of none."""
         if not self._escs:
             return []
-        kept = [self._escs.get(index, _Kept()) for index in self._indices]
+        kept = [
+            _Kept() if index in self._offline else self._escs.get(index, _Kept())
+            for index in self._indices
+        ]
         return [
             {name: _round(esc.get(name, now_s), d) for name, d in _DIGITS.items()} for esc in kept
         ]
@@ -79,6 +83,8 @@ class Aboard:
             warmth_C = nan if f[10 + i] == _UNKNOWN_cdegC else 0.01 * f[10 + i]
             esc.put("errors", f[1 + i], now_s + _RARE_S)
             esc.put("temperature_C", warmth_C, now_s + _RARE_S)
+            online = f[17] >> i & 1
+            (self._offline.discard if online else self._offline.add)(f[14] + i)
 
     def _of_group(self, first: int) -> list[tuple[int, _Kept]]:
         """Place in its message of four, and what is kept, of each ESC that is a propeller's."""

@@ -32,11 +32,12 @@ def test_worst_run_is_replayed_as_it_was_sailed(sailed: Path) -> None:
     number = page_tables.worst(finished.read(sailed))[0][0]
     (run,) = sail([sampler(sailed.parent).scenario(number)], {})
     assert told is not None and not isinstance(run, StartError)
-    assert told["title"] == f"short, run {number}"
-    distance = metrics.distances(run.trace["error"][::10])
-    assert history.numbers(told["t_s"]) == pytest.approx(run.trace["t_s"][::10], abs=1e-6)
+    assert told["title"] == f"short, run {number}, the worst of 4"
+    distance = metrics.distances(run.trace["error"])
+    assert history.numbers(told["t_s"]) == pytest.approx(run.trace["t_s"], abs=1e-6)
     for i, boat in enumerate(told["vessels"][1:]):
         assert boat["id"] == i + 1
+        assert boat["states"] == [[0.0, "FORMATION"]]
         assert history.numbers(boat["error_m"]) == pytest.approx(distance[:, i], rel=1e-6)
 
 
@@ -62,3 +63,9 @@ def test_worst_run_that_cannot_be_started_here_is_left_out(tmp_path: Path) -> No
     folder = Made(runs=3).write(tmp_path / "made")
     assert not worst.write(folder, sampler(tmp_path), {"LAW_KX": 99.0})
     assert worst.read(folder) is None
+
+
+def test_damaged_history_is_told_with_its_file(tmp_path: Path) -> None:
+    (tmp_path / worst.NAME).write_bytes(b'{"title": ')
+    with pytest.raises(ValueError, match=r"worst\.json is damaged"):
+        worst.read(tmp_path)

@@ -140,6 +140,20 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
     }
 
 
+def test_zeros_of_an_esc_that_is_not_online_are_no_measurements() -> None:
+    def told(online: int) -> bytes:
+        status = dialect().MAVLink_esc_status_message(0, 0, [100, 0, 0, 0], [24.5] * 4, [1.0] * 4)
+        info = dialect().MAVLink_esc_info_message(0, 0, 0, 2, 5, online, [0] * 4, [0] * 4, [0] * 4)
+        return said(2, status, info)
+
+    view = Listening()
+    for online in (1, 3):
+        view.hear(boat(2) + told(online), 0.0)
+        port, stbd = view.by_id(0.5)[2]["escs"]
+        assert port["rpm"] == 100
+        assert (set(stbd.values()) == {None}) == (online == 1)
+
+
 def test_what_a_boat_does_not_tell_any_more_is_not_known() -> None:
     view = Listening()
     view.hear(boat(2) + said(2, slot(1.0, 2.0), value("E_X", 1.0), value("E_Y", 0.0)), 0.0)
