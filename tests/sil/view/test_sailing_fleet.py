@@ -179,6 +179,11 @@ def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dic
     for state in ("COAST", "HOLD"):
         at_s = seen_at_s(browser, state)
         late_s[state] = at_s - ear.at_s.get(state, at_s)
+        # well after the change: a log is held against this by where the boat was
+        browser.until(
+            "return flotilla.shown.t_s > arguments[0]",
+            browser.run("return flotilla.shown.t_s") + 1.0,
+        )
         moments[state] = shown(browser)
         browser.picture(PICTURES / f"{state.lower()}.png")
     assert set(ear.at_s) == {"FORMATION", "COAST", "HOLD"}
