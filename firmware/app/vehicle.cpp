@@ -174,6 +174,7 @@ bool Vehicle::may_command(link::Address from) const {
 void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
   now_us_ = now_us;
   links_.begin(dt_us);
+  streams_.forget_silent_radios(now_us);
   if (identity_.latch(core::armed(state_), now_us)) {
     links_.rename(identity_.self());
     changed_ = true;

@@ -52,7 +52,7 @@ void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
 }
 
 bool Vehicle::tells_report() {
-  if (separation_due_.waits(now_us_) || state_waits()) return true;
+  if (origin_moved_ || separation_due_.waits(now_us_) || state_waits()) return true;
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (links_.credit(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
   }
@@ -76,7 +76,6 @@ void Vehicle::tell(link::Counters& counters) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
         counters);
   }
-  streams_.forget_silent_radios(now_us_);
   if (std::exchange(origin_moved_, false)) {  // before any position from there
     for (std::size_t link = 0; link < links_.count(); ++link) {
       tell_stream(kOriginStream, link, counters);

@@ -172,6 +172,32 @@ TEST_CASE_TEMPLATE(
   }
 }
 
+TEST_CASE_TEMPLATE(
+    "an origin that moves is told as it is now, also where a link has no credit for it", S, float,
+    double) {
+  constexpr std::int32_t kMoved = 410'100'000;
+  int told = 0;
+  for (int k = 10; k < 90; ++k) {
+    Parameters p;
+    p.SR_STATE = 1;
+    Harbour<S> h(p);
+    h.boat.limit_link(0, 60);
+    h.sail(4);
+    for (int i = 0; i < k; ++i) h.step();
+    h.say(h.navigation, link::GpsGlobalOrigin{kMoved, 20'000'000, 0, 0});
+    for (int i = k; i < 98; ++i) {  // until the harbour's unit tells its own again
+      h.step();
+      for (const link::Message& message : h.received[0]) {
+        const auto* origin = std::get_if<link::GpsGlobalOrigin>(&message);
+        if (origin == nullptr) continue;
+        CHECK(origin->latitude == kMoved);
+        ++told;
+      }
+    }
+  }
+  CHECK(told >= 80);
+}
+
 TEST_CASE_TEMPLATE("node ids that were given away before stay given away", S, float, double) {
   Harbour<S> h;
   CHECK(h.boat.node_ids().restore({{7}, 125}));
