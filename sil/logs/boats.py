@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sil.logs import candump, telemetry, tlog, track
-from sil.logs.esc_messages import ESC_INFO, ESC_STATUS
 from sil.logs.escs import EscBus, EscReport
 from sil.logs.output import Output
 from sil.logs.telemetry import Telemetry
 from sil.logs.tlog import Facts, Packet
 from sil.logs.track import Track
+from sil.view.messages import ESC_INFO, ESC_STATUS
 
 _TWICE_US = 200_000
 _MANY = 10_000

@@ -10,6 +10,7 @@ from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-unty
 
 from sil.logs import esc_messages, telemetry, track
 from sil.logs.output import Origin
+from sil.view.messages import ESC_INFO, ESC_STATUS
 
 _TIME = 8
 _V1, _V2 = 0xFE, 0xFD
@@ -17,7 +18,7 @@ _LATEST_US = 4_102_444_800_000_000  # the year 2100: a time after that is none
 _VEHICLE = 1  # the component of an autopilot
 _ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
 _HEARTBEAT = mavlink.MAVLINK_MSG_ID_HEARTBEAT
-NEEDED = telemetry.MESSAGES | track.MESSAGES | {esc_messages.ESC_INFO, esc_messages.ESC_STATUS}
+NEEDED = telemetry.MESSAGES | track.MESSAGES | {ESC_INFO, ESC_STATUS}
 
 
 class Packet(NamedTuple):
@@ -43,7 +44,7 @@ class Packet(NamedTuple):
     def decoded(self) -> Any:
         """The message of pymavlink, or the ESCs of an ESC message; None where it is damaged."""
         try:
-            if self.message_id in (esc_messages.ESC_INFO, esc_messages.ESC_STATUS):
+            if self.message_id in (ESC_INFO, ESC_STATUS):
                 return esc_messages.decode(self.message_id, self.frame)
             return mavlink.MAVLink(None).decode(bytearray(self.frame))
         except (mavlink.MAVError, ValueError):
