@@ -9,6 +9,7 @@ All waiting is for a socket or the next word that is due, until a deadline.
 
 import json
 import select
+import shlex
 import socket
 import subprocess
 import time
@@ -98,6 +99,9 @@ class Boat:
             self._udp = opened.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
             self._udp.bind(("127.0.0.1", 0))
             self._udp.setblocking(False)
+            self._shell = opened.enter_context(
+                subprocess.Popen(["sh"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            )
             self.start()
             opened.callback(self.kill)
             self._opened = opened.pop_all()
@@ -153,10 +157,17 @@ class Boat:
         return len(self.commands) - known
 
     def execute(self, *command: str) -> None:
-        """A program of the system; on a busy machine its start takes longer than a boat waits."""
-        with subprocess.Popen(command) as process:
-            self.wait(lambda: process.poll() is not None, f"end of {command[0]}")
-        assert process.returncode == 0
+        """A program of the system.
+
+        A shell starts it: in user-mode Linux Python looks along PATH for so long, and everybody
+        waits for it, that the boat rightly finds that it does not move.
+        """
+        assert self._shell.stdin is not None and self._shell.stdout is not None
+        self._shell.stdin.write(f"{shlex.join(command)}; echo $?\n".encode())
+        self._shell.stdin.flush()
+        output = self._shell.stdout
+        self.wait(lambda: bool(select.select([output], [], [], 0.0)[0]), f"end of {command[0]}")
+        assert output.readline() == b"0\n", f"{shlex.join(command)} failed"
 
     def wait(self, done: Callable[[], bool], what: str) -> None:
         end_us = now_us() + round(1e6 * _PATIENCE_S)
@@ -229,6 +240,10 @@ class Boat:
                 case "TIMESYNC":
                     for agent in self._agents:
                         agent.hear([message], self._clock(now_us()))
+
+    def stays(self, state: str) -> None:
+        """Fails with what the boat said if it is in another state."""
+        assert self.state == state, "; ".join(self.texts[-3:])
 
     # The operator
 
