@@ -16,7 +16,7 @@ def _said(command: list[str], stream: bytes, timeout_s: float) -> dict[str, str]
     said = run.stdout.decode() + run.stderr.decode()
     if run.returncode != 0:
         raise RuntimeError(f"the player ended with status {run.returncode}: {said.strip()}")
-    return dict(line.split(" ", 1) for line in said.splitlines())
+    return {name: value for name, _, value in (line.partition(" ") for line in said.splitlines())}
 
 
 def play(stream: bytes, image: Path = IMAGE, timeout_s: float = 600.0) -> dict[str, str]:

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <new>
 #include <span>
-#include <string_view>
 
 #include "target/cortex_m/platform.hpp"
 #include "target/cortex_m/player.hpp"
@@ -16,26 +15,21 @@
 namespace flotilla::target {
 namespace {
 
-/// Instructions between one tick's end and the next one's, without what the player itself does.
-struct Cost {
-  std::uint32_t ticks = 0, least = UINT32_MAX, most = 0;
-  std::uint64_t all = 0;
-
-  void add(std::uint32_t instructions) {
-    ++ticks;
-    least = std::min(least, instructions);
-    most = std::max(most, instructions);
-    all += instructions;
-  }
+struct Ticks {
+  std::uint32_t all = 0, driving = 0;
+  std::uint32_t most = 0;  ///< instructions
 };
 
-void tell(std::string_view name, std::uint64_t number) {
-  std::array<char, 64> line{};
-  char* end = std::ranges::copy(name, line.data()).out;
-  *end++ = ' ';
-  end = std::to_chars(end, line.data() + line.size() - 2, number).ptr;
-  *end = '\n';
-  print(line.data());
+void print_number(std::uint32_t number) {
+  std::array<char, 16> text{' '};
+  std::to_chars(text.data() + 1, text.data() + text.size() - 1, number);
+  print(text.data());
+}
+
+void tell(const char* name, std::uint32_t number) {
+  print(name);
+  print_number(number);
+  print("\n");
 }
 
 void print_digest(const std::array<std::uint8_t, 32>& digest) {
@@ -48,7 +42,9 @@ void print_digest(const std::array<std::uint8_t, 32>& digest) {
   print("\n");
 }
 
-bool play_all(Player& player, Cost& every, Cost& driving) {
+/// Prints of each tick that drives how many instructions there are from the end of the one before to
+/// its own, without what the player itself does.
+bool play_all(Player& player, Ticks& ticks) {
   static std::array<std::uint8_t, kMostBytes> bytes;
   std::array<std::uint8_t, 12> head;
   static_assert(std::endian::native == std::endian::little);
@@ -65,8 +61,12 @@ bool play_all(Player& player, Cost& every, Cost& driving) {
     if (!player.play(record, data)) return false;
     cost += instructions();
     if (!player.ticked()) continue;
-    every.add(cost);
-    if (player.drives()) driving.add(cost);
+    ++ticks.all;
+    ticks.most = std::max(ticks.most, cost);
+    if (player.drives()) {
+      ++ticks.driving;
+      print_number(cost);
+    }
     cost = 0;
     player.digest();
   }
@@ -79,18 +79,17 @@ bool run() {
   // Never destroyed: there is nothing after it.
   alignas(Player) static std::array<std::byte, sizeof(Player)> place;
   auto& player = *new (place.data()) Player;
-  Cost every, driving;
-  const bool well = play_all(player, every, driving);
+  Ticks ticks;
+  print("instructions_driving");
+  const bool well = play_all(player, ticks);
+  print("\n");
   if (!well) print("the stream is damaged\n");
   print_digest(player.finish());
-  tell("ticks", every.ticks);
-  tell("ticks_driving", driving.ticks);
-  tell("instructions_mean", every.all / std::max<std::uint32_t>(every.ticks, 1));
-  tell("instructions_driving", driving.all / std::max<std::uint32_t>(driving.ticks, 1));
-  tell("instructions_driving_least", driving.least);
-  tell("instructions_most", every.most);
-  tell("stack_bytes", most_stack_bytes());
-  tell("boat_bytes", sizeof(app::Boat<Scalar>));
+  tell("ticks", ticks.all);
+  tell("ticks_driving", ticks.driving);
+  tell("instructions_most", ticks.most);
+  tell("stack_bytes", static_cast<std::uint32_t>(most_stack_bytes()));
+  tell("boat_bytes", static_cast<std::uint32_t>(sizeof(app::Boat<Scalar>)));
   return well;
 }
 
