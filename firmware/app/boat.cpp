@@ -76,14 +76,13 @@ template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   const link::MavlinkDecoder& decoder = vehicle_.links().decoder(link);
   const std::uint32_t before = decoder.whole();
-  link::Received received;
-  while (decoder.waits() && vehicle_.next(link, received, now_us, counters_)) {
-    if (const auto* timesync = std::get_if<link::Timesync>(&received.message)) {
+  while (decoder.waits() && vehicle_.next(link, received_, now_us, counters_)) {
+    if (const auto* timesync = std::get_if<link::Timesync>(&received_.message)) {
       if (const auto sent_us = vehicle_.sent_us(*timesync)) {
-        pilot_.answered(received.from, *sent_us, timesync->tc1 / 1000, now_us);
+        pilot_.answered(received_.from, *sent_us, timesync->tc1 / 1000, now_us);
       }
     } else {
-      pilot_.take(received, now_us, counters_);
+      pilot_.take(received_, now_us, counters_);
     }
   }
   vehicle_.links().note_waiting(link, decoder.whole() != before, now_us);
@@ -162,6 +161,7 @@ void Boat<S>::note_state(std::int64_t now_us) {
 template <class S>
 void Boat<S>::configure() {
   note_range();
+  choices_ = choices_of(parameters());
   pilot_.configure(parameters(), vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = Thrusters<S>(parameters());
   fits_ = !core::take_overflow<S>();
@@ -174,7 +174,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (idle_ticks_ > 0 && static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
   core::Conditions met = vehicle_.conditions(now_us) | pilot_.conditions(now_us, p) |
-                         propulsion_of(can_, p, now_us) | limits_.conditions() | choices_of(p);
+                         propulsion_of(can_, p, now_us) | limits_.conditions() | choices_;
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
@@ -238,11 +238,10 @@ core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
 template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
   const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
-  law_output_ = {};
   pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
-  core::Thrust<S> wanted{};
   const bool drive = may_drive(now_us);
-  if (drive) wanted = wanted_thrust(now_us, dt);
+  if (!drive || !core::law_drives(state())) law_output_ = {};
+  const core::Thrust<S> wanted = drive ? wanted_thrust(now_us, dt) : core::Thrust<S>{};
   // COAST does not know the leader: what is told of it is what is heard of it.
   const bool by_law = drive && state() == core::State::kFormation;
   if (!by_law && seen()) law_output_.error = pilot_.look(now_us).error;

@@ -167,8 +167,9 @@ class Boat {
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
-  bool fits_ = true;       // parameters, into the scalar
-  bool overflow_ = false;  // of some number since the last tick began
+  core::Conditions choices_ = 0;  // of the operator
+  bool fits_ = true;              // parameters, into the scalar
+  bool overflow_ = false;         // of some number since the last tick began
   bool in_range_ = true;
   std::int64_t armed_us_ = 0;
   std::optional<std::int64_t> coast_us_;  // since when, in COAST
@@ -181,6 +182,7 @@ class Boat {
   HostReport host_;
   bool save_failed_ = false;  // as told to the operator
   link::Counters counters_;
+  link::Received received_;  // the last message: kept, since to begin one anew zeroes it all
 
   std::optional<std::int64_t> last_tick_us_;
   std::int64_t now_us_ = 0;

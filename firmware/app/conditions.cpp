@@ -42,7 +42,7 @@ void Limits::look(const Parameters& p, const Seen& seen) {
   };
   battery_good_.look(std::ranges::all_of(seen.escs, above), seen.now_us);
   met_ = 0;
-  if (p.FS_BATT_V == 0 || battery_good_.is()) met_ |= core::kBatteryGood;
+  if (battery_good_.is() || p.FS_BATT_V == 0) met_ |= core::kBatteryGood;
   if (p.FS_FENCE_M == 0 || inside(p.FS_FENCE_M, seen)) met_ |= core::kInsideFence;
 }
 

@@ -23,7 +23,8 @@ Plane plane_at(const link::GpsGlobalOrigin& o) {
 
 /// Where the leader is, north-east from us in our plane, and how far its plane's north is turned.
 struct Seen {
-  double north_m, east_m, turn_rad;
+  Metres north_m, east_m;
+  double turn_rad;
   bool same_side;  ///< of the globe
 };
 
@@ -35,20 +36,17 @@ Seen seen_from(const Position& own, const Position& leader) {
   const Plane ours = plane_at(own.origin), theirs = plane_at(leader.origin);
   constexpr double kSameSide_m = 6e6;
   const auto [north_m, east_m, down_m] =
-      ours.local_of(theirs.sea_level({leader.north_m, leader.east_m}));
+      ours.local_of(theirs.sea_level({number(leader.north_m), number(leader.east_m)}));
   return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
 }
 
-/// By its bits: magnitudes are ordered as whole numbers are.
-bool within(double limit, double x) {
-  return std::bit_cast<std::uint64_t>(x) << 1U <= std::bit_cast<std::uint64_t>(limit) << 1U;
-}
-
 bool is_near(const Seen& seen) {
-  constexpr double kNear_m = 5000, kSurely_m = 3500;
-  if (within(kSurely_m, seen.north_m) && within(kSurely_m, seen.east_m)) return seen.same_side;
-  return seen.same_side &&
-         seen.north_m * seen.north_m + seen.east_m * seen.east_m <= kNear_m * kNear_m;
+  constexpr double kNear_m = 5000;
+  constexpr Metres kSurely_m = 3500;
+  const auto surely = [&](Metres x) { return -kSurely_m <= x && x <= kSurely_m; };
+  if (surely(seen.north_m) && surely(seen.east_m)) return seen.same_side;
+  const double north_m = number(seen.north_m), east_m = number(seen.east_m);
+  return seen.same_side && north_m * north_m + east_m * east_m <= kNear_m * kNear_m;
 }
 
 }  // namespace
@@ -98,7 +96,7 @@ bool reaches(const link::GpsGlobalOrigin& origin, const GlobalPoint& at) {
 GlobalPoint global_of(const Position& position) {
   const Plane plane = plane_at(position.origin);
   const auto [latitude, longitude] =
-      geodesy::degrees_of(plane.sea_level({position.north_m, position.east_m}));
+      geodesy::degrees_of(plane.sea_level({number(position.north_m), number(position.east_m)}));
   return {latitude, longitude, plane.turn_of({latitude, longitude})};
 }
 
@@ -106,7 +104,7 @@ bool near(const Position& own, const Position& leader) { return is_near(seen_fro
 
 double distance_m(const Position& a, const Position& b) {
   const Seen seen = seen_from(a, b);
-  return seen.same_side ? portable::hypot(seen.north_m, seen.east_m)
+  return seen.same_side ? portable::hypot(number(seen.north_m), number(seen.east_m))
                         : std::numeric_limits<double>::infinity();
 }
 

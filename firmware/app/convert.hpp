@@ -31,7 +31,7 @@ struct GlobalPoint {
 template <class S>
 struct Sample {
   std::int64_t stamp_us;  ///< sender's clock
-  double north_m, east_m;
+  Metres north_m, east_m;
   S psi_rad;
   S u_mps, v_mps, r_radps;
   std::optional<GlobalPoint> at{};
@@ -86,7 +86,7 @@ Sample<S> at_reference_point(const Sample<S>& antenna, S x_m, S y_m);
 
 /// Where a vessel is: metres from its own origin, and that origin.
 struct Position {
-  double north_m = 0, east_m = 0;
+  Metres north_m, east_m;
   link::GpsGlobalOrigin origin{};
 };
 
@@ -109,8 +109,8 @@ bool near(const Position& own, const Position& leader);
 /// Straight from one to the other.
 double distance_m(const Position& a, const Position& b);
 
-/// From the leader to us, m, north-east in the plane of our origin, and whether that is near; all
-/// differences are taken as doubles.
+/// From the leader to us, m, north-east in the plane of our origin, and whether that is near; of two
+/// places with one origin exactly.
 template <class S>
 struct Separation {
   core::Vec2<S> n;

@@ -42,9 +42,10 @@ Vec3<S> rotate(const std::array<S, 4>& q, const Vec3<S>& v) {
 /// ψ̇ from body rates and attitude (Fossen 2011, eq. 2.26); nothing near the vertical.
 template <class S>
 std::optional<S> heading_rate(S roll, S pitch, S q, S r) {
-  const S c = core::cos(pitch), c_roll = core::cos(roll);
+  const S c = core::cos(pitch);
+  const auto [s_roll, c_roll] = core::sin_cos(roll);
   if (c < S(0.1) || c_roll < S(0.1)) return std::nullopt;
-  return (q * core::sin(roll) + r * c_roll) / c;
+  return core::sum_of_products(q, s_roll, r, c_roll) / c;
 }
 
 /// A vector of the message's frame in north-east-down.
@@ -226,8 +227,8 @@ Sample<S> at_reference_point(const Sample<S>& antenna, S x, S y) {
   out.u_mps = out.u_mps + antenna.r_radps * y;  // v_reference = v_antenna − ω × offset
   out.v_mps = out.v_mps - antenna.r_radps * x;
   const core::Vec2<S> offset_n = core::to_north_east(antenna.psi_rad, core::Vec2<S>{x, y});
-  out.north_m -= number(offset_n.x);
-  out.east_m -= number(offset_n.y);
+  out.north_m = out.north_m - offset_n.x;
+  out.east_m = out.east_m - offset_n.y;
   return out;
 }
 

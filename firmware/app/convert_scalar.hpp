@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "app/metres.hpp"
 #include "core/fixed.hpp"
 
 namespace flotilla::app::convert {
@@ -62,6 +63,17 @@ S scalar(T x) {
     return static_cast<S>(x);
   }
 }
+
+/// The same of a coordinate, or of the difference of two.
+template <class S>
+S scalar(Metres x) {
+  if constexpr (std::same_as<S, core::Q16>) {
+    return core::Q16::of_raw(core::Q16::saturated(core::Q16::halved(x.raw(), 16)));
+  } else {
+    return static_cast<S>(x.raw()) / S(4294967296);
+  }
+}
+inline double number(Metres x) { return scalar<double>(x); }
 
 /// The law's number as it is.
 template <std::floating_point S>

@@ -40,8 +40,8 @@ template <class S>
 OwnState own_state_of(const Position& from, const core::Motion<S>& motion) {
   const auto& [moved_n, psi, nu, nu_dot] = motion;
   const core::Vec2<S> v_n = core::to_north_east(psi, core::Vec2<S>{nu.u, nu.v});
-  return {from.north_m + number(moved_n.x),
-          from.east_m + number(moved_n.y),
+  return {number(from.north_m + moved_n.x),
+          number(from.east_m + moved_n.y),
           number(core::wrap_pi(psi)),
           in_double(nu),
           {number(v_n.x), number(v_n.y)},

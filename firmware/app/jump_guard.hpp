@@ -29,7 +29,10 @@ class JumpGuard {
   static constexpr core::JumpLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
                                                   S(40), S(60),  S(10), S(8)};
 
-  void set_limits(const core::JumpLimits<S>& limits) { limits_ = limits; }
+  void set_limits(const core::JumpLimits<S>& limits) {
+    limits_ = limits;
+    small_ = core::small_move(limits);
+  }
   const core::JumpLimits<S>& limits() const { return limits_; }
 
   /// No state led to the next one.
@@ -37,7 +40,7 @@ class JumpGuard {
 
   /// A told state, and when it came.
   struct Seen {
-    double north_m, east_m;
+    Metres north_m, east_m;
     S psi;
     core::Nu<S> nu;
     std::int64_t stamp_us, arrived_us;
@@ -56,7 +59,7 @@ class JumpGuard {
   Verdict judge(const Seen& state, bool far) {
     if (!last_) return Verdict::kGoesOn;
     const core::Leg<S> way = leg(*last_, state);
-    if (!far && core::hardly_moves(limits_, way)) {
+    if (!far && core::hardly_moves(small_, way)) {
       // What velocity may account for is no scatter.
       const S speed = core::abs(way.from.u) + core::abs(way.from.v);
       const S moved = core::larger(core::abs(way.moved_n.x), core::abs(way.moved_n.y));
@@ -122,6 +125,7 @@ class JumpGuard {
   void note_scatter(S off) { scatter_ = scatter_ + S(0.1) * (off - scatter_); }
 
   core::JumpLimits<S> limits_ = kAnyVessel;
+  core::SmallMove<S> small_ = core::small_move(limits_);
   std::optional<Seen> last_, next_;
   S scatter_{};
   int agreed_ = 0;

@@ -59,13 +59,13 @@ class Liveness {
   bool moved() const { return moved_; }
 
  private:
-  static constexpr S kForgotten_s = S(5), kHeld_s = S(5);
+  static constexpr S kForgetting_per_s = S(0.2), kHeld_s = S(5);
   static constexpr S kTold = S(0.15);   ///< m, rad: well over the rounding of any message
   static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
   static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: as good as still
   static constexpr int kFew = 3;        ///< messages
 
-  static S left_after(S h) { return S(1) - core::smaller(h / kForgotten_s, S(1)); }
+  static S left_after(S h) { return S(1) - core::smaller(kForgetting_per_s * h, S(1)); }
 
   /// What has stayed the same, and where its rate of change would have led since.
   struct Stuck {
@@ -93,7 +93,7 @@ class Liveness {
   }
 
   S patience_s_;
-  double north_m_ = 0, east_m_ = 0;
+  Metres north_m_, east_m_;
   S psi_rad_{};
   core::Nu<S> nu_{};
   Stuck place_, heading_, whole_;

@@ -118,14 +118,14 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   core::Motion<S> motion;
   motion.psi = seen.psi_rad;
   const auto encounter = convert::encounter_of<S>(own, {}, there, motion);
-  const double north_m = convert::number(encounter.separation_n.x),
-               east_m = convert::number(encounter.separation_n.y);
-  Vessel* vessel = place_for(system, portable::hypot(north_m, east_m), own, now_us);
+  const core::Vec2<S>& apart_n = encounter.separation_n;
+  const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
+  Vessel* vessel = place_for(system, apart_m, own, now_us);
   if (vessel == nullptr) return;
   const auto v_n = core::to_north_east(encounter.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
-  vessel->north_m = own.north_m - north_m;
-  vessel->east_m = own.east_m - east_m;
+  vessel->north_m = own.north_m - apart_n.x;
+  vessel->east_m = own.east_m - apart_n.y;
   vessel->v_north_mps = static_cast<float>(convert::number(v_n.x));
   vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
   vessel->heard_us = now_us;
@@ -153,7 +153,8 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
     const bool free = v.system == 0 || now_us - v.heard_us > kForgotten_us;
-    const double far_m = v.located ? portable::hypot(v.north_m - own.north_m, v.east_m - own.east_m)
+    const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
+                                                     convert::number(v.east_m - own.east_m))
                                    : std::numeric_limits<double>::max();
     if (!free && !(far_m > farthest_m)) continue;
     place = &v;

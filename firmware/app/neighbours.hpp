@@ -46,7 +46,7 @@ class Neighbours {
     bool steered = false;  ///< by itself: only then it may yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
-    double north_m = 0, east_m = 0;
+    Metres north_m, east_m;
     link::GpsGlobalOrigin origin{};  ///< of its local frame
     std::int64_t heard_us = 0;
   };

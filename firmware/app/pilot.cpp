@@ -89,7 +89,10 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
 
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
-  if (armed != armed_) own_.set_limits(armed ? afloat_ : carried_);
+  if (armed != armed_) {
+    own_.set_limits(armed ? afloat_ : carried_);
+    own_.set_smoothing(!armed);  // the observer carries it on from each message
+  }
   armed_ = armed;
   if (!armed) {
     motion_ = {};
@@ -215,8 +218,7 @@ convert::OwnState Pilot<S>::own_state(std::int64_t now_us) const {
 template <class S>
 convert::Position Pilot<S>::place() const {
   const core::Vec2<S>& moved = motion_.motion.moved_n;
-  return {anchor_.north_m + convert::number(moved.x), anchor_.east_m + convert::number(moved.y),
-          anchor_.origin};
+  return {anchor_.north_m + moved.x, anchor_.east_m + moved.y, anchor_.origin};
 }
 
 template <class S>

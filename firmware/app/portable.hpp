@@ -52,10 +52,21 @@ constexpr SinCos sin_cos(double rad) {
   const std::int64_t quarters = nearest(rad * (2 / kPi));
   const auto n = static_cast<double>(quarters);
   const double r = rad - n * kQuarter - n * kRest, z = -r * r;
+  struct Term {
+    double of_sin, of_cos;
+  };
+  constexpr auto kTerms = [] {
+    std::array<Term, 8> terms{};
+    for (int i = 0; i < 8; ++i) {
+      const int k = 16 - 2 * i;
+      terms[static_cast<std::size_t>(i)] = {1.0 / (k * (k + 1)), 1.0 / (k * (k - 1))};
+    }
+    return terms;
+  }();
   double s = 1, c = 1;
-  for (int k = 16; k >= 2; k -= 2) {
-    s = 1 + s * z / (k * (k + 1));
-    c = 1 + c * z / (k * (k - 1));
+  for (const Term& term : kTerms) {
+    s = 1 + s * z * term.of_sin;
+    c = 1 + c * z * term.of_cos;
   }
   s *= r;
   switch (quarters & 3) {

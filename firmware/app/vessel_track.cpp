@@ -25,8 +25,16 @@ void VesselTrack<S>::follow(std::uint8_t system) {
   Identity identity = identity_;
   identity.system = system;
   const core::JumpLimits<S> limits = guard_.limits();
+  const bool smooths = smooths_;
   *this = VesselTrack(identity, antenna_);
   set_limits(limits);
+  set_smoothing(smooths);
+}
+
+template <class S>
+void VesselTrack<S>::set_smoothing(bool smooths) {
+  smooths_ = smooths;
+  track_.nu_dot = track_.nu_ddot = {};
 }
 
 template <class S>
@@ -322,7 +330,7 @@ void VesselTrack<S>::update(const convert::Sample<S>& sample, std::int64_t now_u
                : stamp_us_ ? convert::seconds<S>(sample.stamp_us - *stamp_us_)
                            : S(0);
   const core::TrackMessage<S> message{sample.psi_rad, convert::nu_of(sample), dt};
-  if (resumed) {
+  if (resumed || !smooths_) {
     core::track_resume(params, track_, message);
   } else {
     core::track_update(params, track_, message);

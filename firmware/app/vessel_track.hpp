@@ -49,6 +49,10 @@ class VesselTrack {
   /// What this vessel can do; without them it is any vessel.
   void set_limits(const core::JumpLimits<S>& limits) { guard_.set_limits(limits); }
 
+  /// Whether motion() is asked for; where another knows better how the vessel moves between its
+  /// messages, each is believed as it is.
+  void set_smoothing(bool smooths);
+
   /// The propellers alone would have changed its velocity by so much since the last call, m/s.
   void push(S change_mps) { liveness_.push(change_mps); }
 
@@ -162,6 +166,7 @@ class VesselTrack {
   link::GpsGlobalOrigin origin_{};
   std::uint8_t origin_component_ = 0;  // 0: the sender has told no origin
   bool frame_complaint_ = false;
+  bool smooths_ = true;
   core::TrackState<S> track_;
   std::optional<core::TrackMessage<S>> fix_;
 };

@@ -64,17 +64,17 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> wanted, const Vec2<S>& c_b, 
 /// ν* for a boat among others.
 template <class S>
 Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& state,
-                         const Encounter<S>& in, const Traffic<S>& traffic,
-                         ControllerOutput<S>& out) {
-  const Vec2<S> v = to_north_east(out.slot.psi, Vec2<S>{out.slot.nu.u, out.slot.nu.v});
-  const Vec2<S> e = to_north_east(out.error.R, Vec2<S>{out.error.e.x, out.error.e.y});
+                         const Encounter<S>& in, const Traffic<S>& traffic, const Slot<S>& slot,
+                         const FormationError<S>& error, VirtualVelocity<S>& wanted) {
+  const Vec2<S> v = to_north_east(slot.psi, Vec2<S>{slot.nu.u, slot.nu.v});
+  const Vec2<S> e = to_north_east(error.R, Vec2<S>{error.e.x, error.e.y});
   const S k = params.outer.k_x;
   const Intent<S> intent =
       intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
   const S a = params.propellers.R / params.vessel.m11;  // half of what both give
   const auto kept =
-      separate(params.separation, a, state.separation, traffic, in.psi, intent, out.wanted);
-  state.outer.r_star_held = out.wanted.nu_star.r;
+      separate(params.separation, a, state.separation, traffic, in.psi, intent, wanted);
+  state.outer.r_star_held = wanted.nu_star.r;
   return kept;
 }
 
@@ -84,23 +84,24 @@ template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
                                     const Encounter<S>& in, S dt,
                                     const Traffic<S>* traffic = nullptr) {
-  ControllerOutput<S> out;
-  out.slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
-  out.error = formation_error(in, out.slot);
-  const Vec2<S> c_b = to_body(out.error.R, in.current_n);
-  const S U = steering_speed(params.vessel, out.slot, in.unknown,
-                             wanted_surge(params.outer, out.slot, out.error) - c_b.x);
-  out.sight = line_of_sight(params.sight, in.nu, out.slot, out.error, U);
+  const Slot<S> slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
+  const FormationError<S> error = formation_error(in, slot);
+  const Vec2<S> c_b = to_body(error.R, in.current_n);
+  const S U = steering_speed(params.vessel, slot, in.unknown,
+                             wanted_surge(params.outer, slot, error) - c_b.x);
+  const LineOfSight<S> sight = line_of_sight(params.sight, in.nu, slot, error, U);
   virtual_sway_forward(params.vessel, state.outer, dt);
-  out.wanted = virtual_velocity(params.outer, state.outer, out.slot, out.error, out.sight);
-  if (traffic != nullptr) out.separation = keep_clear(params, state, in, *traffic, out);
-  const VirtualVelocity<S> wanted_w = through_water(out.wanted, c_b, in.nu.r);
+  VirtualVelocity<S> wanted = virtual_velocity(params.outer, state.outer, slot, error, sight);
+  Separation<S> separation{};
+  if (traffic != nullptr) {
+    separation = keep_clear(params, state, in, *traffic, slot, error, wanted);
+  }
+  const VirtualVelocity<S> wanted_w = through_water(wanted, c_b, in.nu.r);
   state.outer.u_star_held = wanted_w.nu_star.u;  // v* is of the water too
-  out.tau = pd_plus(params.inner, params.vessel, wanted_w,
-                    Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
-  out.tau = {out.tau.X - in.unknown.X, out.tau.N - in.unknown.N};
-  out.allocation = allocate(params.propellers, out.tau);
-  return out;
+  const Tau<S> needed = pd_plus(params.inner, params.vessel, wanted_w,
+                                Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
+  const Tau<S> tau = {needed.X - in.unknown.X, needed.N - in.unknown.N};
+  return {slot, error, sight, wanted, separation, tau, allocate(params.propellers, tau)};
 }
 
 }  // namespace flotilla::core

@@ -62,14 +62,26 @@ class Q16 {
     return of_raw(difference);
   }
   [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
-    const std::int64_t product = std::int64_t{a.raw_} * b.raw_;
-    const std::int64_t odd = product >> 16 & 1;
-    return of_raw(saturated((product + 0x7FFF + odd) >> 16));  // it cannot wrap: |product| ≤ 2⁶²
+    return rounded(std::int64_t{a.raw_} * b.raw_);
   }
   /// By zero: the end of the range that a has the sign of; 0 / 0 = 0. Both raise overflow.
   friend constexpr Q16 operator/(Q16 a, Q16 b) {
     const std::uint64_t n = std::uint64_t{fixed::magnitude(a.raw_)} << 16;
     return quotient(n, fixed::magnitude(b.raw_), (a.raw_ < 0) != (b.raw_ < 0));
+  }
+
+  // Of two products that can be added some 2³¹ are left up to the end: rounding cannot wrap either.
+  [[gnu::always_inline]] friend constexpr Q16 sum_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
+    const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
+    std::int64_t sum = 0;
+    const bool wraps = __builtin_add_overflow(first, std::int64_t{c.raw_} * d.raw_, &sum);
+    return wraps ? of_raw(end(first < 0)) : rounded(sum);
+  }
+  [[gnu::always_inline]] friend constexpr Q16 difference_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
+    const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
+    std::int64_t difference = 0;
+    const bool wraps = __builtin_sub_overflow(first, std::int64_t{c.raw_} * d.raw_, &difference);
+    return wraps ? of_raw(end(first < 0)) : rounded(difference);
   }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
@@ -85,6 +97,11 @@ class Q16 {
     return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
   }
 
+  /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶: of any product, it cannot wrap.
+  [[gnu::always_inline]] static constexpr Q16 rounded(std::int64_t x) {
+    return of_raw(saturated((x + 0x7FFF + (x >> 16 & 1)) >> 16));
+  }
+
   /// The nearest that a raw value can be.
   static constexpr std::int32_t saturated(std::int64_t raw) {
     const auto same = static_cast<std::int32_t>(raw);
@@ -92,7 +109,8 @@ class Q16 {
   }
 
   /// ±n / d of raw values.
-  static constexpr Q16 quotient(std::uint64_t n, std::uint32_t d, bool negative) {
+  [[gnu::always_inline]] static constexpr Q16 quotient(std::uint64_t n, std::uint32_t d,
+                                                       bool negative) {
     if (n >> 32 >= d) {  // 2³² or more, or by zero
       const std::int32_t most = end(negative);
       return of_raw(n == 0 ? 0 : most);
@@ -135,6 +153,7 @@ class Q16 {
 /// Angles in rad; results within one LSB of the true value of the argument as it is.
 constexpr Q16 sin(Q16 x);
 constexpr Q16 cos(Q16 x);
+constexpr SinCos<Q16> sin_cos(Q16 x);
 constexpr Q16 atan(Q16 x);
 constexpr Q16 atan2(Q16 y, Q16 x);
 constexpr Q16 tanh(Q16 x);

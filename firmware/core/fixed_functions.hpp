@@ -28,7 +28,7 @@ constexpr std::uint32_t phase(Q16 x) {
 }
 
 /// Within 2⁻²⁷, then rounded.
-constexpr Q16 sine_of(std::uint32_t phase) {
+[[gnu::always_inline]] constexpr Q16 sine_of(std::uint32_t phase) {
   constexpr std::uint32_t kQuarter = 1U << 30;
   if (phase + kQuarter > 2 * kQuarter) phase = 2 * kQuarter - phase;
   const auto turned = Q16::of_raw(static_cast<std::int32_t>(phase));
@@ -92,6 +92,12 @@ constexpr Q16 sin(Q16 x) {
 }
 
 constexpr Q16 cos(Q16 x) { return fixed::sine_of(fixed::phase(x) + (1U << 30)); }
+
+constexpr SinCos<Q16> sin_cos(Q16 x) {
+  const std::uint32_t phase = fixed::phase(x);
+  const Q16 sine = fixed::sine_of(phase);
+  return {x < Q16{} ? -sine : sine, fixed::sine_of(phase + (1U << 30))};
+}
 
 constexpr Q16 atan2(Q16 y, Q16 x) {
   constexpr std::uint32_t kPi = 3373259426U, kTanEighth = 1779033704U;

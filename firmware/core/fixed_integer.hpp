@@ -27,7 +27,7 @@ constexpr Quotient divided(std::uint32_t n, std::uint32_t d) { return {n / d, n 
 
 /// One digit of base 2¹⁶ of n / d, n < 2¹⁶ d, d ≥ 2³¹. Schoolbook: the estimate from the leading
 /// digit of d is never too low, and at most 2 too high.
-constexpr Quotient digit(std::uint64_t n, std::uint32_t d) {
+[[gnu::always_inline]] constexpr Quotient digit(std::uint64_t n, std::uint32_t d) {
   std::uint32_t q = static_cast<std::uint32_t>(n >> 16) / (d >> 16);
   auto rest = static_cast<std::int64_t>(n - std::uint64_t{q} * d);
   while (rest < 0) {
@@ -38,7 +38,7 @@ constexpr Quotient digit(std::uint64_t n, std::uint32_t d) {
 }
 
 /// n / d, exactly, for n < 2³² d, d ≥ 2³¹.
-constexpr Quotient divided(std::uint64_t n, std::uint32_t d) {
+[[gnu::always_inline]] constexpr Quotient divided(std::uint64_t n, std::uint32_t d) {
   const Quotient upper = digit(n >> 16, d);
   const Quotient lower = digit(std::uint64_t{upper.rest} << 16 | (n & 0xFFFF), d);
   return {upper.whole << 16 | lower.whole, lower.rest};

@@ -36,11 +36,11 @@ FormationError<S> formation_error(const Encounter<S>& in, const Slot<S>& slot) {
   const Vec2<S> e_b = to_body(R, from_slot);
   const S e_psi = wrap_pi(in.psi - slot.psi);
   const Rotation<S> R_e = rotation(e_psi);
-  const auto& [c, s] = R_e;
+  const Vec2<S> v_S = to_body(R_e, Vec2<S>{slot.nu.u, slot.nu.v});
   return {{e_b.x, e_b.y, e_psi},
-          {in.nu.r * e_b.y + in.nu.u - slot.nu.u * c - slot.nu.v * s,  // :a
-           in.nu.v - in.nu.r * e_b.x + slot.nu.u * s - slot.nu.v * c,  // :b
-           in.nu.r - slot.nu.r},                                       // :c
+          {in.nu.r * e_b.y + in.nu.u - v_S.x,  // :a
+           in.nu.v - in.nu.r * e_b.x - v_S.y,  // :b
+           in.nu.r - slot.nu.r},               // :c
           R,
           R_e};
 }

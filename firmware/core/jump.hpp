@@ -95,17 +95,32 @@ Surprise<S> surprise_of(const JumpLimits<S>& limits, const Leg<S>& leg, S scatte
   return {off, larger(larger(place, heading), larger(velocity, yaw_rate))};
 }
 
-/// No jump for sure, and far less work: so little has changed that it is no matter what was expected.
+/// What hardly moves: so little changes that it is no matter what was expected.
 template <class S>
-bool hardly_moves(const JumpLimits<S>& limits, const Leg<S>& leg) {
-  const auto within = [](S x, S most) { return -most < x && x < most; };
-  const S place = S(0.5) * limits.position;
-  const S speed = S(0.25) * limits.speed;  // as much again is what 0.1 rad make of ten times that
-  return within(leg.moved_n.x, place) && within(leg.moved_n.y, place) &&
-         within(leg.psi_to - leg.psi_from, smaller(S(0.1), limits.heading)) &&
-         within(leg.to.u - leg.from.u, speed) && within(leg.to.v - leg.from.v, speed) &&
-         within(leg.from.u, S(10) * speed) && within(leg.from.v, S(10) * speed) &&
-         within(leg.to.r - leg.from.r, limits.yaw_rate);
+struct SmallMove {
+  S place{};
+  S heading{};
+  S change{};  ///< of speed
+  S speed{};
+  S yaw_rate{};
+};
+
+template <class S>
+SmallMove<S> small_move(const JumpLimits<S>& limits) {
+  const S change = S(0.25) * limits.speed;  // as much again is what 0.1 rad make of ten times that
+  return {S(0.5) * limits.position, smaller(S(0.1), limits.heading), change, S(10) * change,
+          limits.yaw_rate};
+}
+
+/// No jump for sure, and far less work.
+template <class S>
+bool hardly_moves(const SmallMove<S>& most, const Leg<S>& leg) {
+  const auto within = [](S x, S limit) { return -limit < x && x < limit; };
+  return within(leg.moved_n.x, most.place) && within(leg.moved_n.y, most.place) &&
+         within(leg.psi_to - leg.psi_from, most.heading) &&
+         within(leg.to.u - leg.from.u, most.change) && within(leg.to.v - leg.from.v, most.change) &&
+         within(leg.from.u, most.speed) && within(leg.from.v, most.speed) &&
+         within(leg.to.r - leg.from.r, most.yaw_rate);
 }
 
 }  // namespace flotilla::core

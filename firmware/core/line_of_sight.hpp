@@ -57,17 +57,17 @@ template <class S>
 LineOfSight<S> line_of_sight(const LineOfSightParams<S>& params, const Nu<S>& nu,
                              const Slot<S>& slot, const FormationError<S>& error, S U) {
   if (!(S(0) < params.Delta)) return {};
-  const auto& [c, s] = error.R_e;
-  const S e_s = c * error.e.x - s * error.e.y;
-  const S e_c = s * error.e.x + c * error.e.y;
-  const S e_s_dot = nu.u * c - nu.v * s - slot.nu.u + slot.nu.r * e_c;
-  const S e_c_dot = nu.u * s + nu.v * c - slot.nu.v - slot.nu.r * e_s;
+  const auto [e_s, e_c] = to_north_east(error.R_e, Vec2<S>{error.e.x, error.e.y});
+  const Vec2<S> v = to_north_east(error.R_e, Vec2<S>{nu.u, nu.v});
+  const S e_s_dot = v.x - slot.nu.u + slot.nu.r * e_c;
+  const S e_c_dot = v.y - slot.nu.v - slot.nu.r * e_s;
   const S Q = hypot(params.Delta, e_s, e_c);
   const S sigma = U * abs(U) / (U * U + params.epsilon * params.epsilon);
   const S ratio = e_c / Q;
   const S ratio_dot = (e_c_dot - ratio * (e_s / Q * e_s_dot + ratio * e_c_dot)) / Q;
   const S steepness = (S(1) - ratio * ratio) / Q;
-  return {-sigma * ratio, -sigma * ratio_dot, -sigma * steepness * U * c * error.e_dot.psi};
+  return {-sigma * ratio, -sigma * ratio_dot,
+          -sigma * steepness * U * error.R_e.c * error.e_dot.psi};
 }
 
 }  // namespace flotilla::core

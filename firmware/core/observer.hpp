@@ -28,7 +28,7 @@
 // Q16.16: tested within ±500 (wrench given, N)
 #pragma once
 
-#include "core/sum.hpp"
+#include "core/carry.hpp"
 #include "core/track.hpp"
 #include "core/vessel.hpp"
 
@@ -83,18 +83,17 @@ Motion<S> observer_step(const Vessel<S>& m, const Observer<S>& now, const Tau<S>
   const S a_u = (tau.X + m.m22 * v_w * r + m.d11 * c.x) / m.m11 + now.b.u + r * c.y;
   const S a_v = (m.d22 * c.y - m.m11 * u_w * r) / m.m22 + now.b.v - r * c.x;
   const S a_r = (tau.N - (m.m22 - m.m11) * u_w * v_w) / m.m33 + now.b.r;
-  const Nu<S> next = {(u + h * a_u) / (S(1) + h * m.d11 / m.m11),
-                      (v + h * a_v) / (S(1) + h * m.d22 / m.m22),
-                      (r + h * a_r) / (S(1) + h * m.d33 / m.m33)};
+  const Nu<S> next = {(u + h * a_u) / (S(1) + h * m.d11_m11),
+                      (v + h * a_v) / (S(1) + h * m.d22_m22),
+                      (r + h * a_r) / (S(1) + h * m.d33_m33)};
   const S half = S(0.5) * h;
   const S turned = half * (r + next.r);
   const Vec2<S> way = to_north_east(now.motion.psi + S(0.5) * turned,
                                     Vec2<S>{half * (u + next.u), half * (v + next.v)});
-  return {
-      {now.motion.moved_n.x + way.x, now.motion.moved_n.y + way.y},
-      now.motion.psi + turned,
-      next,
-      {a_u - m.d11 / m.m11 * next.u, a_v - m.d22 / m.m22 * next.v, a_r - m.d33 / m.m33 * next.r}};
+  return {{now.motion.moved_n.x + way.x, now.motion.moved_n.y + way.y},
+          now.motion.psi + turned,
+          next,
+          {a_u - m.d11_m11 * next.u, a_v - m.d22_m22 * next.v, a_r - m.d33_m33 * next.r}};
 }
 
 /// Within the reach of any boat: what is greater is no motion but an arithmetic that ran away.
@@ -181,7 +180,7 @@ void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observe
     state.c_n = {};
     return;
   }
-  const S off = (m.m22 / m.d22) * state.b.v;
+  const S off = m.m22_d22 * state.b.v;
   const Vec2<S> off_n = to_north_east(state.motion.psi, Vec2<S>{S(0), off});
   const S share = params.omega_c * smaller(dt, S(1));
   const auto within = [&](S c) { return clamp(c, -params.c_max, params.c_max); };

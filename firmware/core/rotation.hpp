@@ -25,13 +25,14 @@ struct Rotation {
 
 template <class S>
 Rotation<S> rotation(S psi) {
-  return {cos(psi), sin(psi)};
+  const auto [s, c] = sin_cos(psi);
+  return {c, s};
 }
 
 /// R(ψ) x_b.
 template <class S>
 Vec2<S> to_north_east(const Rotation<S>& R, const Vec2<S>& b) {
-  return {R.c * b.x - R.s * b.y, R.s * b.x + R.c * b.y};
+  return {difference_of_products(R.c, b.x, R.s, b.y), sum_of_products(R.s, b.x, R.c, b.y)};
 }
 template <class S>
 Vec2<S> to_north_east(S psi, const Vec2<S>& b) {
@@ -41,7 +42,7 @@ Vec2<S> to_north_east(S psi, const Vec2<S>& b) {
 /// R(ψ)ᵀ x_n.
 template <class S>
 Vec2<S> to_body(const Rotation<S>& R, const Vec2<S>& n) {
-  return {R.c * n.x + R.s * n.y, R.c * n.y - R.s * n.x};
+  return {sum_of_products(R.c, n.x, R.s, n.y), difference_of_products(R.c, n.y, R.s, n.x)};
 }
 template <class S>
 Vec2<S> to_body(S psi, const Vec2<S>& n) {

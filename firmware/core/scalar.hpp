@@ -47,6 +47,25 @@ S hypot(S x, S y, S z) {
   return sqrt(x * x + y * y + z * z);
 }
 
+/// a b ± c d; a scalar of few bits rounds them once.
+template <class S>
+constexpr S sum_of_products(S a, S b, S c, S d) {
+  return a * b + c * d;
+}
+template <class S>
+constexpr S difference_of_products(S a, S b, S c, S d) {
+  return a * b - c * d;
+}
+
+template <class S>
+struct SinCos {
+  S sin{}, cos{};
+};
+template <class S>
+SinCos<S> sin_cos(S angle) {
+  return {sin(angle), cos(angle)};
+}
+
 /// a b/c; a scalar of few bits keeps those of b/c that its product with a needs.
 template <class S>
 S scaled(S a, S b, S c) {

@@ -25,8 +25,8 @@
 // Q16.16: tested within ±500 (inertia, kg)
 #pragma once
 
+#include "core/carry.hpp"
 #include "core/rotation.hpp"
-#include "core/sum.hpp"
 #include "core/vessel.hpp"
 
 namespace flotilla::core {
@@ -152,7 +152,7 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   const S delta_dot = params.steers ? z_dot / (S(1) + z * z) : S(0);
   slot.nu.r = in.nu_L.r + delta_dot;
   slot.pace = q_s;
-  state.v_w = (state.v_w - h * m.m11 / m.m22 * q_s * slot.nu.r) / (S(1) + h * m.d22 / m.m22);
+  state.v_w = (state.v_w - h * m.m11_m22 * q_s * slot.nu.r) / (S(1) + h * m.d22_m22);
   if (!params.steers) return slot;
   const Rotation<S> turned = rotation(delta);
   const Vec2<S> nu = to_body(turned, w);

@@ -85,9 +85,10 @@ Nu<S> track_acceleration(const TrackState<S>& state, S h) {
 }
 template <class S>
 S track_heading(const TrackState<S>& state, S h) {
+  const S half = S(0.5) * h;
   const S m = smaller(h, S(1));
-  const S twice = S(0.5) * m * (h * (h - m) + S(0.33333333333333333) * m * m);
-  return state.psi + h * state.nu.r + S(0.5) * h * h * state.nu_dot.r + twice * state.nu_ddot.r;
+  const S twice = m * (half * (h - m) + S(0.16666666666666667) * m * m);
+  return state.psi + h * (state.nu.r + half * state.nu_dot.r) + twice * state.nu_ddot.r;
 }
 
 /// The motion `age` seconds after the last message.

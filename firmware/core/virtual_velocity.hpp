@@ -53,9 +53,9 @@ struct VirtualVelocity {
 /// Carries v* over the h seconds since the step before, in which its u* and r* were held.
 template <class S>
 void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& state, S h) {
-  const S decay = exp(-(vessel.d22 / vessel.m22) * h);
+  const S decay = exp(-vessel.d22_m22 * h);
   state.v_star = decay * state.v_star -  // (eq:mas-constraint)
-                 (vessel.m11 / vessel.d22) * (S(1) - decay) * state.u_star_held * state.r_star_held;
+                 vessel.m11_d22 * (S(1) - decay) * state.u_star_held * state.r_star_held;
 }
 
 /// Keeps a wanted velocity within ±most, 0: no limit, and tells whether that changed it; where it is

@@ -11,7 +11,8 @@
 
 namespace flotilla::link {
 
-/// Appends fields to zeroed bytes; the caller sees to it that they fit.
+/// Writes fields one after the other, and zeros to the end of the last byte; the caller sees to it
+/// that they fit.
 class BitWriter {
  public:
   explicit BitWriter(std::span<std::uint8_t> out) : out_(out) {}
@@ -35,7 +36,8 @@ class BitWriter {
     const std::size_t at = position_ / 8;
     const unsigned used = position_ % 8;
     const unsigned window = byte << (16U - n - used);
-    out_[at] = static_cast<std::uint8_t>(out_[at] | window >> 8U);
+    const unsigned before = used == 0 ? 0U : out_[at];
+    out_[at] = static_cast<std::uint8_t>(before | window >> 8U);
     if (used + n > 8) out_[at + 1] = static_cast<std::uint8_t>(window & 0xFFU);
     position_ += n;
   }

@@ -31,7 +31,6 @@ float take_float16(BitReader& bits) {
 }  // namespace
 
 std::size_t write_payload(const RawCommand& m, Payload& out) {
-  out.fill(0);
   BitWriter bits(out);
   // Tail array optimisation: no length field, the payload's end is the array's.
   for (std::size_t i = 0; i < std::min<std::size_t>(m.count, m.cmd.size()); ++i) {
@@ -46,14 +45,12 @@ std::size_t write_payload(const ArmingStatus& m, Payload& out) {
 }
 
 std::size_t write_payload(const NodeStatus& m, Payload& out) {
-  out.fill(0);
   BitWriter bits(out);
   put_node_status(bits, m);
   return bits.size_bytes();
 }
 
 std::size_t write_payload(const EscStatus& m, Payload& out) {
-  out.fill(0);
   BitWriter bits(out);
   bits.put(m.error_count, 32);
   bits.put(float16_from(m.voltage), 16);
@@ -67,7 +64,6 @@ std::size_t write_payload(const EscStatus& m, Payload& out) {
 
 std::size_t write_payload(const NodeInfo& m, Payload& out) {
   constexpr unsigned kVcsCommitKnown = 1;
-  out.fill(0);
   BitWriter bits(out);
   put_node_status(bits, m.status);
   bits.put(m.software_major, 8);

@@ -14,11 +14,13 @@ using Bytes = std::span<const std::uint8_t>;
 template <class Wire, std::uint32_t kId>
 Wire decoded(Bytes payload) {
   constexpr std::size_t kSize = mavlink_size<kId, Wire>();
-  Wire wire{};
+  Wire wire;
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(&wire);
   if (payload.size() >= kSize) {
-    std::memcpy(&wire, payload.data(), kSize);
+    std::memcpy(bytes, payload.data(), kSize);
   } else {
-    std::memcpy(&wire, payload.data(), payload.size());
+    std::memcpy(bytes, payload.data(), payload.size());
+    std::memset(bytes + payload.size(), 0, kSize - payload.size());
   }
   return wire;
 }

@@ -197,8 +197,8 @@ TEST_CASE_TEMPLATE("the state for followers, read by a follower, is the state", 
   const auto sample = sample_of(local_position_of(state, 4000), *heading);
   REQUIRE(sample);
   CHECK(sample->stamp_us == 4'000'000);
-  CHECK(sample->north_m == doctest::Approx(100.5));
-  CHECK(sample->east_m == doctest::Approx(-50.25));
+  CHECK(convert::number(sample->north_m) == doctest::Approx(100.5));
+  CHECK(convert::number(sample->east_m) == doctest::Approx(-50.25));
   CHECK(sample->psi_rad == doctest::Approx(2.5));
   CHECK(sample->u_mps == doctest::Approx(1.5));
   CHECK(sample->v_mps == doctest::Approx(-0.2));
@@ -219,8 +219,8 @@ TEST_CASE_TEMPLATE("the state told globally, read by a follower, is the state", 
     REQUIRE(sample);
     CHECK(sample->stamp_us == 4'000'000);
     const Sample local = in_plane(*sample, kOrigin);
-    CHECK(std::abs(local.north_m - 3000.5) < 0.006);
-    CHECK(std::abs(local.east_m + 2000.25) < 0.006);
+    CHECK(std::abs(convert::number(local.north_m) - 3000.5) < 0.006);
+    CHECK(std::abs(convert::number(local.east_m) + 2000.25) < 0.006);
     CHECK(std::abs(local.u_mps - 1.5) < 0.008);  // a centimetre a second is the step of one
     CHECK(std::abs(local.v_mps + 0.2) < 0.008);
     CHECK(local.r_radps == doctest::Approx(0.3));

@@ -38,7 +38,7 @@ struct Watch {
     const std::int64_t end_us = now_us + static_cast<std::int64_t>(seconds * 1e6);
     for (; now_us < end_us; now_us += kPeriod_us) hear(at(now_us, off));
   }
-  double east_m() const { return track.position().east_m; }
+  double east_m() const { return convert::number(track.position().east_m); }
   bool steady() const { return track.steady(now_us); }
 };
 

@@ -18,7 +18,7 @@ struct Watch {
     double frozen_s = -1;
     for (int k = 0; k < seconds * 10; ++k, ++said) {
       if (!stuck) {
-        sample.north_m += 0.1 * double(sample.u_mps);
+        sample.north_m = sample.north_m + 0.1 * double(sample.u_mps);
         sample.psi_rad += S(0.1) * sample.r_radps;
       }
       liveness.push(S(0.1 * pushed_mps2));
@@ -58,7 +58,7 @@ TEST_CASE_TEMPLATE("a place or a heading alone that sticks is frozen too", S, fl
     bool live = true;
     for (int k = 0; k < 30; ++k) {
       w.sample.psi_rad += place ? S(0.02) : S(0);
-      w.sample.north_m += place ? 0 : 0.02;
+      if (!place) w.sample.north_m = w.sample.north_m + 0.02;
       w.liveness.take(w.sample, S(0.1));
       live = w.liveness.live();
     }
@@ -73,7 +73,7 @@ TEST_CASE_TEMPLATE("a place told twice, four times, is that of a slow instrument
   for (int k = 0; k < 200; ++k) {
     REQUIRE(w.sail(0.1) == -1);
     REQUIRE(w.sail(0.2, true) == -1);
-    w.sample.north_m += 0.2;
+    w.sample.north_m = w.sample.north_m + 0.2;
   }
 }
 

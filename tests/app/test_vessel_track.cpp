@@ -39,11 +39,55 @@ TEST_CASE_TEMPLATE("a vessel is carried forward from its last message, hours apa
     CHECK_FALSE(w.track.age_us(0));
     for (int k = 0; k <= 10; ++k) w.hear(at(k * 100'000 + offset, 0.2F * float(k)), k * 100'000);
     CHECK(w.track.age_us(1'250'000) == 250'000);
-    CHECK(w.track.position().north_m == doctest::Approx(2));
+    CHECK(convert::number(w.track.position().north_m) == doctest::Approx(2));
     CHECK(double(w.track.motion(1'250'000).moved_n.x) == doctest::Approx(0.5));
     CHECK(w.track.fresh(1'499'999, kLimit_us));
     CHECK_FALSE(w.track.fresh(1'500'000, kLimit_us));
   }
+}
+
+TEST_CASE_TEMPLATE("not smoothed, a vessel goes on as its last message says, and fixes come alike",
+                   S, float, double) {
+  Watch<S> smooth, raw;
+  raw.track.set_smoothing(false);
+  const auto faster = [](int k) { return at(k * 100'000, 0.2F * float(k), 0.1F * float(k)); };
+  for (int k = 0; k <= 10; ++k) {
+    smooth.hear(faster(k), k * 100'000);
+    raw.hear(faster(k), k * 100'000);
+    const auto fix = raw.track.take_fix(), same = smooth.track.take_fix();
+    REQUIRE((fix && same));
+    CHECK(fix->dt == same->dt);
+    CHECK(fix->nu.u == same->nu.u);
+    const core::Motion<S> now = raw.track.motion(k * 100'000);
+    CHECK(now.nu.u == fix->nu.u);
+    CHECK(now.nu_dot.u == S(0));
+  }
+  CHECK(smooth.track.motion(1'000'000).nu_dot.u > S(0.5));
+  raw.track.set_smoothing(true);
+  for (int k = 11; k <= 30; ++k) raw.hear(faster(k), k * 100'000);
+  CHECK(double(raw.track.motion(3'000'000).nu_dot.u) == doctest::Approx(1).epsilon(0.05));
+  raw.track.set_smoothing(false);  // a later stretch does not begin with what was long ago
+  CHECK(raw.track.motion(3'000'000).nu_dot.u == S(0));
+}
+
+TEST_CASE_TEMPLATE(
+    "not smoothed, no fix leads over a gap, and another vessel is not smoothed either", S, float,
+    double) {
+  Watch<S> w;
+  w.track.set_smoothing(false);
+  w.hear(at(0, 0), 0);
+  CHECK(w.track.take_fix()->dt == S(0));
+  w.hear(at(100'000, 0.2F), 100'000);
+  CHECK(double(w.track.take_fix()->dt) == doctest::Approx(0.1));
+  w.hear(at(2'300'000, 4.6F), 2'300'000);
+  CHECK(w.track.take_fix()->dt == S(0));
+  w.track.follow(6);
+  w.track.set_limits(JumpGuard<S>::kAnyVessel);
+  for (int k = 0; k <= 10; ++k) {
+    w.hear(at(k * 100'000, 0.2F * float(k), 0.1F * float(k)), 3'000'000 + k * 100'000, {6, 1});
+  }
+  CHECK(w.track.motion(4'000'000).nu.u == S(1));
+  CHECK(w.track.motion(4'000'000).nu_dot.u == S(0));
 }
 
 TEST_CASE_TEMPLATE("a state grows old while its vessel's clock is set back an hour", S, float,
@@ -277,8 +321,8 @@ TEST_CASE_TEMPLATE("an origin counts when it is on the globe; the antenna's offs
   CHECK(w.track.position().origin.latitude == 410'000'000);
   VesselTrack<S> track({5, 0}, {S(1.5), S(0.5)});
   track.take({{5, 1}, at(1000, 10)}, 1000, w.counters);
-  CHECK(track.position().north_m == doctest::Approx(8.5));
-  CHECK(track.position().east_m == doctest::Approx(-0.5));
+  CHECK(convert::number(track.position().north_m) == doctest::Approx(8.5));
+  CHECK(convert::number(track.position().east_m) == doctest::Approx(-0.5));
 }
 
 // What the four sources say of a vessel that sails north at 2 m/s; each is told by its own place.
@@ -333,7 +377,7 @@ struct FourSources : Watch<S> {
   }
   /// East of the origin, and to the centimetre which source was believed.
   bool believes(double east_m) const {
-    return std::abs(this->track.position().east_m - east_m) < 0.01;
+    return std::abs(convert::number(this->track.position().east_m) - east_m) < 0.01;
   }
 };
 
@@ -455,7 +499,7 @@ TEST_CASE_TEMPLATE("global positions need no origin, and the one that they get s
     w.sail(0.1);
     CHECK(w.track.has_origin());
     const auto first = w.track.position().origin;
-    CHECK(std::abs(w.track.position().east_m) < 1e-6);
+    CHECK(std::abs(convert::number(w.track.position().east_m)) < 1e-6);
     const double east_m = follow ? kFollowEast : kGlobalEast;
     for (int k = 0; k < 11; ++k, w.now_us += kPeriod_us) {  // a second until it is believed
       w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
@@ -463,7 +507,7 @@ TEST_CASE_TEMPLATE("global positions need no origin, and the one that they get s
       if (!follow) w.hear(global_at(w.now_us, east_m + 2500), w.now_us);
     }
     CHECK(w.track.position().origin.longitude == first.longitude);
-    CHECK(std::abs(w.track.position().east_m - 2500) < 0.01);
+    CHECK(std::abs(convert::number(w.track.position().east_m) - 2500) < 0.01);
     w.hear(kOrigin, w.now_us);
     CHECK(w.track.position().origin.longitude == first.longitude);
   }
@@ -528,7 +572,7 @@ TEST_CASE_TEMPLATE("changing the source keeps acceleration and the age that TIME
     w.track.answered({5, 1}, now - 2 * kDelay_us, now - kDelay_us + kClock_us, now);
     const auto m = w.track.motion(now);
     const auto fix = w.track.take_fix();
-    motion = w.track.position().north_m + double(m.moved_n.x);
+    motion = convert::number(w.track.position().north_m) + double(m.moved_n.x);
     const double truth = 1e-6 * double(now) * (1 + 0.1e-6 * double(now));
     if (t > 2'000'000) {
       CAPTURE(t);
@@ -611,7 +655,7 @@ TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message
   w.track.set_antenna({S(1.5), S(0.5)});
   CHECK(w.track.position().north_m == 10);
   w.hear(at(1'100'000, 10), 1'100'000);
-  CHECK(w.track.position().north_m == doctest::Approx(8.5));
+  CHECK(convert::number(w.track.position().north_m) == doctest::Approx(8.5));
 }
 
 TEST_CASE_TEMPLATE(

@@ -116,6 +116,13 @@ core::Vessel<S> arbitrary_vessel(Random& random) {
   return {draw(), draw(), draw(), draw(), draw(), draw()};
 }
 
+/// One whose m11 is so many times its m22.
+template <class S>
+core::Vessel<S> arbitrary_vessel(Random& random, S m11_m22) {
+  const core::Vessel<S> v = arbitrary_vessel<S>(random);
+  return {m11_m22 * v.m22, v.m22, v.m33, v.d11, v.d22, v.d33};
+}
+
 /// The vessel of the paper's section III.
 template <class S>
 core::Vessel<S> papers_vessel() {

@@ -18,15 +18,14 @@
 #include <random>
 #include <vector>
 
+#include "core/carry.hpp"
 #include "core/fixed_errors.hpp"
-#include "core/sum.hpp"
 
 namespace {
 
 using namespace flotilla::testing;
 using flotilla::core::Carry;
 using flotilla::core::Q16;
-using flotilla::core::Sum;
 
 enum class Mirror : std::uint8_t { kOdd, kEven, kNone };
 
@@ -102,7 +101,7 @@ struct Several {
   double (*exact)(double, double, double);  ///< LSB of LSB
 };
 
-constexpr std::array<Several, 6> kSeveral{{
+constexpr std::array<Several, 7> kSeveral{{
     {"atan2", 1, 2, [](Q16 y, Q16 x, Q16) { return atan2(y, x); },
      [](double y, double x, double) { return 65536 * std::atan2(y, x); }},
     {"hypot", kRoundedOnce, 2, [](Q16 y, Q16 x, Q16) { return hypot(y, x); },
@@ -113,13 +112,12 @@ constexpr std::array<Several, 6> kSeveral{{
      [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }},
     {"scaled", kRoundedOnce, 3, [](Q16 a, Q16 b, Q16 c) { return scaled(a, b, c); },
      [](double a, double b, double c) { return a * b == 0 ? 0 : a * b / c; }},
-    {"Sum", kRoundedOnce, 3,
-     [](Q16 x, Q16 a, Q16 b) {
-       Sum<Q16> sum(x);
-       sum.add(a, b);
-       return sum.value();
-     },
-     [](double x, double a, double b) { return x + a * b / 65536; }},
+    {"a + b c", kRoundedOnce, 3,
+     [](Q16 a, Q16 b, Q16 c) { return sum_of_products(a, Q16(1), b, c); },
+     [](double a, double b, double c) { return a + b * c / 65536; }},
+    {"a b - c", kRoundedOnce, 3,
+     [](Q16 a, Q16 b, Q16 c) { return difference_of_products(a, b, c, Q16(1)); },
+     [](double a, double b, double c) { return a * b / 65536 - c; }},
 }};
 
 /// Every one up to `small`, then `great` more at a constant ratio up to the end; their negatives.

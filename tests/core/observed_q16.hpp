@@ -43,6 +43,7 @@ class Q16 {
   constexpr PlainQ16 plain() const { return x_; }
   static constexpr std::int64_t halved(std::int64_t x, int n) { return PlainQ16::halved(x, n); }
   static constexpr std::int32_t saturated(std::int64_t raw) { return PlainQ16::saturated(raw); }
+  static constexpr Q16 rounded(std::int64_t x) { return of_raw(PlainQ16::rounded(x).raw()); }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
   friend constexpr auto operator<=>(Q16 a, Q16 b) = default;
@@ -83,6 +84,17 @@ FLOTILLA_NOTED(abs)
 FLOTILLA_NOTED(ceil)
 #undef FLOTILLA_NOTED
 
+inline SinCos<Q16> sin_cos(Q16 x, Where where = Where::current()) {
+  return {sin(x, where), cos(x, where)};
+}
+inline Q16 sum_of_products(Q16 a, Q16 b, Q16 c, Q16 d, Where where = Where::current()) {
+  const PlainQ16 result = sum_of_products(a.plain(), b.plain(), c.plain(), d.plain());
+  return Q16::of_raw(noted(where, result.raw(), a.raw(), b.raw(), c.raw(), d.raw()));
+}
+inline Q16 difference_of_products(Q16 a, Q16 b, Q16 c, Q16 d, Where where = Where::current()) {
+  const PlainQ16 result = difference_of_products(a.plain(), b.plain(), c.plain(), d.plain());
+  return Q16::of_raw(noted(where, result.raw(), a.raw(), b.raw(), c.raw(), d.raw()));
+}
 inline Q16 atan2(Q16 y, Q16 x, Where where = Where::current()) {
   return Q16::of_raw(noted(where, atan2(y.plain(), x.plain()).raw(), y.raw(), x.raw()));
 }

@@ -30,8 +30,8 @@ struct PapersLaw {
     const S e_y = std::cos(in.psi) * y - std::sin(in.psi) * x;
     const S e_psi = wrap_pi(in.psi - in.psi_L);
     const S c = std::cos(e_psi), s = std::sin(e_psi);
-    const S e_x_dot = r * e_y + u - u_L * c - v_L * s;
-    const S e_y_dot = v - r * e_x + u_L * s - v_L * c;
+    const S e_x_dot = r * e_y + u - (u_L * c + v_L * s);
+    const S e_y_dot = v - r * e_x - (v_L * c - u_L * s);
     const S e_psi_dot = r - r_L;
 
     // (eq:mas-constraint)

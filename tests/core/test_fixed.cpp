@@ -89,6 +89,35 @@ TEST_CASE("sums, products and quotients are the nearest, ties to even, and satur
     check_saturated(-a, -Wide{a.raw()});
     check_saturated(a * b, rounded(Wide{a.raw()} * b.raw(), 65536));
     if (b != Q16(0)) check_saturated(a / b, rounded(Wide{a.raw()} * 65536, b.raw()));
+    const Q16 c = random(), d = random();
+    CAPTURE(c.raw());
+    CAPTURE(d.raw());
+    const Wide ab = Wide{a.raw()} * b.raw(), cd = Wide{c.raw()} * d.raw();
+    check_saturated(sum_of_products(a, b, c, d), rounded(ab + cd, 65536));
+    check_saturated(difference_of_products(a, b, c, d), rounded(ab - cd, 65536));
+  }
+}
+
+TEST_CASE("two products saturate together where their sum has no room in 64 bits either") {
+  const Q16 most = kHighest, least = kLowest;
+  q16_overflow = false;
+  CHECK(sum_of_products(least, least, least, least) == most);
+  CHECK(lowered_and_risen(true));
+  CHECK(sum_of_products(least, least, least, -Q16(1)) == most);
+  CHECK(lowered_and_risen(true));
+  CHECK(difference_of_products(least, most, least, least) == least);
+  CHECK(lowered_and_risen(true));
+  CHECK(difference_of_products(least, least, least, least) == Q16(0));
+  CHECK(lowered_and_risen(false));
+}
+
+TEST_CASE("sine and cosine together are those of each alone") {
+  RandomQ16 random{std::mt19937(4)};
+  for (int i = 0; i < 100'000; ++i) {
+    const Q16 x = random();
+    const auto [s, c] = sin_cos(x);
+    REQUIRE(s == sin(x));
+    REQUIRE(c == cos(x));
   }
 }
 

@@ -184,8 +184,7 @@ TEST_CASE_TEMPLATE("no leader, water or hull, and no step, takes the slot out of
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int run = 0; run < 100; ++run) {
-    Vessel<S> vessel = testing::arbitrary_vessel<S>(random);
-    vessel.m11 = S(random(0.1, 0.5)) * vessel.m22;
+    const Vessel<S> vessel = testing::arbitrary_vessel(random, S(random(0.1, 0.5)));
     const double size = std::pow(10, random(0, 3));
     const auto params = slot_at<S>(random(-size, size), random(-size, size), run % 2 == 0, true);
     SlotState<S> state;

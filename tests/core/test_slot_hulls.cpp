@@ -48,8 +48,7 @@ TEST_CASE_TEMPLATE("a boat heavier ahead than abeam keeps its slot in the number
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int run = 0; run < 500; ++run) {
-    Vessel<S> vessel = testing::arbitrary_vessel<S>(random);
-    vessel.m11 = S(random(1, 5)) * vessel.m22;
+    const Vessel<S> vessel = testing::arbitrary_vessel(random, S(random(1, 5)));
     SlotState<S> state;
     for (int k = 0; k < 300; ++k) {
       Encounter<S> in;

@@ -30,6 +30,17 @@ TEST_CASE("whole bytes stand little-endian") {
   CHECK(out == std::array<std::uint8_t, 8>{1, 2, 3, 4, 5, 6, 7, 8});
 }
 
+TEST_CASE("the last byte is filled with zeros, and nothing is written behind it") {
+  for (unsigned bits = 1; bits <= 24; ++bits) {
+    std::array<std::uint8_t, 4> out{0xAA, 0xAA, 0xAA, 0xAA};
+    BitWriter writer(out);
+    for (unsigned i = 0; i < bits; ++i) writer.put(0, 1);
+    std::array<std::uint8_t, 4> expected{0xAA, 0xAA, 0xAA, 0xAA};
+    for (unsigned i = 0; i < (bits + 7) / 8; ++i) expected[i] = 0;
+    CHECK(out == expected);
+  }
+}
+
 TEST_CASE("fields of any width at any place come back, and touch no neighbour") {
   constexpr std::uint32_t kSeed = 31;
   INFO("seed ", kSeed);
@@ -40,7 +51,8 @@ TEST_CASE("fields of any width at any place come back, and touch no neighbour") 
       std::uint64_t value;
     };
     std::vector<Field> fields(20);
-    std::array<std::uint8_t, 20 * 8> bytes{};
+    std::array<std::uint8_t, 20 * 8> bytes;
+    bytes.fill(static_cast<std::uint8_t>(random()));  // whatever was there before
     BitWriter writer(bytes);
     std::size_t bits = 0;
     for (Field& field : fields) {

@@ -50,7 +50,10 @@ def test_in_every_scenario_each_files_numbers_stay_within_what_it_states(built: 
     told = run(sys.executable, "-m", "sil.ranges", "--seconds", "25")
     assert told.returncode == 0, told.stdout + told.stderr
     unseen = {line.split()[0] for line in told.stdout.splitlines() if line.rstrip().endswith("–")}
-    assert unseen == {"manual", "sum"}  # nobody is at the sticks; a sum has 64 bits of its own
+    assert unseen == {
+        "manual",
+        "carry",
+    }  # nobody is at the sticks; a product has 64 bits of its own
 
 
 @pytest.mark.parametrize(
@@ -90,12 +93,12 @@ def test_terminal_of_80_columns_shows_the_table_whole() -> None:
     console = Console(width=80, file=io.StringIO(), record=True)
     most = {
         "virtual_velocity.hpp": Most(1234.56, 120, "leader_follow_target, product"),
-        "sum.hpp": Most(0.16, 61, "tree, paper"),
+        "carry.hpp": Most(0.16, 61, "tree, paper"),
     }
     console.print(ranges.for_terminal(ranges.rows({"manual.hpp": 5000.0}, most)))
     rows = [line.split() for line in console.export_text().splitlines()[3:6]]
     assert rows == [
+        ["carry:61", "0.2", "none", "204,800", "tree,", "paper"],
         ["manual", "–", "5,000", "–", "–"],
-        ["sum:61", "0.2", "none", "204,800", "tree,", "paper"],
         ["virtual_velocity:120", "1,234.6", "none", "27", "leader_follow_target,", "product"],
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.target.operator_words import sticks
+from tests.target.operator_words import param_set, sticks
 from tests.target.sea import TURN, Sea, at_sea, named, texts
 from tests.target.stations import FORMATION, HOLD
 
@@ -37,6 +37,19 @@ def test_a_silent_leader_is_followed_for_a_while_and_no_harder(coast_s: float, r
         "COAST: leader's state is not fresh",
         "HOLD: FS_COAST_S is over",
     ]
+
+
+@pytest.mark.parametrize(("before", "now"), [("COAST", "HOLD"), ("HOLD", "COAST")])
+def test_a_choice_that_is_changed_before_the_boat_is_armed_counts(before: str, now: str) -> None:
+    choices = {"HOLD": 0.0, "COAST": 1.0}
+    sea = Sea({"FS_LEADER_ACT": choices[before]})
+    sea.settle()
+    sea.say(param_set("FS_LEADER_ACT", choices[now]))
+    sea.enter_formation()
+    sea.silence("leader")
+    while sea.state == "FORMATION":
+        sea.step()
+    assert sea.state == now
 
 
 def test_coast_is_follow_to_clients_and_critical() -> None:
