@@ -16,9 +16,10 @@ from sil.logs import candump, telemetry, tlog, track
 from sil.logs.escs import EscBus, EscReport
 from sil.logs.output import Output
 from sil.logs.telemetry import Telemetry
-from sil.logs.tlog import Facts, Packet
+from sil.logs.tlog import Facts
 from sil.logs.track import Track
-from sil.view.messages import ESC_INFO, ESC_STATUS
+from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
+from sil.wire.tlog import Packet, packets
 
 _TWICE_US = 200_000
 _MANY = 10_000
@@ -49,7 +50,7 @@ class _Vessel:
 
     def take(self, packet: Packet) -> bool:
         """Takes a packet of `tlog.NEEDED`; whether it was whole."""
-        message, t_ns, kind = packet.decoded(), 1000 * packet.t_us, packet.message_id
+        message, t_ns, kind = tlog.decoded(packet), 1000 * packet.t_us, packet.message_id
         if message is None:
             return False
         if kind in telemetry.MESSAGES:
@@ -117,7 +118,7 @@ class _Boats:
         """What a tlog says."""
         facts, once, length = self._facts[path], _Once(), 0
         teller = path.parent if facts.owner is None else facts.owner
-        for packet in tlog.packets(path.read_bytes(), self.damaged):
+        for packet in packets(path.read_bytes(), self.damaged):
             length += packet.size
             if packet.message_id not in tlog.NEEDED or not once.new(packet):
                 continue

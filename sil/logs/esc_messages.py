@@ -4,8 +4,8 @@
 from math import nan
 from typing import Any
 
-from sil.view.ear import Ear
-from sil.view.messages import ESC_INFO
+from sil.wire.mavlink_ear import Ear
+from sil.wire.mavlink_messages import ESC_INFO
 
 _GROUP = 4
 _UNKNOWN_TEMPERATURE = 32767

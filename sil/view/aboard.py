@@ -4,7 +4,7 @@
 from math import isfinite, nan
 from typing import Any
 
-from sil.view import messages
+from sil.wire import mavlink_messages as messages
 
 _SLOW_S, _RARE_S = 5.0, 20.0  # how long what comes once a second, or every 5 s, is held for true
 _UNKNOWN_mV, _UNKNOWN_cdegC = 65535, 32767

@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from math import cos, hypot, radians
 from typing import Any, NamedTuple
 
-from sil.view import messages
-from sil.view.ear import Message
 from sil.view.motion import Origin, Place
 from sil.view.vessel import Vessel
+from sil.wire import mavlink_messages as messages
 from sil.wire.geodesy import LocalFrame
+from sil.wire.mavlink_ear import Message
 
 SILENT_S, FORGOTTEN_S = 5.0, 60.0
 _CARRIED_S = 3.0

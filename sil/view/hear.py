@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from sil.view.ear import Ear, Message
 from sil.wire import mavlink_mcast
+from sil.wire.mavlink_ear import Ear, Message
 
 Take = Callable[[Iterable[Message]], None]
 

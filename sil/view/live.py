@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Iterable
 from typing import Any
 
-from sil.view.ear import Message
 from sil.view.fleet import Fleet
 from sil.view.hear import Listener
+from sil.wire.mavlink_ear import Message
 
 FRAMES_PER_S = 10
 _WINDOW_S = 1.0

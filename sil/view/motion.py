@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
 
-from sil.view import messages
+from sil.wire import mavlink_messages as messages
 
 Origin = tuple[int, int, int]
 """Latitude, longitude (degE7), altitude (mm)."""

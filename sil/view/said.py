@@ -9,11 +9,11 @@ import numpy.typing as npt
 from numba import njit
 
 from sil.recording import MAVLINK_OUT, Recording
-from sil.view import messages
 from sil.view.changes import Changes
-from sil.view.ear import Ear
 from sil.view.history import column
 from sil.view.vessel import Vessel
+from sil.wire import mavlink_messages as messages
+from sil.wire.mavlink_ear import Ear
 
 _RADIO = MAVLINK_OUT + 1
 _SLOW = (

@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""The history of a tlog: what a view would have shown while it was written.
-
-A tlog is a row of MAVLink messages, each after its time: u64 us since 1970, big endian.
-"""
+"""The history of a tlog: what a view would have shown while it was written."""
 
 from collections.abc import Iterator
 from math import nan
 from pathlib import Path
 from typing import Any
 
-from sil.view import messages
 from sil.view.changes import Changes
-from sil.view.ear import Message, first
 from sil.view.fleet import Fleet
 from sil.view.history import COLUMNS, LENGTH_M, column, most_samples
 from sil.view.vessel import Vessel
+from sil.wire import mavlink_messages as messages
+from sil.wire.mavlink_ear import Ear, Message
+from sil.wire.tlog import packets
 
-_TIME_BYTES = 8
 _LONGEST_GAP_S = 3600.0
 _FIRST_STEP_S = 0.1
 _MOMENT_S = 0.001
@@ -140,12 +137,16 @@ def _number(vessel: Told, column_name: str) -> float:
 
 
 def messages_of(data: bytes) -> Iterator[tuple[float, Message]]:
-    """Seconds since the first message, and each message; what is damaged is left out."""
-    at, t_s, before_us = 0, 0.0, -1
-    while (found := first(data, at + _TIME_BYTES)) is not None:
-        begin, at, message = found
-        now_us = int.from_bytes(data[begin - _TIME_BYTES : begin], "big")
-        step_s = 1e-6 * (now_us - before_us) if before_us >= 0 else 0.0
-        t_s += step_s if 0.0 < step_s < _LONGEST_GAP_S else 0.0
-        before_us = now_us
-        yield t_s, message
+    """Seconds since the first message, and each message; what is damaged is left out.
+
+    So is what nobody can check: what is no log has bytes that look like it.
+    """
+    ear, t_s, before_us = Ear(stream=False), 0.0, -1
+    for packet in packets(data, []):
+        for message in ear.hear(packet.frame):
+            if message.fields is None:
+                continue
+            step_s = 1e-6 * (packet.t_us - before_us) if before_us >= 0 else 0.0
+            t_s += step_s if 0.0 < step_s < _LONGEST_GAP_S else 0.0
+            before_us = packet.t_us
+            yield t_s, message

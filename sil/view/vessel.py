@@ -5,11 +5,12 @@ from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
 
-from sil.view import messages, states
+from sil.view import states
 from sil.view.aboard import Aboard
-from sil.view.ear import Message
 from sil.view.motion import Motion
 from sil.view.texts import Texts
+from sil.wire import mavlink_messages as messages
+from sil.wire.mavlink_ear import Message
 
 _SLOW_S = 5.0
 _RESTARTED_MS = 1000

@@ -8,8 +8,8 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from sil import scenario
 from sil.plant.hull import Array
-from sil.view.ear import Ear
 from sil.view.fleet import Fleet
+from sil.wire.mavlink_ear import Ear
 from sil.world import sail
 from tests.target.stations import Station
 

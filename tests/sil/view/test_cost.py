@@ -4,7 +4,7 @@
 import pytest
 
 from sil.view.cost import fleet_of, main, said_by
-from sil.view.ear import Ear
+from sil.wire.mavlink_ear import Ear
 
 
 def test_boats_in_a_line_say_their_state_ten_times_a_second() -> None:

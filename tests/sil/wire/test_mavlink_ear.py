@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil.view import messages
-from sil.view.ear import Ear
+from sil.wire import mavlink_messages as messages
+from sil.wire.mavlink_ear import Ear
 from tests.dialect import dialect
 from tests.sil.view.feed import BEAT, attitude, local, origin, slot, value
 from tests.target.stations import Station

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Whole MAVLink messages, version 2 and 1, out of whatever bytes come.
 
-pymavlink's parser gives an object a message; this one gives the fields of those that a view reads
+pymavlink's parser gives an object a message; this one gives the fields of those that are read
 and checks the checksum of the others, in a tenth of the time. Tests hold it against pymavlink's.
 """
 
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from fastcrc import crc16
 
-from sil.view.messages import LAYOUTS, SEEDS
+from sil.wire.mavlink_messages import LAYOUTS, SEEDS
 
 _BEGIN = re.compile(rb"[\xfd\xfe]")
 _MAGIC_2, _MAGIC_1 = 0xFD, 0xFE
@@ -20,7 +20,7 @@ _CRC, _SIGNATURE, _SIGNED = 2, 13, 1
 
 
 class Message(NamedTuple):
-    """`fields` as `messages.LAYOUTS` has them, empty where a view does not read them.
+    """`fields` as `mavlink_messages.LAYOUTS` has them, empty where nobody reads them.
 
     None: of a message that is not known here, so that nobody checked it.
     """
@@ -71,21 +71,6 @@ class Ear:
         """The bytes that come next follow others than those that came last."""
         self.damaged += len(self._rest)
         self._rest = b""
-
-
-def first(data: bytes, at: int) -> tuple[int, int, Message] | None:
-    """Where the first whole message from `at` on begins and ends, and what it is.
-
-    One that nobody can check is none here: what is no log has bytes that look like it.
-    """
-    while at < len(data):
-        end = _end(data, at)
-        message = _message(data, at, end) if 0 < end <= len(data) else None
-        if message is not None and message.fields is not None:
-            return at, end, message
-        begin = _BEGIN.search(data, at + 1)
-        at = begin.start() if begin else len(data)
-    return None
 
 
 def _end(data: bytes, at: int) -> int:

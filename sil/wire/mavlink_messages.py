@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The MAVLink messages that a view reads: their numbers, and how their fields lie on the wire.
+"""The MAVLink messages that views and logs read: their numbers, how their fields lie on the wire.
 
 Layouts and checksum seeds are pymavlink's, but for those of two messages that its wheel lacks.
 Source: mavlink.io, common message set.

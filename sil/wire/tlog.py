@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""Telemetry logs: for each packet the time (u64 us since 1970, big endian), then the packet."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+_TIME = 8
+_V1, _V2 = 0xFE, 0xFD
+_LATEST_US = 4_102_444_800_000_000  # the year 2100: a time after that is none
+
+
+class Packet(NamedTuple):
+    """One packet with its time, UNIX us."""
+
+    t_us: int
+    system: int
+    component: int
+    message_id: int
+    frame: bytes
+
+    @property
+    def size(self) -> int:
+        """Bytes in the file."""
+        return _TIME + len(self.frame)
+
+    @property
+    def payload(self) -> bytes:
+        """Without header, checksum and signature."""
+        begin = 10 if self.frame[0] == _V2 else 6
+        return self.frame[begin : begin + self.frame[1]]
+
+
+def packets(content: bytes, damaged: list[int]) -> Iterator[Packet]:
+    """The packets of a tlog; appends to `damaged` how many bytes between them are none.
+
+    Whole by its length, not by its checksum: what nobody here knows is kept too.
+    """
+    at, size, lost = 0, len(content), 0
+    while at < size:
+        end = _end(content, at)
+        if end is None:
+            at, lost = at + 1, lost + 1
+            continue
+        if lost:
+            damaged.append(lost)
+            lost = 0
+        yield _packet(content, at, end)
+        at = end
+    if lost:
+        damaged.append(lost)
+
+
+def _end(content: bytes, at: int) -> int | None:
+    """Where the record at `at` ends; None where none begins there."""
+    end = _whole(content, at)
+    if end is None:
+        return None
+    # the next one, or what is left of it, begins there
+    return end if len(content) - end <= _TIME or _begins(content, end) else None
+
+
+def _begins(content: bytes, at: int) -> bool:
+    begin = at + _TIME
+    time_us = int.from_bytes(content[at:begin], "big")
+    return begin < len(content) and content[begin] in (_V1, _V2) and time_us < _LATEST_US
+
+
+def _whole(content: bytes, at: int) -> int | None:
+    begin = at + _TIME
+    if not _begins(content, at) or begin + 3 > len(content):
+        return None
+    second = content[begin] == _V2
+    overhead = 12 + (13 if content[begin + 2] & 1 else 0) if second else 8
+    end = begin + content[begin + 1] + overhead
+    return end if end <= len(content) else None
+
+
+def _packet(content: bytes, at: int, end: int) -> Packet:
+    frame = content[at + _TIME : end]
+    t_us = int.from_bytes(content[at : at + _TIME], "big")
+    if frame[0] == _V2:
+        return Packet(t_us, frame[5], frame[6], int.from_bytes(frame[7:10], "little"), frame)
+    return Packet(t_us, frame[3], frame[4], frame[5], frame)
