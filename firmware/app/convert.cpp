@@ -2,7 +2,6 @@
 #include "app/convert.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <limits>
 
