@@ -7,7 +7,6 @@ them all, and the operator. It takes what arrives when it arrives, and on a grid
 it carries the hulls on and sends the state of that instant, stamped with that instant.
 """
 
-import os
 import select
 import subprocess
 import time
@@ -214,15 +213,9 @@ def build(say: Callable[[str], None]) -> Path:
     """The flotillad of this checkout, built where it is older than its sources."""
     if not (ROOT / "CMakeLists.txt").exists():
         return FLOTILLAD
-    environment = {**os.environ, "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ['PATH']}"}
-    for command in (
-        ["cmake", "--preset", "release"],
-        ["cmake", "--build", "--preset", "release", "--target", "flotillad"],
-    ):
-        done = subprocess.run(  # noqa: S603
-            command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
-        )
-        if done.returncode != 0:
-            say(done.stdout + done.stderr)
-            raise StartError("flotillad could not be built")
+    command = [str(ROOT / "tools" / "build"), "release", "flotillad"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        say(done.stdout + done.stderr)
+        raise StartError("flotillad could not be built")
     return FLOTILLAD

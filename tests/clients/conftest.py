@@ -20,7 +20,7 @@ __all__ = ["bus"]
 def sea(bus: int, tmp_path: Path) -> Iterator[Sea]:
     """Its words are printed at the end: pytest shows them if the test fails."""
     if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     with Sea(bus, tmp_path) as sea:
         yield sea
         print(sea.words)

@@ -136,7 +136,7 @@ def frames() -> Path:
     build = Path(os.environ.get("FLOTILLA_BUILD", ROOT / "build" / "dev"))
     program = build / "tests" / "mavlink_frames"
     if not program.exists():
-        pytest.skip(f"{program} is not built: cmake --preset dev && cmake --build --preset dev")
+        pytest.skip(f"{program} is not built: tools/build dev")
     return program
 
 

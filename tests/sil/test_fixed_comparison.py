@@ -4,7 +4,6 @@
 import math
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -32,8 +31,7 @@ def run(*command: str) -> None:
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Row]:
     for preset, *targets in PROGRAMS:
-        run("cmake", "--preset", preset, f"-DPython_EXECUTABLE={sys.executable}")
-        run("cmake", "--build", "--preset", preset, "--target", *targets)
+        run("tools/build", preset, *targets)
     return {row.name: row for row in fixed_comparison.measure(100_000)}
 
 

@@ -2,7 +2,6 @@
 """Ranges of the law's numbers in Q16.16: measured in every scenario, judged by what core states."""
 
 import io
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -32,10 +31,8 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def built() -> None:
-    configured = run("cmake", "--preset", "ranges", f"-DPython_EXECUTABLE={sys.executable}")
-    assert configured.returncode == 0, configured.stderr
-    jobs = f"-j{os.cpu_count()}"
-    assert run("cmake", "--build", "--preset", "ranges", jobs).returncode == 0
+    built = run(ROOT / "tools" / "build", "ranges")
+    assert built.returncode == 0, built.stdout + built.stderr
 
 
 def test_boats_whose_numbers_are_noted_say_what_all_boats_say(built: None) -> None:

@@ -15,7 +15,7 @@ NAMES = [row.name for row in live.limits()]
 def outcomes() -> dict[str, Outcome]:
     """One boat takes them all, one after the other."""
     if not FLOTILLAD.exists():
-        pytest.skip(f"needs {FLOTILLAD}: cmake --build --preset release --target flotillad")
+        pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
     return {one.fault: one for one in live.sail()}
 
 

@@ -42,7 +42,7 @@ FOREIGN = {"RawCommand": "0704062A#641900C0", "ArmingStatus": "18044C2A#FFC0"}
 @pytest.fixture(autouse=True, scope="module")
 def _program() -> None:
     if not FLOTILLAD.exists():
-        pytest.skip(f"needs {FLOTILLAD}: cmake --build --preset release --target flotillad")
+        pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
 
 
 @pytest.fixture

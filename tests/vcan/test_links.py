@@ -17,7 +17,7 @@ PORT = 14550
 @pytest.fixture
 def sea(tmp_path: Path) -> Iterator[RealSea]:
     if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: cmake --build --preset release --target flotillad")
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     with RealSea(0, tmp_path) as sea:
         yield sea
 

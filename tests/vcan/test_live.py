@@ -23,7 +23,7 @@ def distances_m(out: Path) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
 
 def test_boats_on_vcan_are_where_the_lockstep_has_them(tmp_path: Path) -> None:
     if not FLOTILLAD.exists():
-        pytest.skip(f"needs {FLOTILLAD}: cmake --build --preset release --target flotillad")
+        pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
     live, lockstep = tmp_path / "live", tmp_path / "lockstep"
     duration = ["--duration", str(DURATION_S)]
     assert main(["live", "diamond", "--bus", "socketcan:vcan0", *duration, "--out", str(live)]) == 0

@@ -4,7 +4,6 @@
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -32,8 +31,7 @@ def run(*command: str | Path) -> str:
 @pytest.fixture(scope="module", autouse=True)
 def built() -> None:
     for preset in ("cortex-m", "player-arm64"):
-        run("cmake", "--preset", preset, f"-DPython_EXECUTABLE={sys.executable}")
-        run("cmake", "--build", "--preset", preset)
+        run(ROOT / "tools" / "build", preset)
 
 
 def sailed(scalar: str, path: Path) -> Recording:

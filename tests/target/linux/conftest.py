@@ -30,6 +30,6 @@ def bus() -> Iterator[int]:
 def sea(bus: int, tmp_path: Path) -> Iterator[RealSea]:
     """Nobody afloat yet: start() does that."""
     if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     with RealSea(bus, tmp_path) as sea:
         yield sea

@@ -18,7 +18,7 @@ LINK = f"udpout:{LOOPBACK}:14550"
 
 def run(*options: object) -> subprocess.CompletedProcess[str]:
     if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     return subprocess.run(
         [*ordinary_user(), PROGRAM, *map(str, options)],
         capture_output=True,

@@ -64,7 +64,7 @@ def test_systemd_understands_every_line(
     tmp_path: Path, spoil: Callable[[str], str], complaint: str
 ) -> None:
     if not PROGRAM.exists():
-        pytest.skip(f"{PROGRAM} is not built: cmake --preset release && cmake --build ...")
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     unit = tmp_path / "flotillad.service"
     unit.write_text(spoil(UNIT.read_text().replace(str(INSTALLED), str(PROGRAM))))
     # Its manual comes with the package. Other units of this machine have mistakes of their own.

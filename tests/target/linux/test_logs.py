@@ -31,7 +31,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     build = Path(os.environ.get("FLOTILLA_BUILD", ROOT / "build" / "dev"))
     writer = build / "tests" / "write_logs"
     if not writer.exists():
-        pytest.skip(f"{writer} is not built: cmake --preset dev && cmake --build --preset dev")
+        pytest.skip(f"{writer} is not built: tools/build dev")
     folder = tmp_path_factory.mktemp("logs")
     subprocess.run([writer, folder], check=True)
     return folder
