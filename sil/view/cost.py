@@ -11,8 +11,10 @@ import asyncio
 import socket
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import psutil  # type: ignore[import-untyped]
@@ -74,40 +76,39 @@ async def _watch(url: str, frames: list[int]) -> None:
             pass
 
 
-async def _say(said: Said, port: int) -> None:
-    """Says it in real time, again and again."""
-    began_s, turn_s = time.monotonic(), 0.0
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
-        while True:
-            for at_s, data in said:
-                wait_s = began_s + turn_s + at_s - time.monotonic()
-                if wait_s > 0.0:
-                    await asyncio.sleep(wait_s)
-                end.sendto(data, (LOOPBACK, port))
-            turn_s += said[-1][0]
-
-
-async def _measured(url: str, server: int, said: Said, port: int, seconds: float) -> Cost:
+async def _measured(url: str, server: int, seconds: float) -> Cost:
     frames: list[int] = []
-    others = [asyncio.ensure_future(job) for job in (_watch(url, frames), _say(said, port))]
+    watching = asyncio.ensure_future(_watch(url, frames))
     process = psutil.Process(server)
     await asyncio.sleep(_WARM_UP_S)
     frames.clear()
     began, began_s = process.cpu_times(), time.monotonic()
     await asyncio.sleep(seconds)
     used, passed_s = process.cpu_times(), time.monotonic() - began_s
-    for other in others:
-        other.cancel()
-    await asyncio.gather(*others, return_exceptions=True)
+    watching.cancel()
+    await asyncio.gather(watching, return_exceptions=True)
     busy_s = used.user + used.system - began.user - began.system
     return Cost(
         busy_s / passed_s, len(frames) / passed_s, max(frames, default=0), process.memory_info().rss
     )
 
 
-def measure(boats: int, seconds: float) -> tuple[Said, Cost]:
-    """What so many boats said, and what it cost to show them for so long."""
-    said = said_by(fleet_of(boats))
+def _say(said: Said, port: int, stop: threading.Event) -> None:
+    """Says it in real time, again and again."""
+    began_s, turn_s = time.monotonic(), 0.0
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
+        while True:
+            for at_s, data in said:
+                wait_s = began_s + turn_s + at_s - time.monotonic()
+                if wait_s > 0.0 and stop.wait(wait_s):
+                    return
+                end.sendto(data, (LOOPBACK, port))
+            turn_s += said[-1][0]
+
+
+@contextmanager
+def viewed(said: Said) -> Iterator[tuple[str, int]]:
+    """A server that hears it, as `tools/view` runs it: the page's address, the process's id."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind((LOOPBACK, 0))
         port = probe.getsockname()[1]
@@ -115,11 +116,16 @@ def measure(boats: int, seconds: float) -> tuple[Said, Cost]:
     server = subprocess.Popen(  # noqa: S603
         [sys.executable, *command], stdout=subprocess.PIPE, text=True
     )
+    stop = threading.Event()
+    sailing = threading.Thread(target=_say, args=(said, port, stop))
     try:
         assert server.stdout is not None
         url = server.stdout.readline().split()[-1]
-        return said, asyncio.run(_measured(url, server.pid, said, port, seconds))
+        sailing.start()
+        yield url, server.pid
     finally:
+        stop.set()
+        sailing.join()
         server.terminate()
         server.communicate()
 
@@ -130,7 +136,9 @@ def main(given: Sequence[str]) -> int:
     parser.add_argument("--boats", type=arguments.count, default=20, metavar="N", help="(20)")
     parser.add_argument("--seconds", type=float, default=20.0, metavar="S", help="(20)")
     options = parser.parse_args(given)
-    said, cost = measure(options.boats, options.seconds)
+    said = said_by(fleet_of(options.boats))
+    with viewed(said) as (url, server):
+        cost = asyncio.run(_measured(url, server, options.seconds))
     span_s, total = said[-1][0], sum(len(data) for _, data in said)
     print(f"{options.boats} boats and their leader say {total / span_s / 1000:.1f} kB/s")
     print(f"the page is sent {cost.frames_per_s:.1f} frames a second of {cost.frame_bytes} bytes")

@@ -27,6 +27,7 @@ _SCRIPTS = (
     "source_replay",
     "camera",
     "sea",
+    "ground",
     "boats",
     "thrust_bars",
     "plan",

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The fleet on the plan view: trails, tree, slots, hulls to scale, names.
+// The fleet on the plan view: tree, slots, hulls to scale.
 const LEAST_HULL_PX = 22;
 const SILENT_S = 5;
-const TRAIL_POINTS = 3000, FADES = 6; // of all trails together
 // outline of a hull of length 1: forward, starboard; as in the pictures of reports
 const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
 
@@ -21,34 +20,6 @@ function layHull(ctx, [right, down], psi, px) {
     ctx.lineTo(right + px * east, down - px * north);
   }
   ctx.closePath();
-}
-
-function drawTrail(ctx, camera, vessel, track, [from_s, to_s, most]) {
-  const indices = track.indices(from_s, to_s, most);
-  const { x_m, y_m } = track.columns;
-  ctx.strokeStyle = colourOf(vessel);
-  ctx.lineWidth = 1.6;
-  ctx.setLineDash(vessel.kind === "leader" ? [4, 4] : []);
-  for (let fade = 0; fade < FADES; fade += 1) {
-    const begin = Math.floor((fade * indices.length) / FADES), end = Math.floor(((fade + 1) * indices.length) / FADES);
-    ctx.globalAlpha = 0.08 + (0.72 * (fade + 1)) / FADES;
-    ctx.beginPath();
-    let drawn = false;
-    for (let k = begin; k <= end && k < indices.length; k += 1) {
-      const i = indices[k];
-      if (!known(x_m[i]) || !known(y_m[i])) drawn = false;
-      else {
-        const [right, down] = camera.at(x_m[i], y_m[i]);
-        if (drawn) ctx.lineTo(right, down);
-        else ctx.moveTo(right, down);
-        drawn = true;
-      }
-    }
-    if (fade === FADES - 1 && isPlaced(vessel) && drawn) ctx.lineTo(...camera.at(vessel.x_m, vessel.y_m));
-    ctx.stroke();
-  }
-  ctx.globalAlpha = 1;
-  ctx.setLineDash([]);
 }
 
 /** Line from a follower to its leader, with an arrow in its middle that points to the leader. */

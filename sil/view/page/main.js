@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together: a source of frames, what shows them, what the reader touches.
-const PLAN_MS = 95, CARDS_MS = 250, PLOTS_MS = [500, 1000], MANY = 8, MOST_PLOTTED = 40;
+// how often each is drawn, of few vessels and of many
+const PLAN_MS = 95, CARDS_MS = [250, 500], PLOTS_MS = [500, 2000], MANY = 8, MOST_PLOTTED = 40;
 const WINDOWS_S = [30, 60, 120, 300, 600];
 const byName = (id) => document.getElementById(id);
 const history_ = JSON.parse(byName("history").textContent);
@@ -36,16 +37,17 @@ function draw() {
   const now = performance.now(), every = touched;
   touched = false;
   if (!paused || shown === null) shown = source.frame;
+  const many = shown.vessels.length > MANY ? 1 : 0;
   const chosen = plan.camera.mode in { fleet: 0, free: 0 } ? null : plan.camera.mode;
   plan.draw(shown, window_s(), chosen);
   due.plan = now + (isReplay ? 0 : PLAN_MS);
   if (every || now >= due.cards) {
-    due.cards = now + CARDS_MS;
+    due.cards = now + CARDS_MS[many];
     cards.show(shown.vessels, chosen);
     tell(shown, chosen);
   }
   if (plots && (every || now >= due.plots)) {
-    due.plots = now + PLOTS_MS[shown.vessels.length > MANY ? 1 : 0];
+    due.plots = now + PLOTS_MS[many];
     drawPlots(chosen, every);
   }
   if (plots && isReplay) plots.cursor(shown.t_s);

@@ -5,6 +5,7 @@ class Plan {
     this.canvas = canvas;
     this.source = source;
     this.camera = new Camera();
+    this.ground = new Ground();
     this.said = "";
   }
 
@@ -17,28 +18,24 @@ class Plan {
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
     }
-    [this.camera.width, this.camera.height] = [Math.max(width, 1), Math.max(height, 1)];
-    const ctx = this.canvas.getContext("2d");
+    [this.camera.width, this.camera.height] = [width, height];
+    const ctx = this.canvas.getContext("2d", { alpha: false });
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     return ctx;
   }
 
   /** Draws a frame with the trails of the last `window_s` seconds; `chosen`: key of one vessel. */
   draw(frame, window_s, chosen) {
+    if (!this.canvas.clientWidth || !this.canvas.clientHeight) return; // another page is open
     const ctx = this.resize(), camera = this.camera;
     camera.aim(frame.vessels);
-    ctx.clearRect(0, 0, camera.width, camera.height);
     ctx.lineJoin = "round";
-    drawGrid(ctx, camera);
     const placed = frame.vessels.filter(isPlaced);
+    this.ground.draw(ctx, camera, placed, (key) => this.source.track(key), [frame.t_s, window_s]);
     const byId = new Map(placed.map((vessel) => [vessel.id, vessel]));
     for (const vessel of placed) {
       const leader = byId.get(vessel.leader);
       if (leader && leader !== vessel) drawFollows(ctx, camera, vessel, leader);
-    }
-    const most = Math.min(600, Math.max(60, TRAIL_POINTS / placed.length));
-    for (const vessel of placed) {
-      drawTrail(ctx, camera, vessel, this.source.track(vessel.key), [frame.t_s - window_s, frame.t_s, most]);
     }
     for (const vessel of frame.vessels) {
       if (vessel.slot) drawSlot(ctx, camera, vessel, byId.get(vessel.leader)?.psi_rad ?? vessel.psi_rad ?? 0);
@@ -49,8 +46,6 @@ class Plan {
     }
     for (const vessel of placed.filter(({ kind }) => kind === "leader")) drawVirtual(ctx, camera, vessel);
     this.names(ctx, placed);
-    drawScaleBar(ctx, camera);
-    drawNorth(ctx, camera);
     this.describe(frame);
   }
 

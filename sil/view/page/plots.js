@@ -64,6 +64,7 @@ function limitsText(limits) {
 class Plots {
   constructor(source) {
     this.source = source;
+    this.kept = new Map();
     this.charts = Object.fromEntries(Object.keys(LINES).map((name) => [name, this.make(name)]));
   }
 
@@ -105,11 +106,13 @@ class Plots {
       data.push({ x: track.t[i], y: Math.max(values[i], floor) });
     }
     const faint = chosen !== null && chosen !== vessel.key;
-    const colour = colourOf(vessel);
-    return {
+    // Chart.js is slower with a line that it has not seen before
+    const name = `${column} ${vessel.key}`;
+    if (!this.kept.has(name)) this.kept.set(name, {});
+    return Object.assign(this.kept.get(name), {
       data: some ? data : [], borderDash: dash(vessel), borderWidth: faint ? 0.8 : chosen === null ? 1.4 : 2,
-      borderColor: faint ? theme.stale : colour, order: faint ? 1 : 0,
-    };
+      borderColor: faint ? theme.stale : colourOf(vessel), order: faint ? 1 : 0,
+    });
   }
 
   /** The level that counts as settled; the limits of the thrust, where they are near enough. */

@@ -106,8 +106,8 @@ class Browser:
 
 
 @contextmanager
-def chromium(folder: Path) -> Iterator[Browser]:
-    """A browser that keeps its files in `folder`."""
+def chromium(folder: Path, *, noting: bool = True) -> Iterator[Browser]:
+    """A browser that keeps its files in `folder`; `noting`: what it asks the network for."""
     assert CHROMIUM and DRIVER, MISSING
     log = folder / "chromedriver.log"
     command = [DRIVER, "--port=0", f"--log-path={log}"]
@@ -115,7 +115,7 @@ def chromium(folder: Path) -> Iterator[Browser]:
     try:
         port = _port(driver)
         root = f"http://127.0.0.1:{port}/session"
-        body = json.dumps({"capabilities": {"alwaysMatch": _capabilities(folder)}}).encode()
+        body = json.dumps({"capabilities": {"alwaysMatch": _capabilities(folder, noting)}}).encode()
         with urllib.request.urlopen(urllib.request.Request(root, body), timeout=60) as answer:
             session = json.load(answer)["value"]["sessionId"]
         browser = Browser(f"{root}/{session}")
@@ -143,7 +143,7 @@ def _port(driver: "subprocess.Popen[str]") -> int:
     raise AssertionError("chromedriver has not started")
 
 
-def _capabilities(folder: Path) -> dict[str, Any]:
+def _capabilities(folder: Path, noting: bool) -> dict[str, Any]:
     flags = [
         "--headless=new",
         "--no-sandbox",
@@ -156,7 +156,7 @@ def _capabilities(folder: Path) -> dict[str, Any]:
     ]
     return {
         "goog:chromeOptions": {"binary": CHROMIUM, "args": flags},
-        "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
+        "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL" if noting else "OFF"},
     }
 
 
