@@ -11,6 +11,7 @@ _UNKNOWN_mV, _UNKNOWN_cdegC = 65535, 32767
 _MOST_VALUES = 100
 _GROUP = 4
 _DIGITS = {"rpm": 0, "voltage_V": 2, "current_A": 2, "temperature_C": 1, "errors": 0}
+ESC_NUMBERS = tuple(_DIGITS)
 
 
 class _Kept:
@@ -35,7 +36,7 @@ class Aboard:
         self._values = _Kept()
         self._escs: dict[int, _Kept] = {}
         self._offline: set[int] = set()  # whose zeros in ESC_STATUS are no measurements
-        self._indices = [0, 1]  # ESC_PORT and ESC_STBD, where somebody asked for them
+        self.indices = [0, 1]  # ESC_PORT and ESC_STBD, as far as they are known
 
     def value(self, name: str, now_s: float) -> float | None:
         """A NAMED_VALUE_FLOAT."""
@@ -51,7 +52,7 @@ class Aboard:
             return []
         kept = [
             _Kept() if index in self._offline else self._escs.get(index, _Kept())
-            for index in self._indices
+            for index in self.indices
         ]
         return [
             {name: _round(esc.get(name, now_s), d) for name, d in _DIGITS.items()} for esc in kept
@@ -90,14 +91,14 @@ class Aboard:
         """Place in its message of four, and what is kept, of each ESC that is a propeller's."""
         return [
             (index - first, self._escs.setdefault(index, _Kept()))
-            for index in self._indices
+            for index in self.indices
             if first <= index < first + _GROUP
         ]
 
     def _parameter(self, f: tuple[Any, ...], _: float) -> None:
         name = f[3].split(b"\0")[0]
         if name in (b"ESC_PORT", b"ESC_STBD") and 0 <= f[0] < 20:
-            self._indices[name == b"ESC_STBD"] = int(f[0])
+            self.indices[name == b"ESC_STBD"] = int(f[0])
 
 
 def _round(number: float | None, digits: int) -> float | None:

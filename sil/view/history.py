@@ -18,11 +18,13 @@ import numpy.typing as npt
 from sil.agents import systems_of
 from sil.plant.hull import Array
 from sil.scenario import Scenario
+from sil.view.aboard import ESC_NUMBERS
 from sil.wiring import VIRTUAL_LEADER_SYSTEM
 
 MOST_SAMPLES = 1200
-_MOST_NUMBERS, _LEAST_SAMPLES = 300_000, 60
+_MOST_NUMBERS, _LEAST_SAMPLES = 500_000, 60
 LENGTH_M = 1.0  # of a hull that nobody knows the length of, as in `sil.plots`
+SIDES = ("port", "stbd")  # of the ESCs
 COLUMNS = (
     "x_m",
     "y_m",
@@ -38,6 +40,7 @@ COLUMNS = (
     "place_age_s",
     "leader_age_s",
     "battery_V",
+    *(f"{side}_{name}" for side in SIDES for name in ESC_NUMBERS),
 )
 
 

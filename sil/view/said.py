@@ -10,7 +10,7 @@ from numba import njit
 
 from sil.recording import MAVLINK_OUT, Recording
 from sil.view.changes import Changes
-from sil.view.history import column
+from sil.view.history import SIDES, column
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.mavlink_ear import Ear
@@ -21,6 +21,8 @@ _SLOW = (
     messages.SYS_STATUS,
     messages.NAMED_VALUE_FLOAT,
     messages.STATUSTEXT,
+    messages.ESC_INFO,
+    messages.ESC_STATUS,
 )
 
 Bytes = npt.NDArray[np.uint8]
@@ -30,10 +32,11 @@ Places = npt.NDArray[np.int64]
 class SaidByBoat:
     """What one boat has said, over time; what it said before the release, t_s 0, as of then."""
 
-    def __init__(self, system: int) -> None:
-        self._vessel = Vessel(system, 0.0)
+    def __init__(self, parameters: dict[str, float]) -> None:
+        self._vessel = Vessel(int(parameters["MAV_SYSID"]), 0.0)
+        self._vessel.aboard.indices = [int(parameters[n]) for n in ("ESC_PORT", "ESC_STBD")]
         self.states, self.held, self.texts = Changes(), Changes(), Changes()
-        self.numbers: dict[str, list[tuple[float, float]]] = {"battery_V": [], "leader_age_s": []}
+        self._numbers: dict[str, list[tuple[float, float]]] = {}
 
     def hear(self, message: Any, t_s: float) -> None:
         """Takes a message of it, at a time after the release."""
@@ -42,22 +45,28 @@ class SaidByBoat:
         self.states.note(t_s, vessel.state)
         self.held.note(t_s, list(vessel.held()))
         self.texts.note(t_s, vessel.texts.last or None)
-        told = {
-            messages.SYS_STATUS: ("battery_V", vessel.aboard.battery_V(t_s)),
-            messages.NAMED_VALUE_FLOAT: ("leader_age_s", vessel.value("LEAD_AGE")),
-        }.get(message.number)
-        if told is not None and told[1] is not None:
-            self.numbers[told[0]].append((t_s, told[1]))
+        match message.number:
+            case messages.SYS_STATUS:
+                self._note("battery_V", t_s, vessel.aboard.battery_V(t_s))
+            case messages.NAMED_VALUE_FLOAT:
+                self._note("leader_age_s", t_s, vessel.value("LEAD_AGE"))
+            case messages.ESC_STATUS | messages.ESC_INFO:
+                for side, esc in zip(SIDES, vessel.aboard.escs(t_s), strict=False):
+                    for name, number in esc.items():
+                        self._note(f"{side}_{name}", t_s, number)
 
     def told(self, t_s: npt.NDArray[np.floating]) -> dict[str, Any]:
         """What a history has of it: lists of changes, columns at the times `t_s`."""
         columns = {}
-        for name, numbers in self.numbers.items():
-            if numbers:
-                at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
-                columns[name] = column(values[np.searchsorted(at_s, t_s, side="right") - 1])
+        for name, numbers in self._numbers.items():
+            at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
+            columns[name] = column(values[np.searchsorted(at_s, t_s, side="right") - 1])
         changes = {"states": self.states, "held": self.held, "texts": self.texts}
         return {**{name: each.list for name, each in changes.items()}, **columns}
+
+    def _note(self, name: str, t_s: float, number: float | None) -> None:
+        if number is not None or name in self._numbers:
+            self._numbers.setdefault(name, []).append((t_s, np.nan if number is None else number))
 
 
 class Said:
@@ -65,7 +74,7 @@ class Said:
 
     def __init__(self, parameters: list[dict[str, float]]) -> None:
         self.parameters = parameters
-        self.boats = [SaidByBoat(int(own["MAV_SYSID"])) for own in parameters]
+        self.boats = [SaidByBoat(own) for own in parameters]
 
 
 def said_in(path: Path, duration_us: float) -> Said:

@@ -6,9 +6,12 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from sil.view.aboard import ESC_NUMBERS
 from sil.view.changes import Changes
 from sil.view.fleet import Fleet
-from sil.view.history import COLUMNS, LENGTH_M, column, most_samples
+from sil.view.history import COLUMNS, LENGTH_M, SIDES, column, most_samples
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.mavlink_ear import Ear, Message
@@ -24,6 +27,7 @@ _PLACES = {
     "thrust_port_N": ("thrust_N", 0),
     "thrust_stbd_N": ("thrust_N", 1),
 }
+_ESCS = {f"{s}_{name}": (side, name) for side, s in enumerate(SIDES) for name in ESC_NUMBERS}
 _NOTHING = [nan] * len(COLUMNS)
 Told = dict[str, Any]
 
@@ -113,12 +117,12 @@ class _Told:
     def history(self, samples: int) -> Told:
         """The vessel as a history has it."""
         self._fill(samples)
-        columns = zip(COLUMNS, zip(*self._rows, strict=True), strict=True)
+        columns = zip(COLUMNS, np.array(self._rows).T, strict=True)
         return {
             **{name: self.last[name] for name in ("id", "kind", "length_m")},
             "limits_N": self._limits_N and list(self._limits_N),
             "leader": self._leader,
-            **{name: column(values) for name, values in columns},
+            **{name: column(values) for name, values in columns if not np.isnan(values).all()},
             "states": self._states.list,
             "held": self._held.list,
             "texts": self._texts.list,
@@ -129,10 +133,14 @@ class _Told:
 
 
 def _number(vessel: Told, column_name: str) -> float:
-    name, place = _PLACES.get(column_name, (column_name, None))
-    value = vessel[name]
-    if value is not None and place is not None:
-        value = value[place]
+    if column_name in _ESCS:
+        side, name = _ESCS[column_name]
+        value = vessel["escs"][side][name] if vessel["escs"] else None
+    else:
+        name, place = _PLACES.get(column_name, (column_name, None))
+        value = vessel[name]
+        if value is not None and place is not None:
+            value = value[place]
     return nan if value is None else float(value)
 
 

@@ -18,9 +18,11 @@ function holding(list, s, otherwise) {
   return found;
 }
 
+const ESCS = ["port", "stbd"].map((side) => ["rpm", "voltage_V", "current_A", "temperature_C", "errors"].map((name) => [name, `${side}_${name}`]));
 const CHANGING = [
   "x_m", "y_m", "psi_rad", "u_mps", "v_mps", "slot_x_m", "slot_y_m", "error_m",
   "thrust_port_N", "thrust_stbd_N", "link_age_s", "place_age_s", "leader_age_s", "battery_V",
+  ...ESCS.flatMap((esc) => esc.map(([, column]) => column)),
 ];
 
 class ReplaySource {
@@ -79,9 +81,11 @@ class ReplaySource {
     };
     const both = (one, other) => (known(one) && known(other) ? [one, other] : null);
     const values = Object.fromEntries(CHANGING.map((name) => [name, at(name)]));
+    const escs = ESCS.map((esc) => Object.fromEntries(esc.map(([name, column]) => [name, values[column]])));
     return {
       id: vessel.id, key: vessel.key, kind: vessel.kind, leader: vessel.leader ?? null,
-      length_m: vessel.length_m ?? null, limits_N: pair(vessel.limits_N), escs: [], ...values,
+      length_m: vessel.length_m ?? null, limits_N: pair(vessel.limits_N), ...values,
+      escs: escs.some((esc) => Object.values(esc).some(known)) ? escs : [],
       slot: both(values.slot_x_m, values.slot_y_m),
       thrust_N: both(values.thrust_port_N, values.thrust_stbd_N),
       state: holding(vessel.states, this.t_s, null),

@@ -10,8 +10,9 @@ import pytest
 from sil import metrics
 from sil.plant.hull import Array
 from sil.view import history, page
-from sil.view.history import Boat
+from sil.view.history import Boat, numbers
 from tests.sil.view.browser import Browser
+from tests.sil.view.live_page import CARD
 
 DURATION_S = 100.0
 AT = "return flotilla.shown.vessels.find((v) => v.id === arguments[0])"
@@ -96,6 +97,23 @@ def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Pa
     ):
         seek(browser, t_s)
         browser.until(f"{words}.join('|') === arguments[0]", "|".join([*wanted, "follows leader"]))
+
+
+def test_card_has_what_the_escs_said(browser: Browser, tmp_path: Path) -> None:
+    told = history.of_trace(trace(), "a run", [Boat(1, 100), Boat(2, 1)])
+    samples = numbers(told["t_s"]).size
+    rpm = {"port_rpm": np.linspace(0.0, -1000.0, samples), "stbd_voltage_V": np.full(samples, 23.5)}
+    told["vessels"][1] |= {name: history.column(values) for name, values in rpm.items()}
+    path = tmp_path / "run.html"
+    path.write_text(page.page_with(told, "a run"), encoding="utf-8")
+    browser.open(path.as_uri())
+    browser.until("return flotilla.plots !== null && flotilla.shown !== null")
+    seek(browser, 25.0)
+    rows = f"""{CARD} return [...card.querySelectorAll('tbody tr')].map((row) =>
+      [...row.querySelectorAll('.esc')].map((cell) => cell.textContent))"""
+    assert browser.run(rows, "Boat 1") == [["−250", *"––––"], ["–", "23.5", *"–––"]]
+    hidden = f"{CARD} return getComputedStyle(card.querySelector('.esc')).display"
+    assert browser.run(hidden, "Boat 2") == "none"
 
 
 def test_replay_plays_at_its_speed_and_stops_at_the_end(browser: Browser, tmp_path: Path) -> None:

@@ -88,6 +88,22 @@ def test_a_history_has_what_boats_said_of_themselves_from_the_release_on(lost: P
     assert ages[-1] > 10.0 and numbers(vessel["battery_V"])[-1] == 24.0
 
 
+def test_a_history_has_what_the_escs_said(lost: Path) -> None:
+    history = history_of_run(lost)
+    for boat in history["vessels"][1:]:
+        for side in ("port", "stbd"):
+            assert set(numbers(boat[f"{side}_voltage_V"])) == {24.0}
+            assert set(numbers(boat[f"{side}_errors"])) == {0.0}
+            rpm, thrust = numbers(boat[f"{side}_rpm"]), numbers(boat[f"thrust_{side}_N"])
+            turns = np.sign(thrust) * np.sqrt(np.abs(thrust))
+            # told once a second, of the second before
+            likeness = [
+                np.corrcoef(np.roll(turns, late)[120:], rpm[120:])[0, 1] for late in range(60)
+            ]
+            assert max(likeness) > 0.97 and np.abs(rpm).max() > 100
+    assert not [name for name in history["vessels"][0] if name.endswith("rpm")]
+
+
 def test_a_leader_that_was_heard_to_the_end_leaves_its_boats_in_formation(lost: Path) -> None:
     vessels = by_id(history_of_run(lost))
     assert vessels[100]["states"] == [] and vessels[100]["kind"] == "leader"

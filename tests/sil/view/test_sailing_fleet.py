@@ -208,4 +208,8 @@ def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> N
             assert now[system][name] == pytest.approx(then[system][name], abs=0.1), (system, name)
     for name in ("state", "held", "text", "leader"):
         assert now[1][name] == then[1][name]
+    for esc, once in zip(now[1]["escs"], then[1]["escs"], strict=True):
+        assert esc["voltage_V"] == pytest.approx(once["voltage_V"], abs=0.1)
+        assert esc["rpm"] == pytest.approx(once["rpm"], abs=100)  # which is told once a second
+        assert esc["errors"] == once["errors"]
     browser.picture(PICTURES / "replayed.png")

@@ -90,6 +90,19 @@ def test_states_and_what_held_them_are_played_back(sailed: tuple[Path, Array]) -
     assert ages[-1] == pytest.approx(0.0, abs=1.0)
 
 
+def test_what_the_escs_said_is_played_back_and_what_nobody_said_has_no_column(
+    sailed: tuple[Path, Array],
+) -> None:
+    vessels = by_id(history_of_tlog(sailed[0]))
+    for side in ("port", "stbd"):
+        rpm, voltage_V = (
+            numbers(vessels[2][f"{side}_rpm"]),
+            numbers(vessels[2][f"{side}_voltage_V"]),
+        )
+        assert np.nanmax(np.abs(rpm)) > 100 and np.nanmax(voltage_V) == np.nanmin(voltage_V) == 24.0
+        assert f"{side}_temperature_C" not in vessels[2] and f"{side}_rpm" not in vessels[100]
+
+
 def test_damage_costs_no_more_than_what_is_damaged(
     sailed: tuple[Path, Array], tmp_path: Path
 ) -> None:
