@@ -102,6 +102,7 @@ class LiveWorld:
         self._operator = Operator()
         self._leader = LiveLeader(scenario.leader_unit(), clocks[0])
         self.late_us = 0
+        self.release_unix_s = 0.0
         with ExitStack() as opened:
             mouths = [Mouth(address) for address in (mavlink,) if address is not None]
             for mouth in mouths:
@@ -134,6 +135,7 @@ class LiveWorld:
             folder = out / f"boat{boat.system}"
             boat.start(program, folder, f"--log={folder / 'log'}")
         tick_us = self._start()
+        self.release_unix_s = time.time() + 1e-6 * (tick_us - now_us())
         tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])
         for k in range(tracer.ticks):
             for i, boat in enumerate(self.boats):

@@ -39,7 +39,7 @@ class BoatSummary(TypedDict):
 
 
 class Summary(TypedDict):
-    """summary.json."""
+    """summary.json. A live run has no digest, but the instant of its t_s 0."""
 
     scenario: str
     seed: int
@@ -47,6 +47,7 @@ class Summary(TypedDict):
     wall_s: float
     real_time_factor: float
     digest: str | None
+    release_unix_s: float | None
     boats: list[BoatSummary]
     min_separation_m: float | None
 

@@ -21,7 +21,8 @@ from sil.live import build as build_flotillad
 from sil.metrics import Summary
 from sil.plant.hull import Array
 from sil.scenario import Scenario
-from sil.view.recorded import history_of
+from sil.view.recorded import history_of, said_of
+from sil.view.said import said_live
 from sil.world import Progress, Run, World
 
 # Boats stop where their own state is 0.5 s old, which is the firmware's default.
@@ -83,7 +84,8 @@ def live(
                 "[bold red]this machine was too slow for real time: the boats were told too late"
             )
     result = Run(tracer.trace(0), tracer.seconds(0), None)
-    return _finish(scenario, out, result, time.perf_counter() - began_s, command, console)
+    wall_s = time.perf_counter() - began_s
+    return _finish(scenario, out, result, wall_s, command, console, world.release_unix_s)
 
 
 def _remove_earlier(out: Path, boats: int) -> None:
@@ -110,7 +112,13 @@ def _bar(scenario: Scenario, console: Console) -> Iterator[Progress]:
 
 
 def _finish(
-    scenario: Scenario, out: Path, result: Run, wall_s: float, command: str, console: Console
+    scenario: Scenario,
+    out: Path,
+    result: Run,
+    wall_s: float,
+    command: str,
+    console: Console,
+    release_unix_s: float | None = None,
 ) -> Summary:
     trace = result.trace
     # of what diverged, figures are not finite
@@ -124,12 +132,14 @@ def _finish(
         "wall_s": wall_s,
         "real_time_factor": scenario.duration_s / wall_s,
         "digest": result.digest,
+        "release_unix_s": release_unix_s,
         "boats": boats,
         "min_separation_m": separation_m,
     }
-    title, recording = f"{scenario.name}, seed {scenario.seed}", out / "recording.bin"
-    recorded = recording if result.digest is not None else None
-    replayed = history_of(title, trace, scenario, recorded)
+    said = said_of(out / "recording.bin", trace) if result.digest is not None else None
+    if release_unix_s is not None:
+        said = said_live(out, trace, release_unix_s)
+    replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     write(out, summary, trace, command, replayed)
     console.print(report.table(summary))
     for boat in summary["boats"]:

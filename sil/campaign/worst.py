@@ -10,7 +10,7 @@ from sil import files
 from sil.campaign import finished, page_tables
 from sil.campaign.sampling import Sampler
 from sil.start import RunError
-from sil.view.recorded import history_of
+from sil.view.recorded import history_of, said_of
 from sil.world import World
 
 NAME = "worst.json"
@@ -36,8 +36,8 @@ def write(out: Path, sampler: Sampler, parameters: dict[str, float]) -> bool:
             run = World(scenario, parameters).run(recording, lambda _: None)
         except (RunError, ValueError):
             return False
-        recorded = recording if recording.is_file() else None
-        told = history_of(title, run.trace, scenario, recorded)
+        said = said_of(recording, run.trace) if recording.is_file() else None
+    told = history_of(title, run.trace, scenario, said)
     files.replace(out / NAME, json.dumps(told, allow_nan=False).encode())
     return True
 

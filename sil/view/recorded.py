@@ -15,7 +15,7 @@ from sil.plant.hull import Array
 from sil.scenario import Scenario
 from sil.view import history
 from sil.view.history import Boat
-from sil.view.said import Said, said_in
+from sil.view.said import Said, said_in, said_live
 
 
 def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any]:
@@ -26,6 +26,8 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         name, digest = str(summary["scenario"]), summary["digest"]
+        released = summary.get("release_unix_s")
+        release_unix_s = None if released is None else float(released)
         with np.load(folder / "trace.npz") as arrays:
             trace = {key: arrays[key] for key in ("t_s", "eta", "nu", "error", "thrust")}
         if not trace["t_s"].size:
@@ -37,22 +39,29 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
     except ValueError:
         sailed = None  # a file of somebody's own
     there = recording.of_run(folder, digest)
-    return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, there, length_m)
+    said = said_of(there, trace) if there is not None else None
+    if release_unix_s is not None:
+        said = said_live(folder, trace, release_unix_s)
+    return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, said, length_m)
+
+
+def said_of(recorded: Path, trace: Mapping[str, Array]) -> Said:
+    """What was said in a lockstep run, of its recording and its trace; ValueError."""
+    return said_in(recorded, 1e6 * float(trace["t_s"][-1]))
 
 
 def history_of(
     title: str,
     trace: Mapping[str, Array],
     sailed: Scenario | None,
-    recorded: Path | None,
+    said: Said | None,
     length_m: float | None = None,
 ) -> dict[str, Any]:
     """The history of a run whose trace is at hand: `trace` as in trace.npz.
 
-    `sailed`: its scenario, `recorded`: its recording. ValueError for a recording that is none.
+    `sailed`: its scenario, `said`: what its boats said.
     """
-    t_s, boats = trace["t_s"], trace["error"].shape[1]
-    said = said_in(recorded, 1e6 * float(t_s[-1])) if recorded is not None else None
+    boats = trace["error"].shape[1]
     about = _boats(boats, sailed, said)
     if length_m is not None:
         about = [replace(boat, length_m=length_m) for boat in about]

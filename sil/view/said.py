@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: MIT
 """What the boats of a recorded run said over their radios, as far as a view shows it."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from sil.plant.hull import Array
 from sil.recording import MAVLINK_OUT, Recording
 from sil.view.changes import Changes
 from sil.view.history import SIDES, column
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.mavlink_ear import Ear
+from sil.wire.tlog import packets
 
 _RADIO = MAVLINK_OUT + 1
 _SLOW = (
@@ -32,9 +35,9 @@ Places = npt.NDArray[np.int64]
 class SaidByBoat:
     """What one boat has said, over time; what it said before the release, t_s 0, as of then."""
 
-    def __init__(self, parameters: dict[str, float]) -> None:
-        self._vessel = Vessel(int(parameters["MAV_SYSID"]), 0.0)
-        self._vessel.aboard.indices = [int(parameters[n]) for n in ("ESC_PORT", "ESC_STBD")]
+    def __init__(self, system: int) -> None:
+        self.system = system
+        self._vessel = Vessel(system, 0.0)
         self.states, self.held, self.texts = Changes(), Changes(), Changes()
         self._numbers: dict[str, list[tuple[float, float]]] = {}
 
@@ -55,6 +58,10 @@ class SaidByBoat:
                     for name, number in esc.items():
                         self._note(f"{side}_{name}", t_s, number)
 
+    def has_escs(self, port: int, stbd: int) -> None:
+        """Which of its ESCs are its propellers'; 0 and 1 where nobody says so."""
+        self._vessel.aboard.indices = [port, stbd]
+
     def told(self, t_s: npt.NDArray[np.floating]) -> dict[str, Any]:
         """What a history has of it: lists of changes, columns at the times `t_s`."""
         columns = {}
@@ -69,12 +76,11 @@ class SaidByBoat:
             self._numbers.setdefault(name, []).append((t_s, np.nan if number is None else number))
 
 
-class Said:
-    """What all boats of a run said; `parameters`: of their firmware, boat 1's first."""
+class Said(NamedTuple):
+    """What all boats of a run said; `parameters`: of their firmware, where those are known."""
 
-    def __init__(self, parameters: list[dict[str, float]]) -> None:
-        self.parameters = parameters
-        self.boats = [SaidByBoat(own) for own in parameters]
+    boats: list[SaidByBoat]
+    parameters: list[dict[str, float]]
 
 
 def said_in(path: Path, duration_us: float) -> Said:
@@ -85,13 +91,31 @@ def said_in(path: Path, duration_us: float) -> Said:
     wanted[list(_SLOW)] = True
     found = np.empty((_frames(data, wanted, np.empty((0, 4), np.int64))[0], 4), np.int64)
     _, last_us = _frames(data, wanted, found)
-    said = Said([boat["parameters"] for boat in recording.header["boats"]])
+    parameters = [boat["parameters"] for boat in recording.header["boats"]]
+    boats = [SaidByBoat(int(own["MAV_SYSID"])) for own in parameters]
+    for boat, own in zip(boats, parameters, strict=True):
+        boat.has_escs(int(own["ESC_PORT"]), int(own["ESC_STBD"]))
     release_us = last_us - duration_us
     ear = Ear(stream=False)
     for t_us, agent, begin, end in found.tolist():
         for message in ear.hear(bytes(recording.records[begin:end])):
-            said.boats[agent - 1].hear(message, max(0.0, 1e-6 * (t_us - release_us)))
-    return said
+            boats[agent - 1].hear(message, max(0.0, 1e-6 * (t_us - release_us)))
+    return Said(boats, parameters)
+
+
+def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -> Said:
+    """What was said in a live run, of its boats' own logs, as far as there are any."""
+    boats = [SaidByBoat(system) for system in range(1, trace["error"].shape[1] + 1)]
+    for boat in boats:
+        ear = Ear(stream=False)
+        for log in sorted((folder / f"boat{boat.system}" / "log").glob("*.tlog")):
+            for packet in packets(log.read_bytes(), []):
+                t_s = 1e-6 * packet.t_us - release_unix_s
+                told = packet.system == boat.system and packet.message_id in _SLOW
+                if told and t_s <= trace["t_s"][-1]:
+                    for message in ear.hear(packet.frame):
+                        boat.hear(message, max(0.0, t_s))
+    return Said(boats, [])
 
 
 @njit(cache=True)

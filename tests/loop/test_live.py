@@ -10,6 +10,8 @@ import pytest
 from sil import metrics
 from sil.__main__ import main
 from sil.live import buses_of
+from sil.view.history import numbers
+from sil.view.recorded import history_of_run
 from sil.world import Run
 from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
@@ -50,6 +52,25 @@ def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -
     assert summary["digest"] is None
     assert [boat["states"].keys() for boat in summary["boats"]] == [{"FORMATION"}] * 4
     assert (live / "report.html").exists()
+
+
+def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
+    history = history_of_run(live)
+    t_s = numbers(history["t_s"])
+    for boat in history["vessels"][1:]:
+        assert boat["states"] == [[0.0, "FORMATION"]]
+        assert set(numbers(boat["battery_V"])) == {24.0}
+        assert (numbers(boat["leader_age_s"]) < 1.0).all()
+        thrust, rpm = numbers(boat["thrust_port_N"]), numbers(boat["port_rpm"])
+        turns = np.sign(thrust) * np.sqrt(np.abs(thrust))
+        # told once a second: of one second in a hundred the likeness is gone
+        likeness = {
+            late_s: np.corrcoef(np.interp(t_s - late_s, t_s, turns)[t_s > 5.0], rpm[t_s > 5.0])[
+                0, 1
+            ]
+            for late_s in (-3.0, 0.5, 4.0)
+        }
+        assert likeness[0.5] == max(likeness.values()) > 0.9, likeness
 
 
 def test_nothing_of_an_earlier_run_in_the_folder_is_taken_for_this_ones(live: Path) -> None:
