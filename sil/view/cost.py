@@ -100,7 +100,7 @@ def _say(said: Said, port: int, stop: threading.Event) -> None:
         while True:
             for at_s, data in said:
                 wait_s = began_s + turn_s + at_s - time.monotonic()
-                if wait_s > 0.0 and stop.wait(wait_s):
+                if stop.wait(max(wait_s, 0.0)):
                     return
                 end.sendto(data, (LOOPBACK, port))
             turn_s += said[-1][0]
@@ -118,11 +118,10 @@ def viewed(said: Said) -> Iterator[tuple[str, int]]:
     )
     stop = threading.Event()
     sailing = threading.Thread(target=_say, args=(said, port, stop))
+    sailing.start()
     try:
         assert server.stdout is not None
-        url = server.stdout.readline().split()[-1]
-        sailing.start()
-        yield url, server.pid
+        yield server.stdout.readline().split()[-1], server.pid
     finally:
         stop.set()
         sailing.join()

@@ -104,7 +104,10 @@ def said_in(path: Path, duration_us: float) -> Said:
 
 
 def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -> Said:
-    """What was said in a live run, of its boats' own logs, as far as there are any."""
+    """What was said in a live run, of its boats' own logs, as far as there are any.
+
+    Their propellers' ESCs are taken to be 0 and 1, the firmware's default.
+    """
     boats = [SaidByBoat(system) for system in range(1, trace["error"].shape[1] + 1)]
     for boat in boats:
         ear = Ear(stream=False)

@@ -23,7 +23,8 @@ def test_a_second_build_of_a_preset_waits_for_the_first() -> None:
                 second.communicate(timeout=1)
             fcntl.flock(first, fcntl.LOCK_UN)
             _, words = second.communicate(timeout=60)
-    assert second.returncode != 0 and "no-such-preset" in words
+    assert second.returncode != 0
+    assert "waiting for another build" in words and "No such preset" in words
     lock.unlink()
 
 

@@ -20,7 +20,10 @@ class Ground {
       [this.drawn, this.t_s] = [wanted, t_s];
       this.renew(camera, vessels, track, [t_s - window_s, t_s], [width, height]);
     }
-    ctx.drawImage(this.canvas, 0, 0, camera.width, camera.height);
+    ctx.save();
+    ctx.resetTransform(); // pixel on pixel
+    ctx.drawImage(this.canvas, 0, 0);
+    ctx.restore();
     for (const vessel of vessels) drawTail(ctx, camera, vessel, track(vessel.key), [this.t_s, t_s]);
   }
 

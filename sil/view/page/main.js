@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Puts the page together: a source of frames, what shows them, what the reader touches.
-// how often each is drawn, of few vessels and of many
+// how often each is drawn, of few vessels and, live, of many
 const PLAN_MS = 95, CARDS_MS = [250, 500], PLOTS_MS = [500, 2000], MANY = 8, MOST_PLOTTED = 40;
 const WINDOWS_S = [30, 60, 120, 300, 600];
 const byName = (id) => document.getElementById(id);
@@ -37,7 +37,7 @@ function draw() {
   const now = performance.now(), every = touched;
   touched = false;
   if (!paused || shown === null) shown = source.frame;
-  const many = shown.vessels.length > MANY ? 1 : 0;
+  const many = !isReplay && shown.vessels.length > MANY ? 1 : 0;
   const chosen = plan.camera.mode in { fleet: 0, free: 0 } ? null : plan.camera.mode;
   plan.draw(shown, window_s(), chosen);
   due.plan = now + (isReplay ? 0 : PLAN_MS);
