@@ -22,7 +22,6 @@ from sil.metrics import Summary
 from sil.plant.hull import Array
 from sil.scenario import Scenario
 from sil.view.recorded import history_of, said_of
-from sil.view.said import said_live
 from sil.world import Progress, Run, World
 
 # Boats stop where their own state is 0.5 s old, which is the firmware's default.
@@ -136,9 +135,8 @@ def _finish(
         "boats": boats,
         "min_separation_m": separation_m,
     }
-    said = said_of(out / "recording.bin", trace) if result.digest is not None else None
-    if release_unix_s is not None:
-        said = said_live(out, trace, release_unix_s)
+    recorded = out / "recording.bin" if result.digest is not None else None
+    said = said_of(out, trace, recorded, release_unix_s)
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     write(out, summary, trace, command, replayed)
     console.print(report.table(summary))

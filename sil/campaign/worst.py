@@ -36,7 +36,8 @@ def write(out: Path, sampler: Sampler, parameters: dict[str, float]) -> bool:
             run = World(scenario, parameters).run(recording, lambda _: None)
         except (RunError, ValueError):
             return False
-        said = said_of(recording, run.trace) if recording.is_file() else None
+        recorded = recording if recording.is_file() else None
+        said = said_of(Path(folder), run.trace, recorded)
     told = history_of(title, run.trace, scenario, said)
     files.replace(out / NAME, json.dumps(told, allow_nan=False).encode())
     return True

@@ -39,15 +39,20 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
     except ValueError:
         sailed = None  # a file of somebody's own
     there = recording.of_run(folder, digest)
-    said = said_of(there, trace) if there is not None else None
-    if release_unix_s is not None:
-        said = said_live(folder, trace, release_unix_s)
+    said = said_of(folder, trace, there, release_unix_s)
     return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, said, length_m)
 
 
-def said_of(recorded: Path, trace: Mapping[str, Array]) -> Said:
-    """What was said in a lockstep run, of its recording and its trace; ValueError."""
-    return said_in(recorded, 1e6 * float(trace["t_s"][-1]))
+def said_of(
+    folder: Path,
+    trace: Mapping[str, Array],
+    recorded: Path | None,
+    release_unix_s: float | None = None,
+) -> Said | None:
+    """What was said in a run: of a live run's logs in its folder, or `recorded`; ValueError."""
+    if release_unix_s is not None:
+        return said_live(folder, trace, release_unix_s)
+    return None if recorded is None else said_in(recorded, 1e6 * float(trace["t_s"][-1]))
 
 
 def history_of(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the boats of a recorded run said over their radios, as far as a view shows it."""
+"""What the boats of a run said, as far as a view shows it: of its recording, or of their logs."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +19,7 @@ from sil.wire.mavlink_ear import Ear
 from sil.wire.tlog import packets
 
 _RADIO = MAVLINK_OUT + 1
-_SLOW = (
+_SHOWN = (
     messages.HEARTBEAT,
     messages.SYS_STATUS,
     messages.NAMED_VALUE_FLOAT,
@@ -88,7 +88,7 @@ def said_in(path: Path, duration_us: float) -> Said:
     recording = Recording(path)
     data = np.frombuffer(recording.records, np.uint8)
     wanted = np.zeros(1 << 16, np.bool_)
-    wanted[list(_SLOW)] = True
+    wanted[list(_SHOWN)] = True
     found = np.empty((_frames(data, wanted, np.empty((0, 4), np.int64))[0], 4), np.int64)
     _, last_us = _frames(data, wanted, found)
     parameters = [boat["parameters"] for boat in recording.header["boats"]]
@@ -114,7 +114,7 @@ def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -
         for log in sorted((folder / f"boat{boat.system}" / "log").glob("*.tlog")):
             for packet in packets(log.read_bytes(), []):
                 t_s = 1e-6 * packet.t_us - release_unix_s
-                told = packet.system == boat.system and packet.message_id in _SLOW
+                told = packet.system == boat.system and packet.message_id in _SHOWN
                 if told and t_s <= trace["t_s"][-1]:
                     for message in ear.hear(packet.frame):
                         boat.hear(message, max(0.0, t_s))

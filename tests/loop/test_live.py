@@ -63,7 +63,7 @@ def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
         assert (numbers(boat["leader_age_s"]) < 1.0).all()
         thrust, rpm = numbers(boat["thrust_port_N"]), numbers(boat["port_rpm"])
         turns = np.sign(thrust) * np.sqrt(np.abs(thrust))
-        # told once a second: of one second in a hundred the likeness is gone
+        # what an ESC tells once a second is held: alike half a second late, not at other times
         likeness = {
             late_s: np.corrcoef(np.interp(t_s - late_s, t_s, turns)[t_s > 5.0], rpm[t_s > 5.0])[
                 0, 1

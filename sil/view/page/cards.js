@@ -9,8 +9,6 @@ const FACTS = [
   ["leader_age_s", "leader's state", (v) => (known(v.leader_age_s) ? `${age(v.leader_age_s)} old` : DASH)],
   ["battery_V", "battery", (v) => withUnit(v.battery_V, 1, "V")],
 ];
-const ESC_CELLS = [["rpm", "rpm", 0], ["voltage_V", "V", 1], ["current_A", "A", 1], ["temperature_C", "°C", 0], ["errors", "errs", 0]];
-const SIDES = ["port", "stbd"];
 
 function element(tag, parent, attributes = {}) {
   const made = document.createElement(tag);

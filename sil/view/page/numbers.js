@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Numbers as people read them; null and what is not finite is a dash.
 const DASH = "–";
+const SIDES = ["port", "stbd"];
+// of an ESC: name, heading, digits
+const ESC_CELLS = [["rpm", "rpm", 0], ["voltage_V", "V", 1], ["current_A", "A", 1], ["temperature_C", "°C", 0], ["errors", "errs", 0]];
 
 const known = (x) => typeof x === "number" && Number.isFinite(x);
 

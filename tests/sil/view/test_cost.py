@@ -5,6 +5,8 @@ import pytest
 
 from sil.view.cost import fleet_of, main, said_by
 from sil.wire.mavlink_ear import Ear
+from tests.sil.view import page_cost
+from tests.sil.view.browser import CHROMIUM, DRIVER, MISSING
 
 
 def test_boats_in_a_line_say_their_state_ten_times_a_second() -> None:
@@ -18,3 +20,13 @@ def test_what_it_costs_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--boats", "2", "--seconds", "1"]) == 0
     words = capsys.readouterr().out
     assert "2 boats and their leader say" in words and "% of a core" in words
+
+
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
+def test_what_the_page_costs_a_browser_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(page_cost, "_WARM_UP_S", 2.0)
+    assert page_cost.main(["--boats", "2", "--seconds", "2"]) == 0
+    words = capsys.readouterr().out
+    assert "frames a second of 2 boats" in words and "renderer" in words
