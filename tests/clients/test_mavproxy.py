@@ -8,7 +8,6 @@ import pytest
 
 from tests.clients.boat import ESCS_SILENT, Sea, parameters
 from tests.clients.mavproxy_client import MavProxy
-from tests.target.stations import FORMATION, HOLD
 
 
 @pytest.fixture
@@ -46,9 +45,9 @@ def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: M
     ready.tell("arm throttle", "ARMED")
     sea.until(lambda: sea.armed)
     ready.tell("mode FOLLOW", "Mode FOLLOW")
-    sea.until(lambda: sea.mode == FORMATION and sea.driven())
+    sea.until(lambda: sea.state == "FORMATION" and sea.driven())
     ready.tell("mode HOLD", "Mode HOLD")
-    sea.until(lambda: sea.mode == HOLD)
+    sea.until(lambda: sea.state == "HOLD")
     ready.tell("disarm", "DISARMED")
     sea.until(lambda: not sea.armed)
 

@@ -258,10 +258,10 @@ def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient
     sea.until(lambda: sea.armable)
     mavsdk.call(mavsdk.action.arm)
     assert mavsdk.command(SET_MODE, 1.0, FORMATION) == ACCEPTED
-    sea.until(lambda: sea.mode == FORMATION and sea.driven())
+    sea.until(lambda: sea.state == "FORMATION" and sea.driven())
     sea.until(lambda: modes and modes[-1]["custom_mode"] == FORMATION)
     mavsdk.call(mavsdk.action.hold)
-    sea.until(lambda: sea.mode == HOLD and not sea.driven())
+    sea.until(lambda: sea.state == "HOLD" and not sea.driven())
     sea.until(lambda: modes[-1]["custom_mode"] == HOLD)
 
 

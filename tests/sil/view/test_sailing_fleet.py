@@ -17,6 +17,7 @@ from sil.live import LiveWorld, build
 from sil.view import page
 from sil.view.history import numbers
 from sil.view.tlog import history_of_tlog
+from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_mcast import group_of, listener
 from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
@@ -34,7 +35,7 @@ BOATS = ("Boat 1", "Boat 2", "Boat 3", "Boat 4")
 
 
 class Ear:
-    """Hears boat 1's HEARTBEATs by pymavlink; `at_s`: when each state was first told."""
+    """Hears boat 1's HEARTBEATs by pymavlink; `at_s`: when each state was told after its start."""
 
     def __init__(self, address: str) -> None:
         self.at_s: dict[str, float] = {}
@@ -63,11 +64,9 @@ class Ear:
                     self._note(message)
 
     def _note(self, beat: mavlink.MAVLink_message) -> None:
-        if beat.custom_mode == 6:
-            critical = beat.system_status == mavlink.MAV_STATE_CRITICAL
-            self.at_s.setdefault("COAST" if critical else "FORMATION", time.monotonic())
-        elif "COAST" in self.at_s:
-            self.at_s.setdefault("HOLD", time.monotonic())
+        state = state_of(beat.custom_mode, beat.base_mode, beat.system_status)
+        if state is not None and (self.at_s or state == "FORMATION"):
+            self.at_s.setdefault(state, time.monotonic())
 
 
 class Voyage:
