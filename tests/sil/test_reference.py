@@ -3,6 +3,7 @@
 
 from pathlib import Path
 
+import flotilla
 import pytest
 
 from sil import reference, supervisor_page
@@ -47,7 +48,7 @@ def test_the_page_tells_what_each_choice_does() -> None:
 
 def test_the_diagram_shows_each_state_and_no_way_out_of_fault_but_disarming() -> None:
     edges = supervisor_page.edges()
-    assert {to for _, to in edges} | {"DISARMED"} == set(supervisor_page.STATES)
+    assert {to for _, to in edges} | {"DISARMED"} == set(flotilla.STATES)
     assert not [to for state, to in edges if state == "FAULT"]
     assert edges["COAST", "FORMATION"] == ["all is well again"]
     assert edges["DISARMED", "HOLD"] == ["arm"]
