@@ -8,6 +8,7 @@ import pytest
 
 from tests.clients.boat import ESCS_SILENT, Sea, parameters
 from tests.clients.mavproxy_client import MavProxy
+from tests.turns import some
 
 
 @pytest.fixture
@@ -61,5 +62,5 @@ def test_the_operator_reads_why_the_boat_does_not_arm(sea: Sea, ready: MavProxy)
 
 def test_the_boats_files_are_listed(ready: MavProxy) -> None:
     words = ready.tell("ftp list", "Total size")
-    for name, content in flotilla.metadata().items():
+    for name, content in some(flotilla.metadata().items()):
         assert re.search(rf"{re.escape(name)}\s+{len(content)}\b", words), words

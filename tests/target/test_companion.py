@@ -92,11 +92,14 @@ def test_it_takes_the_system_id_of_its_autopilot_three_seconds_after_that_was_he
         sea.say(beat(), sender=Station(AUTOPILOT, 1))
         sea.run(1.0)
     assert address(sea) == ME
+    seen = set()
     for tick in sea.ticks:
         for m in tick.messages():
             before = tick.now_us < heard_us + LISTEN_S * 1e6
+            seen.add(before)
             assert m.get_srcSystem() == (BOAT if before else AUTOPILOT)
             assert m.get_srcComponent() == COMPANION
+    assert seen == {True, False}
 
 
 def test_of_two_autopilots_it_takes_neither() -> None:

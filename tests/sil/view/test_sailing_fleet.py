@@ -26,6 +26,7 @@ from tests.sil.view.live_page import LIVE, word
 from tests.sil.view.test_live_fleet import process
 from tests.sil.view.test_page_replay import seek
 from tests.target.linux.process import free_port
+from tests.turns import some
 
 ROOT = Path(__file__).parents[3]
 PICTURES = ROOT / "build" / "view"
@@ -207,7 +208,7 @@ def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> N
             assert now[system][name] == pytest.approx(then[system][name], abs=0.1), (system, name)
     for name in ("state", "held", "text", "leader"):
         assert now[1][name] == then[1][name]
-    for esc, once in zip(now[1]["escs"], then[1]["escs"], strict=True):
+    for esc, once in zip(some(now[1]["escs"]), then[1]["escs"], strict=True):
         assert esc["voltage_V"] == pytest.approx(once["voltage_V"], abs=0.1)
         assert esc["rpm"] == pytest.approx(once["rpm"], abs=200)  # told 5 times a second
         assert esc["errors"] == once["errors"]
