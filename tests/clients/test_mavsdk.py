@@ -58,7 +58,7 @@ def test_a_boat_is_found_as_an_autopilot_of_its_system_id(mavsdk: MavsdkClient) 
     assert mavsdk.system.component_ids() == [1]
 
 
-def test_its_version_is_the_projects(mavsdk: MavsdkClient) -> None:
+def test_a_boats_version_is_the_projects(mavsdk: MavsdkClient) -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     version = mavsdk.call(mavsdk.info.get_version)
     assert f"{version.flight_sw_major}.{version.flight_sw_minor}" == project["version"]

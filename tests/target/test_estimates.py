@@ -120,7 +120,7 @@ def bears(sea: Sea) -> bool:
 
 @pytest.mark.parametrize("quick", [False, True])
 @pytest.mark.parametrize("steady", [False, True])
-def test_absurd_fixes_for_minutes_leave_both_bounded(steady: bool, quick: bool) -> None:
+def test_absurd_fixes_for_minutes_leave_both_estimates_bounded(steady: bool, quick: bool) -> None:
     """Anywhere and of any speed, or always of the same that no boat has; at any moment."""
     dice = random.Random(11)
     sea = Sea(QUICKEST if quick else {}, leader=AHEAD)

@@ -243,7 +243,7 @@ def test_without_a_leader_or_an_own_state_there_is_no_slot(sea: Sea, who: str) -
         assert acks(sea.order(512, float(message_id))) == [(512, 1)]
 
 
-def test_a_boat_on_the_screen_of_its_followers() -> None:
+def test_a_boat_is_on_the_screen_of_its_followers() -> None:
     sea = Sea(own=Course(30.0, -40.0, 2.5, 1.0, 0.1, 0.2))
     sea.run(5.0)
     assert acks(sea.order(511, 144.0, 100_000.0)) == [(511, 0)]

@@ -111,7 +111,7 @@ def test_a_command_runs_as_if_the_machine_had_vcan(
     assert (tmp_path / "heard").read_text().endswith("vcan0 0704060A#FF7C0200C1\n")
 
 
-def test_two_at_once_have_buses_of_their_own(begin: Begin) -> None:
+def test_two_machines_at_once_have_buses_of_their_own(begin: Begin) -> None:
     names = "ip -brief link | cut -d' ' -f1 | tr '\\n' ' '; "
     one = begin("-n", "1", "sh", "-c", names + "ip link delete vcan0; kill -9 $$")
     two = begin("-n", "2", "sh", "-c", names + "ip link show vcan0 >/dev/null")

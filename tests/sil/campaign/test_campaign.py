@@ -159,7 +159,7 @@ def test_a_page_that_cannot_be_made_leaves_a_campaign_that_the_same_command_fini
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_interrupted_it_goes_on_where_it_was(
+def test_an_interrupted_campaign_goes_on_where_it_was(
     scenario: Path,
     sailed: Path,
     tmp_path: Path,

@@ -147,7 +147,7 @@ def test_runs_with_faults_replay_bit_for_bit(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["frame_loss", "radio_loss", "byte_errors"])
-def test_what_is_lost_is_the_seeds(kind: str) -> None:
+def test_which_frames_are_lost_depends_only_on_the_seed(kind: str) -> None:
     line = {"kind": kind, "agent": 1, "at_s": 0.5, "value": 0.1}
     digests = [
         run.digest

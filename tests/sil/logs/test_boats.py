@@ -222,7 +222,7 @@ def test_several_boats_logs_are_one_file_and_each_speaks_for_itself(tmp_path: Pa
         ("odometry", (0, 1, 12, 0, 0, 0, EAST, 3, 0, 0, 0, 0, 0, UNKNOWN, UNKNOWN)),
     ],
 )
-def test_other_messages_tell_the_same_place(
+def test_a_boat_that_sends_other_messages_is_at_the_same_place(
     message: str, place: tuple[Any, ...], tmp_path: Path
 ) -> None:
     d, pen = dialect(), Pen()
