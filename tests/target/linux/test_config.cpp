@@ -178,7 +178,7 @@ TEST_CASE("the example that is delivered is a configuration") {
   CHECK(config.mavlink.size() == 1);
 }
 
-TEST_CASE("--help and --version say it and end well") {
+TEST_CASE("--help and --version print their text and end with status 0") {
   const auto help = std::get<Ending>(read({"--help"}));
   CHECK(help.status == 0);
   for (const char* word :
