@@ -26,9 +26,10 @@ from sil.scenario import Scenario
 from sil.start import StartError
 from sil.streams import Stream, generator
 from sil.trace import Tracer
+from sil.wire.heartbeat import FORMATION
 from sil.wire.link import Link
 from sil.wire.mavlink_mcast import Mouth
-from sil.wire.operator import FORMATION, HOLD, MANUAL, Operator
+from sil.wire.operator import Operator
 from sil.world import Progress
 
 ROOT = Path(__file__).parent.parent
@@ -37,7 +38,7 @@ FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
 _PATIENCE_S = 30.0
 _LAST_MCAST_BUS = 9
 _RETRY_US = 500_000
-_NAMES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION"}
+_NOT_ARMED = (None, "DISARMED", "FAULT")
 
 
 def now_us() -> int:
@@ -140,7 +141,8 @@ class LiveWorld:
         for k in range(tracer.ticks):
             for i, boat in enumerate(self.boats):
                 self._command[i] = boat.command(tick_us)
-            states = [flotilla.STATES.index(self._state(boat)) for boat in self.boats]
+            told = self._operator.state
+            states = [flotilla.STATES.index(told[boat.system]) for boat in self.boats]
             tracer.step(k, self._command, np.array(states, np.uint8))
             tick_us += self._h_us
             self._until(tick_us)
@@ -150,12 +152,6 @@ class LiveWorld:
         progress(1.0)
         return tracer
 
-    def _state(self, boat: LiveBoat) -> str:
-        operator, system = self._operator, boat.system
-        if operator.fault.get(system):
-            return "FAULT"
-        return _NAMES[operator.mode[system]] if operator.armed.get(system) else "DISARMED"
-
     def _start(self) -> int:
         """Arms the boats and puts them into FORMATION, all hulls held; the tick when that was."""
         operator, boats = self._operator, self.boats
@@ -164,7 +160,7 @@ class LiveWorld:
         while tick_us < begin_us + 1e6 * _PATIENCE_S:
             if tick_us >= ask_us:
                 ask_us = tick_us + _RETRY_US
-                ready = all(operator.armed.get(boat.system, False) for boat in boats)
+                ready = not any(operator.state.get(boat.system) in _NOT_ARMED for boat in boats)
                 for boat in boats:
                     boat.radio.send(operator.arm(boat.system))
                     if ready:
@@ -172,13 +168,13 @@ class LiveWorld:
             tick_us += self._h_us
             self._until(tick_us)
             self._send(tick_us)
-            if all(operator.mode.get(boat.system) == FORMATION for boat in boats):
+            if all(operator.state.get(boat.system) == "FORMATION" for boat in boats):
                 return tick_us
             self._check_processes()
         words = [
             f"boat {boat.system}: {operator.text.get(boat.system, 'says nothing')}"
             for boat in boats
-            if operator.mode.get(boat.system) != FORMATION
+            if operator.state.get(boat.system) != "FORMATION"
         ]
         raise StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
 

@@ -12,7 +12,7 @@ import flotilla
 
 from sil.clock import Clock
 from sil.recording import BUS, CAN_IN, CAN_OUT, CLOCK, HOST, MAVLINK_OUT, RESTART, Recording
-from sil.wire.operator import HOLD as HOLD_MODE
+from sil.wire.heartbeat import HOLD as HOLD_MODE
 
 Said = list[tuple[int, bytes]]
 

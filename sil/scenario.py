@@ -125,7 +125,7 @@ def load(
 
     `law_override` takes the place of the file's law and of its gains, as `sil.law.impose` says;
     `overrides` lie over that. They are `KEY=VALUE`: dotted keys, boats counted from 1, values as
-    TOML has them (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`).
+    TOML has them (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`) or bare words (`scalar=q16`).
 
     Raises ScenarioError, whose text names file, line and key (or the override) and what is allowed.
     """

@@ -7,7 +7,8 @@ import flotilla
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
 from sil.batch import Batch
-from sil.wire.operator import FORMATION, HOLD, Operator
+from sil.wire.heartbeat import FORMATION, HOLD
+from sil.wire.operator import Operator
 
 _WARM_UP_S = 2
 _PATIENCE_S = 30

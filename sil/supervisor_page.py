@@ -8,7 +8,6 @@ from pathlib import Path
 import flotilla
 
 PAGE = Path(__file__).parent.parent / "firmware" / "SUPERVISOR.md"
-STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT")
 PUSHING = ("MANUAL", "FORMATION", "COAST", "TEST")
 DEFAULT = ("FS_LEADER_ACT 1", "FS_GCS_ACT 0")
 ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "TEST": "test"}
@@ -56,7 +55,7 @@ def way_back(state: str, fallen: str) -> str:
 
 def loss_table() -> str:
     """What the loss of each condition leads to in each armed state, and how the boat comes back."""
-    states = [s for s in STATES if s not in ("DISARMED", "FAULT")]
+    states = [s for s in flotilla.STATES if s not in ("DISARMED", "FAULT")]
     groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
     for name in NAMES:
         cells = []
@@ -92,7 +91,7 @@ def transition_table() -> str:
     """The supervisor's table, row by row."""
     rows = [
         [
-            "any" if len(row["from"]) == len(STATES) else ", ".join(row["from"]),
+            "any" if len(row["from"]) == len(flotilla.STATES) else ", ".join(row["from"]),
             row["request"],
             ", ".join(row["needs"]),
             ", ".join(row["lacks"]),
@@ -106,7 +105,7 @@ def transition_table() -> str:
 def edges() -> dict[tuple[str, str], list[str]]:
     """Transitions of a boat in each state: asked for, lost, or come back; all but disarming."""
     out: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for state in STATES:
+    for state in flotilla.STATES:
         for request in ("arm", "HOLD", *ASKED.values()):
             to = after(state, request, chosen=DEFAULT)
             if to != state and to != after(state, "nothing"):
@@ -131,7 +130,7 @@ def diagram() -> str:
             lines.append(f'  {state} -->|"{", ".join(asked)}"| {to}')
         if lost:
             lines.append(f'  {state} -.->|"{"<br>".join(lost)}"| {to}')
-    for kind, states in (("pushes", PUSHING), ("stopped", set(STATES) - set(PUSHING))):
-        lines.append(f"  class {','.join(s for s in STATES if s in states)} {kind}")
+    for kind, states in (("pushes", PUSHING), ("stopped", set(flotilla.STATES) - set(PUSHING))):
+        lines.append(f"  class {','.join(s for s in flotilla.STATES if s in states)} {kind}")
     lines += ["  classDef pushes stroke-width:3px", "  classDef stopped stroke-dasharray:4", "```"]
     return "\n".join(lines)

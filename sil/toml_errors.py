@@ -18,6 +18,7 @@ KeyPath = tuple[str, ...]
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([\w.\s\"'-]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"\s*([\w.\s\"'-]+?)\s*=")
+_WORD = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
 _POSITION = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 # pydantic's own words, where a writer of TOML would not understand them
@@ -75,15 +76,19 @@ class Source:
         self.document, self.base = base.document, base
 
     def override(self, text: str) -> None:
-        """Lay `KEY=VALUE` over the document; ScenarioError where it has no place there."""
+        """Lay `KEY=VALUE` over the document; ScenarioError where it has no place there.
+
+        The value is TOML; a bare word that is none is that text: `scalar=q16`.
+        """
         key, _, value = text.partition("=")
         path = tuple(key.strip().split("."))
         try:
             parsed = tomllib.loads(f"value = {value}")
         except tomllib.TOMLDecodeError:
-            parsed = {}
+            word = value.strip()
+            parsed = {"value": word} if _WORD.fullmatch(word) else {}
         if not all(path) or parsed.keys() != {"value"}:
-            wanted = """KEY=VALUE, the value as TOML has it: 0.1, [0, 0], '"text"'"""
+            wanted = """KEY=VALUE, the value a word or as TOML has it: 0.1, [0, 0], '"a text"'"""
             raise ScenarioError(f'override "{text}": must be {wanted}')
         try:
             lay(self.document, path, parsed["value"])

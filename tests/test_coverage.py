@@ -19,7 +19,7 @@ def files(**changes: Coverage) -> dict[str, Coverage]:
     return {names[room]: one for room, one in (good | changes).items()}
 
 
-def test_limits_that_are_kept_are_kept() -> None:
+def test_coverage_at_its_limits_passes() -> None:
     assert failures(files()) == []
 
 
@@ -33,7 +33,7 @@ def test_limits_that_are_kept_are_kept() -> None:
         ("app", covered(95, 89), "app: branches 89.0 %"),
     ],
 )
-def test_less_is_told(room: str, one: Coverage, words: str) -> None:
+def test_less_coverage_than_its_limit_is_told(room: str, one: Coverage, words: str) -> None:
     (sentence,) = failures(files(**{room: one}))
     assert words in sentence
 

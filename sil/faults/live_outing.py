@@ -14,7 +14,7 @@ from sil import scenario
 from sil.live import LiveWorld, now_us
 from sil.wire.dronecan import RAW_COMMAND
 from sil.wire.dronecan_transfer import message_subject
-from sil.wire.operator import FORMATION
+from sil.wire.heartbeat import FORMATION
 
 INTERFACE = "vcan0"
 SYSTEM = 1
@@ -136,7 +136,7 @@ class LiveOuting(LiveWorld):
     @property
     def state(self) -> str:
         """As the last heartbeat has it."""
-        return self._state(self.boat) if SYSTEM in self._operator.armed else "silent"
+        return self._operator.state.get(SYSTEM, "silent")
 
     @property
     def text(self) -> str:
@@ -145,7 +145,7 @@ class LiveOuting(LiveWorld):
 
     def forget(self) -> None:
         """Nothing was heard so far."""
-        for heard in (self._operator.armed, self._operator.fault, self._operator.text):
+        for heard in (self._operator.state, self._operator.text):
             heard.pop(SYSTEM, None)
 
     def say(self, data: bytes) -> None:

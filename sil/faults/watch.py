@@ -11,7 +11,7 @@ from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-unty
 from sil.batch import Batch
 from sil.faults.rows import Row
 from sil.plant.hull import Array
-from sil.wire.operator import FORMATION, HOLD
+from sil.wire.heartbeat import FORMATION, HOLD
 
 _RETRY_S = 0.5
 _CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)

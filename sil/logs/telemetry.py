@@ -11,7 +11,7 @@ from foxglove.messages import LogLevel
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
 from sil.logs.output import Output
-from sil.view import states
+from sil.wire.heartbeat import state_of
 
 #: Fields of `sil.logs.schema.LAW` by the names of NAMED_VALUE_FLOAT.
 LAW_NAMES = {
@@ -60,13 +60,13 @@ _ROUND_NS, _FORGOTTEN_NS = 50_000_000, 5_000_000_000
 _NO_VOLTAGE, _NO_CURRENT = 65535, -1
 
 
-def state_of(heartbeat: Any) -> str | None:
+def _state_of(heartbeat: Any) -> str | None:
     """The supervisor's state that a boat's HEARTBEAT tells; None where no boat of ours sent it."""
     kinds = (mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_GENERIC)
     aboard = (mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID)
     if (heartbeat.type, heartbeat.autopilot) not in (kinds, aboard):
         return None
-    return states.state_of(heartbeat.custom_mode, heartbeat.base_mode, heartbeat.system_status)
+    return state_of(heartbeat.custom_mode, heartbeat.base_mode, heartbeat.system_status)
 
 
 class Telemetry:
@@ -127,7 +127,7 @@ class Telemetry:
         self._said[field] = (t_ns, message.value)
 
     def _take_heartbeat(self, t_ns: int, message: Any) -> None:
-        state = state_of(message)
+        state = _state_of(message)
         if state is None:
             return
         if state != self._state:

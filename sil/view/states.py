@@ -1,27 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""A boat's state in its HEARTBEAT, and what holds it there, asked of the firmware's own table."""
+"""What holds a boat in its state, asked of the firmware's own table."""
 
 from functools import lru_cache
 from typing import Any
 
 import flotilla
 
-_ARMED, _TEST = 128, 2  # base_mode
-_CRITICAL, _EMERGENCY = 5, 6  # system_status
-_MODES = {0: "MANUAL", 4: "HOLD", 6: "FORMATION"}
 _CONDITIONS: list[dict[str, Any]] = flotilla.supervisor_conditions()
-
-
-def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None:
-    """One of `flotilla.STATES` by the fields of a boat's HEARTBEAT; None where it is none."""
-    if system_status == _EMERGENCY:
-        return "FAULT"
-    if not base_mode & _ARMED:
-        return "DISARMED"
-    if base_mode & _TEST:
-        return "TEST"
-    mode = _MODES.get(custom_mode)
-    return "COAST" if mode == "FORMATION" and system_status == _CRITICAL else mode
 
 
 @lru_cache(maxsize=1024)

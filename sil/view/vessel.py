@@ -10,6 +10,7 @@ from sil.view.aboard import Aboard
 from sil.view.motion import Motion
 from sil.view.texts import Texts
 from sil.wire import mavlink_messages as messages
+from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_ear import Message
 
 _SLOW_S = 5.0
@@ -99,7 +100,7 @@ class Vessel:
             ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT
             self.kind = "boat" if ours else "vessel"
         is_boat = self.kind == "boat"
-        self.state = states.state_of(custom_mode, base_mode, status) if is_boat else None
+        self.state = state_of(custom_mode, base_mode, status) if is_boat else None
 
     def _look_at_clock(self, boot_ms: int) -> None:
         """A vessel that was started again said on another voyage what it said before."""

@@ -3,10 +3,10 @@
 
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
+from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_frames import frames
 
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
-MANUAL, HOLD, FORMATION = 0, 4, 6
 
 _READ = {
     mavlink.MAVLINK_MSG_ID_HEARTBEAT,
@@ -17,14 +17,12 @@ _READ = {
 class Operator:
     """One ground station.
 
-    What it has heard, by system id: `armed`, `mode` (custom_mode of the heartbeat), `fault` (its
-    system_status is EMERGENCY) and the last `text` (STATUSTEXT).
+    What it has heard, by system id: the `state` of the last HEARTBEAT that tells one and the last
+    `text` (STATUSTEXT).
     """
 
     def __init__(self) -> None:
-        self.armed: dict[int, bool] = {}
-        self.mode: dict[int, int] = {}
-        self.fault: dict[int, bool] = {}
+        self.state: dict[int, str] = {}
         self.text: dict[int, str] = {}
         self._mav = mavlink.MAVLink(None, SYSTEM, COMPONENT)
 
@@ -59,9 +57,9 @@ class Operator:
                 continue
             message = self._mav.decode(bytearray(frame))
             if message_id == mavlink.MAVLINK_MSG_ID_HEARTBEAT:
-                self.armed[system] = bool(message.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
-                self.mode[system] = message.custom_mode
-                self.fault[system] = message.system_status == mavlink.MAV_STATE_EMERGENCY
+                state = state_of(message.custom_mode, message.base_mode, message.system_status)
+                if state is not None:
+                    self.state[system] = state
             elif message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
                 self.text[system] = message.text
 

@@ -67,7 +67,7 @@ TEST_CASE("FAULT is left by disarming; the boat arms and sails again, where its 
   CHECK(h.pushes());
 }
 
-TEST_CASE_TEMPLATE("the same in floating point is driven", S, float, double) {
+TEST_CASE_TEMPLATE("a boat in floating point is driven where Q16 has no room", S, float, double) {
   Harbour<S> h(eager());
   h.leader_north_m = 30;
   h.cast_off();
@@ -88,7 +88,8 @@ TEST_CASE("a leader that is told 40 km away: no number of the law has room for t
   CHECK(h.boat.state() == State::kFault);
 }
 
-TEST_CASE("one at 400 m/s is believed by nobody: it is lost, and the boat drives on at most") {
+TEST_CASE(
+    "a leader told at 400 m/s is believed by nobody: it is lost, the boat drives on at most") {
   Harbour<Q16> h;
   h.cast_off();
   h.leader_talks = false;

@@ -71,7 +71,7 @@ TEST_CASE("an ESC that drives while disarmed is found out within a second") {
   CHECK(told.run(3) > 0);
 }
 
-TEST_CASE("one that is told to turn may, and has a second to stop when it is told to") {
+TEST_CASE("an ESC that is told to turn may, and has a second to stop when it is told to") {
   Bus bus;
   bus.armed = true;
   bus.port_command = 4000;
@@ -101,7 +101,7 @@ TEST_CASE("a propeller that water turns runs down, one that goes on for five sec
   }
 }
 
-TEST_CASE("it obeys again a second after it stands still") {
+TEST_CASE("an ESC obeys again a second after it stands still") {
   Bus bus;
   bus.power_pct = 80;
   CHECK(bus.run(3) > 0);

@@ -110,7 +110,7 @@ TEST_CASE_TEMPLATE("of two vessels with one system id the first is followed, wha
   }
 }
 
-TEST_CASE_TEMPLATE("nor does another's count of resets make a jump legal", S, float, double) {
+TEST_CASE_TEMPLATE("another's count of resets makes no jump legal", S, float, double) {
   Watch<S> w;
   w.sail(2);
   link::Odometry other = at(0, 20);
@@ -128,7 +128,7 @@ TEST_CASE_TEMPLATE("nor does another's count of resets make a jump legal", S, fl
   CHECK(w.east_m() == 20);
 }
 
-TEST_CASE_TEMPLATE("after a gap it may be farther away, but not anywhere", S, float, double) {
+TEST_CASE_TEMPLATE("after a gap a vessel may be farther away, but not anywhere", S, float, double) {
   const std::vector<std::tuple<double, double, bool>> gaps{
       {0, 4, false}, {2, 4, true}, {2, 100, false}, {20, 90, true}};
   for (const auto& [gap_s, off_m, legal] : gaps) {

@@ -41,7 +41,8 @@ TEST_CASE_TEMPLATE("a vessel that sails or turns and sticks is frozen within hal
   }
 }
 
-TEST_CASE_TEMPLATE("one that lies still and says so is not, however long", S, float, double) {
+TEST_CASE_TEMPLATE("a vessel that lies still and says so is not frozen, however long", S, float,
+                   double) {
   Watch<S> w;
   CHECK(w.sail(1000) == -1);
   w.sample.u_mps = 1;
@@ -106,7 +107,7 @@ TEST_CASE_TEMPLATE("two equal states under thrust at a place that stays are chan
   }
 }
 
-TEST_CASE_TEMPLATE("it is live again some states after it moves", S, float, double) {
+TEST_CASE_TEMPLATE("a frozen vessel is live again some states after it moves", S, float, double) {
   Watch<S> w;
   w.sample.u_mps = 1;
   w.sail(5);

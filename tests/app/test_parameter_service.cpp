@@ -289,7 +289,7 @@ TEST_CASE("no boat follows itself: not under the id that it took, nor under the 
   CHECK(companion.set("FORM_LEADER", 100).what == What::kSet);
 }
 
-TEST_CASE("names that it knows are those of the list, whatever the value") {
+TEST_CASE("known names are those of the list, whatever the value") {
   const auto knows = [](const std::string& name) {
     return ParameterService::knows({NAN, {9, 9}, name_of(name), 77});
   };

@@ -153,7 +153,7 @@ constexpr std::array<double, 5> all_of(double x) {
   return {s, c, root(x < 0 ? -x : x), hypot(x, 5), atan2(x, -40)};
 }
 
-TEST_CASE("on this processor they are to the last bit what the compiler works out by IEEE 754") {
+TEST_CASE("functions are, on this processor, to the last bit what the compiler computes") {
   static constexpr auto kTold = [] {
     std::array<std::array<double, 5>, kArguments> out{};
     for (int k = 0; k < kArguments; ++k) out[static_cast<std::size_t>(k)] = all_of(argument(k));

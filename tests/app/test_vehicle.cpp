@@ -489,7 +489,9 @@ TEST_CASE("termination leads to FAULT from every state, and only a disarm out of
     s.test_port();
     s.set("MODE", 6);
     s.tick();
-    for (const auto& ack : s.all<link::CommandAck>()) CHECK(ack.result != mav::kAccepted);
+    const auto acks = s.all<link::CommandAck>();
+    CHECK(acks.size() == 6);
+    for (const auto& ack : acks) CHECK(ack.result != mav::kAccepted);
     CHECK(s.state() == State::kFault);
     s.pass(30);
     CHECK(s.state() == State::kFault);

@@ -8,7 +8,7 @@ import pytest
 
 from tests.clients.boat import ESCS_SILENT, Sea, parameters
 from tests.clients.mavproxy_client import MavProxy
-from tests.target.stations import FORMATION, HOLD
+from tests.turns import some
 
 
 @pytest.fixture
@@ -46,9 +46,9 @@ def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: M
     ready.tell("arm throttle", "ARMED")
     sea.until(lambda: sea.armed)
     ready.tell("mode FOLLOW", "Mode FOLLOW")
-    sea.until(lambda: sea.mode == FORMATION and sea.driven())
+    sea.until(lambda: sea.state == "FORMATION" and sea.driven())
     ready.tell("mode HOLD", "Mode HOLD")
-    sea.until(lambda: sea.mode == HOLD)
+    sea.until(lambda: sea.state == "HOLD")
     ready.tell("disarm", "DISARMED")
     sea.until(lambda: not sea.armed)
 
@@ -62,5 +62,5 @@ def test_the_operator_reads_why_the_boat_does_not_arm(sea: Sea, ready: MavProxy)
 
 def test_the_boats_files_are_listed(ready: MavProxy) -> None:
     words = ready.tell("ftp list", "Total size")
-    for name, content in flotilla.metadata().items():
+    for name, content in some(flotilla.metadata().items()):
         assert re.search(rf"{re.escape(name)}\s+{len(content)}\b", words), words

@@ -33,6 +33,7 @@ from tests.target.stations import (
     SET_MODE,
     TEMPORARILY_REJECTED,
 )
+from tests.turns import some
 
 REQUEST_MESSAGE = 512
 AVAILABLE_MODES = 435
@@ -57,7 +58,7 @@ def test_a_boat_is_found_as_an_autopilot_of_its_system_id(mavsdk: MavsdkClient) 
     assert mavsdk.system.component_ids() == [1]
 
 
-def test_its_version_is_the_projects(mavsdk: MavsdkClient) -> None:
+def test_a_boats_version_is_the_projects(mavsdk: MavsdkClient) -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     version = mavsdk.call(mavsdk.info.get_version)
     assert f"{version.flight_sw_major}.{version.flight_sw_minor}" == project["version"]
@@ -156,7 +157,7 @@ def test_no_force_arms_against_a_failing_check(
         assert mavsdk.command(ARM, *params) == DENIED
     sea.beat()
     beats = sea.named("HEARTBEAT")[before:]
-    assert not any(beat.base_mode & 128 for beat in beats)
+    assert not any(beat.base_mode & 128 for beat in some(beats))
     assert set(sea.raw_commands()[-100:]) == {(0, 0)}
 
 
@@ -258,10 +259,10 @@ def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient
     sea.until(lambda: sea.armable)
     mavsdk.call(mavsdk.action.arm)
     assert mavsdk.command(SET_MODE, 1.0, FORMATION) == ACCEPTED
-    sea.until(lambda: sea.mode == FORMATION and sea.driven())
+    sea.until(lambda: sea.state == "FORMATION" and sea.driven())
     sea.until(lambda: modes and modes[-1]["custom_mode"] == FORMATION)
     mavsdk.call(mavsdk.action.hold)
-    sea.until(lambda: sea.mode == HOLD and not sea.driven())
+    sea.until(lambda: sea.state == "HOLD" and not sea.driven())
     sea.until(lambda: modes[-1]["custom_mode"] == HOLD)
 
 

@@ -91,7 +91,7 @@ def test_what_cannot_fail_is_not_injected(simulated: FleetSea, operator: Operato
     assert simulated.state() == "FORMATION"
 
 
-def test_a_boat_that_is_not_simulated_obeys_none(mavsdk: MavsdkClient) -> None:
+def test_a_boat_that_is_not_simulated_obeys_no_injected_failure(mavsdk: MavsdkClient) -> None:
     failure = Failure(mavsdk.system)
     with pytest.raises(FailureError) as refusal:
         mavsdk.call(failure.inject, GPS, OFF, 0)

@@ -69,14 +69,15 @@ TEST_CASE("behind the S-curve, all of 1,000 boats that start anywhere come to th
   CHECK(astray<double>(kSeed, 200, {.seconds = 60}) == 0);
 }
 
-TEST_CASE_TEMPLATE("behind a leader that never turns they come as well", S, float, double) {
+TEST_CASE_TEMPLATE("boats behind a leader that never turns come to their slots", S, float, double) {
   constexpr std::uint32_t kSeed = 62;
   INFO("seed ", kSeed);
   CHECK(astray<S>(kSeed, 100, {.leader = [](double) { return Tau<double>{2, 0}; }}) == 0);
 }
 
-TEST_CASE_TEMPLATE("behind a leader on a circle they come, and slots that turn with it are reached",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "boats behind a leader on a circle come to their slots, also to those that turn with it", S,
+    float, double) {
   constexpr std::uint32_t kSeed = 63;
   INFO("seed ", kSeed);
   Sea sea{.leader = [](double) { return Tau<double>{2, 0.15}; }};
@@ -108,7 +109,7 @@ TEST_CASE_TEMPLATE("a cross current of 0.1 m/s carries nobody away", S, float, d
   CHECK(astray<S>(kSeed, 100, {.current = {0, 0.1}}) == 0);
 }
 
-TEST_CASE_TEMPLATE("with propellers of 3 N they come later, but they come", S, float, double) {
+TEST_CASE_TEMPLATE("boats with propellers of 3 N come to their slots later", S, float, double) {
   constexpr std::uint32_t kSeed = 66;
   INFO("seed ", kSeed);
   CHECK(astray<S>(kSeed, 100, {.T_max = 3}) == 0);

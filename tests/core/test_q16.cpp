@@ -41,7 +41,7 @@ TEST_CASE(
   CHECK_FALSE(take_overflow<Q16>());
 }
 
-TEST_CASE("with its observer and in a current too") {
+TEST_CASE("a boat with its observer, in a current, sails in Q16 as it does in doubles") {
   const auto leader = testing::voyage(testing::s_curve, 0.01, 60);
   testing::PilotedBoat<Q16> boat;
   boat.hull = {{1.46, 0.45, 1.33, 0, 0, 0}, {0, 0.1}};

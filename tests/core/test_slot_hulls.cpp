@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("a model ship behind its like heads as that does, whatever it
   CHECK(worst_behind_its_like<S>(cybership<double>(), 0.2) < 0.04);
 }
 
-TEST_CASE_TEMPLATE("nearly as heavy ahead as abeam, hardly damped in sway: they head alike", S,
+TEST_CASE_TEMPLATE("hulls nearly as heavy ahead as abeam, hardly damped in sway, head alike", S,
                    float, double) {
   for (const double ratio : {0.5, 0.6, 0.7, 0.8, 0.9}) {
     for (const double damping : {0.02, 0.1, 0.5, 5.0}) {

@@ -12,8 +12,9 @@ from sil.bodies import bodies_of
 from sil.scenario import Scenario
 from sil.streams import Stream, generator
 from sil.trace import Tracer
+from sil.wire.heartbeat import FORMATION, HOLD
 from sil.wire.link import Link
-from sil.wire.operator import FORMATION, HOLD, Operator
+from sil.wire.operator import Operator
 from sil.world import Run
 from tests.loop.vessel import Vessel, VirtualLeader
 from tests.target.reference_fleet import SplitMix64

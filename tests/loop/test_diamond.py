@@ -66,8 +66,7 @@ def test_the_trace_has_the_shapes_that_users_rely_on(diamond: tuple[Run, Path]) 
 
 
 def test_boats_spend_the_whole_run_in_formation(diamond: tuple[Run, Path]) -> None:
-    for seconds in diamond[0].states:
-        assert seconds == pytest.approx({"FORMATION": 300.01})
+    assert diamond[0].states == [pytest.approx({"FORMATION": 300.01})] * 4
 
 
 def test_boats_3_and_4_pass_within_1_2_m_of_each_other(diamond: tuple[Run, Path]) -> None:

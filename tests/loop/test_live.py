@@ -1,22 +1,27 @@
 # SPDX-License-Identifier: MIT
 """Real flotillad processes on a real bus, against the lockstep run of the same scenario."""
 
+import io
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
-from sil import metrics
+from sil import metrics, run, scenario
 from sil.__main__ import main
-from sil.live import buses_of
+from sil.live import LiveWorld, buses_of
+from sil.trace import Tracer
 from sil.view.history import numbers
 from sil.view.recorded import history_of_run
-from sil.world import Run
+from sil.world import Progress, Run
 from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
+from tests.turns import some
 
 DURATION_S = 40
+COASTING_RUN_S = 10
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +62,7 @@ def test_a_live_run_leaves_what_a_lockstep_run_leaves_but_a_digest(live: Path) -
 def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
     history = history_of_run(live)
     t_s = numbers(history["t_s"])
-    for boat in history["vessels"][1:]:
+    for boat in some(history["vessels"][1:]):
         assert boat["states"] == [[0.0, "FORMATION"]]
         assert set(numbers(boat["battery_V"])) == {24.0}
         assert (numbers(boat["leader_age_s"]) < 1.0).all()
@@ -71,6 +76,39 @@ def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
             for late_s in (-3.0, 0.5, 4.0)
         }
         assert likeness[0.5] == max(likeness.values()) > 0.9, likeness
+
+
+class LeaderFallsSilent(LiveWorld):
+    """Its virtual leader says nothing more after four seconds."""
+
+    def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
+        def silencing(share: float) -> None:
+            if share * COASTING_RUN_S > 3.5:  # told once a second
+                self._leader.outbox = []
+            progress(share)
+
+        return super().run(program, out, silencing)
+
+
+def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sil.run.LiveWorld", LeaderFallsSilent)
+    diamond = scenario.load("diamond", [f"duration_s={COASTING_RUN_S}"])
+    pair = diamond.model_copy(update={"boat": diamond.boat[:2]})
+    words = io.StringIO()
+    parameters = {"FS_LEADER_S": 1.0, "FS_COAST_S": 60.0}
+    with live_buses() as bus:
+        summary = run.live(pair, bus, tmp_path, parameters, "", Console(file=words))
+    skip_where_too_slow(tmp_path)
+    behind_it, behind_boat_1 = (boat["states"] for boat in summary["boats"])
+    assert behind_it.keys() == {"FORMATION", "COAST"}
+    assert 3.0 < behind_it["COAST"] < 6.0
+    assert behind_boat_1.keys() == {"FORMATION"}
+    assert "boat 1 was not always in FORMATION" in words.getvalue()
+    played_back = history_of_run(tmp_path)["vessels"][1:]
+    states = [[state for _, state in boat["states"]] for boat in played_back]
+    assert states == [["FORMATION", "COAST"], ["FORMATION"]]
 
 
 def test_nothing_of_an_earlier_run_in_the_folder_is_taken_for_this_ones(live: Path) -> None:

@@ -26,17 +26,17 @@ def closest_and_last_errors(
 
 
 def test_boats_that_start_scattered_never_come_too_near_and_all_arrive() -> None:
-    closest_m, last_m = closest_and_last_errors(40, 75)
+    closest_m, last_m = closest_and_last_errors(40, 100)
     assert min(closest_m) > LEAST_M
-    assert np.quantile(last_m, 0.9) < 0.05 and max(last_m) < 5.0
+    assert max(last_m) < 0.02  # measured: 0.007, the last boat after 80 s
 
 
-def test_without_it_they_do_come_too_near() -> None:
+def test_boats_that_keep_clear_of_nobody_do_come_too_near() -> None:
     closest_m, _ = closest_and_last_errors(12, 20, "parameters.FS_SEP_M=0")
     assert np.mean(np.array(closest_m) < LEAST_M) > 0.5
 
 
-def test_nor_where_boats_are_heard_but_twice_a_second() -> None:
+def test_boats_heard_but_twice_a_second_never_come_too_near() -> None:
     slow = ("parameters.SR_STATE=2", "parameters.FS_LEADER_S=3")
     closest_m, _ = closest_and_last_errors(12, 30, *slow)
     assert min(closest_m) > LEAST_M

@@ -15,6 +15,7 @@ from sil.world import Run, World
 from sil.world import sail as sail_together
 from tests.loop.conftest import Sail
 from tests.loop.objects import ObjectWorld
+from tests.turns import some
 
 # A circle of 20 s, then no input: the leader drifts to a stop.
 CIRCLE_THEN_STOP = """
@@ -208,8 +209,8 @@ def test_every_byte_on_every_wire_is_that_of_the_world_of_objects(
     recording = list(Recording(tmp_path / "recording.bin"))
     for own, other in zip(recording, objects.records, strict=False):
         assert own == other
-    assert len(recording) == len(objects.records)
-    for name, array in expected.trace.items():
+    assert len(recording) == len(objects.records) > 0
+    for name, array in some(expected.trace.items()):
         assert np.array_equal(run.trace[name], array), name
     assert run.states == expected.states
 
@@ -235,7 +236,7 @@ def test_a_run_is_the_same_bit_for_bit_whatever_it_is_sailed_with() -> None:
         (alone,) = sail_together([chosen], {}, digest=True)
         assert isinstance(run, Run) and isinstance(alone, Run)
         assert run.digest == alone.digest and run.states == alone.states
-        for name, array in alone.trace.items():
+        for name, array in some(alone.trace.items()):
             assert run.trace[name].tobytes() == array.tobytes(), name
         digests.add(run.digest)
     assert len(digests) == len(together)
@@ -271,7 +272,7 @@ def test_a_trace_that_is_kept_every_half_second_is_that_of_every_tick_there() ->
     chosen = scenario.load("diamond", ["duration_s=4"])
     (whole,), (thin,) = (sail_together([chosen], {}, keep_s=keep_s) for keep_s in (None, 0.5))
     assert thin.digest is None and thin.states == whole.states
-    for name, array in whole.trace.items():
+    for name, array in some(whole.trace.items()):
         assert np.array_equal(thin.trace[name], array[::50]), name
 
 

@@ -104,7 +104,7 @@ TEST_CASE("frames that are changed on the bus break the rules about them") {
   CHECK(after(arming, id) == "transfer ids count on");
 }
 
-TEST_CASE("armed by nobody's command: told, and which rule it is") {
+TEST_CASE("a boat armed by nobody's command breaks the rule that says so") {
   WatchedHarbour<> h;
   h.sail(2);
   std::vector<std::uint8_t> unheard = testing::frame_of(

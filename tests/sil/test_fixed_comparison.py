@@ -10,6 +10,7 @@ import pytest
 
 from sil import fixed_comparison
 from sil.fixed_comparison import Row
+from tests.turns import some
 
 NEEDED = [
     *map(shutil.which, ("qemu-system-arm", "arm-none-eabi-g++")),
@@ -38,7 +39,7 @@ def rows() -> dict[str, Row]:
 def test_ours_are_within_one_lsb_and_libfixmaths_sines_and_bearings_are_far_off(
     rows: dict[str, Row],
 ) -> None:
-    assert all(0.4 < row.error < 1 and row.arguments > 20_000 for row in rows.values())
+    assert all(0.4 < row.error < 1 and row.arguments > 20_000 for row in some(rows.values()))
     for name, lsb in {"sin": 100, "sin_far": 1000, "cos": 100, "atan2": 500, "exp": 10_000}.items():
         assert rows[name].error_libfixmath > lsb
     for name in ("multiply", "divide", "sqrt"):
@@ -57,13 +58,13 @@ def test_a_float_has_fewer_places_where_numbers_are_great(rows: dict[str, Row]) 
 def test_without_a_floating_point_unit_every_function_costs_a_fraction_of_newlibs(
     rows: dict[str, Row],
 ) -> None:
-    for row in rows.values():
+    for row in some(rows.values()):
         factor = 2 if row.name in ("multiply", "divide", "sqrt") else 8
         assert 0 < factor * row.instructions < row.instructions_soft
         assert row.instructions_fpu < row.instructions_soft
 
 
 def test_the_tables_have_a_line_for_each_function(rows: dict[str, Row]) -> None:
-    for table in fixed_comparison.tables(list(rows.values())):
+    for table in some(fixed_comparison.tables(list(rows.values()))):
         assert table.row_count == len(rows) == 10
         assert len(table.columns) == 5

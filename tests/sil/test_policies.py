@@ -48,7 +48,7 @@ def test_a_run_names_boat_time_rule_and_the_recording_which_is_kept(tmp_path: Pa
 
 
 @pytest.mark.usefixtures("disobedient")
-def test_of_runs_that_are_sailed_together_only_the_one_has_failed() -> None:
+def test_a_broken_rule_fails_only_its_own_run_among_those_sailed_together() -> None:
     chosen = scenario.load("diamond", SHORT)
     good, bad = sail([chosen, chosen], {})
     assert isinstance(good, Run)
@@ -59,7 +59,7 @@ def test_of_runs_that_are_sailed_together_only_the_one_has_failed() -> None:
 
 
 @pytest.mark.usefixtures("disobedient")
-def test_the_command_line_says_it_in_one_line_with_status_1(
+def test_the_command_line_tells_a_broken_rule_in_one_line_with_status_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", "diamond", "--set", SHORT[0], "--out", str(tmp_path)]) == 1

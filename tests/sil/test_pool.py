@@ -50,7 +50,7 @@ def test_an_exception_ends_the_processes_and_is_raised() -> None:
     assert multiprocessing.active_children() == []
 
 
-def test_interrupted_it_leaves_no_process_behind() -> None:
+def test_an_interrupted_pool_leaves_no_process_behind() -> None:
     def interrupt(task: int, result: None) -> None:
         raise KeyboardInterrupt
 

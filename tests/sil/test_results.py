@@ -97,7 +97,7 @@ def test_whole_run_writes_page_and_pictures_and_is_repeatable(
 
 
 @pytest.mark.parametrize("few", [["--only", "sea"], ["--seeds", "2"], ["--set", "duration_s=9"]])
-def test_less_than_the_whole_leaves_the_page_alone(
+def test_a_run_of_fewer_scenarios_leaves_the_page_alone(
     sail: Callable[..., list[Job]], tmp_path: Path, few: list[str]
 ) -> None:
     jobs = sail(fleet)
@@ -163,7 +163,7 @@ def test_json_has_null_for_never(sail: Callable[..., list[Job]], tmp_path: Path)
     assert bounds["deviation_from_reference"]["paper"] == 0.029
 
 
-def test_interrupted_it_writes_nothing(sail: Callable[..., list[Job]], tmp_path: Path) -> None:
+def test_an_interrupted_run_writes_nothing(sail: Callable[..., list[Job]], tmp_path: Path) -> None:
     def interrupted(job: Job) -> Outcome:
         raise KeyboardInterrupt
 

@@ -72,7 +72,7 @@ def test_laws_and_seeds_are_those_asked_for(outcomes: list[Outcome]) -> None:
     assert "deviation_from_reference" not in outcomes[4].figures
 
 
-def test_interrupted_it_leaves_no_process_behind() -> None:
+def test_interrupted_sailing_leaves_no_process_behind() -> None:
     def interrupt(outcome: Outcome) -> None:
         raise KeyboardInterrupt
 

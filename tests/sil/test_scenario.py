@@ -174,6 +174,11 @@ def test_overrides_lie_over_the_file() -> None:
     assert diamond.firmware_parameters(diamond.boat[0])["FS_COAST_S"] == 2
 
 
+@pytest.mark.parametrize("value", ["q16", " q16 ", "'q16'", '"q16"'])
+def test_a_word_of_an_override_may_do_without_quotation_marks(value: str) -> None:
+    assert load("diamond", [f"scalar={value}"]).scalar == "q16"
+
+
 @pytest.mark.parametrize(
     ("line", "new", "told"),
     [
@@ -312,7 +317,10 @@ def test_mistake_that_only_the_base_can_have_made_is_told_in_the_base(tmp_path: 
         ("seed.x=1", 'no key "seed.x": 3 is no table'),
         ("seed", "must be KEY=VALUE"),
         ("=1", "must be KEY=VALUE"),
-        ("scalar=double", "must be KEY=VALUE, the value as TOML has it"),
+        ("scalar=dobule", '"scalar" = "dobule": must be'),
+        ("scalar=double or float", "must be KEY=VALUE, the value a word or as TOML has it"),
+        ("boat.2.eta=[0, 0", "must be KEY=VALUE, the value a word or as TOML has it"),
+        ("rate_hz=true", '"rate_hz" = true: must be'),
         ("seed=1\nrate_hz=60", "must be KEY=VALUE"),
     ],
 )

@@ -71,7 +71,7 @@ def test_every_check_that_fails_is_named_and_no_other(
 
 
 @pytest.mark.parametrize("check", CHECKS)
-def test_the_prearm_bit_of_sys_status_says_the_same(check: str) -> None:
+def test_the_prearm_bit_of_sys_status_is_set_exactly_while_no_check_fails(check: str) -> None:
     for checks in ((), (check,)):
         ticks = failing(checks).run(1.2)
         status = named(ticks, "SYS_STATUS")[-1]
@@ -118,7 +118,7 @@ def test_another_refusal_does_not_swallow_why_the_boat_does_not_arm(
     assert not texts([sea.arm()])
 
 
-def test_nor_does_a_prearm_reason_swallow_another_refusal(sea: Sea) -> None:
+def test_a_prearm_reason_does_not_swallow_another_refusal(sea: Sea) -> None:
     sea.own.on = False
     sea.settle()
     assert prearm(texts([sea.arm()]))
@@ -151,7 +151,7 @@ def test_arm_force_of_mavsdk_disarms(sea: Sea, state: str) -> None:
 
 @pytest.mark.parametrize("as_int", [False, True], ids=["LONG", "INT"])
 @pytest.mark.parametrize("number", [1.0, -1.0, 2989.0, 21195.0, 21197.0, 21196.5, math.inf])
-def test_no_other_number_forces(sea: Sea, number: float, as_int: bool) -> None:
+def test_no_other_force_number_is_accepted(sea: Sea, number: float, as_int: bool) -> None:
     sea.settle()
     sea.say((command_int if as_int else command_long)(ARM, 1.0, number))
     assert acks(sea.step()) == [(ARM, DENIED)] and sea.state == "DISARMED"

@@ -28,14 +28,16 @@ def test_arming_status_changes_in_the_tick_of_the_order(sea: Sea) -> None:
 
 
 def test_arming_status_is_255_exactly_while_armed(outing: Sea) -> None:
-    state = 0
+    state, seen = 0, set()
     for tick in outing.ticks:
         for m in tick.named("HEARTBEAT"):
             state = 255 if m.base_mode & 128 else 0
         for status in tick.arming:
             assert status == state
+            seen.add(status)
         if any(tick.commands):
             assert state == 255
+    assert seen == {0, 255}
 
 
 def test_a_refused_arming_never_says_255(sea: Sea) -> None:

@@ -83,7 +83,7 @@ def test_a_companion_beats_as_a_companion() -> None:
         assert (m.get_srcSystem(), m.get_srcComponent()) == (BOAT, COMPANION)
 
 
-def test_it_takes_the_system_id_of_its_autopilot_three_seconds_after_that_was_heard() -> None:
+def test_a_companion_takes_its_autopilots_system_id_three_seconds_after_hearing_it() -> None:
     sea = companion()
     sea.run(10.0)
     assert address(sea) == (BOAT, COMPANION)
@@ -92,14 +92,17 @@ def test_it_takes_the_system_id_of_its_autopilot_three_seconds_after_that_was_he
         sea.say(beat(), sender=Station(AUTOPILOT, 1))
         sea.run(1.0)
     assert address(sea) == ME
+    seen = set()
     for tick in sea.ticks:
         for m in tick.messages():
             before = tick.now_us < heard_us + LISTEN_S * 1e6
+            seen.add(before)
             assert m.get_srcSystem() == (BOAT if before else AUTOPILOT)
             assert m.get_srcComponent() == COMPANION
+    assert seen == {True, False}
 
 
-def test_of_two_autopilots_it_takes_neither() -> None:
+def test_a_companion_takes_the_id_of_neither_of_two_autopilots() -> None:
     sea = companion()
     sea.say(beat(), sender=Station(AUTOPILOT, 1))
     sea.run(2.0)
@@ -117,7 +120,7 @@ def test_the_first_autopilot_again_after_another_one_is_no_second_chance() -> No
     assert address(sea) == (BOAT, COMPANION)
 
 
-def test_who_comes_after_the_three_seconds_changes_nothing() -> None:
+def test_an_autopilot_that_comes_after_the_three_seconds_changes_nothing() -> None:
     sea = latched()
     for _ in range(5):
         sea.say(beat(), sender=Station(AUTOPILOT + 1, 1))
@@ -173,7 +176,7 @@ def test_an_armed_boat_stays_who_it_is(armed_first: bool) -> None:
     assert sea.state == "FORMATION" and any(sea.commands)
 
 
-def test_its_leader_is_not_its_autopilot() -> None:
+def test_a_companions_leader_is_not_its_autopilot() -> None:
     """Heard alone, before the own autopilot has started: a boat never takes that name for its own.
 
     It would take the leader's state for its own too, and sail on it.
@@ -192,7 +195,7 @@ def test_a_vehicle_never_takes_anothers_id(sea: Sea) -> None:
     assert address(sea) == (BOAT, 1)
 
 
-def test_with_the_new_id_the_own_state_is_the_autopilots() -> None:
+def test_a_companion_with_its_new_id_has_the_autopilots_state() -> None:
     sea = companion()
     sea.say(beat(), sender=Station(AUTOPILOT, 1))
     sea.run(2.0)
@@ -216,7 +219,7 @@ def test_a_companion_says_nothing_that_its_autopilot_says() -> None:
 
 
 @pytest.mark.parametrize("message", [1, 30, 32, 33, 144, 242, 331, 245])
-def test_nor_does_it_on_request(message: int) -> None:
+def test_a_companion_does_not_say_on_request_what_its_autopilot_says(message: int) -> None:
     sea = latched()
     for command in (
         command_long(REQUEST_MESSAGE, float(message), target=ME),
@@ -230,7 +233,7 @@ def test_nor_does_it_on_request(message: int) -> None:
 
 
 @pytest.mark.parametrize("message", [0, 148, 300, 291, 290, 436, 435, 397, 251])
-def test_what_is_its_own_it_tells_on_request(message: int) -> None:
+def test_a_companion_tells_on_request_what_is_its_own(message: int) -> None:
     sea = latched()
     sea.say(command_long(REQUEST_MESSAGE, float(message), target=ME))
     tick = sea.step()
@@ -238,7 +241,7 @@ def test_what_is_its_own_it_tells_on_request(message: int) -> None:
     assert message in [m.get_msgId() for m in tick.messages()]
 
 
-def test_its_parameters_are_read_as_any_components() -> None:
+def test_a_companions_parameters_are_read_as_any_components() -> None:
     sea = latched()
     sea.say(param_read("FORM_LEADER", target=ME))
     (value,) = named(sea.run(0.1), "PARAM_VALUE")
@@ -320,7 +323,7 @@ def test_what_stops_the_boat_is_obeyed_however_it_is_addressed(
     assert sea.state == state and tick.commands == (0, 0)
 
 
-def test_the_old_message_for_hold_stops_it_too() -> None:
+def test_the_old_message_for_hold_stops_a_companion() -> None:
     sea = latched()
     for first in ((ARM, 1.0), (SET_MODE, 1.0, 6.0)):
         sea.say(command_long(*first, target=ME))
@@ -357,7 +360,7 @@ def test_a_disarm_is_obeyed_however_it_is_addressed(target: tuple[int, int], mak
 
 
 @pytest.mark.parametrize("target", [(AUTOPILOT, 1), (BOAT, COMPANION), (BOAT, 0), (AUTOPILOT, 190)])
-def test_what_is_addressed_to_the_autopilot_or_the_old_id_is_not_for_it(
+def test_what_is_addressed_to_the_autopilot_or_the_old_id_is_not_for_a_companion(
     target: tuple[int, int],
 ) -> None:
     sea = latched()
@@ -365,7 +368,7 @@ def test_what_is_addressed_to_the_autopilot_or_the_old_id_is_not_for_it(
     assert not named(sea.run(0.2), "COMMAND_ACK") and sea.state == "DISARMED"
 
 
-def test_addressed_to_it_alone_it_does_all_that_a_vehicle_does() -> None:
+def test_a_companion_addressed_alone_does_all_that_a_vehicle_does() -> None:
     sea = latched()
     for order, state in (
         ((ARM, 1.0), "HOLD"),
@@ -382,7 +385,7 @@ def test_addressed_to_it_alone_it_does_all_that_a_vehicle_does() -> None:
         assert acks(sea.step()) == [(unknown, UNSUPPORTED)]
 
 
-def test_the_autopilot_beside_it_is_no_double_of_it() -> None:
+def test_the_autopilot_beside_a_companion_is_no_double_of_it() -> None:
     sea = latched()
     for _ in range(5):
         sea.say(beat(), sender=Station(AUTOPILOT, 1))

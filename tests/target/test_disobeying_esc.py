@@ -59,7 +59,7 @@ def test_a_boat_whose_esc_drives_while_disarmed_is_not_armed() -> None:
     assert sea.state == "HOLD"
 
 
-def test_one_that_drives_in_hold_is_told_to_disarm() -> None:
+def test_an_esc_that_drives_in_hold_is_a_fault_and_told_to_disarm() -> None:
     sea, esc = bus()
     sea.arm()
     sea.run(1.0)

@@ -11,8 +11,9 @@ import pytest
 from tests.target.course import Course
 from tests.target.hull import ARM_M, GREATEST_N, Afloat, Hull, s_curve
 from tests.target.operator_words import param_set
-from tests.target.sea import Sea, Tick
+from tests.target.sea import Sea, Tick, named
 from tests.target.stations import FORMATION, odometry, origin
+from tests.turns import some
 
 AHEAD = Course(0.0, 0.0, 0.2, 0.5)
 UNKNOWN, CURRENT = ("UNK_X", "UNK_N"), ("CUR_N", "CUR_E")
@@ -42,8 +43,8 @@ def test_a_constant_push_is_found_and_forgotten_when_disarmed(
     assert told(sea.run(10.0), UNKNOWN) == pytest.approx((sign * 1.0, sign * 0.05), rel=0.03)
     first = sea.disarm()
     assert sea.state == "DISARMED"
-    for tick in [first, *sea.run(3.0)]:
-        assert all(not m.value for m in tick.named("NAMED_VALUE_FLOAT") if m.name in UNKNOWN)
+    said = named([first, *sea.run(3.0)], "NAMED_VALUE_FLOAT")
+    assert not any(m.value for m in some(m for m in said if m.name in UNKNOWN))
     assert told(sea.ticks[-30:], UNKNOWN) == (0.0, 0.0)
     assert set(sea.snapshot()["unknown"].values()) == {0.0}
 
@@ -95,7 +96,7 @@ def test_an_estimate_that_is_switched_off_under_way_is_forgotten() -> None:
         ("LAW_CUR_BW", "current_mps", "unknown"),
     ):
         known = sea.snapshot()
-        assert all(known[key].values())
+        assert all(some(known[key].values()))
         sea.say(param_set(name, 0.0))
         sea.run(0.06)  # with the next fix
         assert set(sea.snapshot()[key].values()) == {0.0}
@@ -119,7 +120,7 @@ def bears(sea: Sea) -> bool:
 
 @pytest.mark.parametrize("quick", [False, True])
 @pytest.mark.parametrize("steady", [False, True])
-def test_absurd_fixes_for_minutes_leave_both_bounded(steady: bool, quick: bool) -> None:
+def test_absurd_fixes_for_minutes_leave_both_estimates_bounded(steady: bool, quick: bool) -> None:
     """Anywhere and of any speed, or always of the same that no boat has; at any moment."""
     dice = random.Random(11)
     sea = Sea(QUICKEST if quick else {}, leader=AHEAD)

@@ -33,7 +33,9 @@ def test_a_diamond_sails_as_its_boats_do_one_by_one(scalar: str) -> None:
 
 
 @pytest.mark.parametrize("clock", [(7_000_000_123, 0.0), (0, 40.0), (3_600_000_000, -333.3)])
-def test_clocks_hours_apart_that_drift(clock: tuple[int, float]) -> None:
+def test_boats_whose_clocks_drift_hours_apart_sail_as_they_do_one_by_one(
+    clock: tuple[int, float],
+) -> None:
     twins = Twins()
     twins.diamond(clock=clock)
     twins.enter_formation()
@@ -45,7 +47,7 @@ def test_clocks_hours_apart_that_drift(clock: tuple[int, float]) -> None:
 @pytest.mark.parametrize("message", ["local", "odometry", "global", "follow_target"])
 @pytest.mark.parametrize("attitude_rate_hz", [0.0, 33.0])
 @pytest.mark.parametrize("origin", [None, LAKE])
-def test_every_message_that_tells_a_state(
+def test_every_message_that_tells_a_state_is_sent_as_by_one_unit(
     message: str, attitude_rate_hz: float, origin: Any
 ) -> None:
     twins = Twins()

@@ -15,7 +15,7 @@ OTHER = 99
 
 
 @pytest.mark.parametrize("indices", [(0, 1), (7, 2), (19, 12), (3, 4)])
-def test_escs_at_any_place_of_a_command(indices: tuple[int, int]) -> None:
+def test_escs_at_any_place_of_a_command_do_as_they_do_alone(indices: tuple[int, int]) -> None:
     port, stbd = indices
     twins = Twins()
     twins.diamond()

@@ -165,7 +165,7 @@ def test_a_bus_that_is_off_carries_nothing_and_the_host_knows() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 1.0])
-def test_so_many_frames_are_lost(share: float) -> None:
+def test_a_bus_loses_the_share_of_frames_that_it_is_told(share: float) -> None:
     well, ill = Troubled(), Troubled()
     ill.fail(1, "frame_loss", value=share, seed=6)
     sent, come = (len(frames(sea.sail(400), 1, to_boat=True)) for sea in (well, ill))
@@ -198,7 +198,7 @@ def test_a_silent_leader_is_silent_to_its_followers_only() -> None:
     assert {m.get_srcSystem() for m in messages(heard(records, 1, RADIO), "ATTITUDE")} == {2}
 
 
-def test_so_many_chunks_are_lost() -> None:
+def test_a_radio_loses_the_share_of_chunks_that_it_is_told() -> None:
     sea = Troubled()
     sea.fail(1, "radio_loss", value=0.3, seed=9)
     records = sea.sail(500)
@@ -207,7 +207,7 @@ def test_so_many_chunks_are_lost() -> None:
     assert len(come) / len(spoken) == pytest.approx(0.7, abs=0.08)
 
 
-def test_so_many_bytes_are_damaged() -> None:
+def test_a_radio_damages_the_share_of_bytes_that_it_is_told() -> None:
     sea = Troubled()
     sea.fail(1, "byte_errors", value=0.05, seed=9)
     records = sea.sail(400)

@@ -26,7 +26,9 @@ RADIOS = [
 
 
 @pytest.mark.parametrize("radio", RADIOS)
-def test_a_diamond_with_a_bad_radio(radio: dict[str, float]) -> None:
+def test_a_diamond_with_a_bad_radio_sails_as_its_boats_do_one_by_one(
+    radio: dict[str, float],
+) -> None:
     twins = Twins()
     twins.diamond(**radio)
     twins.enter_formation()
@@ -34,7 +36,7 @@ def test_a_diamond_with_a_bad_radio(radio: dict[str, float]) -> None:
     assert len(twins.compare()) > 100_000
 
 
-def test_links_that_change_while_chunks_are_in_flight() -> None:
+def test_links_that_change_while_chunks_are_in_flight_deliver_as_single_ones_do() -> None:
     twins = Twins()
     links = twins.diamond()
     twins.enter_formation()
@@ -85,7 +87,7 @@ def test_one_flipped_bit_costs_what_it_costs_one_boat() -> None:
 
 
 @pytest.mark.parametrize("radio", [{}, {"delay_s": 0.02}])
-def test_bits_flipped_anywhere_in_either_direction(radio: dict[str, float]) -> None:
+def test_bits_flipped_anywhere_do_what_they_do_to_single_boats(radio: dict[str, float]) -> None:
     """Leaders too find the requests among the damage."""
     twins = Twins()
     links = twins.diamond(**radio)

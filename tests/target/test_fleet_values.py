@@ -51,7 +51,9 @@ BAD_ARRAYS = [
 
 
 @pytest.mark.parametrize(("name", "array", "error", "text"), BAD_ARRAYS)
-def test_an_array_that_does_not_fit(name: str, array: Any, error: type, text: str) -> None:
+def test_an_array_that_does_not_fit_is_refused(
+    name: str, array: Any, error: type, text: str
+) -> None:
     made = fleet()
     with pytest.raises(error, match=text):
         made.tick(0, **{**arrays(), name: array})
@@ -104,7 +106,7 @@ BAD_CALLS = [
 
 
 @pytest.mark.parametrize(("method", "arguments", "text"), BAD_CALLS)
-def test_a_value_that_cannot_be(method: str, arguments: Any, text: str) -> None:
+def test_a_value_that_cannot_be_is_refused(method: str, arguments: Any, text: str) -> None:
     made = fleet(record=True)
     with pytest.raises(ValueError, match=text):
         getattr(made, method)(*arguments)
@@ -112,12 +114,12 @@ def test_a_value_that_cannot_be(method: str, arguments: Any, text: str) -> None:
 
 
 @pytest.mark.parametrize("unit", [(), (1.0, "local"), ("1", "local", 0.0), (*LOCAL, (1, 2)), 5])
-def test_a_unit_that_is_none(unit: Any) -> None:
+def test_a_unit_that_is_none_is_refused(unit: Any) -> None:
     with pytest.raises(TypeError):
         flotilla.Fleet().add_leader(0, 1, unit, EXACT)
 
 
-def test_a_scalar_that_is_none() -> None:
+def test_a_scalar_that_is_none_is_refused() -> None:
     with pytest.raises(ValueError, match='scalar: "float", "double" or "q16", not "half"'):
         flotilla.Fleet("half")
 

@@ -241,7 +241,7 @@ def test_sequence_numbers_wrap(client: Client) -> None:
     ],
     ids=repr,
 )
-def test_what_it_cannot_do_it_refuses_at_once(
+def test_a_request_that_the_boat_cannot_do_is_refused_at_once(
     client: Client, opcode: int, data: bytes, error: int
 ) -> None:
     answer = client.ask(opcode, data=data)
@@ -284,7 +284,7 @@ def test_a_session_that_was_ended_is_no_longer_there(client: Client) -> None:
         assert client.ask(end).opcode == ACK
 
 
-def test_it_goes_on_while_the_boat_sails(sea: Sea) -> None:
+def test_a_download_goes_on_while_the_boat_sails(sea: Sea) -> None:
     sea.enter_formation()
     client = Client(sea, loss=0.1, seed=4)
     sea.ticks.clear()

@@ -33,7 +33,7 @@ def seconds_until_disarmed(sea: Sea) -> float:
 
 
 @EACH
-def test_a_disarm_behind_it_waits_no_longer_than_that(beginning: str) -> None:
+def test_a_disarm_waits_no_longer_than_0_3_s_behind_an_incomplete_frame(beginning: str) -> None:
     sea = Sea(leader=TURN)
     sea.enter_formation()
     sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
@@ -42,7 +42,9 @@ def test_a_disarm_behind_it_waits_no_longer_than_that(beginning: str) -> None:
 
 
 @EACH
-def test_nor_when_it_comes_later(beginning: str) -> None:
+def test_a_disarm_that_comes_after_an_incomplete_frame_waits_only_for_what_is_left_of_it(
+    beginning: str,
+) -> None:
     sea = Sea(leader=TURN)
     sea.enter_formation()
     sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us)
@@ -53,7 +55,7 @@ def test_nor_when_it_comes_later(beginning: str) -> None:
 
 
 @EACH
-def test_any_number_of_beginnings_in_chunks_of_their_own(beginning: str) -> None:
+def test_a_disarm_waits_no_longer_behind_many_incomplete_frames(beginning: str) -> None:
     """The patience is not begun anew by each."""
     sea = Sea(leader=TURN)
     sea.enter_formation()
@@ -104,7 +106,7 @@ def test_each_beginning_is_waited_for_since_it_came_not_since_its_turn(chunk_s: 
 
 
 @EACH
-def test_other_links_do_not_wait(beginning: str) -> None:
+def test_other_links_do_not_wait_for_an_incomplete_frame(beginning: str) -> None:
     sea = Sea(links=2)
     sea.enter_hold()
     sea.boat.on_mavlink(BEGINNINGS[beginning], sea.now_us, 1)

@@ -68,7 +68,7 @@ class Sea:
         return float(place.x)
 
 
-def test_only_what_is_known_fails() -> None:
+def test_only_known_failures_are_injected() -> None:
     sea = Sea()
     for unit in (*range(9), *range(100, 106), 255):
         for kind in range(9):
@@ -82,7 +82,7 @@ def test_only_what_is_known_fails() -> None:
     assert sea.inject(0.5, OFF) == UNSUPPORTED
 
 
-def test_without_leave_nothing_does() -> None:
+def test_no_failure_is_injected_without_leave() -> None:
     sea = Sea(inject_failures=False)
     for unit, kind in KNOWN:
         assert sea.inject(unit, kind) == UNSUPPORTED
@@ -92,7 +92,9 @@ def test_without_leave_nothing_does() -> None:
 
 @pytest.mark.parametrize("instance", [0, 1, 2])
 @pytest.mark.parametrize(("unit", "kind"), KNOWN)
-def test_it_is_the_same_fault(unit: int, kind: int, instance: int) -> None:
+def test_an_injected_failure_is_the_fault_that_a_scenario_sets(
+    unit: int, kind: int, instance: int
+) -> None:
     """As one that a scenario sets after the same tick, from beginning to end."""
     if instance == 2 and unit != MOTOR:
         return

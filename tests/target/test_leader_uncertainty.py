@@ -84,7 +84,7 @@ def test_the_less_certain_the_leaders_clock_the_less_certain_its_place() -> None
         assert uncertainty_m(sea) == pytest.approx(0.6 * way_us * 1e-6, abs=3e-3)
 
 
-def test_what_is_told_is_the_snapshots() -> None:
+def test_the_uncertainty_that_is_told_is_the_snapshots() -> None:
     sea = following(answered_us=50_000)
     told = 0
     for k in range(600):

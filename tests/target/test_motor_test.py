@@ -52,7 +52,7 @@ def thrust_share(command: int, expo: float) -> float:
 @BOTH
 @pytest.mark.parametrize("percent", [20.0, 5.0, 0.5, -5.0, -20.0])
 @pytest.mark.parametrize("expo", [0.0, 0.6, 1.0])
-def test_one_propeller_gives_that_much_of_its_thrust(
+def test_a_motor_test_gives_the_share_of_one_propellers_thrust_that_was_asked(
     propeller: float, percent: float, expo: float
 ) -> None:
     sea = Sea({"THR_EXPO": expo, "THR_FWD_MAX": 30, "THR_REV_MAX": 12, "THR_SLEW": 0})
@@ -67,7 +67,7 @@ def test_one_propeller_gives_that_much_of_its_thrust(
 
 
 @BOTH
-def test_it_starts_no_faster_than_thr_slew_and_stops_at_once(propeller: float) -> None:
+def test_a_motor_test_starts_no_faster_than_thr_slew_and_stops_at_once(propeller: float) -> None:
     sea = Sea({"THR_SLEW": 0.5})
     enter_test(sea, propeller, PERCENT, 20.0, 1.0)
     before = 0
@@ -82,7 +82,9 @@ def test_it_starts_no_faster_than_thr_slew_and_stops_at_once(propeller: float) -
 
 @BOTH
 @pytest.mark.parametrize("seconds", [0.1, 0.5, 2.345, 5.0])
-def test_it_turns_as_long_as_was_asked(sea: Sea, propeller: float, seconds: float) -> None:
+def test_a_motor_test_lasts_as_long_as_was_asked(
+    sea: Sea, propeller: float, seconds: float
+) -> None:
     enter_test(sea, propeller, PERCENT, 10.0, seconds)
     began_us = sea.ticks[-1].now_us
     sea.run(6.0)
@@ -93,7 +95,7 @@ def test_it_turns_as_long_as_was_asked(sea: Sea, propeller: float, seconds: floa
     assert sea.state == "HOLD"
 
 
-def test_its_end_is_said(sea: Sea) -> None:
+def test_the_end_of_a_motor_test_is_said(sea: Sea) -> None:
     enter_test(sea, PORT, PERCENT, 10.0, 1.0)
     (beat,) = sea.ticks[-1].named("HEARTBEAT")
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (4, 1 | 2 | 128, 4)
@@ -104,7 +106,7 @@ def test_its_end_is_said(sea: Sea) -> None:
     assert said[:2] == ["HOLD", "TEST"] and len(said) == 3 and said[2].startswith("HOLD")
 
 
-def test_an_end_as_asked_is_no_error(sea: Sea) -> None:
+def test_the_end_of_a_motor_test_as_asked_is_no_error(sea: Sea) -> None:
     """Ground stations read errors aloud."""
     enter_test(sea, PORT, PERCENT, 10.0, 0.5)
     (said,) = named(sea.run(1.0), "STATUSTEXT")
@@ -142,7 +144,9 @@ def test_an_end_as_asked_is_no_error(sea: Sea) -> None:
     ],
     ids=str,
 )
-def test_what_is_too_much_or_makes_no_sense_is_denied(sea: Sea, params: tuple[float, ...]) -> None:
+def test_a_motor_test_that_is_too_much_or_makes_no_sense_is_denied(
+    sea: Sea, params: tuple[float, ...]
+) -> None:
     sea.enter_hold()
     sea.run(0.3)
     tick = sea.order(MOTOR_TEST, *params)
@@ -167,7 +171,7 @@ def test_one_motor_in_any_order_is_understood(sea: Sea, count: float, order: flo
     assert acks(tick) == [(MOTOR_TEST, ACCEPTED)] and sea.state == "TEST"
 
 
-def test_command_int_means_the_same(sea: Sea) -> None:
+def test_a_command_int_asks_for_a_motor_test_too(sea: Sea) -> None:
     sea.enter_hold()
     sea.run(0.3)
     sea.say(command_int(MOTOR_TEST, STBD, PERCENT, -10.0, 1.0, x=1))
@@ -248,7 +252,7 @@ def test_a_late_repetition_of_an_order_does_not_begin_a_second_test(sea: Sea) ->
     ("order", "state"),
     [((SET_MODE, 1.0, float(HOLD)), "HOLD"), ((ARM, 0.0), "DISARMED"), ((TERMINATE, 1.0), "FAULT")],
 )
-def test_the_operator_ends_it_in_the_same_tick(
+def test_the_operator_ends_a_motor_test_in_the_same_tick(
     sea: Sea, order: tuple[int, ...], state: str
 ) -> None:
     enter_test(sea)
@@ -268,7 +272,7 @@ def test_no_mode_that_drives_follows_a_test_directly(sea: Sea, mode: int) -> Non
     assert sea.state == "TEST"
 
 
-def test_a_lost_esc_ends_it_with_a_fault(sea: Sea) -> None:
+def test_a_lost_esc_ends_a_motor_test_with_a_fault(sea: Sea) -> None:
     enter_test(sea)
     sea.run(0.2)
     sea.escs[1].on = False
@@ -276,14 +280,14 @@ def test_a_lost_esc_ends_it_with_a_fault(sea: Sea) -> None:
     assert {t.commands for t in sea.run(5.0)} == {(0, 0)} and sea.state == "FAULT"
 
 
-def test_a_bus_that_goes_down_ends_it_with_a_fault(sea: Sea) -> None:
+def test_a_bus_that_goes_down_ends_a_motor_test_with_a_fault(sea: Sea) -> None:
     enter_test(sea)
     sea.boat.on_host(bus_up=False)
     assert sea.step().commands == (0, 0) and sea.state == "FAULT"
 
 
 @pytest.mark.parametrize("lost", ["own", "leader"])
-def test_it_needs_neither_navigation_nor_leader(sea: Sea, lost: str) -> None:
+def test_a_motor_test_needs_neither_navigation_nor_leader(sea: Sea, lost: str) -> None:
     sea.enter_hold()
     sea.silence(lost)
     sea.run(2.0)

@@ -59,7 +59,7 @@ def test_a_greater_thrust_is_in_force_when_the_boat_is_armed_with_it(sea: Sea, c
     assert sea.snapshot()["thrust_N"]["port"] == pytest.approx(20.0, abs=0.02)
 
 
-def test_and_so_it_is_when_the_test_follows_in_the_next_tick(sea: Sea) -> None:
+def test_a_greater_thrust_is_in_force_in_a_motor_test_of_the_next_tick(sea: Sea) -> None:
     sea.settle()
     sea.say(param_set("THR_FWD_MAX", 100.0), command_long(ARM, 1.0))
     sea.step()
@@ -131,7 +131,7 @@ def test_a_leader_that_nobody_has_heard_is_not_followed(chunks: int, how: str) -
 
 
 @TOGETHER
-def test_from_the_sticks_too_nobody_follows_a_leader_that_is_not_there(
+def test_a_boat_on_the_sticks_does_not_follow_a_leader_that_is_not_there(
     sea: Sea, chunks: int
 ) -> None:
     enter_manual(sea)
@@ -243,7 +243,7 @@ def test_a_disarm_behind_an_arming_that_has_to_wait_is_the_last_word(flood: str)
         assert sea.state == "DISARMED", n
 
 
-def test_nor_where_others_words_fill_the_tick() -> None:
+def test_a_disarm_is_the_last_word_where_others_words_fill_the_tick() -> None:
     """400 bytes handed on, ten values, twenty PINGs."""
     for n in range(21):
         sea = Sea(links=2)
@@ -257,7 +257,7 @@ def test_nor_where_others_words_fill_the_tick() -> None:
         assert sea.state == "DISARMED", n
 
 
-def test_twenty_four_pings_a_disarm_and_a_strangers_termination() -> None:
+def test_a_disarm_and_a_strangers_termination_behind_24_pings_both_stop_the_boat() -> None:
     sea = Sea({"MAV_GCS_SYSID": 255}, leader=TURN)
     sea.enter_formation()
     for order in (("disarm", "terminate"), ("terminate", "disarm")):

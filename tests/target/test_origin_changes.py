@@ -114,7 +114,7 @@ def test_a_new_origin_is_told_before_any_position_from_it(bytes_per_s: int, busy
 
 
 @LINKS
-def test_it_leaves_in_the_tick_of_the_first_position(bytes_per_s: int) -> None:
+def test_a_new_origin_leaves_in_the_tick_of_the_first_position(bytes_per_s: int) -> None:
     sea = two_links(bytes_per_s, own=Course(1.0, 2.0, 0.3))
     sea.own.origin_on = False
     sea.say(origin(), sender=sea.own.station)

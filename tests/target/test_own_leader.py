@@ -34,13 +34,13 @@ def taken(sea: Sea, name: str, value: float, target: tuple[int, int] = (BOAT, 1)
 
 
 @pytest.mark.parametrize("armed", [False, True])
-def test_its_own_system_id_is_no_leaders(sea: Sea, armed: bool) -> None:
+def test_a_boats_own_system_id_is_no_leaders(sea: Sea, armed: bool) -> None:
     sea.enter_formation() if armed else sea.settle()
     refused(sea, "FORM_LEADER", BOAT)
     assert sea.state == ("FORMATION" if armed else "DISARMED")
 
 
-def test_nor_is_it_while_the_next_one_waits_for_the_restart(sea: Sea) -> None:
+def test_an_own_system_id_is_no_leaders_while_the_next_one_waits_for_the_restart(sea: Sea) -> None:
     sea.settle()
     taken(sea, "MAV_SYSID", 9)
     refused(sea, "FORM_LEADER", BOAT)  # in force
@@ -50,7 +50,7 @@ def test_nor_is_it_while_the_next_one_waits_for_the_restart(sea: Sea) -> None:
     assert named(sea.ticks, "HEARTBEAT")[-1].get_srcSystem() == BOAT
 
 
-def test_nor_does_the_boat_take_its_leaders_id(sea: Sea) -> None:
+def test_a_boat_does_not_take_its_leaders_system_id(sea: Sea) -> None:
     sea.settle()
     refused(sea, "MAV_SYSID", LEADER)
 

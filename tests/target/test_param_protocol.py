@@ -117,7 +117,7 @@ def test_only_who_asks_gets_the_list() -> None:
     assert [len(values(ticks, link)) for link in range(3)] == [0, len(LIST), 0]
 
 
-def test_two_who_ask_both_get_it_and_who_asks_again_gets_it_again() -> None:
+def test_two_who_ask_for_the_list_both_get_it_and_who_asks_again_gets_it_again() -> None:
     sea = Sea(links=2)
     sea.settle()
     for _ in range(2):
@@ -137,7 +137,7 @@ def test_a_list_asked_for_while_it_runs_is_whole_afterwards(sea: Sea) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_who_lost_half_of_it_asks_for_the_rest(seed: int) -> None:
+def test_a_client_that_lost_half_of_the_list_asks_for_the_rest(seed: int) -> None:
     rng = random.Random(seed)
     sea = Sea()
     sea.settle()
@@ -158,7 +158,7 @@ def test_who_lost_half_of_it_asks_for_the_rest(seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_one_is_read_by_index_and_by_name(name: str) -> None:
+def test_a_parameter_is_read_by_index_and_by_name(name: str) -> None:
     sea = Sea(links=2)
     sea.step()
     for which in (INDEX[name], name):
@@ -175,7 +175,9 @@ def test_one_is_read_by_index_and_by_name(name: str) -> None:
     [len(LIST), 32767, -2, -32768, "NO_SUCH", "", "law_kx", "LAW_K", "LAW_KXX", "ABCDEFGHIJKLMNOP"],
     ids=str,
 )
-def test_one_that_does_not_exist_is_an_error_for_its_asker(sea: Sea, which: int | str) -> None:
+def test_a_parameter_that_does_not_exist_is_an_error_for_its_asker(
+    sea: Sea, which: int | str
+) -> None:
     sea.settle()
     sea.say(param_read(which))
     ticks = sea.run(0.2)
@@ -304,7 +306,7 @@ def test_a_refused_set_is_told_in_every_way(r: Refusal) -> None:
     assert sea.boat.take_save_request() == "none" and sea.state == r.state
 
 
-def test_the_sentence_names_parameter_and_range(sea: Sea) -> None:
+def test_the_sentence_of_a_refused_set_names_parameter_and_range(sea: Sea) -> None:
     sea.settle()
     said = "".join(texts(set_it(sea, "LAW_KX", 7.0)))
     assert all(word in said for word in ("LAW_KX", "7", "0", "2"))

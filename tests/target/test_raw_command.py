@@ -132,10 +132,10 @@ def test_disarmed_and_holding_boats_command_exactly_zero_in_every_slot(
     quiet = [*sea.ticks[: sailed - 1], *sea.ticks[stopped:]]
     assert not any(any(tick.commands) for tick in quiet)
     assert any(any(tick.commands) for tick in sea.ticks[sailed:stopped])
-    for tick in quiet:
-        for _, data in of_type(tick.can, RAW_COMMAND):
-            if data[-1] & 0xC0 == 0xC0:  # the transfer's only frame
-                assert not any(data[:-1])
+    frames = [data for tick in quiet for _, data in of_type(tick.can, RAW_COMMAND)]
+    alone = [data for data in frames if data[-1] & 0xC0 == 0xC0]  # the transfer's only frame
+    assert bool(alone) == (len(sea.commands) <= 4)
+    assert not any(any(data[:-1]) for data in alone)
 
 
 def test_the_oracle_refuses_a_damaged_command() -> None:

@@ -81,7 +81,7 @@ def test_a_second_operator_does_not_keep_the_boat_going_for_the_first(
     assert sea.state == "HOLD" and ticks[-1].commands == (0, 0)
 
 
-def test_once_let_go_the_second_may_take_them(sea: Sea) -> None:
+def test_a_second_operator_may_take_sticks_that_were_let_go(sea: Sea) -> None:
     enter_manual(sea)
     drive(sea, 300)
     second = Station(245, 190)
@@ -96,7 +96,7 @@ def test_once_let_go_the_second_may_take_them(sea: Sea) -> None:
         assert sea.step().commands == before
 
 
-def test_the_first_may_go_on_by_another_link() -> None:
+def test_the_first_operator_may_go_on_by_another_link() -> None:
     sea = Sea(links=2)
     enter_manual(sea)
     drive(sea, 300)

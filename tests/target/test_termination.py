@@ -50,7 +50,9 @@ def enter(state: str) -> Sea:
 
 @EACH_STATE
 @pytest.mark.parametrize("as_int", [False, True], ids=["LONG", "INT"])
-def test_from_every_state_it_is_a_fault_in_the_same_tick(state: str, as_int: bool) -> None:
+def test_a_termination_is_a_fault_in_the_same_tick_from_every_state(
+    state: str, as_int: bool
+) -> None:
     sea = enter(state)
     sea.say((command_int if as_int else command_long)(TERMINATE, 1.0))
     tick = sea.step()
@@ -65,7 +67,7 @@ def test_from_every_state_it_is_a_fault_in_the_same_tick(state: str, as_int: boo
 
 
 @pytest.mark.parametrize("state", [s for s in ENTER if s != "FAULT"])
-def test_it_is_said_critically_and_with_a_heartbeat_at_once(state: str) -> None:
+def test_a_termination_is_said_critically_and_with_a_heartbeat_at_once(state: str) -> None:
     tick = enter(state).order(TERMINATE, 1.0)
     (text,) = tick.named("STATUSTEXT")
     assert text.severity <= 2 and text.text.startswith("FAULT: terminated")
@@ -74,14 +76,14 @@ def test_it_is_said_critically_and_with_a_heartbeat_at_once(state: str) -> None:
 
 
 @pytest.mark.parametrize("value", [0.0, 2.0, -1.0, 0.5, math.nan, math.inf])
-def test_it_wants_exactly_one(value: float) -> None:
+def test_a_termination_wants_exactly_one(value: float) -> None:
     sea = enter("FORMATION")
     assert acks(sea.order(TERMINATE, value)) == [(TERMINATE, DENIED)]
     assert sea.state == "FORMATION" and any(sea.commands)
 
 
 @pytest.mark.parametrize("value", [0.0, math.nan])
-def test_there_is_no_way_back_but_disarming(sea: Sea, value: float) -> None:
+def test_a_terminated_boat_comes_back_only_by_disarming(sea: Sea, value: float) -> None:
     enter_fault(sea)
     for order in (
         (TERMINATE, value),
@@ -101,14 +103,14 @@ def test_there_is_no_way_back_but_disarming(sea: Sea, value: float) -> None:
     sea.enter_hold()
 
 
-def test_a_refusal_says_how_to_leave_it(sea: Sea) -> None:
+def test_a_refusal_says_how_to_leave_a_termination(sea: Sea) -> None:
     enter_fault(sea)
     tick = sea.arm()
     (text,) = tick.named("STATUSTEXT")
     assert text.text.startswith("PreArm: ") and "disarm" in text.text
 
 
-def test_it_may_be_repeated(sea: Sea) -> None:
+def test_a_termination_may_be_repeated(sea: Sea) -> None:
     enter_fault(sea)
     for confirmation in range(4):
         tick = sea.order(TERMINATE, 1.0, confirmation=confirmation)
@@ -135,7 +137,7 @@ def test_anybody_terminates_as_anybody_disarms(
 
 
 @pytest.mark.parametrize("value", [0.0, 2.0, math.nan])
-def test_a_stranger_may_not_do_with_it_what_it_does_not_mean(value: float) -> None:
+def test_a_strangers_termination_with_another_value_is_denied(value: float) -> None:
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.gcs = Station(250, 190)
     sea.enter_formation()

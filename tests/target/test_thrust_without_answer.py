@@ -52,7 +52,7 @@ def test_a_propeller_that_turns_the_other_way_is_seen_within_three_seconds(
 
 @LAWS
 @pytest.mark.parametrize("shares", [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
-def test_one_that_gives_nothing_within_five(
+def test_a_propeller_that_gives_nothing_is_seen_within_five_seconds(
     shares: tuple[float, float], law: dict[str, float]
 ) -> None:
     sea = sailing(law)
@@ -61,7 +61,7 @@ def test_one_that_gives_nothing_within_five(
     assert sea.state == "HOLD" and not sea.condition("boat_answers")
 
 
-def test_it_may_be_tried_again_when_the_propellers_have_rested() -> None:
+def test_thrust_may_be_tried_again_when_the_propellers_have_rested() -> None:
     sea = sailing({})
     sea.shares = (-1.0, -1.0)
     stops_after(sea)
@@ -74,7 +74,7 @@ def test_it_may_be_tried_again_when_the_propellers_have_rested() -> None:
 
 
 @pytest.mark.parametrize("current", [(0.5, 0.0), (-0.5, 0.3)])
-def test_water_that_sets_it_off_its_way_is_no_fault(current: tuple[float, float]) -> None:
+def test_water_that_sets_a_boat_off_its_way_is_no_fault(current: tuple[float, float]) -> None:
     sea = Faulty({}, Hull([-2.0, 1.0, 0.3, 0.0, 0.0, 0.0], current=current), s_curve)
     sea.enter_formation()
     sea.run(60.0)

@@ -11,7 +11,7 @@ import flotilla
 import numpy as np
 from numpy.typing import NDArray
 
-from sil.wire.operator import FORMATION
+from sil.wire.heartbeat import FORMATION
 from tests.target.reference_fleet import ReferenceFleet
 
 H_US = 10_000

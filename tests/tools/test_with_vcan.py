@@ -6,14 +6,19 @@ import select
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
+from typing import TypeAlias
 
 import pytest
 
 TOOL = str(Path(__file__).parents[2] / "tools" / "with-vcan")
 TIMEOUT_S = 60
 IMPOSSIBLE = 77
+
+Tool: TypeAlias = subprocess.Popen[str]
+Begin: TypeAlias = Callable[..., Tool]
 
 EVERYTHING = """
 printf '[%s]' "$@"; echo
@@ -44,29 +49,46 @@ def _nothing_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[N
             continue
 
 
-def begin(*arguments: str, cwd: Path | None = None) -> "subprocess.Popen[str]":
-    """The tool without a terminal."""
-    return subprocess.Popen(
-        [TOOL, *arguments],
-        cwd=cwd,
-        text=True,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-    )
+@pytest.fixture
+def begin() -> Iterator[Begin]:
+    """Starts the tool without a terminal; whatever becomes of the test, it ends with it."""
+    with ExitStack() as tools:
+
+        def begin(*arguments: str, cwd: Path | None = None) -> Tool:
+            tool = subprocess.Popen(
+                [TOOL, *arguments],
+                cwd=cwd,
+                text=True,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                start_new_session=True,
+            )
+            tools.callback(stop, tool)
+            return tool
+
+        yield begin
 
 
-def end(tool: "subprocess.Popen[str]") -> tuple[int, str, str]:
+def stop(tool: Tool) -> None:
+    """Ends it where it still runs."""
+    tool.terminate()
+    try:
+        tool.communicate(timeout=TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        tool.kill()
+        tool.communicate()
+
+
+def end(tool: Tool) -> tuple[int, str, str]:
     """Status, output and errors; skips the test where the machine has no vcan for it."""
-    with tool:
-        out, err = tool.communicate(timeout=TIMEOUT_S)
+    out, err = tool.communicate(timeout=TIMEOUT_S)
     if tool.returncode == IMPOSSIBLE:
         pytest.skip(err)
     return tool.returncode, out, err
 
 
-def first_line(tool: "subprocess.Popen[str]") -> str:
+def first_line(tool: Tool) -> str:
     """What the running command says first; skips as `end` does."""
     assert tool.stdout is not None
     if not select.select([tool.stdout], [], [], TIMEOUT_S)[0]:
@@ -78,7 +100,7 @@ def first_line(tool: "subprocess.Popen[str]") -> str:
 
 
 def test_a_command_runs_as_if_the_machine_had_vcan(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    begin: Begin, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("BOAT", "Meltemi, 2")
     odd = ["two words", "it's", '"so"', "$HOME", "", "new\nline", "ψ", "-n", "--"]
@@ -89,7 +111,7 @@ def test_a_command_runs_as_if_the_machine_had_vcan(
     assert (tmp_path / "heard").read_text().endswith("vcan0 0704060A#FF7C0200C1\n")
 
 
-def test_two_at_once_have_buses_of_their_own() -> None:
+def test_two_machines_at_once_have_buses_of_their_own(begin: Begin) -> None:
     names = "ip -brief link | cut -d' ' -f1 | tr '\\n' ' '; "
     one = begin("-n", "1", "sh", "-c", names + "ip link delete vcan0; kill -9 $$")
     two = begin("-n", "2", "sh", "-c", names + "ip link show vcan0 >/dev/null")
@@ -99,19 +121,19 @@ def test_two_at_once_have_buses_of_their_own() -> None:
     assert said_two == (0, "lo vcan0 vcan1 ", "")
 
 
-def test_what_a_command_leaves_running_ends_with_its_machine() -> None:
+def test_what_a_command_leaves_running_ends_with_its_machine(begin: Begin) -> None:
     left = begin("--uml", "-n", "1", "sh", "-c", "sleep 1000 & echo done")
     assert end(left) == (0, "done\n", "")
 
 
-def test_output_comes_live_and_a_signal_reaches_the_command() -> None:
+def test_output_comes_live_and_a_signal_reaches_the_command(begin: Begin) -> None:
     tool = begin("-n", "1", "sh", "-c", ENDLESS)
     assert first_line(tool) == "sailing\n"
     tool.terminate()
     assert end(tool)[:2] == (7, "stopped\n")
 
 
-def test_a_killed_tool_takes_its_kernel_with_it() -> None:
+def test_a_killed_tool_takes_its_kernel_with_it(begin: Begin) -> None:
     tool = begin("--uml", "-n", "1", "sh", "-c", ENDLESS)
     first_line(tool)
     watched = [os.pidfd_open(pid) for pid in descendants(tool.pid)]
@@ -129,7 +151,7 @@ def descendants(pid: int) -> list[int]:
     return [other for child in map(int, children) for other in [child, *descendants(child)]]
 
 
-def test_a_panic_of_the_kernel_is_status_1_and_its_last_lines() -> None:
+def test_a_panic_of_the_kernel_is_status_1_and_its_last_lines(begin: Begin) -> None:
     status, out, err = end(begin("--uml", "-n", "1", "sh", "-c", PANIC))
     assert (status, out) == (1, "hello\n")
     assert err.startswith("Kernel panic - not syncing: sysrq triggered crash")
@@ -150,7 +172,7 @@ def test_a_machine_that_cannot_have_vcan_is_told_what_is_missing(
 @pytest.mark.parametrize(
     ("arguments", "status"), [(["no-such-program"], 127), ([], 2), (["-n", "0", "true"], 2)]
 )
-def test_a_mistake_is_told_without_a_boot(arguments: list[str], status: int) -> None:
+def test_a_mistake_is_told_without_a_boot(begin: Begin, arguments: list[str], status: int) -> None:
     got, out, err = end(begin(*arguments))
     assert (got, out) == (status, "")
     assert "with-vcan" in err

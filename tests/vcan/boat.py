@@ -20,6 +20,7 @@ from typing import Any, Self
 
 from sil.ordinary_user import ordinary_user
 from sil.wire.esc_node import EscNode
+from sil.wire.heartbeat import state_of
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
 from tests.target.course import Course
@@ -28,12 +29,10 @@ from tests.target.linux.process import PATIENT
 from tests.target.sea import TURN
 from tests.target.stations import (
     ARM,
-    ARMED_BIT,
     BOAT,
     FORMATION,
     GCS,
     GCS_COMPONENT,
-    HOLD,
     LEADER,
     LEADER_COMPONENT,
     NAVIGATION,
@@ -46,7 +45,7 @@ from tests.vcan.bus import INTERFACE, Can
 
 FLOTILLAD = Path(__file__).parents[2] / "build" / "release" / "firmware" / "flotillad"
 ESC_NODES = (31, 32)
-ACCEPTED, EMERGENCY = 0, 6
+ACCEPTED = 0
 
 _STEP_US = 10_000
 _LONGEST_S = 0.1
@@ -72,7 +71,7 @@ class Boat:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.state = ""
+        self.state: str | None = None
         self.texts: list[str] = []
         self.commands: list[tuple[int, tuple[int, bytes]]] = []
         self.esc_frames = 0
@@ -232,7 +231,8 @@ class Boat:
         for message in decode(chunks):
             match message.get_type():
                 case "HEARTBEAT":
-                    self.state = _state_of(message)
+                    fields = message.custom_mode, message.base_mode, message.system_status
+                    self.state = state_of(*fields)
                 case "STATUSTEXT":
                     self.texts.append(message.text)
                 case "COMMAND_ACK":
@@ -292,9 +292,3 @@ class Boat:
         """Whether the ESCs tell their motors to stand still."""
         t_us = now_us()
         return all(esc.command(t_us) == 0.0 for esc in self.escs)
-
-
-def _state_of(heartbeat: Any) -> str:
-    if heartbeat.base_mode & ARMED_BIT:
-        return {FORMATION: "FORMATION", HOLD: "HOLD"}[heartbeat.custom_mode]
-    return "FAULT" if heartbeat.system_status == EMERGENCY else "DISARMED"

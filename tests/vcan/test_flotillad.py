@@ -259,6 +259,7 @@ def test_a_babbling_node_stops_a_boat_at_most_until_it_is_silent(boat: Boat) -> 
         babbler.wait()
     assert through > 20  # fewer, and the ESCs would stop by themselves now and then
     late = {
+        "COAST": ["COAST: leader's state is not fresh"],
         "HOLD": ["HOLD: own state is not fresh", "HOLD: FS_COAST_S is over"],
         "FAULT": ["FAULT: ESCs are not online"],
     }

@@ -76,7 +76,7 @@ def test_boat_far_from_its_slot_late_has_diverged(
     assert left.reason == ("" if outcome == "ok" else f"boat 2: {late_m} m from its slot")
 
 
-def test_boat_far_from_its_slot_early_has_not() -> None:
+def test_boat_far_from_its_slot_early_has_not_diverged() -> None:
     assert left_of(np.where(T_S < 199.0, 1000.0, 1.0)).outcome == "ok"
 
 

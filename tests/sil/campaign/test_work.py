@@ -9,6 +9,7 @@ import pytest
 from sil.campaign.outcome import RunResult
 from sil.campaign.work import OtherCodeError, sail_batch
 from tests.sil.campaign.short import batch, sampler
+from tests.turns import some
 
 
 def same(one: RunResult, other: RunResult) -> bool:
@@ -31,7 +32,7 @@ def test_a_run_that_the_firmware_refuses_has_failed_and_costs_no_other(tmp_path:
     made = sampler(tmp_path, refused)
     wide = [run for run in range(4) if made.draws(run)["boat.2.parameters.THR_ARM"] == 100.0]
     assert 0 < len(wide) < 4
-    for run in sail_batch(batch(made, (0, 1, 2, 3))).runs:
+    for run in some(sail_batch(batch(made, (0, 1, 2, 3))).runs):
         if run.run in wide:
             assert run.outcome == "failed" and "THR_ARM" in run.reason and run.boats == ()
             assert run.seed == made.seed_of(run.run)

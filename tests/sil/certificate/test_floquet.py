@@ -19,7 +19,7 @@ def reference(*overrides: str) -> Reference:
 
 
 @pytest.mark.parametrize("k_x", [0.05, 0.2, 0.9])
-def test_in_a_constant_turn_they_are_those_of_a_constant_matrix(k_x: float) -> None:
+def test_multipliers_in_a_constant_turn_are_those_of_a_constant_matrix(k_x: float) -> None:
     turning = reference(SINE, "leader.input.1.yaw_Nm=0.15")
     w = turning.omega_max
     a, b = VESSEL.d22 / VESSEL.m22, VESSEL.m11 / VESSEL.m22
@@ -33,7 +33,7 @@ def test_in_a_constant_turn_they_are_those_of_a_constant_matrix(k_x: float) -> N
     assert decay == pytest.approx(-np.linalg.eigvals(matrix).real.max(), rel=1e-7)
 
 
-def test_their_product_is_that_of_liouville() -> None:
+def test_product_of_the_multipliers_is_that_of_liouville() -> None:
     fast = HullParameters(1.012, 1.982, 0.354, 3.436, 0.3, 0.864)
     paper = reference()
     values = floquet.multipliers(fast, paper, [0.1, 0.3])

@@ -49,7 +49,7 @@ def test_formulas_give_what_they_give_by_hand() -> None:
     assert test.bound == pytest.approx((18.99 / 1.012 * 0.25 / (4.0 + 4.0)) ** (1.0 / 3.0))
 
 
-def test_at_the_largest_gain_the_formula_is_one(paper: SmallGain) -> None:
+def test_formula_of_the_largest_gain_is_one(paper: SmallGain) -> None:
     (reference,) = references(scenario.load("diamond"))
     for name, value in (
         ("product", paper.k_x_product),

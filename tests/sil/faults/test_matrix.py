@@ -60,7 +60,7 @@ def test_a_boat_that_keeps_the_limits_passes() -> None:
         (GOOD, {"error_m": 0.05}, "0.10 m from its slot, not 0.05 m"),
     ],
 )
-def test_a_boat_that_does_not_fails_and_why(
+def test_a_boat_that_breaks_a_limit_fails_and_the_reason_is_told(
     spells: tuple[Any, ...], keys: dict[str, Any], why: str
 ) -> None:
     outcome = judged(*spells, **{**WELL, **keys})
@@ -95,7 +95,9 @@ def outcomes() -> dict[str, Outcome]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_boats_take_it_within_the_limits(outcomes: dict[str, Outcome], name: str) -> None:
+def test_boats_take_every_fault_of_the_matrix_within_its_limits(
+    outcomes: dict[str, Outcome], name: str
+) -> None:
     assert outcomes[name].passed, outcomes[name]
 
 
@@ -154,6 +156,6 @@ def test_mistakes_are_told_in_one_line(
     assert_told_in_one_line(said, capsys)
 
 
-def test_the_last_line_counts() -> None:
+def test_the_last_line_counts_what_passed_and_failed() -> None:
     well, ill = judged(*GOOD, **WELL), judged(*GOOD, **{**WELL, "detected_s": 0.0})
     assert told.summary([well, ill, well]) == "2 passed, 1 failed"

@@ -22,19 +22,19 @@ def test_every_fault_is_recovered_from_and_a_seed_makes_the_history() -> None:
     assert one.digest != other.digest
 
 
-def test_what_is_not_recovered_from_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fault_that_is_not_recovered_from_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "RECOVERED_S", 1.0)
     monkeypatch.setattr(soak, "ask", lambda *_: None)
     history = soaked(1)
     assert "not recovered from" in history.wrong[0]
 
 
-def test_thrust_without_leave_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_thrust_without_leave_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "_OFF", [soak.STATES["FORMATION"]])
     assert "thrust without leave" in soaked(1).wrong[0]
 
 
-def test_a_broken_rule_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_rule_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
     broken = {0: PolicyViolationError('boat 3 broke a rule at t = 2.340 s: "it"')}
     monkeypatch.setattr(soak, "violations", lambda _: broken)
     assert soaked(1).wrong == [str(broken[0])]

@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import flotilla
 import numpy as np
@@ -11,10 +11,14 @@ import pytest
 
 from sil import scenario
 from sil.batch import Batch
+from sil.fault_errors import fault_contradictions
+from sil.faults.rows import State
 from sil.faults.timeline import check
+from sil.plant.sensors import SensorNoise
 from sil.recording import HOST, MAVLINK_IN, Recording
 from sil.replay import replay
 from sil.scenario import Scenario, ScenarioError
+from sil.sections import Fault, FaultKind
 from sil.world import Run, sail
 from tests.target.troubled_fleet import messages
 
@@ -39,6 +43,40 @@ def states_of(one: Scenario, boat: int) -> list[tuple[int, str]]:
 
     sail([one], {}, watch=watch)
     return changes
+
+
+def refused(agent: int, kind: str, value: float) -> bool:
+    """By the firmware's own fleet, of a leader and a boat."""
+    fleet = flotilla.Fleet()
+    unit, exact = (100.0, "local", 0.0), (0, 0.0)
+    fleet.add_leader(0, 100, unit, exact)
+    fleet.add_boat(0, {"MAV_SYSID": 1}, unit, exact)
+    try:
+        fleet.set_fault(agent, kind, 0, value)
+    except ValueError:
+        return True
+    return False
+
+
+def test_a_scenario_knows_every_fault_of_the_firmware_and_two_of_the_world_around_it() -> None:
+    around = {"own_noisy", "gcs_silent"}  # the sensors, the ground station
+    assert around.isdisjoint(flotilla.FAULTS)
+    assert set(get_args(FaultKind)) == {*flotilla.FAULTS, *around}
+
+
+@pytest.mark.parametrize("kind", flotilla.FAULTS)
+def test_a_scenario_refuses_a_fault_where_the_firmware_does(kind: str) -> None:
+    def contradicts(agent: int, value: float) -> bool:
+        line = {"kind": kind, "agent": agent, "at_s": 9.0, "value": value}
+        problems = fault_contradictions([Fault.model_validate(line)], 1, SensorNoise())
+        return any(f"{kind} has none" not in problem for _, problem in problems)
+
+    for agent, value in ((0, 0.5), (1, 0.5), (1, 2.0)):
+        assert contradicts(agent, value) == refused(agent, kind, value), (agent, value)
+
+
+def test_a_row_of_the_matrix_names_the_firmwares_states() -> None:
+    assert get_args(State) == flotilla.STATES
 
 
 def test_a_fault_begins_and_ends_at_its_ticks() -> None:
@@ -109,7 +147,7 @@ def test_runs_with_faults_replay_bit_for_bit(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["frame_loss", "radio_loss", "byte_errors"])
-def test_what_is_lost_is_the_seeds(kind: str) -> None:
+def test_which_frames_are_lost_depends_only_on_the_seed(kind: str) -> None:
     line = {"kind": kind, "agent": 1, "at_s": 0.5, "value": 0.1}
     digests = [
         run.digest

@@ -10,6 +10,8 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from tests.turns import some
+
 FOXGLOVE = {
     "fix": "foxglove.LocationFix",
     "tf": "foxglove.FrameTransforms",
@@ -35,7 +37,7 @@ def schemas_of(path: Path) -> dict[str, str]:
         summary = make_reader(file).get_summary()
     assert summary is not None
     names = {}
-    for channel in summary.channels.values():
+    for channel in some(summary.channels.values()):
         schema = summary.schemas[channel.schema_id]
         assert (channel.message_encoding, schema.encoding) == ("protobuf", "protobuf")
         pool = DescriptorPool()
@@ -47,6 +49,6 @@ def schemas_of(path: Path) -> dict[str, str]:
 
 
 def assert_schemas_are_by_topic(path: Path) -> None:
-    for topic, name in schemas_of(path).items():
+    for topic, name in some(schemas_of(path).items()):
         kind = "esc" if "/esc/" in topic else topic.rpartition("/")[2]
         assert name == {**FOXGLOVE, **OURS, "esc": "flotilla.Esc"}[kind]

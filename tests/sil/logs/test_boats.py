@@ -21,6 +21,7 @@ from sil.wire.geodesy import LocalFrame
 from tests.dialect import dialect
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of
 from tests.sil.mistakes import assert_told_in_one_line
+from tests.turns import some
 
 START_US = 1_700_000_000_123_456
 ORIGIN = (473_977_420, 85_455_940, 488_000)
@@ -130,7 +131,7 @@ def test_a_vessel_with_another_origin_is_in_the_frame_of_the_first(
     log: Path, tmp_path: Path
 ) -> None:
     states = converted(log, tmp_path / "out.mcap")["/leader1/state"]
-    for step, (_, state) in enumerate(states):
+    for step, (_, state) in enumerate(some(states)):
         assert (state.x_m, state.y_m) == pytest.approx((100.0 + north_m(step), 52.0), abs=0.02)
 
 
@@ -221,7 +222,7 @@ def test_several_boats_logs_are_one_file_and_each_speaks_for_itself(tmp_path: Pa
         ("odometry", (0, 1, 12, 0, 0, 0, EAST, 3, 0, 0, 0, 0, 0, UNKNOWN, UNKNOWN)),
     ],
 )
-def test_other_messages_tell_the_same_place(
+def test_a_boat_that_sends_other_messages_is_at_the_same_place(
     message: str, place: tuple[Any, ...], tmp_path: Path
 ) -> None:
     d, pen = dialect(), Pen()

@@ -12,6 +12,7 @@ import pytest
 from sil.__main__ import main
 from sil.logs.run_folder import NAME
 from tests.sil.logs.reading import messages_of, schemas_of
+from tests.turns import some
 
 LAYOUT = Path(__file__).parents[3] / "sil" / "logs" / "layout.json"
 
@@ -56,20 +57,18 @@ def test_every_topic_that_is_shown_is_in_the_log_with_the_schema_that_its_panel_
 ) -> None:
     schemas = schemas_of(log)
     panels_of = json.loads(LAYOUT.read_text())["configById"]
-    for topic in panels_of["map!flotilla"]["topicColors"]:
+    for topic in some(panels_of["map!flotilla"]["topicColors"]):
         assert schemas[topic] == "foxglove.LocationFix"
-    for topic in panels_of["3D!flotilla"]["topics"]:
+    for topic in some(panels_of["3D!flotilla"]["topics"]):
         assert schemas[topic] == "foxglove.SceneUpdate"
-    for name, settings in panels_of.items():
-        if name.startswith("RosOut!"):
-            assert schemas[settings["topicToRender"]] == "foxglove.Log"
+    for name in some(name for name in panels_of if name.startswith("RosOut!")):
+        assert schemas[panels_of[name]["topicToRender"]] == "foxglove.Log"
 
 
 def test_everything_that_is_drawn_moves_with_a_frame_that_is_told(log: Path) -> None:
     topics = messages_of(log)
     frames = {one.child_frame_id for _, message in topics["/tf"] for one in message.transforms}
-    for topic, messages in topics.items():
-        if topic.endswith("/scene"):
-            entities = [entity for _, message in messages for entity in message.entities]
-            assert {entity.frame_id for entity in entities} <= frames
-            assert len(messages[-1][1].entities) == (1 if "leader" in topic else 2)
+    for topic in some(topic for topic in topics if topic.endswith("/scene")):
+        entities = [entity for _, message in topics[topic] for entity in message.entities]
+        assert {entity.frame_id for entity in some(entities)} <= frames
+        assert len(topics[topic][-1][1].entities) == (1 if "leader" in topic else 2)

@@ -16,6 +16,7 @@ from sil.wire.geodesy import LocalFrame
 from sil.wiring import ORIGIN
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of, schemas_of
 from tests.sil.mistakes import assert_told_in_one_line
+from tests.turns import some
 
 SECONDS = 12.0
 SAILED = ["run", "diamond", "--set", f"duration_s={SECONDS}"]
@@ -62,7 +63,7 @@ def test_fixes_are_the_poses_on_the_globe_to_a_centimetre(folder: Path) -> None:
     trace, topics = np.load(folder / "trace.npz"), messages_of(folder / NAME)
     world = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
     for agent, name in enumerate(("leader100", "boat1", "boat2", "boat3", "boat4")):
-        for t_ns, fix in topics[f"/{name}/fix"]:
+        for t_ns, fix in some(topics[f"/{name}/fix"]):
             eta = trace["eta"][round(100.0 * seconds(t_ns)), agent]
             place = LocalFrame(round(fix.latitude * 1e7), round(fix.longitude * 1e7), 40.0)
             assert place.seen_from(world, 0.0, 0.0, 0.0)[:2] == pytest.approx(eta[:2], abs=0.01)
@@ -160,7 +161,9 @@ def test_a_live_runs_log_has_nothing_of_an_earlier_runs_recording(
     summary = json.loads((folder / "summary.json").read_text())
     (tmp_path / "live" / "summary.json").write_text(json.dumps({**summary, "digest": None}))
     assert convert([str(tmp_path / "live")]) == 0
-    assert not any(topic.endswith("/status") for topic in messages_of(tmp_path / "live" / NAME))
+    assert not any(
+        topic.endswith("/status") for topic in some(messages_of(tmp_path / "live" / NAME))
+    )
 
 
 def test_a_recording_alone_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ def test_boats_in_a_line_say_their_state_ten_times_a_second() -> None:
     assert 9.5 * said[-1][0] < len(states) < 10.5 * said[-1][0] + 2
 
 
-def test_what_it_costs_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_a_fleet_costs_the_view_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--boats", "2", "--seconds", "1"]) == 0
     words = capsys.readouterr().out
     assert "2 boats and their leader say" in words and "% of a core" in words

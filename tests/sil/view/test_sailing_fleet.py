@@ -17,6 +17,7 @@ from sil.live import LiveWorld, build
 from sil.view import page
 from sil.view.history import numbers
 from sil.view.tlog import history_of_tlog
+from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_mcast import group_of, listener
 from tests.live_buses import live_buses
 from tests.punctual import skip_where_too_slow
@@ -25,6 +26,7 @@ from tests.sil.view.live_page import LIVE, word
 from tests.sil.view.test_live_fleet import process
 from tests.sil.view.test_page_replay import seek
 from tests.target.linux.process import free_port
+from tests.turns import some
 
 ROOT = Path(__file__).parents[3]
 PICTURES = ROOT / "build" / "view"
@@ -34,7 +36,7 @@ BOATS = ("Boat 1", "Boat 2", "Boat 3", "Boat 4")
 
 
 class Ear:
-    """Hears boat 1's HEARTBEATs by pymavlink; `at_s`: when each state was first told."""
+    """Hears boat 1's HEARTBEATs by pymavlink; `at_s`: when each state was told after its start."""
 
     def __init__(self, address: str) -> None:
         self.at_s: dict[str, float] = {}
@@ -63,11 +65,9 @@ class Ear:
                     self._note(message)
 
     def _note(self, beat: mavlink.MAVLink_message) -> None:
-        if beat.custom_mode == 6:
-            critical = beat.system_status == mavlink.MAV_STATE_CRITICAL
-            self.at_s.setdefault("COAST" if critical else "FORMATION", time.monotonic())
-        elif "COAST" in self.at_s:
-            self.at_s.setdefault("HOLD", time.monotonic())
+        state = state_of(beat.custom_mode, beat.base_mode, beat.system_status)
+        if state is not None and (self.at_s or state == "FORMATION"):
+            self.at_s.setdefault(state, time.monotonic())
 
 
 class Voyage:
@@ -208,7 +208,7 @@ def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> N
             assert now[system][name] == pytest.approx(then[system][name], abs=0.1), (system, name)
     for name in ("state", "held", "text", "leader"):
         assert now[1][name] == then[1][name]
-    for esc, once in zip(now[1]["escs"], then[1]["escs"], strict=True):
+    for esc, once in zip(some(now[1]["escs"]), then[1]["escs"], strict=True):
         assert esc["voltage_V"] == pytest.approx(once["voltage_V"], abs=0.1)
         assert esc["rpm"] == pytest.approx(once["rpm"], abs=200)  # told 5 times a second
         assert esc["errors"] == once["errors"]

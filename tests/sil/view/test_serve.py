@@ -20,6 +20,7 @@ from sil.view.serve import Server
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
 from tests.target.linux.process import free_port
+from tests.turns import some
 
 _PATIENCE_S = 20.0
 Use = Callable[[str], Awaitable[Any]]
@@ -114,7 +115,7 @@ def test_garbage_and_a_hundred_systems_leave_the_page_up_and_are_counted() -> No
 
     frame = served(Live(f"udpin:{LOOPBACK}:{port}", 1.0), use)
     assert frame["heard"]["ignored"] > 0 and frame["heard"]["bytes_per_s"] > 0
-    assert all(v["state"] == "FORMATION" for v in frame["vessels"])
+    assert all(v["state"] == "FORMATION" for v in some(frame["vessels"]))
 
 
 def test_a_page_that_does_not_read_holds_up_nobody() -> None:

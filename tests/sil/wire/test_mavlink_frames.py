@@ -57,10 +57,14 @@ def test_a_signed_frame_is_taken_with_its_signature(a: Frame, b: Frame, signatur
     assert list(frames(signed + b[3])) == [(*a[:3], signed), b]
 
 
-@given(st.binary(max_size=600))
-def test_garbage_never_raises_and_yields_only_pieces_of_itself(data: bytes) -> None:
-    for _, _, _, frame in frames(data):
-        assert frame in data and frame[0] == 0xFD
+@given(st.binary(max_size=600), mavlink_frame())
+def test_garbage_yields_only_pieces_of_itself_and_hides_no_frame(
+    garbage: bytes, last: Frame
+) -> None:
+    data = b"\0" + garbage + last[3]
+    found = [frame for _, _, _, frame in frames(data)]
+    assert last[3] in found
+    assert all(frame in data and frame[0] == 0xFD for frame in found)
 
 
 def test_a_frame_covered_by_a_false_header_is_found() -> None:

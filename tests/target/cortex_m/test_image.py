@@ -88,12 +88,12 @@ def symbols() -> set[str]:
     return {line.split()[-1] for line in run("arm-none-eabi-nm", IMAGE).splitlines()}
 
 
-def test_there_is_no_heap_in_it() -> None:
+def test_there_is_no_heap_in_the_image() -> None:
     assert "reset" in symbols()
     assert not symbols() & HEAP
 
 
-def test_there_is_nothing_of_the_mathematical_library_in_it() -> None:
+def test_there_is_nothing_of_the_mathematical_library_in_the_image() -> None:
     library = run("arm-none-eabi-g++", "-mcpu=cortex-m4", "-mthumb", "-print-file-name=libm.a")
     listed = run("arm-none-eabi-nm", "--defined-only", library.strip())
     functions = set(re.findall(r" [TW] (\w+)$", listed, re.MULTILINE))
@@ -101,7 +101,7 @@ def test_there_is_nothing_of_the_mathematical_library_in_it() -> None:
     assert not symbols() & functions
 
 
-def test_there_are_no_floating_point_instructions_in_it() -> None:
+def test_there_are_no_floating_point_instructions_in_the_image() -> None:
     code = run("arm-none-eabi-objdump", "-d", IMAGE)
     assert re.search(r"\tsmull\t", code)
     assert not re.search(r"\tv(add|sub|mul|div|ldr|mov|cvt)\S*\t", code)

@@ -25,6 +25,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from sil.ordinary_user import ordinary_user
 from sil.wire.esc_node import EscNode
+from sil.wire.heartbeat import state_of
 from tests.dialect import dialect
 from tests.target.agent import Agent
 from tests.target.bus import ARMING_STATUS, RAW_COMMAND, Frames, commands, type_of
@@ -359,7 +360,7 @@ class RealSea:
     def enter_formation(self) -> None:
         """From whatever state; the propellers turn."""
         self.arm()
-        self.insist(lambda: self.mode == FORMATION, SET_MODE, 1.0, float(FORMATION))
+        self.insist(lambda: self.state == "FORMATION", SET_MODE, 1.0, float(FORMATION))
         self.until(self.driven)
 
     def save_parameters(self) -> None:
@@ -402,9 +403,10 @@ class RealSea:
         return bool(beats and beats[-1].base_mode & ARMED_BIT)
 
     @property
-    def mode(self) -> int | None:
-        beats = self.named("HEARTBEAT")
-        return beats[-1].custom_mode if beats else None
+    def state(self) -> str | None:
+        for beat in self.named("HEARTBEAT")[-1:]:
+            return state_of(beat.custom_mode, beat.base_mode, beat.system_status)
+        return None
 
     def texts(self, link: int = -1) -> list[str]:
         return [m.text for m in self.named("STATUSTEXT", link)]

@@ -158,6 +158,7 @@ mavlink = ["udpin:a:1,signing=required,rate=9", "udpin:a:2,rate=9,signing=off",
 
 TEST_CASE("without a key no link signs, and none may be asked to") {
   const Config config = good({"--mavlink=udpin:a:1", "--mavlink=udpin:a:2,signing=off"});
+  CHECK(config.mavlink.size() == 2);
   for (const auto& link : config.mavlink) CHECK(config.policy(link) == app::SigningPolicy::kOff);
   for (const std::string policy : {"accept", "required"}) {
     const std::string link = "--mavlink=udpin:a:1,signing=" + policy;
@@ -177,7 +178,7 @@ TEST_CASE("the example that is delivered is a configuration") {
   CHECK(config.mavlink.size() == 1);
 }
 
-TEST_CASE("--help and --version say it and end well") {
+TEST_CASE("--help and --version print their text and end with status 0") {
   const auto help = std::get<Ending>(read({"--help"}));
   CHECK(help.status == 0);
   for (const char* word :

@@ -27,7 +27,6 @@ from tests.target.stations import (
     ARM,
     BOAT,
     FORMATION,
-    HOLD,
     SET_MODE,
     TEMPORARILY_REJECTED,
     command_long,
@@ -50,7 +49,7 @@ def test_a_boat_alone_at_sea_starts_disarmed_and_sends_only_zeros(sea: RealSea) 
     assert kinds == {(False, kind, NODE) for kind in (RAW_COMMAND, ARMING_STATUS, NODE_STATUS)}
     assert set(sea.raw_commands()) == {(0, 0)}
     assert set(sea.arming()) == {0}
-    assert not sea.armed and sea.mode == HOLD
+    assert sea.state == "DISARMED"
     assert "ready: boat 2 on mcast" in sea.process.words
 
 
@@ -176,7 +175,7 @@ def test_a_boat_that_stood_still_does_not_drive_on_what_piled_up_meanwhile(sea: 
     sea.until(lambda: len(sea.heard) > before + 60)
     woken = [(can_id, data) for _, can_id, data in sea.heard[before:]]
     assert {commands([f]) for f in of_type(woken, RAW_COMMAND)} == {(0, 0)}
-    assert sea.mode == HOLD
+    assert sea.state == "HOLD"
     assert "HOLD: own state is not fresh" in sea.texts()
 
     sea.enter_formation()  # the operator says so

@@ -21,7 +21,8 @@ from tests.target.linux.process import (
     free_port,
     now_us,
 )
-from tests.target.stations import BOAT, FORMATION, GCS, HOLD, command_long
+from tests.target.stations import BOAT, GCS, command_long
+from tests.turns import some
 
 RATE_BPS = 800
 
@@ -145,9 +146,9 @@ def test_pymavlinks_own_connection_arms_the_boat_and_names_its_mode(
             pass
         return bool(station.motors_armed()) and station.flightmode == mode
 
-    for mode, number in (("FOLLOW", FORMATION), ("HOLD", HOLD)):
+    for mode, state in (("FOLLOW", "FORMATION"), ("HOLD", "HOLD")):
         sea.repeat(partial(order, mode), partial(told, mode))
-        sea.until(partial(lambda number: sea.mode == number, number))
+        sea.until(partial(lambda state: sea.state == state, state))
 
 
 def test_telemetry_keeps_to_the_rate_of_a_slow_radio(sea: RealSea) -> None:
@@ -177,8 +178,8 @@ def test_a_serial_port_that_vanishes_does_not_stop_the_boat_and_is_opened_again(
     commanded = len(sea.raw_commands())
     beats = len(sea.named("HEARTBEAT"))
     sea.until(lambda: len(sea.named("HEARTBEAT")) > beats)
-    assert all(any(command) for command in sea.raw_commands()[commanded:])
-    assert sea.driven() and sea.mode == FORMATION
+    assert all(any(command) for command in some(sea.raw_commands()[commanded:]))
+    assert sea.driven() and sea.state == "FORMATION"
 
     sea.ends[1].close()
     sea.ends[1] = Serial(tmp_path / "ttyUSB0")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.target.linux.process import PATIENT, STORAGE, RealSea, now_us
-from tests.target.stations import ACCEPTED, ARM, FORMATION, command_long
+from tests.target.stations import ACCEPTED, ARM, command_long
 
 NOT_SAVED = "PreArm: parameters are not saved"
 
@@ -187,7 +187,7 @@ def test_a_disk_that_hangs_does_not_stop_the_control_loop(sea: RealSea, file: Pa
     sea.insist(lambda: (STORAGE, ACCEPTED) in sea.acks(), STORAGE, 1.0)
     sea.run(0.5)
     sea.forget()
-    sea.until(lambda: len(sea.raw_commands()) > 100 and sea.mode == FORMATION)
+    sea.until(lambda: len(sea.raw_commands()) > 100 and sea.state == "FORMATION")
     assert sea.driven()
     assert "saved" not in sea.process.words
 

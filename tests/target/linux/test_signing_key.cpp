@@ -49,7 +49,7 @@ TEST_CASE("a key is 32 bytes, or 64 digits, perhaps with a newline") {
   CHECK(read_signing_key(KeyFile(raw_key(), 0700).path) == key);
 }
 
-TEST_CASE("anything else is no key") {
+TEST_CASE("neither another length nor other digits are a key") {
   const std::string bad[] = {"",
                              raw_key().substr(1),
                              raw_key() + "x",

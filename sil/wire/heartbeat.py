@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+"""A boat's state in its HEARTBEAT. firmware/SUPERVISOR.md has them state by state."""
+
+MANUAL, HOLD, FORMATION = 0, 4, 6  # custom_mode
+
+_ARMED, _TEST = 128, 2  # base_mode
+_CRITICAL, _EMERGENCY = 5, 6  # system_status
+_MODES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION"}
+
+
+def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None:
+    """One of `flotilla.STATES` by the fields of a boat's HEARTBEAT; None where it is none."""
+    if system_status == _EMERGENCY:
+        return "FAULT"
+    if not base_mode & _ARMED:
+        return "DISARMED"
+    if base_mode & _TEST:
+        return "TEST"
+    mode = _MODES.get(custom_mode)
+    return "COAST" if mode == "FORMATION" and system_status == _CRITICAL else mode

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""Whatever Python code imports is declared, and what is declared is pinned."""
+
+import ast
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+OUR_OWN = {"flotilla", "sil", "tests"}
+
+
+def plain(requirement: str) -> str:
+    """The name in it, as package indices spell it."""
+    return re.sub(r"[-_.]+", "-", re.split(r"[=<> ]", requirement, maxsplit=1)[0]).lower()
+
+
+def imported(*folders: str) -> set[str]:
+    """The distributions whose modules are imported there."""
+    modules: set[str] = set()
+    for file in (file for folder in folders for file in (ROOT / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                modules |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                modules.add(node.module.split(".")[0])
+    distributions = packages_distributions()
+    return {
+        plain(name)
+        for module in modules - OUR_OWN - sys.stdlib_module_names
+        for name in distributions.get(module, [module])
+    }
+
+
+def declared() -> set[str]:
+    lines = (ROOT / "tools" / "requirements.in").read_text(encoding="utf-8").splitlines()
+    return {plain(line) for line in lines if not line.startswith("#")}
+
+
+def test_what_the_simulation_imports_is_declared() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    dependencies = {plain(name) for name in project["dependencies"]}
+    assert imported("sil", "tools") == dependencies
+    assert dependencies < declared()
+
+
+def test_what_the_tests_import_is_declared() -> None:
+    used = imported("tests")
+    assert {"pytest", "numpy", "pymavlink"} < used
+    assert used <= declared()
+
+
+def test_what_is_declared_is_pinned_with_a_hash() -> None:
+    text = (ROOT / "tools" / "requirements.txt").read_text(encoding="utf-8")
+    pinned = re.findall(r"^([\w.-]+)==\S+ \\\n +--hash=sha256:[0-9a-f]{64}\b", text, re.MULTILINE)
+    assert declared() <= {plain(name) for name in pinned}
