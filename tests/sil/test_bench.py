@@ -20,4 +20,6 @@ def test_tick_takes_as_many_instructions_as_the_readme_says() -> None:
     subprocess.run(build, check=True, capture_output=True)
     now = bench.instructions(["tick"], 1000)
     _, noted = readme.numbers(readme.row("tick with own")[0])
-    assert now == pytest.approx(noted, rel=SHARE), f"{readme.README.name}: print it by tools/bench"
+    assert now == pytest.approx(noted, rel=SHARE), (
+        f"{noted:g} in the README, {now} now: tools/bench"
+    )

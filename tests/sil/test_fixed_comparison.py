@@ -97,4 +97,4 @@ def test_errors_and_instructions_are_those_of_the_readme(built: None) -> None:
         cells = readme.row(title)
         noted = [*cells[:3], *cells[6:]]
         printed = [readme.printed(*each) for each in zip(figures, noted, strict=True)]
-        assert printed == noted, f"{title}: print them by tools/fixed --compare"
+        assert printed == noted, f"{title}, in the README: tools/fixed --compare"

@@ -98,7 +98,7 @@ def test_its_instructions_flash_and_ram_are_those_of_the_readme(recording: Recor
     }
     for name, figures in now.items():
         noted = readme.numbers(readme.row(name)[0])
-        assert figures == pytest.approx(noted, rel=0.02), f"{name}: print them by tools/metal"
+        assert figures == pytest.approx(noted, rel=0.02), f"{name}: {figures} now: tools/metal"
 
 
 def symbols() -> set[str]:
