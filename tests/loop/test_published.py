@@ -91,7 +91,7 @@ def test_every_scenario_seed_and_run_of_the_pages_is_noted_and_every_bound_reach
 def test_run_has_the_figures_that_are_noted(job: Job) -> None:
     outcome, noted = sailed(job), BY_JOB[job]
     assert not outcome.failure
-    assert outcome.figures.keys() == noted.figures.keys(), RENEW
+    assert outcome.boats and outcome.figures.keys() == noted.figures.keys() != set(), RENEW
     for key, figure in outcome.figures.items():
         check(f"{job}: {key}", figure, noted.figures[key])
     for boat in outcome.boats:

