@@ -58,7 +58,9 @@ def _time_us(case: list[str], n: int) -> float:
     return statistics.median(runs)
 
 
-def _instructions(case: list[str], n: int) -> int:
+def instructions(case: list[str], n: int) -> int:
+    """Of the firmware in one of `n` ticks of a case of flotilla_bench."""
+
     def total(ticks: int) -> int:
         valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
         command = [*valgrind, str(PROGRAM), case[0], str(ticks), *case[1:]]
@@ -73,7 +75,7 @@ def _figure(what: str, case: list[str], n: int, per: int, target_us: float | Non
     return {
         "what": what,
         "median_us": _time_us(case, n) * per,
-        "instructions": _instructions(case, min(n // 2, 1000)) * per,
+        "instructions": instructions(case, min(n // 2, 1000)) * per,
         "target_us": target_us,
     }
 

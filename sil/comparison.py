@@ -16,7 +16,7 @@ from sil import metrics, plots
 from sil.figures import Trace
 from sil.plant.hull import Array
 
-_LEAST_M = 1e-4
+_LEAST_M = 1e-5
 # the title makes room for the times above the boats
 _STYLE: dict[Any, Any] = {"figure.dpi": 130, "font.size": 9.5, "axes.titlepad": 14.0}
 _ABOVE: dict[str, Any] = {

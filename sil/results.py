@@ -23,18 +23,19 @@ from sil import (
     arguments,
     comparison,
     files,
+    published,
     results_campaigns,
+    results_readme,
     results_scalar,
     results_table,
 )
 from sil.campaign.finished import Campaign
 from sil.claims import BASELINE, CLAIMS, LAWS, PRODUCT
+from sil.published import PICTURES, Published
 from sil.results_table import Row
 from sil.sailing import Job, Outcome, sail_all
 from sil.sections import Scalar
 
-HERE = Path(__file__).parent
-PAGE, PICTURES = HERE / "RESULTS.md", HERE / "results"
 SEEDS = 40
 _INTERRUPTED = 130
 
@@ -49,7 +50,7 @@ def add_to(commands: Any) -> None:
         action="append",
         choices=list(CLAIMS),
         metavar="NAME",
-        help="this scenario; repeatable. sil/RESULTS.md is left as it is",
+        help="this scenario; repeatable. The project's pages are left as they are",
     )
     command.add_argument(
         "--seeds", type=arguments.count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
@@ -81,27 +82,33 @@ def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
         options.out.mkdir(parents=True, exist_ok=True)
         campaigns = []
         if _whole(options):
-            _page([], [])  # without a place for them is told before all is sailed
+            published.check_places()  # what is missing is told before all is sailed
             campaigns = results_campaigns.sail(options.out, options.workers)
-        outcomes = _sail(_jobs(options), options.workers, console)
+        outcomes = _sail(jobs(options), options.workers, console)
         table = results_table.rows(outcomes)
         console.print(results_table.for_terminal(table))
-        _write(_files(options, table, outcomes, campaigns))
+        pictures = _pictures(outcomes)
+        content = {options.out / "results.json": _json(table, outcomes)}
+        content |= {options.out / name: picture for name, picture in pictures.items()}
+        if _whole(options):
+            content |= _published(outcomes, campaigns)
+            content |= {PICTURES / name: picture for name, picture in pictures.items()}
+        _write(content)
     except KeyboardInterrupt:
         console.print("interrupted")
         return _INTERRUPTED
     except (OSError, ValueError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    page = f", {PAGE}" if _whole(options) else ""
-    console.print(f"written: {options.out}/results.json, pictures{page}", soft_wrap=True)
+    pages = ", the project's pages" if _whole(options) else ""
+    console.print(f"written: {options.out}/results.json, pictures{pages}", soft_wrap=True)
     return 0 if all(row.reached for row in table) else 1
 
 
 def _compare(options: argparse.Namespace, console: Console) -> int:
     """Exit status: 0, 1 where a figure in the other scalar is not as in float."""
     in_float, other = (
-        _sail(_jobs(options, (f"scalar='{scalar}'",)), options.workers, console)
+        _sail(jobs(options, (f"scalar='{scalar}'",)), options.workers, console)
         for scalar in ("float", options.scalar)
     )
     found = results_scalar.pairs(in_float, other)
@@ -110,11 +117,12 @@ def _compare(options: argparse.Namespace, console: Console) -> int:
 
 
 def _whole(options: argparse.Namespace) -> bool:
-    """Whether all is sailed as the page claims it."""
+    """Whether all is sailed as the pages claim it."""
     return not options.only and not options.set and options.seeds == SEEDS
 
 
-def _jobs(options: argparse.Namespace, overrides: tuple[str, ...] = ()) -> list[Job]:
+def jobs(options: argparse.Namespace, overrides: tuple[str, ...] = ()) -> list[Job]:
+    """What the command's options ask for."""
     seeds = range(1, options.seeds + 1)
     return [
         Job(name, law, seed, (*options.set, *overrides))
@@ -140,34 +148,28 @@ def _sail(jobs: Sequence[Job], workers: int, console: Console) -> list[Outcome]:
         return sail_all(jobs, workers, tell)
 
 
-def _files(
-    options: argparse.Namespace,
-    table: Sequence[Row],
-    outcomes: Sequence[Outcome],
-    campaigns: Sequence[Campaign],
-) -> dict[Path, bytes]:
-    folders = [options.out, PICTURES] if _whole(options) else [options.out]
-    files = {options.out / "results.json": _json(table, outcomes)}
-    for name in dict.fromkeys(row.scenario for row in table):
-        picture = _picture(name, outcomes)
-        if picture:
-            files |= {folder / f"{name}.png": picture for folder in folders}
-    for campaign in campaigns:
-        files[PICTURES / f"{campaign.scenario}.png"] = results_campaigns.picture(campaign)
-    if _whole(options):
-        files[PAGE] = _page(table, campaigns).encode()
-    return files
+def _pictures(outcomes: Sequence[Outcome]) -> dict[str, bytes]:
+    names = dict.fromkeys(outcome.job.scenario for outcome in outcomes)
+    pictures = {f"{name}.png": picture(name, outcomes) for name in names}
+    return {name: content for name, content in pictures.items() if content}
 
 
-def _page(table: Sequence[Row], campaigns: Sequence[Campaign]) -> str:
-    """The page with the results in their places; ValueError where it has none for them."""
-    text = PAGE.read_text(encoding="utf-8")
-    text = results_table.between(text, results_table.BEGIN, results_table.for_page(table))
-    monte_carlo = results_campaigns.for_page(campaigns) if campaigns else ""
-    return results_table.between(text, results_campaigns.BEGIN, monte_carlo)
+def _published(outcomes: Sequence[Outcome], campaigns: Sequence[Campaign]) -> dict[Path, bytes]:
+    told = [results_campaigns.told(campaign) for campaign in campaigns]
+    figures = published.encoded(Published([*outcomes], told, results_readme.sail()))
+    # the pages have the digits of the file, which they are held against
+    pages = published.pages(published.decoded(figures))
+    return {
+        published.FIGURES: figures,
+        **{
+            PICTURES / f"{campaign.scenario}.png": results_campaigns.picture(campaign)
+            for campaign in campaigns
+        },
+        **{path: text.encode() for path, text in pages.items()},
+    }
 
 
-def _picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
+def picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
     """PNG of a scenario's runs, None where the product has none."""
     traces = {
         law: [o.trace for o in outcomes if o.job[:2] == (name, law) and not o.failure]

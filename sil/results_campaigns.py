@@ -2,8 +2,12 @@
 """The paper's Monte Carlo with both laws, as the page of results has it."""
 
 import argparse
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
 
 from sil.campaign import command, finished, nominal, report, samples
 from sil.campaign.finished import Campaign
@@ -14,6 +18,19 @@ RUNS = 100
 NAMES = {BASELINE: "paper_monte_carlo", PRODUCT: "monte_carlo"}
 BEGIN = "<!-- campaigns: made by python -m sil results -->\n"
 _PERCENTS = (50.0, 95.0)
+
+
+class MonteCarlo(NamedTuple):
+    """A campaign as the pages tell it; distances are median and 95th percentile from 100 s on.
+
+    `ended`: how many runs ended how; `late_m` (N, 2): of each boat over all runs; `runs_m`
+    (R, N, 2): of each run.
+    """
+
+    scenario: str
+    ended: Counter[str]
+    late_m: list[list[float]]
+    runs_m: list[list[list[float]]]
 
 
 def sail(out: Path, workers: int) -> list[Campaign]:
@@ -38,21 +55,25 @@ def picture(campaign: Campaign) -> bytes:
     return png(report.errors_figure(campaign, sampled, nominal.read(campaign.folder)))
 
 
-def for_page(campaigns: Sequence[Campaign]) -> str:
+def told(campaign: Campaign) -> MonteCarlo:
+    """Its figures."""
+    late_m = samples.read(campaign).late_percentiles(_PERCENTS)
+    runs_m = np.stack([campaign.cells["error_p50_m"], campaign.cells["error_p95_m"]], axis=-1)
+    ended = Counter(campaign.outcome.tolist())
+    return MonteCarlo(campaign.scenario, ended, late_m.tolist(), runs_m.tolist())
+
+
+def for_page(campaigns: Sequence[MonteCarlo]) -> str:
     """Table of the percentiles a boat, in Markdown, and a picture of each campaign."""
     heads = (f"`{campaign.scenario}`: {x}" for campaign in campaigns for x in ("median", "95 %"))
     lines = [f"| boat | {' | '.join(heads)} |", "|--:" * (1 + 2 * len(campaigns)) + "|"]
-    levels = [samples.read(campaign).late_percentiles(_PERCENTS) for campaign in campaigns]
-    for boat in range(campaigns[0].boats):
-        cells = (f"{level:.3f} m" for percentiles in levels for level in percentiles[boat])
-        lines.append(f"| {boat + 1} | {' | '.join(cells)} |")
-    for campaign in campaigns:
-        outcomes = campaign.outcome.tolist()
-        told = ", ".join(
-            f"{outcomes.count(outcome)} {outcome}"
-            for outcome in (finished.OK, finished.DIVERGED, finished.FAILED)
-        )
-        about = f"`{campaign.scenario}`: distances from the slot over {len(outcomes)} runs"
-        lines += ["", f"![{about}](results/{campaign.scenario}.png)"]
-        lines += ["", f"`{campaign.scenario}`: {told}."]
+    boats = zip(*(campaign.late_m for campaign in campaigns), strict=True)
+    for boat, levels in enumerate(boats, start=1):
+        cells = (f"{level:.3f} m" for percentiles in levels for level in percentiles)
+        lines.append(f"| {boat} | {' | '.join(cells)} |")
+    for name, ended, _, _ in campaigns:
+        outcomes = (finished.OK, finished.DIVERGED, finished.FAILED)
+        counts = ", ".join(f"{ended[outcome]} {outcome}" for outcome in outcomes)
+        about = f"`{name}`: distances from the slot over {ended.total()} runs"
+        lines += ["", f"![{about}](results/{name}.png)", "", f"`{name}`: {counts}."]
     return "\n".join(lines)

@@ -47,8 +47,8 @@ class Row:
         return [
             self.scenario if first else "",
             claim.about + seeds if first else bound.what,
-            _told(self.baseline, bound, BASELINE),
-            _told(self.product, bound, PRODUCT),
+            told(self.baseline, bound, BASELINE),
+            told(self.product, bound, PRODUCT),
             bound.to_reach,
             "yes" if self.reached else "NO",
         ]
@@ -108,13 +108,23 @@ def percentile(runs: Sequence[Outcome], bound: Bound, law: str) -> float | None:
         return math.nan
     if not runs or any(run.failure for run in runs):
         return None
-    figures = [run.figures[bound.key] for run in runs]
-    # a boat that is nowhere, NaN, is the worst of all
-    ordered = sorted(math.inf if math.isnan(figure) else figure for figure in figures)
+    return _figure(decisive(runs, bound), bound)
+
+
+def decisive(runs: Sequence[Outcome], bound: Bound) -> Outcome:
+    """The run whose figure is the 95th percentile; none of `runs` failed."""
+    ordered = sorted(runs, key=lambda run: _figure(run, bound))
     return ordered[math.ceil(_PERCENTILE * (len(ordered) - 1))]
 
 
-def _told(figure: float | None, bound: Bound, law: str) -> str:
+def _figure(run: Outcome, bound: Bound) -> float:
+    # a boat that is nowhere, NaN, is the worst of all
+    figure = run.figures[bound.key]
+    return math.inf if math.isnan(figure) else figure
+
+
+def told(figure: float | None, bound: Bound, law: str) -> str:
+    """A law's figure as the pages have it."""
     if law not in bound.laws:
         return "–"
     if figure is None:

@@ -33,16 +33,18 @@ def test_every_boat_keeps_within_3_cm_of_the_continuous_solution(
             assert np.abs(difference).max() < 0.03, (boat + 1, column)
 
 
-def test_every_boat_is_within_5_mm_of_its_slot_at_200_s(diamond: tuple[Run, Path]) -> None:
-    at_200_s = metrics.distances(diamond[0].trace["error"])[20_000]
-    assert (at_200_s < 0.005).all(), at_200_s
+def test_every_boat_is_within_half_a_millimetre_of_its_slot_from_200_s_on(
+    diamond: tuple[Run, Path],
+) -> None:
+    late_m = metrics.distances(diamond[0].trace["error"])[20_000:].max(axis=0)
+    assert (late_m < 0.0005).all(), late_m
 
 
 def test_the_virtual_leader_sails_the_reference(diamond: tuple[Run, Path]) -> None:
     reference = np.genfromtxt(REFERENCE, delimiter=",", names=True)
     eta = diamond[0].trace["eta"][::100, 0]
     for axis, column in enumerate(("x0_m", "y0_m", "psi0_rad")):
-        assert eta[:, axis] == pytest.approx(reference[column], abs=1e-4)
+        assert eta[:, axis] == pytest.approx(reference[column], abs=1e-6)
 
 
 def test_the_trace_has_the_shapes_that_users_rely_on(diamond: tuple[Run, Path]) -> None:
@@ -70,7 +72,7 @@ def test_boats_spend_the_whole_run_in_formation(diamond: tuple[Run, Path]) -> No
 
 
 def test_boats_3_and_4_pass_within_1_2_m_of_each_other(diamond: tuple[Run, Path]) -> None:
-    assert metrics.min_separation_m(diamond[0].trace["eta"]) == pytest.approx(1.2, abs=0.1)
+    assert metrics.min_separation_m(diamond[0].trace["eta"]) == pytest.approx(1.18, abs=0.02)
 
 
 def test_the_recording_replays_bit_for_bit(diamond: tuple[Run, Path]) -> None:
@@ -126,14 +128,14 @@ def test_the_command_line_in_another_process_gives_the_same_digest(tmp_path: Pat
     }
 
 
-def test_a_double_precision_boat_sails_the_same_course_within_a_millimetre(
+def test_a_double_precision_boat_sails_the_same_course_within_a_fifth_of_a_millimetre(
     tmp_path: Path,
 ) -> None:
     error = {}
     for scalar in ("float", "double"):
         chosen = scenario.load("diamond", ["duration_s=40", f"scalar='{scalar}'"])
         error[scalar] = World(chosen, {}).run(tmp_path / "r.bin", lambda _: None).trace["error"]
-    assert np.abs(error["float"] - error["double"]).max() < 0.001
+    assert np.abs(error["float"] - error["double"]).max() < 0.0002
 
 
 def test_in_fixed_point_every_boat_is_within_a_millimetre_of_double_at_every_tick(

@@ -10,6 +10,7 @@ import pytest
 
 from sil import fixed_comparison
 from sil.fixed_comparison import Row
+from tests import readme
 from tests.turns import some
 
 NEEDED = [
@@ -22,7 +23,22 @@ PROGRAMS = [
     ("cortex-m", "fixed_instructions_soft", "fixed_instructions_hard"),
 ]
 
-pytestmark = pytest.mark.skipif(not all(NEEDED), reason="no rivals here: tools/fixed --compare")
+pytestmark = [
+    pytest.mark.nightly,
+    pytest.mark.skipif(not all(NEEDED), reason="no rivals here: tools/fixed --compare"),
+]
+
+IN_THE_README = {
+    "sin within ±π": "sin",
+    "sin within ±32768": "sin_far",
+    "atan2": "atan2",
+    "tanh": "tanh",
+    "exp up to 32767": "exp",
+    "sqrt": "sqrt",
+    "hypot": "hypot",
+    "multiply": "multiply",
+    "divide": "divide",
+}
 
 
 def run(*command: str) -> None:
@@ -30,9 +46,13 @@ def run(*command: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, Row]:
+def built() -> None:
     for preset, *targets in PROGRAMS:
         run("tools/build", preset, *targets)
+
+
+@pytest.fixture(scope="module")
+def rows(built: None) -> dict[str, Row]:
     return {row.name: row for row in fixed_comparison.measure(100_000)}
 
 
@@ -68,3 +88,15 @@ def test_the_tables_have_a_line_for_each_function(rows: dict[str, Row]) -> None:
     for table in some(fixed_comparison.tables(list(rows.values()))):
         assert table.row_count == len(rows) == 10
         assert len(table.columns) == 5
+
+
+def test_errors_and_instructions_are_those_of_the_readme(built: None) -> None:
+    whole = {row.name: row for row in fixed_comparison.measure(fixed_comparison.ARGUMENTS)}
+    for title, name in IN_THE_README.items():
+        now = whole[name]
+        figures = [now.error, now.error_libfixmath, now.error_float]
+        figures += [now.instructions, now.instructions_soft, now.instructions_fpu]
+        cells = readme.row(title)
+        noted = [*cells[:3], *cells[6:]]
+        printed = [readme.printed(*each) for each in zip(figures, noted, strict=True)]
+        assert printed == noted, f"{title}, in the README: tools/fixed --compare"

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pytest
 from rich.console import Console
 
-from sil import results, results_table
+from sil import published, results, results_table
 from sil.claims import CLAIMS, LAWS
 from sil.results_table import BEGIN, COLUMNS, END, Row
 from sil.sailing import Job, Outcome
@@ -33,25 +33,25 @@ def reached(name: str, paper: float | None, product: float | None) -> list[bool]
 @pytest.mark.parametrize(
     ("name", "paper", "product", "expected"),
     [
-        # distance 0.01 m; settled 1.5 × sooner; the paper's law within 0.03 m of the reference
-        ("diamond", 0.015, 0.0099, [True, True, True]),
-        ("diamond", 0.0149, 0.01, [True, False, True]),
-        ("diamond", 0.031, 0.011, [False, True, False]),
-        ("diamond", math.inf, 0.01, [True, True, False]),
+        # distance 0.12 mm; settled 1.5 × sooner; the paper's law within 0.03 m of the reference
+        ("diamond", 0.015, 0.00012, [True, True, True]),
+        ("diamond", 0.000149, 0.0001, [True, False, True]),
+        ("diamond", 0.031, 0.00013, [False, True, False]),
+        ("diamond", math.inf, 0.0001, [True, True, False]),
         ("diamond", math.inf, math.inf, [False, False, False]),
         ("diamond", math.nan, math.nan, [False, False, False]),
         ("diamond", None, 0.01, [False, False, False]),
         ("diamond", 0.02, None, [False, False, True]),
-        ("straight", 9.0, 0.02, [True]),
-        ("straight", 9.0, 0.0201, [False]),
-        ("noisy", 0.0, 0.05, [True, True]),
+        ("straight", 9.0, 0.0025, [True]),
+        ("straight", 9.0, 0.0026, [False]),
+        ("noisy", 0.0, 0.03, [True, True]),
         ("noisy", 0.0, 0.19, [False, True]),
         ("noisy", 0.0, 0.21, [False, False]),
-        ("mismatch", 0.05, 0.055, [True, True]),
-        ("mismatch", 0.05, 0.056, [True, False]),
-        ("stop_and_go", 0.0, 0.9, [False, True, True]),
-        ("stop_and_go", 0.0, 1.1, [False, True, False]),
-        ("stop_and_go", 0.0, 2.1, [False, False, False]),
+        ("mismatch", 0.08, 0.06, [True, True]),
+        ("mismatch", 0.08, 0.061, [True, False]),
+        ("stop_and_go", 0.0, 0.02, [False, True, True]),
+        ("stop_and_go", 0.0, 0.1, [False, False, True]),
+        ("stop_and_go", 0.0, 0.2, [False, False, False]),
     ],
 )
 def test_bound_is_reached_or_missed(
@@ -109,7 +109,7 @@ def test_page_has_a_line_a_bound_and_a_picture_a_scenario_between_its_marks() ->
     lines = table.splitlines()
     assert lines[2] == (
         "| [`diamond`](scenarios/diamond.toml) | the paper's section III, nothing disturbs "
-        "| 0.030 m | 0.020 m | 0.01 m | **NO** |"
+        "| 0.030 m | 0.020 m | 0.00012 m | **NO** |"
     )
     assert lines[3].endswith("| 0.030 s | 0.020 s | 1.5 × sooner | yes |")
     assert lines[4].endswith("| 0.030 m | – | 0.03 m | yes |")
@@ -129,7 +129,7 @@ def test_page_that_lost_its_marks_is_an_error(text: str) -> None:
 
 
 def test_projects_page_has_the_marks_and_every_bound_in_order() -> None:
-    text = results.PAGE.read_text(encoding="utf-8")
+    text = published.PAGE.read_text(encoding="utf-8")
     rows = [Row(name, b, 0.0, 0.0, results.SEEDS) for name in CLAIMS for b in CLAIMS[name].bounds]
     _, _, rest = page_of(text, rows).partition(BEGIN)
     assert wanted(text.partition(BEGIN)[2]) == wanted(rest), "run python -m sil results"

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+"""The README's figures of boats that sail: what was measured, and the law beside the paper's."""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from sil import bench_radio, metrics, scenario
+from sil.claims import BASELINE
+from sil.results_campaigns import MonteCarlo
+from sil.results_table import Row, told
+from sil.world import World
+
+Measured = dict[str, float]
+
+MEASURED_BEGIN = "<!-- measured: made by python -m sil results -->\n"
+LAW_BEGIN = "<!-- law: made by python -m sil results -->\n"
+
+# The most that each figure may be: about twice what was measured, or what is asked for.
+DEVIATION_M = 0.03
+WANTED: Measured = {
+    "diamond": 0.0005,
+    "leader_global": 0.016,
+    "leader_follow_target": 0.004,
+    "leader_far_origin": 0.001,
+    "radio_share": bench_radio.TARGET_SHARE,
+}
+_LEADERS = ("leader_global", "leader_follow_target", "leader_far_origin")
+_FROM_S = {"diamond": 200, **dict.fromkeys(_LEADERS, 120)}
+
+_LAW = (
+    ("nothing disturbs: all within 0.05 m after", "diamond", "settling_s"),
+    ("a straight leg", "straight", "rms_error_m"),
+    ("0.1 m/s of current", "current", "rms_error_m"),
+    (
+        "hulls ±50 % off the model, white noise, 95th percentile of {seeds} seeds",
+        "mismatch",
+        "rms_error_m",
+    ),
+    ("leaders at 5 Hz, 0.2 s late, 30 % lost", "weak_link", "rms_error_m"),
+    (
+        "four 2 m catamarans in waves, gusts and current: a hull that the law does not model",
+        "sea",
+        "rms_error_m",
+    ),
+)
+
+
+def sail() -> Measured:
+    """Largest late distances from the slots, m, and the share of a radio that a boat needs."""
+    with tempfile.TemporaryDirectory(prefix="flotilla-") as folder:
+        measured = {}
+        for name, from_s in _FROM_S.items():
+            run = World(scenario.load(name), {}).run(Path(folder) / "run.bin", lambda _: None)
+            late = run.trace["t_s"] >= from_s - 1e-6
+            measured[name] = float(metrics.distances(run.trace["error"][late]).max())
+        return {**measured, "radio_share": bench_radio.measure(Path(folder))["share"]}
+
+
+def for_measured(table: Sequence[Row], measured: Measured) -> str:
+    """The table of what boats did, in Markdown."""
+    (deviation,) = (row for row in table if row.bound.key == "deviation_from_reference")
+    leaders = "only `GLOBAL_POSITION_INT`, only `FOLLOW_TARGET`, or from an origin 2 km away"
+    share = f"{100.0 * measured['radio_share']:.0f} %"
+    lines = [
+        (
+            "largest deviation of a formation error, any boat and second",
+            told(deviation.baseline, deviation.bound, BASELINE),
+            f"{DEVIATION_M:g} m",
+        ),
+        ("largest distance from the slot from 200 s on", *_metres(("diamond",), measured)),
+        (
+            f"behind a leader that sends {leaders}: largest distance from the slot from 120 s on",
+            *_metres(_LEADERS, measured),
+        ),
+        (
+            "one boat on a 57,600 Bd radio: heartbeat, state at 10 Hz, all telemetry",
+            share,
+            f"{100.0 * WANTED['radio_share']:.0f} %",
+        ),
+    ]
+    return _markdown(("", "measured", "wanted"), "|---|---|---|", lines)
+
+
+def for_law(table: Sequence[Row], campaigns: Sequence[MonteCarlo]) -> str:
+    """The table of the law beside the paper's, in Markdown."""
+    head = "300 s in lockstep, worst boat: RMS distance from the slot over the last third"
+    lines: list[tuple[str, ...]] = []
+    for about, name, key in _LAW:
+        (row,) = (row for row in table if (row.scenario, row.bound.key) == (name, key))
+        lines.append((about.format(seeds=row.seeds), *row.cells[2:4]))
+    worst = (f"{max(high for _, high in campaign.late_m):.3f} m" for campaign in campaigns)
+    runs = campaigns[0].ended.total()
+    about = f"{runs} random starts, hulls ±50 %, white noise ([the paper's Fig. 2](sil/RESULTS.md))"
+    lines.append((f"{about}: 95th percentile of the worst boat after 100 s", *worst))
+    return _markdown((head, "paper's law", "product's"), "|---|--:|--:|", lines)
+
+
+def _metres(names: Sequence[str], measured: Measured) -> tuple[str, str]:
+    return (
+        ", ".join(f"{measured[name]:.2g} m" for name in names),
+        ", ".join(f"{WANTED[name]:g} m" for name in names),
+    )
+
+
+def _markdown(head: tuple[str, ...], columns: str, lines: Sequence[tuple[str, ...]]) -> str:
+    first, *others = (f"| {' | '.join(cells)} |" for cells in (head, *lines))
+    return "\n".join([first, columns, *others])

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: MIT
+"""The README's tables, for the tests that hold their figures."""
+
+import math
+import re
+from pathlib import Path
+
+README = Path(__file__).parents[1] / "README.md"
+
+
+def row(name: str) -> list[str]:
+    """The cells after the first of the one row whose first cell is, or begins with, `name`."""
+    lines = [line for line in README.read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+    found = [others for first, *others in cells if re.match(rf"{re.escape(name)}\b", first)]
+    assert len(found) == 1, f"{README.name} has {len(found)} rows of '{name}'"
+    return found[0]
+
+
+def printed(figure: float, cell: str) -> str:
+    """The figure with as many decimals as `cell` has; nothing where there is none, NaN."""
+    decimals = len(cell.partition(".")[2])
+    return "" if math.isnan(figure) else f"{figure:,.{decimals}f}"
+
+
+def numbers(text: str) -> list[float]:
+    """The numbers in a cell."""
+    return [float(number.replace(",", "")) for number in re.findall(r"\d[\d,]*(?:\.\d+)?", text)]
