@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Whether a machine had the time for boats that sail in real time."""
+"""Live runs that are judged only where the machine had the time for them."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,13 +10,25 @@ import pytest
 _MOST_LATE = 0.02  # of the ticks
 
 
-def skip_where_too_slow(out: Path) -> None:
-    """Skip the test if a boat of the live run in `out` came late to more than 2 % of its ticks.
+def sail_punctually(sail: Callable[[int], Path]) -> Path:
+    """The folder of a live run that was in time, the second one if need be; else skip the test.
 
-    It may then have stopped, rightly: what it was told was too old.
+    A boat that is late in more than 2 % of its ticks may stop, rightly: what it was told is too
+    old. `sail` makes the run, given which it is, 0 or 1, and returns its folder.
     """
-    for folder in sorted(out.glob("boat*")):
-        stats = json.loads((folder / "stats.json").read_text(encoding="utf-8"))
-        share = stats["overruns"] / stats["ticks"]
-        if share > _MOST_LATE:
-            pytest.skip(f"this machine is too slow: {folder.name} was late in {share:.0%} of ticks")
+    told = []
+    for attempt in range(2):
+        out = sail(attempt)
+        late = {folder.name: _lateness(folder) for folder in sorted(out.glob("boat*"))}
+        assert late, f"no boat sailed in {out}"
+        worst = max(late, key=late.__getitem__)
+        if late[worst] <= _MOST_LATE:
+            return out
+        told.append(f"{worst} late in {late[worst]:.0%} of its ticks")
+    pytest.skip(f"not judged: this machine is too slow: {', then '.join(told)}")
+
+
+def _lateness(folder: Path) -> float:
+    """The share of a boat's ticks that came more than a period late."""
+    stats = json.loads((folder / "stats.json").read_text(encoding="utf-8"))
+    return float(stats["overruns"] / stats["ticks"])

@@ -76,7 +76,8 @@ class Pilot {
 
   /// A vessel's ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint() {
-    return own_.take_frame_complaint() | leader_.take_frame_complaint();
+    const bool own = own_.take_frame_complaint(), leader = leader_.take_frame_complaint();
+    return own || leader;
   }
 
  private:

@@ -81,7 +81,7 @@ std::size_t write_payload(const NodeInfo& m, Payload& out) {
 
 std::size_t write_payload(const Allocation& m, Payload& out) {
   const std::size_t size = std::min<std::size_t>(m.size, m.unique_id.size());
-  out[0] = static_cast<std::uint8_t>(m.node_id << 1U | (m.first_part ? 1U : 0U));
+  out[0] = static_cast<std::uint8_t>(unsigned{m.node_id} << 1U | (m.first_part ? 1U : 0U));
   std::copy_n(m.unique_id.begin(), size, out.begin() + 1);
   return 1 + size;
 }

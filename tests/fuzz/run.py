@@ -26,7 +26,7 @@ from tests.fuzz import seeds
 ROOT = Path(__file__).parents[2]
 CORPUS = Path(__file__).parent / "corpus"
 OUT = ROOT / "out" / "fuzz"
-PROGRAMS = ROOT / "build" / "fuzz" / "tests" / "fuzz"
+PROGRAMS = ROOT / "build" / "dev" / "tests" / "fuzz"
 TARGETS = ("mavlink", "can", "parameters", "history")
 # A history of this length is some seconds of a boat's life; longer ones only cost time.
 LONGEST = {"history": 1024, "mavlink": 2048, "can": 2048, "parameters": 4096}
@@ -123,14 +123,15 @@ def fuzz(target: str, seconds: int, keep: bool) -> Result:
                     f"{target:12} {past:5} s of {seconds}, {executions(log):,} so far", flush=True
                 )
     took_s = max(time.monotonic() - begin, 1)
-    count = len(list(kept.iterdir()))
+    count, done = len(list(kept.iterdir())), executions(log)
+    if done < count:
+        raise RuntimeError(f"{target}: only {done} of {count} kept inputs were replayed, see {log}")
     # What only took long is told in the log, beside this machine's other load.
     inputs_that_crash = sorted(p for p in crashes.iterdir() if not p.name.startswith("slow-unit"))
     if process.returncode != 0 and not inputs_that_crash:
         raise RuntimeError(f"{target}: the run failed, see {log}")
     if keep and not inputs_that_crash:
         count = merge(target, work, inputs)
-    done = executions(log)
     return Result(target, done, round(done / took_s), count, inputs_that_crash)
 
 
@@ -199,9 +200,10 @@ def main() -> int:
     print(f"\n{'target':12} {'executions':>12} {'exec/s':>8} {'corpus':>8} {'crashes':>8}")
     for result in results:
         print(result.row())
+    print(f"replayed {sum(result.corpus for result in results)} kept inputs")
     crashes = [(r.target, path) for r in results for path in r.crashes]
     for target, path in crashes:
-        print(f"CRASH: build/fuzz/tests/fuzz/fuzz_{target} {path.relative_to(ROOT)}")
+        print(f"CRASH: build/dev/tests/fuzz/fuzz_{target} {path.relative_to(ROOT)}")
     return 1 if crashes else 0
 
 

@@ -19,6 +19,8 @@ CONFIG = "/etc/flotilla/boat.toml"
 SHIPPED = (SOURCES / "firmware" / "target" / "linux" / "boat.toml").read_text()
 BOAT_TOML = SHIPPED.replace("socketcan:can0", "mcast:0").replace("priority = 50", "priority = 0")
 
+pytestmark = pytest.mark.nightly
+
 
 class Harbour:
     """The boat's computer, with sshd, and the ssh that finds it under the name `boat`."""

@@ -13,6 +13,8 @@ from tests.package.root import SOURCES, Root, foreign_root, need, run
 
 LENIENT = Path(__file__).with_name("lenient_socket.cpp")
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.fixture(scope="module")
 def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Root]:

@@ -55,6 +55,7 @@ def test_a_clean_installation_has_its_user_and_starts_with_the_machine(
     assert root.run("dpkg", "--verify", "flotillad") == ""
 
 
+@pytest.mark.nightly
 def test_the_bit_rate_of_can0_is_dronecans(root: Root, package: Path) -> None:
     install(root, package)
     need("systemd-analyze")
@@ -65,6 +66,7 @@ def test_the_bit_rate_of_can0_is_dronecans(root: Root, package: Path) -> None:
     )
 
 
+@pytest.mark.nightly
 def test_an_upgrade_keeps_what_the_operator_wrote_and_saved(
     root: Root, package: Path, tmp_path: Path
 ) -> None:
@@ -81,6 +83,7 @@ def test_an_upgrade_keeps_what_the_operator_wrote_and_saved(
     assert not root.has(ENABLED)
 
 
+@pytest.mark.nightly
 def test_an_upgrade_brings_the_new_defaults_to_who_never_touched_them(
     root: Root, package: Path, tmp_path: Path
 ) -> None:
@@ -89,6 +92,7 @@ def test_an_upgrade_brings_the_new_defaults_to_who_never_touched_them(
     assert root.run("cat", CONFIG) == "priority = 1\n"
 
 
+@pytest.mark.nightly
 def test_a_removed_boat_comes_back_as_it_was(root: Root, package: Path) -> None:
     install(root, package)
     sail_a_little(root)
@@ -101,7 +105,7 @@ def test_a_removed_boat_comes_back_as_it_was(root: Root, package: Path) -> None:
     assert root.has(ENABLED) and root.has("/usr/bin/flotillad")
 
 
-@pytest.mark.parametrize("removed_before", [False, True])
+@pytest.mark.parametrize("removed_before", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_a_purge_leaves_nothing_but_the_user(
     root: Root, package: Path, *, removed_before: bool
 ) -> None:
@@ -115,6 +119,7 @@ def test_a_purge_leaves_nothing_but_the_user(
     assert files_of(root) == before
 
 
+@pytest.mark.nightly
 def test_a_purge_leaves_the_operators_signing_key(root: Root, package: Path) -> None:
     install(root, package)
     root.write("/etc/flotilla/signing.key", "secret", "0600")

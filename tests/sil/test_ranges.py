@@ -35,6 +35,7 @@ def built() -> None:
     assert built.returncode == 0, built.stdout + built.stderr
 
 
+@pytest.mark.nightly
 def test_boats_whose_numbers_are_noted_say_what_all_boats_say(built: None) -> None:
     (same,) = sail([scenario.load("diamond", SHORT)], {}, digest=True)
     assert isinstance(same, Run)
@@ -43,6 +44,7 @@ def test_boats_whose_numbers_are_noted_say_what_all_boats_say(built: None) -> No
     assert digest == same.digest and int(files) > 10, noted.stderr
 
 
+@pytest.mark.nightly
 def test_in_every_scenario_each_files_numbers_stay_within_what_it_states(built: None) -> None:
     told = run(sys.executable, "-m", "sil.ranges", "--seconds", "25")
     assert told.returncode == 0, told.stdout + told.stderr

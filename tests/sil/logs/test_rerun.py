@@ -16,6 +16,8 @@ from sil.wiring import ORIGIN
 ROOT = Path(__file__).parents[3]
 SAMPLES = 21
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.fixture(scope="module")
 def rerun() -> Path:

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What systemd hears, and what happens where it has not given the rights that were asked for."""
 
-import os
 import select
 import signal
 import socket
-import subprocess
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -96,13 +94,3 @@ def test_real_time_and_locked_memory_that_are_refused_are_said_and_no_more(
     assert "locked memory refused" in words
     assert sea.end() == 0
     assert (sea.state_dir / "parameters.txt").exists()
-
-
-def test_the_units_limits_grant_real_time_and_locked_memory(sea: RealSea) -> None:
-    limits = ["prlimit", "--rtprio=50", "--memlock=unlimited"]
-    if subprocess.run([*limits, "true"], check=False, capture_output=True).returncode != 0:
-        pytest.skip("these limits are not ours to give: run as root")
-    sea.start("--priority=50", "--lock-memory", prefix=limits)
-    sea.enter_formation()
-    assert os.sched_getscheduler(sea.process.pid) == os.SCHED_FIFO
-    assert sea.process.words.splitlines() == [f"flotillad: ready: boat 2 on mcast:{sea.bus}"]

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: MIT
+"""Runs every check as a graph of stages, side by side where they do not need one another.
+
+Each stage writes out/test/STAGE.log, which is printed where the stage fails. Exit status 1 where a
+stage fails, runs no test, or, with --no-skip or CI=true, skips a test.
+"""
+
+import argparse
+import concurrent.futures
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree
+
+ROOT = Path(__file__).parents[1]
+OUT = ROOT / "out" / "test"
+IMPOSSIBLE = 77  # the exit status of tools/with-vcan where there is no vcan
+NOT_JUDGED = "not judged: "
+SLOWEST = 25
+PROGRESS_S = 60
+#: Targets of the release build: the programs that tests start.
+RELEASE = "flotillad flotilla_bench socketcan_tests"
+
+
+@dataclass(frozen=True)
+class Stage:
+    """`commands` run one after another, after the stages `after`; `tests`: whether they test."""
+
+    name: str
+    commands: tuple[str, ...]
+    after: tuple[str, ...] = ()
+    tests: bool = False
+
+
+@dataclass
+class Result:
+    """Of one stage. `why` is empty where it passed."""
+
+    stage: Stage
+    wall_s: float = 0
+    cpu_s: float = 0
+    why: str = ""
+    passed: int = 0
+    failed: int = 0
+    skipped: list[str] = field(default_factory=list)
+    not_judged: list[str] = field(default_factory=list)
+
+
+def stages(options: argparse.Namespace) -> list[Stage]:
+    """Every stage, in an order that respects `after`."""
+    junit = f"--junitxml={OUT}/{{}}.xml"
+    pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
+    every = " --all" if options.all else ""
+    fuzz_s = 300 if options.all else 5
+    words = " ".join(options.pytest)
+    packages = "amd64 arm64 armhf" if options.all else "amd64"
+    found = [
+        Stage("lint", ("clang-format --dry-run --Werror $(git ls-files '*.hpp' '*.cpp')",
+                       "ruff format --check .", "ruff check .", "mypy")),
+        Stage("release", (f"tools/build release {RELEASE}",)),
+        Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",
+                       f"tools/with-vcan {pytest} {junit.format('vcan')} tests/vcan"),
+              ("release",), tests=True),
+        Stage("sanitizers", ("nice tools/build dev",), ("release",)),
+        Stage("images", ("nice tools/build cortex-m", "nice tools/build player-arm64",
+                         f"nice tools/package {packages}"), ("sanitizers",)),
+        Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
+                           f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
+        Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
+        Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan --numprocesses 4 "
+                         f"--dist loadfile{every} {words}",), ("images",), tests=True),
+    ]  # fmt: skip
+    if options.all:
+        found += [
+            Stage("ranges", ("tools/fixed --ranges",), ("images",)),
+            Stage("fixed", ("tools/fixed",), ("python",)),
+        ]
+    if not options.only:
+        return found
+    needed = {options.only}
+    for stage in reversed(found):
+        if stage.name in needed:
+            needed |= set(stage.after)
+    return [stage for stage in found if stage.name in needed]
+
+
+def run(stage: Stage) -> Result:
+    """Its commands until one fails; nobody waits for their input."""
+    result = Result(stage)
+    begin = time.monotonic()
+    log = OUT / f"{stage.name}.log"
+    with log.open("wb") as file:
+        for command in stage.commands:
+            file.write(f"$ {command}\n".encode())
+            file.flush()
+            process = subprocess.Popen(
+                ["bash", "-c", command],
+                cwd=ROOT,
+                stdin=subprocess.DEVNULL,
+                stdout=file,
+                stderr=file,
+            )
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            result.cpu_s += usage.ru_utime + usage.ru_stime
+            if process.returncode == IMPOSSIBLE and stage.name == "vcan":
+                result.skipped.append(f"tests on the kernel's CAN: {last_line(log)}")
+                break
+            if process.returncode:
+                result.why = f"`{command}` ended with status {process.returncode}"
+                break
+    result.wall_s = time.monotonic() - begin
+    count(result, log)
+    if stage.tests and not (result.why or result.skipped or result.passed):
+        result.why = "no test was run"
+    return result
+
+
+def last_line(log: Path) -> str:
+    """Of a stage's words."""
+    return log.read_text(errors="replace").strip().splitlines()[-1]
+
+
+def count(result: Result, log: Path) -> None:
+    """The tests of pytest and ctest in their reports, of doctest and the fuzzer in their words."""
+    for case in test_cases(result.stage.name):
+        skipped = case.find("skipped")
+        if case.find("failure") is not None or case.find("error") is not None:
+            result.failed += 1
+        elif skipped is None:
+            result.passed += 1
+        else:
+            reason = skipped.get("message") or "for no reason"
+            where = f"{case.get('file') or case.get('classname')}::{case.get('name')}"
+            if reason.startswith(NOT_JUDGED):
+                result.not_judged.append(f"{where}: {reason.removeprefix(NOT_JUDGED)}")
+            else:
+                result.skipped.append(f"{where}: {reason}")
+    text = log.read_text(errors="replace")
+    if result.stage.name != "firmware":  # there doctest's programs are ctest's tests
+        for passed, failed in re.findall(
+            r"test cases: +\d+ \| +(\d+) passed \| +(\d+) failed", text
+        ):
+            result.passed += int(passed)
+            result.failed += int(failed)
+    result.passed += sum(map(int, re.findall(r"replayed (\d+) kept inputs", text)))
+
+
+def test_cases(name: str) -> list[ElementTree.Element]:
+    """Of the stage's report, if it has one."""
+    report = OUT / f"{name}.xml"
+    return list(ElementTree.parse(report).iter("testcase")) if report.exists() else []
+
+
+def run_all(todo: list[Stage], told: Callable[[Result], None]) -> list[Result]:
+    """Each stage as soon as those that it needs have passed."""
+    results: dict[str, Result] = {}
+    with concurrent.futures.ThreadPoolExecutor(len(todo)) as pool:
+        running: dict[concurrent.futures.Future[Result], str] = {}
+        waiting = list(todo)
+        while waiting or running:
+            for stage in list(waiting):
+                if any(name in results and results[name].why for name in stage.after):
+                    waiting.remove(stage)
+                    results[stage.name] = Result(stage, why=f"needs {' and '.join(stage.after)}")
+                    told(results[stage.name])
+                elif all(name in results for name in stage.after):
+                    waiting.remove(stage)
+                    running[pool.submit(run, stage)] = stage.name
+            done, _ = concurrent.futures.wait(running, PROGRESS_S, "FIRST_COMPLETED")
+            if not done:
+                print(f"{'…':12}{', '.join(running.values())}", flush=True)
+            for future in done:
+                results[running.pop(future)] = future.result()
+                told(future.result())
+    return [results[stage.name] for stage in todo]
+
+
+def tell(result: Result) -> None:
+    """A stage has ended: a line, and all that it wrote where it failed."""
+    verdict = "FAILED" if result.why else "passed"
+    print(f"{result.stage.name:12}{verdict}  {clock(result.wall_s)}", flush=True)
+    log = OUT / f"{result.stage.name}.log"
+    if result.why and log.exists():
+        print(f"\n{log.read_text(errors='replace')}\n", flush=True)
+
+
+def clock(seconds: float) -> str:
+    """Minutes and seconds."""
+    return f"{int(seconds) // 60:3}:{int(seconds) % 60:02}"
+
+
+def print_slowest(todo: list[Stage]) -> None:
+    """The tests that took longest, of all stages."""
+    cases = [(float(case.get("time") or 0), case) for s in todo for case in test_cases(s.name)]
+    cases.sort(key=lambda one: -one[0])
+    print(f"\nslowest {SLOWEST} tests")
+    for seconds, case in cases[:SLOWEST]:
+        print(f"{seconds:7.1f} s  {case.get('classname')}::{case.get('name')}")
+
+
+def verdict(results: list[Result], *, no_skip: bool) -> int:
+    """Prints what took how long, what was not tested, and the sums; the exit status."""
+    print(f"\n{'stage':12}{'wall':>7}{'CPU':>8}{'passed':>8}{'failed':>8}{'skipped':>9}")
+    for r in results:
+        numbers = f"{r.passed:8}{r.failed:8}{len(r.skipped):9}" if r.stage.tests else ""
+        print(f"{r.stage.name:12}{clock(r.wall_s):>7}{clock(r.cpu_s):>8}{numbers}")
+    for r in results:
+        for line in r.not_judged:
+            print(f"NOT JUDGED: {line}")
+        for line in r.skipped:
+            print(f"{'FAILED, SKIPPED' if no_skip else 'NOT TESTED'}: {line}")
+        if r.why:
+            print(
+                f"FAILED: {r.stage.name}: {r.why}; see {OUT.relative_to(ROOT)}/{r.stage.name}.log"
+            )
+    skipped = sum(len(r.skipped) for r in results)
+    failed = sum(r.failed or bool(r.why) for r in results) + (skipped if no_skip else 0)
+    passed = sum(r.passed for r in results)
+    unjudged = sum(len(r.not_judged) for r in results)
+    print(
+        f"tests: {passed} passed, {failed} failed, {unjudged + (0 if no_skip else skipped)} skipped"
+    )
+    return 1 if failed else 0
+
+
+def arguments(words: list[str]) -> argparse.Namespace:
+    """Of tools/test."""
+    parser = argparse.ArgumentParser(prog="tools/test", description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--all", action="store_true", help="the nightly tests too: 45 minutes instead of 12")
+    add("--no-skip", action="store_true", help="a skipped test fails the run; so with CI=true")
+    add("--only", metavar="STAGE", help="this stage and those that it needs")
+    add("--coverage", action="store_true", help="instead, the share of lines that C++ tests reach")
+    add("pytest", nargs="*", metavar="ARG", help="for pytest, after --")
+    options = parser.parse_args(words)
+    options.no_skip |= os.environ.get("CI") == "true"
+    names = [stage.name for stage in stages(argparse.Namespace(**vars(options) | {"only": None}))]
+    if options.only and options.only not in names:
+        parser.error(f"no stage {options.only} (there are: {', '.join(names)})")
+    return options
+
+
+def main() -> int:
+    """All stages, then the verdict."""
+    options = arguments(sys.argv[1:])
+    todo = stages(options)
+    shutil.rmtree(OUT, ignore_errors=True)
+    OUT.mkdir(parents=True)
+    if options.no_skip and any(stage.name == "vcan" for stage in todo):
+        probe = subprocess.run(["tools/with-vcan", "true"], cwd=ROOT, check=False)
+        if probe.returncode:
+            print("FAILED: no vcan, the reason is above\ntests: 0 passed, 1 failed")
+            return 1
+    print(f"{'stage':12}logs in {OUT.relative_to(ROOT)}/", flush=True)
+    try:
+        results = run_all(todo, tell)
+    except KeyboardInterrupt:
+        return 130
+    print_slowest(todo)
+    return verdict(results, no_skip=options.no_skip)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
