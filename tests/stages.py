@@ -143,12 +143,10 @@ def count(result: Result, log: Path) -> None:
             else:
                 result.skipped.append(f"{where}: {reason}")
     text = log.read_text(errors="replace")
-    if result.stage.name != "firmware":  # there doctest's programs are ctest's tests
-        for passed, failed in re.findall(
-            r"test cases: +\d+ \| +(\d+) passed \| +(\d+) failed", text
-        ):
-            result.passed += int(passed)
-            result.failed += int(failed)
+    doctest = r"^\[doctest\] test cases: .*?(\d+) passed .*?(\d+) failed"
+    for passed, failed in re.findall(doctest, text, re.MULTILINE):
+        result.passed += int(passed)
+        result.failed += int(failed)
     result.passed += sum(map(int, re.findall(r"replayed (\d+) kept inputs", text)))
 
 
