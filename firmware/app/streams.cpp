@@ -56,7 +56,7 @@ bool Streams::any_waits(std::size_t link, std::int64_t now_us) {
   if (now_us < quiet_until_us) return false;
   quiet_until_us = std::numeric_limits<std::int64_t>::max();
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    if (kStreams[stream].pace == Pace::kState) continue;
+    if (kStreams[stream].pace == Pace::kState || kStreams[stream].pace == Pace::kNews) continue;
     quiet_until_us = std::min(quiet_until_us, links_[link].turns[stream].schedule.from_us());
   }
   return now_us >= quiet_until_us;
@@ -109,6 +109,8 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
   switch (info.pace) {
     case Pace::kState:
       return state_us_ > 0 ? std::max(state_us_, tick_us_) : 0;
+    case Pace::kNews:
+      return state_us_ > 0 ? std::max(state_us_ / 2, tick_us_) : 0;
     case Pace::kSlow:
       return slow_us_ > 0 ? std::max(slow_us_, tick_us_) : 0;
     case Pace::kFixed:
