@@ -86,17 +86,18 @@ std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& m,
   }
   return RootState<S>{{metres_of(m.north), metres_of(m.east), origin},
                       {of_parts<S>(m.heading, kHeadingParts), nu_of<S>(m.nu, kTurnParts),
-                       nu_of<S>(m.nu_dot, kParts)}};
+                       nu_of<S>(m.nu_dot, kParts), of_parts<S>(m.r_ddot, kParts)}};
 }
 
 template <class S>
 std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& root) {
-  const auto& [psi, nu, nu_dot] = root.motion;
+  const auto& [psi, nu, nu_dot, r_ddot] = root.motion;
   const auto heading = parts_of(core::wrap_pi(psi), kHeadingParts);
   const auto velocity = wire_of(nu, kTurnParts), rates = wire_of(nu_dot, kParts);
+  const auto jerk = parts_of(r_ddot, kParts);
   const std::int64_t north = parts_of(root.position.north_m);
   const std::int64_t east = parts_of(root.position.east_m);
-  if (!heading || !velocity || !rates || std::abs(north) > kFarthest ||
+  if (!heading || !velocity || !rates || !jerk || std::abs(north) > kFarthest ||
       std::abs(east) > kFarthest) {
     return std::nullopt;
   }
@@ -107,7 +108,8 @@ std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& roo
                                static_cast<std::int32_t>(east),
                                *heading,
                                *velocity,
-                               *rates};
+                               *rates,
+                               *jerk};
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                               \

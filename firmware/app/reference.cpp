@@ -81,10 +81,10 @@ void Reference<S>::make(const VesselTrack<S>& leader, std::int64_t now_us) {
   if (!on_ || leader.messages() == made_of_) return;
   made_of_ = leader.messages();
   const core::TrackState<S>& track = leader.track();
-  const auto nu_dot = core::shape(S(0.3), shape_, track.nu_dot, track.dt);
+  const auto nu_dot = track.nu_dot;
   const auto age_us = leader.age_us(now_us);
   if (place_.branch(now_us) || !age_us || !leader.has_origin()) return;
-  const convert::RootState<S> root{leader.position(), {track.psi, track.nu, nu_dot}};
+  const convert::RootState<S> root{leader.position(), {track.psi, track.nu, nu_dot, track.nu_ddot.r}};
   if (const auto told = convert::reference_motion_of(root)) {
     const Branch mine{leader.system(), place_.own().system};
     hold({mine, ++made_, *told, root, now_us - *age_us, true});
@@ -112,7 +112,7 @@ std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us)
   const auto offset = place_.offset(now_us);
   if (held == nullptr || !held->near || !offset) return std::nullopt;
   const S age = convert::seconds<S>(now_us - held->valid_us);
-  return Aim{held->branch, held->root.position, core::reference_forward(held->root.motion, age),
+  return Aim{held->branch, held->root.position, core::reference_forward(core::ForesightLimits<S>{}, held->root.motion, age),
              *offset, place_.leaders_offset(now_us)};
 }
 

@@ -142,6 +142,7 @@ class Vehicle {
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void tell_separation(link::Counters& counters);
   bool state_waits();
+  bool reference_waits(std::size_t link, std::uint32_t news) const;
   void tell_state(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);

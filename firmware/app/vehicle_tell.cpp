@@ -125,22 +125,25 @@ void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters&
 
 bool Vehicle::waits_for_reference(std::uint32_t news) const {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (told_news_[link] != news && streams_.schedule(kReferenceStream, link).waits(now_us_)) {
-      return true;
-    }
+    if (reference_waits(link, news)) return true;
   }
   return false;
+}
+
+bool Vehicle::reference_waits(std::size_t link, std::uint32_t news) const {
+  const Schedule& schedule = streams_.schedule(kReferenceStream, link);
+  return told_news_[link] == news ? schedule.waits(now_us_) : schedule.waits_early(now_us_);
 }
 
 void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference& reference,
                              link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (told_news_[link] == news || !links_.credit(link).for_state() ||
-        links_.room(link) < kStreams[kReferenceStream].bytes ||
-        !streams_.schedule(kReferenceStream, link).due(now_us_)) {
+    if (!reference_waits(link, news) || !links_.credit(link).for_state() ||
+        links_.room(link) < kStreams[kReferenceStream].bytes) {
       continue;
     }
     links_.send_state(link, reference, counters);
+    streams_.schedule(kReferenceStream, link).take(now_us_);
     told_news_[link] = news;
   }
 }

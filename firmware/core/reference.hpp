@@ -31,38 +31,47 @@ struct ReferenceMotion {
   S psi{};
   Nu<S> nu{};
   Nu<S> nu_dot{};
+  S r_ddot{};
 };
 
-/// ḟ, f and F at that age.
+/// No velocity is foreseen to change by more.
+template <class S>
+struct ForesightLimits {
+  S speed = S(0.3);
+  S yaw_rate = S(0.2);
+};
+
+/// A change of velocity over h, its rate then, and what it adds to the way; within ±most.
 template <class S>
 struct Foresight {
+  S change{};
   S rate{};
-  S once{};
-  S twice{};
+  S way{};
 };
 template <class S>
-Foresight<S> foresight(S h) {
-  const S x = clamp(h - S(1), S(0), S(1));
-  const S m = smaller(h, S(1));
-  const S rest = larger(h - S(2), S(0));
-  const S once = m + x - S(0.5) * x * x;
-  const S twice = S(0.5) * m * m + x + S(0.5) * x * x - S(0.16666666666666667) * x * x * x;
-  return {S(1) - x, once, twice + S(1.5) * rest};
+Foresight<S> foresight(S h, S rate, S rate_dot, S most) {
+  const S m = smaller(h, S(2));
+  const S half = S(0.5) * m;
+  const S change = m * (rate + half * rate_dot);
+  const S way = m * half * (rate + S(0.66666666666666667) * half * rate_dot) + (h - m) * change;
+  const S share = most < abs(change) ? most / abs(change) : S(1);
+  return {share * change, h < S(2) ? share * (rate + m * rate_dot) : S(0), share * way};
 }
 
 /// Where the root is h seconds after the motion was true.
 template <class S>
-Motion<S> reference_forward(const ReferenceMotion<S>& at, S h) {
-  const auto [rate, once, twice] = foresight(h);
-  const S turned = at.nu.r * h + at.nu_dot.r * twice;
-  const S mean = at.psi + S(0.5) * at.nu.r * h + S(0.33333333333333333) * at.nu_dot.r * twice;
+Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMotion<S>& at, S h) {
+  const auto u = foresight(h, at.nu_dot.u, S(0), limits.speed);
+  const auto v = foresight(h, at.nu_dot.v, S(0), limits.speed);
+  const auto r = foresight(h, at.nu_dot.r, at.r_ddot, limits.yaw_rate);
+  const S turned = at.nu.r * h + r.way;
+  const S mean = at.psi + S(0.5) * at.nu.r * h + S(0.33333333333333333) * r.way;
   const S chord = larger(S(1) - S(0.041666666666666667) * turned * turned, S(0.5));
-  const Vec2<S> way = to_north_east(mean, Vec2<S>{at.nu.u * h + at.nu_dot.u * twice,
-                                                  at.nu.v * h + at.nu_dot.v * twice});
+  const Vec2<S> way = to_north_east(mean, Vec2<S>{at.nu.u * h + u.way, at.nu.v * h + v.way});
   return {{chord * way.x, chord * way.y},
           at.psi + turned,
-          plus(at.nu, once, at.nu_dot),
-          plus(Nu<S>{}, rate, at.nu_dot)};
+          {at.nu.u + u.change, at.nu.v + v.change, at.nu.r + r.change},
+          {u.rate, v.rate, r.rate}};
 }
 
 /// The acceleration that the maker tells: noise of a differentiated velocity is not passed on.

@@ -114,7 +114,8 @@ FormationReference formation_reference(Bytes payload) {
                              w.east,
                              w.heading,
                              {w.u, w.v, w.r},
-                             {w.u_dot, w.v_dot, w.r_dot}},
+                             {w.u_dot, w.v_dot, w.r_dot},
+                             w.r_ddot},
                             {w.offset_north, w.offset_east},
                             copy_of<std::array<std::uint8_t, 24>>(w.path),
                             {w.offset_ahead, w.offset_starboard}};

@@ -101,6 +101,7 @@ std::size_t MavlinkWriter::operator()(const FormationReference& x) const {
   w.heading = m.heading;
   w.u = m.nu[0], w.v = m.nu[1], w.r = m.nu[2];
   w.u_dot = m.nu_dot[0], w.v_dot = m.nu_dot[1], w.r_dot = m.nu_dot[2];
+  w.r_ddot = m.r_ddot;
   w.offset_north = x.offset_n[0], w.offset_east = x.offset_n[1];
   copy(w.path, x.path);
   w.offset_ahead = x.offset_b[0], w.offset_starboard = x.offset_b[1];

@@ -88,12 +88,13 @@ struct FollowTarget {
 };
 
 /// Where a vessel is and how it moves. Lengths are in 1/1024 m, velocities and accelerations in as
-/// much a second or second²; heading in 1/8192 rad, r in 1/4096 rad/s, ṙ in 1/1024 rad/s².
+/// much a second or second²; heading in 1/8192 rad, r in 1/4096 rad/s, its rates in 1/1024.
 struct ReferenceMotion {
   std::int32_t latitude, longitude;        ///< degE7, origin of the plane of the next two
   std::int32_t north, east;                ///< from there
   std::int16_t heading;                    ///< clockwise from that plane's north
   std::array<std::int16_t, 3> nu, nu_dot;  ///< u v r over ground, their rates of change
+  std::int16_t r_ddot;                     ///< and that of ṙ
 };
 
 struct FormationReference {
