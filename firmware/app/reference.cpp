@@ -24,7 +24,7 @@ void Reference<S>::configure(const Parameters& p, std::uint8_t own_system) {
   if (!on_ || own.leader != place_.own().leader || own.system != place_.own().system) {
     held_.reset();
     guard_.forget();
-    shape_ = {};
+    shaped_ = {};
   }
   place_.configure(own);
 }
@@ -34,12 +34,14 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
                         std::int64_t now_us, link::Counters& counters) {
   const auto* m = std::get_if<link::FormationReference>(&received.message);
   if (m == nullptr || !on_ || received.from.system == place_.own().system) return;
-  const auto stamp_us =
-      clocks_.heard(received.from, length_of(m->path), m->time_boot_ms, now_us);
-  if (received.from.system == place_.own().leader) place_.hear(*m, now_us);
-  const auto branch = place_.branch(now_us);
-  if (!stamp_us || own == nullptr || branch != Branch{m->root, m->maker}) return;
+  const bool leads = received.from.system == place_.own().leader;
+  const std::size_t rank = leads ? 0 : length_of(m->path);
+  const auto stamp_us = clocks_.heard(received.from, rank, m->time_boot_ms, now_us);
+  if (!stamp_us) return;
   const std::int64_t valid_us = *stamp_us - std::int64_t{m->age_ms} * 1000;
+  if (leads) place_.hear(*m, valid_us, now_us);
+  const auto branch = place_.branch(now_us);
+  if (own == nullptr || branch != Branch{m->root, m->maker}) return;
   if (!is_newer(*m, *branch, valid_us)) return;
   if (held_ && held_->branch != *branch) guard_.forget();
   const auto root = convert::root_state_of<S>(m->motion, own->origin.altitude);
@@ -77,14 +79,15 @@ bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t v
 }
 
 template <class S>
-void Reference<S>::make(const VesselTrack<S>& leader, std::int64_t now_us) {
-  if (!on_ || leader.messages() == made_of_) return;
-  made_of_ = leader.messages();
-  const core::TrackState<S>& track = leader.track();
-  const auto nu_dot = track.nu_dot;
+void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
+  if (!on_) return;
+  const auto message = leader.take_fix();
+  if (!message) return;
+  core::track_update(core::reference_track<S>(), shaped_, *message);
   const auto age_us = leader.age_us(now_us);
   if (place_.branch(now_us) || !age_us || !leader.has_origin()) return;
-  const convert::RootState<S> root{leader.position(), {track.psi, track.nu, nu_dot, track.nu_ddot.r}};
+  const convert::RootState<S> root{
+      leader.position(), {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_motion_of(root)) {
     const Branch mine{leader.system(), place_.own().system};
     hold({mine, ++made_, *told, root, now_us - *age_us, true});

@@ -33,7 +33,7 @@ class Reference {
   }
 
   /// To be called in every tick: makes the reference where that is ours to do.
-  void make(const VesselTrack<S>& leader, std::int64_t now_us);
+  void make(VesselTrack<S>& leader, std::int64_t now_us);
 
   /// The root now, in place of the leader.
   struct Aim {
@@ -76,8 +76,7 @@ class Reference {
   JumpGuard<S> guard_;
   std::optional<Held> held_;
   std::uint32_t news_ = 0;
-  core::ShapeState<S> shape_;
-  std::uint32_t made_of_ = 0;  // leader's messages
+  core::TrackState<S> shaped_;  // the leader's motion, as others are told of it
   std::uint16_t made_ = 0;
 };
 

@@ -18,28 +18,28 @@ SenderClocks::Sender* SenderClocks::find(link::Address from) {
   return found == senders_.end() ? nullptr : found;
 }
 
-/// A free one, or that of the deepest where it is deeper.
-SenderClocks::Sender* SenderClocks::place_for(std::size_t depth, std::int64_t now_us) {
-  Sender* deepest = nullptr;
+/// A free one, or that of the last where it is deeper.
+SenderClocks::Sender* SenderClocks::place_for(std::size_t rank, std::int64_t now_us) {
+  Sender* last = nullptr;
   for (Sender& s : senders_) {
     if (s.from.system == 0 || now_us - s.arrived_us > kForgotten_us) return &s;
-    if (deepest == nullptr || deepest->depth < s.depth) deepest = &s;
+    if (last == nullptr || last->rank < s.rank) last = &s;
   }
-  return depth < deepest->depth ? deepest : nullptr;
+  return rank < last->rank ? last : nullptr;
 }
 
-std::optional<std::int64_t> SenderClocks::heard(link::Address from, std::size_t depth,
+std::optional<std::int64_t> SenderClocks::heard(link::Address from, std::size_t rank,
                                                 std::uint32_t time_boot_ms, std::int64_t now_us) {
   std::int64_t stamp_us = std::int64_t{time_boot_ms} * 1000;
   Sender* sender = find(from);
   if (sender == nullptr) {
-    sender = place_for(depth, now_us);
+    sender = place_for(rank, now_us);
     if (sender == nullptr) return std::nullopt;
-    *sender = {from, depth, stamp_us, now_us, {}};
+    *sender = {from, rank, stamp_us, now_us, {}};
   }
   stamp_us = convert::unwrapped_us(stamp_us, sender->stamp_us);
   if (stamp_us < sender->stamp_us - kReboot_us) sender->clock.reset();
-  sender->depth = depth;
+  sender->rank = rank;
   sender->stamp_us = stamp_us;
   sender->arrived_us = now_us;
   sender->clock.heard(stamp_us, now_us);

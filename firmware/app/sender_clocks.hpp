@@ -14,9 +14,9 @@ namespace flotilla::app {
 /// Of more senders than there is room for, those nearest to the root are kept: news comes from there.
 class SenderClocks {
  public:
-  /// A message of that sender, so deep in the tree, has arrived: our time of its stamp, no later than
-  /// now; nothing where there is no room for its clock.
-  std::optional<std::int64_t> heard(link::Address from, std::size_t depth,
+  /// A message of that sender has arrived: our time of its stamp, no later than now; nothing where
+  /// there is no room for its clock. Rank: depth in the tree; 0: there is always room.
+  std::optional<std::int64_t> heard(link::Address from, std::size_t rank,
                                     std::uint32_t time_boot_ms, std::int64_t now_us);
 
   /// A sender answered the TIMESYNC request that we sent at `sent_us`.
@@ -26,13 +26,13 @@ class SenderClocks {
  private:
   struct Sender {
     link::Address from{};  ///< system 0: this place is free
-    std::size_t depth = 0;
+    std::size_t rank = 0;
     std::int64_t stamp_us = 0, arrived_us = 0;
     ClockOffset clock;
   };
 
   Sender* find(link::Address from);
-  Sender* place_for(std::size_t depth, std::int64_t now_us);
+  Sender* place_for(std::size_t rank, std::int64_t now_us);
 
   std::array<Sender, 8> senders_{};
 };

@@ -8,6 +8,9 @@ namespace {
 
 // A leader that tells its place no more has lost its reference, or is another program.
 constexpr std::int64_t kSilent_us = 3'000'000;
+// A boat whose leader tells what is older than that begins a branch of its own, and leaves it only
+// for what was younger for some seconds: so deep in a fleet on a bad radio nobody is torn to and fro.
+constexpr std::int64_t kOld_us = 2'500'000, kYoung_us = 1'750'000, kSteady_us = 3'000'000;
 
 }  // namespace
 
@@ -16,13 +19,21 @@ std::size_t length_of(const TreePath& path) {
 }
 
 void TreePlace::configure(const Own& own) {
-  if (own.leader != own_.leader || own.system != own_.system) word_.reset();
+  if (own.leader != own_.leader || own.system != own_.system) {
+    word_.reset();
+    leads_ = true;
+  }
   own_ = own;
 }
 
-void TreePlace::hear(const link::FormationReference& m, std::int64_t now_us) {
+void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
+                     std::int64_t now_us) {
   const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
   word_ = Word{now_us, {m.root, m.maker}, {m.offset_n, m.offset_b}, m.path, followed};
+  const std::int64_t age_us = now_us - valid_us;
+  if (age_us > kOld_us) leads_ = false;
+  if (age_us > kYoung_us) not_young_us_ = now_us;
+  leads_ = leads_ || now_us - not_young_us_ > kSteady_us;
 }
 
 const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
@@ -31,7 +42,7 @@ const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
 
 std::optional<Branch> TreePlace::branch(std::int64_t now_us) const {
   const Word* told = word(now_us);
-  if (told == nullptr || !told->followed || told->branch.maker == own_.system) return std::nullopt;
+  if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system) return std::nullopt;
   if (own_.turns && told->offset.b != convert::WireOffset{}) return std::nullopt;
   return told->branch;
 }

@@ -34,11 +34,12 @@ class TreePlace {
   /// Another leader's word counts for nothing.
   void configure(const Own& own);
 
-  /// The leader has spoken.
-  void hear(const link::FormationReference& message, std::int64_t now_us);
+  /// The leader has spoken, of a motion that was true at `valid_us`.
+  void hear(const link::FormationReference& message, std::int64_t valid_us, std::int64_t now_us);
 
-  /// The branch that the leader sails in; nothing where it tells none, does not sail in its slot, or
-  /// our slot turns with a leader whose own slot turns: it has another heading than the root.
+  /// The branch that the leader sails in; nothing where it tells none, or one that is too old for a
+  /// boat behind it, where it does not sail in its slot, or where our slot turns with a leader whose
+  /// own slot turns: that has another heading than the root.
   std::optional<Branch> branch(std::int64_t now_us) const;
 
   /// Our slot and our leader's, seen from that branch's root, or from the leader where there is none;
@@ -69,6 +70,8 @@ class TreePlace {
 
   Own own_;
   std::optional<Word> word_;
+  bool leads_ = true;                 // what the leader tells is young enough
+  std::int64_t not_young_us_ = 0;     // when it last was too old to begin with
 };
 
 /// How many ids a path has.

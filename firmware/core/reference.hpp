@@ -74,19 +74,11 @@ Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMot
           {u.rate, v.rate, r.rate}};
 }
 
-/// The acceleration that the maker tells: noise of a differentiated velocity is not passed on.
+/// The maker's track of the root is slower than that which one boat follows its leader by: its rates
+/// are carried on for longer.
 template <class S>
-struct ShapeState {
-  Nu<S> nu_dot{};
-  bool started = false;
-};
-template <class S>
-Nu<S> shape(S T, ShapeState<S>& state, const Nu<S>& nu_dot, S dt) {
-  const S share = dt / (T + dt);
-  const Nu<S> off = plus(nu_dot, S(-1), state.nu_dot);
-  state.nu_dot = state.started ? plus(state.nu_dot, share, off) : Nu<S>{};
-  state.started = true;
-  return state.nu_dot;
+TrackParams<S> reference_track() {
+  return {.T = S(0.2), .T_min = S(0.2)};
 }
 
 template <class S>
