@@ -17,6 +17,7 @@ _PAPER = {
     "LAW_CUR_BW": 0.0,
     "LAW_U_MAX": 0.0,
     "LAW_R_MAX": 0.0,
+    "LAW_REF": 0.0,
 }
 
 # In units of a vessel: what a scenario says of them belongs to its vessels, not to its law.

@@ -13,6 +13,7 @@ namespace {
 constexpr std::int64_t kSecond_us = 1'000'000;
 // ESCs want to see zeros after they were armed, before they are driven.
 constexpr std::int64_t kArmedZeros_us = 200'000;
+constexpr std::int64_t kShortCoast_us = 1'000'000;
 // 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
@@ -270,6 +271,18 @@ void Boat<S>::tell(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
   if (vehicle_.tells_report()) vehicle_.report(report(now_us));
   vehicle_.tell(counters_);
+  const std::uint32_t news = pilot_.reference_news();
+  if (!vehicle_.waits_for_reference(news)) return;
+  if (const auto reference = this->reference(now_us)) {
+    vehicle_.tell_reference(news, *reference, counters_);
+  }
+}
+
+/// Followers of a boat that coasts for longer follow itself: it comes to rest.
+template <class S>
+std::optional<link::FormationReference> Boat<S>::reference(std::int64_t now_us) const {
+  const bool coasts = coast_us_ && now_us - *coast_us_ < kShortCoast_us;
+  return pilot_.reference(now_us, state() == core::State::kFormation || coasts);
 }
 
 template <class S>
@@ -294,6 +307,7 @@ Report Boat<S>::report(std::int64_t now_us) {
                                     convert::in_double(law_output_.wanted.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }
+  out.reference = reference(now_us);
   out.depth = pilot_.depth();
   out.separation_m = separation_m();
   out.own_age_s = pilot_.own_age_s(now_us);
@@ -321,6 +335,7 @@ Snapshot Boat<S>::snapshot() const {
           pilot_.own_age_s(now_us),
           pilot_.leader_age_s(now_us),
           pilot_.leader_uncertainty_m(now_us),
+          pilot_.reference_age_s(now_us),
           pilot_.estimates(),
           seen(),
           convert::in_double(law.error.e),

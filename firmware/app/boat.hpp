@@ -23,6 +23,7 @@ struct Snapshot {
   core::State state;
   core::Conditions conditions;
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
+  std::optional<double> reference_age_s;  ///< of the formation's reference, where it is followed
   Estimates estimates;
   bool error_known;  ///< own and leader's state are fresh
   core::Error<double> error;
@@ -157,6 +158,7 @@ class Boat {
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
   std::optional<double> separation_m() const;
+  std::optional<link::FormationReference> reference(std::int64_t now_us) const;
   void complain(std::int64_t now_us);
   void tell(std::int64_t now_us);
 

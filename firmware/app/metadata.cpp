@@ -54,6 +54,8 @@ consteval bool is_json_number(std::string_view text) {
 #define FLOTILLA_IDENTITIES FLOTILLA_VALUE(0, "vehicle") "," FLOTILLA_VALUE(1, "companion")
 #define FLOTILLA_KIND_Frame "\"decimalPlaces\":0,\"values\":[" FLOTILLA_FRAMES "]"
 #define FLOTILLA_FRAMES FLOTILLA_VALUE(0, "north-east") "," FLOTILLA_VALUE(1, "ahead-starboard")
+#define FLOTILLA_KIND_Switch "\"decimalPlaces\":0,\"values\":[" FLOTILLA_SWITCH "]"
+#define FLOTILLA_SWITCH FLOTILLA_VALUE(0, "off") "," FLOTILLA_VALUE(1, "on")
 #define FLOTILLA_KIND_Action "\"decimalPlaces\":0,\"values\":[" FLOTILLA_ACTIONS "]"
 #define FLOTILLA_ACTIONS    \
   FLOTILLA_VALUE(0, "HOLD") \

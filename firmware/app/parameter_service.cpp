@@ -45,6 +45,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
     case ParameterKind::kFrame:
+    case ParameterKind::kSwitch:
     case ParameterKind::kAction:
       sentence << "whole numbers, ";
       break;

@@ -20,6 +20,7 @@ bool is_valid(const ParameterInfo& info, float value) {
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
     case ParameterKind::kFrame:
+    case ParameterKind::kSwitch:
     case ParameterKind::kAction:
       return static_cast<float>(static_cast<std::int64_t>(value)) == value;
     case ParameterKind::kSign:

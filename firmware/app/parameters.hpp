@@ -22,7 +22,16 @@ struct Parameters {
 #undef FLOTILLA_PARAMETER
 };
 
-enum class ParameterKind : std::uint8_t { kReal, kWhole, kSign, kMode, kIdentity, kFrame, kAction };
+enum class ParameterKind : std::uint8_t {
+  kReal,
+  kWhole,
+  kSign,
+  kMode,
+  kIdentity,
+  kFrame,
+  kSwitch,
+  kAction
+};
 enum class ParameterChange : std::uint8_t { kAnytime, kDisarmed, kRestart, kMode };
 
 struct ParameterInfo {

@@ -32,6 +32,7 @@ Pilot<S>::Pilot(const Parameters& p)
       leader_({byte_of(p.FORM_LEADER), 0}) {
   set_limits(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
+  reference_.configure(p, own_.system());
 }
 
 template <class S>
@@ -51,12 +52,15 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   own_.follow(own_system);
   leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
+  reference_.configure(p, own_system);
 }
 
 template <class S>
 void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
+  const convert::Position place = own_.position();
+  reference_.take(received, own_.has_origin() ? &place : nullptr, now_us, counters);
   if (neighbours_.watches() && own_.has_origin()) {
     neighbours_.take<S>(received, own_.position(), now_us);
   }
@@ -67,6 +71,7 @@ void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t r
                         std::int64_t now_us) {
   own_.answered(from, sent_us, read_us, now_us);
   leader_.answered(from, sent_us, read_us, now_us);
+  reference_.answered(from, sent_us, read_us, now_us);
 }
 
 template <class S>
@@ -89,6 +94,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
 
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
+  reference_.make(leader_, now_us);
   if (armed != armed_) {
     own_.set_limits(armed ? afloat_ : carried_);
     own_.set_smoothing(!armed);  // the observer carries it on from each message
@@ -134,19 +140,65 @@ void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
   pushed_s_ = S(0);
 }
 
+/// The formation's root where its reference can be followed, else the leader.
 template <class S>
-core::Encounter<S> Pilot<S>::encounter(const convert::Position& leader,
-                                       const core::Motion<S>& motion) const {
-  auto in = convert::encounter_of<S>(anchor_, motion_.motion, leader, motion);
+typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
+  const auto aim = reference_.aim(now_us);
+  if (!aim) {
+    return {leader_.system(), {}, leader_.position(), leader_.motion(now_us), {}, law_.slot};
+  }
+  core::SlotParams<S> slot = law_.slot;
+  slot.d = convert::offset_of<S>(aim->offset.b);
+  slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
+  slot.steers = slot.steers || slot.turns;
+  return {leader_.system(), aim->branch,  aim->position,
+          aim->motion,      convert::offset_of<S>(aim->offset.n), slot};
+}
+
+template <class S>
+core::Encounter<S> Pilot<S>::encounter(const Lead& lead) const {
+  auto in = convert::encounter_of<S>(anchor_, motion_.motion, lead.position, lead.motion);
+  in.separation_n = {in.separation_n.x - lead.offset_n.x, in.separation_n.y - lead.offset_n.y};
   in.current_n = motion_.c_n;
   in.unknown = core::unknown_wrench(law_.vessel, motion_);
   return in;
 }
 
+/// Another lead makes no step in the slot.
 template <class S>
-void Pilot<S>::follow_leader(std::int64_t now_us) {
-  if (lead_.system != leader_.system()) starting_ = true;
-  lead_ = {leader_.system(), leader_.position(), core::coast_start(leader_.motion(now_us))};
+void Pilot<S>::follow(const Lead& next, S dt) {
+  if (lead_.leader != next.leader) starting_ = true;
+  if (starting_) {
+    shift_n_ = blend_n_ = {};
+  } else if (lead_.branch != next.branch) {
+    const auto in = encounter(next);
+    const core::Vec2<S> d_n =
+        next.slot.turns ? core::to_north_east(in.psi_L, next.slot.d) : next.slot.d;
+    const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
+    blend_n_ = {in.separation_n.x - d_n.x - shift_n_.x - was.x,
+                in.separation_n.y - d_n.y - shift_n_.y - was.y};
+  }
+  lead_ = next;
+  coast_ = core::coast_start(next.motion);
+  blend_n_ = core::blend_forward(blend_n_, dt);
+}
+
+/// Slowly to where the leader is, where the slot is not seen from the leader itself.
+template <class S>
+void Pilot<S>::shift_slot(std::int64_t now_us, S dt) {
+  shift_s_ = shift_s_ + dt;
+  if (shift_s_ < S(0.2)) return;
+  core::Vec2<S> e_L{};
+  if (lead_.branch.root != 0 && lead_.branch.root != lead_.leader) {
+    const RootOffset slot = reference_.place().leaders_offset(now_us);
+    const auto seen = convert::encounter_of<S>(leader_.position(), leader_.motion(now_us),
+                                               lead_.position, lead_.motion);
+    const core::Vec2<S> n = convert::offset_of<S>(slot.n);
+    const core::Vec2<S> b = core::to_north_east(seen.psi_L, convert::offset_of<S>(slot.b));
+    e_L = {seen.separation_n.x - n.x - b.x, seen.separation_n.y - n.y - b.y};
+  }
+  shift_n_ = core::shift_forward(core::ShiftParams<S>{}, shift_n_, e_L,
+                                 core::smaller(std::exchange(shift_s_, S(0)), S(1)));
 }
 
 template <class S>
@@ -157,12 +209,17 @@ core::ControllerOutput<S> Pilot<S>::step_among_others(const core::Encounter<S>& 
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step_behind_lead(std::int64_t now_us, S dt) {
-  const core::Encounter<S> in = encounter(lead_.position, lead_.coast.leader);
+core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t now_us, S dt) {
+  core::Encounter<S> in = encounter(lead);
+  in.separation_n = {in.separation_n.x - blend_n_.x - shift_n_.x,
+                     in.separation_n.y - blend_n_.y - shift_n_.y};
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
+  const core::SlotParams<S> own_slot = std::exchange(law_.slot, lead.slot);
   const auto out = neighbours_.watches() ? step_among_others(in, now_us, since)
                                          : core::controller_step(law_, state_, in, since);
+  law_.slot = own_slot;
+  error_ = out.error;
   wanted_ = out.wanted.nu_star;
   return out;
 }
@@ -172,19 +229,21 @@ void Pilot<S>::start(std::int64_t now_us) {
   starting_ = true;
   answer_ = {};
   answers_ = true;
-  follow_leader(now_us);
+  follow(lead(now_us), S(0));
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
-  follow_leader(now_us);
-  return step_behind_lead(now_us, dt);
+  follow(lead(now_us), dt);
+  shift_slot(now_us, dt);
+  return step_behind(lead_, now_us, dt);
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
-  core::coast_forward(coast_s_, lead_.coast, dt);
-  return step_behind_lead(now_us, dt);
+  core::coast_forward(coast_s_, coast_, dt);
+  lead_.motion = coast_.leader;
+  return step_behind(lead_, now_us, dt);
 }
 
 template <class S>
@@ -194,10 +253,11 @@ bool Pilot<S>::can_coast() const {
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
-  const core::Encounter<S> in = encounter(leader_.position(), leader_.motion(now_us));
+  const Lead lead = this->lead(now_us);
+  const core::Encounter<S> in = encounter(lead);
   core::SlotState<S> state = core::slot_start(in);
   core::ControllerOutput<S> out;
-  out.slot = core::slot_forward(law_.slot, law_.vessel, state, in, S(0));
+  out.slot = core::slot_forward(lead.slot, law_.vessel, state, in, S(0));
   out.error = core::formation_error(in, out.slot);
   return out;
 }
@@ -229,6 +289,12 @@ std::optional<double> Pilot<S>::depth() const {
 template <class S>
 std::optional<double> Pilot<S>::own_age_s(std::int64_t now_us) const {
   return age_s(own_, now_us);
+}
+
+template <class S>
+std::optional<double> Pilot<S>::reference_age_s(std::int64_t now_us) const {
+  const auto age_us = reference_.age_us(now_us);
+  return age_us ? std::optional(convert::seconds<double>(*age_us)) : std::nullopt;
 }
 
 template <class S>

@@ -7,6 +7,7 @@
 
 #include "app/convert_telemetry.hpp"
 #include "app/neighbours.hpp"
+#include "app/reference.hpp"
 #include "app/vessel_track.hpp"
 #include "core/answer.hpp"
 #include "core/coast.hpp"
@@ -68,6 +69,14 @@ class Pilot {
   /// How deep in the tree, for others; nothing where we keep clear of nobody.
   std::optional<double> depth() const;
 
+  /// What others steer by, and whether the tree ends in itself; followed: the law drives.
+  std::optional<link::FormationReference> reference(std::int64_t now_us, bool followed) const {
+    return reference_.message(now_us, followed);
+  }
+  std::uint32_t reference_news() const { return reference_.news(); }
+  const TreePlace& tree_place() const { return reference_.place(); }
+  std::optional<double> reference_age_s(std::int64_t now_us) const;
+
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;
   std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
@@ -81,26 +90,35 @@ class Pilot {
   }
 
  private:
-  /// The leader that the law follows.
+  /// What the law follows: the leader, or the formation's root in its place.
   struct Lead {
-    std::uint8_t system = 0;
+    std::uint8_t leader = 0;
+    Branch branch{};  ///< 0, 0: the leader itself
     convert::Position position;
-    core::CoastState<S> coast;
+    core::Motion<S> motion;
+    core::Vec2<S> offset_n{};  ///< of the slot; what turns with what is followed:
+    core::SlotParams<S> slot;
   };
 
-  core::Encounter<S> encounter(const convert::Position& leader,
-                               const core::Motion<S>& motion) const;
-  void follow_leader(std::int64_t now_us);
+  Lead lead(std::int64_t now_us) const;
+  core::Encounter<S> encounter(const Lead& lead) const;
+  void follow(const Lead& next, S dt);
+  void shift_slot(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
                                               S dt);
-  core::ControllerOutput<S> step_behind_lead(std::int64_t now_us, S dt);
+  core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
-  Lead lead_;
-  S coast_s_;  // how long COAST lasts
+  Lead lead_;                    // of the last step
+  core::CoastState<S> coast_{};  // of its motion
+  core::FormationError<S> error_{};  // of the last step
+  core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
+  S shift_s_{};                      // since that was looked at
+  core::Vec2<S> blend_n_{};          // left of the step that another lead made
+  S coast_s_;                    // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   core::JumpLimits<S> afloat_, carried_;
@@ -116,6 +134,7 @@ class Pilot {
   VesselTrack<S> own_;
   VesselTrack<S> leader_;
   Neighbours neighbours_;
+  Reference<S> reference_;
 };
 
 }  // namespace flotilla::app

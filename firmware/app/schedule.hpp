@@ -21,6 +21,9 @@ class Schedule {
     return interval_us_ > 0 && now_us + early_us_ >= next_us_;
   }
 
+  /// The same, up to half an interval before its turn: for news, which should not wait for it.
+  bool waits_early(std::int64_t now_us) const { return waits(now_us + interval_us_ / 2); }
+
   /// From when on it waits.
   std::int64_t from_us() const {
     if (interval_us_ <= 0) return std::numeric_limits<std::int64_t>::max();
@@ -29,9 +32,14 @@ class Schedule {
 
   bool due(std::int64_t now_us) {
     if (!waits(now_us)) return false;
+    take(now_us);
+    return true;
+  }
+
+  /// Its turn has come, or is taken early.
+  void take(std::int64_t now_us) {
     const bool on_grid = now_us - next_us_ < interval_us_;
     next_us_ = (on_grid ? next_us_ : now_us) + interval_us_;
-    return true;
   }
 
   /// Due at once, and the grid begins anew.

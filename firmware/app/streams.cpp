@@ -7,6 +7,11 @@
 #include "app/convert.hpp"
 
 namespace flotilla::app {
+namespace {
+
+constexpr std::int64_t kLeastNews_us = 100'000;  // no root turns faster than that tells
+
+}  // namespace
 
 Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links)
     : companion_(companion), tick_us_(tick_us), links_(links) {
@@ -56,7 +61,7 @@ bool Streams::any_waits(std::size_t link, std::int64_t now_us) {
   if (now_us < quiet_until_us) return false;
   quiet_until_us = std::numeric_limits<std::int64_t>::max();
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    if (kStreams[stream].pace == Pace::kState) continue;
+    if (kStreams[stream].pace == Pace::kState || kStreams[stream].pace == Pace::kNews) continue;
     quiet_until_us = std::min(quiet_until_us, links_[link].turns[stream].schedule.from_us());
   }
   return now_us >= quiet_until_us;
@@ -107,6 +112,8 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
   if (wanted_us != 0) return std::max<std::int64_t>(wanted_us, 0);
   if (companion_ && !info.companion) return 0;
   switch (info.pace) {
+    case Pace::kNews:
+      return state_us_ > 0 ? std::max({state_us_ / 2, kLeastNews_us, tick_us_}) : 0;
     case Pace::kState:
       return state_us_ > 0 ? std::max(state_us_, tick_us_) : 0;
     case Pace::kSlow:

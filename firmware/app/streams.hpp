@@ -18,6 +18,7 @@ namespace flotilla::app {
 
 enum class Pace : std::uint8_t {
   kState,  ///< SR_STATE
+  kNews,   ///< when there is news, twice SR_STATE at the most: no relay waits for its turn
   kSlow,   ///< SR_SLOW
   kFixed,
   kOnRequest,
@@ -36,6 +37,7 @@ inline constexpr std::array kStreams{
     StreamInfo{link::mav::kGpsGlobalOriginId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::mav::kAttitudeId, 40, Pace::kState, 0, false},
     StreamInfo{link::mav::kLocalPositionNedId, 40, Pace::kState, 0, false},
+    StreamInfo{link::mav::kFormationReferenceId, 106, Pace::kNews, 0, true},
     StreamInfo{link::mav::kFollowTargetId, 105, Pace::kOnRequest, 0, false},
     StreamInfo{link::mav::kGlobalPositionIntId, 40, Pace::kFixed, 500'000, false},
     StreamInfo{link::mav::kSysStatusId, 43, Pace::kFixed, 1'000'000, false},
@@ -54,6 +56,8 @@ inline constexpr std::array kStreams{
 constexpr std::size_t kOriginStream = 0;
 /// What followers steer by, at SR_STATE's pace.
 constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
+constexpr std::size_t kReferenceStream = 3;
+static_assert(kStreams[kReferenceStream].pace == Pace::kNews);
 static_assert(std::ranges::count(kStreams, Pace::kState, &StreamInfo::pace) == 2 &&
               kStreams[1].pace == Pace::kState && kStreams[2].pace == Pace::kState);
 
@@ -95,6 +99,9 @@ class Streams {
   std::int32_t interval_us(std::size_t link, std::uint16_t id) const;
 
   Schedule& schedule(std::size_t stream, std::size_t link) {
+    return links_[link].turns[stream].schedule;
+  }
+  const Schedule& schedule(std::size_t stream, std::size_t link) const {
     return links_[link].turns[stream].schedule;
   }
 

@@ -263,6 +263,9 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
       return component_metadata(r);
     case mav::kCurrentModeId:
       return link::CurrentMode{0, r.mode, r.intended_mode};
+    case mav::kFormationReferenceId:
+      if (!r.reference) return std::nullopt;
+      return *r.reference;
     case mav::kBatteryStatusId:
       return convert::battery_of(r.escs[0].status, r.escs[1].status);
     case mav::kExtendedSysStateId:

@@ -48,6 +48,7 @@ struct Report {
   std::optional<Home> home;                  ///< where the boat was first seen, then last armed
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
+  std::optional<link::FormationReference> reference;  ///< for others, while it can be followed
   std::optional<double> depth;         ///< in the tree of leaders; while FS_SEP_M is not 0
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
   std::optional<Estimates> estimates;  ///< while the own state is fresh

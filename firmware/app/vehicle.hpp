@@ -84,6 +84,11 @@ class Vehicle {
   /// What is told, and answered, from now on.
   void report(const Report& report);
 
+  /// What the formation steers by, where `news` is another number than it was told of last.
+  bool waits_for_reference(std::uint32_t news) const;
+  void tell_reference(std::uint32_t news, const link::FormationReference& reference,
+                      link::Counters& counters);
+
   /// Telemetry, and what is still owed to clients.
   void tell(link::Counters& counters);
 
@@ -137,6 +142,7 @@ class Vehicle {
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void tell_separation(link::Counters& counters);
   bool state_waits();
+  bool reference_waits(std::size_t link, std::uint32_t news) const;
   void tell_state(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
@@ -174,6 +180,7 @@ class Vehicle {
   bool announce_ = false;     // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;                  // in this tick
+  std::array<std::uint32_t, kMaxLinks> told_news_{};
   std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
   struct Begun {
     std::size_t stream = kStreams.size();

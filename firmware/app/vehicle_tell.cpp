@@ -123,6 +123,31 @@ void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters&
   }
 }
 
+bool Vehicle::waits_for_reference(std::uint32_t news) const {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (reference_waits(link, news)) return true;
+  }
+  return false;
+}
+
+bool Vehicle::reference_waits(std::size_t link, std::uint32_t news) const {
+  const Schedule& schedule = streams_.schedule(kReferenceStream, link);
+  return told_news_[link] == news ? schedule.waits(now_us_) : schedule.waits_early(now_us_);
+}
+
+void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference& reference,
+                             link::Counters& counters) {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (!reference_waits(link, news) || !links_.credit(link).for_state() ||
+        links_.room(link) < kStreams[kReferenceStream].bytes) {
+      continue;
+    }
+    links_.send_state(link, reference, counters);
+    streams_.schedule(kReferenceStream, link).take(now_us_);
+    told_news_[link] = news;
+  }
+}
+
 /// Everything else in turn: what a slow link has no room for is the first of a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
   if (!streams_.any_waits(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
@@ -136,7 +161,7 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
       told = tell_parameters(link, counters);
     } else if (turn == kFiles) {
       told = tell_files(link, counters);
-    } else if (kStreams[turn].pace != Pace::kState) {
+    } else if (kStreams[turn].pace != Pace::kState && kStreams[turn].pace != Pace::kNews) {
       told = tell_stream(turn, link, counters);
     }
     const Begun& begun = begun_[link];

@@ -87,6 +87,9 @@ class VesselTrack {
   /// The position can be compared with others.
   bool has_origin() const { return component_ != 0 && (anchored_ || origin_known()); }
 
+  /// The motion at the last sample.
+  const core::TrackState<S>& track() const { return track_; }
+
   /// Motion since the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
 

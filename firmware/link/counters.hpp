@@ -15,6 +15,7 @@ struct Counters {
   std::uint32_t mavlink_old_stamp = 0;      ///< repeated, late, or from a clock that went back
   std::uint32_t mavlink_jump = 0;           ///< state that its vessel cannot have come to
   std::uint32_t mavlink_no_heading = 0;     ///< position without an ATTITUDE of about its time
+  std::uint32_t reference_refused = 0;      ///< FORMATION_REFERENCE: too old, a jump, impossible
   std::uint32_t mavlink_unknown = 0;        ///< whole frames of messages that our dialect lacks
   std::uint32_t mavlink_not_sent = 0;       ///< message that found no room in this tick's buffer
   std::uint32_t requests_dropped = 0;       ///< more of them in one tick than the inbox holds

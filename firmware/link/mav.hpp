@@ -17,6 +17,9 @@ constexpr std::uint8_t kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8
 constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAcceleration = 4,
                        kFollowAttitude = 8;
 
+/// FORMATION_REFERENCE's flags.
+constexpr std::uint8_t kReferenceFollowed = 1;
+
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
                         kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
                         kCmdComponentArmDisarm = 400, kCmdInjectFailure = 420,
@@ -54,6 +57,7 @@ constexpr std::uint16_t kHeartbeatId = 0, kSysStatusId = 1, kSystemTimeId = 2, k
                         kNamedValueFloatId = 251, kEscInfoId = 290, kEscStatusId = 291,
                         kSetupSigningId = 256, kProtocolVersionId = 300, kOdometryId = 331,
                         kComponentInformationBasicId = 396, kComponentMetadataId = 397,
-                        kAvailableModesId = 435, kCurrentModeId = 436;
+                        kAvailableModesId = 435, kCurrentModeId = 436,
+                        kFormationReferenceId = 53100;
 
 }  // namespace flotilla::link::mav

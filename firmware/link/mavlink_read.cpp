@@ -99,6 +99,28 @@ FollowTarget follow_target(Bytes payload) {
                       w.est_capabilities};
 }
 
+FormationReference formation_reference(Bytes payload) {
+  const auto w =
+      decoded<mavlink_formation_reference_t, MAVLINK_MSG_ID_FORMATION_REFERENCE>(payload);
+  return FormationReference{w.time_boot_ms,
+                            w.age_ms,
+                            w.sequence,
+                            w.root,
+                            w.maker,
+                            w.flags,
+                            {w.latitude,
+                             w.longitude,
+                             w.north,
+                             w.east,
+                             w.heading,
+                             {w.u, w.v, w.r},
+                             {w.u_dot, w.v_dot, w.r_dot},
+                             w.r_ddot},
+                            {w.offset_north, w.offset_east},
+                            copy_of<std::array<std::uint8_t, 24>>(w.path),
+                            {w.offset_ahead, w.offset_starboard}};
+}
+
 SystemTime system_time(Bytes payload) {
   const auto w = decoded<mavlink_system_time_t, MAVLINK_MSG_ID_SYSTEM_TIME>(payload);
   return SystemTime{w.time_unix_usec, w.time_boot_ms};
@@ -221,6 +243,9 @@ void read_payload(Bytes payload, std::uint32_t id, Message& out) {
       return;
     case MAVLINK_MSG_ID_FOLLOW_TARGET:
       out = follow_target(payload);
+      return;
+    case MAVLINK_MSG_ID_FORMATION_REFERENCE:
+      out = formation_reference(payload);
       return;
     case MAVLINK_MSG_ID_SYSTEM_TIME:
       out = system_time(payload);

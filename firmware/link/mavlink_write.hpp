@@ -49,6 +49,7 @@ struct MavlinkWriter {
   std::size_t operator()(const Timesync& x) const;
   std::size_t operator()(const GlobalPositionInt& x) const;
   std::size_t operator()(const FollowTarget& x) const;
+  std::size_t operator()(const FormationReference& x) const;
   std::size_t operator()(const SystemTime& x) const;
   std::size_t operator()(const HomePosition& x) const;
   std::size_t operator()(const NavControllerOutput& x) const;

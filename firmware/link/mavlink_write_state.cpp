@@ -88,6 +88,26 @@ std::size_t MavlinkWriter::operator()(const FollowTarget& x) const {
   return put<MAVLINK_MSG_ID_FOLLOW_TARGET>(w);
 }
 
+std::size_t MavlinkWriter::operator()(const FormationReference& x) const {
+  mavlink_formation_reference_t w{};
+  w.time_boot_ms = x.time_boot_ms;
+  w.age_ms = x.age_ms;
+  w.sequence = x.sequence;
+  w.root = x.root, w.maker = x.maker;
+  w.flags = x.flags;
+  const ReferenceMotion& m = x.motion;
+  w.latitude = m.latitude, w.longitude = m.longitude;
+  w.north = m.north, w.east = m.east;
+  w.heading = m.heading;
+  w.u = m.nu[0], w.v = m.nu[1], w.r = m.nu[2];
+  w.u_dot = m.nu_dot[0], w.v_dot = m.nu_dot[1], w.r_dot = m.nu_dot[2];
+  w.r_ddot = m.r_ddot;
+  w.offset_north = x.offset_n[0], w.offset_east = x.offset_n[1];
+  copy(w.path, x.path);
+  w.offset_ahead = x.offset_b[0], w.offset_starboard = x.offset_b[1];
+  return put<MAVLINK_MSG_ID_FORMATION_REFERENCE>(w);
+}
+
 std::size_t MavlinkWriter::operator()(const SystemTime& x) const {
   return put<MAVLINK_MSG_ID_SYSTEM_TIME>(mavlink_system_time_t{x.time_unix_usec, x.time_boot_ms});
 }

@@ -87,6 +87,28 @@ struct FollowTarget {
   std::uint8_t est_capabilities;  ///< mav::kFollow… bits: what is known
 };
 
+/// Where a vessel is and how it moves. Lengths are in 1/1024 m, velocities and accelerations in as
+/// much a second or second²; heading in 1/8192 rad, r in 1/4096 rad/s, its rates in 1/1024.
+struct ReferenceMotion {
+  std::int32_t latitude, longitude;        ///< degE7, origin of the plane of the next two
+  std::int32_t north, east;                ///< from there
+  std::int16_t heading;                    ///< clockwise from that plane's north
+  std::array<std::int16_t, 3> nu, nu_dot;  ///< u v r over ground, their rates of change
+  std::int16_t r_ddot;                     ///< and that of ṙ
+};
+
+struct FormationReference {
+  std::uint32_t time_boot_ms;                 ///< as the message leaves
+  std::uint16_t age_ms;                       ///< how long before that the motion was true
+  std::uint16_t sequence;                     ///< of the maker
+  std::uint8_t root, maker;                   ///< system ids: whose motion it is, who told it first
+  std::uint8_t flags;                         ///< mav::kReference… bits
+  ReferenceMotion motion;                     ///< of the root
+  std::array<std::int32_t, 2> offset_n;       ///< sender's slot: the part that keeps its bearing
+  std::array<std::uint8_t, 24> path;          ///< from the sender's leader up, 0 after the last
+  std::array<std::int32_t, 2> offset_b;       ///< the part that turns with the root
+};
+
 struct SystemTime {
   std::uint64_t time_unix_usec;
   std::uint32_t time_boot_ms;
@@ -309,7 +331,7 @@ struct ExtendedSysState {
 
 using Message =
     std::variant<std::monostate, Heartbeat, Attitude, LocalPositionNed, Odometry, GpsGlobalOrigin,
-                 Timesync, GlobalPositionInt, FollowTarget, SystemTime, HomePosition, CommandLong,
+                 Timesync, GlobalPositionInt, FollowTarget, FormationReference, SystemTime, HomePosition, CommandLong,
                  CommandInt, CommandAck, SetMode, ManualControl, Ping, MessageInterval,
                  ParamRequestList, ParamRequestRead, ParamSet, ParamValue, ParamError,
                  MissionRequestList, MissionCount, MissionClearAll, MissionAck,

@@ -62,6 +62,9 @@ void each_field(T& x, F f) {
   } else if constexpr (n == 9) {
     auto& [a, b, c, d, e, g, h, i, j] = x;
     all(a, b, c, d, e, g, h, i, j);
+  } else if constexpr (n == 10) {
+    auto& [a, b, c, d, e, g, h, i, j, k] = x;
+    all(a, b, c, d, e, g, h, i, j, k);
   } else if constexpr (n == 11) {
     auto& [a, b, c, d, e, g, h, i, j, k, l] = x;
     all(a, b, c, d, e, g, h, i, j, k, l);

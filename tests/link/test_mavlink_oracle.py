@@ -29,6 +29,8 @@ GPS_GLOBAL_ORIGIN latitude longitude altitude time_usec
 TIMESYNC tc1 ts1 {TARGET}
 GLOBAL_POSITION_INT time_boot_ms lat lon alt relative_alt vx vy vz hdg
 FOLLOW_TARGET timestamp lat lon alt vel acc attitude_q rates est_capabilities
+FORMATION_REFERENCE time_boot_ms age_ms sequence root maker flags latitude longitude north east \
+  heading u v r u_dot v_dot r_dot r_ddot offset_north offset_east path offset_ahead offset_starboard
 SYSTEM_TIME time_unix_usec time_boot_ms
 HOME_POSITION latitude longitude altitude x y z q time_usec
 COMMAND_LONG command param1 param2 param3 param4 param5 param6 param7 {TARGET} confirmation

@@ -21,6 +21,7 @@ nb::dict counters_dict(const link::Counters& c) {
   out["mavlink_old_stamp"] = c.mavlink_old_stamp;
   out["mavlink_jump"] = c.mavlink_jump;
   out["mavlink_no_heading"] = c.mavlink_no_heading;
+  out["reference_refused"] = c.reference_refused;
   out["mavlink_unknown"] = c.mavlink_unknown;
   out["mavlink_signed"] = c.mavlink_signed;
   out["mavlink_forged"] = c.mavlink_forged;
@@ -57,6 +58,7 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   out["own_age_s"] = s.own_age_s;
   out["leader_age_s"] = s.leader_age_s;
   out["leader_uncertainty_m"] = s.leader_uncertainty_m;
+  out["reference_age_s"] = s.reference_age_s;
   out["unknown"] = pair("X_N", s.estimates.unknown.X, "N_Nm", s.estimates.unknown.N);
   out["current_mps"] = pair("north", s.estimates.current_n.x, "east", s.estimates.current_n.y);
   out["error"] =
