@@ -56,6 +56,35 @@ ControllerState<S> controller_start(const Encounter<S>& in) {
   return state;
 }
 
+/// A slot as the boat sails it, and where the bow points for its sake.
+template <class S>
+struct Course {
+  Slot<S> slot{};
+  LineOfSight<S> sight{};
+};
+
+/// Along the slot's way, or to the slot.
+template <class S>
+Course<S> course(const ControllerParams<S>& params, ApproachState& state, const Encounter<S>& in,
+                 const Slot<S>& slot, const FormationError<S>& error) {
+  const Vec2<S> c_b = to_body(error.R, in.current_n);
+  const ApproachParams<S> approach = {params.outer.k_x, params.sight.Delta, params.sight.epsilon,
+                                      params.outer.u_max};
+  if (cannot_be_sailed(approach, slot, state.on)) {
+    const SlotWay<S> way = slot_way(approach, slot, error, in.nu, c_b);
+    if (is_off(approach, way, state.on)) {
+      state.on = true;
+      Slot<S> sailed = slot;
+      sailed.nu.u = to_body(error.R_e, way.slot).x;
+      sailed.nu_dot.u = S(0);
+      return {sailed, sight_of_way(approach, state, way, error.e.psi, slot.nu.r)};
+    }
+  }
+  state = {};
+  const S U = agreed(slot.pace, wanted_surge(params.outer, slot, error) - c_b.x);
+  return {slot, line_of_sight(params.sight, in.nu, slot, error, U)};
+}
+
 /// ν* through the water, which PD+ and v* are about; c_b: current in the boat's axes.
 template <class S>
 VirtualVelocity<S> through_water(VirtualVelocity<S> wanted, const Vec2<S>& c_b, S r) {
@@ -90,11 +119,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   const Slot<S> slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
   const FormationError<S> error = formation_error(in, slot);
   const Vec2<S> c_b = to_body(error.R, in.current_n);
-  const S U = agreed(slot.pace, wanted_surge(params.outer, slot, error) - c_b.x);
-  LineOfSight<S> sight = line_of_sight(params.sight, in.nu, slot, error, U);
-  Slot<S> sailed = slot;
-  approach(params.sight, params.outer, state.approach,
-           slot_way(params.outer, slot, error, in.nu, c_b), sailed, error, sight);
+  const auto [sailed, sight] = course(params, state.approach, in, slot, error);
   virtual_sway_forward(params.vessel, state.outer, dt);
   VirtualVelocity<S> wanted = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};

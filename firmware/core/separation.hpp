@@ -34,7 +34,7 @@
 #include <cstddef>
 
 #include "core/allocation.hpp"
-#include "core/approach.hpp"
+#include "core/virtual_velocity.hpp"
 
 namespace flotilla::core {
 
@@ -235,8 +235,7 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
 template <class S>
 Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
                     const Vec2<S>& to_slot_n) {
-  const S fastest =
-      S(0) < limits.u_max ? limits.u_max : larger(least, S(1.1) * length(slot_n));
+  const S fastest = S(0) < limits.u_max ? limits.u_max : larger(least, S(1.1) * length(slot_n));
   return {shortened(slot_n, fastest), shortened(to_slot_n, fastest), fastest,
           S(0) < limits.r_max ? limits.r_max : S(1)};
 }

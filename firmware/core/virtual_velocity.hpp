@@ -69,6 +69,14 @@ bool keep_within(S most, S& wanted, S& wanted_dot) {
   return true;
 }
 
+/// A velocity no greater than most, 0: any.
+template <class S>
+Vec2<S> shortened(const Vec2<S>& v, S most) {
+  const S speed = hypot(v.x, v.y);
+  if (!(S(0) < most && most < speed)) return v;
+  return {scaled(v.x, most, speed), scaled(v.y, most, speed)};
+}
+
 /// By which of a boat's limits its slot is too fast: what it needs, m/s and rad/s, 0 where that is
 /// within the limit.
 template <class S>
@@ -79,9 +87,7 @@ struct TooFast {
 
 template <class S>
 TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot) {
-  const auto beyond = [](S most, S needed) {
-    return S(0) < most && most < needed ? needed : S(0);
-  };
+  const auto beyond = [](S most, S needed) { return S(0) < most && most < needed ? needed : S(0); };
   return {beyond(params.u_max, hypot(slot.nu.u, slot.nu.v)), beyond(params.r_max, abs(slot.nu.r))};
 }
 

@@ -45,7 +45,7 @@ def test_a_state_that_is_put_back_is_the_same_state(
     helm, one, two = (flotilla.Helm(parameters) for _ in range(3))
     sail(helm, 1, steps)
     state = helm.state
-    assert len(state) == 21 and len(set(state)) > 5
+    assert len(state) == 22 and len(set(state)) > 5
     one.state = state
     two.state = one.state
     assert one.state == two.state == state
