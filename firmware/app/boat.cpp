@@ -2,6 +2,7 @@
 #include "app/boat.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/manual.hpp"
@@ -19,6 +20,13 @@ constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
+/// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that it is more than the limit.
+Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
+  Sentence out;
+  out << "slot needs " << static_cast<float>(std::ceil(100 * needed) / 100) << limit_is << limit;
+  return out;
+}
+
 }  // namespace
 
 template <class S>
@@ -29,7 +37,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       pilot_(p),
       thrusters_(p),
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
-      complaint_due_(10 * kSecond_us) {
+      complaint_due_(10 * kSecond_us),
+      slot_complaint_due_(10 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -264,6 +273,21 @@ void Boat<S>::complain(std::int64_t now_us) {
     vehicle_.say(link::mav::kSeverityError, {"parameters could not be saved: see the host's disk"},
                  counters_);
   }
+  complain_of_slot(now_us);
+}
+
+/// Of a slot that was too fast for two seconds: a leader's noise is not worth a word.
+template <class S>
+void Boat<S>::complain_of_slot(std::int64_t now_us) {
+  const auto [u, r] = convert::in_double(law_output_.too_fast);
+  slot_too_fast_.look(u > 0 || r > 0, now_us);
+  if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !slot_complaint_due_.due(now_us)) return;
+  const Parameters& p = parameters();
+  const auto say = [&](const Sentence& why) {
+    vehicle_.say(link::mav::kSeverityWarning, {why.text()}, counters_);
+  };
+  if (u > 0) say(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
+  if (r > 0) say(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
 }
 
 template <class S>
@@ -348,6 +372,7 @@ Snapshot Boat<S>::snapshot() const {
           thrust_.slew_limited,
           law.wanted.u_limited,
           law.wanted.r_limited,
+          convert::in_double(law.too_fast),
           law.separation.yielding,
           separation_m(),
           counters_};

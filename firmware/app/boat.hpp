@@ -32,6 +32,7 @@ struct Snapshot {
   core::Thrust<double> thrust_N;
   bool surge_limited, yaw_limited, slew_limited;
   bool speed_limited, yaw_rate_limited;  ///< by LAW_U_MAX, LAW_R_MAX
+  core::TooFast<double> slot_needs;      ///< beyond these two, 0: no more
   bool yielding;                         ///< to another vessel
   std::optional<double> separation_m;    ///< predicted, of the nearest vessel
   link::Counters counters;
@@ -160,6 +161,7 @@ class Boat {
   std::optional<double> separation_m() const;
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
   void complain(std::int64_t now_us);
+  void complain_of_slot(std::int64_t now_us);
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
@@ -191,7 +193,8 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // in a row, in which time did not go on
-  Schedule complaint_due_;
+  Schedule complaint_due_, slot_complaint_due_;
+  Settled slot_too_fast_;
 };
 
 }  // namespace flotilla::app

@@ -24,6 +24,11 @@ template <class S>
 core::Error<double> in_double(const core::Error<S>& e) {
   return {number(e.x), number(e.y), number(e.psi)};
 }
+template <class S>
+core::TooFast<double> in_double(const core::TooFast<S>& needs) {
+  return {number(needs.u), number(needs.r)};
+}
+
 /// The own state for followers, at a whole millisecond of our clock.
 struct OwnState {
   double north_m, east_m;

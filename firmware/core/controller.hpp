@@ -3,13 +3,14 @@
 //
 // Source: B. Wang, A. Loría, Leader-Follower Formation and Tracking Control of Underactuated
 // Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control). Not in paper, each of no
-// effect where its parameters are zero: a slot that steers its own course, the line of sight, limits
-// of ν*, other vessels, and a current and an unknown wrench that are not zero.
+// effect where its parameters are zero: a slot that steers its own course, the line of sight and the
+// approach, limits of ν*, other vessels, and a current and an unknown wrench that are not zero.
 //
 // Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
 
 #include "core/allocation.hpp"
+#include "core/approach.hpp"
 #include "core/pd_plus.hpp"
 #include "core/separation.hpp"
 
@@ -30,6 +31,7 @@ template <class S>
 struct ControllerState {
   VirtualVelocityState<S> outer{};
   SlotState<S> slot{};
+  ApproachState approach{};
   SeparationState<S> separation{};
 };
 
@@ -38,6 +40,7 @@ struct ControllerOutput {
   Slot<S> slot{};
   FormationError<S> error{};
   LineOfSight<S> sight{};
+  TooFast<S> too_fast{};
   VirtualVelocity<S> wanted{};
   Separation<S> separation{};
   Tau<S> tau{};
@@ -51,6 +54,35 @@ ControllerState<S> controller_start(const Encounter<S>& in) {
   state.outer.v_star = sway_beside(in);
   state.slot = slot_start(in);
   return state;
+}
+
+/// A slot as the boat sails it, and where the bow points for its sake.
+template <class S>
+struct Course {
+  Slot<S> slot{};
+  LineOfSight<S> sight{};
+};
+
+/// Along the slot's way, or to the slot.
+template <class S>
+Course<S> course(const ControllerParams<S>& params, ApproachState& state, const Encounter<S>& in,
+                 const Slot<S>& slot, const FormationError<S>& error) {
+  const Vec2<S> c_b = to_body(error.R, in.current_n);
+  const ApproachParams<S> approach = {params.outer.k_x, params.sight.Delta, params.sight.epsilon,
+                                      params.outer.u_max};
+  if (cannot_be_sailed(approach, slot, state.on)) {
+    const SlotWay<S> way = slot_way(approach, slot, error, in.nu, c_b);
+    if (is_off(approach, way, state.on)) {
+      state.on = true;
+      Slot<S> sailed = slot;
+      sailed.nu.u = to_body(error.R_e, way.slot).x;
+      sailed.nu_dot.u = S(0);
+      return {sailed, sight_of_way(approach, state, way, error.e.psi, slot.nu.r)};
+    }
+  }
+  state = {};
+  const S U = agreed(slot.pace, wanted_surge(params.outer, slot, error) - c_b.x);
+  return {slot, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
 
 /// ν* through the water, which PD+ and v* are about; c_b: current in the boat's axes.
@@ -87,11 +119,9 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   const Slot<S> slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
   const FormationError<S> error = formation_error(in, slot);
   const Vec2<S> c_b = to_body(error.R, in.current_n);
-  const S U = steering_speed(params.vessel, slot, in.unknown,
-                             wanted_surge(params.outer, slot, error) - c_b.x);
-  const LineOfSight<S> sight = line_of_sight(params.sight, in.nu, slot, error, U);
+  const auto [sailed, sight] = course(params, state.approach, in, slot, error);
   virtual_sway_forward(params.vessel, state.outer, dt);
-  VirtualVelocity<S> wanted = virtual_velocity(params.outer, state.outer, slot, error, sight);
+  VirtualVelocity<S> wanted = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
   if (traffic != nullptr) {
     separation = keep_clear(params, state, in, *traffic, slot, error, wanted);
@@ -101,7 +131,8 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   const Tau<S> needed = pd_plus(params.inner, params.vessel, wanted_w,
                                 Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
   const Tau<S> tau = {needed.X - in.unknown.X, needed.N - in.unknown.N};
-  return {slot, error, sight, wanted, separation, tau, allocate(params.propellers, tau)};
+  return {slot,   error,      sight, too_fast(params.outer, slot),
+          wanted, separation, tau,   allocate(params.propellers, tau)};
 }
 
 }  // namespace flotilla::core

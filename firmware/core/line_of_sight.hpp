@@ -12,14 +12,15 @@
 //  U       speed through the water that a turned bow leads aside  m/s
 //  ε       speed under which it fades out                  m/s
 //
-// U is the least of the slot's speed through the water, the same with the unknown force taken for a
-// current along the bow, which cannot be told from one, and the speed that is wanted; 0 where they
-// disagree about ahead and astern. σ̇ is left out: it is small, and full of noise.
+// U is the smaller of the slot's speed through the water and the speed that is wanted; 0 where they
+// disagree about ahead and astern. An unknown force is no part of it: a tail wind pushes like a
+// following current, but a bow that is turned before the wind leads aside all the same. Of a current,
+// sway tells. σ̇ is left out: it is small, and full of noise.
 //
 // Not in paper, which has no feedback of e_y: it needs a leader that keeps turning. Seen from far
 // behind, the bow points at the slot; a slot that stands still is not circled, U is zero there.
 //
-// Q16.16: tested within ±200 (unknown force over d11, m/s)
+// Q16.16: tested within ±200 (distances from the slot, m)
 #pragma once
 
 #include "core/formation_error.hpp"
@@ -39,7 +40,8 @@ struct LineOfSight {
   S theta_ddot{};
 };
 
-/// The one that is nearer to zero; 0 where they disagree about their sign.
+/// U, of the slot's pace and of the speed that is wanted, through the water: the one that is nearer
+/// to zero; 0 where they disagree about their sign.
 template <class S>
 S agreed(S a, S b) {
   if (S(0) < a && S(0) < b) return smaller(a, b);
@@ -47,20 +49,27 @@ S agreed(S a, S b) {
   return S(0);
 }
 
-/// U; u_star: the speed that is wanted, through the water.
+/// Where the boat is, seen from its slot, along and across the slot's heading, with the rates.
 template <class S>
-S steering_speed(const Vessel<S>& m, const Slot<S>& slot, const Tau<S>& unknown, S u_star) {
-  return agreed(agreed(slot.pace, slot.pace - unknown.X / m.d11), u_star);
+struct BesideSlot {
+  Vec2<S> e{};
+  Vec2<S> e_dot{};
+};
+
+template <class S>
+BesideSlot<S> beside_slot(const Slot<S>& slot, const FormationError<S>& error, const Nu<S>& nu) {
+  const Vec2<S> e = to_north_east(error.R_e, Vec2<S>{error.e.x, error.e.y});
+  const Vec2<S> v = to_north_east(error.R_e, Vec2<S>{nu.u, nu.v});
+  return {e, {v.x - slot.nu.u + slot.nu.r * e.y, v.y - slot.nu.v - slot.nu.r * e.x}};
 }
 
 template <class S>
 LineOfSight<S> line_of_sight(const LineOfSightParams<S>& params, const Nu<S>& nu,
                              const Slot<S>& slot, const FormationError<S>& error, S U) {
   if (!(S(0) < params.Delta)) return {};
-  const auto [e_s, e_c] = to_north_east(error.R_e, Vec2<S>{error.e.x, error.e.y});
-  const Vec2<S> v = to_north_east(error.R_e, Vec2<S>{nu.u, nu.v});
-  const S e_s_dot = v.x - slot.nu.u + slot.nu.r * e_c;
-  const S e_c_dot = v.y - slot.nu.v - slot.nu.r * e_s;
+  const auto [e, e_dot] = beside_slot(slot, error, nu);
+  const auto& [e_s, e_c] = e;
+  const auto& [e_s_dot, e_c_dot] = e_dot;
   const S Q = hypot(params.Delta, e_s, e_c);
   const S sigma = U * abs(U) / (U * U + params.epsilon * params.epsilon);
   const S ratio = e_c / Q;

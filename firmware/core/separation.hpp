@@ -17,7 +17,7 @@
 //  T       horizon                                            s
 //  w_S     the slot's velocity                                m/s
 //  w_0     velocity that leads straight to the slot           m/s
-//  U       LAW_U_MAX, or D_min a second; a tenth more than |w_S| at least   m/s
+//  U       LAW_U_MAX; without, D_min a second, a tenth more than |w_S| at least   m/s
 //  a, t_r  half of what astern gives; until it does           m/s², s
 //
 // The choice is the yielding boat's; the last line binds every boat, that with the right of way too:
@@ -231,17 +231,12 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
   return u;
 }
 
-/// w_0 no longer than U.
+/// w_S and w_0 no longer than U.
 template <class S>
 Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
                     const Vec2<S>& to_slot_n) {
-  const S usual = S(0) < limits.u_max ? limits.u_max : least;
-  const S fastest = larger(usual, S(1.1) * length(slot_n));
-  const S speed = length(to_slot_n);
-  const S share = fastest < speed ? fastest / speed : S(1);
-  return {slot_n,
-          {share * to_slot_n.x, share * to_slot_n.y},
-          fastest,
+  const S fastest = S(0) < limits.u_max ? limits.u_max : larger(least, S(1.1) * length(slot_n));
+  return {shortened(slot_n, fastest), shortened(to_slot_n, fastest), fastest,
           S(0) < limits.r_max ? limits.r_max : S(1)};
 }
 

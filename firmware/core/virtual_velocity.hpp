@@ -5,19 +5,20 @@
 //   r* = r_S − k_ψ tanh e_ψ          ṙ* = ṙ_S − k_ψ (1 − tanh² e_ψ) ė_ψ            (eq:49b)
 //   v̇* = −(m11/m22) u* r* − (d22/m22) v*,  v*(0) = v_L(0) (eq:mas-constraint)
 //
-// with e_ψ − θ for e_ψ, and θ̇, θ̈ added, where there is a line of sight; |u*| ≤ u_max, |r*| ≤ r_max,
-// but a tenth more than u_S and r_S is always allowed.
+// with e_ψ − θ for e_ψ, and θ̇, θ̈ added, where there is a line of sight; then |u*| ≤ u_max, |r*| ≤ r_max.
 // v* over a step h in which u*, r* are held, exactly:
 //   v* ← e^{−bh} v* − (m11/d22)(1 − e^{−bh}) u* r*,   b = d22/m22
 //
 //  symbol        meaning                         unit        tested range
 //  k_x, k_psi    gains                           1/s         0 … 2
-//  u_max, r_max  what the propellers can keep up m/s, rad/s  0: any
+//  u_max, r_max  greatest speed and yaw rate     m/s, rad/s  0: any
 //  v_star        sway that follows from u*, r*   m/s         ±20
 //  h             control step                    s           0 … 0.2
 //
-// Not in paper: θ and the limits, which are for boats far away: no leader is too fast to be followed.
-// At a limit ν* is constant, and nothing is integrated from what could not be reached.
+// Not in paper: θ and the limits. Both are over ground, whatever the slot does: in a current the same
+// ν* is another one through the water, by as much as the current. A slot that needs more is too fast,
+// |w_S| > u_max or |r_S| > r_max, and is told so. At a limit ν* is constant, and nothing is integrated
+// from what could not be reached.
 //
 // Q16.16: tested within ±500 (damping, kg/s)
 #pragma once
@@ -59,15 +60,35 @@ void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& stat
 }
 
 /// Keeps a wanted velocity within ±most, 0: no limit, and tells whether that changed it; where it is
-/// held, it has no derivative. `needed`: what the slot itself does.
+/// held, it has no derivative.
 template <class S>
-bool keep_within(S most, S needed, S& wanted, S& wanted_dot) {
-  if (!(S(0) < most)) return false;
-  const S limit = larger(most, S(1.1) * abs(needed));
-  if (!(limit < abs(wanted))) return false;
-  wanted = clamp(wanted, -limit, limit);
+bool keep_within(S most, S& wanted, S& wanted_dot) {
+  if (!(S(0) < most && most < abs(wanted))) return false;
+  wanted = clamp(wanted, -most, most);
   wanted_dot = S(0);
   return true;
+}
+
+/// A velocity no greater than most, 0: any.
+template <class S>
+Vec2<S> shortened(const Vec2<S>& v, S most) {
+  const S speed = hypot(v.x, v.y);
+  if (!(S(0) < most && most < speed)) return v;
+  return {scaled(v.x, most, speed), scaled(v.y, most, speed)};
+}
+
+/// By which of a boat's limits its slot is too fast: what it needs, m/s and rad/s, 0 where that is
+/// within the limit.
+template <class S>
+struct TooFast {
+  S u{};
+  S r{};
+};
+
+template <class S>
+TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot) {
+  const auto beyond = [](S most, S needed) { return S(0) < most && most < needed ? needed : S(0); };
+  return {beyond(params.u_max, hypot(slot.nu.u, slot.nu.v)), beyond(params.r_max, abs(slot.nu.r))};
 }
 
 /// The speed that is wanted, before its limit.
@@ -90,8 +111,8 @@ VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
   out.r_star_dot = slot.nu_dot.r -
                    params.k_psi * (S(1) - t * t) * (error.e_dot.psi - sight.theta_dot) +
                    sight.theta_ddot;
-  out.u_limited = keep_within(params.u_max, slot.nu.u, out.nu_star.u, out.u_star_dot);
-  out.r_limited = keep_within(params.r_max, slot.nu.r, out.nu_star.r, out.r_star_dot);
+  out.u_limited = keep_within(params.u_max, out.nu_star.u, out.u_star_dot);
+  out.r_limited = keep_within(params.r_max, out.nu_star.r, out.r_star_dot);
   state.u_star_held = out.nu_star.u;
   state.r_star_held = out.nu_star.r;
   return out;

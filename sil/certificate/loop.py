@@ -30,7 +30,8 @@ COMPONENTS = (
     *("x known", "y known", "psi known", "u known", "v known", "r known"),
     *("unknown surge", "unknown sway", "unknown yaw", "current north", "current east"),
     *("v*", "u* held", "r* held"),
-    *("slot sway", "slot speed", "slot speed rate", "slip", "slip rate", "given X", "given N"),
+    *("slot sway", "slot speed", "slot speed rate", "slip", "slip rate", "approach"),
+    *("given X", "given N"),
 )
 
 

@@ -104,7 +104,7 @@ def _loops(case: Case) -> Iterable[tuple[str, str]]:
     yield "  decay (1/s)", f"{loop.decay:z.4f}"
     yield "  slowest is in", ", ".join([*loop.slowest][:_SHOWN])
     yield "  decay with LAW_OBS_BW =\n    LAW_CUR_BW = 0 (1/s)", f"{loop.decay_of_law:z.4f}"
-    yield "  neutral under any law", str(loop.neutral)
+    yield "  neutral: a hull without way", str(loop.neutral)
     x, y, psi = loop.error
     yield "  off the slot (m)", f"{math.hypot(x, y):.4f}" if loop.steady else "not steady"
     yield "    heading (°)", f"{math.degrees(psi):.3f}" if loop.steady else ""

@@ -28,8 +28,9 @@ def sentence(certificate: Certificate) -> str:
         f"least {slowest.sampled.decay:.3f} 1/s, and {100.0 * margin:.0f} % of the propellers' "
         f"limits is left"
     )
-    if any(case.sampled.neutral for _, case in cases):
-        text += "; while the leader lies still, errors abeam stay as they are, under any law"
+    neutral = [case for _, case in cases if case.sampled.neutral]
+    if neutral:
+        text += "; while the leader lies still, errors abeam stay as they are" + _up_to(neutral)
     worst = max((case for _, case in cases), key=_off_m)
     if _off_m(worst) > SETTLED_M:
         text += f"; but {name(worst.boats)}: {_off_m(worst):.2f} m off the slot for ever"
@@ -57,6 +58,14 @@ def _failures(certificate: Certificate) -> Iterator[str]:
             limit = ", a propeller at its limit" if case.sampled.limited else ""
             off = f"{_off_m(case):.2g} m off its slot"
             yield f"{name(case.boats)}: no steady regime, {off}{limit}" + _leg(leg, where)
+
+
+def _up_to(cases: list[Case]) -> str:
+    """Which errors abeam the boats leave alone: farther off they approach (core/approach.hpp)."""
+    every = [case.setup.parameters for case in cases]
+    if any(own["LAW_XT_DIST"] * own["LAW_KX"] == 0.0 for own in every):
+        return ""
+    return f" up to {1.5 * max(own['LAW_XT_DIST'] for own in every):g} m"
 
 
 def _off_m(case: Case) -> float:

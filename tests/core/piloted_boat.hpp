@@ -40,6 +40,7 @@ struct PilotedBoat {
   core::Observer<S> motion{};
   core::ControllerState<S> state{};
   core::Tau<S> given{};
+  core::Tau<double> push{};     ///< that nobody knows of, of a wind, say
   core::Vec2<double> anchor{};  ///< where motion.motion.moved_n begins
   bool under_way = false;
   int late = 0;  ///< how many ticks old a fix is when it comes
@@ -87,7 +88,8 @@ struct PilotedBoat {
     under_way = true;
     const auto out = core::controller_step(params.law, state, in, dt);
     given = out.allocation.given;
-    hull.advance(in_double(given), h);
+    const core::Tau<double> tau = in_double(given);
+    hull.advance({tau.X + push.X, tau.N + push.N}, h);
     return out;
   }
 };

@@ -33,17 +33,17 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
                  : slot_forward(params.slot, params.vessel, state.slot, seen, dt);
   out.error = formation_error(seen, out.slot);
   const Vec2<S> c_b = to_body(seen.psi, seen.current_n);
-  const S u_star = wanted_surge(params.outer, out.slot, out.error);
-  const S wanted = piece == Extension::kCurrent ? u_star : u_star - c_b.x;
-  const S U = piece == Extension::kUnknown
-                  ? agreed(out.slot.pace, wanted)
-                  : steering_speed(params.vessel, out.slot, seen.unknown, wanted);
-  if (piece != Extension::kLineOfSight)
-    out.sight = line_of_sight(params.sight, seen.nu, out.slot, out.error, U);
+  ControllerParams<S> limits = params;
+  S& u_max = limits.outer.u_max;
+  if (piece == Extension::kLimits) u_max = limits.outer.r_max = S(1e9);  // that nobody reaches
+  Slot<S> sailed = out.slot;
+  if (piece != Extension::kLineOfSight) {
+    const auto to_slot = course(limits, state.approach, seen, out.slot, out.error);
+    sailed = to_slot.slot;
+    out.sight = to_slot.sight;
+  }
   virtual_sway_forward(params.vessel, state.outer, dt);
-  VirtualVelocityParams<S> outer = params.outer;
-  if (piece == Extension::kLimits) outer.u_max = outer.r_max = S(1e9);  // that nobody reaches
-  out.wanted = virtual_velocity(outer, state.outer, out.slot, out.error, out.sight);
+  out.wanted = virtual_velocity(limits.outer, state.outer, sailed, out.error, out.sight);
   VirtualVelocity<S> through_the_water = out.wanted;
   Nu<S> nu = seen.nu;
   if (piece != Extension::kCurrent) {

@@ -96,27 +96,12 @@ TEST_CASE("a boat to starboard of its slot's track turns to port, the more the f
   CHECK(last < -0.98);
 }
 
-TEST_CASE_TEMPLATE("a boat steers by the least speed that a turned bow surely leads aside", S,
-                   float, double) {
-  INFO("seed ", kSeed);
-  Random random(kSeed);
-  const Vessel<S> m = testing::papers_vessel<S>();
+TEST_CASE_TEMPLATE("a boat steers by the smaller speed, and by none where two disagree", S, float,
+                   double) {
   CHECK(agreed(S(2), S(1)) == S(1));
   CHECK(agreed(S(-2), S(-1)) == S(-1));
   CHECK(agreed(S(2), S(-1)) == S(0));
   CHECK(agreed(S(0), S(1)) == S(0));
-  int ahead = 0, astern = 0, none = 0;
-  for (int i = 0; i < 1000; ++i) {
-    Slot<S> slot;
-    slot.pace = S(random(-2, 2));
-    const Tau<S> unknown{S(random(-5, 5)), S(random(-5, 5))};
-    const S u_star = S(random(-2, 2)), carried = slot.pace - unknown.X / m.d11;
-    const S U = steering_speed(m, slot, unknown, u_star);
-    const auto [least, most] = std::minmax({slot.pace, carried, u_star});
-    REQUIRE(U == (S(0) < least ? least : most < S(0) ? most : S(0)));
-    ahead += S(0) < U, astern += U < S(0), none += U == S(0);
-  }
-  CHECK(std::min({ahead, astern, none}) > 50);
 }
 
 TEST_CASE("the slower a boat makes way, the less it turns its bow; hardly at all below 0.05 m/s") {

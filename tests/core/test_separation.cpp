@@ -230,8 +230,11 @@ TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its dis
   CHECK(intent_of(some, 2.0, slot, far).fastest == 0.9);
   CHECK(intent_of(some, 2.0, slot, far).turning == 0.4);
   CHECK(intent_of(some, 2.0, slot, near).straight_n.y == near.y);
-  // No leader is too fast to be followed.
-  CHECK(intent_of(some, 2.0, Vec2<double>{3, 0}, far).fastest == doctest::Approx(3.3));
+  // Where there is a limit no slot is faster.
+  const Vec2<double> fast = {3, 0};
+  CHECK(intent_of(none, 2.0, fast, far).fastest == doctest::Approx(3.3));
+  CHECK(intent_of(some, 2.0, fast, far).fastest == 0.9);
+  CHECK(length(intent_of(some, 2.0, fast, far).slot_n) == doctest::Approx(0.9));
 }
 
 TEST_CASE("of several vessels those without the way change no course that is taken") {

@@ -85,7 +85,7 @@ def test_leader_that_stops_and_goes_is_looked_at_in_both(tmp_path: Path) -> None
     assert (moving["kind"], moving["from_s"]) == ("straight", [0.0, 90.0])
     assert (still["kind"], still["from_s"]) == ("rest", [60.0])
     assert still["cases"][0]["sampled"]["neutral"] == 1
-    assert "under any law" in document["verdict"]
+    assert "errors abeam stay as they are up to 1.5 m" in document["verdict"]
 
 
 def test_leader_that_never_moves_is_no_reason_to_fail(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from tests.target.sea import PAPER, Sea
 from tests.target.stations import FORMATION
 
 SLOT = {"FORM_OFS_N": -1.0, "FORM_OFS_E": 2.0}
+APPROACH = 19  # of the state: a switch
 LAWS = pytest.mark.parametrize(
     "parameters",
     [PAPER | SLOT, SLOT, SLOT | {"FORM_FRAME": 1.0}],
@@ -45,7 +46,7 @@ def test_a_state_that_is_put_back_is_the_same_state(
     helm, one, two = (flotilla.Helm(parameters) for _ in range(3))
     sail(helm, 1, steps)
     state = helm.state
-    assert len(state) == 21 and len(set(state)) > 5
+    assert len(state) == 22 and len(set(state)) > 5
     one.state = state
     two.state = one.state
     assert one.state == two.state == state
@@ -81,9 +82,24 @@ def test_each_of_the_numbers_counts() -> None:
     state = helm.state
     helm.state = state
     shown = sail(helm, 2, 3)
-    for k in range(len(state)):
+    for k in set(range(len(state))) - {APPROACH}:
         helm.state = [x + 0.01 * (i == k) for i, x in enumerate(state)]
         assert sail(helm, 2, 3) != shown, k
+
+
+def test_whether_and_which_end_first_it_approaches_is_remembered() -> None:
+    resting = [0.0] * 9
+    wanted = {}
+    for way in (0.0, 1.0, -1.0):
+        helm = flotilla.Helm()
+        helm.fix(0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+        helm.step(resting, 0.01)
+        assert helm.state[APPROACH] == 0.0  # 1 m abeam is near enough
+        helm.state = [way if k == APPROACH else x for k, x in enumerate(helm.state)]
+        wanted[way] = helm.step(resting, 0.01)["virtual_velocity"]["r_radps"]
+        assert helm.state[APPROACH] == way
+    assert wanted[0.0] == pytest.approx(0.0, abs=1e-6)
+    assert wanted[1.0] < -0.3 and wanted[-1.0] > 0.3
 
 
 class Twin:

@@ -12,7 +12,7 @@ from tests.target.bus import FULL_SCALE, Frames
 from tests.target.course import Course
 from tests.target.hull import GREATEST_N, Afloat, Hull, s_curve
 from tests.target.operator_words import param_set
-from tests.target.sea import PAPER
+from tests.target.sea import PAPER, texts
 from tests.target.stations import FORMATION
 
 #: A value of each that is felt.
@@ -118,3 +118,36 @@ def test_a_boat_far_away_asks_for_no_more_than_its_greatest_speed(bearing: float
     assert u_max <= 1.5 and r_max <= 0.8 * (1 + 1e-6)
     u_any, r_any = greatest(LIMITS | {"LAW_U_MAX": 0.0, "LAW_R_MAX": 0.0})
     assert u_any > 2.0 and r_any > 1.0
+
+
+#: A leader at 0.5 m/s that turns by 0.5 rad/s: a slot 10 m to port of it moves at 5.5 m/s.
+TURNING, WIDE = Course(0.0, 0.0, 0.5, 0.5, 0.0, 0.5), {"FORM_FRAME": 1.0, "FORM_OFS_E": -10.0}
+
+
+@pytest.mark.parametrize("scalar", ["float", "q16"])
+def test_slot_that_is_too_fast_is_told_with_what_it_needs_every_ten_seconds(scalar: str) -> None:
+    sea = Afloat(WIDE | {"LAW_R_MAX": 0.4}, leader=TURNING, scalar=scalar)
+    sea.enter_formation()
+    sea.run(15.0)
+    speed = [text for text in texts(sea.ticks) if "LAW_U_MAX" in text]
+    rate = [text for text in texts(sea.ticks) if "LAW_R_MAX" in text]
+    assert len(speed) == len(rate) == 2
+    needs = [float(text.removeprefix("slot needs ").split(" m/s, ")[0]) for text in speed]
+    assert needs == pytest.approx([5.5] * 2, abs=0.1)
+    assert all(text.endswith(" m/s, LAW_U_MAX is 1.5") for text in speed)
+    assert all(text.endswith(" rad/s, LAW_R_MAX is 0.4") for text in rate)
+    seen = sea.snapshot()["slot_needs"]
+    assert (seen["u_mps"], seen["r_radps"]) == pytest.approx((5.5, 0.5), abs=0.1)
+
+
+def test_slot_within_the_limits_or_too_fast_for_a_moment_only_is_no_complaint() -> None:
+    sea = Afloat(WIDE | {"LAW_U_MAX": 6.0}, leader=TURNING)
+    sea.enter_formation()
+    sea.run(5.0)
+    assert sea.snapshot()["slot_needs"] == {"u_mps": 0.0, "r_radps": 0.0}
+    sea.say(param_set("LAW_U_MAX", 1.5))
+    sea.run(1.0)
+    assert sea.snapshot()["slot_needs"]["u_mps"] > 5.0
+    sea.say(param_set("LAW_U_MAX", 0.0))
+    sea.run(5.0)
+    assert not [text for text in texts(sea.ticks) if "slot needs" in text]

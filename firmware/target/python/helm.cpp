@@ -4,6 +4,7 @@
 #include <nanobind/stl/array.h>
 
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "app/convert.hpp"
@@ -19,7 +20,7 @@ namespace {
 /// leader's motion in, thrusts out; positions in metres, north-east.
 class Helm {
  public:
-  using State = std::array<double, 21>;
+  using State = std::array<double, 22>;
   using Leader = std::array<double, 9>;
 
   explicit Helm(const nb::dict& parameters) {
@@ -53,7 +54,8 @@ class Helm {
   }
 
   /// x, y, ψ, u, v, r; unknown accelerations of the three; current north, east; v*, u* and r* held;
-  /// sway of the slot, its speed and slip with their rates; wrench given.
+  /// sway of the slot, its speed and slip with their rates; approach: 1 bow first, −1 stern first, 0
+  /// none; wrench given.
   State state() const {
     const auto& m = own_.motion;
     return {anchor_.x + m.moved_n.x,
@@ -75,6 +77,7 @@ class Helm {
             state_.slot.q_s.rate,
             state_.slot.n.value,
             state_.slot.n.rate,
+            state_.approach.on ? (state_.approach.astern ? -1.0 : 1.0) : 0.0,
             given_.X,
             given_.N};
   }
@@ -86,7 +89,8 @@ class Helm {
     own_.c_n = {s[9], s[10]};
     own_.given = {};
     state_ = {{s[11], s[12], s[13]}, {s[14], {s[15], s[16]}, {s[17], s[18]}, true}};
-    given_ = {s[19], s[20]};
+    state_.approach = {std::abs(s[19]) > 0.5, s[19] < -0.5};
+    given_ = {s[20], s[21]};
     fix_.reset();
     started_ = true;
   }
@@ -143,8 +147,9 @@ void bind_helm(nb::module_& m) {
            "One control step, h_s after the last. leader: x, y, psi, u, v, r and the rates of "
            "change of the last three, now. What the law made of it, by name.")
       .def_prop_rw("state", &Helm::state, &Helm::set_state,
-                   "What it remembers, 21 numbers, but for the wrenches that late fixes are "
+                   "What it remembers, 22 numbers, but for the wrenches that late fixes are "
                    "carried on under: x, y, psi, u, v, r; unknown acceleration "
                    "in surge, sway, yaw; current north, east; v*, u*, r* held; sway of the slot, "
-                   "its speed and slip with their rates; wrench given X, N.");
+                   "its speed and slip with their rates; approach: 1 bow first, -1 stern first, 0 "
+                   "none; wrench given X, N.");
 }

@@ -69,6 +69,7 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   out["wrench_asked"] = pair("X_N", s.asked.X, "N_Nm", s.asked.N);
   out["wrench_given"] = pair("X_N", s.given.X, "N_Nm", s.given.N);
   out["limited"] = limited;
+  out["slot_needs"] = pair("u_mps", s.slot_needs.u, "r_radps", s.slot_needs.r);
   out["separation_m"] = s.separation_m;
   out["thrust_N"] = pair("port", s.thrust_N.port, "stbd", s.thrust_N.stbd);
   out["counters"] = counters_dict(s.counters);

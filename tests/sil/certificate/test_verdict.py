@@ -57,6 +57,18 @@ def test_boat_that_stays_beside_its_slot_is_certified_and_told(straight: Certifi
     assert "0.50 m off the slot for ever" in verdict.sentence(beside)
 
 
+@pytest.mark.parametrize(("look_ahead_m", "said"), [(1.0, "up to 1.5 m"), (0.0, "as they are")])
+def test_which_errors_stay_behind_a_leader_at_rest_is_said(
+    straight: Certificate, look_ahead_m: float, said: str
+) -> None:
+    neutral = with_loop(straight, neutral=1)
+    case = neutral.legs[0].cases[0]
+    own = dict(case.setup.parameters) | {"LAW_XT_DIST": look_ahead_m}
+    cases = [replace(case, setup=replace(case.setup, parameters=own))]
+    sentence = verdict.sentence(replace(neutral, legs=[replace(neutral.legs[0], cases=cases)]))
+    assert sentence.endswith(said) and "any law" not in sentence
+
+
 def test_propellers_come_before_all_else(straight: Certificate) -> None:
     (leg,) = straight.legs
     weak = replace(leg.cases[0].thrust, margin=-0.25, side="stbd", direction="reverse")

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// Boats off a slot that makes no way: they turn to it, sail there, and turn back.
+#include <algorithm>
+#include <vector>
+
+#include "core/overflow.hpp"
+#include "core/piloted_boat.hpp"
+
+namespace flotilla::core {
+namespace {
+
+using testing::PilotedBoat;
+using testing::Random;
+using testing::Sighting;
+
+constexpr double kH = 0.02;
+
+/// Of a boat's time behind a leader at rest that heads north; the last third is `late`.
+struct Stay {
+  double off = 0, late_off = 0;
+  double psi = 0;
+  double late_swing = 0;  ///< from its least to its greatest heading
+  int late_starts = 0;    ///< of an approach
+  bool started = false;
+};
+
+template <class S>
+Stay lie(PilotedBoat<S> boat, double seconds, const testing::ProductParams<S>& params) {
+  Stay out;
+  double least = 1e9, greatest = -1e9;
+  bool on = false;
+  const int n = static_cast<int>(seconds / kH);
+  for (int k = 0; k < n; ++k) {
+    boat.tick(params, Sighting{}, kH);
+    out.off = std::hypot(boat.hull.q[0], boat.hull.q[1]);
+    out.psi = boat.hull.q[2];
+    const bool starts = boat.state.approach.on && !on;
+    on = boat.state.approach.on;
+    out.started = out.started || starts;
+    if (3 * k < 2 * n) continue;
+    out.late_off = std::max(out.late_off, out.off);
+    least = std::min(least, out.psi), greatest = std::max(greatest, out.psi);
+    out.late_starts += starts;
+  }
+  out.late_swing = greatest - least;
+  return out;
+}
+
+template <class S>
+PilotedBoat<S> at(double north, double east, double psi, const Vec2<double>& current = {}) {
+  PilotedBoat<S> boat;
+  boat.hull = {{north, east, psi, 0, 0, 0}, current};
+  return boat;
+}
+
+TEST_CASE_TEMPLATE("abeam of a leader at rest a boat turns, sails to its slot, and turns back", S,
+                   float, double) {
+  const auto params = testing::products_law<S>();
+  for (const double abeam : {-30.0, -10.0, -2.0, 2.0, 10.0, 30.0}) {
+    INFO(abeam, " m abeam");
+    const Stay stay = lie(at<S>(0, abeam, 0), 120, params);
+    CHECK(stay.late_off < 0.25);
+    CHECK(std::abs(wrap_pi(stay.psi)) < 0.01);
+    CHECK(stay.late_swing < 0.01);
+  }
+}
+
+TEST_CASE("from anywhere around a leader at rest boats come to their slots and lie there quietly") {
+  constexpr std::uint32_t kSeed = 111;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  const auto params = testing::products_law<float>();
+  for (int run = 0; run < 200; ++run) {
+    const double north = random(-20, 20), east = random(-20, 20), psi = random.angle();
+    INFO("from ", north, ", ", east, ", heading ", psi);
+    const Stay stay = lie(at<float>(north, east, psi), 150, params);
+    CHECK(stay.late_off < 1.5);  // where it began so near, it may stay there
+    if (stay.started) CHECK(stay.late_off < 0.5);
+    CHECK(std::abs(wrap_pi(stay.psi)) < 0.01);
+    CHECK(stay.late_swing < 0.01);
+  }
+}
+
+TEST_CASE_TEMPLATE(
+    "near its slot, and without LAW_XT_DIST or LAW_KX anywhere, it does not approach", S, float,
+    double) {
+  auto params = testing::products_law<S>();
+  for (const double abeam : {0.3, 1.0, 1.4})
+    CHECK_FALSE(lie(at<S>(0, abeam, 0), 20, params).started);
+  CHECK(lie(at<S>(0, 1.6, 0), 1, params).started);
+  params.law.sight.Delta = S(0);
+  CHECK_FALSE(lie(at<S>(0, 10, 0), 20, params).started);
+  params.law.sight.Delta = S(1);
+  params.law.outer.k_x = S(0);
+  CHECK_FALSE(lie(at<S>(0, 10, 0), 20, params).started);
+}
+
+TEST_CASE_TEMPLATE("behind a leader that makes way there is no approach, however far the slot", S,
+                   float, double) {
+  const auto params = testing::products_law<S>();
+  const auto leader = testing::voyage([](double) { return Tau<double>{2, 0}; }, kH, 90);
+  auto boat = at<S>(0, 30, 0);
+  for (std::size_t k = 0; k < leader.size(); ++k) {
+    boat.tick(params, leader[k], kH);
+    if (static_cast<double>(k) * kH > 5) REQUIRE_FALSE(boat.state.approach.on);
+  }
+  CHECK(std::hypot(boat.hull.q[0] - leader.back().place.x, boat.hull.q[1]) < 0.1);
+}
+
+TEST_CASE_TEMPLATE("in a current across, a boat beside a leader at rest lies bow or stern to it", S,
+                   float, double) {
+  const auto params = testing::products_law<S>();
+  for (const Vec2<double>& current :
+       {Vec2<double>{0, 0.1}, Vec2<double>{0, -0.2}, Vec2<double>{0.1, 0.1}}) {
+    for (const double abeam : {0.0, 10.0}) {
+      INFO("current ", current.x, ", ", current.y, ", from ", abeam, " m abeam");
+      const Stay stay = lie(at<S>(0, abeam, 0, current), 240, params);
+      CHECK(stay.late_off < 0.1);
+      CHECK(stay.late_swing < 0.1);
+      CHECK(stay.late_starts == 0);
+      const double across = current.x * std::sin(stay.psi) - current.y * std::cos(stay.psi);
+      CHECK(std::abs(across) < 0.02);
+    }
+  }
+}
+
+TEST_CASE("the bow's angle changes as its rate says while the boat sails to a slot at rest") {
+  constexpr std::uint32_t kSeed = 112;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  for (int i = 0; i < 500; ++i) {
+    const ApproachParams<double> params{0.2, 1, 0.15, i % 2 == 0 ? 0 : 1.5};
+    Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    in.nu_L = in.nu_L_dot = {};
+    const auto angle = [&](double h, bool astern) {
+      const auto then = testing::later(in, h);
+      const Slot<double> slot = slot_beside(then, {});
+      ApproachState state{true, astern};
+      const auto way = slot_way(params, slot, formation_error(then, slot), then.nu, {});
+      return sight_of_way(params, state, way, 0.0, 0.0);
+    };
+    constexpr double h = 1e-4;
+    const auto now = angle(0, false);
+    const double slope = wrap_pi(angle(h, false).theta - angle(-h, false).theta) / (2 * h);
+    const double distance = std::hypot(in.separation_n.x, in.separation_n.y);
+    const double nearer = std::min(1.0, distance);  // within Δ less of it is foreseen
+    CHECK(std::abs(nearer * slope - now.theta_dot) < 1e-3 * (1 + std::abs(slope)));
+    // Whichever end goes first, the boat lies along the same line.
+    CHECK(std::abs(std::sin(angle(0, true).theta - now.theta)) < 1e-9);
+    CHECK(std::abs(now.theta) < testing::kPi / 2 + 0.41);
+  }
+}
+
+TEST_CASE("the end of the boat that goes first is not changed for a trifle") {
+  const ApproachParams<double> params{0.2, 1, 0.15, 0};
+  ApproachState state;
+  const auto bearing = [&](double angle) {
+    SlotWay<double> way;
+    way.q = {std::cos(angle), std::sin(angle)};
+    return sight_of_way(params, state, way, 0.0, 0.0).theta;
+  };
+  CHECK(bearing(1.5) == doctest::Approx(1.5));
+  CHECK(bearing(1.9) == doctest::Approx(1.9));
+  CHECK_FALSE(state.astern);
+  CHECK(bearing(2.0) == doctest::Approx(2.0 - testing::kPi));
+  CHECK(state.astern);
+  CHECK(bearing(1.5) == doctest::Approx(1.5 - testing::kPi));
+  CHECK(bearing(1.1) == doctest::Approx(1.1));
+  CHECK_FALSE(state.astern);
+}
+
+TEST_CASE_TEMPLATE(
+    "where nothing is wanted the bow stays as it is, also beside a leader that turns", S, float,
+    double) {
+  const ApproachParams<S> params{S(0.2), S(1), S(0.15), S(0)};
+  ApproachState state{true, true};
+  const auto sight = sight_of_way(params, state, SlotWay<S>{}, S(0.7), S(0.3));
+  CHECK(sight.theta == S(0.7));
+  CHECK(sight.theta_dot == S(-0.3));
+  CHECK(state.astern);
+}
+
+TEST_CASE("a kilometre off, at the largest gain, in Q16, nothing overflows") {
+  auto params = testing::products_law<Q16>().law;
+  auto doubles = testing::products_law<double>().law;
+  params.outer.k_x = Q16(2);
+  doubles.outer.k_x = 2;
+  Random random(113);
+  take_overflow<Q16>();
+  for (int i = 0; i < 500; ++i) {
+    Encounter<double> in;
+    in.separation_n = {random(-999, 999), random(-999, 999)};
+    in.psi = random.angle();
+    Encounter<Q16> fixed;
+    fixed.separation_n = {testing::in_scalar<Q16>(in.separation_n.x),
+                          testing::in_scalar<Q16>(in.separation_n.y)};
+    fixed.psi = testing::in_scalar<Q16>(in.psi);
+    auto state = controller_start(in);
+    auto fixed_state = controller_start(fixed);
+    const auto out = controller_step(doubles, state, in, 0.01);
+    const auto said = controller_step(params, fixed_state, fixed, Q16(0.01));
+    REQUIRE(state.approach.on);
+    REQUIRE(fixed_state.approach.on);
+    const double theta = testing::number_of(said.sight.theta);
+    if (state.approach.astern == fixed_state.approach.astern) {
+      CHECK(std::abs(theta - out.sight.theta) < 1e-3);
+    }
+  }
+  CHECK_FALSE(take_overflow<Q16>());
+}
+
+}  // namespace
+}  // namespace flotilla::core
