@@ -151,8 +151,12 @@ typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
   slot.d = convert::offset_of<S>(aim->offset.b);
   slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
-  return {leader_.system(), aim->branch,  aim->position,
-          aim->motion,      convert::offset_of<S>(aim->offset.n), slot};
+  return {leader_.system(),
+          aim->branch,
+          aim->position,
+          aim->motion,
+          convert::offset_of<S>(aim->offset.n),
+          slot};
 }
 
 template <class S>

@@ -42,7 +42,8 @@ const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
 
 std::optional<Branch> TreePlace::branch(std::int64_t now_us) const {
   const Word* told = word(now_us);
-  if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system) return std::nullopt;
+  if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system)
+    return std::nullopt;
   if (own_.turns && told->offset.b != convert::WireOffset{}) return std::nullopt;
   return told->branch;
 }
