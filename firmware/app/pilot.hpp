@@ -112,13 +112,13 @@ class Pilot {
 
   core::ControllerParams<S> law_;
   core::ControllerState<S> state_{};
-  Lead lead_;                    // of the last step
-  core::CoastState<S> coast_{};  // of its motion
+  Lead lead_;                        // of the last step
+  core::CoastState<S> coast_{};      // of its motion
   core::FormationError<S> error_{};  // of the last step
   core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
   S shift_s_{};                      // since that was looked at
-  core::Vec2<S> blend_n_{};          // left of the step that another lead made
-  S coast_s_;                    // how long COAST lasts
+  core::Blend<S> blend_{};           // of the step that another lead made
+  S coast_s_;                        // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   core::JumpLimits<S> afloat_, carried_;

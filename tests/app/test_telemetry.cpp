@@ -33,6 +33,9 @@ Report full() {
       true};
   r.home = Home{410'000'100, 20'000'100, 5000};
   r.formation = FormationReport{{1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
+  r.reference = link::FormationReference{};
+  r.reference->path.fill(1);
+  r.reference->offset_b.fill(-1);
   r.own_age_s = 0.1;
   r.leader_age_s = 0.2;
   r.leader_uncertainty_m = 0.3;
@@ -81,6 +84,7 @@ Report any_report(std::mt19937& random) {
   if (r.own) r.own->located = often();
   if (!often()) r.home.reset();
   if (!often()) r.formation.reset();
+  if (!often()) r.reference.reset();
   if (!often()) r.own_age_s.reset();
   if (!often()) r.leader_age_s.reset();
   if (!often()) r.leader_uncertainty_m.reset();
