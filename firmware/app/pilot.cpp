@@ -169,18 +169,19 @@ template <class S>
 void Pilot<S>::follow(const Lead& next, S dt) {
   if (lead_.leader != next.leader) starting_ = true;
   if (starting_) {
-    shift_n_ = blend_n_ = {};
+    shift_n_ = {};
+    blend_ = {};
   } else if (lead_.branch != next.branch) {
     const auto in = encounter(next);
     const core::Vec2<S> d_n =
         next.slot.turns ? core::to_north_east(in.psi_L, next.slot.d) : next.slot.d;
     const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
-    blend_n_ = {in.separation_n.x - d_n.x - shift_n_.x - was.x,
-                in.separation_n.y - d_n.y - shift_n_.y - was.y};
+    blend_ = core::blend_start(core::Vec2<S>{in.separation_n.x - d_n.x - shift_n_.x - was.x,
+                                             in.separation_n.y - d_n.y - shift_n_.y - was.y});
   }
   lead_ = next;
   coast_ = core::coast_start(next.motion);
-  blend_n_ = core::blend_forward(blend_n_, dt);
+  core::blend_forward(blend_, dt);
 }
 
 /// Slowly to where the leader is, where the slot is not seen from the leader itself.
@@ -211,8 +212,9 @@ core::ControllerOutput<S> Pilot<S>::step_among_others(const core::Encounter<S>& 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t now_us, S dt) {
   core::Encounter<S> in = encounter(lead);
-  in.separation_n = {in.separation_n.x - blend_n_.x - shift_n_.x,
-                     in.separation_n.y - blend_n_.y - shift_n_.y};
+  const core::Vec2<S> rest = core::rest_of(blend_);
+  in.separation_n = {in.separation_n.x - rest.x - shift_n_.x,
+                     in.separation_n.y - rest.y - shift_n_.y};
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
   const core::SlotParams<S> own_slot = std::exchange(law_.slot, lead.slot);

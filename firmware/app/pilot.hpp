@@ -117,7 +117,7 @@ class Pilot {
   core::FormationError<S> error_{};  // of the last step
   core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
   S shift_s_{};                      // since that was looked at
-  core::Vec2<S> blend_n_{};          // left of the step that another lead made
+  core::Blend<S> blend_{};           // of the step that another lead made
   S coast_s_;                    // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};

@@ -18,6 +18,7 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 template <class S>
 void Reference<S>::configure(const Parameters& p, std::uint8_t own_system) {
   on_ = p.LAW_REF == 1.0F;
+  limits_ = convert::foresight_limits<S>(p);
   const TreePlace::Own own{own_system, byte_of(p.FORM_LEADER),
                            convert::wire_offset_of(p.FORM_OFS_N, p.FORM_OFS_E),
                            p.FORM_FRAME == 1.0F};
@@ -36,7 +37,7 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   if (m == nullptr || !on_ || received.from.system == place_.own().system) return;
   const bool leads = received.from.system == place_.own().leader;
   const std::size_t rank = leads ? 0 : length_of(m->path);
-  const auto stamp_us = clocks_.heard(received.from, rank, m->time_boot_ms, now_us);
+  const auto stamp_us = clocks_.heard(received.from, static_cast<std::uint8_t>(rank), m->time_boot_ms, now_us);
   if (!stamp_us) return;
   const std::int64_t valid_us = *stamp_us - std::int64_t{m->age_ms} * 1000;
   if (leads) place_.hear(*m, valid_us, now_us);
@@ -115,7 +116,7 @@ std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us)
   const auto offset = place_.offset(now_us);
   if (held == nullptr || !held->near || !offset) return std::nullopt;
   const S age = convert::seconds<S>(now_us - held->valid_us);
-  return Aim{held->branch, held->root.position, core::reference_forward(core::ForesightLimits<S>{}, held->root.motion, age),
+  return Aim{held->branch, held->root.position, core::reference_forward(limits_, held->root.motion, age),
              *offset, place_.leaders_offset(now_us)};
 }
 
