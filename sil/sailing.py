@@ -19,7 +19,7 @@ _SAMPLES = 1500
 
 
 class Job(NamedTuple):
-    """A scenario to be sailed with a law; `seed` None is the scenario's own."""
+    """A scenario to be sailed with a law, at the settings of its claim; `seed` None is its own."""
 
     scenario: str
     law: Law
@@ -74,7 +74,8 @@ def sail(job: Job, folder: Path) -> Outcome:
 
 
 def _sail(job: Job, recording: Path) -> Outcome:
-    overrides = [*([] if job.seed is None else [f"seed={job.seed}"]), *job.overrides]
+    seed = [] if job.seed is None else [f"seed={job.seed}"]
+    overrides = [*CLAIMS[job.scenario].settings(job.law), *seed, *job.overrides]
     chosen = scenario.load(job.scenario, overrides, job.law)
     run = World(chosen, {}).run(recording, lambda _: None)
     recording.unlink()
