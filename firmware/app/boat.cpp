@@ -189,6 +189,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
   if (in_range_) met |= core::kInRange;
+  if (pilot_.astray() == core::Astray::kNo || !core::law_drives(state())) met |= core::kOnStation;
   return met;
 }
 
@@ -274,6 +275,7 @@ void Boat<S>::complain(std::int64_t now_us) {
                  counters_);
   }
   complain_of_slot(now_us);
+  complain_of_station();
 }
 
 /// Of a slot that was too fast for two seconds: a leader's noise is not worth a word.
@@ -288,6 +290,28 @@ void Boat<S>::complain_of_slot(std::int64_t now_us) {
   };
   if (u > 0) say(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
   if (r > 0) say(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
+}
+
+/// With figures, in the tick before COAST or HOLD; the state's own sentence has none.
+template <class S>
+void Boat<S>::complain_of_station() {
+  const core::Astray was = std::exchange(astray_, pilot_.astray());
+  if (astray_ == was || astray_ == core::Astray::kNo || state() != core::State::kFormation) return;
+  const Parameters& p = parameters();
+  Sentence why;
+  if (astray_ == core::Astray::kSpins) {
+    why << "boat spins: " << static_cast<float>(std::round(100 * std::abs(convert::number(pilot_.yaw_rate()))) / 100)
+        << " rad/s, LAW_R_MAX is " << p.LAW_R_MAX;
+  } else {
+    const auto& e = law_output_.error.e;
+    const auto off_m = static_cast<float>(std::round(10 * convert::number(core::hypot(e.x, e.y))) / 10);
+    if (astray_ == core::Astray::kLeft) {
+      why << "boat left its slot: " << off_m << " m off, FS_SLOT_M is " << p.FS_SLOT_M;
+    } else {
+      why << "boat comes no nearer to its slot: " << off_m << " m off";
+    }
+  }
+  vehicle_.say(link::mav::kSeverityError, {why.text()}, counters_);
 }
 
 template <class S>
@@ -327,7 +351,7 @@ Report Boat<S>::report(std::int64_t now_us) {
   }
   out.home = limits_.home();
   if (seen()) {
-    out.formation = FormationReport{convert::in_double(law_output_.error.e),
+    out.formation = FormationReport{in_slot(), convert::in_double(law_output_.error.e),
                                     convert::in_double(law_output_.wanted.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }
@@ -374,6 +398,7 @@ Snapshot Boat<S>::snapshot() const {
           law.wanted.r_limited,
           convert::in_double(law.too_fast),
           law.separation.yielding,
+          in_slot(),
           separation_m(),
           counters_};
 }

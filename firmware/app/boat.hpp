@@ -34,6 +34,7 @@ struct Snapshot {
   bool speed_limited, yaw_rate_limited;  ///< by LAW_U_MAX, LAW_R_MAX
   core::TooFast<double> slot_needs;      ///< beyond these two, 0: no more
   bool yielding;                         ///< to another vessel
+  bool in_slot;                          ///< in FORMATION; else it closes up
   std::optional<double> separation_m;    ///< predicted, of the nearest vessel
   link::Counters counters;
 };
@@ -155,6 +156,7 @@ class Boat {
     return (conditions_ & kSeen) == kSeen;
   }
   bool may_drive(std::int64_t now_us) const;
+  bool in_slot() const { return state() == core::State::kFormation && pilot_.in_slot(); }
   core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
@@ -162,6 +164,7 @@ class Boat {
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
   void complain(std::int64_t now_us);
   void complain_of_slot(std::int64_t now_us);
+  void complain_of_station();
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
@@ -195,6 +198,7 @@ class Boat {
   int idle_ticks_ = 0;  // in a row, in which time did not go on
   Schedule complaint_due_, slot_complaint_due_;
   Settled slot_too_fast_;
+  core::Astray astray_ = core::Astray::kNo;  // as told to the operator
 };
 
 }  // namespace flotilla::app

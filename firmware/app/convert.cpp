@@ -122,6 +122,11 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
 }
 
 template <class S>
+core::StationParams<S> station_params(const Parameters& p) {
+  return {scalar<S>(p.FS_SLOT_M), scalar<S>(p.LAW_XT_DIST), scalar<S>(p.LAW_R_MAX)};
+}
+
+template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p) {
   const S most =
       S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of what both give
@@ -163,6 +168,7 @@ core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
                                               const Position&, const core::Motion<S>&); \
   template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);       \
   template core::ControllerParams<S> controller_params<S>(const Parameters&);           \
+  template core::StationParams<S> station_params<S>(const Parameters&);                 \
   template core::ObserverParams<S> observer_params<S>(const Parameters&);               \
   template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);        \
   template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);

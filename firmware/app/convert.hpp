@@ -12,6 +12,7 @@
 #include "core/controller.hpp"
 #include "core/jump.hpp"
 #include "core/observer.hpp"
+#include "core/station.hpp"
 #include "core/thrust_curve.hpp"
 #include "core/track.hpp"
 #include "link/messages.hpp"
@@ -164,6 +165,8 @@ inline std::int64_t microseconds(float s) {
 /// Parameters in the law's own terms.
 template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p);
+template <class S>
+core::StationParams<S> station_params(const Parameters& p);
 template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p);
 template <class S>

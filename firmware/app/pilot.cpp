@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/pilot.hpp"
 
+#include <tuple>
 #include <utility>
 
 namespace flotilla::app {
@@ -25,6 +26,7 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 template <class S>
 Pilot<S>::Pilot(const Parameters& p)
     : law_(convert::controller_params<S>(p)),
+      keeping_(convert::station_params<S>(p)),
       coast_s_(convert::scalar<S>(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
       own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
@@ -45,6 +47,7 @@ void Pilot<S>::set_limits(const Parameters& p) {
 template <class S>
 void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   law_ = convert::controller_params<S>(p);
+  keeping_ = convert::station_params<S>(p);
   coast_s_ = convert::scalar<S>(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
   set_limits(p);
@@ -168,10 +171,11 @@ core::Encounter<S> Pilot<S>::encounter(const Lead& lead) const {
   return in;
 }
 
-/// Another lead makes no step in the slot.
+/// Another lead makes no step in the slot; to another slot of the same one the boat closes up anew.
 template <class S>
 void Pilot<S>::follow(const Lead& next, S dt) {
   if (lead_.leader != next.leader) starting_ = true;
+  if (starting_ || (lead_.branch == next.branch && !same_slot(lead_, next))) station_ = {};
   if (starting_) {
     shift_n_ = {};
     blend_ = {};
@@ -214,6 +218,28 @@ core::ControllerOutput<S> Pilot<S>::step_among_others(const core::Encounter<S>& 
 }
 
 template <class S>
+bool Pilot<S>::same_slot(const Lead& a, const Lead& b) {
+  const auto same = [](const core::Vec2<S>& p, const core::Vec2<S>& q) {
+    return p.x == q.x && p.y == q.y;
+  };
+  return a.slot.turns == b.slot.turns && same(a.slot.d, b.slot.d) && same(a.offset_n, b.offset_n);
+}
+
+/// error: of the slot behind the leader that is heard.
+template <class S>
+void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
+                            const core::FormationError<S>& error, S dt) {
+  const auto& [wanted, allocation] = std::tie(out.wanted, out.allocation);
+  const bool limited = wanted.u_limited || wanted.r_limited || allocation.surge_limited ||
+                       allocation.yaw_limited;
+  const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.sight.epsilon;
+  core::station_forward(keeping_, station_,
+                        {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, limited,
+                         out.separation.yielding, at_rest},
+                        dt);
+}
+
+template <class S>
 core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t now_us, S dt) {
   core::Encounter<S> in = encounter(lead);
   const core::Vec2<S> rest = core::rest_of(blend_);
@@ -242,14 +268,19 @@ template <class S>
 core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
   follow(lead(now_us), dt);
   shift_slot(now_us, dt);
-  return step_behind(lead_, now_us, dt);
+  const auto out = step_behind(lead_, now_us, dt);
+  keep_station(out, out.error, dt);
+  return out;
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
   core::coast_forward(coast_s_, coast_, dt);
   lead_.motion = coast_.leader;
-  return step_behind(lead_, now_us, dt);
+  const auto out = step_behind(lead_, now_us, dt);
+  // Whoever coasts because he left his slot may be back in it; nobody else is judged.
+  if (station_.astray != core::Astray::kNo) keep_station(out, look(now_us).error, dt);
+  return out;
 }
 
 template <class S>

@@ -11,6 +11,7 @@
 #include "app/vessel_track.hpp"
 #include "core/answer.hpp"
 #include "core/coast.hpp"
+#include "core/station.hpp"
 #include "core/supervisor.hpp"
 
 namespace flotilla::app {
@@ -53,6 +54,12 @@ class Pilot {
   /// it is known where the boat is, seen from there.
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
+
+  /// Whether the law's boat keeps its slot, and is in it; since FORMATION was entered, or since the
+  /// slot or the leader changed.
+  core::Astray astray() const { return station_.astray; }
+  bool in_slot() const { return station_.in; }
+  S yaw_rate() const { return motion_.motion.nu.r; }
 
   /// Where the boat is, seen from its slot, without a step.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
@@ -103,14 +110,18 @@ class Pilot {
   Lead lead(std::int64_t now_us) const;
   core::Encounter<S> encounter(const Lead& lead) const;
   void follow(const Lead& next, S dt);
+  static bool same_slot(const Lead& a, const Lead& b);
   void shift_slot(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
                                               S dt);
+  void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error, S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
 
   core::ControllerParams<S> law_;
+  core::StationParams<S> keeping_;
+  core::StationState<S> station_{};
   core::ControllerState<S> state_{};
   Lead lead_;                        // of the last step
   core::CoastState<S> coast_{};      // of its motion

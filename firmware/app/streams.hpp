@@ -52,7 +52,7 @@ inline constexpr std::array kStreams{
     StreamInfo{link::mav::kEscStatusId, 138, Pace::kSlow, 0, true},
     StreamInfo{link::mav::kEscInfoId, 116, Pace::kFixed, 5'000'000, true},
     StreamInfo{link::mav::kBatteryStatusId, 66, Pace::kFixed, 5'000'000, false},
-    StreamInfo{link::mav::kNamedValueFloatId, 630, Pace::kSlow, 0, true},
+    StreamInfo{link::mav::kNamedValueFloatId, 660, Pace::kSlow, 0, true},
     StreamInfo{link::mav::kExtendedSysStateId, 14, Pace::kOnRequest, 0, false},
 };
 

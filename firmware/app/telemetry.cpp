@@ -147,12 +147,13 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   const auto estimate = [&](auto read) {
     return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
   };
-  static_assert(core::kGcsLossCoasts < 1U << 24U, "COND: a float counts 24 bits exactly");
+  static_assert(core::kAllConditions < 1U << 24U, "COND: a float counts 24 bits exactly");
   using F = FormationReport;
   using E = Estimates;
-  const std::array<Value, 21> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+  const std::array<Value, 22> values{{{"E_X", of([](const F& f) { return f.error.x; })},
                                       {"E_Y", of([](const F& f) { return f.error.y; })},
                                       {"E_PSI", of([](const F& f) { return f.error.psi; })},
+                                      {"IN_SLOT", of([](const F& f) { return f.in_slot ? 1.0 : 0.0; })},
                                       {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
                                       {"R_STAR", of([](const F& f) { return f.nu_star.r; })},
                                       {"LACK_X", of([](const F& f) { return f.missing.X; })},
@@ -165,7 +166,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
                                       {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
                                       {"LEADER", double(r.leader)},
-                                      {"COND", double(r.conditions)},
+                                      {"COND", double(r.conditions & core::kAllConditions)},
                                       {"T_PORT", r.thrust.port},
                                       {"T_STBD", r.thrust.stbd},
                                       {"T_MAX", r.most_N},

@@ -28,6 +28,7 @@ struct EscReport {
 
 /// Errors and limits of the law, SI units.
 struct FormationReport {
+  bool in_slot;  ///< in FORMATION; else it closes up
   core::Error<double> error;
   core::Nu<double> nu_star;
   core::Tau<double> missing;  ///< of the wrench that the law asked for

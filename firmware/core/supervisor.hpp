@@ -56,21 +56,24 @@ constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or 
 constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
 constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
 constexpr Conditions kInRange = 1U << 19U;         ///< no number was out of the scalar's range
+constexpr Conditions kOnStation = 1U << 20U;       ///< in the slot or closing up, or not by the law
+constexpr unsigned kConditionCount = 21;           ///< without the choices
 // What the operator has chosen, FS_LEADER_ACT and FS_GCS_ACT; neither of two: MANUAL, else HOLD.
-constexpr Conditions kLeaderLossHolds = 1U << 20U;
-constexpr Conditions kLeaderLossCoasts = 1U << 21U;
-constexpr Conditions kGcsLossHolds = 1U << 22U;
-constexpr Conditions kGcsLossCoasts = 1U << 23U;
-constexpr unsigned kConditionCount = 20;  ///< without the choices
+constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
+constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
+constexpr Conditions kGcsLossHolds = kLeaderLossHolds << 2U;
+constexpr Conditions kGcsLossCoasts = kLeaderLossHolds << 3U;
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
 /// Without them the boat is not sure to do what is meant, and a look at it is needed.
 constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
 constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
+/// A boat that leaves its slot has lost its leader as well as one that hears nothing of it.
+constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 constexpr Conditions kByLaw = kOwn | kBoatAnswers | kSound | kLimits;
-constexpr Conditions kDrive = kByLaw | kLeader | kGcsHeard;
+constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // No own state: a boat that lost its navigation can be driven home.
 constexpr Conditions kManualDrive = kSticksFresh | kSound;
@@ -104,13 +107,13 @@ constexpr std::array<Row, 28> kTable{{
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
     {kLawDrives, Request::kNone, 0, kByLaw, State::kHold},
     // Of two losses the more careful choice counts, also of one that comes later, in COAST.
-    {kLawDrives, Request::kNone, kLeaderLossHolds, kLeader, State::kHold},
+    {kLawDrives, Request::kNone, kLeaderLossHolds, kFollows, State::kHold},
     {kLawDrives, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
-    {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kLeader, State::kCoast},
+    {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kFollows, State::kCoast},
     {in(State::kFormation), Request::kNone, kGcsLossCoasts, kGcsHeard, State::kCoast},
-    {in(State::kFormation), Request::kNone, kSticksFresh, kLeader | kGcsHeard, State::kManual},
-    {in(State::kFormation), Request::kNone, 0, kLeader | kGcsHeard, State::kHold},
-    {in(State::kCoast), Request::kNone, kLeader | kGcsHeard, 0, State::kFormation},
+    {in(State::kFormation), Request::kNone, kSticksFresh, kFollows | kGcsHeard, State::kManual},
+    {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
+    {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
     {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
     // What is asked for.
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},

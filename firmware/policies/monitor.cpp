@@ -138,7 +138,7 @@ void Monitor<S>::note_deeds() {
   Asked& done = now_.done;
   if (now_.armed() && !before_.armed()) ++done[Ask::kArm], ++done[Ask::kArmAllowed];
   if (now_.state != was) {
-    const bool lost = core::law_drives(was) && !now_.has(core::kLeader | core::kGcsHeard);
+    const bool lost = core::law_drives(was) && !now_.has(core::kFollows | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
     // Lost in the tick in which it was asked for, it may be COAST already.
     if (core::law_drives(now_.state) && !core::law_drives(was)) ++done[Ask::kFormation];

@@ -15,7 +15,7 @@ struct World {
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
-        leader(has(met, kLeaderFresh | kLeaderLive | kLeaderSteady)),
+        leader(has(met, kLeaderFresh | kLeaderLive | kLeaderSteady | kOnStation)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
         answers(has(met, kBoatAnswers)),
         gcs(has(met, kGcsHeard)),
@@ -218,11 +218,13 @@ TEST_CASE("what the boat lost is named when it changes its state by itself") {
   CHECK(lost(State::kManual, kSticksFresh | kOwnFresh).missing == kSticksFresh);
   CHECK(lost(State::kFormation, kLeaderLive | kSticksFresh).missing == kLeaderLive);
   CHECK(lost(State::kFormation, kLeaderLive | kSticksFresh).state == State::kCoast);
+  CHECK(lost(State::kFormation, kOnStation).state == State::kCoast);
+  CHECK(lost(State::kFormation, kOnStation).missing == kOnStation);
   CHECK(lost(State::kTest, kTestRunning | kOwnFresh).missing == kTestRunning);
   CHECK(lost(State::kHold, kBusUp | kOwnFresh).missing == kBusUp);
   CHECK(lost(State::kCoast, kInRange | kOwnFresh).missing == kInRange);
   CHECK(lost(State::kCoast, kInRange).state == State::kFault);
-  CHECK(lost(State::kCoast, kLeader | kCoastRunning).missing == kCoastRunning);
+  CHECK(lost(State::kCoast, kFollows | kCoastRunning).missing == kCoastRunning);
   CHECK(lost(State::kCoast, 0).missing == 0);
 }
 

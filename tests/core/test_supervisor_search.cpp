@@ -23,7 +23,7 @@ struct Node {
 };
 
 constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
-                                              kLeaderFresh,
+                                              kLeaderFresh | kOnStation,
                                               kSoleController | kBusUp | kInRange,
                                               kGcsHeard,
                                               kBatteryGood,

@@ -64,6 +64,7 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   out["error"] =
       s.error_known ? nb::object(triple("x_m", s.error.x, "y_m", s.error.y, "psi_rad", s.error.psi))
                     : nb::none();
+  out["in_slot"] = s.in_slot;
   out["virtual_velocity"] =
       triple("u_mps", s.nu_star.u, "v_mps", s.nu_star.v, "r_radps", s.nu_star.r);
   out["wrench_asked"] = pair("X_N", s.asked.X, "N_Nm", s.asked.N);

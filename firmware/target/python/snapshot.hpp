@@ -30,7 +30,8 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kInsideFence, "inside_fence"},
                      {flotilla::core::kClear, "clear"},
                      {flotilla::core::kCoastRunning, "coast_running"},
-                     {flotilla::core::kInRange, "in_range"}}};
+                     {flotilla::core::kInRange, "in_range"},
+                     {flotilla::core::kOnStation, "on_station"}}};
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);
 

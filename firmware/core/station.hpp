@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// Whether a boat that the law drives keeps its station: it is in its slot, or comes nearer to it.
+//
+//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, once
+//   b ← n while in, else the nearest since, where that is nearer by 0.1 m
+//   t ← 0 while in or where b has become less, else t + w h,   w = 2 at a limit, else 1
+//   left   kept and |e| > D for 1 s                  spins   |r| > 1.2 r_max for 2 s in all, less 0.3 of the time between
+//   stuck  t > 60 s                                  well    again: in, and |r| ≤ r_max, for 1 s
+//
+//  symbol  meaning                                            unit     tested range
+//  e       distance from the slot                             m        0 … 1000
+//  D       FS_SLOT_M; 0: nothing of all this is judged        m        0.5 … 100
+//  n       so near is in the slot: D/5; 1.6 Δ, where that is more, beside a slot at rest    m
+//  Δ       look-ahead: so near to a slot at rest a boat is left alone     m
+//  r_max   greatest yaw rate that the law asks for; 0: any    rad/s    0 … 4
+//  h       control step                                       s        0 … 1
+//
+// Not in paper. A boat that still closes up is judged by its progress, not by its distance: it may be
+// far. At a limit of speed, yaw rate or thrust, progress must be seen in half the time. One that makes
+// way for another vessel is not stuck.
+//
+// Q16.16: tested within ±1,000 (distance, m)
+#pragma once
+
+#include "core/scalar.hpp"
+
+namespace flotilla::core {
+
+template <class S>
+struct StationParams {
+  S D{};
+  S Delta{};
+  S r_max{};
+  S leave_s = S(1);
+  S keep_s = S(3);
+  S spin_s = S(2);
+  S stuck_s = S(60);
+  S step = S(0.1);
+};
+
+/// Why a boat does not keep its station.
+enum class Astray : unsigned char { kNo, kLeft, kSpins, kStuck };
+
+template <class S>
+struct StationState {
+  Astray astray = Astray::kNo;
+  bool in = false;
+  bool kept = false;
+  bool started = false;
+  S nearest{};
+  S in_s{}, far_s{}, spinning_s{}, idle_s{}, well_s{};
+};
+
+template <class S>
+struct StationInput {
+  S distance{};  ///< |e|
+  S r{};
+  bool limited = false;  ///< speed, yaw rate or thrust
+  bool yields = false;   ///< to another vessel
+  bool at_rest = false;  ///< the slot
+};
+
+/// A time that goes on while something is so, and begins anew.
+template <class S>
+void count_while(S& time, bool so, S h) {
+  time = so ? smaller(time + h, S(1000)) : S(0);
+}
+
+template <class S>
+void note_progress(const StationParams<S>& params, StationState<S>& state,
+                   const StationInput<S>& in, S near, S h) {
+  const bool nearer = in.distance < state.nearest - params.step;
+  if (state.in || nearer || !state.started) {
+    state.nearest = larger(in.distance, near);
+    state.idle_s = S(0);
+    state.started = true;
+  } else if (!in.yields) {
+    count_while(state.idle_s, true, in.limited ? S(2) * h : h);
+  }
+}
+
+/// h seconds later; the state begins anew where FORMATION is entered and where slot or leader change.
+template <class S>
+void station_forward(const StationParams<S>& params, StationState<S>& state,
+                     const StationInput<S>& in, S h) {
+  if (!(S(0) < params.D)) {
+    state = {};
+    return;
+  }
+  const S slot = S(0.2) * params.D;
+  const S near = in.at_rest ? larger(slot, S(1.6) * params.Delta) : slot;
+  state.in = in.distance <= (state.in ? S(1.5) * near : near);
+  count_while(state.in_s, state.in, h);
+  state.kept = state.kept || params.keep_s < state.in_s;
+  note_progress(params, state, in, near, h);
+  count_while(state.far_s, state.kept && params.D < in.distance, h);
+  const bool turns = S(0) < params.r_max && S(1.2) * params.r_max < abs(in.r);
+  state.spinning_s =
+      turns ? smaller(state.spinning_s + h, S(1000)) : larger(state.spinning_s - S(0.3) * h, S(0));
+  const bool calm = !(S(0) < params.r_max && params.r_max < abs(in.r));
+  count_while(state.well_s, state.in && calm, h);
+  if (state.astray != Astray::kNo) {
+    if (S(1) < state.well_s) state.astray = Astray::kNo;
+  } else if (params.leave_s < state.far_s) {
+    state.astray = Astray::kLeft;
+  } else if (params.spin_s < state.spinning_s) {
+    state.astray = Astray::kSpins;
+  } else if (params.stuck_s < state.idle_s) {
+    state.astray = Astray::kStuck;
+  }
+}
+
+}  // namespace flotilla::core
