@@ -162,6 +162,7 @@ class Boat {
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
   void complain(std::int64_t now_us);
   void complain_of_slot(std::int64_t now_us);
+  void tell_latency();
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
@@ -195,6 +196,7 @@ class Boat {
   int idle_ticks_ = 0;  // in a row, in which time did not go on
   Schedule complaint_due_, slot_complaint_due_;
   Settled slot_too_fast_;
+  bool latency_told_ = false;
 };
 
 }  // namespace flotilla::app

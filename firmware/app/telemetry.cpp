@@ -147,7 +147,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   const auto estimate = [&](auto read) {
     return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
   };
-  static_assert(core::kGcsLossCoasts < 1U << 24U, "COND: a float counts 24 bits exactly");
+  static_assert(core::kAllConditions < 1U << 24U, "COND: a float counts 24 bits exactly");
   using F = FormationReport;
   using E = Estimates;
   const std::array<Value, 21> values{{{"E_X", of([](const F& f) { return f.error.x; })},
@@ -165,7 +165,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
                                       {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
                                       {"LEADER", double(r.leader)},
-                                      {"COND", double(r.conditions)},
+                                      {"COND", double(r.conditions & core::kAllConditions)},
                                       {"T_PORT", r.thrust.port},
                                       {"T_STBD", r.thrust.stbd},
                                       {"T_MAX", r.most_N},

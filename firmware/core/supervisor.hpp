@@ -56,12 +56,13 @@ constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or 
 constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
 constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
 constexpr Conditions kInRange = 1U << 19U;         ///< no number was out of the scalar's range
+constexpr Conditions kOwnPrompt = 1U << 20U;       ///< own state is not later than the law bears
+constexpr unsigned kConditionCount = 21;           ///< without the choices
 // What the operator has chosen, FS_LEADER_ACT and FS_GCS_ACT; neither of two: MANUAL, else HOLD.
-constexpr Conditions kLeaderLossHolds = 1U << 20U;
-constexpr Conditions kLeaderLossCoasts = 1U << 21U;
-constexpr Conditions kGcsLossHolds = 1U << 22U;
-constexpr Conditions kGcsLossCoasts = 1U << 23U;
-constexpr unsigned kConditionCount = 20;  ///< without the choices
+constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
+constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
+constexpr Conditions kGcsLossHolds = kLeaderLossHolds << 2U;
+constexpr Conditions kGcsLossCoasts = kLeaderLossHolds << 3U;
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
 /// Without them the boat is not sure to do what is meant, and a look at it is needed.
@@ -69,7 +70,7 @@ constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
 constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
-constexpr Conditions kByLaw = kOwn | kBoatAnswers | kSound | kLimits;
+constexpr Conditions kByLaw = kOwn | kOwnPrompt | kBoatAnswers | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kLeader | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // No own state: a boat that lost its navigation can be driven home.
