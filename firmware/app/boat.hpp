@@ -165,6 +165,7 @@ class Boat {
   void complain(std::int64_t now_us);
   void complain_of_slot(std::int64_t now_us);
   void complain_of_station();
+  void tell_latency();
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
@@ -199,6 +200,7 @@ class Boat {
   Schedule complaint_due_, slot_complaint_due_;
   Settled slot_too_fast_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
+  bool latency_told_ = false;
 };
 
 }  // namespace flotilla::app
