@@ -4,7 +4,7 @@
 `probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the boat behind
 it, T_n(jω) from the root's velocity to that of boat n, and the slot's errors that go with them;
 yaw and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
-sailed. Where one does not, boat n's motion is that of the boat before times G, beside its own noise:
+sailed. Where one does not, boat n moves as the boat before times G, and by its own noise:
 
     T_n = T_3 G^(n−3)      P_n = |G|² P_{n−1} + W      W = P_3 − |G|² P_2
     det_n(t): the lines of the leader's manoeuvre times T_n      peak_n = max |det_n| + 3.5 √(∫ P_n)
@@ -13,7 +13,7 @@ P_n are power spectra of what noise and weather do behind a leader that goes str
 certified where no boat up to it is expected to turn faster than LAW_R_MAX, to be faster than
 LAW_U_MAX, or to be more than 0.2 m RMS off its slot: that is where a chain leaves the small
 motions that gains are about. Where the law has no such limit the firmware's default counts. The
-hop is that between the second boat and the third, both of which are told by boats: G = T_3 / T_2, of
+hop is that between the second boat and the third, which are both told by boats: G = T_3 / T_2, of
 the motion that a boat makes by its own thrust as it follows. With the reference the hop is that of
 boat 2 being pushed off its way: boat 3 takes it over only by trust and slow correction.
 Source of the question: Swaroop and Hedrick 1996, Seiler, Pant and Hedrick 2004.

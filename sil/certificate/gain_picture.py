@@ -36,7 +36,7 @@ def gains(name: str, legs: Sequence[Leg]) -> Figure | None:
                 axes.set_title(f"{name}: gain of {what}{where}")
         panels[-1].set_xlabel("frequency (rad/s)")
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -46,13 +46,13 @@ def _draw(axes: Axes, chain: Chain, gains: Gains) -> None:
         colour = plots.COLOURS[k % len(plots.COLOURS)]
         boat = f"root to boat {chain.path[depth - 1]}"
         axes.plot(gains.omega, gains.root[depth - 1], color=colour, label=boat)
-    hop = "one hop" if not chain.reference else "one hop, of a boat pushed off its way"
+    hop = "one hop" if not chain.reference else "one hop, boat 2 pushed"
     (line,) = axes.plot(gains.omega, gains.hop, color=plots.BLACK, lw=2.2, label=hop)
     line.set(linestyle=plots.DASHED)
     axes.axhline(1.0, color=plots.GREY, lw=0.8)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(gains.omega[0], gains.omega[-1])
+    axes.set_xlim(_TICKS[0], 16.0)
     axes.set_xticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
     top = np.nanmax([np.nanmax(gains.root[depth - 1]) for depth in depths])
     axes.set_ylim(_LEAST, float(np.clip(2.0 * top, 3.0, _MOST)))
