@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """How deep a chain of boats may be: gains from boat to boat, and what they make of noise and turns.
 
-`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the boat behind
-it, T_n(jω) from the root's velocity to that of boat n, and the slot's errors that go with them;
-yaw and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
-sailed. Where one does not, boat n moves as the boat before times G, and by its own noise:
+`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the one behind
+it, T_n(jω) from the root's velocity to that of boat n, and the slot errors that go with them; yaw
+and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
+sailed. Where one does not, boat n moves as the boat before it times G, and by its own noise:
 
     T_n = T_3 G^(n−3)      P_n = |G|² P_{n−1} + W      W = P_3 − |G|² P_2
     det_n(t): the lines of the leader's manoeuvre times T_n      peak_n = max |det_n| + 3.5 √(∫ P_n)
