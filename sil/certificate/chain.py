@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
 """How deep a chain of boats may be: gains from boat to boat, and what they make of noise and turns.
 
-`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the boat behind
-it, T_n(jω) from the root's velocity to that of boat n, and the slot's errors that go with them;
-yaw and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
-sailed. Where one does not, boat n's motion is that of the boat before times G, beside its own noise:
+`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the one behind
+it, T_n(jω) from the root's velocity to that of boat n, and the slot errors that go with them; yaw
+and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
+sailed. Where one does not, boat n moves as the boat before it times G, and by its own noise:
 
     T_n = T_3 G^(n−3)      P_n = |G|² P_{n−1} + W      W = P_3 − |G|² P_2
-    det_n(t): the lines c_k of the leader's manoeuvre times T_n      peak_n = max|det_n| + 3.5 √(∫P_n)
+    det_n(t): the lines of the leader's manoeuvre times T_n      peak_n = max |det_n| + 3.5 √(∫ P_n)
 
 P_n are power spectra of what noise and weather do behind a leader that goes straight. A depth is
 certified where no boat up to it is expected to turn faster than LAW_R_MAX, to be faster than
 LAW_U_MAX, or to be more than 0.2 m RMS off its slot: that is where a chain leaves the small
-motions that gains are about. Where the law has no such limit that of the firmware's default counts.
-The hop is that between the second boat and the third, both of which are told by boats: G = T_3 / T_2,
-of the motion that a boat makes by its own thrust as it follows. With the reference it is that of
-boat 2 being pushed off its way: all that boat 3 takes over is by trust and slow correction.
+motions that gains are about. Where the law has no such limit the firmware's default counts. The
+hop is that between the second boat and the third, which are both told by boats: G = T_3 / T_2, of
+the motion that a boat makes by its own thrust as it follows. With the reference the hop is that of
+boat 2 being pushed off its way: boat 3 takes it over only by trust and slow correction.
 Source of the question: Swaroop and Hedrick 1996, Seiler, Pant and Hedrick 2004.
 """
 
@@ -25,11 +25,19 @@ from typing import Any
 
 import flotilla
 import numpy as np
-import numpy.typing as npt
 
 from sil.agents import parameters_of
 from sil.certificate import probe as probes
-from sil.certificate.probe import PUSHED_BOAT, SURGE, WINDOW_S, YAW, Probe, chain_of, frequencies
+from sil.certificate.probe import (
+    PUSHED_BOAT,
+    SURGE,
+    WINDOW_S,
+    YAW,
+    Complex,
+    Probe,
+    chain_of,
+    frequencies,
+)
 from sil.certificate.reference import Reference
 from sil.plant.hull import Array
 from sil.scenario import Scenario
@@ -39,7 +47,6 @@ OFF_SLOT_M = 0.2
 _SAILED = 3  # boats of a chain in which each follows the one before
 _CREST = 3.5  # of noise: the peak of some hundred half waves
 _OF_PLACE = ("MAV_SYSID", "FORM_LEADER", "FORM_OFS_N", "FORM_OFS_E")
-Complex = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -200,7 +207,7 @@ class _Axis:
     def __init__(self, probe: Probe, reference: Reference, axis: int, whole: bool) -> None:
         self._omega = frequencies(axis)
         to, error = probes.gains(probe.t_s, probe.root, axis, 0)
-        self._to: Complex = to
+        self._to = to
         self._boats = len(to) - 1
         if whole:
             behind, off = probes.gains(probe.t_s, probe.boat, axis, PUSHED_BOAT)
@@ -236,12 +243,12 @@ class _Axis:
     def _power(self, n: int) -> Array:
         """P_n."""
         if n <= self._boats:
-            return self._spectra[n]
+            return np.asarray(self._spectra[n])
         gain = np.abs(_between(self._grid, self._omega, self.hop)) ** 2
         own = np.maximum(self._spectra[self._boats] - gain * self._spectra[self._boats - 1], 0.0)
-        power = self._spectra[self._boats]
+        power: Array = self._spectra[self._boats]
         for _ in range(n - self._boats):
-            power = gain * power + own
+            power = np.asarray(gain * power + own)
         return power
 
     def more_error(self, n: int) -> float:
@@ -300,7 +307,7 @@ def _spectra(probe: Probe, axis: int) -> tuple[Array, Array]:
         total = total + np.abs(np.fft.rfft(window[:, None] * about, axis=0)) ** 2
     scale = 2.0 / (len(probe.noisy) * window.size * np.sum(window**2))
     step_s = float(probe.t_s[1] - probe.t_s[0])
-    grid = 2.0 * np.pi * np.fft.rfftfreq(window.size, step_s)
+    grid = np.asarray(2.0 * np.pi * np.fft.rfftfreq(window.size, step_s), dtype=np.float64)
     return scale * np.asarray(total).T, grid
 
 

@@ -2,13 +2,13 @@
 """Chains of boats that are sailed to see how small motions pass from boat to boat.
 
 The boats are whole firmwares in `flotilla.Fleet`: bytes, radio with its delay and loss, SR_STATE,
-clocks, predictor, reference, law, THR_SLEW. Everyone goes straight ahead at the leader's speed, and
+clocks, predictor, reference, law, THR_SLEW. Everyone goes straight ahead at the leader's speed;
 one agent, the root or boat 2, is pushed by many small sinusoids in surge and in yaw at once, with
-random phases. All have whole periods in the window that is looked at, so that the Fourier components
-of the agents' motions at these frequencies are the gains, whatever else the sampling makes. Noise,
-wind, waves and mismatch are off then. Two more kinds of runs say what there is to be amplified: one
-behind the leader's own manoeuvre, also without noise, and some with all of the scenario's noise and
-weather behind a leader that goes straight.
+random phases. All have whole periods in the window that is looked at, so that the Fourier
+components of the agents' motions at these frequencies are the gains, whatever else the sampling
+makes. Noise, wind, waves and mismatch are off then. Two more kinds of runs say what there is to be
+amplified: one behind the leader's own manoeuvre, also without noise, and some with all of the
+scenario's noise and weather behind a leader that goes straight.
 """
 
 from collections.abc import Sequence
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+import numpy.typing as npt
 
 from sil.batch import Batch
 from sil.certificate.reference import Reference
@@ -53,6 +54,7 @@ def frequencies(axis: int) -> Array:
 
 
 Motions = tuple[Array, Array]
+Complex = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class Probe:
     noisy: Sequence[Motions]
 
 
-def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[Array, Array]:
+def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[Complex, Complex]:
     """Gains (agents, M) of velocity and (boats, M) of error, by the velocity of agent `pushed`.
 
     The error is e_y where that one yaws and e_x where it surges.
@@ -86,11 +88,11 @@ def gains(t_s: Array, runs: Sequence[Motions], axis: int, pushed: int) -> tuple[
         velocity += own * cause.conj()
         error += (basis @ e[:, :, 1 if axis == YAW else 0]) * cause.conj()
         power += np.abs(cause) ** 2
-    return (velocity / power).T, (error / power).T
+    return np.asarray(velocity / power).T, np.asarray(error / power, np.complex128).T
 
 
 def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) -> Probe:
-    """Sail a chain (`chain_of`); RunError where its boats cannot be put into FORMATION."""
+    """Sail a chain (`chain_of`); RunError where its boats cannot."""
     straight = _behind(chain, Input(surge_N=reference.input.surge_N))
     calm = _calm(straight)
     scenarios = [
@@ -104,7 +106,10 @@ def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) ->
             raise run
         inside = run.trace["t_s"] >= SETTLING_S + 0.5 * _KEEP_S
         t_s = run.trace["t_s"][inside]
-        motions.append((run.trace["nu"][inside], run.trace["error"][inside]))
+        nu, error = run.trace["nu"][inside], run.trace["error"][inside]
+        if not (np.isfinite(nu).all() and np.isfinite(error).all()):
+            raise RunError("the boats are lost on a straight course")
+        motions.append((nu, error))
     return Probe(
         t_s, motions[:RUNS], motions[RUNS : 2 * RUNS], motions[2 * RUNS], motions[2 * RUNS + 1 :]
     )
@@ -112,7 +117,7 @@ def probe(chain: Scenario, reference: Reference, overrides: dict[str, float]) ->
 
 def path_to(scenario: Scenario, agent: int) -> list[int]:
     """Boats from the root's first follower down to a boat."""
-    path = []
+    path: list[int] = []
     while agent > 0:
         path.insert(0, agent)
         agent = scenario.boat[agent - 1].follows
