@@ -77,9 +77,7 @@ def test_pages_have_the_figures_that_are_noted() -> None:
         assert lines == wanted, f"{path.name} has {wrong}, not {missing}; {RENEW}"
 
 
-def test_every_scenario_seed_and_run_of_the_pages_is_noted_and_all_but_the_missed_bounds_reached() -> (
-    None
-):
+def test_every_run_of_the_pages_is_noted_and_all_but_the_missed_bounds_are_reached() -> None:
     parser = results.argparse.ArgumentParser()
     results.add_to(parser.add_subparsers())
     assert list(BY_JOB) == results.jobs(parser.parse_args(["results"])), RENEW
