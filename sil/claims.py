@@ -132,12 +132,15 @@ _NO_CIRCLE = _at_most(
 
 
 _LATE = "from 100 s on"
-_GROWTH = _at_most(
-    1.2,
-    "yaw_rate_growth",
-    f"largest yaw rate {_LATE}: the last boat's over boat 2's",
-    "×",
-    figures.yaw_rate_growth,
+_GROWTH = replace(
+    _at_most(
+        1.2,
+        "yaw_rate_growth",
+        f"largest yaw rate {_LATE}: the last boat's over boat 2's",
+        "×",
+        figures.yaw_rate_growth,
+    ),
+    laws=(PRODUCT,),  # with the paper's law the last boats have lost their leaders by then
 )
 
 
