@@ -31,7 +31,15 @@ FEW_RUNS = 10
 # A boat that is nearer to its slot has been in FORMATION all the time.
 LOST_M = 1.0
 # Bounds that the pages say are missed.
-MISSED: list[tuple[str, str]] = []
+MISSED = [
+    ("diamond", "settling_s"),
+    ("mismatch", "rms_error_m"),
+    ("limits", "overshoot_m"),
+    ("turning", "overshoot_m"),
+    ("diamond_frame1", "rms_error_m"),
+    ("diamond_frame1", "least_separation_m"),
+    ("stop_and_go", "overshoot_m"),
+]
 RENEW = "renew what is published, and look at it: python -m sil results"
 
 NOTED = published.noted()
@@ -77,9 +85,7 @@ def test_pages_have_the_figures_that_are_noted() -> None:
         assert lines == wanted, f"{path.name} has {wrong}, not {missing}; {RENEW}"
 
 
-def test_every_scenario_seed_and_run_of_the_pages_is_noted_and_all_but_the_missed_bounds_reached() -> (
-    None
-):
+def test_every_run_of_the_pages_is_noted_and_all_but_the_missed_bounds_are_reached() -> None:
     parser = results.argparse.ArgumentParser()
     results.add_to(parser.add_subparsers())
     assert list(BY_JOB) == results.jobs(parser.parse_args(["results"])), RENEW
