@@ -315,11 +315,13 @@ void Boat<S>::complain_of_station() {
   const Parameters& p = parameters();
   Sentence why;
   if (astray_ == core::Astray::kSpins) {
-    why << "boat spins: " << static_cast<float>(std::round(100 * std::abs(convert::number(pilot_.yaw_rate()))) / 100)
+    why << "boat spins: "
+        << static_cast<float>(std::round(100 * std::abs(convert::number(pilot_.yaw_rate()))) / 100)
         << " rad/s, LAW_R_MAX is " << p.LAW_R_MAX;
   } else {
     const auto& e = law_output_.error.e;
-    const auto off_m = static_cast<float>(std::round(10 * convert::number(core::hypot(e.x, e.y))) / 10);
+    const auto off_m =
+        static_cast<float>(std::round(10 * convert::number(core::hypot(e.x, e.y))) / 10);
     if (astray_ == core::Astray::kLeft) {
       why << "boat left its slot: " << off_m << " m off, FS_SLOT_M is " << p.FS_SLOT_M;
     } else {

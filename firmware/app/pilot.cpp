@@ -306,8 +306,8 @@ template <class S>
 void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
                             const core::FormationError<S>& error, S dt) {
   const auto& [wanted, allocation] = std::tie(out.wanted, out.allocation);
-  const bool limited = wanted.u_limited || wanted.r_limited || allocation.surge_limited ||
-                       allocation.yaw_limited;
+  const bool limited =
+      wanted.u_limited || wanted.r_limited || allocation.surge_limited || allocation.yaw_limited;
   const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.sight.epsilon;
   core::station_forward(keeping_, station_,
                         {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, limited,

@@ -119,7 +119,8 @@ class Pilot {
   void shift_slot(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
                                               S dt);
-  void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error, S dt);
+  void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error,
+                    S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
