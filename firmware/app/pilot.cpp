@@ -35,6 +35,7 @@ Pilot<S>::Pilot(const Parameters& p)
   set_limits(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_.system());
+  claims_.configure(own_.system(), leader_.system(), 2 * p.THR_ARM);
 }
 
 template <class S>
@@ -56,6 +57,7 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_system);
+  claims_.configure(own_system, leader_.system(), 2 * p.THR_ARM);
 }
 
 template <class S>
@@ -64,6 +66,7 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
   leader_.take(received, now_us, counters);
   const convert::Position place = own_.position();
   reference_.take(received, own_.has_origin() ? &place : nullptr, now_us, counters);
+  claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && own_.has_origin()) {
     neighbours_.take<S>(received, own_.position(), now_us);
   }
@@ -88,6 +91,8 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
   }
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
   if (answers_ || !own_.has_moved()) met |= core::kBoatAnswers;
+  if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
+  if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us)) met |= core::kSlotSound;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -154,8 +159,12 @@ typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
   slot.d = convert::offset_of<S>(aim->offset.b);
   slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
-  return {leader_.system(), aim->branch,  aim->position,
-          aim->motion,      convert::offset_of<S>(aim->offset.n), slot};
+  return {leader_.system(),
+          aim->branch,
+          aim->position,
+          aim->motion,
+          convert::offset_of<S>(aim->offset.n),
+          slot};
 }
 
 template <class S>
@@ -225,8 +234,8 @@ template <class S>
 void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
                             const core::FormationError<S>& error, S dt) {
   const auto& [wanted, allocation] = std::tie(out.wanted, out.allocation);
-  const bool limited = wanted.u_limited || wanted.r_limited || allocation.surge_limited ||
-                       allocation.yaw_limited;
+  const bool limited =
+      wanted.u_limited || wanted.r_limited || allocation.surge_limited || allocation.yaw_limited;
   const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.sight.epsilon;
   core::station_forward(keeping_, station_,
                         {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, limited,
@@ -290,6 +299,7 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
   core::ControllerOutput<S> out;
   out.slot = core::slot_forward(lead.slot, law_.vessel, state, in, S(0));
   out.error = core::formation_error(in, out.slot);
+  out.astern = core::goes_astern(lead.slot, in, out.slot);
   return out;
 }
 

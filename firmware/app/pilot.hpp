@@ -8,6 +8,7 @@
 #include "app/convert_telemetry.hpp"
 #include "app/neighbours.hpp"
 #include "app/reference.hpp"
+#include "app/slot_claims.hpp"
 #include "app/vessel_track.hpp"
 #include "core/answer.hpp"
 #include "core/coast.hpp"
@@ -60,6 +61,9 @@ class Pilot {
   core::Astray astray() const { return station_.astray; }
   bool in_slot() const { return station_.in; }
   S yaw_rate() const { return motion_.motion.nu.r; }
+
+  /// Whose place the slot is besides.
+  const SlotClaims& claims() const { return claims_; }
 
   /// Where the boat is, seen from its slot, without a step.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
@@ -114,7 +118,8 @@ class Pilot {
   void shift_slot(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
                                               S dt);
-  void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error, S dt);
+  void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error,
+                    S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
@@ -123,13 +128,13 @@ class Pilot {
   core::StationParams<S> keeping_;
   core::StationState<S> station_{};
   core::ControllerState<S> state_{};
-  Lead lead_;                    // of the last step
-  core::CoastState<S> coast_{};  // of its motion
+  Lead lead_;                        // of the last step
+  core::CoastState<S> coast_{};      // of its motion
   core::FormationError<S> error_{};  // of the last step
   core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
   S shift_s_{};                      // since that was looked at
   core::Vec2<S> blend_n_{};          // left of the step that another lead made
-  S coast_s_;                    // how long COAST lasts
+  S coast_s_;                        // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
   core::JumpLimits<S> afloat_, carried_;
@@ -146,6 +151,7 @@ class Pilot {
   VesselTrack<S> leader_;
   Neighbours neighbours_;
   Reference<S> reference_;
+  SlotClaims claims_;
 };
 
 }  // namespace flotilla::app
