@@ -19,7 +19,7 @@ from sil.plant.hull import Array
 from sil.plant.sensors import Sensors
 from sil.recording import Recorder
 from sil.scenario import Scenario
-from sil.streams import Stream, generator
+from sil.streams import SENSOR_STREAMS, Stream, generator
 from sil.told import Told
 from sil.trace import Ints
 from sil.wiring import VIRTUAL_LEADER_SYSTEM
@@ -80,15 +80,17 @@ class Batch:
         self.command: Array = np.zeros((len(scenarios) * self.boats, 2))
         self.sensors = Sensors(
             [one.navigation.noise for one in scenarios],
-            [generator(one.seed, Stream.SENSORS) for one in scenarios],
+            [[generator(one.seed, stream) for one in scenarios] for stream in SENSOR_STREAMS],
             self.bodies,
+            1e-6 * self.h_us,
         )
 
     def _aboard(self, run: int, agent: int) -> tuple[Any, Any]:
         """Unit and clock of a run's agent, as the fleet takes them."""
         unit, clock = self._units[run][agent], self._clocks[run][agent]
         origin = self._told.origins[self.row(run, agent)]
-        told = (unit.rate_hz, unit.message, unit.attitude_rate_hz, origin)
+        faults = (unit.delay_s, unit.timesync, unit.dropout_every_s, unit.dropout_s)
+        told = (unit.rate_hz, unit.message, unit.attitude_rate_hz, origin, faults)
         return told, (clock.offset_us, clock.drift_ppm)
 
     def _connect(self, run: int, scenario: Scenario) -> None:

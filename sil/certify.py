@@ -2,7 +2,8 @@
 """Says before a scenario is sailed whether its boats hold their formation.
 
 The paper's formulas, the Floquet multipliers of its periodic system, those of every boat's sampled
-closed loop, what its propellers must give, and faster gains: a table, a picture, a verdict.
+closed loop, what its propellers must give, how deep a chain of boats may be, and faster gains:
+tables, pictures, a verdict.
 """
 
 import argparse
@@ -42,7 +43,7 @@ def main(arguments: list[str]) -> int:
         print("interrupted", file=sys.stderr)
         return 130
     report.tell(certificate, console)
-    console.print(f"results: {out}/certificate.json, {out}/decay.png", soft_wrap=True)
+    console.print(f"results: {out}/certificate.json, {out}/decay.png, chain.png", soft_wrap=True)
     return 0 if verdict.holds(certificate) else 1
 
 

@@ -13,10 +13,16 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sil import arguments, scenario
+from sil.certificate.chain import chain
+from sil.certificate.probe import deepest
+from sil.certificate.reference import references
+from sil.certificate.verdict import too_deep
 from sil.logs import run_folder
 from sil.policies import PolicyViolationError
 from sil.run import live, run
-from sil.start import StartError
+from sil.start import RunError, StartError
+
+_CHAIN = 4
 
 
 def add_to(commands: Any) -> None:
@@ -60,6 +66,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         parameters = arguments.parameters_of(options.param)
         repeat = shlex.join(["python", "-m", "sil", *given])
         if options.command == "run":
+            _tell_depth(chosen, parameters, Console())
             run(chosen, out, parameters, repeat, Console())
         else:
             live(chosen, options.bus, out, parameters, repeat, Console(), options.mavlink)
@@ -71,6 +78,22 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
+
+
+def _tell_depth(chosen: scenario.Scenario, parameters: dict[str, float], console: Console) -> None:
+    """Warn of a chain of boats that is deeper than certified; three in a line are not looked at."""
+    if len(deepest(chosen)) < _CHAIN:
+        return
+    try:
+        for reference in references(chosen):
+            if reference.kind == "rest":
+                continue
+            found = chain(chosen, reference, parameters, most=len(deepest(chosen)))
+            if not found.holds:
+                console.print(f"[bold red]warning: not certified: {too_deep(found)}")
+                return
+    except (RunError, ValueError):
+        return  # the run itself says it
 
 
 def _leave_mcap(out: Path, wanted: bool, console: Console) -> None:

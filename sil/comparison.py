@@ -54,6 +54,9 @@ def picture(
         low = np.quantile(np.nan_to_num([_distances(trace) for trace in product]), 0.01)
         over_time.set_ylim(bottom=max(_LEAST_M, min(0.5 * limit_m, low)))
         handles, labels = chart.get_legend_handles_labels()
+        if eta.shape[1] - 1 > len(plots.COLOURS):
+            # colours repeat: they tell nobody which boat it is
+            handles, labels = [handles[0], handles[-1]], [labels[0], labels[-1]]
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 9))
     return figure
 

@@ -17,6 +17,7 @@ from sil.plant.hull import Array
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference" / "nominal_formation.csv"
 ARRIVED_M = 2.0
 STOPPED_MPS = 0.05
+UNDER_WAY_S = 100.0
 
 Trace = Mapping[str, Array]
 
@@ -78,6 +79,52 @@ def deviation_from_reference(trace: Trace) -> float:
     deviation = error[np.searchsorted(t_s, seconds - 1e-6)] - np.moveaxis(expected, -1, 0)[seconds]
     deviation[..., 2] = metrics.wrap(deviation[..., 2])
     return float(np.abs(deviation).max())
+
+
+def largest_yaw_rate_radps(trace: Trace) -> float:
+    """Largest yaw rate of a boat from 100 s on, to either side."""
+    return float(_yaw_rates(trace)[1:].max())
+
+
+def roots_yaw_rate_radps(trace: Trace) -> float:
+    """Largest yaw rate of agent 0 from 100 s on, to either side."""
+    return float(_yaw_rates(trace)[0])
+
+
+def yaw_rate_growth(trace: Trace) -> float:
+    """The last boat's largest yaw rate from 100 s on over that of boat 2."""
+    yaw_rates = _yaw_rates(trace)
+    return float(yaw_rates[-1] / yaw_rates[2])
+
+
+def largest_speed_mps(trace: Trace) -> float:
+    """Largest speed over ground of a boat from 100 s on."""
+    return float(_speeds(trace)[1:].max())
+
+
+def roots_speed_mps(trace: Trace) -> float:
+    """Largest speed over ground of agent 0 from 100 s on."""
+    return float(_speeds(trace)[0])
+
+
+def least_separation_m(trace: Trace) -> float:
+    """Smallest distance between two boats from 100 s on; infinite for a single boat."""
+    least = metrics.min_separation_m(trace["eta"][trace["t_s"] >= UNDER_WAY_S])
+    return np.inf if least is None else least
+
+
+def _yaw_rates(trace: Trace) -> Array:
+    return _largest(trace, np.abs(trace["nu"][..., 2]))
+
+
+def _speeds(trace: Trace) -> Array:
+    return _largest(trace, metrics.distances(trace["nu"]))
+
+
+def _largest(trace: Trace, values: Array) -> Array:
+    """The largest of values (T, N+1) of each agent from 100 s on."""
+    late = values[trace["t_s"] >= UNDER_WAY_S]
+    return np.asarray(late.max(axis=0) if len(late) else np.full(values.shape[1], np.inf))
 
 
 def _worst_rms(values: Array) -> float:

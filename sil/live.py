@@ -24,7 +24,7 @@ from sil.plant.hull import Array
 from sil.plant.sensors import Sensors
 from sil.scenario import Scenario
 from sil.start import StartError
-from sil.streams import Stream, generator
+from sil.streams import SENSOR_STREAMS, Stream, generator
 from sil.trace import Tracer
 from sil.wire.heartbeat import FORMATION
 from sil.wire.link import Link
@@ -96,8 +96,9 @@ class LiveWorld:
         self._bodies = bodies_of([scenario])
         self._sensors = Sensors(
             [scenario.navigation.noise],
-            [generator(scenario.seed, Stream.SENSORS)],
+            [[generator(scenario.seed, stream)] for stream in SENSOR_STREAMS],
             self._bodies,
+            1.0 / scenario.rate_hz,
         )
         self._h_us = round(1e6 / scenario.rate_hz)
         self._operator = Operator()

@@ -25,6 +25,7 @@ from sil import (
     files,
     published,
     results_campaigns,
+    results_fleets,
     results_readme,
     results_scalar,
     results_table,
@@ -71,6 +72,11 @@ def add_to(commands: Any) -> None:
         choices=[scalar for scalar in get_args(Scalar) if scalar != "float"],
         help="in float and in this arithmetic: where do they differ? nothing is written",
     )
+    command.add_argument(
+        "--fleets",
+        action="store_true",
+        help="long lines, bad radios and unknown hulls, case by case; nothing is written",
+    )
 
 
 def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
@@ -79,6 +85,10 @@ def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
     try:
         if options.scalar:
             return _compare(options, console)
+        if options.fleets:
+            outcomes = _sail(results_fleets.jobs(), options.workers, console)
+            console.print(results_fleets.for_terminal(outcomes), soft_wrap=True)
+            return 0
         options.out.mkdir(parents=True, exist_ok=True)
         campaigns = []
         if _whole(options):

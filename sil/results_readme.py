@@ -38,6 +38,7 @@ _LAW = (
         "rms_error_m",
     ),
     ("leaders at 5 Hz, 0.2 s late, 30 % lost", "weak_link", "rms_error_m"),
+    ("twenty boats in line ahead, heard 0.2 s late", "line20", "rms_error_m"),
     (
         "four 2 m catamarans in waves, gusts and current: a hull that the law does not model",
         "sea",

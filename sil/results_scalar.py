@@ -81,7 +81,9 @@ def pairs(in_float: Sequence[Outcome], other: Sequence[Outcome]) -> list[Pair]:
 def for_terminal(scalar: Scalar, found: Sequence[Pair]) -> Table:
     """The table for the terminal; what is not alike is red."""
     caption = f"yes: within {SHARE * 100:g} %, or {FLOOR_M * 1000:g} mm"
-    grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True, caption=caption)
+    grid = Table(
+        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True, caption=caption
+    )
     for place, head in enumerate(("scenario", "law", "figure", "float", scalar, "ratio", "")):
         grid.add_column(head, justify="right" if place in _NUMBERS else "left", no_wrap=True)
     for pair in found:

@@ -49,8 +49,8 @@ class Row:
             claim.about + seeds if first else bound.what,
             told(self.baseline, bound, BASELINE),
             told(self.product, bound, PRODUCT),
-            bound.to_reach,
-            "yes" if self.reached else "NO",
+            bound.to_reach or "–",
+            ("yes" if self.reached else "NO") if bound.to_reach else "",
         ]
 
 

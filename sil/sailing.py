@@ -19,7 +19,7 @@ _SAMPLES = 1500
 
 
 class Job(NamedTuple):
-    """A scenario to be sailed with a law; `seed` None is the scenario's own."""
+    """A scenario to be sailed with a law, at the settings of its claim; `seed` None is its own."""
 
     scenario: str
     law: Law
@@ -68,16 +68,17 @@ def sail_all(jobs: Sequence[Job], workers: int, tell: Callable[[Outcome], None])
 def sail(job: Job, folder: Path) -> Outcome:
     """Sail one job; its recording is written into `folder` and thrown away."""
     try:
-        return _sail(job, folder / f"{job.scenario}-{job.law}-{job.seed}.bin")
+        with tempfile.TemporaryDirectory(dir=folder) as own:
+            return _sail(job, Path(own) / "recording.bin")
     except Exception as error:  # whatever it is, the other runs go on
         return Outcome(job, f"{type(error).__name__}: {error}")
 
 
 def _sail(job: Job, recording: Path) -> Outcome:
-    overrides = [*([] if job.seed is None else [f"seed={job.seed}"]), *job.overrides]
+    seed = [] if job.seed is None else [f"seed={job.seed}"]
+    overrides = [*CLAIMS[job.scenario].settings(job.law), *seed, *job.overrides]
     chosen = scenario.load(job.scenario, overrides, job.law)
     run = World(chosen, {}).run(recording, lambda _: None)
-    recording.unlink()
     trace, bounds = run.trace, CLAIMS[job.scenario].bounds
     step = max(1, trace["t_s"].size // _SAMPLES)
     return Outcome(

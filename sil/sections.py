@@ -113,7 +113,8 @@ class Mismatch(Section):
 class Propellers(Section):
     """The two propellers of a boat, as `sil.plant.propeller` has them.
 
-    The defaults are what the firmware's THR_* expect by default.
+    The defaults are what the firmware's THR_* expect by default; `port_gain` and `stbd_gain` are
+    what each gives of that.
     """
 
     arm_m: Positive = 0.25
@@ -121,6 +122,8 @@ class Propellers(Section):
     reverse_max_N: NotNegative = 20.0
     expo: Share = 0.0
     lag_s: NotNegative = 0.0
+    port_gain: Positive = 1.0
+    stbd_gain: Positive = 1.0
 
 
 class Unit(Section):
@@ -130,15 +133,24 @@ class Unit(Section):
     message: Message = "local"
     attitude_rate_hz: NotNegative = 0.0
     origin_m: Pair = (0.0, 0.0)
+    delay_s: NotNegative = 0.0
+    timesync: bool = True
+    dropout_every_s: NotNegative = 0.0
+    dropout_s: NotNegative = 0.0
 
 
 class Navigation(Unit):
-    """The boats' navigation units: what they say, standard deviations of their noise."""
+    """The boats' navigation units: what they say, standard deviations of their noise.
+
+    `position_drift_m`: of an error of the position that keeps for `position_drift_s`.
+    """
 
     position_noise_m: NotNegative = 0.0
     heading_noise_rad: NotNegative = 0.0
     velocity_noise_mps: NotNegative = 0.0
     yaw_rate_noise_radps: NotNegative = 0.0
+    position_drift_m: NotNegative = 0.0
+    position_drift_s: Positive = 60.0
 
     @property
     def noise(self) -> SensorNoise:
@@ -148,6 +160,8 @@ class Navigation(Unit):
             self.heading_noise_rad,
             self.velocity_noise_mps,
             self.yaw_rate_noise_radps,
+            self.position_drift_m,
+            self.position_drift_s,
         )
 
 

@@ -17,6 +17,11 @@ class Stream(IntEnum):
     GUSTS = 5
     WAVES = 6
     FAULTS = 7
+    SENSOR_DRIFT = 8
+
+
+# As `sil.plant.sensors.Sensors` takes them.
+SENSOR_STREAMS = (Stream.SENSORS, Stream.SENSOR_DRIFT)
 
 
 def generator(seed: int, stream: Stream) -> np.random.Generator:

@@ -284,6 +284,21 @@ void Boat<S>::complain(std::int64_t now_us) {
   complain_of_slot(now_us);
   complain_of_station();
   complain_of_place(now_us);
+  tell_latency();
+}
+
+/// Once, where there is some and the law goes on with it.
+template <class S>
+void Boat<S>::tell_latency() {
+  constexpr double kWorthAWord_s = 0.03;
+  const auto latency_s = pilot_.latency_s();
+  const bool told = std::exchange(latency_told_, latency_s.has_value());
+  if (told || !latency_s || *latency_s < kWorthAWord_s) return;
+  Sentence late;
+  late << "navigation unit is " << static_cast<float>(std::round(100 * *latency_s) / 100)
+       << " s late (no TIMESYNC)";
+  const bool borne = (pilot_.conditions(now_us_, parameters()) & core::kOwnPrompt) != 0;
+  vehicle_.say(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""}, counters_);
 }
 
 /// Of a slot that was too fast for two seconds: a leader's noise is not worth a word.

@@ -166,6 +166,7 @@ class Boat {
   void complain_of_slot(std::int64_t now_us);
   void complain_of_station();
   void complain_of_place(std::int64_t now_us);
+  void tell_latency();
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
@@ -200,6 +201,7 @@ class Boat {
   Schedule complaint_due_, slot_complaint_due_, place_complaint_due_;
   Settled slot_too_fast_, slot_astern_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
+  bool latency_told_ = false;
 };
 
 }  // namespace flotilla::app

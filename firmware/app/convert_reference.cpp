@@ -45,8 +45,7 @@ core::Nu<S> nu_of(const std::array<std::int16_t, 3>& x, int turn_parts) {
 
 template <class S>
 std::optional<std::array<std::int16_t, 3>> wire_of(const core::Nu<S>& nu, int turn_parts) {
-  const auto u = parts_of(nu.u, kParts), v = parts_of(nu.v, kParts),
-             r = parts_of(nu.r, turn_parts);
+  const auto u = parts_of(nu.u, kParts), v = parts_of(nu.v, kParts), r = parts_of(nu.r, turn_parts);
   if (!u || !v || !r) return std::nullopt;
   return std::array{*u, *v, *r};
 }
@@ -112,10 +111,18 @@ std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& roo
                                *jerk};
 }
 
-#define FLOTILLA_INSTANTIATE(S)                                                               \
-  template core::Vec2<S> offset_of<S>(const WireOffset&);                                     \
-  template std::optional<RootState<S>> root_state_of<S>(const link::ReferenceMotion&,         \
-                                                        std::int32_t);                        \
+template <class S>
+core::ForesightLimits<S> foresight_limits(const Parameters& p) {
+  constexpr float kAny = 100;
+  return {scalar<S>(p.LAW_U_MAX > 0 ? p.LAW_U_MAX / 5 : kAny),
+          scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
+}
+
+#define FLOTILLA_INSTANTIATE(S)                                                       \
+  template core::ForesightLimits<S> foresight_limits<S>(const Parameters&);           \
+  template core::Vec2<S> offset_of<S>(const WireOffset&);                             \
+  template std::optional<RootState<S>> root_state_of<S>(const link::ReferenceMotion&, \
+                                                        std::int32_t);                \
   template std::optional<link::ReferenceMotion> reference_motion_of<S>(const RootState<S>&);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)

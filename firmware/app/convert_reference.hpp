@@ -39,4 +39,8 @@ std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& message,
 template <class S>
 std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& root);
 
+/// Shares of the speed and of the yaw rate that the boat itself approaches its slot by.
+template <class S>
+core::ForesightLimits<S> foresight_limits(const Parameters& p);
+
 }  // namespace flotilla::app::convert

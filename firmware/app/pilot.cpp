@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/pilot.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -11,6 +13,10 @@ namespace {
 constexpr std::int64_t kOwnPatience_us = 300'000;
 // And it must move before that, where it is pushed.
 constexpr std::int64_t kOwnFrozen_us = 300'000;
+// How late a unit may be of which nothing is known.
+constexpr float kUnknown_s = 0.3F;
+constexpr float kMostLate_s = 0.35F;
+constexpr float kSlewOfLag = 0.2F;  // s per s
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -33,9 +39,23 @@ Pilot<S>::Pilot(const Parameters& p)
            {convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)}),
       leader_({byte_of(p.FORM_LEADER), 0}) {
   set_limits(p);
+  set_latency(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_.system());
   claims_.configure(own_.system(), leader_.system(), 2 * p.THR_ARM);
+}
+
+template <class S>
+void Pilot<S>::set_latency(const Parameters& p) {
+  latency_params_.d = p.VES_D33 / p.VES_M33;
+  inertia_ = p.VES_M33;
+  known_lag_s_ = p.NAV_LAG_S;
+  set_lag();
+}
+
+template <class S>
+void Pilot<S>::set_lag() {
+  own_.set_lag(convert::microseconds(known_lag_s_ + lag_s_));
 }
 
 template <class S>
@@ -52,6 +72,7 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   coast_s_ = convert::scalar<S>(p.FS_COAST_S);
   observer_ = convert::observer_params<S>(p);
   set_limits(p);
+  set_latency(p);
   own_.set_antenna({convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)});
   own_.follow(own_system);
   leader_.follow(byte_of(p.FORM_LEADER));
@@ -93,6 +114,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
   if (answers_ || !own_.has_moved()) met |= core::kBoatAnswers;
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
   if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us)) met |= core::kSlotSound;
+  if (!found_ || *found_ <= kMostLate_s) met |= core::kOwnPrompt;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -114,8 +136,18 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     anchor_ = own_.position();
     answer_ = {};
     answers_ = true;
+    latency_ = {};
     if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
+  }
+  if (finds_latency()) {
+    core::latency_forward(latency_, static_cast<float>(convert::number(given.N)) / inertia_,
+                          static_cast<float>(convert::number(since)));
+  } else if (found_ || lag_s_ > 0) {
+    found_.reset();
+    lag_s_ = 0;
+    latency_ = {};
+    set_lag();
   }
   weigh(given, since);
   own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
@@ -125,12 +157,56 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   const auto fix = own_.take_fix();
   if (!fix) return;
   told_ = fix->nu;
+  if (finds_latency()) find_latency(*fix, now_us);
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
   const auto [way, near] = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;
+  const core::ObserverParams<S> observer = careful_observer();
   core::observer_correct(
-      observer_, law_.vessel, motion_,
+      observer, law_.vessel, motion_,
       {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
+}
+
+/// A law without an observer takes each fix as it is, as in the paper.
+template <class S>
+bool Pilot<S>::finds_latency() const {
+  return S(0) < observer_.omega && !own_.bounded();
+}
+
+template <class S>
+void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us) {
+  const float dt = static_cast<float>(convert::number(fix.dt));
+  if (!(0 < dt && dt < 0.5F)) {
+    latency_ = {};
+    return;
+  }
+  const float age =
+      std::max(convert::seconds<float>(own_.age_us(now_us).value_or(0)) - lag_s_, 0.0F);
+  core::latency_correct(latency_params_, latency_, static_cast<float>(convert::number(fix.nu.r)),
+                        age, dt);
+  const auto late = core::latency_of(latency_params_, latency_);
+  if (late.known) found_ = late.tau;
+  if (!found_) return;
+  const float most = kSlewOfLag * dt;
+  lag_s_ += std::clamp(std::min(*found_, kMostLate_s) - lag_s_, -most, most);
+  set_lag();
+}
+
+/// Fixes that may be late by a time that is not compensated are averaged over longer: of a boat that
+/// follows each fix at once, its own turn of that long ago would be answered again and again.
+template <class S>
+core::ObserverParams<S> Pilot<S>::careful_observer() const {
+  core::ObserverParams<S> out = observer_;
+  if (!finds_latency()) return out;
+  const float unknown_s = found_ ? std::abs(*found_ - lag_s_) : kUnknown_s;
+  out.T = out.T + convert::scalar<S>(1.5F * unknown_s);
+  out.omega = core::smaller(out.omega, S(1) / out.T);
+  return out;
+}
+
+template <class S>
+std::optional<double> Pilot<S>::latency_s() const {
+  return found_ ? std::optional<double>(*found_) : std::nullopt;
 }
 
 /// Some ticks at once: it is about what happens in half a second.
@@ -182,18 +258,19 @@ void Pilot<S>::follow(const Lead& next, S dt) {
   if (lead_.leader != next.leader) starting_ = true;
   if (starting_ || (lead_.branch == next.branch && !same_slot(lead_, next))) station_ = {};
   if (starting_) {
-    shift_n_ = blend_n_ = {};
+    shift_n_ = {};
+    blend_ = {};
   } else if (lead_.branch != next.branch) {
     const auto in = encounter(next);
     const core::Vec2<S> d_n =
         next.slot.turns ? core::to_north_east(in.psi_L, next.slot.d) : next.slot.d;
     const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
-    blend_n_ = {in.separation_n.x - d_n.x - shift_n_.x - was.x,
-                in.separation_n.y - d_n.y - shift_n_.y - was.y};
+    blend_ = core::blend_start(core::Vec2<S>{in.separation_n.x - d_n.x - shift_n_.x - was.x,
+                                             in.separation_n.y - d_n.y - shift_n_.y - was.y});
   }
   lead_ = next;
   coast_ = core::coast_start(next.motion);
-  blend_n_ = core::blend_forward(blend_n_, dt);
+  core::blend_forward(blend_, dt);
 }
 
 /// Slowly to where the leader is, where the slot is not seen from the leader itself.
@@ -246,8 +323,9 @@ void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t now_us, S dt) {
   core::Encounter<S> in = encounter(lead);
-  in.separation_n = {in.separation_n.x - blend_n_.x - shift_n_.x,
-                     in.separation_n.y - blend_n_.y - shift_n_.y};
+  const core::Vec2<S> rest = core::rest_of(blend_);
+  in.separation_n = {in.separation_n.x - rest.x - shift_n_.x,
+                     in.separation_n.y - rest.y - shift_n_.y};
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
   const core::SlotParams<S> own_slot = std::exchange(law_.slot, lead.slot);

@@ -12,6 +12,7 @@
 #include "app/vessel_track.hpp"
 #include "core/answer.hpp"
 #include "core/coast.hpp"
+#include "core/latency.hpp"
 #include "core/station.hpp"
 #include "core/supervisor.hpp"
 
@@ -88,6 +89,10 @@ class Pilot {
   const TreePlace& tree_place() const { return reference_.place(); }
   std::optional<double> reference_age_s(std::int64_t now_us) const;
 
+  /// How late the navigation unit is found to be, beyond NAV_LAG_S; nothing where that is not seen yet,
+  /// or TIMESYNC tells.
+  std::optional<double> latency_s() const;
+
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;
   std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
@@ -123,6 +128,11 @@ class Pilot {
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
+  void find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us);
+  bool finds_latency() const;
+  core::ObserverParams<S> careful_observer() const;
+  void set_latency(const Parameters& p);
+  void set_lag();
 
   core::ControllerParams<S> law_;
   core::StationParams<S> keeping_;
@@ -133,10 +143,17 @@ class Pilot {
   core::FormationError<S> error_{};  // of the last step
   core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
   S shift_s_{};                      // since that was looked at
-  core::Vec2<S> blend_n_{};          // left of the step that another lead made
+  core::Blend<S> blend_{};           // of the step that another lead made
   S coast_s_;                        // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
+  // float whatever the law's scalar: its variances are below Q16's least number.
+  core::LatencyParams<float> latency_params_;
+  core::Latency<float> latency_{};
+  std::optional<float> found_;  // latency, s
+  float lag_s_ = 0;             // of it, compensated
+  float known_lag_s_ = 0;
+  float inertia_ = 1;
   core::JumpLimits<S> afloat_, carried_;
   bool armed_ = false;
   core::AnswerState<S> answer_{};

@@ -18,6 +18,7 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 template <class S>
 void Reference<S>::configure(const Parameters& p, std::uint8_t own_system) {
   on_ = p.LAW_REF == 1.0F;
+  limits_ = convert::foresight_limits<S>(p);
   const TreePlace::Own own{own_system, byte_of(p.FORM_LEADER),
                            convert::wire_offset_of(p.FORM_OFS_N, p.FORM_OFS_E),
                            p.FORM_FRAME == 1.0F};
@@ -36,7 +37,8 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   if (m == nullptr || !on_ || received.from.system == place_.own().system) return;
   const bool leads = received.from.system == place_.own().leader;
   const std::size_t rank = leads ? 0 : length_of(m->path);
-  const auto stamp_us = clocks_.heard(received.from, rank, m->time_boot_ms, now_us);
+  const auto stamp_us =
+      clocks_.heard(received.from, static_cast<std::uint8_t>(rank), m->time_boot_ms, now_us);
   if (!stamp_us) return;
   const std::int64_t valid_us = *stamp_us - std::int64_t{m->age_ms} * 1000;
   if (leads) place_.hear(*m, valid_us, now_us);
@@ -80,14 +82,13 @@ bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t v
 
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
-  if (!on_) return;
   const auto message = leader.take_fix();
-  if (!message) return;
+  if (!on_ || !message) return;
   core::track_update(core::reference_track<S>(), shaped_, *message);
   const auto age_us = leader.age_us(now_us);
   if (place_.branch(now_us) || !age_us || !leader.has_origin()) return;
-  const convert::RootState<S> root{
-      leader.position(), {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
+  const convert::RootState<S> root{leader.position(),
+                                   {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_motion_of(root)) {
     const Branch mine{leader.system(), place_.own().system};
     hold({mine, ++made_, *told, root, now_us - *age_us, true});
@@ -115,8 +116,9 @@ std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us)
   const auto offset = place_.offset(now_us);
   if (held == nullptr || !held->near || !offset) return std::nullopt;
   const S age = convert::seconds<S>(now_us - held->valid_us);
-  return Aim{held->branch, held->root.position, core::reference_forward(core::ForesightLimits<S>{}, held->root.motion, age),
-             *offset, place_.leaders_offset(now_us)};
+  return Aim{held->branch, held->root.position,
+             core::reference_forward(limits_, held->root.motion, age), *offset,
+             place_.leaders_offset(now_us)};
 }
 
 template <class S>
@@ -127,12 +129,16 @@ std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_u
   if (held == nullptr || !offset || place_.too_deep(now_us)) return std::nullopt;
   const std::int64_t age_us = convert::us_of_ms(now_us) - held->valid_us;
   const auto age_ms = static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
-  return link::FormationReference{
-      convert::boot_ms(now_us), age_ms,
-      held->sequence,           held->branch.root,
-      held->branch.maker,       followed ? link::mav::kReferenceFollowed : std::uint8_t{0},
-      held->told,               offset->n,
-      place_.path(now_us),      offset->b};
+  return link::FormationReference{convert::boot_ms(now_us),
+                                  age_ms,
+                                  held->sequence,
+                                  held->branch.root,
+                                  held->branch.maker,
+                                  followed ? link::mav::kReferenceFollowed : std::uint8_t{0},
+                                  held->told,
+                                  offset->n,
+                                  place_.path(now_us),
+                                  offset->b};
 }
 
 template <class S>

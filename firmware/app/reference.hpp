@@ -71,6 +71,7 @@ class Reference {
   void hold(const Held& held);
 
   bool on_ = false;
+  core::ForesightLimits<S> limits_;
   TreePlace place_;
   SenderClocks clocks_;
   JumpGuard<S> guard_;

@@ -19,7 +19,7 @@ SenderClocks::Sender* SenderClocks::find(link::Address from) {
 }
 
 /// A free one, or that of the last where it is deeper.
-SenderClocks::Sender* SenderClocks::place_for(std::size_t rank, std::int64_t now_us) {
+SenderClocks::Sender* SenderClocks::place_for(std::uint8_t rank, std::int64_t now_us) {
   Sender* last = nullptr;
   for (Sender& s : senders_) {
     if (s.from.system == 0 || now_us - s.arrived_us > kForgotten_us) return &s;
@@ -28,7 +28,7 @@ SenderClocks::Sender* SenderClocks::place_for(std::size_t rank, std::int64_t now
   return rank < last->rank ? last : nullptr;
 }
 
-std::optional<std::int64_t> SenderClocks::heard(link::Address from, std::size_t rank,
+std::optional<std::int64_t> SenderClocks::heard(link::Address from, std::uint8_t rank,
                                                 std::uint32_t time_boot_ms, std::int64_t now_us) {
   std::int64_t stamp_us = std::int64_t{time_boot_ms} * 1000;
   Sender* sender = find(from);

@@ -16,7 +16,7 @@ class SenderClocks {
  public:
   /// A message of that sender has arrived: our time of its stamp, no later than now; nothing where
   /// there is no room for its clock. Rank: depth in the tree; 0: there is always room.
-  std::optional<std::int64_t> heard(link::Address from, std::size_t rank,
+  std::optional<std::int64_t> heard(link::Address from, std::uint8_t rank,
                                     std::uint32_t time_boot_ms, std::int64_t now_us);
 
   /// A sender answered the TIMESYNC request that we sent at `sent_us`.
@@ -26,15 +26,15 @@ class SenderClocks {
  private:
   struct Sender {
     link::Address from{};  ///< system 0: this place is free
-    std::size_t rank = 0;
+    std::uint8_t rank = 0;
     std::int64_t stamp_us = 0, arrived_us = 0;
     ClockOffset clock;
   };
 
   Sender* find(link::Address from);
-  Sender* place_for(std::size_t rank, std::int64_t now_us);
+  Sender* place_for(std::uint8_t rank, std::int64_t now_us);
 
-  std::array<Sender, 8> senders_{};
+  std::array<Sender, 4> senders_{};
 };
 
 }  // namespace flotilla::app

@@ -61,7 +61,7 @@ bool Streams::any_waits(std::size_t link, std::int64_t now_us) {
   if (now_us < quiet_until_us) return false;
   quiet_until_us = std::numeric_limits<std::int64_t>::max();
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
-    if (kStreams[stream].pace == Pace::kState || kStreams[stream].pace == Pace::kNews) continue;
+    if (!is_rest(kStreams[stream].pace)) continue;
     quiet_until_us = std::min(quiet_until_us, links_[link].turns[stream].schedule.from_us());
   }
   return now_us >= quiet_until_us;

@@ -18,11 +18,14 @@ namespace flotilla::app {
 
 enum class Pace : std::uint8_t {
   kState,  ///< SR_STATE
-  kNews,   ///< when there is news, twice SR_STATE at the most: no relay waits for its turn
-  kSlow,   ///< SR_SLOW
+  kNews,  ///< twice SR_STATE, ten times a second at the most; where there is news half a turn early
+  kSlow,  ///< SR_SLOW
   kFixed,
   kOnRequest,
 };
+
+/// What has to do with what followers leave of a link.
+constexpr bool is_rest(Pace pace) { return pace != Pace::kState && pace != Pace::kNews; }
 
 struct StreamInfo {
   std::uint16_t id;

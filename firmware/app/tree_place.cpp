@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t kSilent_us = 3'000'000;
 // A boat whose leader tells what is older than that begins a branch of its own, and leaves it only
 // for what was younger for some seconds: so deep in a fleet on a bad radio nobody is torn to and fro.
-constexpr std::int64_t kOld_us = 2'500'000, kYoung_us = 1'750'000, kSteady_us = 3'000'000;
+constexpr std::int64_t kOld_us = 3'000'000, kYoung_us = 2'100'000, kSteady_us = 3'000'000;
 
 }  // namespace
 
@@ -42,7 +42,8 @@ const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
 
 std::optional<Branch> TreePlace::branch(std::int64_t now_us) const {
   const Word* told = word(now_us);
-  if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system) return std::nullopt;
+  if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system)
+    return std::nullopt;
   if (own_.turns && told->offset.b != convert::WireOffset{}) return std::nullopt;
   return told->branch;
 }

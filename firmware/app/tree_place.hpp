@@ -70,8 +70,8 @@ class TreePlace {
 
   Own own_;
   std::optional<Word> word_;
-  bool leads_ = true;                 // what the leader tells is young enough
-  std::int64_t not_young_us_ = 0;     // when it last was too old to begin with
+  bool leads_ = true;              // what the leader tells is young enough
+  std::int64_t not_young_us_ = 0;  // when it last was too old to begin with
 };
 
 /// How many ids a path has.

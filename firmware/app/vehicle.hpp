@@ -179,7 +179,7 @@ class Vehicle {
   bool double_seen_ = false;  // another sender under our ids
   bool announce_ = false;     // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
-  bool origin_moved_ = false;                  // in this tick
+  bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
   std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
   struct Begun {

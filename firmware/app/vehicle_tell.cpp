@@ -161,7 +161,7 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
       told = tell_parameters(link, counters);
     } else if (turn == kFiles) {
       told = tell_files(link, counters);
-    } else if (kStreams[turn].pace != Pace::kState && kStreams[turn].pace != Pace::kNews) {
+    } else if (is_rest(kStreams[turn].pace)) {
       told = tell_stream(turn, link, counters);
     }
     const Begun& begun = begun_[link];

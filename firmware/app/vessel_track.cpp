@@ -26,9 +26,11 @@ void VesselTrack<S>::follow(std::uint8_t system) {
   identity.system = system;
   const core::JumpLimits<S> limits = guard_.limits();
   const bool smooths = smooths_;
+  const std::int64_t lag_us = lag_us_;
   *this = VesselTrack(identity, antenna_);
   set_limits(limits);
   set_smoothing(smooths);
+  set_lag(lag_us);
 }
 
 template <class S>
@@ -360,14 +362,14 @@ std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
   const auto offset = clock().offset_us();
   if (!stamp_us_ || !offset) return std::nullopt;
   // No state is younger than its arrival, whatever TIMESYNC makes of its stamp since.
-  return std::max<std::int64_t>(now_us - std::min(*stamp_us_ + *offset, arrived_us_), 0);
+  return std::max<std::int64_t>(now_us - std::min(*stamp_us_ + *offset, arrived_us_), 0) + lag_us();
 }
 
 template <class S>
 bool VesselTrack<S>::fresh(std::int64_t now_us, std::int64_t limit_us) const {
   const auto least = clock().least_us();
   if (!stamp_us_ || !least) return false;
-  const std::int64_t worst_age_us = now_us - (*stamp_us_ + *least);
+  const std::int64_t worst_age_us = now_us - (*stamp_us_ + *least) + lag_us();
   return worst_age_us + heading_older_us_ < limit_us && now_us - arrived_us_ < limit_us;
 }
 

@@ -46,6 +46,10 @@ class VesselTrack {
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
 
+  /// How much older its states are than their arrival says, where TIMESYNC does not bound its clock.
+  void set_lag(std::int64_t lag_us) { lag_us_ = lag_us; }
+  bool bounded() const { return clock().was_answered(); }
+
   /// What this vessel can do; without them it is any vessel.
   void set_limits(const core::JumpLimits<S>& limits) { guard_.set_limits(limits); }
 
@@ -145,11 +149,13 @@ class VesselTrack {
   void jumped();
   void restart();
 
+  std::int64_t lag_us() const { return bounded() ? 0 : lag_us_; }
   ClockOffset& clock() { return sources_.clock(); }
   const ClockOffset& clock() const { return sources_.clock(); }
 
   Identity identity_;
   Antenna antenna_;
+  std::int64_t lag_us_ = 0;
   std::uint8_t component_ = 0;
   StateSources sources_;
   JumpGuard<S> guard_;

@@ -1,25 +1,28 @@
 // SPDX-License-Identifier: MIT
-// The motion that a whole formation follows: shaped by the boat that makes the reference, carried
-// forward once by each boat, and what a boat adds to its slot of it.
+// The motion that a whole formation follows, carried forward once by each boat, and what a boat adds
+// to its slot of it.
 //
-//   f(h) = ∫₀ʰ 1 … 1 s, fading to 0 at 2 s      F(h) = ∫₀ʰ f
-//   ν(h) = ν + f ν̇      ν̇(h) = ḟ ν̇      ψ(h) = ψ + r h + ṙ F
-//   Δp(h) = (1 − Δψ²/24) R(ψ + ½ r h + ⅓ ṙ F) [u h + u̇ F   v h + v̇ F]ᵀ      Δψ = ψ(h) − ψ
-//   a ← a + Δt/(T + Δt) (ν̇ − a)                                              what the maker tells as ν̇
-//   s ← s + h/(T_s + h) (k clamp(e_L, s_max/k) − s)                          shift of the slot
-//   b ← b − h/(T_b + h) b                                                    rest of a changed reference
+//   m = min(h, 2 s)     δ = m (ν̇ + ½ m ν̈)     c = min(1, δ_max/|δ|)
+//   ν(h) = ν + c δ      ν̇(h) = c (ν̇ + m ν̈), 0 after 2 s
+//   ∫δ = ½ m² (ν̇ + ⅓ m ν̈) + (h − m) δ                 ψ(h) = ψ + Δψ     Δψ = r h + c ∫δ_r
+//   Δp(h) = (1 − Δψ²/24) R(ψ + ½ r h + ⅓ c ∫δ_r) [u h + c ∫δ_u   v h + c ∫δ_v]ᵀ
+//   s ← s + h/(T + h) (k e_L min(1, s_max/(k |e_L|)) − s)      shift of the slot
+//   b = b_0 x² (3 − 2x)     x = 1 − t/(5 s), until it is 0     what is left of a step of the slot
 //
-//  symbol   meaning                                            frame  unit        tested range
-//  psi, nu, nu_dot  the root's motion when it was true         n, body  rad, m/s, rad/s  ±π, ±32, ±8
-//  h        age of the reference                                      s           0 … 5
-//  e_L      how far the leader is from its slot of the reference  n   m           ±1000
-//  k        gain from boat to boat: well below one
+//  symbol   meaning                                             frame    unit        tested range
+//  psi, nu, nu_dot, r_ddot  the root's motion when it was true  n, body  rad, m/s, rad/s  ±π, ±32, ±8
+//  h        age of that; or a step of time                               s           0 … 10
+//  δ_max    what no velocity is foreseen to change by                    m/s, rad/s
+//  e_L      how far the leader is from its slot of the root     n        m           ±5000
+//  k        gain from boat to boat
 //
-// Not in paper: there each boat differentiates and carries forward its own leader's motion, and a
-// chain of boats amplifies by as much a boat. Here that is done once, whatever the depth. An
-// acceleration carried on for longer than it lasts does more harm than none.
+// Not in paper: there each boat differentiates its own leader's motion and carries it forward; so
+// a chain amplifies what the first boat does, by as much in each boat. Here that happens once, whatever
+// the depth. A predictor's gain cannot be at most one at every frequency: H(0) = 1, |H| ≤ 1 and a lead,
+// H'(0) > 0, contradict each other, for |H| is greatest on the edge of the right half plane. The
+// maker's slower track and δ_max keep it small; from boat to boat goes only the shift, by k < 1.
 //
-// Q16.16: tested within ±5,000 (separation, m)
+// Q16.16: tested within ±5,000 (e_L, m)
 #pragma once
 
 #include "core/track.hpp"
@@ -34,14 +37,14 @@ struct ReferenceMotion {
   S r_ddot{};
 };
 
-/// No velocity is foreseen to change by more.
+/// δ_max
 template <class S>
 struct ForesightLimits {
-  S speed = S(0.3);
-  S yaw_rate = S(0.2);
+  S speed{};
+  S yaw_rate{};
 };
 
-/// A change of velocity over h, its rate then, and what it adds to the way; within ±most.
+/// c δ, its rate, and c ∫δ.
 template <class S>
 struct Foresight {
   S change{};
@@ -74,8 +77,8 @@ Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMot
           {u.rate, v.rate, r.rate}};
 }
 
-/// The maker's track of the root is slower than that which one boat follows its leader by: its rates
-/// are carried on for longer.
+/// The maker's track of the root, slower than that by which a boat follows its own leader: its rates
+/// are carried on for longer, and by many.
 template <class S>
 TrackParams<S> reference_track() {
   return {.T = S(0.2), .T_min = S(0.2)};
@@ -88,7 +91,7 @@ struct ShiftParams {
   S T = S(10);
 };
 
-/// The shift h seconds later: slowly towards where the leader really is, no farther than `most`.
+/// The shift h seconds later: slowly to where the leader really is, no farther than `most`.
 template <class S>
 Vec2<S> shift_forward(const ShiftParams<S>& params, const Vec2<S>& shift, const Vec2<S>& e_L, S h) {
   const S length = params.k * hypot(e_L.x, e_L.y);
@@ -97,11 +100,25 @@ Vec2<S> shift_forward(const ShiftParams<S>& params, const Vec2<S>& shift, const 
   return {shift.x + share * (gain * e_L.x - shift.x), shift.y + share * (gain * e_L.y - shift.y)};
 }
 
-/// What is left, h seconds later, of the step that another reference made.
+/// A step that another reference makes in the slot, undone and then let go.
 template <class S>
-Vec2<S> blend_forward(const Vec2<S>& rest, S h) {
-  const S share = h / (S(3) + h);
-  return {rest.x - share * rest.x, rest.y - share * rest.y};
+struct Blend {
+  Vec2<S> step{};
+  S left{};  ///< s
+};
+template <class S>
+Blend<S> blend_start(const Vec2<S>& step) {
+  return {step, S(5)};
+}
+template <class S>
+void blend_forward(Blend<S>& blend, S h) {
+  blend.left = larger(blend.left - h, S(0));
+}
+template <class S>
+Vec2<S> rest_of(const Blend<S>& blend) {
+  const S x = blend.left / S(5);
+  const S share = x * x * (S(3) - S(2) * x);
+  return {share * blend.step.x, share * blend.step.y};
 }
 
 }  // namespace flotilla::core

@@ -98,15 +98,15 @@ struct ReferenceMotion {
 };
 
 struct FormationReference {
-  std::uint32_t time_boot_ms;                 ///< as the message leaves
-  std::uint16_t age_ms;                       ///< how long before that the motion was true
-  std::uint16_t sequence;                     ///< of the maker
-  std::uint8_t root, maker;                   ///< system ids: whose motion it is, who told it first
-  std::uint8_t flags;                         ///< mav::kReference… bits
-  ReferenceMotion motion;                     ///< of the root
-  std::array<std::int32_t, 2> offset_n;       ///< sender's slot: the part that keeps its bearing
-  std::array<std::uint8_t, 24> path;          ///< from the sender's leader up, 0 after the last
-  std::array<std::int32_t, 2> offset_b;       ///< the part that turns with the root
+  std::uint32_t time_boot_ms;            ///< as the message leaves
+  std::uint16_t age_ms;                  ///< how long before that the motion was true
+  std::uint16_t sequence;                ///< of the maker
+  std::uint8_t root, maker;              ///< system ids: whose motion it is, who told it first
+  std::uint8_t flags;                    ///< mav::kReference… bits
+  ReferenceMotion motion;                ///< of the root
+  std::array<std::int32_t, 2> offset_n;  ///< sender's slot: the part that keeps its bearing
+  std::array<std::uint8_t, 24> path;     ///< from the sender's leader up, 0 after the last
+  std::array<std::int32_t, 2> offset_b;  ///< the part that turns with the root
 };
 
 struct SystemTime {
@@ -331,10 +331,10 @@ struct ExtendedSysState {
 
 using Message =
     std::variant<std::monostate, Heartbeat, Attitude, LocalPositionNed, Odometry, GpsGlobalOrigin,
-                 Timesync, GlobalPositionInt, FollowTarget, FormationReference, SystemTime, HomePosition, CommandLong,
-                 CommandInt, CommandAck, SetMode, ManualControl, Ping, MessageInterval,
-                 ParamRequestList, ParamRequestRead, ParamSet, ParamValue, ParamError,
-                 MissionRequestList, MissionCount, MissionClearAll, MissionAck,
+                 Timesync, GlobalPositionInt, FollowTarget, FormationReference, SystemTime,
+                 HomePosition, CommandLong, CommandInt, CommandAck, SetMode, ManualControl, Ping,
+                 MessageInterval, ParamRequestList, ParamRequestRead, ParamSet, ParamValue,
+                 ParamError, MissionRequestList, MissionCount, MissionClearAll, MissionAck,
                  FileTransferProtocol, RadioStatus, Statustext, NamedValueFloat, SysStatus,
                  AutopilotVersion, ProtocolVersion, ComponentInformationBasic, ComponentMetadata,
                  AvailableModes, CurrentMode, MavEscInfo, MavEscStatus, NavControllerOutput,

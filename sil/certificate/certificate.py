@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from functools import partial
 
 from sil.certificate import floquet, gains
+from sil.certificate.chain import Chain, chain
 from sil.certificate.fleet import fleet, parameters, vessel_of
 from sil.certificate.loop import Boat
+from sil.certificate.margins import Margins, margins
 from sil.certificate.monodromy import Points
+from sil.certificate.probe import deepest
 from sil.certificate.reference import Reference, references
 from sil.certificate.sampled import SampledLoop, sampled_loop
 from sil.certificate.search import Search
@@ -20,6 +23,7 @@ from sil.certificate.slots import SlotMotion
 from sil.certificate.small_gain import SmallGain, small_gain
 from sil.certificate.thrust import ThrustNeed, thrust_need
 from sil.scenario import Scenario
+from sil.start import RunError
 
 Progress = Callable[[str, float], None]
 
@@ -54,11 +58,17 @@ class Case:
 
 @dataclass(frozen=True)
 class Leg:
-    """A reference, the times (s) from which it is sailed, and the boats behind it."""
+    """A reference, the times (s) from which it is sailed, and the boats behind it.
+
+    `chain`: the longest line of boats that follow each other, or why its probes could not be
+    sailed; None where there is none, or the leader rests.
+    """
 
     reference: Reference
     from_s: list[float]
     cases: list[Case]
+    chain: Chain | str | None
+    margins: Margins | None
 
 
 @dataclass(frozen=True)
@@ -85,7 +95,8 @@ def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress)
         for boats, slot, setup in fleet(scenario, reference, firmware):
             who = f"leg {number} of {len(found)}, boat {', '.join(map(str, boats))}"
             cases.append(_case(boats, reference, slot, setup, partial(progress, who)))
-        legs.append(Leg(reference, from_s, cases))
+        progress(f"leg {number} of {len(found)}, the longest chain of boats", 0.0)
+        legs.append(Leg(reference, from_s, cases, *_chain(scenario, reference, overrides)))
     moving = [
         (c.setup, c.points) for leg in legs if leg.reference.kind != "rest" for c in leg.cases
     ]
@@ -93,6 +104,18 @@ def certify(scenario: Scenario, overrides: dict[str, float], progress: Progress)
     if moving:
         search = gains.fastest(moving, partial(progress, "search for the gains"))
     return Certificate(scenario, legs, search)
+
+
+def _chain(
+    scenario: Scenario, reference: Reference, overrides: dict[str, float]
+) -> tuple[Chain | str | None, Margins | None]:
+    if reference.kind == "rest" or len(deepest(scenario)) < 2:
+        return None, None
+    try:
+        found = chain(scenario, reference, overrides)
+    except RunError as error:
+        return str(error), None
+    return found, margins(scenario, reference, overrides, found)
 
 
 def _different(found: list[Reference], north_counts: bool) -> list[tuple[Reference, list[float]]]:

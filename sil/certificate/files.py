@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The certificate as files: certificate.json and decay.png, each whole or not at all."""
+"""The certificate as files: certificate.json, decay.png, chain.png, each whole or not at all."""
 
 import io
 import json
@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from sil import files
-from sil.certificate import notes, picture, report, verdict
+from sil.certificate import gain_picture, notes, picture, report, verdict
 from sil.certificate.certificate import Case, Certificate, Leg
+from sil.certificate.chain import Chain
 from sil.certificate.gains import CURVE_K_X
 
 _LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
@@ -39,11 +40,17 @@ def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
 
     OSError names the path given.
     """
-    png = io.BytesIO()
-    picture.decay(certificate.scenario.name, certificate.legs).savefig(png, format="png")
+    name, legs = certificate.scenario.name, certificate.legs
+    pictures = {"decay.png": picture.decay(name, legs), "chain.png": gain_picture.gains(name, legs)}
     with _naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        files.replace(folder / "decay.png", png.getvalue())
+        for file, figure in pictures.items():
+            png = io.BytesIO()
+            if figure is not None:
+                figure.savefig(png, format="png")
+                files.replace(folder / file, png.getvalue())
+            else:
+                (folder / file).unlink(missing_ok=True)
     text = (json.dumps(document(certificate), indent=2, allow_nan=False) + "\n").encode()
     with _naming(folder):
         files.replace(folder / "certificate.json", text)
@@ -83,7 +90,16 @@ def _leg(leg: Leg) -> dict[str, Any]:
         "mu_per_T_radps2": reference.mu / reference.T_s if reference.T_s else 0.0,
         "persistently_exciting": reference.mu > 0.0,
         "cases": [_case(case) for case in leg.cases],
+        "chain": _chain(leg),
     }
+
+
+def _chain(leg: Leg) -> dict[str, Any] | str | None:
+    chain = leg.chain
+    if not isinstance(chain, Chain) or leg.margins is None:
+        return chain if isinstance(chain, str) else None
+    told = {"certified": chain.certified, "holds": chain.holds, "margins": asdict(leg.margins)}
+    return {**asdict(chain), **told}
 
 
 def _case(case: Case) -> dict[str, Any]:

@@ -15,8 +15,9 @@ def notes(certificate: Certificate) -> list[str]:
         "The small-gain test is sufficient only: not to pass it proves nothing. It and eq:26 are "
         "about the paper's law; the sampled loop is that of the firmware, extensions and all.",
         "Links: no boat acts on its leader, so that a late, rare or lost message of a leader is in "
-        "no loop: it adds states of delay, no feedback, and moves no multiplier. What it costs in "
-        "accuracy is for the simulation to show. The own fixes' rate is in the loop.",
+        "no loop: it adds states of delay, no feedback, and moves no multiplier. How it amplifies "
+        "motions from boat to boat is in the gains of the chain, which are those of small motions "
+        "on a straight course. The own fixes' rate is in the loop.",
         "The verdict is about small errors, and each boat's decay is that behind a leader without "
         "error. Down a chain the modes repeat: the k-th boat's error may go as t^(k-1) e^(-σt), "
         "so that its decay, at the same rate in the end, begins later.",

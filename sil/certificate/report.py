@@ -10,6 +10,8 @@ from rich.table import Table
 
 from sil.certificate import notes, verdict
 from sil.certificate.certificate import Case, Certificate, Leg
+from sil.certificate.chain import Chain
+from sil.certificate.margins import Margins
 from sil.certificate.reference import Reference
 from sil.certificate.report_search import search_rows
 from sil.certificate.small_gain import MOST_K_X
@@ -28,6 +30,8 @@ def tell(certificate: Certificate, console: Console) -> None:
     for leg in certificate.legs:
         console.print(_reference_table(leg))
         console.print(_cases_table(leg))
+        if isinstance(leg.chain, Chain) and leg.margins is not None:
+            console.print(_chain_table(leg.chain, leg.margins))
     if certificate.search is not None:
         table = _table("The gains with the fastest decay, by a coarse search")
         console.print(_filled(table, search_rows(certificate, certificate.search)))
@@ -119,6 +123,32 @@ def _propellers(case: Case) -> Iterable[tuple[str, str]]:
     yield "  left (%)", f"{100.0 * need.margin:.1f}".replace("-", "−")
     yield "  least left", f"{need.side}, {'ahead' if need.direction == 'forward' else 'astern'}"
     yield "    into the window (s)", f"{need.at_s:.1f}"
+
+
+def _chain_table(chain: Chain, margins: Margins) -> Table:
+    most = len(chain.depths)
+    depth = f"{chain.certified}" + (", or more" if chain.certified == most else "")
+    last = chain.depths[len(chain.path) - 1]
+    rows = [
+        ("every boat steers by", "the reference" if chain.reference else "the boat before it"),
+        ("greatest gain of a hop in yaw, surge", _most(chain.yaw.hop, chain.surge.hop)),
+        (
+            f"  from the root to boat {chain.path[-1]}",
+            _most(*(axis.root[len(chain.path) - 1] for axis in (chain.yaw, chain.surge))),
+        ),
+        (
+            "its peak yaw rate, speed, RMS off slot",
+            f"{last.yaw_rate:.2g} rad/s, {last.speed:.2g} m/s, {last.off_slot_m:.2g} m",
+        ),
+        ("certified to depth", depth),
+        ("more radio delay that it bears (s)", f"{margins.delay_s:.2f}"),
+        ("hull off the model that it bears (%)", f"{100.0 * margins.mismatch:.0f}"),
+    ]
+    return _filled(_table(f"The longest chain: {len(chain.path)} boats"), rows)
+
+
+def _most(yaw: list[float], surge: list[float]) -> str:
+    return f"{max(yaw):.3g}, {max(surge):.3g}"
 
 
 def _table(title: str) -> Table:

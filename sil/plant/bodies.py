@@ -14,9 +14,10 @@ class Bodies:
     Rows are the leaders of all runs, then the boats, run by run: A = R + R N. `eta` and `nu`
     (A, 3): pose (m, m, rad) and velocity (m/s, m/s, rad/s) now; `rpm` (R N, 2): shaft speeds, port
     and starboard; `tau` (R N, 2): surge force and yaw moment (N, N m) that the propellers gave at
-    the beginning of the last step. `hulls` (A, 15) and `propellers` (R N, 6) as their `stack`
+    the beginning of the last step. `hulls` (A, 15) and `propellers` (R N, 8) as their `stack`
     makes them; `current` (A, 2): velocity of the water around each, north and east (m/s);
-    `weather` pushes the boats, or nothing does. No run's numbers depend on another's.
+    `weather` pushes the boats, or nothing does; `push` (A, 3), N, N, N m in body axes, where it is
+    set, everyone. No run's numbers depend on another's.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Bodies:
         self._given = self._stages[:, self.runs :]
         self.tau: Array = self._given[0]
         self._weather = weather
+        self.push: Array | None = None
         self._w: Array = np.zeros((agents, 3))
         # The boats' rows, by run.
         self._boats_eta, self._boats_nu, self._boats_w = (
@@ -58,7 +60,8 @@ class Bodies:
         self._reference[:] = reference
         if self._weather is not None:
             self._weather.step(self._boats_eta, self._boats_nu, self._boats_w, h_s)
-        water = (self._w, self._current, self._hulls)
+        w = self._w if self.push is None else self._w + self.push
+        water = (w, self._current, self._hulls)
         hull.advance(self.eta, self.nu, self._stages, *water, h_s)
 
     def thrust_of(self, run: int, tau: Array) -> Array:

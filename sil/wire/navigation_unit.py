@@ -6,7 +6,7 @@ down, heading clockwise from north; body x forward, y starboard.
 Source: mavlink.io, common message set.
 """
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Sequence
 from math import cos, nan, pi, remainder, sin, tau
 from typing import Any, Literal, NamedTuple
@@ -29,13 +29,20 @@ Message = Literal["local", "odometry", "global", "follow_target"]
 class Settings(NamedTuple):
     """What a unit says and how often; `attitude_rate_hz` 0: with every position.
 
-    `origin_m`: where its local frame begins, north and east of the world's.
+    `origin_m`: where its local frame begins, north and east of the world's. `delay_s`: how long
+    what it says of itself waits before it leaves; its stamps are of the instant that it tells, and
+    TIMESYNC, where it answers it (`timesync`), is answered at once. Every `dropout_every_s` (0:
+    never) of its clock it tells no state for `dropout_s`.
     """
 
     rate_hz: float
     message: Message = "local"
     attitude_rate_hz: float = 0.0
     origin_m: tuple[float, float] = (0.0, 0.0)
+    delay_s: float = 0.0
+    timesync: bool = True
+    dropout_every_s: float = 0.0
+    dropout_s: float = 0.0
 
 
 def _wrap(psi: float) -> float:
@@ -83,6 +90,11 @@ class NavigationUnit:
         self._attitude_rate = Rate(settings.attitude_rate_hz) if settings.attitude_rate_hz else None
         self._slow_rate = Rate(1.0)
         self._requests: list[tuple[int, int]] = []
+        self._answers_timesync = settings.timesync
+        self._delay_us, self._every_us, self._dropout_us = (
+            round(1e6 * s) for s in (settings.delay_s, settings.dropout_every_s, settings.dropout_s)
+        )
+        self._waiting: deque[tuple[int, bytes]] = deque()
 
     def tick(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
         """What is due now: eta = [x y psi] (m, m, rad), nu = [u v r] (m/s, m/s, rad/s) of now."""
@@ -91,20 +103,36 @@ class NavigationUnit:
             out = self._heartbeat() + self._pack(
                 mavlink.MAVLink_gps_global_origin_message(*self._origin, now_us)
             )
+        if not self._delay_us:
+            return out + self._answers() + self._told(now_us, eta, nu)
+        self._waiting.append((now_us, out + self._told(now_us, eta, nu)))
+        out = self._answers()
+        # A clock that went back makes nothing wait longer.
+        while self._waiting and not 0 <= now_us - self._waiting[0][0] < self._delay_us:
+            out += self._waiting.popleft()[1]
+        return out
+
+    def _answers(self) -> bytes:
+        out = b""
         for ts1, arrived_us in self._requests:
             # The instant of reading, not of answering: a requester bounds our clock by it.
             out += self._pack(mavlink.MAVLink_timesync_message(1000 * arrived_us, ts1))
         self._requests.clear()
-        if self._attitude_rate is not None and self._attitude_rate.due(now_us):
-            out += self._attitude_frame(now_us, eta, nu)
-        if self._state_rate.due(now_us):
-            out += self._state(now_us, eta, nu)
         return out
+
+    def _told(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
+        """The state, where it is due; in a drop-out nothing."""
+        attitude = self._attitude_rate is not None and self._attitude_rate.due(now_us)
+        state = self._state_rate.due(now_us)
+        if self._every_us and now_us % self._every_us >= self._every_us - self._dropout_us:
+            return b""
+        out = self._attitude_frame(now_us, eta, nu) if attitude else b""
+        return out + self._state(now_us, eta, nu) if state else out
 
     def on_mavlink(self, data: bytes, now_us: int) -> None:
         """Takes any bytes; TIMESYNC requests to this unit are answered by the next tick."""
         for message_id, _, _, frame in frames(data):
-            if message_id != _TIMESYNC:
+            if message_id != _TIMESYNC or not self._answers_timesync:
                 continue
             try:
                 request = self._mav.decode(bytearray(frame))

@@ -10,7 +10,7 @@
 
 namespace flotilla::testing {
 
-inline constexpr std::array<std::uint16_t, 24> kEveryId{link::mav::kHeartbeatId,
+inline constexpr std::array<std::uint16_t, 25> kEveryId{link::mav::kHeartbeatId,
                                                         link::mav::kSysStatusId,
                                                         link::mav::kSystemTimeId,
                                                         link::mav::kAttitudeId,
@@ -20,6 +20,7 @@ inline constexpr std::array<std::uint16_t, 24> kEveryId{link::mav::kHeartbeatId,
                                                         link::mav::kNavControllerOutputId,
                                                         link::mav::kPositionTargetLocalNedId,
                                                         link::mav::kFollowTargetId,
+                                                        link::mav::kFormationReferenceId,
                                                         link::mav::kBatteryStatusId,
                                                         link::mav::kAutopilotVersionId,
                                                         link::mav::kHomePositionId,

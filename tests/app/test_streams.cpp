@@ -48,6 +48,7 @@ std::int64_t sent(Streams& streams, std::size_t stream, std::size_t link, std::i
 TEST_CASE("a link nobody has asked for anything hears the defaults") {
   const std::map<std::uint16_t, std::int32_t> kDefaults{{mav::kAttitudeId, 100'000},
                                                         {mav::kLocalPositionNedId, 100'000},
+                                                        {mav::kFormationReferenceId, 100'000},
                                                         {mav::kFollowTargetId, -1},
                                                         {mav::kGpsGlobalOriginId, 1'000'000},
                                                         {mav::kGlobalPositionIntId, 500'000},
@@ -83,7 +84,8 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const std::uint16_t id = kStreams[stream].id;
     const bool may = id == mav::kCurrentModeId || id == mav::kEscStatusId ||
-                     id == mav::kEscInfoId || id == mav::kNamedValueFloatId;
+                     id == mav::kEscInfoId || id == mav::kNamedValueFloatId ||
+                     id == mav::kFormationReferenceId;
     CAPTURE(id);
     CHECK(is_companions(id) == may);
     CHECK((streams.interval_us(0, id) != 0) == may);
@@ -333,7 +335,7 @@ TEST_CASE("a link is quiet while no stream but the state's waits, whatever was c
     streams.forget_silent_radios(now_us);
     bool waits = false;
     for (std::size_t i = 0; i < kStreams.size(); ++i) {
-      if (kStreams[i].pace == Pace::kState) continue;
+      if (!is_rest(kStreams[i].pace)) continue;
       waits = waits || streams.schedule(i, link).waits(now_us);
     }
     REQUIRE(streams.any_waits(link, now_us) == waits);

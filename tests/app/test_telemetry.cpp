@@ -33,6 +33,9 @@ Report full() {
       true};
   r.home = Home{410'000'100, 20'000'100, 5000};
   r.formation = FormationReport{true, {1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
+  r.reference = link::FormationReference{};
+  r.reference->path.fill(1);
+  r.reference->offset_b.fill(-1);
   r.own_age_s = 0.1;
   r.leader_age_s = 0.2;
   r.leader_uncertainty_m = 0.3;
@@ -81,6 +84,7 @@ Report any_report(std::mt19937& random) {
   if (r.own) r.own->located = often();
   if (!often()) r.home.reset();
   if (!often()) r.formation.reset();
+  if (!often()) r.reference.reset();
   if (!often()) r.own_age_s.reset();
   if (!often()) r.leader_age_s.reset();
   if (!often()) r.leader_uncertainty_m.reset();
@@ -270,9 +274,9 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
         "CUR_N CUR_E "
         "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
   const auto values = all_as<link::NamedValueFloat>(mav::kNamedValueFloatId, r);
-  const std::array expected{1.0F,       2.0F, 0.1F,  1.0F,  1.0F,   0.2F, 0.5F,  0.25F,
-                            0.1F,       0.2F, 0.3F,  -1.5F, 0.75F,  0.1F, -0.2F, 100.0F,
-                            8388607.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
+  const std::array expected{1.0F,        2.0F, 0.1F,  1.0F,  1.0F,   0.2F, 0.5F,  0.25F,
+                            0.1F,        0.2F, 0.3F,  -1.5F, 0.75F,  0.1F, -0.2F, 100.0F,
+                            16777215.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(values[i].value == expected[i]);
   r.formation.reset();
   const std::string always = "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ";

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sil import certify
-from sil.certificate import search
+from sil.certificate import chain, margins, search
 from sil.certify import main
 from tests.sil.mistakes import assert_told_in_one_line
 
@@ -19,6 +19,8 @@ QUICK = 200
 @pytest.fixture(autouse=True)
 def quick_search(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "SEARCH_CYCLES", QUICK)
+    monkeypatch.setattr(margins, "STEPS", 0)
+    monkeypatch.setattr(chain, "MOST_DEPTH", 0)
 
 
 def certified(out: Path, *arguments: str) -> tuple[int, dict[str, Any]]:
@@ -55,6 +57,30 @@ def test_wild_yaw_gain_is_not_certified(tmp_path: Path) -> None:
     status, document = certified(tmp_path, *wild)
     assert status == 1
     assert "grow" in document["verdict"]
+
+
+def test_ten_boats_that_follow_each_other_are_not_certified(tmp_path: Path) -> None:
+    late = ("line10", "--set", "link.delay_s=0.1")
+    status, document = certified(tmp_path / "before", *late, "--param", "LAW_REF=0")
+    assert status == 1
+    (leg,) = document["legs"]
+    found = leg["chain"]
+    depth = found["certified"]
+    assert 4 <= depth <= 6
+    assert (
+        f"certified to depth {depth}: from boat {depth + 1} on it cannot hold"
+        in (document["verdict"])
+    )
+    assert max(found["yaw"]["hop"]) == pytest.approx(2.1, abs=0.1)
+    assert (tmp_path / "before" / "chain.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_ten_boats_that_hear_the_reference_are_certified(tmp_path: Path) -> None:
+    status, document = certified(tmp_path, "line10", "--set", "link.delay_s=0.1")
+    assert status == 0
+    (leg,) = document["legs"]
+    assert leg["chain"]["certified"] == 10
+    assert max(leg["chain"]["yaw"]["hop"]) < 0.3
 
 
 def test_weak_propellers_are_not_certified(tmp_path: Path) -> None:

@@ -108,3 +108,39 @@ def test_deviation_is_that_of_the_boat_axis_and_second_that_deviate_most(until_s
     error[9] += 7.0  # between two seconds
     deviation = figures.deviation_from_reference({"t_s": t_s, "error": error})
     assert deviation == pytest.approx(0.02)
+
+
+def under_way(speed_mps: list[float], yaw_rate_radps: list[float], from_s: float) -> Trace:
+    """Agents on a line, 3 m apart, each with its speed and yaw rate for 10 s from `from_s` on."""
+    now = (from_s <= T_S) & (from_s + 10.0 > T_S)
+    nu = np.zeros((T_S.size, len(speed_mps), 3))
+    nu[..., 1] = np.where(now[:, None], -np.array(speed_mps), 0.0)
+    nu[..., 2] = np.where(now[:, None], -np.array(yaw_rate_radps), 0.0)
+    eta = np.zeros((T_S.size, len(speed_mps), 3))
+    eta[..., 0] = -3.0 * np.arange(len(speed_mps))
+    return {"t_s": T_S, "nu": nu, "eta": eta}
+
+
+def test_largest_yaw_rate_and_speed_are_those_of_any_boat_and_the_roots_are_its_own() -> None:
+    trace = under_way([0.5, 0.6, 1.1, 0.7], [0.3, 0.9, 0.4, 0.8], from_s=200.0)
+    assert figures.largest_yaw_rate_radps(trace) == pytest.approx(0.9)
+    assert figures.roots_yaw_rate_radps(trace) == pytest.approx(0.3)
+    assert figures.largest_speed_mps(trace) == pytest.approx(1.1)
+    assert figures.roots_speed_mps(trace) == pytest.approx(0.5)
+    assert figures.yaw_rate_growth(trace) == pytest.approx(2.0)
+
+
+def test_fast_turns_before_100_s_do_not_count_and_a_shorter_run_has_none() -> None:
+    trace = under_way([0.5, 0.6], [0.3, 0.9], from_s=80.0)
+    assert figures.largest_yaw_rate_radps(trace) == figures.largest_speed_mps(trace) == 0.0
+    short = {name: array[:500] for name, array in trace.items()}
+    assert figures.largest_yaw_rate_radps(short) == figures.largest_speed_mps(short) == math.inf
+
+
+def test_least_separation_is_that_of_two_boats_from_100_s_on() -> None:
+    trace = under_way([0.5, 0.6, 0.6], [0.3, 0.9, 0.9], from_s=200.0)
+    assert figures.least_separation_m(trace) == pytest.approx(3.0)
+    trace["eta"][T_S < 99.0, 1] = trace["eta"][T_S < 99.0, 2]
+    assert figures.least_separation_m(trace) == pytest.approx(3.0)
+    trace["eta"][2000, 1, 0] = -5.5
+    assert figures.least_separation_m(trace) == pytest.approx(0.5)

@@ -17,6 +17,7 @@ from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.scenario import FOLDER, Propellers, Scenario, ScenarioError, Vessel, load
 from sil.sections import Fault, FaultKind
+from sil.wire.navigation_unit import Settings
 
 TWO_BOATS = """\
 duration_s = 10.0
@@ -261,12 +262,15 @@ def test_a_scenario_over_a_base_is_the_base_but_for_its_own_keys(tmp_path: Path)
 
 def test_units_say_what_the_boats_units_say_but_for_their_own_keys(tmp_path: Path) -> None:
     own = load(written(tmp_path, OVER_DIAMOND), ["navigation.message='odometry'"])
-    assert own.leader_unit() == (100.0, "global", 0.0, (0.0, 0.0))
-    assert own.boat_unit(own.boat[0]) == (100.0, "odometry", 0.0, (0.0, 0.0))
-    assert own.boat_unit(own.boat[1]) == (5.0, "odometry", 0.0, (0.0, 0.0))
+    assert own.leader_unit() == Settings(100.0, "global")
+    assert own.boat_unit(own.boat[0]) == Settings(100.0, "odometry")
+    assert own.boat_unit(own.boat[1]) == Settings(5.0, "odometry")
     # What the virtual leader says is its own affair, at the rate of all.
     slow = load("diamond", ["navigation.message='odometry'", "navigation.rate_hz=20"])
-    assert slow.leader_unit() == (20.0, "local", 0.0, (0.0, 0.0))
+    assert slow.leader_unit() == Settings(20.0, "local")
+    late = load("diamond", ["navigation.delay_s=0.2", "boat.2.navigation.timesync=false"])
+    assert late.leader_unit() == Settings(100.0)
+    assert late.boat_unit(late.boat[1]) == Settings(100.0, delay_s=0.2, timesync=False)
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,11 @@ class Told:
         return Geodetic(*self.degE7, psi)
 
 
+def settings_of(unit: Unit) -> Settings:
+    faults = unit[4] if len(unit) > 4 else ()
+    return Settings(*unit[:3], (0.0, 0.0), *faults)
+
+
 def unit_of(system: int, component: int, unit: Unit) -> NavigationUnit:
     origin = unit[3] if len(unit) > 3 else ORIGIN
     made = NavigationUnit(
@@ -57,7 +62,7 @@ def unit_of(system: int, component: int, unit: Unit) -> NavigationUnit:
         component,
         vehicle_type=mavlink.MAV_TYPE_GENERIC,
         origin=origin,
-        settings=Settings(*unit[:3]),
+        settings=settings_of(unit),
     )
     made._world = Told()
     return made
@@ -80,7 +85,7 @@ class Radio(Link):
 class Leader(VirtualLeader):
     def __init__(self, agent: int, system: int, unit: Unit, clock: Clock) -> None:
         self.system = system
-        super().__init__(Settings(*unit[:3]), clock)
+        super().__init__(settings_of(unit), clock)
         self._unit = unit_of(system, mavlink.MAV_COMP_ID_AUTOPILOT1, unit)
         self._port = agent << 8
         self.sent = b""
@@ -99,7 +104,7 @@ class Boat(Vessel):
     def __init__(
         self, agent: int, parameters: dict[str, float], scalar: str, unit: Unit, clock: Clock
     ) -> None:
-        super().__init__(agent, parameters, scalar, navigation=Settings(*unit[:3]), clock=clock)
+        super().__init__(agent, parameters, scalar, navigation=settings_of(unit), clock=clock)
         self._unit = unit_of(self.system, NAVIGATION_COMPONENT, unit)
 
     def on_can(self, t_us: int, can_id: int, data: bytes) -> None:

@@ -59,6 +59,19 @@ def test_every_message_that_tells_a_state_is_sent_as_by_one_unit(
     assert len(twins.compare()) > 100_000
 
 
+@pytest.mark.parametrize("message", ["local", "global"])
+@pytest.mark.parametrize("clock", [(0, 0.0), (3_600_000_000, -333.3)])
+def test_units_that_are_late_deaf_to_timesync_or_drop_out_are_so_one_by_one(
+    message: str, clock: tuple[int, float]
+) -> None:
+    twins = Twins()
+    for run, faults in enumerate([(0.2, False, 0.0, 0.0), (0.013, True, 1.0, 0.3)]):
+        twins.diamond(run, unit=(20.0, message, 33.0, LAKE, faults), clock=clock)
+    twins.tick(350)
+    late, dropping = (twins.compare(run) for run in range(2))
+    assert len(dropping) > 100_000 and late != dropping
+
+
 @pytest.mark.parametrize("rate_hz", [0.9, 7.0, 33.3, 100.0, 400.0])
 def test_a_unit_keeps_its_rate_whatever_the_tick(rate_hz: float) -> None:
     twins = Twins()

@@ -22,6 +22,7 @@ FELT = {
     "LAW_CUR_BW": 0.5,
     "LAW_U_MAX": 0.25,
     "LAW_R_MAX": 0.0625,
+    "LAW_REF": 1.0,
     "FORM_FRAME": 1.0,
 }
 EACH = pytest.mark.parametrize("name", FELT)

@@ -117,6 +117,10 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
             {"value": 0, "description": "north-east"},
             {"value": 1, "description": "ahead-starboard"},
         ],
+        "LAW_REF": [
+            {"value": 0, "description": "off"},
+            {"value": 1, "description": "on"},
+        ],
         "MODE": [
             {"value": 0, "description": "MANUAL"},
             {"value": 4, "description": "HOLD"},

@@ -201,7 +201,7 @@ def test_an_index_counts_and_not_the_name_beside_it(sea: Sea) -> None:
 def another_value(p: dict[str, Any]) -> float:
     if p["kind"] == "sign":
         return float(-p["default"])
-    if p["kind"] == "frame":
+    if p["kind"] in ("frame", "switch"):
         return float(1 - p["default"])
     if p["kind"] == "action":
         return 2.0 - p["default"] if p["default"] != 1 else 0.0

@@ -37,6 +37,7 @@ DESIGN_NAMES = [
     "LAW_CUR_BW",
     "LAW_U_MAX",
     "LAW_R_MAX",
+    "LAW_REF",
     "VES_M11",
     "VES_M22",
     "VES_M33",
@@ -128,13 +129,14 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 @EACH
 def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
-    assert p["kind"] in ("real", "whole", "sign", "mode", "identity", "frame", "action")
+    assert p["kind"] in ("real", "whole", "sign", "mode", "identity", "frame", "switch", "action")
     assert p["integer"] == (p["kind"] != "real")
     assert p["change"] in ("anytime", "disarmed", "restart", "mode")
     assert (p["kind"] == "mode") == (p["change"] == "mode") == (p["name"] == "MODE")
     assert (p["kind"] == "sign") == p["name"].endswith("_DIR")
     assert (p["kind"] == "action") == p["name"].endswith("_ACT")
     assert (p["kind"] == "frame") == (p["name"] == "FORM_FRAME")
+    assert (p["kind"] == "switch") == (p["name"] == "LAW_REF")
     assert re.fullmatch(r"[A-Z][A-Za-z]+", p["group"])
 
 

@@ -18,6 +18,8 @@ constexpr std::uint8_t kTypeGeneric = 0, kEstimatorGpsIns = 5, kMavlinkVersion =
 constexpr std::uint16_t kUnknownHeading = 65535;
 constexpr std::size_t kHeader = 10, kChecksum = 2, kSignature = 13;
 
+std::int64_t whole_us(double s) { return static_cast<std::int64_t>(std::nearbyint(1e6 * s)); }
+
 std::uint32_t boot_ms(std::int64_t now_us) { return static_cast<std::uint32_t>(now_us / 1000); }
 
 float single(double x) { return static_cast<float>(x); }
@@ -61,19 +63,52 @@ NavigationUnit::NavigationUnit(link::Address self, const UnitSettings& settings)
       settings_(settings),
       writer_(self),
       state_rate_(settings.rate_hz),
-      slow_rate_(1.0) {
+      slow_rate_(1.0),
+      delay_us_(whole_us(settings.delay_s)),
+      every_us_(whole_us(settings.dropout_every_s)),
+      dropout_us_(whole_us(settings.dropout_s)) {
   if (settings.attitude_rate_hz > 0) attitude_rate_.emplace(settings.attitude_rate_hz);
 }
 
 void NavigationUnit::tick(std::int64_t now_us, const Sensed& sensed, Out& out) {
-  if (slow_rate_.due(now_us)) tell_slowly(now_us, out);
+  if (delay_us_ == 0) {
+    if (slow_rate_.due(now_us)) tell_slowly(now_us, out);
+    answer(out);
+    return tell_due(now_us, sensed, out);
+  }
+  Waiting& next = waiting_.emplace_back(now_us, Out{});
+  if (slow_rate_.due(now_us)) tell_slowly(now_us, next.frames);
+  tell_due(now_us, sensed, next.frames);
+  answer(out);
+  // A clock that went back makes nothing wait longer.
+  const auto waits = [&](std::int64_t since_us) {
+    return since_us <= now_us && now_us - since_us < delay_us_;
+  };
+  for (; !waiting_.empty() && !waits(waiting_.front().since_us); waiting_.pop_front()) {
+    const Out& frames = waiting_.front().frames;
+    out.insert(out.end(), frames.begin(), frames.end());
+  }
+}
+
+void NavigationUnit::answer(Out& out) {
   for (const Request& request : requests_) {
     // The instant of reading, not of answering: a requester bounds our clock by it.
     writer_.write(out, kTimesync, 1000 * request.arrived_us, request.ts1_ns);
   }
   requests_.clear();
-  if (attitude_rate_ && attitude_rate_->due(now_us)) attitude(now_us, sensed, out);
-  if (state_rate_.due(now_us)) tell(now_us, sensed, out);
+}
+
+/// The state, where it is due; in a drop-out nothing.
+void NavigationUnit::tell_due(std::int64_t now_us, const Sensed& sensed, Out& out) {
+  const bool attitude_due = attitude_rate_ && attitude_rate_->due(now_us);
+  const bool state_due = state_rate_.due(now_us);
+  if (drops_out(now_us)) return;
+  if (attitude_due) attitude(now_us, sensed, out);
+  if (state_due) tell(now_us, sensed, out);
+}
+
+bool NavigationUnit::drops_out(std::int64_t now_us) const {
+  return every_us_ > 0 && now_us % every_us_ >= every_us_ - dropout_us_;
 }
 
 void NavigationUnit::tell_slowly(std::int64_t now_us, Out& out) {
@@ -150,7 +185,8 @@ void NavigationUnit::on_mavlink(std::span<const std::uint8_t> data, std::int64_t
     const bool whole = end <= data.size() && (flags & ~kSigned) == 0;
     const std::uint32_t id =
         data[at + 7] | std::uint32_t{data[at + 8]} << 8U | std::uint32_t{data[at + 9]} << 16U;
-    if (whole && id == kTimesync.id) take_timesync(data.subspan(at, end - at), now_us);
+    if (whole && id == kTimesync.id && settings_.timesync)
+      take_timesync(data.subspan(at, end - at), now_us);
     clean = clean && whole && (end == data.size() || data[end] == kMagic);
     at = next(clean ? end : at + 1);
   }

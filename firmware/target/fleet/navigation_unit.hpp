@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,6 +22,10 @@ struct UnitSettings {
   StateMessage message;
   double attitude_rate_hz;             ///< 0: with every position
   std::array<std::int32_t, 3> origin;  ///< latitude, longitude (degE7), altitude (mm)
+  double delay_s = 0;                  ///< before what it says of itself leaves
+  bool timesync = true;                ///< it answers it, at once
+  double dropout_every_s = 0;          ///< of its clock; 0: never
+  double dropout_s = 0;                ///< without a state
 };
 
 /// What a unit measured, in the frame that it tells: x y ψ (m, rad), u v r (m/s, rad/s); degE7.
@@ -50,7 +55,14 @@ class NavigationUnit {
     std::int64_t arrived_us;
   };
   using Out = std::vector<std::uint8_t>;
+  struct Waiting {
+    std::int64_t since_us;
+    Out frames;
+  };
 
+  void answer(Out& out);
+  void tell_due(std::int64_t now_us, const Sensed& sensed, Out& out);
+  bool drops_out(std::int64_t now_us) const;
   void tell_slowly(std::int64_t now_us, Out& out);
   void tell(std::int64_t now_us, const Sensed& sensed, Out& out);
   void attitude(std::int64_t now_us, const Sensed& sensed, Out& out);
@@ -66,6 +78,8 @@ class NavigationUnit {
   Rate state_rate_, slow_rate_;
   std::optional<Rate> attitude_rate_;
   std::vector<Request> requests_;
+  std::int64_t delay_us_, every_us_, dropout_us_;
+  std::deque<Waiting> waiting_;
 };
 
 }  // namespace flotilla::fleet

@@ -269,7 +269,9 @@ void bind_fleet(nb::module_& m) {
       .def("add_leader", &PyFleet::add_leader, "run"_a, "system"_a, "unit"_a, "clock"_a,
            "A vehicle that is only a navigation unit; its agent number. unit: (rate_hz, message, "
            "attitude_rate_hz) and, where wanted, (latitude degE7, longitude degE7, altitude mm) "
-           "of its frame; message: \"local\", \"odometry\", \"global\" or \"follow_target\"; "
+           "of its frame and (delay_s, timesync, dropout_every_s, dropout_s), as "
+           "sil.wire.navigation_unit.Settings explains them; message: \"local\", \"odometry\", "
+           "\"global\" or \"follow_target\"; "
            "attitude_rate_hz 0: with every position. clock: (offset_us, drift_ppm).")
       .def("add_boat", &PyFleet::add_boat, "run"_a, "parameters"_a, "unit"_a, "clock"_a,
            "A boat with parameters by name, a navigation unit as add_leader's and two ESCs; its "

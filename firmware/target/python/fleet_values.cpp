@@ -53,6 +53,19 @@ std::array<std::int32_t, 3> origin_from(const nb::handle& origin) {
   return out;
 }
 
+void set_faults(UnitSettings& unit, const nb::handle& faults) {
+  constexpr const char* kWanted =
+      "unit: faults are (delay_s, timesync, dropout_every_s, dropout_s)";
+  if (!nb::isinstance<nb::tuple>(faults) || nb::len(faults) != 4) throw nb::type_error(kWanted);
+  unit.delay_s = item<double>(faults, 0, kWanted);
+  unit.timesync = item<bool>(faults, 1, kWanted);
+  unit.dropout_every_s = item<double>(faults, 2, kWanted);
+  unit.dropout_s = item<double>(faults, 3, kWanted);
+  for (const double s : {unit.delay_s, unit.dropout_every_s, unit.dropout_s}) {
+    if (!within(s, 0, 1e6)) refuse("unit: delay_s, dropout_every_s, dropout_s from 0 to 1000000");
+  }
+}
+
 std::string shape_text(std::span<const std::size_t> shape) {
   std::string text;
   for (const std::size_t n : shape)
@@ -66,8 +79,9 @@ void refuse(const std::string& text) { throw nb::value_error(text.c_str()); }
 
 UnitSettings unit_from(const nb::tuple& unit) {
   constexpr const char* kWanted =
-      "unit: (rate_hz, message, attitude_rate_hz) or (rate_hz, message, attitude_rate_hz, origin)";
-  if (unit.size() != 3 && unit.size() != 4) throw nb::type_error(kWanted);
+      "unit: (rate_hz, message, attitude_rate_hz) or (rate_hz, message, attitude_rate_hz, origin) "
+      "or (rate_hz, message, attitude_rate_hz, origin, faults)";
+  if (unit.size() < 3 || unit.size() > 5) throw nb::type_error(kWanted);
   const double rate_hz = item<double>(unit, 0, kWanted);
   const double attitude_rate_hz = item<double>(unit, 2, kWanted);
   // A period is counted in whole microseconds.
@@ -75,8 +89,10 @@ UnitSettings unit_from(const nb::tuple& unit) {
   if (attitude_rate_hz != 0 && !within(attitude_rate_hz, 1e-3, 1e6)) {
     refuse("unit: attitude_rate_hz is 0 or from 0.001 to 1000000");
   }
-  return {rate_hz, message_from(item<std::string>(unit, 1, kWanted)), attitude_rate_hz,
-          unit.size() == 4 ? origin_from(unit[3]) : kOrigin};
+  UnitSettings out{rate_hz, message_from(item<std::string>(unit, 1, kWanted)), attitude_rate_hz,
+                   unit.size() > 3 ? origin_from(unit[3]) : kOrigin};
+  if (unit.size() > 4) set_faults(out, unit[4]);
+  return out;
 }
 
 Clock clock_from(const nb::tuple& clock) {

@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from sil import scenario
-from sil.certificate import files, report, search
+from sil.certificate import files, margins, report, search
 from sil.certificate.certificate import Certificate, certify
 from tests.turns import some
 
@@ -22,6 +22,7 @@ INPUTS = "leader.input=[{surge_N = 2.0}, {from_s = 100.0}]"
 def two_legs() -> Certificate:
     patch = pytest.MonkeyPatch()
     patch.setattr(search, "SEARCH_CYCLES", 0)
+    patch.setattr(margins, "STEPS", 0)
     try:
         chosen = scenario.load("diamond", [INPUTS, "boat.3.parameters={LAW_KX = 0.4}"], "product")
         return certify(chosen, {}, lambda what, share: None)
@@ -37,7 +38,11 @@ def written(two_legs: Certificate, tmp_path_factory: pytest.TempPathFactory) -> 
 
 
 def test_nothing_is_left_half_written(written: Path) -> None:
-    assert {file.name for file in written.iterdir()} == {"certificate.json", "decay.png"}
+    assert {file.name for file in written.iterdir()} == {
+        "certificate.json",
+        "decay.png",
+        "chain.png",
+    }
     assert (written / "decay.png").read_bytes().startswith(b"\x89PNG")
 
 

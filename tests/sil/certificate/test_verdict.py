@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from sil import scenario
-from sil.certificate import search, verdict
+from sil.certificate import margins, search, verdict
 from sil.certificate.certificate import Certificate, certify
 from tests.sil.certificate.made_up import SINE
 
@@ -16,6 +16,7 @@ from tests.sil.certificate.made_up import SINE
 def straight() -> Certificate:
     patch = pytest.MonkeyPatch()
     patch.setattr(search, "SEARCH_CYCLES", 0)
+    patch.setattr(margins, "STEPS", 0)
     try:
         return certify(scenario.load("diamond", [SINE], "product"), {}, lambda what, share: None)
     finally:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Two propellers: curve, saturation, lag, force and moment, shaft speed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,16 @@ def test_propeller_without_lag_gives_the_commanded_thrust_at_once_and_for_the_wh
 def test_command_beyond_full_scale_gives_the_maximum_of_its_direction() -> None:
     thrust, _ = run(IDEAL, [1.7, -1.7])
     np.testing.assert_allclose(thrust, [50.0, -30.0])
+
+
+def test_each_side_gives_its_own_share_at_the_same_shaft_speed() -> None:
+    pair = replace(IDEAL, port_gain=0.8, stbd_gain=1.1)
+    thrust, tau = run(pair, [0.4, -0.5])
+    np.testing.assert_allclose(thrust, [16.0, -16.5])
+    np.testing.assert_allclose(tau[0], [-0.5, 0.25 * 32.5])
+    rpm = np.zeros((1, 2))
+    propeller.shaft_speed(thrust[None], propeller.stack([pair]), rpm)
+    np.testing.assert_allclose(rpm[0], 3000.0 * np.sqrt([0.4, 0.5]) * [1, -1])
 
 
 @pytest.mark.parametrize("expo", [0.0, 0.4, 1.0])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What the navigation units measure."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from sil.plant import hull, propeller
@@ -12,6 +14,7 @@ from sil.plant.sensors import SensorNoise, Sensors
 ETA, NU = np.array([10.0, -4.0, 0.5]), np.array([0.6, 0.05, 0.3])
 NOISE = SensorNoise(position_m=0.02, heading_rad=0.01, velocity_mps=0.03, yaw_rate_radps=0.004)
 EXACT = SensorNoise()
+H_S = 0.01
 
 
 def adrift(runs: int, boats: int) -> Bodies:
@@ -28,8 +31,8 @@ def measured(noise: list[SensorNoise], boats: int, times: int) -> tuple[Array, A
     The generators are 3, 4, …
     """
     runs = len(noise)
-    rngs = [np.random.default_rng(3 + run) for run in range(runs)]
-    sensors, taken = Sensors(noise, rngs, adrift(runs, boats)), []
+    rngs = [[np.random.default_rng(3 + n * runs + run) for run in range(runs)] for n in range(2)]
+    sensors, taken = Sensors(noise, rngs, adrift(runs, boats), H_S), []
     for _ in range(times):
         sensors.measure()
         taken.append([sensors.eta.copy(), sensors.nu.copy()])
@@ -39,13 +42,14 @@ def measured(noise: list[SensorNoise], boats: int, times: int) -> tuple[Array, A
 
 
 def test_unit_without_noise_measures_the_exact_state_and_draws_nothing() -> None:
-    rngs = [np.random.default_rng(seed) for seed in (1, 2)]
+    rngs, drifts = ([np.random.default_rng(seed) for seed in pair] for pair in ((1, 2), (3, 4)))
     for noise in ([EXACT, EXACT], [EXACT, NOISE]):
-        sensors = Sensors(noise, rngs, adrift(2, 1))
+        sensors = Sensors(noise, [rngs, drifts], adrift(2, 1), H_S)
         sensors.measure()
         assert (sensors.eta[2] == ETA).all() and (sensors.nu[2] == NU).all()
     assert rngs[0].random() == np.random.default_rng(1).random()
     assert rngs[1].random() != np.random.default_rng(2).random()
+    assert [rng.random() for rng in drifts] == [np.random.default_rng(n).random() for n in (3, 4)]
 
 
 def test_virtual_leader_knows_its_state() -> None:
@@ -71,3 +75,20 @@ def test_noise_of_each_quantity_has_its_own_standard_deviation_and_no_bias() -> 
     np.testing.assert_allclose((nu - NU).std(axis=0), [0.03, 0.03, 0.004], rtol=0.02)
     np.testing.assert_allclose(eta.mean(axis=0), ETA, atol=5e-4)
     np.testing.assert_allclose(nu.mean(axis=0), NU, atol=8e-4)
+
+
+def test_drift_of_the_position_keeps_its_deviation_and_fades_with_its_time_constant() -> None:
+    drifting = SensorNoise(drift_m=0.5, drift_s=0.2)
+    _, eta, nu = measured([EXACT, drifting], boats=200, times=400)
+    assert (eta[:, 0] == ETA).all() and (nu == NU).all() and (eta[..., 2] == ETA[2]).all()
+    off = eta[:, 1, :, :2] - ETA[:2]
+    assert abs(off.std(axis=(1, 2)) / 0.5 - 1.0).max() < 0.15  # from the first step on
+    kept = (off[20:] * off[:-20]).mean() / (off**2).mean()
+    assert abs(kept - np.exp(-1.0)) < 0.03
+
+
+def test_drift_changes_no_other_number() -> None:
+    _, quiet, nu = measured([NOISE], boats=2, times=70)
+    _, eta, nu_too = measured([replace(NOISE, drift_m=0.5)], boats=2, times=70)
+    assert (nu == nu_too).all() and (eta[..., 2] == quiet[..., 2]).all()
+    assert (eta[..., :2] != quiet[..., :2]).all()

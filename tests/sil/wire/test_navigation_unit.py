@@ -249,3 +249,38 @@ def test_garbage_never_raises(garbage: bytes, payload: bytes) -> None:
     header = b"\xfd" + bytes([len(payload), 0, 0, 0, 1, 1]) + b"\x6f\x00\x00"
     sender.on_mavlink(header + payload + b"\x00\x00", 0)
     sender.tick(0, ETA, NU)
+
+
+def test_a_late_unit_tells_the_state_of_its_stamp_so_much_later() -> None:
+    settings = Settings(10.0, delay_s=0.2)
+    late = NavigationUnit(2, 201, vehicle_type=0, origin=ORIGIN, settings=settings)
+    told = {}
+    for now_us in range(1_000_000, 2_000_000, 10_000):
+        for message in parsed(late.tick(now_us, (1e-6 * now_us, 0.0, 0.0), NU)):
+            if message.get_type() == "LOCAL_POSITION_NED":
+                told[now_us // 1000] = (message.time_boot_ms, round(message.x, 3))
+    assert told == {ms: (ms - 200, (ms - 200) / 1000) for ms in range(1200, 2000, 100)}
+
+
+def test_a_late_unit_answers_timesync_at_once_and_one_that_is_deaf_to_it_never() -> None:
+    request = mavlink.MAVLink(None, 7, 1).timesync_encode(0, 5).pack(mavlink.MAVLink(None, 7, 1))
+    for settings, answers in (
+        (Settings(10.0, delay_s=0.2), 1),
+        (Settings(10.0, timesync=False), 0),
+    ):
+        asked = NavigationUnit(2, 201, vehicle_type=0, origin=ORIGIN, settings=settings)
+        asked.on_mavlink(request, 1_000_000)
+        messages = parsed(asked.tick(1_000_000, ETA, NU))
+        assert [m.get_type() for m in messages].count("TIMESYNC") == answers
+
+
+def test_a_unit_drops_out_for_so_long_every_so_often() -> None:
+    settings = Settings(20.0, dropout_every_s=2.0, dropout_s=0.5)
+    dropping = NavigationUnit(2, 201, vehicle_type=0, origin=ORIGIN, settings=settings)
+    told = []
+    for now_us in range(10_000_000, 14_000_000, 50_000):
+        if "LOCAL_POSITION_NED" in by_name(dropping.tick(now_us, ETA, NU)):
+            told.append(now_us)
+    assert told == [
+        us for us in range(10_000_000, 14_000_000, 50_000) if us % 2_000_000 < 1_500_000
+    ]

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// How late the fixes of a navigation unit are whose clock nobody knows, by the turns that the boat makes
+// under the moments that it was given.
+//
+//   each hypothesis τ_i = i h of how late they are has a Kalman filter of x = [r  b  γ]ᵀ at the fixes:
+//   ṙ = γ n(t − τ_i) − δ r + b     ḃ, γ̇ = white     z = r + white     n = N/m33, δ = d33/m33
+//   J_i ← λ J_i + (z − r̂)² / (P_rr + R)             what it foresaw badly
+//   τ̂: the vertex of the parabola through the least of them and its neighbours; A = J_{i−1} − 2 J_i + J_{i+1}
+//   known, where A > A_min J_i / Σλ                 σ_τ = h √(2 J_i / (A Σλ))
+//
+//  symbol  meaning                                     frame  unit         tested range
+//  r, z    yaw rate, and as a fix tells it                    rad/s        ±4
+//  n       moment given, over inertia                         rad/s²       ±100
+//  b       unknown moment over inertia                        rad/s²
+//  γ       share of the moment that there is                               0.2 … 3
+//  age     of the fix, were it not late                       s            0 … 0.5
+//  dt      since the fix before it                            s            0 … 0.5
+//
+// Not in paper. Position, heading and velocity that are all late by the same time agree with each
+// other: a late boat is seen to do what it does, but later than its propellers say. Hence it is not seen while the
+// moment is the same for long: straight on, at rest. The law's answer to noise is enough, no
+// turn is made for it. The lag of the propellers is seen as latency too, and predicting over
+// it does no harm. A gain and an unknown moment of its own keep a hull that is half off its model from
+// looking late.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/scalar.hpp"
+
+namespace flotilla::core {
+
+template <class S>
+struct LatencyParams {
+  S d{};  ///< δ
+  S h = S(0.05);
+  S R = S(0.0001);
+  S q_r = S(0.01), q_b = S(0.3), q_gamma = S(0.0001);
+  S memory = S(60);  ///< of λ = 1 − dt/memory, s
+  S A_min = S(60);
+};
+
+template <class S>
+struct Latency {
+  static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
+  static constexpr int kLength = 96;
+  struct Hypothesis {
+    Eigen::Matrix<S, 3, 1> x{S(0), S(0), S(1)};
+    Eigen::Matrix<S, 3, 3> P = Eigen::Matrix<S, 3, 1>{S(0.1), S(0.1), S(0.25)}.asDiagonal();
+    S J{};
+  };
+  Hypothesis hypotheses[kHypotheses];
+  S n[kLength]{};  ///< moments of the last moments, those of steps under 10 ms taken together
+  S time[kLength]{};
+  int last = 0;
+  S weight{};  ///< Σλ
+};
+
+/// Nothing where it cannot be seen.
+template <class S>
+struct Late {
+  S tau{};
+  bool known = false;
+};
+
+/// The moment over inertia that was given for `time`.
+template <class S>
+void latency_forward(Latency<S>& state, S n, S time) {
+  if (!(S(0) < time)) return;
+  S& length = state.time[state.last];
+  S& mean = state.n[state.last];
+  if (length + time <= S(0.01)) {
+    mean = mean + (n - mean) * time / (length + time);
+    length = length + time;
+    return;
+  }
+  state.last = (state.last + 1) % Latency<S>::kLength;
+  state.n[state.last] = n;
+  state.time[state.last] = time;
+}
+
+/// One hypothesis, carried from `from` ago to `to` ago and set right by the yaw rate that is told.
+template <class S>
+void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
+                        typename Latency<S>::Hypothesis& one, S from, S to, S z, S kept) {
+  Eigen::Matrix<S, 3, 3> F = Eigen::Matrix<S, 3, 3>::Identity();
+  constexpr int n = Latency<S>::kLength;
+  int back = 0;
+  S later = S(0);  // what was given after this one
+  while (back + 1 < n && later + state.time[(state.last + n - back) % n] < from) {
+    later = later + state.time[(state.last + n - back) % n];
+    ++back;
+  }
+  S left = from;
+  for (; back >= 0 && to < left; --back) {
+    const S until = back > 0 ? larger(later, to) : to;
+    const S h = larger(left - until, S(0));
+    const S moment = state.n[(state.last + n - back) % n];
+    const S kept_r = S(1) / (S(1) + h * params.d);
+    one.x(0) = (one.x(0) + h * (one.x(2) * moment + one.x(1))) * kept_r;
+    F.row(0) = kept_r * (F.row(0) + h * Eigen::Matrix<S, 1, 3>{S(0), S(1), moment});
+    left = until;
+    later = later - state.time[(state.last + n - back + 1) % n];
+  }
+  const S dt = from - to;
+  one.P = F * one.P * F.transpose();
+  one.P.diagonal() += dt * Eigen::Matrix<S, 3, 1>{params.q_r, params.q_b, params.q_gamma};
+  const S off = z - one.x(0);
+  const S variance = one.P(0, 0) + params.R;
+  const Eigen::Matrix<S, 3, 1> gain = one.P.col(0) / variance;
+  one.J = kept * one.J + off * off / variance;
+  one.x += gain * off;
+  one.x(2) = clamp(one.x(2), S(0.2), S(3));
+  const Eigen::Matrix<S, 1, 3> row = one.P.row(0);
+  one.P -= gain * row;
+}
+
+/// A fix has told the yaw rate.
+template <class S>
+void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
+  const S kept = S(1) - dt / params.memory;
+  state.weight = kept * state.weight + S(1);
+  S tau = S(0);
+  for (auto& one : state.hypotheses) {
+    hypothesis_correct(params, state, one, age + tau + dt, age + tau, z, kept);
+    tau = tau + params.h;
+  }
+}
+
+template <class S>
+Late<S> latency_of(const LatencyParams<S>& params, const Latency<S>& state) {
+  constexpr int n = Latency<S>::kHypotheses;
+  int best = 0;
+  for (int i = 1; i < n; ++i) {
+    if (state.hypotheses[i].J < state.hypotheses[best].J) best = i;
+  }
+  const auto J = [&](int i) { return state.hypotheses[i].J; };
+  const S before = best > 0 ? J(best - 1) : J(1);
+  const S after = best + 1 < n ? J(best + 1) : J(n - 2);
+  const S bend = before - S(2) * J(best) + after;
+  const S off = best == 0 || best + 1 == n ? S(0) : S(0.5) * (before - after) / bend;
+  return {params.h * (S(best) + off), params.A_min * J(best) < bend * state.weight};
+}
+
+}  // namespace flotilla::core

@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: MIT
+"""How deep a chain of boats may be: gains from boat to boat, and what they make of noise and turns.
+
+`probe` measures, with small pushes, the gain G(jω) from a boat's velocity to that of the one behind
+it, T_n(jω) from the root's velocity to that of boat n, and the slot errors that go with them; yaw
+and surge apart. Where every boat steers by the formation's reference (LAW_REF) all depths are
+sailed. Where one does not, boat n moves as the boat before it times G, and by its own noise:
+
+    T_n = T_3 G^(n−3)      P_n = |G|² P_{n−1} + W      W = P_3 − |G|² P_2
+    det_n(t): the lines of the leader's manoeuvre times T_n      peak_n = max |det_n| + 3.5 √(∫ P_n)
+
+P_n are power spectra of what noise and weather do behind a leader that goes straight. A depth is
+certified where no boat up to it is expected to turn faster than LAW_R_MAX, to be faster than
+LAW_U_MAX, or to be more than 0.2 m RMS off its slot: that is where a chain leaves the small
+motions that gains are about. Where the law has no such limit the firmware's default counts. The
+hop is that between the second boat and the third, which are both told by boats: G = T_3 / T_2, of
+the motion that a boat makes by its own thrust as it follows. With the reference the hop is that of
+boat 2 being pushed off its way: boat 3 takes it over only by trust and slow correction.
+Source of the question: Swaroop and Hedrick 1996, Seiler, Pant and Hedrick 2004.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import flotilla
+import numpy as np
+
+from sil.agents import parameters_of
+from sil.certificate import probe as probes
+from sil.certificate.probe import (
+    PUSHED_BOAT,
+    SURGE,
+    WINDOW_S,
+    YAW,
+    Complex,
+    Probe,
+    chain_of,
+    frequencies,
+)
+from sil.certificate.reference import Reference
+from sil.plant.hull import Array
+from sil.scenario import Scenario
+
+MOST_DEPTH = 20  # no deeper chain is looked at, unless the scenario's is
+OFF_SLOT_M = 0.2
+_SAILED = 3  # boats of a chain in which each follows the one before
+_CREST = 3.5  # of noise: the peak of some hundred half waves
+_OF_PLACE = ("MAV_SYSID", "FORM_LEADER", "FORM_OFS_N", "FORM_OFS_E")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What ends a chain: rad/s, m/s, m RMS."""
+
+    yaw_rate: float
+    speed: float
+    off_slot_m: float
+
+    def holds(self, depth: "Depth") -> bool:
+        """Whether a boat at some depth keeps to them."""
+        return (
+            depth.yaw_rate <= self.yaw_rate
+            and depth.speed <= self.speed
+            and depth.off_slot_m <= self.off_slot_m
+        )
+
+
+@dataclass(frozen=True)
+class Depth:
+    """The boat at a depth: its peak yaw rate and speed, rad/s, m/s, and RMS distance, m."""
+
+    yaw_rate: float
+    speed: float
+    off_slot_m: float
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Gains over `omega` (M), rad/s: of one hop (M), and from the root to each depth (D, M)."""
+
+    omega: list[float]
+    hop: list[float]
+    root: list[list[float]]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The longest chain of a scenario behind one reference.
+
+    `path`: its boats; `reference`: all of them steer by that of the formation; `depths`: from the
+    first boat on; `certified`: how many of them, the first ones, keep to `limits`.
+    """
+
+    path: list[int]
+    reference: bool
+    yaw: Gains
+    surge: Gains
+    depths: list[Depth]
+    limits: Limits
+
+    @property
+    def certified(self) -> int:
+        """The depth to which every boat keeps to the limits."""
+        held = [self.limits.holds(depth) for depth in self.depths]
+        return held.index(False) if False in held else len(held)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the scenario's own chain does."""
+        return self.certified >= len(self.path)
+
+
+def chain(
+    scenario: Scenario,
+    reference: Reference,
+    overrides: dict[str, float],
+    *,
+    most: int = 0,
+    scale: tuple[float, float] = (1.0, 1.0),
+) -> Chain:
+    """Sail the probes of a scenario's longest chain and say how deep it may be.
+
+    `most` depths, by default MOST_DEPTH or the scenario's; `scale` as in `probe.chain_of`.
+    """
+    path = probes.deepest(scenario)
+    every = parameters_of(scenario, overrides)
+    defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
+    along = [{**defaults, **every[agent - 1]} for agent in path]
+    whole = all(own["LAW_REF"] > 0.0 for own in along)
+    depths = most or max(len(path), MOST_DEPTH)
+    sailed = max(_SAILED, depths) if whole else _SAILED
+    paths = [path] if whole else _distinct(scenario, path, along)
+    found = []
+    for part in paths:
+        line = chain_of(scenario, part, sailed, scale=scale)
+        found.append(_Sailed(probes.probe(line, reference, overrides), reference, whole))
+    worst = max(found, key=lambda one: max(np.abs(axis.hop).max() for axis in one.axes))
+    limits = _limits(along, defaults, worst)
+    told = worst.depths(depths)
+    yaw, surge = (axis.gains(depths) for axis in worst.axes)
+    return Chain(path, whole, yaw, surge, told, limits)
+
+
+def _limits(
+    along: list[dict[str, float]], defaults: Mapping[str, float], sailed: "_Sailed"
+) -> Limits:
+    """The law's; what the root itself asks for is no fault of a chain."""
+    first = sailed.depths(1)[0]
+    yaw_rate, speed = (
+        min(own[name] or defaults[name] for own in along) for name in ("LAW_R_MAX", "LAW_U_MAX")
+    )
+    return Limits(
+        max(yaw_rate, 1.2 * first.yaw_rate),
+        max(speed, 1.2 * first.speed),
+        max(OFF_SLOT_M, 1.5 * first.off_slot_m),
+    )
+
+
+def _distinct(
+    scenario: Scenario, path: list[int], along: list[dict[str, float]]
+) -> list[list[int]]:
+    """Parts of three boats of a path, each kind once."""
+    vessels, pairs = scenario.vessels(), scenario.propeller_pairs()
+    kinds: dict[Any, list[int]] = {}
+    for begin in range(max(1, len(path) - _SAILED + 1)):
+        part = path[begin : begin + _SAILED]
+        kind = tuple(
+            (
+                tuple((k, v) for k, v in sorted(own.items()) if k not in _OF_PLACE),
+                vessels[agent],
+                pairs[agent - 1],
+                scenario.boat_unit(scenario.boat[agent - 1]),
+            )
+            for agent, own in zip(part, along[begin:], strict=False)
+        )
+        kinds.setdefault(repr(kind), part)
+    return list(kinds.values())
+
+
+class _Sailed:
+    """What the probes of one chain say of all depths."""
+
+    def __init__(self, probe: Probe, reference: Reference, whole: bool) -> None:
+        self.axes = [_Axis(probe, reference, axis, whole) for axis in (YAW, SURGE)]
+        boats = probe.manoeuvre[1].shape[1]
+        # errors that are there without a wave from ahead: of noise, and of the manoeuvre
+        noise = [_mean_square(e) for _, e in probe.noisy]
+        self._off = np.mean(noise, axis=0)
+        self._manoeuvre_off = _mean_square(probe.manoeuvre[1])
+        self._boats = boats
+
+    def depths(self, count: int) -> list[Depth]:
+        yaw, surge = (axis.peaks(count) for axis in self.axes)
+        found = []
+        for n in range(count):
+            k = min(n, self._boats - 1)
+            square = self._off[k] + self._manoeuvre_off[k]
+            square += sum(axis.more_error(n) for axis in self.axes)
+            found.append(Depth(float(yaw[n]), float(surge[n]), float(np.sqrt(square))))
+        return found
+
+
+class _Axis:
+    """One axis of a sailed chain: hop, T_n, lines of the manoeuvre, spectra of the noise."""
+
+    def __init__(self, probe: Probe, reference: Reference, axis: int, whole: bool) -> None:
+        self._omega = frequencies(axis)
+        to, error = probes.gains(probe.t_s, probe.root, axis, 0)
+        self._to = to
+        self._boats = len(to) - 1
+        if whole:
+            behind, off = probes.gains(probe.t_s, probe.boat, axis, PUSHED_BOAT)
+            self.hop, self._off = behind[PUSHED_BOAT + 1], off[PUSHED_BOAT]
+        else:
+            self.hop, self._off = to[-1] / to[-2], error[-1] / to[-2]
+        self._lines = _Lines.of(probe, reference, axis)
+        self._spectra, self._grid = _spectra(probe, axis)
+
+    def gains(self, count: int) -> Gains:
+        """Magnitudes, to `count` depths."""
+        root = [np.abs(self._root(n)).tolist() for n in range(1, count + 1)]
+        return Gains(self._omega.tolist(), np.abs(self.hop).tolist(), root)
+
+    def _root(self, n: int) -> Complex:
+        """T_n at the measured frequencies."""
+        known = min(n, self._boats)
+        return np.asarray(self._to[known] * self.hop ** (n - known))
+
+    def peaks(self, count: int) -> Array:
+        """Largest |velocity| (count) at each depth."""
+        return np.array([self._manoeuvre(n) + _CREST * self._sigma(n) for n in range(1, count + 1)])
+
+    def _manoeuvre(self, n: int) -> float:
+        if n <= self._boats:
+            return self._lines.measured[n - 1]
+        gain = _between(self._lines.omega, self._omega, self.hop)
+        return self._lines.peak(gain ** (n - self._boats))
+
+    def _sigma(self, n: int) -> float:
+        return float(np.sqrt(self._power(n).sum()))
+
+    def _power(self, n: int) -> Array:
+        """P_n."""
+        if n <= self._boats:
+            return np.asarray(self._spectra[n])
+        gain = np.abs(_between(self._grid, self._omega, self.hop)) ** 2
+        own = np.maximum(self._spectra[self._boats] - gain * self._spectra[self._boats - 1], 0.0)
+        power: Array = self._spectra[self._boats]
+        for _ in range(n - self._boats):
+            power = np.asarray(gain * power + own)
+        return power
+
+    def more_error(self, n: int) -> float:
+        """Mean square error of the boat at depth n + 1 beyond that of the last sailed one, m²."""
+        if n < self._boats:
+            return 0.0
+        off = np.abs(_between(self._grid, self._omega, self._off)) ** 2
+        more = (off * (self._power(n) - self._power(self._boats - 1))).sum()
+        at = np.abs(_between(self._lines.omega, self._omega, self._off))
+        gain = np.abs(_between(self._lines.omega, self._omega, self.hop))
+        lines = 0.5 * np.abs(self._lines.size) ** 2
+        lines[0] = 0.0
+        grown = gain ** (2 * (n - self._boats)) - gain**-2.0
+        return float(max(0.0, more) + max(0.0, np.sum(at**2 * lines * grown)))
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """The last sailed boat's velocity behind the manoeuvre: Σ Re(size e^{jωt}) over a period.
+
+    `measured`: largest |velocity| of each boat.
+    """
+
+    omega: Array
+    size: Complex
+    measured: list[float]
+
+    @staticmethod
+    def of(probe: Probe, reference: Reference, axis: int) -> "_Lines":
+        nu = probe.manoeuvre[0][:, :, axis]
+        period_s = reference.T_s if reference.kind == "periodic" and reference.T_s else WINDOW_S
+        count = int(frequencies(axis)[-1] * period_s / (2.0 * np.pi)) + 1
+        if reference.kind != "periodic":
+            count = 1  # it is constant
+        omega: Array = 2.0 * np.pi / period_s * np.arange(count, dtype=np.float64)
+        waves = np.exp(1j * np.outer(probe.t_s, omega))
+        basis = np.hstack([waves.real, -waves.imag[:, 1:]])
+        found, *_ = np.linalg.lstsq(basis, nu[:, -1])
+        size = found[:count].astype(np.complex128)
+        size[1:] += 1j * found[count:]
+        return _Lines(omega, size, np.abs(nu[:, 1:]).max(axis=0).tolist())
+
+    def peak(self, gain: Complex) -> float:
+        """Largest |velocity| over a period behind a gain at the lines."""
+        period_s = 2.0 * np.pi / self.omega[1] if self.omega.size > 1 else 0.0
+        waves = np.exp(1j * np.outer(np.linspace(0.0, period_s, 512), self.omega))
+        return float(np.abs((waves @ (self.size * gain)).real).max())
+
+
+def _spectra(probe: Probe, axis: int) -> tuple[Array, Array]:
+    """Power (agents, K) of the noisy runs' velocities about their means, by frequency (K)."""
+    window = np.hanning(probe.t_s.size)
+    total: Array | float = 0.0
+    for nu, _ in probe.noisy:
+        about = nu[:, :, axis] - nu[:, :, axis].mean(axis=0)
+        total = total + np.abs(np.fft.rfft(window[:, None] * about, axis=0)) ** 2
+    scale = 2.0 / (len(probe.noisy) * window.size * np.sum(window**2))
+    step_s = float(probe.t_s[1] - probe.t_s[0])
+    grid = np.asarray(2.0 * np.pi * np.fft.rfftfreq(window.size, step_s), dtype=np.float64)
+    return scale * np.asarray(total).T, grid
+
+
+def _between(omega: Array, known: Array, gain: Complex) -> Complex:
+    """A gain that is known at some frequencies at others: 1 at none, the last beyond the last."""
+    at = np.append(0.0, known)
+    size = np.append(1.0, np.abs(gain))
+    phase = np.append(0.0, np.unwrap(np.angle(gain)))
+    return np.asarray(np.interp(omega, at, size) * np.exp(1j * np.interp(omega, at, phase)))
+
+
+def _mean_square(error: Array) -> Array:
+    """Mean squares (boats) of the distance from the slot, m²."""
+    return np.asarray(np.mean(np.sum(error[:, :, :2] ** 2, axis=2), axis=0))

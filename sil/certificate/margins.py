@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""How much more delay, and how wrong a hull, a scenario's chain of boats bears.
+
+Both are found by halving, with the chain's probes sailed anew at each step. Hulls are wrong alike
+in all boats: masses and dampings by the same share, up or down, each of the four ways.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from sil.certificate.chain import Chain, chain
+from sil.certificate.reference import Reference
+from sil.scenario import Scenario
+from sil.start import RunError
+
+STEPS = 5  # of halving
+_MOST_DELAY_S, _MOST_SHARE = 1.0, 0.8
+
+
+@dataclass(frozen=True)
+class Margins:
+    """What the chain bears beyond the scenario: s of radio delay, share of mass and damping."""
+
+    delay_s: float
+    mismatch: float
+
+
+def margins(
+    scenario: Scenario, reference: Reference, overrides: dict[str, float], found: Chain
+) -> Margins:
+    """The margins of a chain that was `found`; 0 for one that does not hold as it is."""
+    if not found.holds or STEPS == 0:
+        return Margins(0.0, 0.0)
+    depth = len(found.path)
+
+    def holds(changed: Scenario, scale: tuple[float, float] = (1.0, 1.0)) -> bool:
+        try:
+            return chain(changed, reference, overrides, most=depth, scale=scale).holds
+        except RunError:
+            return False
+
+    def late(delay_s: float) -> bool:
+        link = scenario.link.model_copy(update={"delay_s": scenario.link.delay_s + delay_s})
+        return holds(scenario.model_copy(update={"link": link}))
+
+    def wrong(share: float) -> bool:
+        factors = (1.0 + share, 1.0 - share)
+        return all(holds(scenario, (m, d)) for m in factors for d in factors)
+
+    return Margins(_greatest(late, _MOST_DELAY_S), _greatest(wrong, _MOST_SHARE))
+
+
+def _greatest(holds: Callable[[float], bool], most: float) -> float:
+    """The greatest of what was tried up to `most` that holds."""
+    if holds(most):
+        return most
+    low, high = 0.0, most
+    for _ in range(STEPS):
+        middle = 0.5 * (low + high)
+        if holds(middle):
+            low = middle
+        else:
+            high = middle
+    return low

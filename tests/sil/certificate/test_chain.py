@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: MIT
+"""Chains: the depth that is certified is the depth to which they hold when they are sailed."""
+
+import pytest
+
+from sil import scenario
+from sil.certificate import agreement, chain
+from sil.certificate.reference import references
+from sil.law import Law
+
+
+@pytest.mark.parametrize("delay_s", agreement.DELAYS_S)
+@pytest.mark.parametrize("law", ["product", "paper"])
+def test_a_chain_breaks_in_simulation_where_it_stops_being_certified(
+    law: Law, delay_s: float
+) -> None:
+    found = agreement.compare("line10", law, {"LAW_REF": 0.0}, delay_s)
+    assert found.agree, found
+    assert 0 < found.certified < 10, found
+
+
+def test_each_hop_amplifies_more_the_later_the_radio_is() -> None:
+    most = []
+    for delay_s in (0.0, 0.1, 0.2):
+        late = scenario.load("line10", [f"link.delay_s={delay_s}"])
+        most.append(max(chain.chain(late, references(late)[0], {"LAW_REF": 0.0}).yaw.hop))
+    assert most == pytest.approx([1.56, 2.1, 2.8], abs=0.15)  # as they were measured in chains
+
+
+def test_a_slow_turn_is_passed_on_as_it_is() -> None:
+    late = scenario.load("line10", ["link.delay_s=0.2"])
+    found = chain.chain(late, references(late)[0], {"LAW_REF": 0.0})
+    assert found.yaw.hop[0] == pytest.approx(1.0, abs=0.05)
+    assert found.surge.hop[0] == pytest.approx(1.0, abs=0.05)
