@@ -38,7 +38,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       thrusters_(p),
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
       complaint_due_(10 * kSecond_us),
-      slot_complaint_due_(10 * kSecond_us) {
+      slot_complaint_due_(10 * kSecond_us),
+      place_complaint_due_(10 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -189,6 +190,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
   if (in_range_) met |= core::kInRange;
+  if (slot_astern_.is()) met &= ~core::kSlotSound;
   if (pilot_.astray() == core::Astray::kNo || !core::law_drives(state())) met |= core::kOnStation;
   return met;
 }
@@ -255,7 +257,12 @@ void Boat<S>::steer(std::int64_t now_us) {
   const core::Thrust<S> wanted = drive ? wanted_thrust(now_us, dt) : core::Thrust<S>{};
   // COAST does not know the leader: what is told of it is what is heard of it.
   const bool by_law = drive && state() == core::State::kFormation;
-  if (!by_law && seen()) law_output_.error = pilot_.look(now_us).error;
+  if (!by_law && seen()) {
+    const auto slot = pilot_.look(now_us);
+    law_output_.error = slot.error;
+    law_output_.astern = slot.astern;
+  }
+  slot_astern_.look(law_output_.astern && seen() && parameters().FS_SLOT_M > 0, now_us);
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, wanted, dt, state() != core::State::kCoast);
@@ -276,6 +283,7 @@ void Boat<S>::complain(std::int64_t now_us) {
   }
   complain_of_slot(now_us);
   complain_of_station();
+  complain_of_place(now_us);
   tell_latency();
 }
 
@@ -327,6 +335,23 @@ void Boat<S>::complain_of_station() {
     } else {
       why << "boat comes no nearer to its slot: " << off_m << " m off";
     }
+  }
+  vehicle_.say(link::mav::kSeverityError, {why.text()}, counters_);
+}
+
+/// Why exactly the slot is not sound, at once and every ten seconds, to who wants to sail.
+template <class S>
+void Boat<S>::complain_of_place(std::int64_t now_us) {
+  if ((conditions_ & core::kSlotSound) != 0 || !core::armed(state())) return;
+  if (!place_complaint_due_.due(now_us)) return;
+  Sentence why;
+  const SlotClaims& claims = pilot_.claims();
+  if (claims.leaders(pilot_.tree_place())) {
+    why << "slot is the leader's own place: set FORM_OFS_N, FORM_OFS_E";
+  } else if (const auto rival = claims.rival(now_us)) {
+    why << "slot is that of boat " << static_cast<float>(*rival) << " too";
+  } else {
+    why << "slot goes astern on the inside of the turn: bring it nearer, or astern of the leader";
   }
   vehicle_.say(link::mav::kSeverityError, {why.text()}, counters_);
 }

@@ -165,6 +165,7 @@ class Boat {
   void complain(std::int64_t now_us);
   void complain_of_slot(std::int64_t now_us);
   void complain_of_station();
+  void complain_of_place(std::int64_t now_us);
   void tell_latency();
   void tell(std::int64_t now_us);
 
@@ -197,8 +198,8 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // in a row, in which time did not go on
-  Schedule complaint_due_, slot_complaint_due_;
-  Settled slot_too_fast_;
+  Schedule complaint_due_, slot_complaint_due_, place_complaint_due_;
+  Settled slot_too_fast_, slot_astern_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
   bool latency_told_ = false;
 };

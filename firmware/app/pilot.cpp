@@ -42,6 +42,7 @@ Pilot<S>::Pilot(const Parameters& p)
   set_latency(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_.system());
+  claims_.configure(own_.system(), leader_.system(), 2 * p.THR_ARM);
 }
 
 template <class S>
@@ -77,6 +78,7 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_system);
+  claims_.configure(own_system, leader_.system(), 2 * p.THR_ARM);
 }
 
 template <class S>
@@ -85,6 +87,7 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
   leader_.take(received, now_us, counters);
   const convert::Position place = own_.position();
   reference_.take(received, own_.has_origin() ? &place : nullptr, now_us, counters);
+  claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && own_.has_origin()) {
     neighbours_.take<S>(received, own_.position(), now_us);
   }
@@ -109,6 +112,8 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
   }
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
   if (answers_ || !own_.has_moved()) met |= core::kBoatAnswers;
+  if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
+  if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us)) met |= core::kSlotSound;
   if (!found_ || *found_ <= kMostLate_s) met |= core::kOwnPrompt;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
@@ -372,6 +377,7 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
   core::ControllerOutput<S> out;
   out.slot = core::slot_forward(lead.slot, law_.vessel, state, in, S(0));
   out.error = core::formation_error(in, out.slot);
+  out.astern = core::goes_astern(lead.slot, in, out.slot);
   return out;
 }
 

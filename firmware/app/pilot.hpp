@@ -8,6 +8,7 @@
 #include "app/convert_telemetry.hpp"
 #include "app/neighbours.hpp"
 #include "app/reference.hpp"
+#include "app/slot_claims.hpp"
 #include "app/vessel_track.hpp"
 #include "core/answer.hpp"
 #include "core/coast.hpp"
@@ -61,6 +62,9 @@ class Pilot {
   core::Astray astray() const { return station_.astray; }
   bool in_slot() const { return station_.in; }
   S yaw_rate() const { return motion_.motion.nu.r; }
+
+  /// Whose place the slot is besides.
+  const SlotClaims& claims() const { return claims_; }
 
   /// Where the boat is, seen from its slot, without a step.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
@@ -164,6 +168,7 @@ class Pilot {
   VesselTrack<S> leader_;
   Neighbours neighbours_;
   Reference<S> reference_;
+  SlotClaims claims_;
 };
 
 }  // namespace flotilla::app

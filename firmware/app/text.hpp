@@ -38,6 +38,8 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kLeaderFresh, "leader's state is not fresh", "FS_LEADER_S"},
     {core::kLeaderLive, "leader's state is frozen"},
     {core::kLeaderSteady, "leader's state jumps"},
+    {core::kLeadersEnd, "leaders follow each other in a ring"},
+    {core::kSlotSound, "slot is taken, or astern in the turn"},
     {core::kOnStation, "boat does not keep its slot", "FS_SLOT_M"},
     {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
     {core::kInsideFence, "place is beyond FS_FENCE_M, or unknown", "FS_FENCE_M"},

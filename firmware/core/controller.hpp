@@ -45,6 +45,7 @@ struct ControllerOutput {
   Separation<S> separation{};
   Tau<S> tau{};
   Allocation<S> allocation{};
+  bool astern = false;  ///< the slot, on the inside of a turn
 };
 
 /// v*(0) = v_L(0): call when FORMATION is entered and when the leader changes.
@@ -131,8 +132,15 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   const Tau<S> needed = pd_plus(params.inner, params.vessel, wanted_w,
                                 Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
   const Tau<S> tau = {needed.X - in.unknown.X, needed.N - in.unknown.N};
-  return {slot,   error,      sight, too_fast(params.outer, slot),
-          wanted, separation, tau,   allocate(params.propellers, tau)};
+  return {slot,
+          error,
+          sight,
+          too_fast(params.outer, slot),
+          wanted,
+          separation,
+          tau,
+          allocate(params.propellers, tau),
+          goes_astern(params.slot, in, slot)};
 }
 
 }  // namespace flotilla::core

@@ -164,6 +164,12 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   return slot;
 }
 
+/// A slot on the inside of its leader's turn that has to go astern, which no hull holds.
+template <class S>
+bool goes_astern(const SlotParams<S>& params, const Encounter<S>& in, const Slot<S>& slot) {
+  return params.turns && S(0) < in.nu_L.u && slot.nu.u < S(-0.05);
+}
+
 /// The leader's sway through the water: as if the boat had sailed beside it before.
 template <class S>
 S sway_beside(const Encounter<S>& in) {

@@ -58,7 +58,9 @@ constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
 constexpr Conditions kInRange = 1U << 19U;         ///< no number was out of the scalar's range
 constexpr Conditions kOnStation = 1U << 20U;       ///< in the slot or closing up, or not by the law
 constexpr Conditions kOwnPrompt = 1U << 21U;       ///< own state is not later than the law bears
-constexpr unsigned kConditionCount = 22;           ///< without the choices
+constexpr Conditions kLeadersEnd = 1U << 22U;      ///< no leader of the leaders follows this boat
+constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, and ahead in every turn
+constexpr unsigned kConditionCount = 24;           ///< without the choices
 // What the operator has chosen, FS_LEADER_ACT and FS_GCS_ACT; neither of two: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -73,7 +75,9 @@ constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
 /// A boat that leaves its slot has lost its leader as well as one that hears nothing of it.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
-constexpr Conditions kByLaw = kOwn | kOwnPrompt | kBoatAnswers | kSound | kLimits;
+/// Without them the boat has no place in the tree that it could sail to.
+constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
+constexpr Conditions kByLaw = kOwn | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // No own state: a boat that lost its navigation can be driven home.

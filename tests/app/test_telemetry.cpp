@@ -32,7 +32,7 @@ Report full() {
       12'345, convert::own_state_of<double>({1, 2, kOrigin}, {{0.5, 0}, 0.3, {1, 0, 0.1}, {}}),
       true};
   r.home = Home{410'000'100, 20'000'100, 5000};
-  r.formation = FormationReport{{1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
+  r.formation = FormationReport{true, {1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
   r.reference = link::FormationReference{};
   r.reference->path.fill(1);
   r.reference->offset_b.fill(-1);
@@ -269,14 +269,14 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
     return out;
   };
   Report r = full();
-  CHECK(
-      names(r) ==
-      "E_X E_Y E_PSI U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E "
-      "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
+  CHECK(names(r) ==
+        "E_X E_Y E_PSI IN_SLOT U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N "
+        "CUR_N CUR_E "
+        "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
   const auto values = all_as<link::NamedValueFloat>(mav::kNamedValueFloatId, r);
-  const std::array expected{1.0F,   2.0F,       0.1F, 1.0F,  0.2F,  0.5F,   0.25F,
-                            0.1F,   0.2F,       0.3F, -1.5F, 0.75F, 0.1F,   -0.2F,
-                            100.0F, 1048575.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
+  const std::array expected{1.0F,        2.0F, 0.1F,  1.0F,  1.0F,   0.2F, 0.5F,  0.25F,
+                            0.1F,        0.2F, 0.3F,  -1.5F, 0.75F,  0.1F, -0.2F, 100.0F,
+                            16777215.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(values[i].value == expected[i]);
   r.formation.reset();
   const std::string always = "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ";

@@ -32,7 +32,9 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kClear, "clear"},
                      {flotilla::core::kCoastRunning, "coast_running"},
                      {flotilla::core::kInRange, "in_range"},
-                     {flotilla::core::kOnStation, "on_station"}}};
+                     {flotilla::core::kOnStation, "on_station"},
+                     {flotilla::core::kLeadersEnd, "leaders_end"},
+                     {flotilla::core::kSlotSound, "slot_sound"}}};
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);
 
