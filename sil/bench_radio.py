@@ -22,7 +22,7 @@ BOAT = 2
 RADIO = 1  # the link
 
 # Ours, which the wheel's dialect lacks.
-_NAMES = {290: "ESC_INFO", 291: "ESC_STATUS", 436: "CURRENT_MODE"}
+_NAMES = {290: "ESC_INFO", 291: "ESC_STATUS", 436: "CURRENT_MODE", 53100: "FORMATION_REFERENCE"}
 
 
 class Radio(TypedDict):

@@ -80,17 +80,21 @@ bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t v
   return true;
 }
 
+/// When the leader's last message was true is known better by and by.
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
+  const Branch mine{place_.own().leader, place_.own().system};
   const auto message = leader.take_fix();
-  if (!message) return;
-  core::track_update(core::reference_track<S>(), shaped_, *message);
+  if (message) core::track_update(core::reference_track<S>(), shaped_, *message);
   const auto age_us = leader.age_us(now_us);
-  if (place_.branch(now_us) || !age_us || !leader.has_origin()) return;
-  const convert::RootState<S> root{leader.position(),
-                                   {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
+  if (!age_us || place_.branch(now_us) || !leader.has_origin()) return;
+  if (!message) {
+    if (held_ && held_->branch == mine) held_->valid_us = now_us - *age_us;
+    return;
+  }
+  const convert::RootState<S> root{
+      leader.position(), {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_motion_of(root)) {
-    const Branch mine{leader.system(), place_.own().system};
     hold({mine, ++made_, *told, root, now_us - *age_us, true});
   }
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The MAVLink messages that views and logs read: their numbers, how their fields lie on the wire.
 
-Layouts and checksum seeds are pymavlink's, but for those of two messages that its wheel lacks.
+Layouts and checksum seeds are pymavlink's, but for those of messages that its wheel lacks.
 Source: mavlink.io, common message set.
 """
 
@@ -12,12 +12,13 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[impo
 HEARTBEAT, SYS_STATUS, PARAM_VALUE, ATTITUDE = 0, 1, 22, 30
 LOCAL_POSITION_NED, GLOBAL_POSITION_INT, GPS_GLOBAL_ORIGIN = 32, 33, 49
 POSITION_TARGET_LOCAL_NED, FOLLOW_TARGET, NAMED_VALUE_FLOAT, STATUSTEXT = 85, 144, 251, 253
-ESC_INFO, ESC_STATUS, ODOMETRY = 290, 291, 331
+ESC_INFO, ESC_STATUS, ODOMETRY, FORMATION_REFERENCE = 290, 291, 331, 53100
 
 SEEDS: dict[int, int] = {
     **{number: kind.crc_extra for number, kind in mavlink.mavlink_map.items()},
     ESC_INFO: 251,
     ESC_STATUS: 10,
+    FORMATION_REFERENCE: 131,
 }
 """Checksum seed (CRC_EXTRA) of every message that is known, by its number."""
 

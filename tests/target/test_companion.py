@@ -43,6 +43,7 @@ SPOKEN = {
     "ESC_STATUS",
     "ESC_INFO",
     "NAMED_VALUE_FLOAT",
+    "FORMATION_REFERENCE",  # of its leader
     "STATUSTEXT",
 }
 

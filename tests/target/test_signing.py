@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.dialect import dialect
 from tests.target.sea import Sea, Tick
 from tests.target.stations import ACCEPTED, ARM, BOAT, UNSUPPORTED, Station, command_long
 
@@ -66,7 +67,7 @@ def order(command: int = 999) -> Any:
 
 def verified(chunk: bytes, key: bytes = KEY) -> list[Any]:
     """What a pymavlink with that key takes from the boat."""
-    parser = mavlink.MAVLink(None)
+    parser = dialect().MAVLink(None)
     parser.robust_parsing = True
     parser.signing.secret_key, parser.signing.timestamp = key, NOW
     found = parser.parse_buffer(chunk) or []

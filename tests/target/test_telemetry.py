@@ -104,6 +104,7 @@ def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None
         "ESC_INFO",
         "BATTERY_STATUS",
         "NAMED_VALUE_FLOAT",
+        "FORMATION_REFERENCE",  # of the leader
     }
     assert not about_own_state & {m.get_type() for m in messages([sea.tick_only()])}
     sea.run(1.0)
