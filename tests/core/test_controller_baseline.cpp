@@ -68,7 +68,7 @@ struct PapersLaw {
 
 template <class S>
 Said<S> said(const ControllerOutput<S>& out, const ControllerState<S>& state) {
-  const auto& [slot, error, sight, too_fast, wanted, separation, tau, allocation] = out;
+  const auto& [slot, error, sight, too_fast, wanted, separation, tau, allocation, astern] = out;
   return {error.e.x,
           error.e.y,
           error.e.psi,
