@@ -109,7 +109,7 @@ def measure(progress: Progress) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         wall_s, replay = _diamond(Path(folder))
         progress.advance(task)
-        states = "own and leader's state decoded, command encoded"
+        states = "own, leader's state and reference decoded, command encoded"
         add(_figure(f"tick: {states}", ["tick"], 20_000, 1, 2.5))
         add(_figure("tick: the same from ODOMETRY", ["tick_odometry"], 20_000, 1, None))
         add(_figure("ODOMETRY decoded", ["odometry"], 20_000, 1, None))

@@ -2,7 +2,8 @@
 // Work for the stop-watch and the instruction counter of tools/bench.
 //
 //   flotilla_bench tick N          N ticks in FORMATION: own and leader's ATTITUDE and
-//                                  LOCAL_POSITION_NED decoded, RawCommand encoded
+//                                  LOCAL_POSITION_NED and the leader's FORMATION_REFERENCE decoded,
+//                                  RawCommand encoded
 //   flotilla_bench tick_odometry N the same from an ODOMETRY each
 //   flotilla_bench odometry N      N ODOMETRY decoded by the link alone
 //   flotilla_bench replay N FILE BOAT NAME=VALUE...   first N ticks of that boat in a recording.bin
@@ -77,6 +78,20 @@ std::vector<std::uint8_t> state_of(link::MavlinkEncoder& encoder, std::int64_t t
   return bytes;
 }
 
+/// Of a root that is where the leader is.
+link::FormationReference reference_at(std::int64_t t_us, float x) {
+  link::FormationReference m{};
+  m.time_boot_ms = static_cast<std::uint32_t>(t_us / 1000);
+  m.sequence = static_cast<std::uint16_t>(t_us / kPeriod_us);
+  m.root = 101;
+  m.maker = kLeader;
+  m.flags = link::mav::kReferenceFollowed;
+  const auto place = static_cast<std::int32_t>(1024 * x);
+  m.motion = {487, 22, place, place, 6554, {579, 0, 0}, {}, 0};
+  m.path[0] = m.root;
+  return m;
+}
+
 void add_esc_reports(std::vector<Event>& events, std::int64_t t_us, std::uint8_t transfer_id) {
   for (std::uint8_t side = 0; side < 2; ++side) {
     const auto node = static_cast<std::uint8_t>(21 + side);
@@ -107,7 +122,9 @@ std::vector<Event> made_events(bool odometry) {
     const float x = 0.004F * static_cast<float>(k);
     if (k % 50 == 1) add_esc_reports(events, t_us, static_cast<std::uint8_t>(k / 50 % 32));
     events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(own, t_us, x, odometry)});
-    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(leader, t_us, x, odometry)});
+    std::vector<std::uint8_t> leaders = state_of(leader, t_us, x, odometry);
+    add_frame(leaders, leader, reference_at(t_us, x));
+    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, leaders});
     if (k == 150 || k == 151) {
       link::CommandLong command{link::mav::kCmdComponentArmDisarm, {1}, kOwn, 1, 0};
       if (k == 151) command = {link::mav::kCmdDoSetMode, {1, 6}, kOwn, 1, 0};

@@ -22,7 +22,7 @@ void Reference<S>::configure(const Parameters& p, std::uint8_t own_system) {
   const TreePlace::Own own{own_system, byte_of(p.FORM_LEADER),
                            convert::wire_offset_of(p.FORM_OFS_N, p.FORM_OFS_E),
                            p.FORM_FRAME == 1.0F};
-  if (!on_ || own.leader != place_.own().leader || own.system != place_.own().system) {
+  if (own.leader != place_.own().leader || own.system != place_.own().system) {
     held_.reset();
     guard_.forget();
     shaped_ = {};
@@ -83,7 +83,7 @@ bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t v
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const auto message = leader.take_fix();
-  if (!on_ || !message) return;
+  if (!message) return;
   core::track_update(core::reference_track<S>(), shaped_, *message);
   const auto age_us = leader.age_us(now_us);
   if (place_.branch(now_us) || !age_us || !leader.has_origin()) return;

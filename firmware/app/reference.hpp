@@ -32,7 +32,8 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
-  /// To be called in every tick: makes the reference where that is ours to do.
+  /// To be called in every tick: makes the reference where that is ours to do. Switched off it does
+  /// so too, that it may be switched on at any time.
   void make(VesselTrack<S>& leader, std::int64_t now_us);
 
   /// The root now, in place of the leader.

@@ -66,7 +66,7 @@ def main(arguments: list[str]) -> int:
 
     # The median tick has no telemetry due, the mean has its share of all that is.
     table = _columns("instructions of a tick in FORMATION", "least", "median", "mean")
-    for name, told in (("own and leader heard", steady), ("the recording's", said)):
+    for name, told in (("own, leader, reference heard", steady), ("the recording's", said)):
         each = [int(tick) for tick in told["instructions_driving"].split()]
         figures = [f"{of(each):,.0f}" for of in (min, median, fmean)] if each else ["–"] * 3
         table.add_row(name, *figures)

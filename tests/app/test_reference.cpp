@@ -37,8 +37,8 @@ struct Circle {
     m.y = static_cast<float>(east(us));
     m.q = {static_cast<float>(std::cos(0.5 * psi(us))), 0, 0,
            static_cast<float>(std::sin(0.5 * psi(us)))};
-    m.vx = kU;
-    m.yawspeed = kR;
+    m.vx = static_cast<float>(kU);
+    m.yawspeed = static_cast<float>(kR);
     m.frame_id = 1;
     m.child_frame_id = 12;
     return m;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -80,6 +81,9 @@ struct Ship {
     ask(link::CommandLong{mav::kCmdDoMotorTest, {1, 0, percent, s, 0, 0, 0}, {1, 1}, confirmation});
   }
 
+  link::FormationReference reference{};
+  std::uint32_t news = 0;
+
   void tick() {
     vehicle->begin(now_us, kTick_us);
     vehicle->heed(world | vehicle->conditions(now_us), counters);
@@ -93,10 +97,12 @@ struct Ship {
       r.own->state.origin = {410'000'000, 20'000'000, 0, 0};
       r.home = Home{410'000'000, 20'000'000, 0};
       r.formation = FormationReport{};
+      r.reference = reference;
       vehicle->locate(r.own->state.origin);
     }
     vehicle->report(r);
     vehicle->tell(counters);
+    if (vehicle->waits_for_reference(news)) vehicle->tell_reference(news, reference, counters);
     for (std::size_t link = 0; link < heard.size(); ++link) {
       link::Counters ignored;
       heard[link] = received_from(decoders[link], vehicle->links().bytes(link), ignored);
@@ -198,8 +204,9 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
     s.tick();
     return s.result();
   };
-  for (const std::uint16_t id : {mav::kAttitudeId, mav::kLocalPositionNedId, mav::kOdometryId,
-                                 mav::kHomePositionId, mav::kGpsGlobalOriginId}) {
+  for (const std::uint16_t id :
+       {mav::kAttitudeId, mav::kLocalPositionNedId, mav::kOdometryId, mav::kHomePositionId,
+        mav::kGpsGlobalOriginId, mav::kFormationReferenceId}) {
     CAPTURE(id);
     CHECK(answer_to(id) == mav::kTemporarilyRejected);
   }
@@ -210,6 +217,53 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
   s.tick();
   CHECK(s.result() == mav::kUnsupported);
   CHECK(s.all<link::AvailableModes>().empty());
+}
+
+/// In which ticks of the next ones the reference was told, `told` s.
+std::vector<int> references(Ship& s, int ticks, const std::function<bool(int)>& is_news) {
+  std::vector<int> told;
+  for (int k = 0; k < ticks; ++k) {
+    if (is_news(k)) ++s.news;
+    s.tick();
+    if (!s.all<link::FormationReference>().empty()) told.push_back(k);
+  }
+  return told;
+}
+
+TEST_CASE("the reference is told ten times a second, news or none, and on every link") {
+  Ship s;
+  s.pass(1);
+  CHECK(references(s, 1000, [](int) { return false; }).size() == 100);
+  CHECK(references(s, 1000, [](int) { return true; }).size() <= 101);  // the first one early
+  int links = 0;
+  for (int k = 0; k < 10; ++k) {
+    s.tick();
+    for (std::size_t link = 0; link < s.heard.size(); ++link) {
+      links += s.all<link::FormationReference>(link).empty() ? 0 : 1;
+    }
+  }
+  CHECK(links == static_cast<int>(s.heard.size()));
+}
+
+TEST_CASE("news goes on at once, up to half a turn early, but is never told twice as often") {
+  Ship s;
+  s.pass(1);
+  while (references(s, 1, [](int) { return false; }).empty()) {
+  }
+  // The next turn is ten ticks later; from here on news comes three ticks before each.
+  const auto told = references(s, 200, [](int k) { return k % 10 == 6; });
+  REQUIRE(told.size() == 20);
+  for (const int k : told) CHECK(k % 10 == 6);
+}
+
+TEST_CASE("with SR_STATE 2 the reference is told four times a second, with 0 never") {
+  for (const auto& [rate, times] : {std::pair{2.0F, 40U}, {0.0F, 0U}, {100.0F, 100U}}) {
+    Parameters p;
+    p.SR_STATE = rate;
+    Ship s(p);
+    s.pass(1);
+    CHECK(references(s, 1000, [](int) { return false; }).size() == times);
+  }
 }
 
 TEST_CASE("what was set is in force before anything that was asked behind it") {

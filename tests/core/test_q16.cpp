@@ -6,6 +6,7 @@
 #include "core/manual.hpp"
 #include "core/overflow.hpp"
 #include "core/piloted_boat.hpp"
+#include "core/reference.hpp"
 #include "core/station.hpp"
 #include "core/supervisor.hpp"
 #include "core/thrust_curve.hpp"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
-#include <complex>
-#include <vector>
 
 #include "core/arbitrary.hpp"
 #include "core/reference.hpp"
@@ -106,7 +104,6 @@ double gain(double omega, double age_s, double spacing_s) {
   TrackState<double> track;
   const TrackParams<double> params = reference_track<double>();
   const double amplitude = 1e-3;
-  std::complex<double> sum = 0;
   double greatest = 0;
   const int messages = static_cast<int>(std::ceil((40 + 6 * 6.3 / omega) / spacing_s));
   for (int k = 0; k < messages; ++k) {

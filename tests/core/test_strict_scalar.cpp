@@ -6,6 +6,7 @@
 #include "core/manual.hpp"
 #include "core/observer.hpp"
 #include "core/piloted_boat.hpp"
+#include "core/reference.hpp"
 #include "core/station.hpp"
 #include "core/strict_scalar.hpp"
 #include "core/supervisor.hpp"

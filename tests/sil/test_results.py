@@ -5,12 +5,13 @@ import argparse
 import json
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sil import published, results, results_campaigns, results_readme, scenario
+from sil import published, results, results_campaigns, results_fleets, results_readme, scenario
 from sil.campaign import finished
 from sil.claims import CLAIMS, LAWS
 from sil.results_table import BEGIN, END
@@ -218,3 +219,29 @@ def test_every_scenario_of_the_table_is_there_and_takes_300_s(name: str) -> None
     assert scenario.load(name).duration_s == 300.0
     for law in LAWS:
         assert scenario.load(name, [], law).law == law
+
+
+def test_fleets_are_told_case_by_case_and_nothing_is_written(
+    sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def outcome(job: Job) -> Outcome:
+        late = {"rms_error_m": 0.25, "states": {"FORMATION": 290.0, "HOLD": 10.0}}
+        return replace(fleet(job, rms_error_m=0.25), boats=[late])
+
+    jobs = sail(outcome)
+    assert results.main(options("--fleets")) == 0
+    told = capsys.readouterr().out
+    assert jobs == results_fleets.jobs() and len(jobs) == len(set(jobs))
+    assert all(f"{case.about}: {case.wanted}\n" in told for case in results_fleets.CASES)
+    assert told.count("rms_error_m 0.250 m") == len(results_fleets.CASES)
+    assert told.count("FORMATION 290.0 s, HOLD 10.0 s") == len(results_fleets.CASES)
+    assert "by depth: 0.250\n" in told
+    assert files(tmp_path) == NAMES
+
+
+@pytest.mark.parametrize("case", results_fleets.CASES, ids=lambda case: case.about)
+def test_case_of_fleets_is_a_scenario_that_can_be_sailed(case: results_fleets.Case) -> None:
+    settings = CLAIMS[case.scenario].settings("product")
+    chosen = scenario.load(case.scenario, [*settings, *case.overrides], "product")
+    assert chosen.duration_s == 300.0
+    assert len(chosen.boat) in (4, 10, 20)
