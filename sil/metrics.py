@@ -6,7 +6,7 @@ virtual leader. Errors in metres are √(e_x² + e_y²).
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +36,9 @@ class BoatSummary(TypedDict):
     thrust_rms_N: float
     thrust_step_rms_N: float
     states: dict[str, float]
+    closing_m: NotRequired[
+        float
+    ]  # how far it was from its slot, which it had not reached at the end
 
 
 class Summary(TypedDict):

@@ -98,6 +98,8 @@ def _row(boat: BoatSummary) -> str:
     states = ", ".join(
         f"{name} {time:.1f} s" for name, time in boat["states"].items() if time > 0.0
     )
+    if "closing_m" in boat:
+        states += f"; closing, {boat['closing_m']:.1f} m"
     cells = "".join(f"<td>{escape(cell)}</td>" for cell in [*_cells(boat), states])
     return f'<tr style="--boat: {plots.colour(boat["id"])}">{cells}</tr>\n'
 

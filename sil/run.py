@@ -7,6 +7,7 @@ import shutil
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -137,10 +138,16 @@ def _finish(
     }
     recorded = out / "recording.bin" if result.digest is not None else None
     said = said_of(out, trace, recorded, release_unix_s)
+    if said is not None:
+        for boat, heard in zip(boats, said.boats, strict=False):
+            if heard.is_closing():
+                boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     write(out, summary, trace, command, replayed)
     console.print(report.table(summary))
     for boat in summary["boats"]:
+        if "closing_m" in boat:
+            console.print(f"[bold yellow]boat {boat['id']} closing, {boat['closing_m']:.1f} m")
         others = {name: s for name, s in boat["states"].items() if name != "FORMATION"}
         if others:
             told = ", ".join(f"{s:.1f} s in {name}" for name, s in others.items())

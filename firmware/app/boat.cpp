@@ -184,7 +184,8 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const Parameters& p = parameters();
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (idle_ticks_ > 0 && static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
-  core::Conditions met = vehicle_.conditions(now_us) | pilot_.conditions(now_us, p) |
+  core::Conditions met = vehicle_.conditions(now_us) |
+                         pilot_.conditions(now_us, p, core::law_drives(state())) |
                          propulsion_of(can_, p, now_us) | limits_.conditions() | choices_;
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;
@@ -297,7 +298,7 @@ void Boat<S>::tell_latency() {
   Sentence late;
   late << "navigation unit is " << static_cast<float>(std::round(100 * *latency_s) / 100)
        << " s late (no TIMESYNC)";
-  const bool borne = (pilot_.conditions(now_us_, parameters()) & core::kOwnPrompt) != 0;
+  const bool borne = (pilot_.conditions(now_us_, parameters(), false) & core::kOwnPrompt) != 0;
   vehicle_.say(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""}, counters_);
 }
 
@@ -348,7 +349,7 @@ void Boat<S>::complain_of_place(std::int64_t now_us) {
   const SlotClaims& claims = pilot_.claims();
   if (claims.leaders(pilot_.tree_place())) {
     why << "slot is the leader's own place: set FORM_OFS_N, FORM_OFS_E";
-  } else if (const auto rival = claims.rival(now_us)) {
+  } else if (const auto rival = claims.rival(now_us, core::law_drives(state()))) {
     why << "slot is that of boat " << static_cast<float>(*rival) << " too";
   } else {
     why << "slot goes astern on the inside of the turn: bring it nearer, or astern of the leader";
@@ -393,7 +394,9 @@ Report Boat<S>::report(std::int64_t now_us) {
   }
   out.home = limits_.home();
   if (seen()) {
-    out.formation = FormationReport{in_slot(), convert::in_double(law_output_.error.e),
+    const bool judged = state() == core::State::kFormation && parameters().FS_SLOT_M > 0;
+    const auto told_in_slot = judged ? std::optional(in_slot()) : std::nullopt;
+    out.formation = FormationReport{told_in_slot, convert::in_double(law_output_.error.e),
                                     convert::in_double(law_output_.wanted.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }

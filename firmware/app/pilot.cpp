@@ -102,7 +102,7 @@ void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t r
 }
 
 template <class S>
-core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) const {
+core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, bool sails) const {
   core::Conditions met = 0;
   if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
   if (leader_.system() != own_.system() &&
@@ -113,7 +113,8 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p) 
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
   if (answers_ || !own_.has_moved()) met |= core::kBoatAnswers;
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
-  if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us)) met |= core::kSlotSound;
+  if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us, sails))
+    met |= core::kSlotSound;
   if (!found_ || *found_ <= kMostLate_s) met |= core::kOwnPrompt;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;

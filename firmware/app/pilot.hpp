@@ -40,7 +40,8 @@ class Pilot {
                 std::int64_t now_us);
 
   /// Those conditions that states make: fresh, plausible, near each other; no other vessel too near.
-  core::Conditions conditions(std::int64_t now_us, const Parameters& p) const;
+  /// sails: the law drives.
+  core::Conditions conditions(std::int64_t now_us, const Parameters& p, bool sails) const;
 
   /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
   /// has come. A boat that is not armed may be carried about: it is tracked as a leader is.

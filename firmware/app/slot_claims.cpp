@@ -45,9 +45,11 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
   if (told == nullptr || from == leader_ || from == own_) return;
   const auto mine = place.offset(now_us);
   const std::uint8_t root = place.branch(now_us).value_or(Branch{leader_, own_}).root;
-  if (mine && told->root == root && is_one(*mine, {told->offset_n, told->offset_b})) {
+  const bool follower = told->path[0] == own_;  // its slot is its own affair
+  if (mine && !follower && told->root == root && is_one(*mine, {told->offset_n, told->offset_b})) {
     rival_ = from;
     rival_us_ = now_us;
+    rival_sails_ = (told->flags & mav::kReferenceFollowed) != 0;
   } else if (from == rival_) {
     rival_ = 0;
   }
@@ -57,8 +59,9 @@ bool SlotClaims::leaders(const TreePlace& place) const {
   return leader_is_vessel_ && is_one({place.own().offset, {}}, {});
 }
 
-std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us) const {
-  const bool heard = rival_ != 0 && now_us - rival_us_ < kSilent_us;
+std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) const {
+  const bool counts = rival_ != 0 && (rival_sails_ || !sails);
+  const bool heard = counts && now_us - rival_us_ < kSilent_us;
   return heard ? std::optional(rival_) : std::nullopt;
 }
 

@@ -23,8 +23,9 @@ class SlotClaims {
   /// The slot is where the leader is.
   bool leaders(const TreePlace& place) const;
 
-  /// A boat that has the same slot of the same root: its system id.
-  std::optional<std::uint8_t> rival(std::int64_t now_us) const;
+  /// A boat that has the same slot of the same root: its system id. Who sails in it already, makes
+  /// way for one that sails too, not for one that only might.
+  std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
  private:
   bool is_one(const RootOffset& a, const RootOffset& b) const;
@@ -33,6 +34,7 @@ class SlotClaims {
   std::int64_t beam_ = 0;  // 1/1024 m
   bool leader_is_vessel_ = false;
   std::uint8_t rival_ = 0;
+  bool rival_sails_ = false;
   std::int64_t rival_us_ = 0;
 };
 

@@ -144,35 +144,36 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   const auto of = [&](auto read) {
     return r.formation ? std::optional<double>(read(*r.formation)) : std::nullopt;
   };
+  std::optional<double> in_slot;
+  if (r.formation && r.formation->in_slot) in_slot = *r.formation->in_slot ? 1 : 0;
   const auto estimate = [&](auto read) {
     return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
   };
   static_assert(core::kAllConditions < 1U << 24U, "COND: a float counts 24 bits exactly");
   using F = FormationReport;
   using E = Estimates;
-  const std::array<Value, 22> values{
-      {{"E_X", of([](const F& f) { return f.error.x; })},
-       {"E_Y", of([](const F& f) { return f.error.y; })},
-       {"E_PSI", of([](const F& f) { return f.error.psi; })},
-       {"IN_SLOT", of([](const F& f) { return f.in_slot ? 1.0 : 0.0; })},
-       {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
-       {"R_STAR", of([](const F& f) { return f.nu_star.r; })},
-       {"LACK_X", of([](const F& f) { return f.missing.X; })},
-       {"LACK_N", of([](const F& f) { return f.missing.N; })},
-       {"NAV_AGE", r.own_age_s},
-       {"LEAD_AGE", r.leader_age_s},
-       {"LEAD_UNC", r.leader_uncertainty_m},
-       {"UNK_X", estimate([](const E& e) { return e.unknown.X; })},
-       {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
-       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
-       {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
-       {"LEADER", double(r.leader)},
-       {"COND", double(r.conditions & core::kAllConditions)},
-       {"T_PORT", r.thrust.port},
-       {"T_STBD", r.thrust.stbd},
-       {"T_MAX", r.most_N},
-       {"T_MIN", r.least_N},
-       {"OVERRUNS", double(r.overruns)}}};
+  const std::array<Value, 22> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+                                      {"E_Y", of([](const F& f) { return f.error.y; })},
+                                      {"E_PSI", of([](const F& f) { return f.error.psi; })},
+                                      {"IN_SLOT", in_slot},
+                                      {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
+                                      {"R_STAR", of([](const F& f) { return f.nu_star.r; })},
+                                      {"LACK_X", of([](const F& f) { return f.missing.X; })},
+                                      {"LACK_N", of([](const F& f) { return f.missing.N; })},
+                                      {"NAV_AGE", r.own_age_s},
+                                      {"LEAD_AGE", r.leader_age_s},
+                                      {"LEAD_UNC", r.leader_uncertainty_m},
+                                      {"UNK_X", estimate([](const E& e) { return e.unknown.X; })},
+                                      {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
+                                      {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
+                                      {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
+                                      {"LEADER", double(r.leader)},
+                                      {"COND", double(r.conditions & core::kAllConditions)},
+                                      {"T_PORT", r.thrust.port},
+                                      {"T_STBD", r.thrust.stbd},
+                                      {"T_MAX", r.most_N},
+                                      {"T_MIN", r.least_N},
+                                      {"OVERRUNS", double(r.overruns)}}};
   for (const Value& v : values) {
     if (!v.value) continue;
     if (turn-- == 0) return value_of(v.name, static_cast<float>(*v.value), boot_ms(r));

@@ -28,7 +28,7 @@ struct EscReport {
 
 /// Errors and limits of the law, SI units.
 struct FormationReport {
-  bool in_slot;  ///< in FORMATION; else it closes up
+  std::optional<bool> in_slot;  ///< in FORMATION, where FS_SLOT_M judges it; else it closes up
   core::Error<double> error;
   core::Nu<double> nu_star;
   core::Tau<double> missing;  ///< of the wrench that the law asked for

@@ -97,6 +97,7 @@ class Fleet:
             "leader": None if leader is None else int(leader),
             "slot": self._slot(vessel, now_s),
             "error_m": _round(error_m, 4),
+            "in_slot": value("IN_SLOT"),
             "thrust_N": _pair(thrust),
             "limits_N": _pair(limits),
             "state": vessel.state,

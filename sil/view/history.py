@@ -34,6 +34,7 @@ COLUMNS = (
     "slot_x_m",
     "slot_y_m",
     "error_m",
+    "in_slot",
     "thrust_port_N",
     "thrust_stbd_N",
     "link_age_s",

@@ -53,10 +53,15 @@ class SaidByBoat:
                 self._note("battery_V", t_s, vessel.aboard.battery_V(t_s))
             case messages.NAMED_VALUE_FLOAT:
                 self._note("leader_age_s", t_s, vessel.value("LEAD_AGE"))
+                self._note("in_slot", t_s, vessel.value("IN_SLOT"))
             case messages.ESC_STATUS | messages.ESC_INFO:
                 for side, esc in zip(SIDES, vessel.aboard.escs(t_s), strict=False):
                     for name, number in esc.items():
                         self._note(f"{side}_{name}", t_s, number)
+
+    def is_closing(self) -> bool:
+        """Whether it was in FORMATION, but not in its slot, when it spoke last."""
+        return self._vessel.state == "FORMATION" and self._vessel.value("IN_SLOT") == 0.0
 
     def has_escs(self, port: int, stbd: int) -> None:
         """Which of its ESCs are its propellers'; 0 and 1 where nobody says so."""

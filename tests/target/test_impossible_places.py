@@ -32,9 +32,10 @@ def reference(
     offset_n: tuple[float, float] = (0.0, 0.0),
     offset_b: tuple[float, float] = (0.0, 0.0),
     root: int = LEADER,
+    sails: bool = True,
 ) -> Any:
     """FORMATION_REFERENCE of a boat with that path and slot."""
-    fields = [sea.now_us // 1000, 0, 1, root, OTHER, 1, 0, 0, *[0] * 10]
+    fields = [sea.now_us // 1000, 0, 1, root, OTHER, int(sails), 0, 0, *[0] * 10]
     offsets = [round(1024 * x) for x in (*offset_n, *offset_b)]
     path = path + [0] * (24 - len(path))
     message = dialect().MAVLink_formation_reference_message
@@ -43,6 +44,7 @@ def reference(
 
 def hold(parameters: dict[str, float] | None = None) -> Sea:
     sea = Sea({"FORM_OFS_N": -4.0} | (parameters or {}))
+    sea.own.answers_timesync = True  # it does not move as it is driven, but it is not late
     sea.enter_hold()
     return sea
 
@@ -125,7 +127,7 @@ def test_boat_that_tells_its_place_in_a_formation_is_a_vessel_too() -> None:
 def test_two_boats_with_one_slot_are_both_refused(frame: int) -> None:
     sea = hold({"FORM_FRAME": float(frame)})
     slot = {"offset_b" if frame else "offset_n": (-4.0, 0.2)}
-    told(sea, reference(sea, [LEADER], **slot), OTHER)
+    told(sea, reference(sea, [LEADER], **slot, sails=False), OTHER)
     assert_refused(sea, TAKEN)
     assert f"slot is that of boat {OTHER} too" in texts(sea.ticks)
     sea.run(3.1)  # it is gone
@@ -141,6 +143,21 @@ def test_slot_that_is_taken_under_way_ends_in_hold() -> None:
     told(sea, reference(sea, [LEADER], (-4.0, 0.0)), OTHER, 0.1)
     assert sea.state == "HOLD"
     told(sea, reference(sea, [LEADER], (-8.0, 0.0)), OTHER, 0.1)
+    sea.mode(FORMATION)
+    assert sea.state == "FORMATION"
+
+
+def test_boat_in_its_slot_makes_no_way_for_one_that_does_not_sail() -> None:
+    sea = hold()
+    sea.mode(FORMATION)
+    told(sea, reference(sea, [LEADER], (-4.0, 0.0), sails=False), OTHER)
+    assert sea.state == "FORMATION"
+
+
+def test_followers_slot_is_its_own_affair() -> None:
+    """It is refused itself: its slot is where this boat is."""
+    sea = hold()
+    told(sea, reference(sea, [BOAT, LEADER], (-4.0, 0.0)), OTHER)
     sea.mode(FORMATION)
     assert sea.state == "FORMATION"
 

@@ -63,6 +63,7 @@ def test_boat_that_comes_no_nearer_is_out_of_formation_after_half_a_minute() -> 
 
 def test_boat_that_swings_to_and_fro_faster_than_it_may_turn_is_out_of_formation() -> None:
     sea = behind(1e9, {"LAW_R_MAX": 0.1})
+    sea.own.answers_timesync = True  # what swings the boat is no latency
     sea.run(10.0)
     for k in range(20):
         sea.hull.push = (0.0, 4.0 if k % 2 else -4.0)

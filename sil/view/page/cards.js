@@ -75,8 +75,8 @@ class Card {
     const leader = byId.get(vessel.leader);
     const virtual = leader ? leader.kind === "leader" : false;
     say(this.follows, vessel.leader === null || vessel.leader === 0 ? "" : virtual ? "follows leader" : `follows ${vessel.leader}`);
-    say(this.state, vessel.state ?? (vessel.kind === "leader" ? "virtual" : ""));
-    this.state.className = `state ${vessel.state ?? ""}`;
+    say(this.state, isClosing(vessel) ? closing(vessel) : vessel.state ?? (vessel.kind === "leader" ? "virtual" : ""));
+    this.state.className = `state ${isClosing(vessel) ? "closing" : vessel.state ?? ""}`;
     say(this.why, isSilent(vessel) ? `silent for ${age(vessel.link_age_s)}` : vessel.held.join("; "));
     say(this.text, vessel.text && vessel.text !== vessel.state ? `“${vessel.text}”` : "");
     FACTS.forEach(([name, , read], i) => {

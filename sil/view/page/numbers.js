@@ -18,6 +18,10 @@ const withUnit = (x, digits, unit) => (known(x) ? `${fixed(x, digits)} ${unit}` 
 /** Metres: millimetres where it is little, none where it is much. */
 const metres = (x) => withUnit(x, Math.abs(x) < 1 ? 3 : Math.abs(x) < 100 ? 2 : 0, "m");
 
+/** A boat in FORMATION that is not in its slot yet; "closing, 9.5 m". */
+const isClosing = (vessel) => vessel.state === "FORMATION" && known(vessel.in_slot) && vessel.in_slot < 1;
+const closing = (vessel) => `closing, ${withUnit(vessel.error_m, 1, "m")}`;
+
 /** An age in seconds. */
 const age = (s) => withUnit(s, s < 10 ? 1 : 0, "s");
 

@@ -61,13 +61,13 @@ class Plan {
       const beside = vessel.kind === "leader" ? 6 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 8;
       const name = vessel.kind === "leader" ? "leader" : `${vessel.id}`;
       const stale = isElsewhere(vessel);
-      const told = isSilent(vessel) ? `silent ${age(vessel.link_age_s)}` : stale ? `was here ${age(vessel.place_age_s)} ago` : vessel.state === "FORMATION" ? null : vessel.state;
+      const told = isSilent(vessel) ? `silent ${age(vessel.link_age_s)}` : stale ? `was here ${age(vessel.place_age_s)} ago` : isClosing(vessel) ? closing(vessel) : vessel.state === "FORMATION" ? null : vessel.state;
       const width = ctx.measureText(name).width, more = told ? ctx.measureText(told).width + 5 : 0;
       // to the west of a boat that is in the west, so that names of neighbours do not meet
       const west = vessel.kind !== "leader" && vessel.y_m < middle - 1e-6 && right - beside - width - more > 0;
       const begin = west ? right - beside - width - more : right + beside;
       write(ctx, name, begin, down + 4, stale ? theme.stale : colourOf(vessel));
-      if (told) write(ctx, told, begin + width + 5, down + 4, theme[stale ? "stale" : STATE_THEME[told]]);
+      if (told) write(ctx, told, begin + width + 5, down + 4, theme[stale ? "stale" : isClosing(vessel) ? "calm" : STATE_THEME[told]]);
     }
   }
 

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""Who sails in its slot stays in FORMATION; a fleet that cannot be is not sailed."""
+
+import numpy as np
+import pytest
+
+from sil import metrics
+from tests.loop.conftest import Sail
+
+PRODUCT = ("law=product", "link.everyone=true", "duration_s=60")
+
+
+def test_ten_boats_in_line_close_up_and_stay_in_formation(sail: Sail) -> None:
+    run = sail("line10", "duration_s=60")
+    assert [set(states) for states in run.states] == [{"FORMATION"}] * 10
+    assert metrics.distances(run.trace["error"])[-1000:].max() < 0.1
+
+
+def test_slot_inside_a_turn_stops_its_boat_and_no_other_comes_near(sail: Sail) -> None:
+    """`diamond` with slots that turn: boat 2 would have to go astern."""
+    run = sail("diamond", *PRODUCT, parameters={"FORM_FRAME": 1.0})
+    assert [boat for boat, states in enumerate(run.states, 1) if "HOLD" in states] == [2]
+    separation = metrics.min_separation_m(run.trace["eta"])
+    assert separation is not None and separation > 0.5
+    errors = metrics.distances(run.trace["error"])[-1500:]
+    assert np.delete(errors, 1, axis=1).max() < 0.2
+
+
+@pytest.mark.parametrize(
+    ("how", "why"),
+    [
+        ("boat.1.parameters.FORM_LEADER=4", "leaders follow each other in a ring"),
+        ("boat.3.offset_m=[0, 0]", "boat 3: Refused: slot is taken"),
+        ("boat.4.offset_m=[-4, 0]", "slot is taken"),
+    ],
+)
+def test_fleet_that_cannot_be_is_not_sailed(sail: Sail, how: str, why: str) -> None:
+    with pytest.raises(Exception, match="not in FORMATION after 30 s") as told:
+        sail("diamond", *PRODUCT, how)
+    assert why in str(told.value)
