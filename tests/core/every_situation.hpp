@@ -9,7 +9,7 @@
 
 namespace flotilla::core {
 
-constexpr unsigned kBits = 24;  // conditions and choices
+constexpr unsigned kBits = kConditionCount + 4;  // conditions and choices
 
 /// Conditions that no row tells apart, found from the table itself: what holds of one that is not
 /// met holds of any of them.

@@ -17,7 +17,7 @@ struct World {
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
         leader(has(met, kLeaderFresh | kLeaderLive | kLeaderSteady)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
-        answers(has(met, kBoatAnswers)),
+        answers(has(met, kBoatAnswers | kOwnPrompt)),
         gcs(has(met, kGcsHeard)),
         limits(has(met, kBatteryGood | kInsideFence)),
         clear(has(met, kClear)),

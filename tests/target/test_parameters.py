@@ -128,7 +128,7 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 @EACH
 def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
-    assert p["kind"] in ("real", "whole", "sign", "mode", "identity", "frame", "action")
+    assert p["kind"] in ("real", "whole", "sign", "mode", "identity", "frame", "switch", "action")
     assert p["integer"] == (p["kind"] != "real")
     assert p["change"] in ("anytime", "disarmed", "restart", "mode")
     assert (p["kind"] == "mode") == (p["change"] == "mode") == (p["name"] == "MODE")

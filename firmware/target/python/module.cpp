@@ -151,7 +151,8 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real", "whole", "sign", "mode", "identity", "frame", "action"};
+  constexpr std::array kNames{"real",     "whole", "sign",   "mode",
+                              "identity", "frame", "switch", "action"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
