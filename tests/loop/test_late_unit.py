@@ -15,7 +15,7 @@ OFF_THE_MODEL = "mismatch.share=0.5"
 
 
 def sailed(*overrides: str) -> list[tuple[np.ndarray, np.ndarray, list[bool]]]:
-    """Of each seed: boats' errors (T, N) in m, yaw rates, whether each was in FORMATION throughout."""
+    """Of each seed: boats' errors (T, N) in m, yaw rates, whether each was never in HOLD."""
     scenarios = [load("late_unit", [*overrides, f"seed={seed}"]) for seed in SEEDS]
     out = []
     for scenario, run in zip(scenarios, sail(scenarios, {}), strict=True):
