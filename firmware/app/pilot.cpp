@@ -15,8 +15,11 @@ constexpr std::int64_t kOwnPatience_us = 300'000;
 constexpr std::int64_t kOwnFrozen_us = 300'000;
 // How late a unit may be of which nothing is known.
 constexpr float kUnknown_s = 0.3F;
+// Whatever it is: with hulls half off their model, predicting over 0.3 s costs 0.2 m behind the S-curve
+// (tests/loop/test_late_unit.py).
 constexpr float kMostLate_s = 0.35F;
-constexpr float kSlewOfLag = 0.2F;  // s per s
+constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC once a second, and a word back
+constexpr float kSlewOfLag = 0.2F;             // s per s
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -49,8 +52,16 @@ template <class S>
 void Pilot<S>::set_latency(const Parameters& p) {
   latency_params_.d = p.VES_D33 / p.VES_M33;
   inertia_ = p.VES_M33;
+  if (known_lag_s_ != p.NAV_LAG_S) forget_latency();
   known_lag_s_ = p.NAV_LAG_S;
   set_lag();
+}
+
+template <class S>
+void Pilot<S>::forget_latency() {
+  latency_ = {};
+  found_.reset();
+  lag_s_ = 0;
 }
 
 template <class S>
@@ -115,7 +126,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, 
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
   if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us, sails))
     met |= core::kSlotSound;
-  if (!found_ || *found_ <= kMostLate_s) met |= core::kOwnPrompt;
+  if (known_lag_s_ + found_.value_or(0) <= kMostLate_s || own_.bounded()) met |= core::kOwnPrompt;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -126,6 +137,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, 
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
   reference_.make(leader_, now_us);
+  look_at_clock(now_us);
   if (armed != armed_) {
     own_.set_limits(armed ? afloat_ : carried_);
     own_.set_smoothing(!armed);  // the observer carries it on from each message
@@ -141,14 +153,9 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     if (const auto fix = own_.take_fix()) told_ = fix->nu;
     return;
   }
-  if (finds_latency()) {
+  if (finds_latency_) {
     core::latency_forward(latency_, static_cast<float>(convert::number(given.N)) / inertia_,
                           static_cast<float>(convert::number(since)));
-  } else if (found_ || lag_s_ > 0) {
-    found_.reset();
-    lag_s_ = 0;
-    latency_ = {};
-    set_lag();
   }
   weigh(given, since);
   own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
@@ -158,7 +165,7 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   const auto fix = own_.take_fix();
   if (!fix) return;
   told_ = fix->nu;
-  if (finds_latency()) find_latency(*fix, now_us);
+  if (finds_latency_) find_latency(*fix, now_us);
   const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
   const auto [way, near] = convert::separation<S>(before, anchor_);
   const core::Vec2<S>& moved = motion_.motion.moved_n;
@@ -168,10 +175,15 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
       {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
 }
 
-/// A law without an observer takes each fix as it is, as in the paper.
+/// A unit that answers TIMESYNC has done so within a second. A law without an observer takes each fix
+/// as it is, as in the paper.
 template <class S>
-bool Pilot<S>::finds_latency() const {
-  return S(0) < observer_.omega && !own_.bounded();
+void Pilot<S>::look_at_clock(std::int64_t now_us) {
+  if (own_.bounded() || !own_.age_us(now_us)) unanswered_us_ = now_us;
+  finds_latency_ = S(0) < observer_.omega && now_us - unanswered_us_ > kAsked_us;
+  if (finds_latency_ || (!found_ && lag_s_ == 0)) return;
+  forget_latency();
+  set_lag();
 }
 
 template <class S>
@@ -198,7 +210,7 @@ void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_u
 template <class S>
 core::ObserverParams<S> Pilot<S>::careful_observer() const {
   core::ObserverParams<S> out = observer_;
-  if (!finds_latency()) return out;
+  if (!finds_latency_) return out;
   const float unknown_s = found_ ? std::abs(*found_ - lag_s_) : kUnknown_s;
   out.T = out.T + convert::scalar<S>(1.5F * unknown_s);
   out.omega = core::smaller(out.omega, S(1) / out.T);

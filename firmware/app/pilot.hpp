@@ -130,10 +130,11 @@ class Pilot {
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
   void find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us);
-  bool finds_latency() const;
+  void look_at_clock(std::int64_t now_us);
   core::ObserverParams<S> careful_observer() const;
   void set_latency(const Parameters& p);
   void set_lag();
+  void forget_latency();
 
   core::ControllerParams<S> law_;
   core::StationParams<S> keeping_;
@@ -148,13 +149,15 @@ class Pilot {
   S coast_s_;                        // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
-  // float whatever the law's scalar: its variances are below Q16's least number.
+  // float whatever the law's scalar: products of its variances are below Q16's least number.
   core::LatencyParams<float> latency_params_;
   core::Latency<float> latency_{};
-  std::optional<float> found_;  // latency, s
-  float lag_s_ = 0;             // of it, compensated
-  float known_lag_s_ = 0;
-  float inertia_ = 1;
+  std::int64_t unanswered_us_ = 0;  // since when no TIMESYNC bounds its clock
+  bool finds_latency_ = false;
+  std::optional<float> found_;  // latency beyond NAV_LAG_S, s
+  float lag_s_ = 0;             // as much of it as is compensated
+  float known_lag_s_ = 0;       // NAV_LAG_S
+  float inertia_ = 1;           // VES_M33
   core::JumpLimits<S> afloat_, carried_;
   bool armed_ = false;
   core::AnswerState<S> answer_{};

@@ -6,7 +6,7 @@
 //   ṙ = γ n(t − τ_i) − δ r + b     ḃ, γ̇ = white     z = r + white     n = N/m33, δ = d33/m33
 //   J_i ← λ J_i + (z − r̂)² / (P_rr + R)             what it foresaw badly
 //   τ̂: the vertex of the parabola through the least of them and its neighbours; A = J_{i−1} − 2 J_i + J_{i+1}
-//   known, where A > A_min J_i / Σλ                 σ_τ = h √(2 J_i / (A Σλ))
+//   known, where A > A_min J / Σλ, J = max(J_i, J_min Σλ)         σ_τ = h √(2 J / (A Σλ)) < h √(2 / A_min)
 //
 //  symbol  meaning                                     frame  unit         tested range
 //  r, z    yaw rate, and as a fix tells it                    rad/s        ±4
@@ -38,6 +38,7 @@ struct LatencyParams {
   S q_r = S(0.01), q_b = S(0.3), q_gamma = S(0.0001);
   S memory = S(60);  ///< of λ = 1 − dt/memory, s
   S A_min = S(60);
+  S J_min = S(0.1);  ///< no unit is better than that, of J / Σλ: what is left is the model's error
 };
 
 template <class S>
@@ -139,7 +140,8 @@ Late<S> latency_of(const LatencyParams<S>& params, const Latency<S>& state) {
   const S after = best + 1 < n ? J(best + 1) : J(n - 2);
   const S bend = before - S(2) * J(best) + after;
   const S off = best == 0 || best + 1 == n ? S(0) : S(0.5) * (before - after) / bend;
-  return {params.h * (S(best) + off), params.A_min * J(best) < bend * state.weight};
+  const S scale = larger(J(best), params.J_min * state.weight);
+  return {params.h * (S(best) + off), params.A_min * scale < bend * state.weight};
 }
 
 }  // namespace flotilla::core

@@ -125,6 +125,7 @@ const std::vector<Mutation> kThrust{
      [](Pair& q) { q.n.leader_us -= 1'010'000; }},
     {"own state frozen or jumping: no thrust by the law", kLaw, lost(core::kOwnLive)},
     {"leader's state frozen or jumping: no thrust in FORMATION", kLaw, lost(core::kLeaderSteady)},
+    {"navigation unit too late: no thrust by the law", kLaw, lost(core::kOwnPrompt)},
     {"a boat that does not answer is not driven by the law", kCoast, lost(core::kBoatAnswers)},
     {"battery low: no thrust by the law", kLaw, lost(core::kBatteryGood)},
     {"beyond the fence: no thrust by the law", kLaw, lost(core::kInsideFence)},

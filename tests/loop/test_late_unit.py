@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""Navigation units that are late, and answer no TIMESYNC: nobody tells the boats."""
+
+import numpy as np
+import pytest
+
+from sil import metrics
+from sil.agents import parameters_of, slots_of
+from sil.scenario import load
+from sil.world import Run, sail
+
+SEEDS = range(1, 6)
+MOST_TURN_RADPS = 1.2 * 0.8  # of LAW_R_MAX
+OFF_THE_MODEL = "mismatch.share=0.5"
+
+
+def sailed(*overrides: str) -> list[tuple[np.ndarray, np.ndarray, list[bool]]]:
+    """Of each seed: boats' errors (T, N) in m, yaw rates, whether each was never in HOLD."""
+    scenarios = [load("late_unit", [*overrides, f"seed={seed}"]) for seed in SEEDS]
+    out = []
+    for scenario, run in zip(scenarios, sail(scenarios, {}), strict=True):
+        assert isinstance(run, Run)
+        offsets = slots_of(parameters_of(scenario, {}))[:, :2]
+        follows = [boat.follows for boat in scenario.boat]
+        error = metrics.distances(metrics.formation_error(run.trace["eta"], follows, offsets))
+        always = [states.get("HOLD", 0.0) == 0.0 for states in run.states]
+        out.append((error, np.abs(run.trace["nu"][:, 1:, 2]), always))
+    return out
+
+
+@pytest.mark.parametrize("rate_hz", [10, 20, 50])
+@pytest.mark.parametrize("scalar", ["float", "q16"])
+def test_boats_whose_units_are_late_form_up_and_none_spins(rate_hz: int, scalar: str) -> None:
+    runs = sailed(
+        "duration_s=100", f"navigation.rate_hz={rate_hz}", OFF_THE_MODEL, f"scalar={scalar}"
+    )
+    for error, turn, always in runs:
+        assert turn.max() <= MOST_TURN_RADPS
+        assert all(always) and error[-1].max() < 0.2
+
+
+@pytest.mark.parametrize("rate_hz", [10, 50])
+def test_a_known_hull_is_as_exact_as_with_a_prompt_unit(rate_hz: int) -> None:
+    for error, turn, _ in sailed("duration_s=100", f"navigation.rate_hz={rate_hz}"):
+        assert turn.max() <= MOST_TURN_RADPS
+        assert error[-1000:].max() < 0.06
+
+
+@pytest.mark.parametrize("delay_s", [0.4, 0.45])
+def test_boats_whose_units_are_too_late_hold_and_none_spins(delay_s: float) -> None:
+    runs = sailed("duration_s=60", "navigation.rate_hz=20", f"navigation.delay_s={delay_s}")
+    for _, turn, always in runs:
+        assert not any(always)
+        assert turn[500:].max() <= MOST_TURN_RADPS
+
+
+def test_units_that_drift_and_drop_out_besides_do_not_look_late() -> None:
+    for error, turn, always in sailed(
+        "duration_s=100",
+        "navigation.position_drift_m=0.05",
+        "navigation.dropout_every_s=10",
+        "navigation.dropout_s=0.2",
+    ):
+        assert turn.max() <= MOST_TURN_RADPS
+        assert all(always) and error[-1].max() < 0.25
