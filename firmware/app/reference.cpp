@@ -92,8 +92,8 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
     if (held_ && held_->branch == mine) held_->valid_us = now_us - *age_us;
     return;
   }
-  const convert::RootState<S> root{
-      leader.position(), {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
+  const convert::RootState<S> root{leader.position(),
+                                   {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_motion_of(root)) {
     hold({mine, ++made_, *told, root, now_us - *age_us, true});
   }
