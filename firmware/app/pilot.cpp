@@ -265,13 +265,17 @@ core::Encounter<S> Pilot<S>::encounter(const Lead& lead) const {
   return in;
 }
 
-/// Another lead makes no step in the slot; to another slot of the same one the boat closes up anew.
+/// Another lead makes no step in the slot of a boat that sails in it: the step is let go slowly. One
+/// that still closes up makes for the new slot at once. To another slot of the same lead it closes up
+/// anew.
 template <class S>
 void Pilot<S>::follow(const Lead& next, S dt) {
   if (lead_.leader != next.leader) starting_ = true;
   if (starting_ || (lead_.branch == next.branch && !same_slot(lead_, next))) station_ = {};
   if (starting_) {
     shift_n_ = {};
+    blend_ = {};
+  } else if (lead_.branch != next.branch && S(1) < core::hypot(error_.e.x, error_.e.y)) {
     blend_ = {};
   } else if (lead_.branch != next.branch) {
     const auto in = encounter(next);

@@ -6,7 +6,7 @@
 //   ν(h) = ν + c δ      ν̇(h) = c (ν̇ + m ν̈), 0 after 2 s
 //   ∫δ = ½ m² (ν̇ + ⅓ m ν̈) + (h − m) δ                 ψ(h) = ψ + Δψ     Δψ = r h + c ∫δ_r
 //   Δp(h) = (1 − Δψ²/24) R(ψ + ½ r h + ⅓ c ∫δ_r) [u h + c ∫δ_u   v h + c ∫δ_v]ᵀ
-//   s ← s + h/(T + h) (k e_L min(1, s_max/(k |e_L|)) − s)      shift of the slot
+//   s ← s + h/(T + h) (k e_L − s), or (0 − s) where k |e_L| > s_max      shift of the slot
 //   b = b_0 x² (3 − 2x)     x = 1 − t/(5 s), until it is 0     what is left of a step of the slot
 //
 //  symbol   meaning                                             frame    unit        tested range
@@ -81,21 +81,21 @@ Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMot
 /// are carried on for longer, and by many.
 template <class S>
 TrackParams<S> reference_track() {
-  return {.T = S(0.2), .T_min = S(0.2)};
+  return {.T = S(0.2)};
 }
 
 template <class S>
 struct ShiftParams {
   S k = S(0.3);
-  S most = S(0.5);
-  S T = S(10);
+  S most = S(0.15);
+  S T = S(20);
 };
 
-/// The shift h seconds later: slowly to where the leader really is, no farther than `most`.
+/// The shift h seconds later: slowly to where the leader really is, no farther than `most`. Nobody makes
+/// way for a leader that is farther from its slot: it is still closing up, or has left it.
 template <class S>
 Vec2<S> shift_forward(const ShiftParams<S>& params, const Vec2<S>& shift, const Vec2<S>& e_L, S h) {
-  const S length = params.k * hypot(e_L.x, e_L.y);
-  const S gain = params.most < length ? params.k * (params.most / length) : params.k;
+  const S gain = params.most < params.k * hypot(e_L.x, e_L.y) ? S(0) : params.k;
   const S share = h / (params.T + h);
   return {shift.x + share * (gain * e_L.x - shift.x), shift.y + share * (gain * e_L.y - shift.y)};
 }
