@@ -179,7 +179,7 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
 /// as it is, as in the paper.
 template <class S>
 void Pilot<S>::look_at_clock(std::int64_t now_us) {
-  if (own_.bounded() || !own_.age_us(now_us)) unanswered_us_ = now_us;
+  if (own_.bounded() || !own_.age_us(now_us) || unanswered_us_ == 0) unanswered_us_ = now_us;
   finds_latency_ = S(0) < observer_.omega && now_us - unanswered_us_ > kAsked_us;
   if (finds_latency_ || (!found_ && lag_s_ == 0)) return;
   forget_latency();

@@ -152,7 +152,7 @@ class Pilot {
   // float whatever the law's scalar: products of its variances are below Q16's least number.
   core::LatencyParams<float> latency_params_;
   core::Latency<float> latency_{};
-  std::int64_t unanswered_us_ = 0;  // since when no TIMESYNC bounds its clock
+  std::int64_t unanswered_us_ = 0;  // since when no TIMESYNC bounds its clock; 0: not looked at
   bool finds_latency_ = false;
   std::optional<float> found_;  // latency beyond NAV_LAG_S, s
   float lag_s_ = 0;             // as much of it as is compensated

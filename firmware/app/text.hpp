@@ -31,7 +31,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kOwnFresh, "own state is not fresh", "FS_NAV_S"},
     {core::kOwnLive, "own state is frozen"},
     {core::kOwnSteady, "own state jumps"},
-    {core::kOwnPrompt, "navigation unit is too late for FORMATION"},
+    {core::kOwnPrompt, "navigation unit is too late"},
     {core::kEscsOnline, "ESCs are not online", "FS_ESC_S"},
     {core::kEscsObey, "an ESC turns that was told not to"},
     {core::kBoatAnswers, "boat does not answer to thrust"},

@@ -6,7 +6,7 @@
 //   ṙ = γ n(t − τ_i) − δ r + b     ḃ, γ̇ = white     z = r + white     n = N/m33, δ = d33/m33
 //   J_i ← λ J_i + (z − r̂)² / (P_rr + R)             what it foresaw badly
 //   τ̂: the vertex of the parabola through the least of them and its neighbours; A = J_{i−1} − 2 J_i + J_{i+1}
-//   known, where A > A_min J / Σλ, J = max(J_i, J_min Σλ)         σ_τ = h √(2 J / (A Σλ)) < h √(2 / A_min)
+//   known, where A > A_min J / Σλ and J_none − J_i > D_min J / Σλ, J = max(J_i, J_min Σλ)         σ_τ = h √(2 J / (A Σλ)) < h √(2 / A_min)
 //
 //  symbol  meaning                                     frame  unit         tested range
 //  r, z    yaw rate, and as a fix tells it                    rad/s        ±4
@@ -37,7 +37,9 @@ struct LatencyParams {
   S R = S(0.0001);
   S q_r = S(0.01), q_b = S(0.3), q_gamma = S(0.0001);
   S memory = S(60);  ///< of λ = 1 − dt/memory, s
+  S gamma_min = S(0.2);
   S A_min = S(60);
+  S D_min = S(60);
   S J_min = S(0.1);  ///< no unit is better than that, of J / Σλ: what is left is the model's error
 };
 
@@ -51,13 +53,21 @@ struct Latency {
     S J{};
   };
   Hypothesis hypotheses[kHypotheses];
+  Hypothesis none = unmoved();  ///< the boat does not answer to its moments, γ = 0
   S n[kLength]{};  ///< moments of the last moments, those of steps under 10 ms taken together
   S time[kLength]{};
   int last = 0;
   S weight{};  ///< Σλ
+
+  static Hypothesis unmoved() {
+    Hypothesis one;
+    one.x(2) = S(0);
+    one.P(2, 2) = S(0);
+    return one;
+  }
 };
 
-/// Nothing where it cannot be seen.
+/// Nothing where it cannot be seen, as in a boat that hardly answers to its moments.
 template <class S>
 struct Late {
   S tau{};
@@ -111,7 +121,7 @@ void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
   const Eigen::Matrix<S, 3, 1> gain = one.P.col(0) / variance;
   one.J = kept * one.J + off * off / variance;
   one.x += gain * off;
-  one.x(2) = clamp(one.x(2), S(0.2), S(3));
+  one.x(2) = clamp(one.x(2), params.gamma_min, S(3));
   const Eigen::Matrix<S, 1, 3> row = one.P.row(0);
   one.P -= gain * row;
 }
@@ -126,6 +136,10 @@ void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S a
     hypothesis_correct(params, state, one, age + tau + dt, age + tau, z, kept);
     tau = tau + params.h;
   }
+  LatencyParams<S> still = params;
+  still.q_gamma = S(0);
+  still.gamma_min = S(0);
+  hypothesis_correct(still, state, state.none, age + dt, age, z, kept);
 }
 
 template <class S>
@@ -141,7 +155,8 @@ Late<S> latency_of(const LatencyParams<S>& params, const Latency<S>& state) {
   const S bend = before - S(2) * J(best) + after;
   const S off = best == 0 || best + 1 == n ? S(0) : S(0.5) * (before - after) / bend;
   const S scale = larger(J(best), params.J_min * state.weight);
-  return {params.h * (S(best) + off), params.A_min * scale < bend * state.weight};
+  const bool answers = params.D_min * scale < (state.none.J - J(best)) * state.weight;
+  return {params.h * (S(best) + off), answers && params.A_min * scale < bend * state.weight};
 }
 
 }  // namespace flotilla::core

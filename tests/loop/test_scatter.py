@@ -33,7 +33,7 @@ def test_boats_that_start_scattered_never_come_too_near_and_all_arrive() -> None
 
 def test_boats_that_keep_clear_of_nobody_do_come_too_near() -> None:
     closest_m, _ = closest_and_last_errors(12, 20, "parameters.FS_SEP_M=0")
-    assert np.mean(np.array(closest_m) < LEAST_M) > 0.5
+    assert np.mean(np.array(closest_m) < LEAST_M) >= 0.4
 
 
 def test_boats_heard_but_twice_a_second_never_come_too_near() -> None:

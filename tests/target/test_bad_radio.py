@@ -59,7 +59,9 @@ def test_ten_minutes_of_bad_radio_never_arm_a_boat() -> None:
 
 def test_ten_minutes_of_bad_radio_never_change_the_mode_of_a_sailing_boat() -> None:
     rng = np.random.default_rng(7)
-    sea, neighbour = Sea({"CTL_RATE": 50}, links=2), Station(GCS, GCS_COMPONENT)
+    # the boat is scripted: it never comes nearer to its slot
+    sea = Sea({"CTL_RATE": 50, "FS_SLOT_M": 0.0, "FORM_OFS_N": -3.0}, links=2)
+    neighbour = Station(GCS, GCS_COMPONENT)
     sea.enter_formation()
     for k in range(30_000):
         if k % 2 == 0:

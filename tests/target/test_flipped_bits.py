@@ -112,7 +112,9 @@ def voyage(sea: Sea, gcs: GroundStation, garbage: bool) -> Iterator[Sea]:
 
 
 def at_its_mooring() -> Sea:
-    return Sea({"CTL_RATE": RATE_HZ, "SR_STATE": 2, NAME: 0.0}, links=2, leader=TURN)
+    # FS_SLOT_M: moored, it never comes nearer to its slot
+    told = {"CTL_RATE": RATE_HZ, "SR_STATE": 2, "FS_SLOT_M": 0.0, NAME: 0.0}
+    return Sea(told, links=2, leader=TURN)
 
 
 def assert_only_that_one_has_changed(sea: Sea, before: dict[str, float], sent: set[float]) -> None:

@@ -131,7 +131,8 @@ def test_a_boat_that_hears_the_same_does_the_same(
 ) -> None:
     """From arming to the first driven tick, to the precision of what messages carry."""
     own, leader = Course(1.0, 2.0, 0.3, 0.4, -0.05, 0.2), Course(5.0, 5.0, 0.5, 0.6, 0.02, -0.1)
-    sea = Sea(parameters | {"THR_SLEW": 0.0}, own=own, leader=leader, scalar="double")
+    without = {"THR_SLEW": 0.0, "LAW_REF": 0.0}  # the helm has no reference
+    sea = Sea(parameters | without, own=own, leader=leader, scalar="double")
     sea.own.period_us, sea.leader.period_us = own_period_us, sea.period_us
     sea.run(0.51)  # the last of these ticks has a fix
     twin = Twin(sea, parameters)

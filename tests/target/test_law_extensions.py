@@ -27,7 +27,7 @@ FELT = {
 }
 EACH = pytest.mark.parametrize("name", FELT)
 BASES = pytest.mark.parametrize("base", [PAPER, {}], ids=["paper", "product"])
-SLOT = {"FORM_OFS_N": -1.0, "FORM_OFS_E": 2.0}
+SLOT = {"FORM_OFS_N": -1.0, "FORM_OFS_E": 1.0}
 
 
 def afloat(parameters: dict[str, float]) -> Afloat:

@@ -359,7 +359,7 @@ def test_the_origin_keeps_its_own_rate_whatever_others_get(settled: Sea) -> None
 @pytest.mark.parametrize("bytes_per_s", [400, 800, 1200])
 def test_a_slow_radio_starves_no_message_for_good(bytes_per_s: int) -> None:
     """Followers need the origin as much as the position; operators need the health."""
-    sea = Sea(links=2)
+    sea = Sea({"FS_SLOT_M": 0.0}, links=2)
     sea.boat.limit_link(1, bytes_per_s)
     sea.enter_formation()
     ticks = sea.run(60.0)

@@ -38,8 +38,8 @@ def sail(parameters: dict[str, float], leader: Course, seconds: float = 3.0) -> 
 )
 def test_the_slots_are_those_of_esc_port_and_esc_stbd(port: int, stbd: int) -> None:
     parameters: dict[str, float] = {"ESC_PORT": port, "ESC_STBD": stbd}
-    sea = sail(parameters, Course(6.0, 0.0, 1.0))
-    reference = sail({}, Course(6.0, 0.0, 1.0))
+    sea = sail(parameters, Course(6.0, 2.0, 1.0))
+    reference = sail({}, Course(6.0, 2.0, 1.0))
     assert len(sea.commands) > max(port, stbd)
     assert (sea.commands[port], sea.commands[stbd]) == reference.commands != (0, 0)
     assert reference.commands[0] != reference.commands[1]
@@ -54,8 +54,8 @@ def test_the_slots_are_those_of_esc_port_and_esc_stbd(port: int, stbd: int) -> N
 def test_a_propeller_that_turns_the_other_way_gets_the_opposite_command(
     port: int, stbd: int
 ) -> None:
-    plain = sail({}, Course(6.0, 0.0, 1.0))
-    turned = sail({"THR_PORT_DIR": port, "THR_STBD_DIR": stbd}, Course(6.0, 0.0, 1.0))
+    plain = sail({}, Course(6.0, 2.0, 1.0))
+    turned = sail({"THR_PORT_DIR": port, "THR_STBD_DIR": stbd}, Course(6.0, 2.0, 1.0))
     for a, b in zip(plain.ticks, turned.ticks, strict=True):
         assert b.commands == (port * a.commands[0], stbd * a.commands[1])
     assert plain.commands != (0, 0)

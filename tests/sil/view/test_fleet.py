@@ -126,6 +126,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "leader": 9,
         "slot": (1.0, 2.0),
         "error_m": 5.0,
+        "in_slot": None,
         "thrust_N": (5.0, -2.0),
         "limits_N": (-15.0, 20.0),
         "state": "FORMATION",
