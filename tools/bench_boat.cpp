@@ -78,6 +78,15 @@ std::vector<std::uint8_t> state_of(link::MavlinkEncoder& encoder, std::int64_t t
   return bytes;
 }
 
+/// North and east: a slot of zero is the leader's own place.
+constexpr float kBehind_m = 2;
+
+app::Parameters in_its_slot() {
+  app::Parameters parameters;
+  parameters.FORM_OFS_N = parameters.FORM_OFS_E = -kBehind_m;
+  return parameters;
+}
+
 /// Of a root that is where the leader is.
 link::FormationReference reference_at(std::int64_t t_us, float x) {
   link::FormationReference m{};
@@ -121,7 +130,8 @@ std::vector<Event> made_events(bool odometry) {
     // Both sail north-east, one on top of the other: where the boat is, it need not go.
     const float x = 0.004F * static_cast<float>(k);
     if (k % 50 == 1) add_esc_reports(events, t_us, static_cast<std::uint8_t>(k / 50 % 32));
-    events.push_back({t_us, Event::Kind::kMavlink, 0, 0, state_of(own, t_us, x, odometry)});
+    events.push_back(
+        {t_us, Event::Kind::kMavlink, 0, 0, state_of(own, t_us, x - kBehind_m, odometry)});
     std::vector<std::uint8_t> leaders = state_of(leader, t_us, x, odometry);
     add_frame(leaders, leader, reference_at(t_us, x));
     events.push_back({t_us, Event::Kind::kMavlink, 0, 0, leaders});
@@ -216,7 +226,7 @@ void write_stream(const std::vector<Event>& events, std::size_t n) {
     put(port);
     put(static_cast<std::uint16_t>(length));
   };
-  const app::Parameters parameters;
+  const app::Parameters parameters = in_its_slot();
   record(0, 34, 4 + 4 * app::kParameterList.size());
   put(std::uint32_t{1});
   for (const app::ParameterInfo& info : app::kParameterList) put(parameters.*(info.member));
@@ -252,7 +262,7 @@ int main(int argc, char** argv) {
   const std::string_view what = argv[1];
   const auto n = static_cast<std::size_t>(std::atoll(argv[2]));
   const bool replay = what == "replay" && argc > 4;
-  app::Parameters parameters;
+  app::Parameters parameters = in_its_slot();
   for (int i = 5; i < argc; ++i) {
     const std::string_view text = argv[i];
     const app::ParameterInfo* info = app::find_parameter(text.substr(0, text.find('=')));

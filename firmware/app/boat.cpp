@@ -163,8 +163,12 @@ void Boat<S>::note_state(std::int64_t now_us) {
     if (was != state()) coast_us_ = now_us;
   } else {
     coast_us_.reset();
-    if (state() == core::State::kFormation && was != core::State::kCoast && was != state()) {
-      pilot_.start(now_us);
+    if (state() == core::State::kFormation && was != state()) {
+      if (was == core::State::kCoast) {
+        pilot_.close_anew();
+      } else {
+        pilot_.start(now_us);
+      }
     }
   }
 }

@@ -50,6 +50,9 @@ class Pilot {
   /// FORMATION was entered, not from COAST: the law begins anew, with the leader as it is now.
   void start(std::int64_t now_us);
 
+  /// FORMATION goes on after COAST: the leader may have come back somewhere else.
+  void close_anew() { station_ = {}; }
+
   /// One step of the law, dt after the last one, s.
   core::ControllerOutput<S> step(std::int64_t now_us, S dt);
 
