@@ -20,6 +20,7 @@ constexpr float kUnknown_s = 0.3F;
 constexpr float kMostLate_s = 0.35F;
 constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC once a second, and a word back
 constexpr float kSlewOfLag = 0.2F;             // s per s
+constexpr float kSeldom_s = 0.045F;            // fixes that come more often say no more of it
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -188,11 +189,15 @@ void Pilot<S>::look_at_clock(std::int64_t now_us) {
 
 template <class S>
 void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us) {
-  const float dt = static_cast<float>(convert::number(fix.dt));
-  if (!(0 < dt && dt < 0.5F)) {
+  const float since = static_cast<float>(convert::number(fix.dt));
+  if (!(0 < since && since < 0.5F)) {
     latency_ = {};
+    fix_s_ = 0;
     return;
   }
+  fix_s_ += since;
+  if (fix_s_ < kSeldom_s) return;
+  const float dt = std::exchange(fix_s_, 0.0F);
   const float age =
       std::max(convert::seconds<float>(own_.age_us(now_us).value_or(0)) - lag_s_, 0.0F);
   core::latency_correct(latency_params_, latency_, static_cast<float>(convert::number(fix.nu.r)),
