@@ -50,6 +50,7 @@ class Bound:
 class Claim:
     """A scenario in a few words, its bounds, the first one `limit_m` on the distance from the slot.
 
+    `limit_m` is infinite where boats are to stop that cannot hold their slots.
     `map_s`: how much of the run its map shows. `many_seeds`: figures are 95th percentiles.
     `defaults`: the overrides with which the product's law sails it, all but what it is about.
     """
@@ -75,7 +76,8 @@ class Claim:
 def _at_most(
     limit: float, key: str, what: str, unit: str, figure: Callable[[Trace], float]
 ) -> Bound:
-    return Bound(key, what, unit, figure, f"{limit:g} {unit}", lambda _, own: own <= limit)
+    to_reach = f"{limit:g} {unit}" if math.isfinite(limit) else ""
+    return Bound(key, what, unit, figure, to_reach, lambda _, own: own <= limit)
 
 
 def _of_the_root(key: str, unit: str, figure: Callable[[Trace], float]) -> Bound:
@@ -121,6 +123,14 @@ _APART = Bound(
     figures.least_separation_m,
     "at least 0.5 m",
     lambda _, own: own >= 0.5,
+)
+_DRIVEN_ASTRAY = Bound(
+    "driven_astray",
+    "boats over 1 m off their slots that are driven, last third",
+    "boats",
+    figures.driven_astray,
+    "none",
+    lambda _, own: own < 0.5,
 )
 _NO_CIRCLE = _at_most(
     0.15,
@@ -205,8 +215,8 @@ CLAIMS = {
     ),
     "diamond_frame1": Claim(
         "`diamond`'s slots turn with each leader: inner ones would go astern",
-        1.0,
-        (_APART,),
+        math.inf,
+        (_DRIVEN_ASTRAY, _APART),
         map_s=100.0,
     ),
     "stop_and_go": Claim(

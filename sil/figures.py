@@ -46,6 +46,13 @@ def thrust_change_N(trace: Trace) -> float:
     return float(metrics.thrust_step_rms_N(trace["thrust"][_last_third(trace)]).max())
 
 
+def driven_astray(trace: Trace) -> float:
+    """How many boats have thrust and are more than 1 m off their slots, in the last third."""
+    late = _last_third(trace)
+    off = metrics.distances(trace["error"])[late].max(axis=0) > 1.0
+    return float(np.count_nonzero(off & trace["thrust"][late].any(axis=(0, 2))))
+
+
 def overshoot_m(trace: Trace) -> float:
     """How far a boat moved away from its slot again, once it had been within 2 m of it."""
     largest = 0.0

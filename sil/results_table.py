@@ -131,7 +131,8 @@ def told(figure: float | None, bound: Bound, law: str) -> str:
         return "failed"
     if not math.isfinite(figure):
         return "never"
-    return f"{_short(figure)} {bound.unit}"
+    number = f"{figure:.0f}" if bound.unit == "boats" else _short(figure)
+    return f"{number} {bound.unit}"
 
 
 def _short(figure: float) -> str:

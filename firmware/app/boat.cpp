@@ -2,9 +2,9 @@
 #include "app/boat.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "app/portable.hpp"
 #include "core/manual.hpp"
 #include "core/overflow.hpp"
 
@@ -20,10 +20,12 @@ constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
+float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
+
 /// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that it is more than the limit.
 Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
   Sentence out;
-  out << "slot needs " << static_cast<float>(std::ceil(100 * needed) / 100) << limit_is << limit;
+  out << "slot needs " << hundredths(portable::ceil(100 * needed)) << limit_is << limit;
   return out;
 }
 
@@ -300,7 +302,7 @@ void Boat<S>::tell_latency() {
   const bool told = std::exchange(latency_told_, latency_s.has_value());
   if (told || !latency_s || *latency_s < kWorthAWord_s) return;
   Sentence late;
-  late << "navigation unit is " << static_cast<float>(std::round(100 * *latency_s) / 100)
+  late << "navigation unit is " << hundredths(portable::nearest(100 * *latency_s))
        << " s late (no TIMESYNC)";
   const bool borne = (pilot_.conditions(now_us_, parameters(), false) & core::kOwnPrompt) != 0;
   vehicle_.say(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""}, counters_);
@@ -329,12 +331,12 @@ void Boat<S>::complain_of_station() {
   Sentence why;
   if (astray_ == core::Astray::kSpins) {
     why << "boat spins: "
-        << static_cast<float>(std::round(100 * std::abs(convert::number(pilot_.yaw_rate()))) / 100)
+        << hundredths(portable::nearest(100 * convert::number(core::abs(pilot_.yaw_rate()))))
         << " rad/s, LAW_R_MAX is " << p.LAW_R_MAX;
   } else {
     const auto& e = law_output_.error.e;
     const auto off_m =
-        static_cast<float>(std::round(10 * convert::number(core::hypot(e.x, e.y))) / 10);
+        hundredths(10 * portable::nearest(10 * convert::number(core::hypot(e.x, e.y))));
     if (astray_ == core::Astray::kLeft) {
       why << "boat left its slot: " << off_m << " m off, FS_SLOT_M is " << p.FS_SLOT_M;
     } else {

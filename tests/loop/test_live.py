@@ -66,7 +66,9 @@ def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
     history = history_of_run(live)
     t_s = numbers(history["t_s"])
     for boat in some(history["vessels"][1:]):
-        assert boat["states"] == [[0.0, "FORMATION"]]
+        # a word that came as the boat was released may still tell of HOLD
+        last_since_s, last = boat["states"][-1]
+        assert last == "FORMATION" and last_since_s < 0.1
         assert set(numbers(boat["battery_V"])) == {24.0}
         assert (numbers(boat["leader_age_s"]) < 1.0).all()
         thrust, rpm = numbers(boat["thrust_port_N"]), numbers(boat["port_rpm"])
