@@ -156,7 +156,7 @@ class Pilot {
   core::LatencyParams<float> latency_params_;
   core::Latency<float> latency_{};
   std::int64_t unanswered_us_ = 0;  // since when no TIMESYNC bounds its clock; 0: not looked at
-  float fix_s_ = 0;  // since the last fix that was looked at for it
+  float fix_s_ = 0;                 // since the last fix that was looked at for it
   bool finds_latency_ = false;
   std::optional<float> found_;  // latency beyond NAV_LAG_S, s
   float lag_s_ = 0;             // as much of it as is compensated
