@@ -26,6 +26,13 @@ SLOWEST = 25
 PROGRESS_S = 60
 #: Targets of the release build: the programs that tests start.
 RELEASE = "flotillad flotilla_bench socketcan_tests"
+#: Tests of what other builds make: packages, the image, programs with sanitizers.
+OF_BUILDS = (
+    "tests/package",
+    "tests/target/cortex_m",
+    "tests/link/test_mavlink_oracle.py",
+    "tests/target/linux/test_logs.py",
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     fuzz_s = 300 if options.all else 5
     words = " ".join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
+    of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
     found = [
         Stage("lint", ("clang-format --dry-run --Werror $(git ls-files '*.hpp' '*.cpp')",
                        "ruff format --check .", "ruff check .", "mypy")),
@@ -69,17 +77,21 @@ def stages(options: argparse.Namespace) -> list[Stage]:
               ("release",), tests=True),
         Stage("sanitizers", ("nice tools/build dev",), ("release",)),
         Stage("images", ("nice tools/build cortex-m", "nice tools/build player-arm64",
-                         f"nice tools/package {packages}"), ("sanitizers",)),
+                         f"nice tools/package {packages}",
+                         f"{pytest} {junit.format('images')}{every} {of_builds}"),
+              ("sanitizers",), tests=True),
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
-        Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan --numprocesses 4 "
-                         f"--dist loadfile{every} {words}",), ("images",), tests=True),
+        # in the order of the folders: what waits for the clock comes before what computes
+        Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan {ignored} "
+                         "--numprocesses 4 --dist loadfile --no-loadscope-reorder"
+                         f"{every} {words}",), ("release",), tests=True),
     ]  # fmt: skip
     if options.all:
         found += [
             Stage("ranges", ("tools/fixed --ranges",), ("images",)),
-            Stage("fixed", ("tools/fixed",), ("python",)),
+            Stage("fixed", ("tools/fixed",), ("python", "images")),
         ]
     if not options.only:
         return found

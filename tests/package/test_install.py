@@ -35,6 +35,7 @@ def sail_a_little(root: Root) -> None:
         root.write(file, text, "0640")
 
 
+@pytest.mark.nightly
 def test_lintian_finds_no_error_and_no_warning(package: Path) -> None:
     need("lintian")
     said = run(["lintian", "--allow-root", "--fail-on=error,warning", str(package)])

@@ -75,6 +75,7 @@ def test_only_runs_that_both_have_are_pairs(compare: Callable[..., Compared]) ->
     assert "thrust" not in said.partition("B is worse")[2]
 
 
+@pytest.mark.nightly
 def test_same_code_with_another_seed_raises_at_most_one_alarm_in_fifty(tmp_path: Path) -> None:
     alarms = []
     for repetition in range(50):

@@ -73,6 +73,7 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_tables(
         assert files[0].read_bytes() == files[1].read_bytes()
 
 
+@pytest.mark.nightly
 def test_a_run_that_kills_every_worker_has_failed_and_costs_no_other(
     cluster: distributed.LocalCluster, tmp_path: Path
 ) -> None:

@@ -22,6 +22,7 @@ def test_what_a_fleet_costs_the_view_is_told(capsys: pytest.CaptureFixture[str])
     assert "2 boats and their leader say" in words and "% of a core" in words
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
 def test_what_the_page_costs_a_browser_is_told(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
