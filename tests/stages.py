@@ -64,7 +64,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     junit = f"--junitxml={OUT}/{{}}.xml"
     pytest = ".venv/bin/pytest -rs -o junit_family=xunit1"
     every = " --all" if options.all else ""
-    fuzz_s = 300 if options.all else 5
+    fuzz_s = 300 if options.all else 2
     words = " ".join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
     of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
@@ -83,10 +83,9 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
-        # in the order of the folders: what waits for the clock comes before what computes
         Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan {ignored} "
-                         "--numprocesses 4 --dist loadfile --no-loadscope-reorder"
-                         f"{every} {words}",), ("release",), tests=True),
+                         f"--numprocesses 4 --dist loadfile{every} {words}",),
+              ("sanitizers",), tests=True),
     ]  # fmt: skip
     if options.all:
         found += [
