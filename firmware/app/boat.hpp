@@ -166,6 +166,7 @@ class Boat {
   void complain_of_slot(std::int64_t now_us);
   void complain_of_station();
   void complain_of_place(std::int64_t now_us);
+  void complain_of_depth(std::int64_t now_us);
   void tell_latency();
   void tell(std::int64_t now_us);
 
@@ -202,6 +203,7 @@ class Boat {
   Settled slot_too_fast_, slot_astern_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
   bool latency_told_ = false;
+  bool deep_ = false;  // deeper in the tree than is certified
 };
 
 }  // namespace flotilla::app

@@ -140,7 +140,7 @@ def _chain_table(chain: Chain, margins: Margins) -> Table:
             "its peak yaw rate, speed, RMS off slot",
             f"{last.yaw_rate:.2g} rad/s, {last.speed:.2g} m/s, {last.off_slot_m:.2g} m",
         ),
-        ("certified to depth", depth),
+        ("certified to depth (FORM_DEPTH)", depth),
         ("more radio delay that it bears (s)", f"{margins.delay_s:.2f}"),
         ("hull off the model that it bears (%)", f"{100.0 * margins.mismatch:.0f}"),
     ]

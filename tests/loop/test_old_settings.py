@@ -35,7 +35,8 @@ FIGURES = {
     },
     "sea": {"rms_error_m": 0.0793548},
 }
-OF_MANY_SEEDS = {"mismatch": {"rms_error_m": 0.0707874, "thrust_rms_N": 2.78305}}
+# Before boats steered by the reference: 0.0707874 m.
+OF_MANY_SEEDS = {"mismatch": {"rms_error_m": 0.0760041, "thrust_rms_N": 2.78305}}
 # Each boat closes up to its slot of the root: on the way, its distance from its leader, who closes
 # up too, may grow once more. As good as that, then.
 WORSE = {("turning", "overshoot_m"): 0.665, ("stop_and_go", "overshoot_m"): 0.0706}

@@ -194,3 +194,18 @@ def test_slot_inside_a_turn_that_would_go_astern_ends_in_hold(side_m: float) -> 
     if side_m == 2.0:
         assert any("slot goes astern on the inside of the turn" in t for t in texts(sea.ticks))
         assert_refused(sea, TAKEN)
+
+
+@pytest.mark.parametrize(
+    ("most", "path", "says"), [(3, [9, 8, 7], True), (4, [9, 8, 7], False), (0, [9] * 9, False)]
+)
+def test_boat_deeper_than_certified_says_so_once_it_is_armed(
+    most: int, path: list[int], says: bool
+) -> None:
+    sea = Sea({"FORM_OFS_N": -4.0, "FORM_DEPTH": most})
+    told(sea, reference(sea, path), LEADER)
+    assert not any("FORM_DEPTH" in text for text in texts(sea.ticks))
+    sea.enter_hold()
+    told(sea, reference(sea, path), LEADER, 2.0)
+    said = [text for text in texts(sea.ticks) if "FORM_DEPTH" in text]
+    assert said == ["boat is 4 deep in the tree, FORM_DEPTH is 3"] * says
