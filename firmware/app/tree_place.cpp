@@ -29,7 +29,10 @@ void TreePlace::configure(const Own& own) {
 void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
                      std::int64_t now_us) {
   const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
-  word_ = Word{now_us, {m.root, m.maker}, {m.offset_n, m.offset_b}, m.path, followed};
+  const auto ours = std::ranges::find(m.path, own_.system);
+  word_ = Word{now_us,  {m.root, m.maker}, {m.offset_n, m.offset_b},
+               m.path,  length_of(m.path), ours != m.path.end(),
+               followed};
   const std::int64_t age_us = now_us - valid_us;
   if (age_us > kOld_us) leads_ = false;
   if (age_us > kYoung_us) not_young_us_ = now_us;
@@ -62,7 +65,7 @@ std::optional<RootOffset> TreePlace::offset(std::int64_t now_us) const {
 
 std::size_t TreePlace::depth(std::int64_t now_us) const {
   const Word* told = word(now_us);
-  return std::min(TreePath{}.size(), 1 + (told == nullptr ? 0 : length_of(told->path)));
+  return std::min(TreePath{}.size(), 1 + (told == nullptr ? 0 : told->length));
 }
 
 TreePath TreePlace::path(std::int64_t now_us) const {
@@ -72,19 +75,19 @@ TreePath TreePlace::path(std::int64_t now_us) const {
     const auto end = std::ranges::find(told->path, own_.system);
     const auto count = std::min<std::size_t>(static_cast<std::size_t>(end - told->path.begin()) + 1,
                                              path.size() - 1);
-    std::copy_n(told->path.begin(), std::min(count, length_of(told->path)), path.begin() + 1);
+    std::copy_n(told->path.begin(), std::min(count, told->length), path.begin() + 1);
   }
   return path;
 }
 
 bool TreePlace::too_deep(std::int64_t now_us) const {
   const Word* told = word(now_us);
-  return told != nullptr && length_of(told->path) >= TreePath{}.size() - 1;
+  return told != nullptr && told->length >= TreePath{}.size() - 1;
 }
 
 bool TreePlace::is_cycle(std::int64_t now_us) const {
   const Word* told = word(now_us);
-  return told != nullptr && std::ranges::find(told->path, own_.system) != told->path.end();
+  return told != nullptr && told->cycle;
 }
 
 }  // namespace flotilla::app

@@ -63,6 +63,8 @@ class TreePlace {
     Branch branch;
     RootOffset offset;
     TreePath path{};
+    std::size_t length = 0;  ///< of the path
+    bool cycle = false;      ///< we are on it
     bool followed = false;
   };
 

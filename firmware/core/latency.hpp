@@ -34,6 +34,7 @@ template <class S>
 struct LatencyParams {
   S d{};  ///< δ
   S h = S(0.05);
+  S step = S(0.061);  ///< longest step of the integration, s
   S R = S(0.0001);
   S q_r = S(0.01), q_b = S(0.3), q_gamma = S(0.0001);
   S memory = S(60);  ///< of λ = 1 − dt/memory, s
@@ -46,7 +47,8 @@ struct LatencyParams {
 template <class S>
 struct Latency {
   static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
-  static constexpr int kLength = 96;
+  static constexpr int kLength = 64;
+  static constexpr S kBin = S(0.02);  ///< s
   struct Hypothesis {
     Eigen::Matrix<S, 3, 1> x{S(0), S(0), S(1)};
     Eigen::Matrix<S, 3, 3> P = Eigen::Matrix<S, 3, 1>{S(0.1), S(0.1), S(0.25)}.asDiagonal();
@@ -54,10 +56,10 @@ struct Latency {
   };
   Hypothesis hypotheses[kHypotheses];
   Hypothesis none = unmoved();  ///< the boat does not answer to its moments, γ = 0
-  S n[kLength]{};  ///< moments of the last moments, those of steps under 10 ms taken together
-  S time[kLength]{};
-  int last = 0;
-  S weight{};  ///< Σλ
+  S impulse[kLength]{};         ///< ∫n dt of the last bins of time, a ring
+  int last = 0;                 ///< the bin that is being filled
+  S filled{};                   ///< of it, s
+  S weight{};                   ///< Σλ
 
   static Hypothesis unmoved() {
     Hypothesis one;
@@ -77,49 +79,73 @@ struct Late {
 /// The moment over inertia that was given for `time`.
 template <class S>
 void latency_forward(Latency<S>& state, S n, S time) {
-  if (!(S(0) < time)) return;
-  S& length = state.time[state.last];
-  S& mean = state.n[state.last];
-  if (length + time <= S(0.01)) {
-    mean = mean + (n - mean) * time / (length + time);
-    length = length + time;
-    return;
+  while (S(0) < time) {
+    const S part = smaller(time, state.kBin - state.filled);
+    state.impulse[state.last] = state.impulse[state.last] + part * n;
+    state.filled = state.filled + part;
+    time = time - part;
+    if (state.filled < state.kBin) continue;
+    state.last = (state.last + 1) % Latency<S>::kLength;
+    state.impulse[state.last] = state.filled = S(0);
   }
-  state.last = (state.last + 1) % Latency<S>::kLength;
-  state.n[state.last] = n;
-  state.time[state.last] = time;
 }
 
-/// One hypothesis, carried from `from` ago to `to` ago and set right by the yaw rate that is told.
+/// ∫n dt from `from` ago to `to` ago.
+template <class S>
+S latency_impulse(const Latency<S>& state, S from, S to) {
+  constexpr int n = Latency<S>::kLength;
+  constexpr S bin = Latency<S>::kBin;
+  int back = to < state.filled ? 0 : 1 + static_cast<int>((to - state.filled) / bin);
+  S end = back == 0 ? S(0) : state.filled + S(back - 1) * bin;
+  S sum = S(0);
+  for (; back < n && end < from; ++back) {
+    const S length = back == 0 ? state.filled : bin;
+    const S begin = end + length;
+    const S all = state.impulse[(state.last + n - back) % n];
+    const bool whole = !(end < to) && !(from < begin);
+    sum = sum + (whole ? all : (smaller(begin, from) - larger(end, to)) / length * all);
+    end = begin;
+  }
+  return sum;
+}
+
+/// From a fix to the next one, `count` steps of h.
+template <class S>
+struct LatencySteps {
+  int count;
+  S h;
+  S kept_r;  ///< of the yaw rate, by one step's damping
+};
+template <class S>
+LatencySteps<S> latency_steps(const LatencyParams<S>& params, S dt) {
+  const int count = 1 + static_cast<int>(dt / params.step);
+  const S h = dt / S(count);
+  return {count, h, S(1) / (S(1) + h * params.d)};
+}
+
+/// One hypothesis, carried to `to` ago and set right by the yaw rate that is told.
 template <class S>
 void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
-                        typename Latency<S>::Hypothesis& one, S from, S to, S z, S kept) {
-  Eigen::Matrix<S, 3, 3> F = Eigen::Matrix<S, 3, 3>::Identity();
-  constexpr int n = Latency<S>::kLength;
-  int back = 0;
-  S later = S(0);  // what was given after this one
-  while (back + 1 < n && later + state.time[(state.last + n - back) % n] < from) {
-    later = later + state.time[(state.last + n - back) % n];
-    ++back;
+                        const LatencySteps<S>& steps, typename Latency<S>::Hypothesis& one, S to,
+                        S z, S kept) {
+  const auto& [count, h, kept_r] = steps;
+  Eigen::Matrix<S, 1, 3> F{S(1), S(0), S(0)};  // its first row; the others are the identity's
+  for (int left = count; left > 0; --left) {
+    const S end = to + S(left - 1) * h;
+    const S impulse = latency_impulse(state, end + h, end);
+    one.x(0) = kept_r * (one.x(0) + one.x(2) * impulse + h * one.x(1));
+    F = kept_r * (F + Eigen::Matrix<S, 1, 3>{S(0), h, impulse});
   }
-  S left = from;
-  for (; back >= 0 && to < left; --back) {
-    const S until = back > 0 ? larger(later, to) : to;
-    const S h = larger(left - until, S(0));
-    const S moment = state.n[(state.last + n - back) % n];
-    const S kept_r = S(1) / (S(1) + h * params.d);
-    one.x(0) = (one.x(0) + h * (one.x(2) * moment + one.x(1))) * kept_r;
-    F.row(0) = kept_r * (F.row(0) + h * Eigen::Matrix<S, 1, 3>{S(0), S(1), moment});
-    left = until;
-    later = later - state.time[(state.last + n - back + 1) % n];
-  }
-  const S dt = from - to;
-  one.P = F * one.P * F.transpose();
+  const S dt = S(count) * h;
+  const Eigen::Matrix<S, 1, 3> r = F * one.P;
+  one.P.row(0) = r;
+  one.P.col(0) = r.transpose();
+  one.P(0, 0) = r.dot(F);
   one.P.diagonal() += dt * Eigen::Matrix<S, 3, 1>{params.q_r, params.q_b, params.q_gamma};
   const S off = z - one.x(0);
-  const S variance = one.P(0, 0) + params.R;
-  const Eigen::Matrix<S, 3, 1> gain = one.P.col(0) / variance;
-  one.J = kept * one.J + off * off / variance;
+  const S share = S(1) / (one.P(0, 0) + params.R);
+  const Eigen::Matrix<S, 3, 1> gain = share * one.P.col(0);
+  one.J = kept * one.J + share * off * off;
   one.x += gain * off;
   one.x(2) = clamp(one.x(2), params.gamma_min, S(3));
   const Eigen::Matrix<S, 1, 3> row = one.P.row(0);
@@ -130,16 +156,17 @@ void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
 template <class S>
 void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
   const S kept = S(1) - dt / params.memory;
+  const LatencySteps<S> steps = latency_steps(params, dt);
   state.weight = kept * state.weight + S(1);
   S tau = S(0);
   for (auto& one : state.hypotheses) {
-    hypothesis_correct(params, state, one, age + tau + dt, age + tau, z, kept);
+    hypothesis_correct(params, state, steps, one, age + tau, z, kept);
     tau = tau + params.h;
   }
   LatencyParams<S> still = params;
   still.q_gamma = S(0);
   still.gamma_min = S(0);
-  hypothesis_correct(still, state, state.none, age + dt, age, z, kept);
+  hypothesis_correct(still, state, steps, state.none, age, z, kept);
 }
 
 template <class S>

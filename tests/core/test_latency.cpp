@@ -72,12 +72,28 @@ TEST_CASE("a later unit than any hypothesis counts as one that is as late as the
   CHECK((!boat.late().known || boat.late().tau > 0.4F));
 }
 
-TEST_CASE("ticks of any length make the same history, of a second at 100 Hz") {
-  Latency<float> state;
-  for (int i = 0; i < 2000; ++i) latency_forward(state, 1.0F, 0.0025F);
-  float length = 0;
-  for (const float time : state.time) length += time;
-  CHECK(length == doctest::Approx(0.95).epsilon(0.02));
+TEST_CASE("the impulse between two instants is the same whatever the ticks are long") {
+  // n grows by 1 rad/s² a second: 0 a second ago, 1 now
+  const auto integral = [](float from, float to) {
+    return from - to - 0.5F * (from * from - to * to);
+  };
+  for (const float tick : {0.0025F, 0.01F, 0.013F, 0.02F}) {
+    Latency<float> state;
+    const int count = static_cast<int>(1.0F / tick);
+    for (int i = 0; i < count; ++i) {
+      const float middle = 1.0F - (static_cast<float>(count - i) - 0.5F) * tick;
+      latency_forward(state, middle, tick);
+    }
+    for (const float from : {0.05F, 0.31F, 0.9F}) {
+      for (const float to : {0.0F, 0.012F, 0.04F}) {
+        CAPTURE(tick);
+        CAPTURE(from);
+        CAPTURE(to);
+        CHECK(latency_impulse(state, from, to) ==
+              doctest::Approx(integral(from, to)).epsilon(0.01));
+      }
+    }
+  }
 }
 
 }  // namespace
