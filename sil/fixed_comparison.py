@@ -19,7 +19,7 @@ from sil.metal.image import play
 ROOT = Path(__file__).resolve().parents[1]
 ARGUMENTS = 1 << 22
 HERE = ROOT / "build/release/tests/fixed_compared"
-THERE = ROOT / "build/cortex-m/tests/target/cortex_m"
+THERE = ROOT / "build/cortex-m/tests/cortex_m"
 _TITLES = {"sin": "sin, within ±π", "sin_far": "sin, within ±32768", "cos": "cos, within ±π"}
 
 

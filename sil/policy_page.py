@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The table of firmware/POLICIES.md: the rules that every boat is watched by."""
+"""The table of sil/POLICIES.md: the rules that every boat is watched by."""
 
 from pathlib import Path
 
 import flotilla
 
-PAGE = Path(__file__).parent.parent / "firmware" / "POLICIES.md"
+PAGE = Path(__file__).with_name("POLICIES.md")
 
 
 def table() -> str:

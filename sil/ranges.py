@@ -24,11 +24,11 @@ from sil import law, scenario
 
 ROOT = Path(__file__).parents[1]
 CORE = ROOT / "firmware" / "core"
-FOLDER = ROOT / "build" / "ranges" / "firmware" / "target" / "python"
+FOLDER = ROOT / "build" / "ranges" / "sil" / "native" / "module"
 MARGIN = 4.0
 _END = 32768.0
 _STATED = re.compile(r"^// Q16\.16: tested within ±([\d,]+)", re.MULTILINE)
-_SEEN = re.compile(r"/core/core/(\w+\.hpp):(\d+) (\d+)$", re.MULTILINE)
+_SEEN = re.compile(r"/core/core/(?:\w+/)?(\w+\.hpp):(\d+) (\d+)$", re.MULTILINE)
 # No scenario has a leader that falls silent, which is what COAST is for.
 _SILENCE = "fault=[{kind='radio_silent', agent=0, at_s=20.0, for_s=8.0}]"
 
@@ -117,7 +117,7 @@ def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
 def stated(core: Path = CORE) -> dict[str, float]:
     """Within which magnitude each file of core says that it is tested, where it does."""
     found = {}
-    for path in core.glob("*.hpp"):
+    for path in core.rglob("*.hpp"):
         if said := _STATED.search(path.read_text(encoding="utf-8")):
             found[path.name] = float(said[1].replace(",", ""))
     return found

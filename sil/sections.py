@@ -265,7 +265,7 @@ class Fault(Section):
     `value`: metres (own_jump, impostor), seconds (own_clock, clock, replay), volts
     (esc_voltage), a share (frame_loss, radio_loss, byte_errors) or a factor (own_noisy). `esc`:
     whose, where it is one of ESCs.
-    `firmware/target/fleet/fault.hpp` says what each kind is.
+    `sil/native/fleet/fault.hpp` says what each kind is.
     """
 
     kind: FaultKind

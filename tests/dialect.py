@@ -13,7 +13,7 @@ from types import ModuleType
 import pymavlink
 from pymavlink.generator import mavgen
 
-OURS = Path(__file__).parents[1] / "firmware" / "link" / "flotilla.xml"
+OURS = Path(__file__).parents[1] / "firmware" / "link" / "mavlink" / "flotilla.xml"
 WHEEL = Path(pymavlink.__file__).parent / "dialects" / "v20"
 INCLUDED = ("common", "standard", "minimal")
 

@@ -29,9 +29,9 @@ RELEASE = "flotillad flotilla_bench socketcan_tests"
 #: Tests of what other builds make: packages, the image, programs with sanitizers.
 OF_BUILDS = (
     "tests/package",
-    "tests/target/cortex_m",
-    "tests/link/test_mavlink_oracle.py",
-    "tests/target/linux/test_logs.py",
+    "tests/cortex_m",
+    "tests/link/mavlink/test_oracle.py",
+    "tests/linux/test_logs.py",
 )
 
 

@@ -218,7 +218,7 @@ std::size_t decode_odometry(std::size_t n) {
   return n;
 }
 
-/// In the layout of firmware/target/cortex_m/player.hpp.
+/// In the layout of firmware/cortex_m/player.hpp.
 void write_stream(const std::vector<Event>& events, std::size_t n) {
   const auto put = [](const auto& value) { std::fwrite(&value, sizeof value, 1, stdout); };
   const auto record = [&](std::int64_t t_us, std::uint16_t port, std::size_t length) {

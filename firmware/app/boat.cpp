@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "app/portable.hpp"
+#include "app/convert/portable.hpp"
 #include "core/manual.hpp"
-#include "core/overflow.hpp"
+#include "core/scalar/overflow.hpp"
 
 namespace flotilla::app {
 namespace {

@@ -9,12 +9,12 @@
 #include <span>
 #include <utility>
 
-#include "app/can_node.hpp"
 #include "app/conditions.hpp"
-#include "app/pilot.hpp"
-#include "app/storage.hpp"
-#include "app/thrusters.hpp"
-#include "app/vehicle.hpp"
+#include "app/guidance/pilot.hpp"
+#include "app/operator/storage.hpp"
+#include "app/operator/vehicle.hpp"
+#include "app/propulsion/can_node.hpp"
+#include "app/propulsion/thrusters.hpp"
 
 namespace flotilla::app {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/can_node.hpp"
-#include "app/telemetry.hpp"
+#include "app/operator/telemetry.hpp"
+#include "app/propulsion/can_node.hpp"
 
 namespace flotilla::app {
 

@@ -15,7 +15,7 @@
 // Q16.16: tested within ±1,000 (F + R, N)
 #pragma once
 
-#include "core/scalar.hpp"
+#include "core/scalar/scalar.hpp"
 #include "core/types.hpp"
 
 namespace flotilla::core {

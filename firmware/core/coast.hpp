@@ -20,7 +20,7 @@
 #pragma once
 
 #include "core/allocation.hpp"
-#include "core/track.hpp"
+#include "core/estimation/track.hpp"
 
 namespace flotilla::core {
 

@@ -18,7 +18,7 @@
 #include <cstdint>
 
 #include "core/allocation.hpp"
-#include "core/scalar.hpp"
+#include "core/scalar/scalar.hpp"
 
 namespace flotilla::core {
 

@@ -25,7 +25,7 @@
 // Q16.16: tested within ±5,000 (e_L, m)
 #pragma once
 
-#include "core/track.hpp"
+#include "core/estimation/track.hpp"
 
 namespace flotilla::core {
 

@@ -11,7 +11,7 @@
 // Q16.16: tested within ±200 (places, m)
 #pragma once
 
-#include "core/scalar.hpp"
+#include "core/scalar/scalar.hpp"
 #include "core/types.hpp"
 
 namespace flotilla::core {

@@ -25,8 +25,8 @@
 // Q16.16: tested within ±500 (inertia, kg)
 #pragma once
 
-#include "core/carry.hpp"
 #include "core/rotation.hpp"
+#include "core/scalar/carry.hpp"
 #include "core/vessel.hpp"
 
 namespace flotilla::core {

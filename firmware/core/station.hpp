@@ -22,7 +22,7 @@
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once
 
-#include "core/scalar.hpp"
+#include "core/scalar/scalar.hpp"
 
 namespace flotilla::core {
 

@@ -16,7 +16,7 @@
 // Q16.16: tested within ±8,192 (commands in a propeller's counts)
 #pragma once
 
-#include "core/scalar.hpp"
+#include "core/scalar/scalar.hpp"
 
 namespace flotilla::core {
 

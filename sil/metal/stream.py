@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One boat of a recording as the stream that `flotilla_player` reads: firmware/target/cortex_m.
+"""One boat of a recording as the stream that `flotilla_player` reads: firmware/cortex_m.
 
 The recorded answers are not in it, but their digest is what the player has to print.
 """

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-#include "link/mav.hpp"
+#include "link/mavlink/mav.hpp"
 
 namespace flotilla::testing {
 

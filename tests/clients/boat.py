@@ -11,7 +11,7 @@ from typing import Protocol
 import flotilla
 from pymavlink.dialects.v20 import common as mavlink
 
-from tests.target.linux.process import LOOPBACK, PATIENT, RealSea
+from tests.linux.process import LOOPBACK, PATIENT, RealSea
 from tests.target.stations import BOAT
 
 ESCS_SILENT = "PreArm: ESCs are not online"

@@ -10,8 +10,8 @@ import pytest
 from tests.clients.boat import Sea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
-from tests.target.linux.conftest import bus
-from tests.target.linux.process import PROGRAM
+from tests.linux.conftest import bus
+from tests.linux.process import PROGRAM
 
 __all__ = ["bus"]
 

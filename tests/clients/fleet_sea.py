@@ -16,7 +16,7 @@ from sil.batch import Batch
 from sil.faults.rows import FOLDER
 from sil.start import start
 from tests.clients.boat import Client
-from tests.target.linux.process import LOOPBACK, free_port
+from tests.linux.process import LOOPBACK, free_port
 
 _PATIENCE_S = 30.0
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.clients.boat import Sea
-from tests.target.linux.process import LOOPBACK
+from tests.linux.process import LOOPBACK
 
 PROGRAM = Path(sys.executable).with_name("mavproxy.py")
 

@@ -20,7 +20,7 @@ from mavsdk.plugins.telemetry import Telemetry
 
 from tests.clients.boat import Sea
 from tests.clients.fleet_sea import FleetSea
-from tests.target.linux.process import LOOPBACK
+from tests.linux.process import LOOPBACK
 
 _LONGEST_CALL_S = 30.0
 

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "core/controller.hpp"
-#include "core/fixed.hpp"
+#include "core/scalar/fixed.hpp"
 
 namespace flotilla::testing {
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/fixed.hpp"
+#include "core/scalar/fixed.hpp"
 
 namespace flotilla::testing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The proof behind core/fixed.hpp: errors against the C library's double, which is within 2⁻²¹ LSB.
+// The proof behind core/scalar/fixed.hpp: errors against the C library's double, which is within 2⁻²¹ LSB.
 //
 //   sin cos atan tanh exp sqrt   all 2³² arguments. Of an odd or even function the oracle sees the
 //                                upper half, and every lower one is compared with its mirror image;
@@ -18,8 +18,8 @@
 #include <random>
 #include <vector>
 
-#include "core/carry.hpp"
 #include "core/fixed_errors.hpp"
+#include "core/scalar/carry.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/fixed.hpp"
+#include "core/scalar/fixed.hpp"
 
 namespace flotilla::testing {
 

@@ -5,7 +5,7 @@
 // Of each line the largest magnitude of any operand or result of Q16's operations.
 #pragma once
 
-#if __has_include("core/fixed.hpp")
+#if __has_include("core/scalar/fixed.hpp")
 
 #include <algorithm>
 #include <source_location>
@@ -13,7 +13,7 @@
 #include <unordered_map>
 
 #define Q16 PlainQ16
-#include "core/fixed.hpp"
+#include "core/scalar/fixed.hpp"
 #undef Q16
 
 namespace flotilla::core {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/closed_loop.hpp"
-#include "core/observer.hpp"
+#include "core/estimation/observer.hpp"
 
 namespace flotilla::testing {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/overflow.hpp"
 #include "core/piloted_boat.hpp"
+#include "core/scalar/overflow.hpp"
 
 namespace flotilla::core {
 namespace {

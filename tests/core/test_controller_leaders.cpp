@@ -2,8 +2,8 @@
 // The product's default law behind leaders that rest, that are slow, and that are too fast.
 #include <algorithm>
 
+#include "core/estimation/track.hpp"
 #include "core/piloted_boat.hpp"
-#include "core/track.hpp"
 
 namespace flotilla::core {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "core/fixed.hpp"
+#include "core/scalar/fixed.hpp"
 #include "core/station.hpp"
 
 namespace flotilla::core {

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "fuzz/stream.hpp"
-#include "link/dronecan_messages.hpp"
+#include "link/dronecan/messages.hpp"
 
 namespace flotilla::fuzz {
 

@@ -11,11 +11,11 @@
 
 #include "fuzz/stream.hpp"
 #include "fuzz/watched_boat.hpp"
-#include "target/linux/config_values.hpp"
-#include "target/linux/durable_file.hpp"
-#include "target/linux/node_table.hpp"
-#include "target/linux/parameter_file.hpp"
-#include "target/linux/signing_time.hpp"
+#include "linux/config_values.hpp"
+#include "linux/durable_file.hpp"
+#include "linux/node_table.hpp"
+#include "linux/parameter_file.hpp"
+#include "linux/signing_time.hpp"
 
 namespace flotilla::fuzz {
 namespace {

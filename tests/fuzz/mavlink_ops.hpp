@@ -12,7 +12,7 @@
 #include "fuzz/stream.hpp"
 #include "fuzz/watched_boat.hpp"
 #include "link/fields.hpp"
-#include "link/mavlink_encode.hpp"
+#include "link/mavlink/encode.hpp"
 
 namespace flotilla::fuzz {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "app/convert_telemetry.hpp"
-#include "link/messages.hpp"
+#include "app/convert/convert_telemetry.hpp"
+#include "link/mavlink/messages.hpp"
 
 namespace flotilla::fuzz {
 

@@ -12,7 +12,7 @@
 #include "app/boat.hpp"
 #include "fuzz/guard.hpp"
 #include "fuzz/wire_numbers.hpp"
-#include "link/dronecan_messages.hpp"
+#include "link/dronecan/messages.hpp"
 #include "policies/monitor.hpp"
 
 namespace flotilla::fuzz {

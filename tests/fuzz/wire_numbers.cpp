@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "fuzz/wire_numbers.hpp"
-#include "link/mavlink_crc.hpp"
-#include "link/mavlink_entries.hpp"
+#include "link/mavlink/crc.hpp"
+#include "link/mavlink/entries.hpp"
 
 namespace flotilla::fuzz {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "link/signing.hpp"
+#include "link/mavlink/signing.hpp"
 
 namespace flotilla::fuzz {
 

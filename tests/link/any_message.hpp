@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "link/fields.hpp"
-#include "link/mavlink_decode.hpp"
-#include "link/mavlink_encode.hpp"
+#include "link/mavlink/decode.hpp"
+#include "link/mavlink/encode.hpp"
 
 namespace flotilla::testing {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "link/dronecan_transfer.hpp"
+#include "link/dronecan/transfer.hpp"
 
 namespace flotilla::vectors {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "link/ftp_server.hpp"
+#include "link/mavlink/ftp_server.hpp"
 
 namespace flotilla::link::testing {
 

@@ -8,7 +8,7 @@ own, whose multicast is on loopback.
 import sys
 from pathlib import Path
 
-from tests.target.linux.process import RealSea
+from tests.linux.process import RealSea
 
 
 def main(folder: str, program: str, state_dir: str, *prefix: str) -> None:

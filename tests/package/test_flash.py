@@ -16,7 +16,7 @@ PORT = 2222
 SAVED = "/var/lib/flotilla/parameters.txt"
 CONFIG = "/etc/flotilla/boat.toml"
 #: A bus that needs no CAN in the kernel.
-SHIPPED = (SOURCES / "firmware" / "target" / "linux" / "boat.toml").read_text()
+SHIPPED = (SOURCES / "firmware" / "linux" / "boat.toml").read_text()
 BOAT_TOML = SHIPPED.replace("socketcan:can0", "mcast:0").replace("priority = 50", "priority = 0")
 
 pytestmark = pytest.mark.nightly

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.target.linux.process import PROGRAM, RealSea
+from tests.linux.process import PROGRAM, RealSea
 from tests.vcan.bus import run
 
 FAR = "198.51.100.7"  # nobody's: RFC 5737

@@ -6,8 +6,8 @@ import subprocess
 
 import pytest
 
-from tests.target.linux.conftest import bus, sea
-from tests.target.linux.process import RealSea
+from tests.linux.conftest import bus, sea
+from tests.linux.process import RealSea
 
 __all__ = ["bus", "sea"]
 

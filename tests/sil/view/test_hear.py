@@ -16,7 +16,7 @@ from sil.view.fleet import Fleet
 from sil.view.hear import Listener
 from sil.wire.mavlink_mcast import LOOPBACK, Mouth
 from tests.sil.view.feed import BEAT, attitude, said
-from tests.target.linux.process import free_port
+from tests.linux.process import free_port
 from tests.turns import some
 
 _PATIENCE_S = 20.0

@@ -23,7 +23,7 @@ from tests.sil.campaign.short import short
 from tests.sil.view.browser import Browser
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
 from tests.sil.view.live_page import CARD, LIVE, word
-from tests.target.linux.process import free_port
+from tests.linux.process import free_port
 
 FAULT = "fault=[{kind='radio_silent', agent=0, at_s=4.0}]"
 STATE = f"{CARD} return card && card.querySelector('.state').textContent === arguments[1]"

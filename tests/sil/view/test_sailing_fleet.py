@@ -25,7 +25,7 @@ from tests.sil.view.browser import Browser
 from tests.sil.view.live_page import LIVE, word
 from tests.sil.view.test_live_fleet import process
 from tests.sil.view.test_page_replay import seek
-from tests.target.linux.process import free_port
+from tests.linux.process import free_port
 from tests.turns import some
 
 ROOT = Path(__file__).parents[3]

@@ -19,7 +19,7 @@ from sil.view.live import Live
 from sil.view.serve import Server
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
-from tests.target.linux.process import free_port
+from tests.linux.process import free_port
 from tests.turns import some
 
 _PATIENCE_S = 20.0

@@ -7,7 +7,7 @@ import socket
 import pytest
 
 from sil.wire.mavlink_mcast import LOOPBACK, Group, Mouth, group_of, host_and_port, listener
-from tests.target.linux.process import free_port
+from tests.linux.process import free_port
 
 PATIENCE_S = 20.0
 

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "app/convert/convert.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "app/convert/geodesy.hpp"
+#include "app/convert/portable.hpp"
+
+namespace flotilla::app::convert {
+namespace {
+
+using geodesy::Plane;
+
+/// At the height that the origin says, where that can be one of a water.
+Plane plane_at(const link::GpsGlobalOrigin& o) {
+  constexpr double kHighest_m = 9000;
+  const double height_m = o.altitude * 1e-3;
+  return {o.latitude, o.longitude, std::abs(height_m) <= kHighest_m ? height_m : 0};
+}
+
+/// Where the leader is, north-east from us in our plane, and how far its plane's north is turned.
+struct Seen {
+  Metres north_m, east_m;
+  double turn_rad;
+  bool same_side;  ///< of the globe
+};
+
+Seen seen_from(const Position& own, const Position& leader) {
+  if (own.origin.latitude == leader.origin.latitude &&
+      own.origin.longitude == leader.origin.longitude) {
+    return {leader.north_m - own.north_m, leader.east_m - own.east_m, 0, true};
+  }
+  const Plane ours = plane_at(own.origin), theirs = plane_at(leader.origin);
+  constexpr double kSameSide_m = 6e6;
+  const auto [north_m, east_m, down_m] =
+      ours.local_of(theirs.sea_level({number(leader.north_m), number(leader.east_m)}));
+  return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
+}
+
+bool is_near(const Seen& seen) {
+  constexpr double kNear_m = 5000;
+  constexpr Metres kSurely_m = 3500;
+  const auto surely = [&](Metres x) { return -kSurely_m <= x && x <= kSurely_m; };
+  if (surely(seen.north_m) && surely(seen.east_m)) return seen.same_side;
+  const double north_m = number(seen.north_m), east_m = number(seen.east_m);
+  return seen.same_side && north_m * north_m + east_m * east_m <= kNear_m * kNear_m;
+}
+
+}  // namespace
+
+template <class S>
+Separation<S> separation(const Position& own, const Position& leader) {
+  const Seen seen = seen_from(own, leader);
+  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen)};
+}
+
+template <class S>
+core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_motion,
+                                const Position& leader, const core::Motion<S>& leader_motion) {
+  const Seen seen = seen_from(own, leader);
+  const S turn = scalar<S>(seen.turn_rad);
+  const core::Vec2<S> moved =
+      seen.turn_rad == 0 ? leader_motion.moved_n : core::to_north_east(turn, leader_motion.moved_n);
+  return {{scalar<S>(-seen.north_m) + own_motion.moved_n.x - moved.x,
+           scalar<S>(-seen.east_m) + own_motion.moved_n.y - moved.y},
+          own_motion.psi,
+          leader_motion.psi + turn,
+          own_motion.nu,
+          leader_motion.nu,
+          leader_motion.nu_dot,
+          {},
+          {}};
+}
+
+template <class S>
+Sample<S> in_plane(const Sample<S>& global, const link::GpsGlobalOrigin& origin) {
+  const Plane plane = plane_at(origin), there{global.at->latitude, global.at->longitude};
+  const auto [north_m, east_m, down_m] = plane.local_of(there.origin());
+  Sample<S> sample = global;
+  sample.north_m = north_m;
+  sample.east_m = east_m;
+  sample.psi_rad = sample.psi_rad + scalar<S>(plane.turn_of(there));
+  sample.at.reset();
+  return sample;
+}
+
+bool reaches(const link::GpsGlobalOrigin& origin, const GlobalPoint& at) {
+  constexpr double kReach_m = 100e3;
+  const Plane there{at.latitude, at.longitude};
+  return geodesy::distance_m(plane_at(origin).origin(), there.origin()) <= kReach_m;
+}
+
+GlobalPoint global_of(const Position& position) {
+  const Plane plane = plane_at(position.origin);
+  const auto [latitude, longitude] =
+      geodesy::degrees_of(plane.sea_level({number(position.north_m), number(position.east_m)}));
+  return {latitude, longitude, plane.turn_of({latitude, longitude})};
+}
+
+bool near(const Position& own, const Position& leader) { return is_near(seen_from(own, leader)); }
+
+double distance_m(const Position& a, const Position& b) {
+  const Seen seen = seen_from(a, b);
+  return seen.same_side ? portable::hypot(number(seen.north_m), number(seen.east_m))
+                        : std::numeric_limits<double>::infinity();
+}
+
+template <class S>
+core::ControllerParams<S> controller_params(const Parameters& p) {
+  const bool turns = p.FORM_FRAME == 1.0F;
+  return {
+      {{scalar<S>(p.FORM_OFS_N), scalar<S>(p.FORM_OFS_E)}, turns, turns || p.LAW_CUR_BW > 0},
+      {scalar<S>(p.LAW_KX), scalar<S>(p.LAW_KPSI), scalar<S>(p.LAW_U_MAX), scalar<S>(p.LAW_R_MAX)},
+      {scalar<S>(p.LAW_KDU), scalar<S>(p.LAW_KDR)},
+      {scalar<S>(p.VES_M11), scalar<S>(p.VES_M22), scalar<S>(p.VES_M33), scalar<S>(p.VES_D11),
+       scalar<S>(p.VES_D22), scalar<S>(p.VES_D33)},
+      {scalar<S>(p.THR_ARM), scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX)},
+      {scalar<S>(p.LAW_XT_DIST)},
+      {scalar<S>(p.FS_SEP_M)}};
+}
+
+template <class S>
+core::StationParams<S> station_params(const Parameters& p) {
+  return {scalar<S>(p.FS_SLOT_M), scalar<S>(p.LAW_XT_DIST), scalar<S>(p.LAW_R_MAX)};
+}
+
+template <class S>
+core::ObserverParams<S> observer_params(const Parameters& p) {
+  const S most =
+      S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of what both give
+  return {scalar<S>(p.LAW_OBS_BW),
+          scalar<S>(p.LAW_CUR_BW),
+          {most / scalar<S>(p.VES_M11), most / scalar<S>(p.VES_M22),
+           scalar<S>(p.THR_ARM) * most / scalar<S>(p.VES_M33)}};
+}
+
+template <class S>
+core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
+  return {scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX), scalar<S>(p.THR_EXPO),
+          scalar<S>(p.THR_DEAD), S(kRawFull)};
+}
+
+template <class S>
+core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
+  // Twice what the model says: it may be half wrong. A current of 2 m/s may begin at once.
+  const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
+  const float moment = p.THR_ARM * thrust;
+  const auto within = [](float most, float x) { return scalar<S>(std::min(x, most)); };
+  constexpr float kAnyRate = 500, kAnySpeed = 150;  // that, and no state is refused for it
+  const S current = S(2);
+  const core::JumpLimits<S> afloat{S(1),
+                                   S(0.8),
+                                   current,
+                                   S(1.5),
+                                   within(kAnyRate, thrust / p.VES_M11),
+                                   within(kAnyRate, moment / p.VES_M33),
+                                   within(kAnySpeed, thrust / p.VES_D11) + current,
+                                   within(kAnySpeed, moment / p.VES_D33)};
+  if (!carried) return afloat;
+  return {S(20), S(4), S(20), S(20), afloat.a, afloat.a_r, afloat.V + S(20), afloat.R + S(20)};
+}
+
+#define FLOTILLA_INSTANTIATE(S)                                                         \
+  template Separation<S> separation<S>(const Position&, const Position&);               \
+  template core::Encounter<S> encounter_of<S>(const Position&, const core::Motion<S>&,  \
+                                              const Position&, const core::Motion<S>&); \
+  template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);       \
+  template core::ControllerParams<S> controller_params<S>(const Parameters&);           \
+  template core::StationParams<S> station_params<S>(const Parameters&);                 \
+  template core::ObserverParams<S> observer_params<S>(const Parameters&);               \
+  template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);        \
+  template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);
+FLOTILLA_INSTANTIATE(float)
+FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
+#undef FLOTILLA_INSTANTIATE
+
+}  // namespace flotilla::app::convert

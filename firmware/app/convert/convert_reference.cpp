@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "app/convert/convert_reference.hpp"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "app/convert/portable.hpp"
+
+namespace flotilla::app::convert {
+namespace {
+
+constexpr int kParts = 1024, kHeadingParts = 8192, kTurnParts = 4096;
+constexpr int kMetresShift = 22;  // from Metres' 2⁻³² m to 2⁻¹⁰ m
+constexpr std::int64_t kFarthest = std::int64_t{1'000'000} * kParts;
+constexpr std::int32_t kFarthestSlot = 100'000 * kParts;
+
+Metres metres_of(std::int32_t parts) {
+  return Metres::of_raw(std::int64_t{parts} * (std::int64_t{1} << kMetresShift));
+}
+
+std::int64_t parts_of(Metres x) {
+  const std::int64_t half = std::int64_t{1} << (kMetresShift - 1);
+  return (x.raw() + half) >> kMetresShift;
+}
+
+/// The nearest whole part; nothing beyond 16 bits.
+template <class S>
+std::optional<std::int16_t> parts_of(S x, int parts) {
+  const S most = S(32767) / S(parts);
+  if (!(-most < x && x < most)) return std::nullopt;
+  const S scaled = x * S(parts);
+  return static_cast<std::int16_t>(whole(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
+}
+
+/// The number that `parts`-ths are: exact, since they are powers of two.
+template <class S>
+S of_parts(std::int16_t x, int parts) {
+  return S(int{x}) * (S(1) / S(parts));
+}
+
+template <class S>
+core::Nu<S> nu_of(const std::array<std::int16_t, 3>& x, int turn_parts) {
+  return {of_parts<S>(x[0], kParts), of_parts<S>(x[1], kParts), of_parts<S>(x[2], turn_parts)};
+}
+
+template <class S>
+std::optional<std::array<std::int16_t, 3>> wire_of(const core::Nu<S>& nu, int turn_parts) {
+  const auto u = parts_of(nu.u, kParts), v = parts_of(nu.v, kParts), r = parts_of(nu.r, turn_parts);
+  if (!u || !v || !r) return std::nullopt;
+  return std::array{*u, *v, *r};
+}
+
+}  // namespace
+
+WireOffset wire_offset_of(float a_m, float b_m) {
+  const auto parts = [](float m) {
+    return static_cast<std::int32_t>(portable::nearest(double{m} * kParts));
+  };
+  return {parts(a_m), parts(b_m)};
+}
+
+std::optional<WireOffset> sum_of(const WireOffset& a, const WireOffset& b) {
+  WireOffset sum{};
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const std::int64_t parts = std::int64_t{a[i]} + b[i];
+    if (std::abs(parts) > kFarthestSlot) return std::nullopt;
+    sum[i] = static_cast<std::int32_t>(parts);
+  }
+  return sum;
+}
+
+template <class S>
+core::Vec2<S> offset_of(const WireOffset& offset) {
+  return {scalar<S>(metres_of(offset[0])), scalar<S>(metres_of(offset[1]))};
+}
+
+template <class S>
+std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& m,
+                                          std::int32_t altitude_mm) {
+  const link::GpsGlobalOrigin origin{m.latitude, m.longitude, altitude_mm, 0};
+  const bool turns_once = std::abs(int{m.heading}) <= 4 * kHeadingParts;
+  if (!is_valid(origin) || !turns_once || std::abs(std::int64_t{m.north}) > kFarthest ||
+      std::abs(std::int64_t{m.east}) > kFarthest) {
+    return std::nullopt;
+  }
+  return RootState<S>{{metres_of(m.north), metres_of(m.east), origin},
+                      {of_parts<S>(m.heading, kHeadingParts), nu_of<S>(m.nu, kTurnParts),
+                       nu_of<S>(m.nu_dot, kParts), of_parts<S>(m.r_ddot, kParts)}};
+}
+
+template <class S>
+std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& root) {
+  const auto& [psi, nu, nu_dot, r_ddot] = root.motion;
+  const auto heading = parts_of(core::wrap_pi(psi), kHeadingParts);
+  const auto velocity = wire_of(nu, kTurnParts), rates = wire_of(nu_dot, kParts);
+  const auto jerk = parts_of(r_ddot, kParts);
+  const std::int64_t north = parts_of(root.position.north_m);
+  const std::int64_t east = parts_of(root.position.east_m);
+  if (!heading || !velocity || !rates || !jerk || std::abs(north) > kFarthest ||
+      std::abs(east) > kFarthest) {
+    return std::nullopt;
+  }
+  const link::GpsGlobalOrigin& origin = root.position.origin;
+  return link::ReferenceMotion{origin.latitude,
+                               origin.longitude,
+                               static_cast<std::int32_t>(north),
+                               static_cast<std::int32_t>(east),
+                               *heading,
+                               *velocity,
+                               *rates,
+                               *jerk};
+}
+
+template <class S>
+core::ForesightLimits<S> foresight_limits(const Parameters& p) {
+  constexpr float kAny = 100;
+  return {scalar<S>(p.LAW_U_MAX > 0 ? p.LAW_U_MAX / 5 : kAny),
+          scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
+}
+
+#define FLOTILLA_INSTANTIATE(S)                                                       \
+  template core::ForesightLimits<S> foresight_limits<S>(const Parameters&);           \
+  template core::Vec2<S> offset_of<S>(const WireOffset&);                             \
+  template std::optional<RootState<S>> root_state_of<S>(const link::ReferenceMotion&, \
+                                                        std::int32_t);                \
+  template std::optional<link::ReferenceMotion> reference_motion_of<S>(const RootState<S>&);
+FLOTILLA_INSTANTIATE(float)
+FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
+#undef FLOTILLA_INSTANTIATE
+
+}  // namespace flotilla::app::convert

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Convert, outwards: the boat's state in the wire's units and frames.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/convert/convert.hpp"
+#include "link/dronecan/messages.hpp"
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app::convert {
+
+/// The law's numbers in the one scalar that telemetry has.
+template <class S>
+core::Nu<double> in_double(const core::Nu<S>& nu) {
+  return {number(nu.u), number(nu.v), number(nu.r)};
+}
+template <class S>
+core::Tau<double> in_double(const core::Tau<S>& tau) {
+  return {number(tau.X), number(tau.N)};
+}
+template <class S>
+core::Error<double> in_double(const core::Error<S>& e) {
+  return {number(e.x), number(e.y), number(e.psi)};
+}
+template <class S>
+core::TooFast<double> in_double(const core::TooFast<S>& needs) {
+  return {number(needs.u), number(needs.r)};
+}
+
+/// The own state for followers, at a whole millisecond of our clock.
+struct OwnState {
+  double north_m, east_m;
+  double psi_rad;                  ///< in (−π, π]
+  core::Nu<double> nu;             ///< over ground, in the vessel's axes
+  core::Vec2<double> v_n;          ///< the same, north-east
+  core::Nu<double> nu_dot;         ///< of the components of nu
+  link::GpsGlobalOrigin origin{};  ///< of north and east; global messages need it
+};
+template <class S>
+OwnState own_state_of(const Position& from, const core::Motion<S>& motion);
+
+link::Attitude attitude_of(const OwnState& state, std::uint32_t time_boot_ms);
+link::LocalPositionNed local_position_of(const OwnState& state, std::uint32_t time_boot_ms);
+link::GlobalPositionInt global_position_of(const OwnState& state, std::uint32_t time_boot_ms);
+link::FollowTarget follow_target_of(const OwnState& state, std::uint64_t timestamp_ms);
+
+/// LOCAL_NED, velocity in BODY_FRD. Only for who asks: an autopilot that hears it takes it for its
+/// own external vision.
+link::Odometry odometry_of(const OwnState& state, std::uint32_t time_boot_ms);
+
+/// The way to the slot: bearing, distance, error abeam. `error` is (e_x, e_y, e_ψ) of the law.
+link::NavControllerOutput nav_controller_output_of(const OwnState& state,
+                                                   const core::Error<double>& error);
+
+/// The slot itself, from the own origin, and its heading.
+link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<double>& error,
+                                     std::uint32_t time_boot_ms);
+
+/// What two ESCs measure of the battery that feeds them: the lower voltage, both currents.
+link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
+                               const std::optional<link::EscStatus>& stbd);
+
+/// INT16_MAX, unknown, for what is no temperature.
+std::int16_t centidegrees_of_kelvin(float kelvin);
+
+/// A propeller does not turn for that share of its greatest thrust.
+bool is_dead(double share, const Parameters& p);
+
+/// A stick's −1000 … 1000 as −1 … 1; nothing for an axis that is not used, or nonsense.
+std::optional<double> stick_of(std::int16_t axis);
+
+}  // namespace flotilla::app::convert

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+// Where the boat and its leader are, what acts on the boat, and what the law makes of it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/convert/convert_telemetry.hpp"
+#include "app/guidance/reference.hpp"
+#include "app/guidance/slot_claims.hpp"
+#include "app/navigation/neighbours.hpp"
+#include "app/navigation/vessel_track.hpp"
+#include "core/coast.hpp"
+#include "core/estimation/answer.hpp"
+#include "core/estimation/latency.hpp"
+#include "core/station.hpp"
+#include "core/supervisor.hpp"
+
+namespace flotilla::app {
+
+/// What the boat knows beyond its messages, SI units.
+struct Estimates {
+  core::Tau<double> unknown;     ///< wrench that neither model nor propellers account for
+  core::Vec2<double> current_n;  ///< of the water
+};
+
+template <class S>
+class Pilot {
+ public:
+  explicit Pilot(const Parameters& p);
+
+  /// Parameters, and the own system id, as they are from now on.
+  void configure(const Parameters& p, std::uint8_t own_system);
+
+  /// Any message; those of other vessels are passed over.
+  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+
+  /// A vessel answered the TIMESYNC request that we sent at `sent_us`.
+  void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                std::int64_t now_us);
+
+  /// Those conditions that states make: fresh, plausible, near each other; no other vessel too near.
+  /// sails: the law drives.
+  core::Conditions conditions(std::int64_t now_us, const Parameters& p, bool sails) const;
+
+  /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
+  /// has come. A boat that is not armed may be carried about: it is tracked as a leader is.
+  void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
+
+  /// FORMATION was entered, not from COAST: the law begins anew, with the leader as it is now.
+  void start(std::int64_t now_us);
+
+  /// FORMATION goes on after COAST: the leader may have come back somewhere else.
+  void close_anew() { station_ = {}; }
+
+  /// One step of the law, dt after the last one, s.
+  core::ControllerOutput<S> step(std::int64_t now_us, S dt);
+
+  /// The same in COAST: behind the leader of the last step(), carried forward. That can go on while
+  /// it is known where the boat is, seen from there.
+  core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
+  bool can_coast() const;
+
+  /// Whether the law's boat keeps its slot, and is in it; since FORMATION was entered, or since the
+  /// slot or the leader changed.
+  core::Astray astray() const { return station_.astray; }
+  bool in_slot() const { return station_.in; }
+  S yaw_rate() const { return motion_.motion.nu.r; }
+
+  /// Whose place the slot is besides.
+  const SlotClaims& claims() const { return claims_; }
+
+  /// Where the boat is, seen from its slot, without a step.
+  core::ControllerOutput<S> look(std::int64_t now_us) const;
+
+  const core::ControllerParams<S>& law() const { return law_; }
+  Estimates estimates() const;
+
+  /// The own state at the whole millisecond of now.
+  convert::OwnState own_state(std::int64_t now_us) const;
+  bool located() const { return own_.has_origin(); }
+  const link::GpsGlobalOrigin& origin() const { return anchor_.origin; }
+  convert::Position place() const;
+
+  /// How deep in the tree, for others; nothing where we keep clear of nobody.
+  std::optional<double> depth() const;
+
+  /// What others steer by, and whether the tree ends in itself; followed: the law drives.
+  std::optional<link::FormationReference> reference(std::int64_t now_us, bool followed) const {
+    return reference_.message(now_us, followed);
+  }
+  std::uint32_t reference_news() const { return reference_.news(); }
+  const TreePlace& tree_place() const { return reference_.place(); }
+  std::optional<double> reference_age_s(std::int64_t now_us) const;
+
+  /// How late the navigation unit is found to be, beyond NAV_LAG_S; nothing where that is not seen yet,
+  /// or TIMESYNC tells.
+  std::optional<double> latency_s() const;
+
+  std::optional<double> own_age_s(std::int64_t now_us) const;
+  std::optional<double> leader_age_s(std::int64_t now_us) const;
+  std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
+    return leader_.uncertainty_m(now_us);
+  }
+
+  /// A vessel's ODOMETRY in a frame without north was refused since the last call.
+  bool take_frame_complaint() {
+    const bool own = own_.take_frame_complaint(), leader = leader_.take_frame_complaint();
+    return own || leader;
+  }
+
+ private:
+  /// What the law follows: the leader, or the formation's root in its place.
+  struct Lead {
+    std::uint8_t leader = 0;
+    Branch branch{};  ///< 0, 0: the leader itself
+    convert::Position position;
+    core::Motion<S> motion;
+    core::Vec2<S> offset_n{};  ///< of the slot; what turns with what is followed:
+    core::SlotParams<S> slot;
+  };
+
+  Lead lead(std::int64_t now_us) const;
+  core::Encounter<S> encounter(const Lead& lead) const;
+  void follow(const Lead& next, S dt);
+  static bool same_slot(const Lead& a, const Lead& b);
+  void shift_slot(std::int64_t now_us, S dt);
+  core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
+                                              S dt);
+  void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error,
+                    S dt);
+  core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
+  void set_limits(const Parameters& p);
+  void weigh(const core::Tau<S>& given, S since);
+  void find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us);
+  void look_at_clock(std::int64_t now_us);
+  core::ObserverParams<S> careful_observer() const;
+  void set_latency(const Parameters& p);
+  void set_lag();
+  void forget_latency();
+
+  core::ControllerParams<S> law_;
+  core::StationParams<S> keeping_;
+  core::StationState<S> station_{};
+  core::ControllerState<S> state_{};
+  Lead lead_;                        // of the last step
+  core::CoastState<S> coast_{};      // of its motion
+  core::FormationError<S> error_{};  // of the last step
+  core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
+  S shift_s_{};                      // since that was looked at
+  core::Blend<S> blend_{};           // of the step that another lead made
+  S coast_s_;                        // how long COAST lasts
+  core::ObserverParams<S> observer_;
+  core::Observer<S> motion_{};
+  // float whatever the law's scalar: products of its variances are below Q16's least number.
+  core::LatencyParams<float> latency_params_;
+  core::Latency<float> latency_{};
+  std::int64_t unanswered_us_ = 0;  // since when no TIMESYNC bounds its clock; 0: not looked at
+  float fix_s_ = 0;                 // since the last fix that was looked at for it
+  bool finds_latency_ = false;
+  std::optional<float> found_;  // latency beyond NAV_LAG_S, s
+  float lag_s_ = 0;             // as much of it as is compensated
+  float known_lag_s_ = 0;       // NAV_LAG_S
+  float inertia_ = 1;           // VES_M33
+  core::JumpLimits<S> afloat_, carried_;
+  bool armed_ = false;
+  core::AnswerState<S> answer_{};
+  bool answers_ = true;
+  core::Tau<S> pushed_{};  // N s, N m s, not weighed yet
+  S pushed_s_{};
+  core::Nu<S> told_{};        // velocity of the last fix
+  core::Nu<S> wanted_{};      // that the law wants, else as told
+  convert::Position anchor_;  // where motion_.motion.moved_n begins
+  bool starting_ = false;
+  VesselTrack<S> own_;
+  VesselTrack<S> leader_;
+  Neighbours neighbours_;
+  Reference<S> reference_;
+  SlotClaims claims_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/reference.hpp"
+
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+// Older than that, no S-curve can be foreseen; what is handed on has to last for a hop more.
+constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'000;
+// A maker that counts from anew says what is later by so much.
+constexpr std::int64_t kRestart_us = 1'000'000;
+
+std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
+
+}  // namespace
+
+template <class S>
+void Reference<S>::configure(const Parameters& p, std::uint8_t own_system) {
+  on_ = p.LAW_REF == 1.0F;
+  limits_ = convert::foresight_limits<S>(p);
+  const TreePlace::Own own{own_system, byte_of(p.FORM_LEADER),
+                           convert::wire_offset_of(p.FORM_OFS_N, p.FORM_OFS_E),
+                           p.FORM_FRAME == 1.0F};
+  if (own.leader != place_.own().leader || own.system != place_.own().system) {
+    held_.reset();
+    guard_.forget();
+    shaped_ = {};
+  }
+  place_.configure(own);
+}
+
+template <class S>
+void Reference<S>::take(const link::Received& received, const convert::Position* own,
+                        std::int64_t now_us, link::Counters& counters) {
+  const auto* m = std::get_if<link::FormationReference>(&received.message);
+  if (m == nullptr || !on_ || received.from.system == place_.own().system) return;
+  const bool leads = received.from.system == place_.own().leader;
+  const std::size_t rank = leads ? 0 : length_of(m->path);
+  const auto stamp_us =
+      clocks_.heard(received.from, static_cast<std::uint8_t>(rank), m->time_boot_ms, now_us);
+  if (!stamp_us) return;
+  const std::int64_t valid_us = *stamp_us - std::int64_t{m->age_ms} * 1000;
+  if (leads) place_.hear(*m, valid_us, now_us);
+  const auto branch = place_.branch(now_us);
+  if (own == nullptr || branch != Branch{m->root, m->maker}) return;
+  if (!is_newer(*m, *branch, valid_us)) return;
+  if (held_ && held_->branch != *branch) guard_.forget();
+  const auto root = convert::root_state_of<S>(m->motion, own->origin.altitude);
+  if (!root) {
+    ++counters.mavlink_bad_value;
+  } else if (now_us - valid_us > kOldestFollowed_us || !is_believed(*root, valid_us, now_us)) {
+    ++counters.reference_refused;
+  } else {
+    hold({*branch, m->sequence, m->motion, *root, valid_us, convert::near(*own, root->position)});
+  }
+}
+
+/// Heard before from another boat it is none; a maker that was started anew counts from anew.
+template <class S>
+bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& branch,
+                            std::int64_t valid_us) const {
+  if (!held_ || held_->branch != branch) return true;
+  const auto ahead = static_cast<std::int16_t>(m.sequence - held_->sequence);
+  return ahead > 0 || (ahead < 0 && valid_us - held_->valid_us > kRestart_us);
+}
+
+/// It can be what the one before has led to.
+template <class S>
+bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t valid_us,
+                               std::int64_t now_us) {
+  const auto& [position, motion] = root;
+  const typename JumpGuard<S>::Seen seen{position.north_m, position.east_m, motion.psi,
+                                         motion.nu,        valid_us,        now_us};
+  const link::GpsGlobalOrigin& origin = position.origin;
+  const bool far = held_ && (held_->told.latitude != origin.latitude ||
+                             held_->told.longitude != origin.longitude);
+  if (guard_.judge(seen, far) == JumpGuard<S>::Verdict::kRefused) return false;
+  guard_.believe(seen);
+  return true;
+}
+
+/// When the leader's last message was true is known better by and by.
+template <class S>
+void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
+  const Branch mine{place_.own().leader, place_.own().system};
+  const auto message = leader.take_fix();
+  if (message) core::track_update(core::reference_track<S>(), shaped_, *message);
+  const auto age_us = leader.age_us(now_us);
+  if (!age_us || place_.branch(now_us) || !leader.has_origin()) return;
+  if (!message) {
+    if (held_ && held_->branch == mine) held_->valid_us = now_us - *age_us;
+    return;
+  }
+  const convert::RootState<S> root{leader.position(),
+                                   {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
+  if (const auto told = convert::reference_motion_of(root)) {
+    hold({mine, ++made_, *told, root, now_us - *age_us, true});
+  }
+}
+
+template <class S>
+void Reference<S>::hold(const Held& held) {
+  held_ = held;
+  ++news_;
+}
+
+/// Of the branch that the boat is in now: its leader's, else its own.
+template <class S>
+const typename Reference<S>::Held* Reference<S>::held(std::int64_t now_us,
+                                                      std::int64_t oldest_us) const {
+  if (!on_ || !held_ || now_us - held_->valid_us > oldest_us) return nullptr;
+  const Branch mine{place_.own().leader, place_.own().system};
+  return held_->branch == place_.branch(now_us).value_or(mine) ? &*held_ : nullptr;
+}
+
+template <class S>
+std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us) const {
+  const Held* held = this->held(now_us, kOldestFollowed_us);
+  const auto offset = place_.offset(now_us);
+  if (held == nullptr || !held->near || !offset) return std::nullopt;
+  const S age = convert::seconds<S>(now_us - held->valid_us);
+  return Aim{held->branch, held->root.position,
+             core::reference_forward(limits_, held->root.motion, age), *offset,
+             place_.leaders_offset(now_us)};
+}
+
+template <class S>
+std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_us,
+                                                              bool followed) const {
+  const Held* held = this->held(now_us, kOldestTold_us);
+  const auto offset = place_.offset(now_us);
+  if (held == nullptr || !offset || place_.too_deep(now_us)) return std::nullopt;
+  const std::int64_t age_us = convert::us_of_ms(now_us) - held->valid_us;
+  const auto age_ms = static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
+  return link::FormationReference{convert::boot_ms(now_us),
+                                  age_ms,
+                                  held->sequence,
+                                  held->branch.root,
+                                  held->branch.maker,
+                                  followed ? link::mav::kReferenceFollowed : std::uint8_t{0},
+                                  held->told,
+                                  offset->n,
+                                  place_.path(now_us),
+                                  offset->b};
+}
+
+template <class S>
+std::optional<std::int64_t> Reference<S>::age_us(std::int64_t now_us) const {
+  const Held* held = this->held(now_us, kOldestFollowed_us);
+  return held == nullptr ? std::nullopt : std::optional(now_us - held->valid_us);
+}
+
+template class Reference<float>;
+template class Reference<double>;
+template class Reference<core::Q16>;
+
+}  // namespace flotilla::app

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/slot_claims.hpp"
+
+#include "app/convert/convert_reference.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+// A boat that tells its slot no more has none, or is out of hearing.
+constexpr std::int64_t kSilent_us = 3'000'000;
+
+bool is_vessel(const link::Heartbeat& beat) {
+  return beat.type != mav::kTypeGeneric && beat.type != mav::kTypeGcs &&
+         beat.type != mav::kTypeOnboardController && beat.autopilot != mav::kAutopilotInvalid;
+}
+
+}  // namespace
+
+void SlotClaims::configure(std::uint8_t own_system, std::uint8_t leader, float beam_m) {
+  if (leader != leader_ || own_system != own_) leader_is_vessel_ = false;
+  own_ = own_system;
+  leader_ = leader;
+  beam_ = convert::wire_offset_of(beam_m, 0)[0];
+  rival_ = 0;  // the slot may be another one: it is told ten times a second
+}
+
+bool SlotClaims::is_one(const RootOffset& a, const RootOffset& b) const {
+  const auto near = [this](const convert::WireOffset& p, const convert::WireOffset& q) {
+    const std::int64_t x = std::int64_t{p[0]} - q[0], y = std::int64_t{p[1]} - q[1];
+    return x * x + y * y < beam_ * beam_;
+  };
+  return near(a.n, b.n) && near(a.b, b.b);
+}
+
+void SlotClaims::hear(const link::Received& received, const TreePlace& place, std::int64_t now_us) {
+  const std::uint8_t from = received.from.system;
+  const auto* beat = std::get_if<link::Heartbeat>(&received.message);
+  const auto* told = std::get_if<link::FormationReference>(&received.message);
+  if (from == leader_) {
+    leader_is_vessel_ =
+        leader_is_vessel_ || told != nullptr || (beat != nullptr && is_vessel(*beat));
+  }
+  if (told == nullptr || from == leader_ || from == own_) return;
+  const auto mine = place.offset(now_us);
+  const std::uint8_t root = place.branch(now_us).value_or(Branch{leader_, own_}).root;
+  const bool follower = told->path[0] == own_;  // its slot is its own affair
+  if (mine && !follower && told->root == root && is_one(*mine, {told->offset_n, told->offset_b})) {
+    rival_ = from;
+    rival_us_ = now_us;
+    rival_sails_ = (told->flags & mav::kReferenceFollowed) != 0;
+  } else if (from == rival_) {
+    rival_ = 0;
+  }
+}
+
+bool SlotClaims::leaders(const TreePlace& place) const {
+  return leader_is_vessel_ && is_one({place.own().offset, {}}, {});
+}
+
+std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) const {
+  const bool counts = rival_ != 0 && (rival_sails_ || !sails);
+  const bool heard = counts && now_us - rival_us_ < kSilent_us;
+  return heard ? std::optional(rival_) : std::nullopt;
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/tree_place.hpp"
+
+#include <algorithm>
+
+namespace flotilla::app {
+namespace {
+
+// A leader that tells its place no more has lost its reference, or is another program.
+constexpr std::int64_t kSilent_us = 3'000'000;
+// A boat whose leader tells what is older than that begins a branch of its own, and leaves it only
+// for what was younger for some seconds: so deep in a fleet on a bad radio nobody is torn to and fro.
+constexpr std::int64_t kOld_us = 3'000'000, kYoung_us = 2'100'000, kSteady_us = 3'000'000;
+
+}  // namespace
+
+std::size_t length_of(const TreePath& path) {
+  return static_cast<std::size_t>(std::ranges::find(path, 0) - path.begin());
+}
+
+void TreePlace::configure(const Own& own) {
+  if (own.leader != own_.leader || own.system != own_.system) {
+    word_.reset();
+    leads_ = true;
+  }
+  own_ = own;
+}
+
+void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
+                     std::int64_t now_us) {
+  const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
+  const auto ours = std::ranges::find(m.path, own_.system);
+  word_ = Word{now_us,  {m.root, m.maker}, {m.offset_n, m.offset_b},
+               m.path,  length_of(m.path), ours != m.path.end(),
+               followed};
+  const std::int64_t age_us = now_us - valid_us;
+  if (age_us > kOld_us) leads_ = false;
+  if (age_us > kYoung_us) not_young_us_ = now_us;
+  leads_ = leads_ || now_us - not_young_us_ > kSteady_us;
+}
+
+const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
+  return word_ && now_us - word_->heard_us < kSilent_us ? &*word_ : nullptr;
+}
+
+std::optional<Branch> TreePlace::branch(std::int64_t now_us) const {
+  const Word* told = word(now_us);
+  if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system)
+    return std::nullopt;
+  if (own_.turns && told->offset.b != convert::WireOffset{}) return std::nullopt;
+  return told->branch;
+}
+
+RootOffset TreePlace::leaders_offset(std::int64_t now_us) const {
+  return branch(now_us) ? word_->offset : RootOffset{};
+}
+
+std::optional<RootOffset> TreePlace::offset(std::int64_t now_us) const {
+  const RootOffset leaders = leaders_offset(now_us);
+  const auto n = convert::sum_of(leaders.n, own_.turns ? convert::WireOffset{} : own_.offset);
+  const auto b = convert::sum_of(leaders.b, own_.turns ? own_.offset : convert::WireOffset{});
+  if (!n || !b) return std::nullopt;
+  return RootOffset{*n, *b};
+}
+
+std::size_t TreePlace::depth(std::int64_t now_us) const {
+  const Word* told = word(now_us);
+  return std::min(TreePath{}.size(), 1 + (told == nullptr ? 0 : told->length));
+}
+
+TreePath TreePlace::path(std::int64_t now_us) const {
+  TreePath path{own_.leader};
+  if (const Word* told = word(now_us)) {
+    // In a cycle it ends where it comes back to us: it would grow for ever.
+    const auto end = std::ranges::find(told->path, own_.system);
+    const auto count = std::min<std::size_t>(static_cast<std::size_t>(end - told->path.begin()) + 1,
+                                             path.size() - 1);
+    std::copy_n(told->path.begin(), std::min(count, told->length), path.begin() + 1);
+  }
+  return path;
+}
+
+bool TreePlace::too_deep(std::int64_t now_us) const {
+  const Word* told = word(now_us);
+  return told != nullptr && told->length >= TreePath{}.size() - 1;
+}
+
+bool TreePlace::is_cycle(std::int64_t now_us) const {
+  const Word* told = word(now_us);
+  return told != nullptr && told->cycle;
+}
+
+}  // namespace flotilla::app

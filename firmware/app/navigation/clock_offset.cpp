@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include "app/navigation/clock_offset.hpp"
+
+#include <algorithm>
+
+namespace flotilla::app {
+namespace {
+
+// Two ordinary crystals differ by less.
+constexpr std::int64_t kDrift_ppm = 100;
+// Whoever is further off counts TIMESYNC from another instant than his stamps.
+constexpr std::int64_t kWidest_us = 5'000'000;
+
+}  // namespace
+
+void ClockOffset::widen(std::int64_t now_us) {
+  // Whole microseconds only; what is left over waits for the next call.
+  const std::int64_t by_us = (now_us - widened_us_) * kDrift_ppm / 1'000'000;
+  if (by_us <= 0) return;
+  widened_us_ = now_us;
+  if (upper_) *upper_ += by_us;
+  if (lower_) *lower_ -= by_us;
+}
+
+void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
+  widen(now_us);
+  const std::int64_t upper = now_us - stamp_us;
+  upper_ = upper_ ? std::min(*upper_, upper) : upper;
+  // The bounds contradict each other: their clock was set. The younger one is right.
+  if (lower_ && *lower_ > *upper_) lower_.reset();
+}
+
+void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
+  widen(now_us);
+  const std::int64_t lower = sent_us - read_us;
+  if (!upper_ || *upper_ - lower > kWidest_us) return;
+  lower_ = lower_ ? std::max(*lower_, lower) : lower;
+  if (*lower_ > *upper_) upper_ = lower_;
+}
+
+std::optional<std::int64_t> ClockOffset::offset_us() const {
+  if (!upper_ || !lower_) return upper_;
+  return *lower_ + (*upper_ - *lower_) / 2;
+}
+
+}  // namespace flotilla::app

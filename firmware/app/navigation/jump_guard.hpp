@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// Refuses what no vessel can have done since its last state, until it has been told for a second.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+
+#include "app/convert/convert.hpp"
+#include "core/estimation/jump.hpp"
+
+namespace flotilla::app {
+
+/// Told states in, verdicts out. A new place is believed when five states in a row, over at least a
+/// second, agree on it, and none of them on the old one: of two vessels that speak in turn the first
+/// is followed.
+template <class S>
+class JumpGuard {
+ public:
+  enum class Verdict : std::uint8_t {
+    kGoesOn,
+    kRefused,
+    kMoved,  ///< the new place is believed; no motion led there
+  };
+
+  /// What is known of a leader: the quickest model boat.
+  static constexpr core::JumpLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
+                                                  S(40), S(60),  S(10), S(8)};
+
+  void set_limits(const core::JumpLimits<S>& limits) {
+    limits_ = limits;
+    small_ = core::small_move(limits);
+  }
+  const core::JumpLimits<S>& limits() const { return limits_; }
+
+  /// No state led to the next one.
+  void forget() { last_.reset(), next_.reset(); }
+
+  /// A told state, and when it came.
+  struct Seen {
+    Metres north_m, east_m;
+    S psi;
+    core::Nu<S> nu;
+    std::int64_t stamp_us, arrived_us;
+  };
+  static Seen seen(const convert::Sample<S>& s, std::int64_t now_us) {
+    return {s.north_m, s.east_m, s.psi_rad, convert::nu_of(s), s.stamp_us, now_us};
+  }
+
+  /// The state that the next one is compared with.
+  void believe(const Seen& state) {
+    last_ = state;
+    next_.reset();
+  }
+
+  /// A state that has come, in the plane of the last one; `far`: it cannot be in that.
+  Verdict judge(const Seen& state, bool far) {
+    if (!last_) return Verdict::kGoesOn;
+    const core::Leg<S> way = leg(*last_, state);
+    if (!far && core::hardly_moves(small_, way)) {
+      // What velocity may account for is no scatter.
+      const S speed = core::abs(way.from.u) + core::abs(way.from.v);
+      const S moved = core::larger(core::abs(way.moved_n.x), core::abs(way.moved_n.y));
+      note_scatter(core::larger(moved - way.h * speed, S(0)));
+      return Verdict::kGoesOn;
+    }
+    const auto surprise = core::surprise_of(limits_, way, scatter_);
+    if (!far && surprise.share <= S(1)) {
+      note_scatter(surprise.off);
+      return Verdict::kGoesOn;
+    }
+    const std::int64_t now_us = state.arrived_us;
+    jumped_us_ = now_us;
+    const bool agrees = next_ && can_be(*next_, state);
+    if (!agrees) since_us_ = now_us;
+    agreed_ = agrees ? std::min(agreed_ + 1, kRow) : 1;
+    next_ = state;
+    const bool settled = agreed_ == kRow && now_us - since_us_ >= kSettled_us;
+    return settled ? Verdict::kMoved : Verdict::kRefused;
+  }
+
+  /// A state that is not made use of, of the past or without a heading: whether it can be one of the
+  /// same vessel.
+  void look_at(const Seen& state, bool heading_known) {
+    if (!last_) return;
+    const bool before = state.stamp_us < last_->stamp_us;
+    const core::Leg<S> way = before ? leg(state, *last_) : leg(*last_, state);
+    core::JumpLimits<S> limits = limits_;
+    if (!heading_known) limits.heading = limits.yaw_rate = S(100);
+    if (core::surprise_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
+  }
+
+  /// What else is told that cannot be.
+  void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
+
+  /// No jump within the last second.
+  bool steady(std::int64_t now_us) const {
+    return !jumped_us_ || now_us - *jumped_us_ >= kSettled_us;
+  }
+
+ private:
+  static constexpr int kRow = 5;
+  static constexpr std::int64_t kSettled_us = 1'000'000;
+  static constexpr std::int64_t kLongest_us = 60'000'000;  // that a state says something
+
+  /// The two clocks need not go together: no more time than has passed here and a second, which is
+  /// what the first one may have been late by.
+  static core::Leg<S> leg(const Seen& a, const Seen& b) {
+    const std::int64_t apart_us = std::abs(b.arrived_us - a.arrived_us);
+    const std::int64_t most_us = std::min(apart_us + kSettled_us, kLongest_us);
+    const auto h_us = std::clamp<std::int64_t>(b.stamp_us - a.stamp_us, 0, most_us);
+    return {{convert::scalar<S>(b.north_m - a.north_m), convert::scalar<S>(b.east_m - a.east_m)},
+            a.psi,
+            b.psi,
+            a.nu,
+            b.nu,
+            convert::seconds<S>(h_us)};
+  }
+  bool can_be(const Seen& a, const Seen& b) const {
+    return core::surprise_of(limits_, leg(a, b), scatter_).share <= S(1);
+  }
+
+  void note_scatter(S off) { scatter_ = scatter_ + S(0.1) * (off - scatter_); }
+
+  core::JumpLimits<S> limits_ = kAnyVessel;
+  core::SmallMove<S> small_ = core::small_move(limits_);
+  std::optional<Seen> last_, next_;
+  S scatter_{};
+  int agreed_ = 0;
+  std::int64_t since_us_ = 0;
+  std::optional<std::int64_t> jumped_us_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Whether a vessel's states still come from an instrument, or are the last one again and again.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "app/convert/convert.hpp"
+
+namespace flotilla::app {
+
+/// Frozen is the place that stays the same to the last bit while the velocity told would have led
+/// elsewhere, and the heading that does beside a yaw rate; or the whole state, while the propellers
+/// push. A vessel that lies still and says so is not. What never moved yet may be held where it is:
+/// it is given some seconds.
+template <class S>
+class Liveness {
+ public:
+  /// patience_s: that much of the same is no fault yet.
+  explicit Liveness(S patience_s) : patience_s_(patience_s) {}
+
+  /// A state, h seconds after the one before it; 0 where none led to it.
+  void take(const convert::Sample<S>& sample, S h) {
+    const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
+    const bool heads = sample.psi_rad == psi_rad_;
+    const core::Nu<S> nu = convert::nu_of(sample);
+    if (stays) {
+      place_.stay(core::to_north_east(sample.psi_rad, core::Vec2<S>{nu.u, nu.v}), h);
+    } else {
+      place_ = {};
+    }
+    if (heads) {
+      heading_.stay({nu.r, S(0)}, h);
+    } else {
+      heading_ = {};
+    }
+    const bool same = stays && heads && nu.u == nu_.u && nu.v == nu_.v && nu.r == nu_.r;
+    if (same) {
+      whole_.stay({}, h);
+      pushed_ = left_after(h) * pushed_;
+    } else {
+      whole_ = {};
+      pushed_ = S(0);
+    }
+    moved_ = moved_ || (S(0) < h && !stays);
+    north_m_ = sample.north_m, east_m_ = sample.east_m, psi_rad_ = sample.psi_rad, nu_ = nu;
+    const bool sails = stays && nu.u * nu.u + nu.v * nu.v > kSlow * kSlow;
+    judge(!sails && !(heads && core::abs(nu.r) > kSlow) && pushed_ <= kSlow);
+  }
+
+  /// The propellers alone would have changed the velocity by so much since the last call: m/s, and
+  /// rad/s.
+  void push(S change) { pushed_ = core::smaller(pushed_ + change, S(2) * kPushed); }
+
+  bool live() const { return live_; }
+
+  /// It has ever told two places.
+  bool moved() const { return moved_; }
+
+ private:
+  static constexpr S kForgetting_per_s = S(0.2), kHeld_s = S(5);
+  static constexpr S kTold = S(0.15);   ///< m, rad: well over the rounding of any message
+  static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
+  static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: as good as still
+  static constexpr int kFew = 3;        ///< messages
+
+  static S left_after(S h) { return S(1) - core::smaller(kForgetting_per_s * h, S(1)); }
+
+  /// What has stayed the same, and where its rate of change would have led since.
+  struct Stuck {
+    core::Vec2<S> way{};
+    S time{};
+    int repeats = 0;
+
+    void stay(const core::Vec2<S>& rate, S h) {
+      const S left = left_after(h);
+      way = {left * way.x + h * rate.x, left * way.y + h * rate.y};
+      time = core::smaller(time + h, S(2) * kHeld_s);
+      repeats = std::min(repeats + 1, kFew);
+    }
+    bool lasts(S s) const { return time >= s && repeats == kFew; }
+    bool lies() const { return core::hypot(way.x, way.y) > kTold; }
+  };
+
+  void judge(bool well) {
+    const S most_s = moved_ ? patience_s_ : kHeld_s;
+    const bool frozen = (place_.lasts(most_s) && place_.lies()) ||
+                        (heading_.lasts(most_s) && heading_.lies()) ||
+                        (moved_ && pushed_ > kPushed && whole_.lasts(patience_s_));
+    well_ = well && !frozen ? std::min(well_ + 1, kFew) : 0;
+    live_ = !frozen && (live_ || well_ == kFew);
+  }
+
+  S patience_s_;
+  Metres north_m_, east_m_;
+  S psi_rad_{};
+  core::Nu<S> nu_{};
+  Stuck place_, heading_, whole_;
+  S pushed_{};
+  int well_ = 0;
+  bool moved_ = false, live_ = true;
+};
+
+}  // namespace flotilla::app

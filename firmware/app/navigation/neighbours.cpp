@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+#include "app/navigation/neighbours.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+
+#include "app/convert/portable.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::int64_t kForgotten_us = 3'000'000;
+constexpr double kOnItsWay_s = 0.1;  // of a message, and that it was old when it was sent
+constexpr float kDeepest = 250;
+
+bool is_vehicle(const link::Heartbeat& beat) {
+  // MAV_TYPE: generic, tracker, station, companion, and parts of vehicles. Source: mavlink.io.
+  constexpr std::array<std::uint8_t, 22> kNone{0,  5,  6,  18, 26, 27, 30, 31, 32, 33, 34,
+                                               36, 37, 38, 39, 40, 41, 42, 44, 48, 49, 50};
+  return beat.autopilot != link::mav::kAutopilotInvalid &&
+         std::find(kNone.begin(), kNone.end(), beat.type) == kNone.end();
+}
+
+bool is_named(const link::NamedValueFloat& message, std::string_view name) {
+  return std::string_view(message.name.data(), name.size()) == name &&
+         message.name[name.size()] == '\0';
+}
+
+/// Heading does not matter; in its own local frame, or at a point of the globe.
+template <class S>
+struct PlaceOf {
+  static constexpr convert::HeadingSample<S> kNorth{};
+
+  std::optional<convert::Sample<S>> operator()(const link::GlobalPositionInt& m) const {
+    return convert::sample_of(m, kNorth);
+  }
+  std::optional<convert::Sample<S>> operator()(const link::LocalPositionNed& m) const {
+    return convert::sample_of(m, kNorth);
+  }
+  std::optional<convert::Sample<S>> operator()(const link::FollowTarget& m) const {
+    return convert::sample_of(m, kNorth);
+  }
+  std::optional<convert::Sample<S>> operator()(const link::Odometry& m) const {
+    return convert::sample_of<S>(m).sample;
+  }
+  template <class Message>
+  std::optional<convert::Sample<S>> operator()(const Message&) const {
+    return std::nullopt;
+  }
+};
+
+bool same(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {
+  return a.latitude == b.latitude && a.longitude == b.longitude;
+}
+
+}  // namespace
+
+void Neighbours::configure(std::uint8_t own_system, std::uint8_t leader_system, float least_m) {
+  own_system_ = own_system;
+  if (leader_system != leader_system_) leader_depth_.reset();
+  leader_system_ = leader_system;
+  least_m_ = least_m;
+  watches_ = least_m > 0;
+}
+
+template <class S>
+void Neighbours::take(const link::Received& received, const convert::Position& own,
+                      std::int64_t now_us) {
+  const auto [system, component] = received.from;
+  if (!watches() || system == own_system_ || system == 0) return;
+  if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
+    take_heartbeat(received.from, *beat);
+  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
+    take_depth(system, *value);
+  }
+  if (component == 0 || autopilot_[system] != component) return;
+  if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
+    take_origin(system, *origin, now_us);
+  } else if (const auto sample = std::visit(PlaceOf<S>{}, received.message)) {
+    take_place(system, *sample, own, now_us);
+  }
+}
+
+void Neighbours::take_heartbeat(link::Address from, const link::Heartbeat& message) {
+  if (!is_vehicle(message)) return;
+  constexpr unsigned kBySelf = link::mav::kModeFlagAuto | link::mav::kModeFlagGuided;
+  autopilot_[from.system] = from.component;
+  if (Vessel* vessel = find(from.system)) vessel->steered = (message.base_mode & kBySelf) != 0;
+}
+
+void Neighbours::take_depth(std::uint8_t system, const link::NamedValueFloat& message) {
+  if (!is_named(message, "DEPTH") || !(message.value >= 0 && message.value <= kDeepest)) return;
+  const auto depth = static_cast<std::uint8_t>(message.value);
+  if (system == leader_system_) leader_depth_ = depth;
+  if (Vessel* vessel = find(system)) vessel->depth = depth;
+}
+
+void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message,
+                             std::int64_t now_us) {
+  if (!convert::is_valid(message)) return;
+  Vessel* vessel = place_for(system, std::nullopt, {}, now_us);
+  if (vessel == nullptr) return;
+  vessel->origin = message;
+  vessel->has_origin = true;
+}
+
+template <class S>
+void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sample,
+                            const convert::Position& own, std::int64_t now_us) {
+  const Vessel* known = find(system);
+  const bool local = !sample.at;
+  if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) return;
+  look_from(own.origin);
+  const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
+  const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
+  if (!convert::near(own, there)) return;
+  core::Motion<S> motion;
+  motion.psi = seen.psi_rad;
+  const auto encounter = convert::encounter_of<S>(own, {}, there, motion);
+  const core::Vec2<S>& apart_n = encounter.separation_n;
+  const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
+  Vessel* vessel = place_for(system, apart_m, own, now_us);
+  if (vessel == nullptr) return;
+  const auto v_n = core::to_north_east(encounter.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
+  vessel->located = true;
+  vessel->north_m = own.north_m - apart_n.x;
+  vessel->east_m = own.east_m - apart_n.y;
+  vessel->v_north_mps = static_cast<float>(convert::number(v_n.x));
+  vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
+  vessel->heard_us = now_us;
+}
+
+/// Places in another frame are worth nothing.
+void Neighbours::look_from(const link::GpsGlobalOrigin& origin) {
+  if (same(origin, frame_)) return;
+  frame_ = origin;
+  for (Vessel& vessel : vessels_) vessel.located = false;
+}
+
+Neighbours::Vessel* Neighbours::find(std::uint8_t system) {
+  auto* const found = std::find_if(vessels_.begin(), vessels_.end(),
+                                   [=](const Vessel& v) { return v.system == system; });
+  return found == vessels_.end() ? nullptr : found;
+}
+
+/// Its own place, a free one, or that of the farthest where it is nearer.
+Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<double> distance_m,
+                                          const convert::Position& own, std::int64_t now_us) {
+  if (Vessel* known = find(system)) return known;
+  constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  double farthest_m = distance_m.value_or(kNowhere);
+  Vessel* place = nullptr;
+  for (Vessel& v : vessels_) {
+    const bool free = v.system == 0 || now_us - v.heard_us > kForgotten_us;
+    const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
+                                                     convert::number(v.east_m - own.east_m))
+                                   : std::numeric_limits<double>::max();
+    if (!free && !(far_m > farthest_m)) continue;
+    place = &v;
+    if (free) break;
+    farthest_m = far_m;
+  }
+  if (place == nullptr) return nullptr;
+  *place = {};
+  place->system = system;
+  place->heard_us = now_us;
+  return place;
+}
+
+bool Neighbours::has_way(const Vessel& vessel) const {
+  if (vessel.system == leader_system_ || !vessel.steered || !vessel.depth) return true;
+  return *vessel.depth == depth() ? vessel.system < own_system_ : *vessel.depth < depth();
+}
+
+std::uint8_t Neighbours::depth() const {
+  return static_cast<std::uint8_t>(
+      std::min<int>(leader_depth_.value_or(0) + 1, static_cast<int>(kDeepest)));
+}
+
+template <class S>
+core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
+                                     std::int64_t now_us) const {
+  core::Traffic<S> out;
+  if (!same(own.origin, frame_)) return out;
+  for (const Vessel& v : vessels_) {
+    if (!v.located || now_us - v.heard_us > kForgotten_us) continue;
+    const S age = convert::seconds<S>(now_us - v.heard_us) + convert::scalar<S>(kOnItsWay_s);
+    const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
+    out.vessels[out.count++] = {
+        {convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
+         convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
+        v_n,
+        age * core::length(v_n),  // it may have stopped since
+        has_way(v)};
+  }
+  return out;
+}
+
+template <class S>
+bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_n,
+                       std::int64_t now_us) const {
+  if (!watches()) return true;
+  const auto around = traffic<S>(own, moved_n, now_us);
+  return std::all_of(around.vessels.begin(), around.vessels.begin() + std::ptrdiff_t(around.count),
+                     [&](const core::OtherVessel<S>& v) {
+                       return !(core::length(v.p_n) < convert::scalar<S>(least_m_));
+                     });
+}
+
+#define FLOTILLA_INSTANTIATE(S)                                                                 \
+  template void Neighbours::take<S>(const link::Received&, const convert::Position&,            \
+                                    std::int64_t);                                              \
+  template core::Traffic<S> Neighbours::traffic(const convert::Position&, const core::Vec2<S>&, \
+                                                std::int64_t) const;                            \
+  template bool Neighbours::clear(const convert::Position&, const core::Vec2<S>&, std::int64_t) \
+      const;
+FLOTILLA_INSTANTIATE(float)
+FLOTILLA_INSTANTIATE(double)
+FLOTILLA_INSTANTIATE(core::Q16)
+#undef FLOTILLA_INSTANTIATE
+
+}  // namespace flotilla::app

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "app/navigation/state_sources.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <utility>
+
+#include "app/convert/convert.hpp"
+
+namespace flotilla::app {
+namespace {
+
+/// A better source must have come so often before it is chosen again.
+constexpr int kSteady = 5;
+
+}  // namespace
+
+/// A message that came twice, or was overtaken on another way, neither counts nor breaks the row.
+void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_us, bool accepted) {
+  Heard& in = heard(source);
+  if (in.in_a_row > 0 && stamp_us == in.stamp_us) return;
+  const bool goes_on = in.in_a_row > 0 && now_us - in.arrived_us <= patience_us_;
+  if (goes_on && stamp_us < in.stamp_us) return;
+  // Another source's clock is kept ready; that of the one in use is set by what is accepted.
+  if (source != in_use_ || !accepted) {
+    if (stamp_us < in.stamp_us) in.clock.reset();
+    in.clock.heard(stamp_us, now_us);
+  }
+  // It rebooted, unless it is only late beside a source that goes on: change_to() will know.
+  in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
+  in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
+  in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;
+  in.arrived_us = now_us;
+  in.stamp_us = stamp_us;
+}
+
+bool StateSources::comes(Source source, std::int64_t now_us) const {
+  const Heard& in = heard(source);
+  return in.in_a_row > 0 && now_us - in.arrived_us <= patience_us_;
+}
+
+bool StateSources::better(Source source, std::int64_t now_us, bool origin_known) const {
+  const auto rank = [&](Source of) {
+    const bool nowhere = of < Source::kFollowTarget && !origin_known;
+    return static_cast<int>(of) + (nowhere ? int{kSources} : 0);
+  };
+  if (comes(in_use_, now_us)) {
+    return rank(source) < rank(in_use_) && heard(source).in_a_row >= kSteady;
+  }
+  for (const Source other : {Source::kOdometry, Source::kLocalPosition, Source::kFollowTarget,
+                             Source::kGlobalPosition}) {
+    const bool steady = comes(other, now_us) && heard(other).in_a_row >= kSteady;
+    if (steady && rank(other) < rank(source)) return false;
+  }
+  return true;
+}
+
+bool StateSources::change_to(Source source) {
+  in_use_ = source;
+  Heard& in = heard(source);
+  const bool rebooted = std::exchange(in.went_back, false);
+  if (rebooted) in.newest_us = in.stamp_us;
+  return rebooted;
+}
+
+void StateSources::rebooted(std::int64_t stamp_us) {
+  heard(in_use_).newest_us = stamp_us;
+  heard(in_use_).went_back = false;
+}
+
+void StateSources::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
+  for (Heard& in : heard_) {
+    if (in.in_a_row == 0) continue;
+    // ODOMETRY's stamps do not wrap; what differs by whole turns of 49 days is another clock.
+    const bool wraps = &in != &heard(Source::kOdometry);
+    in.clock.answered(sent_us, wraps ? convert::unwrapped_us(read_us, in.stamp_us) : read_us,
+                      now_us);
+  }
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// What is known of one vessel, own or leader, from its MAVLink state messages.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "app/convert/convert.hpp"
+#include "app/navigation/jump_guard.hpp"
+#include "app/navigation/liveness.hpp"
+#include "app/navigation/state_sources.hpp"
+#include "link/counters.hpp"
+
+namespace flotilla::app {
+
+/// Follows one system id and of its components the lowest that sends whole states: ODOMETRY,
+/// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE, by StateSources'
+/// choice. A message counts by its stamp: one that is not younger than the last is refused, unless
+/// nothing younger has come for so long, and the old stamps advance, that the vessel must have
+/// rebooted. What the vessel cannot have come to moves nothing until it has been told for a second,
+/// but after a reboot, a reset of its estimate, or from another source or origin.
+template <class S>
+class VesselTrack {
+ public:
+  struct Identity {
+    std::uint8_t system;
+    std::uint8_t ignored_component;      ///< 0: none
+    std::int64_t patience_us = 500'000;  ///< with the chosen source
+    std::int64_t frozen_us = 700'000;    ///< with the same state again and again
+  };
+  struct Antenna {
+    S x_m, y_m;
+  };
+
+  explicit VesselTrack(Identity identity, Antenna antenna = {S(0), S(0)})
+      : identity_(identity),
+        antenna_(antenna),
+        sources_(identity.patience_us),
+        liveness_(convert::seconds<S>(identity.frozen_us)) {}
+
+  std::uint8_t system() const { return identity_.system; }
+
+  /// Another vessel from now on; nothing that is known of the old one is kept.
+  void follow(std::uint8_t system);
+
+  void set_antenna(Antenna antenna) { antenna_ = antenna; }
+
+  /// How much older its states are than their arrival says, where TIMESYNC does not bound its clock.
+  void set_lag(std::int64_t lag_us) { lag_us_ = lag_us; }
+  bool bounded() const { return clock().was_answered(); }
+
+  /// What this vessel can do; without them it is any vessel.
+  void set_limits(const core::JumpLimits<S>& limits) { guard_.set_limits(limits); }
+
+  /// Whether motion() is asked for; where another knows better how the vessel moves between its
+  /// messages, each is believed as it is.
+  void set_smoothing(bool smooths);
+
+  /// The propellers alone would have changed its velocity by so much since the last call, m/s.
+  void push(S change_mps) { liveness_.push(change_mps); }
+
+  /// What it says is not the same again and again while it moves.
+  bool live() const { return liveness_.live(); }
+
+  /// It has been seen to move, by instruments that are never quite still; else it may be held.
+  bool has_moved() const { return liveness_.moved(); }
+
+  /// It has not been told where it cannot be, within the last second.
+  bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
+
+  /// Takes any message; those of other vessels and of no use here are passed over.
+  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
+    if (mine(received.from)) take_mine(received, now_us, counters);
+  }
+
+  /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
+  void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                std::int64_t now_us);
+
+  /// Time since the state was true, not since it came; nothing where none is known.
+  std::optional<std::int64_t> age_us(std::int64_t now_us) const;
+
+  /// Its state is known and younger than the limit, at the worst that its clock may be off.
+  bool fresh(std::int64_t now_us, std::int64_t limit_us) const;
+
+  /// Position at the last sample; the origin is that of the sender's local frame, or, while it
+  /// tells global positions only, its first one.
+  convert::Position position() const { return position_; }
+
+  /// The position can be compared with others.
+  bool has_origin() const { return component_ != 0 && (anchored_ || origin_known()); }
+
+  /// The motion at the last sample.
+  const core::TrackState<S>& track() const { return track_; }
+
+  /// Motion since the last sample; ages below zero count as zero.
+  core::Motion<S> motion(std::int64_t now_us) const;
+
+  /// How far it may be from where motion() has it; nothing where none is known.
+  std::optional<double> uncertainty_m(std::int64_t now_us) const;
+
+  /// The last message itself, dt after the last one that was taken, 0 where none led to it; nothing
+  /// where none has come since.
+  std::optional<core::TrackMessage<S>> take_fix() { return std::exchange(fix_, std::nullopt); }
+
+  /// How many messages there have been.
+  std::uint32_t messages() const { return messages_; }
+
+  /// ODOMETRY in a frame without north was refused since the last call.
+  bool take_frame_complaint();
+
+ private:
+  static constexpr std::int64_t kSilent_us = 1'000'000, kLeap_us = 600'000'000;
+
+  struct Heading {
+    std::uint8_t component = 0;
+    convert::HeadingSample<S> sample{};
+    std::int64_t arrived_us = 0;
+  };
+
+  bool mine(link::Address from) const {
+    return from.system == identity_.system && from.component != identity_.ignored_component &&
+           from.component != 0;
+  }
+  bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
+  bool origin_known() const { return origin_component_ == component_; }
+  void take_mine(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+  void take(const link::Odometry& message, std::uint8_t component, std::int64_t now_us,
+            link::Counters& counters);
+  void take(const link::Attitude& message, std::uint8_t component, std::int64_t now_us,
+            link::Counters& counters);
+  void take(const link::FollowTarget& message, std::uint8_t component, std::int64_t now_us,
+            link::Counters& counters);
+  template <class Message>
+  void take_joined(Source source, const Message& message, std::uint8_t component,
+                   std::int64_t now_us, link::Counters& counters);
+  void take(const link::GpsGlobalOrigin& message, std::uint8_t component, link::Counters& counters);
+  bool chosen(std::uint8_t component, std::int64_t now_us);
+  bool preferred(Source source, std::int64_t stamp_us, std::int64_t now_us);
+  void change_to(Source source, std::int64_t now_us);
+  bool accept(const convert::Sample<S>& sample, std::int64_t now_us, link::Counters& counters);
+  bool is_late(const convert::Sample<S>& sample, std::int64_t now_us);
+  void moved(std::int64_t stamp_us, std::int64_t now_us);
+  void update(const convert::Sample<S>& sample, std::int64_t now_us);
+  convert::Sample<S> here(const convert::Sample<S>& sample) const;
+  void anchor(const convert::Sample<S>& sample);
+  void rebooted(std::int64_t stamp_us);
+  void jumped();
+  void restart();
+
+  std::int64_t lag_us() const { return bounded() ? 0 : lag_us_; }
+  ClockOffset& clock() { return sources_.clock(); }
+  const ClockOffset& clock() const { return sources_.clock(); }
+
+  Identity identity_;
+  Antenna antenna_;
+  std::int64_t lag_us_ = 0;
+  std::uint8_t component_ = 0;
+  StateSources sources_;
+  JumpGuard<S> guard_;
+  Liveness<S> liveness_;
+  Heading heading_;        // of the chosen component
+  Heading other_heading_;  // of another, which may be chosen when its position comes too
+  std::optional<std::uint8_t> odometry_resets_;
+  std::optional<std::int64_t> stamp_us_;
+  std::optional<std::int64_t> refused_stamp_us_;
+  std::optional<std::int64_t> other_source_us_;  // our time of the state of the source before
+  std::int64_t heading_older_us_ = 0;  // by how much the heading was older than the position
+  std::int64_t arrived_us_ = 0;
+  int refused_in_a_row_ = 0;
+  std::uint32_t messages_ = 0;
+  convert::Position position_;
+  bool anchored_ = false;  // position_.origin was chosen for global positions
+  link::GpsGlobalOrigin origin_{};
+  std::uint8_t origin_component_ = 0;  // 0: the sender has told no origin
+  bool frame_complaint_ = false;
+  bool smooths_ = true;
+  core::TrackState<S> track_;
+  std::optional<core::TrackMessage<S>> fix_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/commands.hpp"
+
+#include <cmath>
+
+#include "app/convert/portable.hpp"
+#include "app/parameters.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::Request;
+
+constexpr double kForce = 21196;
+constexpr double kMostTestPercent = 20, kLongestTest_s = 5;
+constexpr double kThrottlePercent = 0;              // MOTOR_TEST_THROTTLE_PERCENT
+constexpr double kLongestInterval_us = 2147483647;  // what MESSAGE_INTERVAL can tell
+
+Asked denied() { return {mav::kDenied}; }
+
+/// Unused parameters come as 0 or NaN.
+bool unused(double param) { return std::isnan(param) || param == 0; }
+
+/// A whole number in that range, or nothing.
+std::optional<std::uint32_t> whole(double param, double most) {
+  if (!(param >= 0 && param <= most)) return std::nullopt;
+  const auto number = static_cast<std::uint32_t>(param);
+  return number == param ? std::optional(number) : std::nullopt;
+}
+
+/// Force is understood, and overrides no check.
+Asked arm_or_disarm(const Command& c) {
+  if (c.param[0] == 0) return {mav::kAccepted, Request::kDisarm};
+  const bool force_is_legal = unused(c.param[1]) || c.param[1] == kForce;
+  if (c.param[0] == 1 && force_is_legal) return {mav::kAccepted, Request::kArm};
+  return denied();
+}
+
+Asked set_mode(const Command& c) {
+  const auto base = whole(c.param[0], 255);
+  const auto request = request_of_mode(c.param[1]);
+  if (!base || (*base & mav::kModeFlagCustom) == 0 || !request) return denied();
+  return {mav::kAccepted, *request};
+}
+
+/// One propeller, 1 port or 2 starboard, in percent of its greatest thrust, for some seconds.
+Asked motor_test(const Command& c) {
+  const auto propeller = whole(c.param[0], 2);
+  const double percent = c.param[2], time_s = c.param[3];
+  const bool one_only = unused(c.param[4]) || c.param[4] == 1;
+  if (!propeller || *propeller == 0 || c.param[1] != kThrottlePercent || !one_only ||
+      !(std::abs(percent) <= kMostTestPercent) || !(time_s > 0 && time_s <= kLongestTest_s)) {
+    return denied();
+  }
+  Asked asked{mav::kAccepted, Request::kTest};
+  asked.repeated = c.repeated;
+  asked.motor_test =
+      MotorTest{*propeller == 2, percent / 100, static_cast<std::int64_t>(time_s * 1e6)};
+  return asked;
+}
+
+Asked terminate(const Command& c) {
+  if (c.param[0] != 1) return denied();  // 0, "terminate not", is no way out of FAULT either
+  return {mav::kAccepted, Request::kTerminate};
+}
+
+Asked storage(const Command& c) {
+  if (c.param[0] != 1) return denied();
+  Asked asked{mav::kAccepted};
+  asked.save_parameters = true;
+  return asked;
+}
+
+Asked message(double id_param, double index_param) {
+  const auto id = whole(id_param, 65535);
+  const auto index = std::isnan(index_param) ? 0 : whole(index_param, 65535);
+  if (!id || !index) return denied();
+  Asked asked{mav::kAccepted};
+  asked.message = MessageRequest{static_cast<std::uint16_t>(*id), *index};
+  return asked;
+}
+
+Asked message_rate(const Command& c) {
+  const auto id = whole(c.param[0], 65535);
+  const double interval = c.param[1];
+  if (!id || !(interval >= -1 && interval <= kLongestInterval_us)) return denied();
+  Asked asked{mav::kAccepted};
+  asked.rate =
+      MessageRate{static_cast<std::uint16_t>(*id), interval < 0 ? -1 : portable::ceil(interval)};
+  return asked;
+}
+
+Asked failure(const Command& c) {
+  const auto unit = whole(c.param[0], 255), type = whole(c.param[1], 255);
+  const auto instance = std::isnan(c.param[2]) ? 0 : whole(c.param[2], 255);
+  Asked asked;
+  if (!unit || !type || !instance) return asked;
+  asked.failure = Failure{static_cast<std::uint8_t>(*unit), static_cast<std::uint8_t>(*type),
+                          static_cast<std::uint8_t>(*instance)};
+  return asked;
+}
+
+}  // namespace
+
+std::optional<Command> command_of(const Question& message) {
+  if (const auto* c = std::get_if<link::CommandLong>(&message)) {
+    Command out{c->command, {}, c->target, c->confirmation > 0};
+    for (std::size_t i = 0; i < out.param.size(); ++i) out.param[i] = double{c->param[i]};
+    return out;
+  }
+  if (const auto* c = std::get_if<link::CommandInt>(&message)) {
+    return Command{c->command,
+                   {double{c->param[0]}, double{c->param[1]}, double{c->param[2]},
+                    double{c->param[3]}, double(c->x), double(c->y), double{c->z}},
+                   c->target};
+  }
+  if (const auto* m = std::get_if<link::SetMode>(&message)) {
+    return Command{mav::kCmdDoSetMode,
+                   {double(m->base_mode), double(m->custom_mode)},
+                   {m->target_system, 0},
+                   false,
+                   false};
+  }
+  return std::nullopt;
+}
+
+bool is_disarm(const Command& c) { return c.id == mav::kCmdComponentArmDisarm && c.param[0] == 0; }
+
+bool is_stop(const Command& c) {
+  return is_disarm(c) || (c.id == mav::kCmdDoFlightTermination && c.param[0] == 1);
+}
+
+std::optional<core::Request> request_of_mode(double custom_mode) {
+  if (custom_mode == mode::kManual) return Request::kManual;
+  if (custom_mode == mode::kHold) return Request::kHold;
+  if (custom_mode == mode::kFormation) return Request::kFormation;
+  return std::nullopt;
+}
+
+Asked meaning_of(const Command& c) {
+  switch (c.id) {
+    case mav::kCmdComponentArmDisarm:
+      return arm_or_disarm(c);
+    case mav::kCmdDoSetMode:
+      return set_mode(c);
+    case mav::kCmdDoMotorTest:
+      return motor_test(c);
+    case mav::kCmdDoFlightTermination:
+      return terminate(c);
+    case mav::kCmdPreflightStorage:
+      return storage(c);
+    case mav::kCmdRequestMessage:
+      return message(c.param[0], c.param[1]);
+    case mav::kCmdGetMessageInterval:
+      return whole(c.param[0], 65535) ? message(mav::kMessageIntervalId, c.param[0]) : denied();
+    case mav::kCmdRequestAutopilotCapabilities:
+      return message(mav::kAutopilotVersionId, 0);
+    case mav::kCmdRequestProtocolVersion:
+      return message(mav::kProtocolVersionId, 0);
+    case mav::kCmdSetMessageInterval:
+      return message_rate(c);
+    case mav::kCmdInjectFailure:
+      return failure(c);
+    case mav::kCmdDoSetStandardMode:
+      return {mav::kFailed};
+    default:
+      return {mav::kUnsupported};
+  }
+}
+
+}  // namespace flotilla::app

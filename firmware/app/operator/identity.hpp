@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// Who this boat is on MAVLink: a vehicle of its own, or an autopilot's companion.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/parameters.hpp"
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+/// A companion takes the system id of the only autopilot that is heard within three seconds of the
+/// first one; of several it takes none and keeps the configured id. The leader's is never its own.
+/// A boat that is armed stays who it is.
+/// Source: mavlink.io, MAVLink ID assignment.
+class Identity {
+ public:
+  explicit Identity(const Parameters& p)
+      : self_{static_cast<std::uint8_t>(p.MAV_SYSID), static_cast<std::uint8_t>(p.MAV_COMPID)},
+        companion_(p.MAV_IDENTITY == 1.0F) {}
+
+  link::Address self() const { return self_; }
+  bool companion() const { return companion_; }
+
+  /// A message for this target is (also) for us.
+  bool addressed(link::Address target) const {
+    return (target.system == 0 || target.system == self_.system) &&
+           (target.component == 0 || target.component == self_.component);
+  }
+
+  /// What is asked of the whole system, its autopilot does; we are only the companion.
+  bool is_autopilots(link::Address target) const { return companion_ && target.component == 0; }
+
+  void heard(link::Address from, const link::Heartbeat& heartbeat, float leader,
+             std::int64_t now_us) {
+    if (!companion_ || latched_ || !is_autopilot(from, heartbeat)) return;
+    if (static_cast<float>(from.system) == leader) return;
+    several_ = several_ || (first_us_ && from.system != autopilot_);
+    autopilot_ = from.system;
+    if (!first_us_) first_us_ = now_us;
+  }
+
+  /// Whether the system id has changed just now.
+  bool latch(bool armed, std::int64_t now_us) {
+    if (latched_ || !first_us_ || now_us - *first_us_ < kListen_us) return false;
+    latched_ = true;
+    if (several_ || armed || autopilot_ == self_.system) return false;
+    self_.system = autopilot_;
+    return true;
+  }
+
+ private:
+  static constexpr std::int64_t kListen_us = 3'000'000;
+
+  static bool is_autopilot(link::Address from, const link::Heartbeat& heartbeat) {
+    return from.system != 0 && from.component == link::mav::kComponentAutopilot &&
+           heartbeat.type != link::mav::kTypeGcs &&
+           heartbeat.autopilot != link::mav::kAutopilotInvalid;
+  }
+
+  link::Address self_;
+  bool companion_;
+  bool latched_ = false;
+  bool several_ = false;
+  std::uint8_t autopilot_ = 0;
+  std::optional<std::int64_t> first_us_;
+};
+
+}  // namespace flotilla::app

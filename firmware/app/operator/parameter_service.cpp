@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/parameter_service.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+constexpr int kTurns = 3;
+
+link::Text<16> wire_name(std::string_view name) {
+  link::Text<16> text{};
+  std::copy_n(name.begin(), std::min(name.size(), text.size()), text.begin());
+  return text;
+}
+
+/// A name of 16 characters has no NUL.
+std::string_view name_in(const link::Text<16>& text) {
+  const auto end = std::find(text.begin(), text.end(), '\0');
+  return {text.data(), static_cast<std::size_t>(end - text.begin())};
+}
+
+std::size_t index_of(const ParameterInfo& info) {
+  return static_cast<std::size_t>(&info - kParameterList.data());
+}
+
+link::ParamValue value_message(std::size_t index, const Parameters& values) {
+  const ParameterInfo& info = kParameterList[index];
+  return {values.*info.member, static_cast<std::uint16_t>(kParameterList.size()),
+          static_cast<std::uint16_t>(index), wire_name(info.name), mav::kParamReal32};
+}
+
+void say_allowed(const ParameterInfo& info, Sentence& sentence) {
+  switch (info.kind) {
+    case ParameterKind::kSign:
+      sentence << "-1 or 1";
+      return;
+    case ParameterKind::kMode:
+      sentence << float{mode::kManual} << ", " << float{mode::kHold} << " or "
+               << float{mode::kFormation};
+      return;
+    case ParameterKind::kWhole:
+    case ParameterKind::kIdentity:
+    case ParameterKind::kFrame:
+    case ParameterKind::kSwitch:
+    case ParameterKind::kAction:
+      sentence << "whole numbers, ";
+      break;
+    case ParameterKind::kReal:
+      break;
+  }
+  sentence << info.least << " to " << info.greatest;
+  if (!info.unit.empty()) sentence << " " << info.unit;
+}
+
+SetResult refusal(const ParameterInfo& info, std::uint8_t error, float value) {
+  SetResult result{SetResult::What::kRefused, &info, 0, error};
+  result.sentence << info.name << " " << value << " refused: ";
+  return result;
+}
+
+SetResult refusal(const ParameterInfo& info, std::uint8_t error, float value,
+                  std::string_view why) {
+  SetResult result = refusal(info, error, value);
+  result.sentence << why;
+  return result;
+}
+
+bool is_stranger(link::Address from, const Parameters& values) {
+  return values.MAV_GCS_SYSID != 0.0F && values.MAV_GCS_SYSID != static_cast<float>(from.system);
+}
+
+/// What is to become of the set; nothing is changed.
+SetResult judge(const ParameterInfo& info, link::Address from, const link::ParamSet& asked,
+                const Parameters& values, Standing boat) {
+  const float value = asked.param_value;
+  if (is_stranger(from, values)) {
+    return refusal(info, mav::kParamPermissionDenied, value, "only MAV_GCS_SYSID may set it");
+  }
+  if (asked.param_type != mav::kParamReal32) {
+    return refusal(info, mav::kParamTypeMismatch, value, "its type is REAL32");
+  }
+  if (!is_valid(info, value)) {
+    SetResult result = refusal(info, mav::kParamOutOfRange, value);
+    say_allowed(info, result.sentence);
+    return result;
+  }
+  if (info.kind == ParameterKind::kMode) {
+    return {SetResult::What::kAskMode, &info, static_cast<std::uint8_t>(value)};
+  }
+  // Also while armed: a client that repeats itself asks for nothing new.
+  if (value == values.*info.member) return {SetResult::What::kUnchanged, &info};
+  if (boat.armed && info.change != ParameterChange::kAnytime) {
+    return refusal(info, mav::kParamPermissionDenied, value, "only while disarmed");
+  }
+  if (info.member == &Parameters::FORM_LEADER && value == static_cast<float>(boat.system)) {
+    return refusal(info, mav::kParamOutOfRange, value, "it is this boat's own system id");
+  }
+  Parameters wanted = values;
+  wanted.*info.member = value;
+  if (const auto why = contradiction(wanted)) {
+    return refusal(info, mav::kParamOutOfRange, value, *why);
+  }
+  return {SetResult::What::kSet, &info};
+}
+
+}  // namespace
+
+Sentence& Sentence::operator<<(std::string_view text) {
+  const std::size_t n = std::min(text.size(), characters_.size() - size_);
+  std::copy_n(text.begin(), n, characters_.begin() + static_cast<std::ptrdiff_t>(size_));
+  size_ += n;
+  return *this;
+}
+
+Sentence& Sentence::add_digits(std::uint32_t digits, int point) {
+  std::array<char, 11> text;
+  std::size_t begin = text.size();
+  do {
+    if (point > 0 && text.size() - begin == static_cast<std::size_t>(point)) text[--begin] = '.';
+    text[--begin] = static_cast<char>('0' + digits % 10);
+    digits /= 10;
+  } while (digits > 0 || text.size() - begin <= static_cast<std::size_t>(std::max(point, 0)));
+  return *this << std::string_view(text.data() + begin, text.size() - begin);
+}
+
+/// Six digits of it. Not std::to_chars: its tables are larger than a microcontroller's program.
+Sentence& Sentence::operator<<(float number) {
+  if (std::isnan(number)) return *this << "nan";
+  if (number < 0) *this << "-";
+  if (std::isinf(number)) return *this << "inf";
+  double x = std::fabs(static_cast<double>(number));
+  int point = 0;  // digits behind it
+  for (const bool large = x >= 1e9; large && x >= 1e6; x /= 10) --point;
+  for (; x > 0 && x * 10 < 1e6 && point < 9; x *= 10) ++point;
+  auto digits = static_cast<std::uint32_t>(x + 0.5);
+  if (digits == 0) point = 0;
+  for (; point != 0 && digits % 10 == 0; digits /= 10) --point;
+  add_digits(digits, point);
+  return point < 0 ? (*this << "e").add_digits(static_cast<std::uint32_t>(-point), 0) : *this;
+}
+
+bool ParameterService::Errors::push(const link::ParamError& error) {
+  if (count == ring.size()) return false;
+  ring[(first + count++) % ring.size()] = error;
+  return true;
+}
+
+std::optional<link::ParamError> ParameterService::Errors::pop() {
+  if (count == 0) return std::nullopt;
+  const link::ParamError error = ring[first];
+  first = (first + 1) % ring.size();
+  --count;
+  return error;
+}
+
+std::optional<std::size_t> ParameterService::Owed::take_single() {
+  if (values.none()) return std::nullopt;
+  while (!values[next_value]) next_value = (next_value + 1) % kCount;
+  const std::size_t index = next_value;
+  next_value = (next_value + 1) % kCount;
+  return index;
+}
+
+std::optional<std::size_t> ParameterService::Owed::take_of_list() {
+  if (list_at == kCount) return std::nullopt;
+  return list_at++;
+}
+
+bool ParameterService::knows(const link::ParamSet& asked) {
+  return find_parameter(name_in(asked.param_id)) != nullptr;
+}
+
+bool ParameterService::asks_for_mode(const link::ParamSet& asked) {
+  const ParameterInfo* info = find_parameter(name_in(asked.param_id));
+  return info != nullptr && info->kind == ParameterKind::kMode;
+}
+
+void ParameterService::list(std::size_t link) { links_[link].list_at = 0; }
+
+void ParameterService::read(std::size_t link, link::Address from,
+                            const link::ParamRequestRead& asked) {
+  Owed& owed = links_[link];
+  if (asked.param_index == -1) {
+    if (const ParameterInfo* info = find_parameter(name_in(asked.param_id))) {
+      owed.values.set(index_of(*info));
+      return;
+    }
+  } else if (asked.param_index >= 0 && static_cast<std::size_t>(asked.param_index) < kCount) {
+    owed.values.set(static_cast<std::size_t>(asked.param_index));
+    return;
+  }
+  owed.errors.push({asked.param_index, from, asked.param_id, mav::kParamDoesNotExist});
+}
+
+SetResult ParameterService::set(std::size_t link, link::Address from, const link::ParamSet& asked,
+                                Parameters& values, Standing boat) {
+  const ParameterInfo* info = find_parameter(name_in(asked.param_id));
+  if (info == nullptr) {
+    links_[link].errors.push({-1, from, asked.param_id, mav::kParamDoesNotExist});
+    return {SetResult::What::kRefused, nullptr, 0, mav::kParamDoesNotExist};
+  }
+  SetResult result = judge(*info, from, asked, values, boat);
+  switch (result.what) {
+    case SetResult::What::kSet:
+      values.*info->member = asked.param_value;
+      [[fallthrough]];
+    case SetResult::What::kUnchanged:
+      announce(*info);
+      break;
+    case SetResult::What::kAskMode:
+      break;
+    case SetResult::What::kRefused:
+      refuse(link, from, *info, result.error);
+      break;
+  }
+  return result;
+}
+
+void ParameterService::announce(const ParameterInfo& info) {
+  for (Owed& owed : links_) owed.values.set(index_of(info));
+}
+
+void ParameterService::refuse(std::size_t link, link::Address to, const ParameterInfo& info,
+                              std::uint8_t error) {
+  announce(info);
+  const std::size_t index = index_of(info);
+  // MAVSDK, hearing the value first, would ask again instead of failing: the value waits for its
+  // error.
+  if (links_[link].errors.push(
+          {static_cast<std::int16_t>(index), to, wire_name(info.name), error})) {
+    links_[link].values.reset(index);
+  }
+}
+
+bool ParameterService::owes(std::size_t link) const {
+  const Owed& owed = links_[link];
+  return owed.refused || owed.errors.count > 0 || owed.values.any() || owed.list_at < kCount;
+}
+
+std::optional<link::Message> ParameterService::next(std::size_t link, const Parameters& values) {
+  Owed& owed = links_[link];
+  if (owed.refused) {
+    const std::size_t index = *owed.refused;
+    owed.refused.reset();
+    owed.values.reset(index);
+    return value_message(index, values);
+  }
+  for (int i = 0; i < kTurns; ++i) {
+    if (auto message = take_turn(owed, values)) return message;
+  }
+  return std::nullopt;
+}
+
+std::optional<link::Message> ParameterService::take_turn(Owed& owed, const Parameters& values) {
+  const int turn = owed.turn;
+  owed.turn = (owed.turn + 1) % kTurns;
+  if (turn == 0) {
+    const auto error = owed.errors.pop();
+    if (!error) return std::nullopt;
+    // Of a parameter that exists: its value in force goes right behind.
+    const auto index = static_cast<std::size_t>(error->param_index);
+    if (error->param_index >= 0 && index < kCount) owed.refused = index;
+    return *error;
+  }
+  const auto index = turn == 1 ? owed.take_single() : owed.take_of_list();
+  if (!index) return std::nullopt;
+  owed.values.reset(*index);  // one answer serves all who asked
+  return value_message(*index, values);
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Which system is behind which link, so that what is addressed to it can be handed on.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+/// Only messages that name a system are handed on, unchanged. Broadcasts are not: a navigation
+/// unit's hundred states a second would drown a radio, and what others need of them the boat says
+/// itself. Nor is what its addressee hears anyway, on the link that the message came by: nothing
+/// circles where two links reach the same boats. Source: mavlink.io, routing.
+class Router {
+ public:
+  static constexpr std::size_t kPlaces = 32;
+
+  /// What is kept of one link: when each place's owner was heard last on it.
+  struct Link {
+    std::array<std::int64_t, kPlaces> heard_us;
+  };
+
+  /// links: one each, outlives this.
+  explicit Router(std::span<Link> links) : links_(links) {}
+
+  void heard(link::Address from, std::size_t link, std::int64_t now_us) {
+    std::size_t place = 0;
+    while (place < used_ && who_[place] != from) ++place;
+    if (place == used_) {
+      place = used_ < kPlaces ? used_++ : unheard_longest();
+      who_[place] = from;
+      for (Link& each : links_) each.heard_us[place] = kNever;
+    }
+    links_[link].heard_us[place] = now_us;
+  }
+
+  /// Links, a bit each, that a message from one link is to be handed on to.
+  std::uint8_t beyond(link::Address target, std::size_t from_link, std::int64_t now_us) const {
+    if (target.system == 0) return 0;
+    unsigned links = 0;
+    for (std::size_t place = 0; place < used_; ++place) {
+      const link::Address who = who_[place];
+      const bool meant = who.system == target.system &&
+                         (target.component == 0 || who.component == target.component);
+      for (std::size_t link = 0; meant && link < links_.size(); ++link) {
+        if (now_us - kGone_us < links_[link].heard_us[place]) links |= 1U << link;
+      }
+    }
+    return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
+  }
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
+  static constexpr std::int64_t kGone_us = 10'000'000;
+
+  std::int64_t last_us(std::size_t place) const {
+    std::int64_t last = kNever;
+    for (const Link& link : links_) last = std::max(last, link.heard_us[place]);
+    return last;
+  }
+
+  std::size_t unheard_longest() const {
+    std::size_t longest = 0;
+    for (std::size_t place = 1; place < kPlaces; ++place) {
+      if (last_us(place) < last_us(longest)) longest = place;
+    }
+    return longest;
+  }
+
+  std::size_t used_ = 0;
+  std::array<link::Address, kPlaces> who_{};  // the one unheard for longest gives way
+  std::span<Link> links_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// Which telemetry is sent on which link how often.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "app/operator/mavlink_links.hpp"
+#include "app/parameters.hpp"
+#include "app/schedule.hpp"
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+enum class Pace : std::uint8_t {
+  kState,  ///< SR_STATE
+  kNews,  ///< twice SR_STATE, ten times a second at the most; where there is news half a turn early
+  kSlow,  ///< SR_SLOW
+  kFixed,
+  kOnRequest,
+};
+
+/// What has to do with what followers leave of a link.
+constexpr bool is_rest(Pace pace) { return pace != Pace::kState && pace != Pace::kNews; }
+
+struct StreamInfo {
+  std::uint16_t id;
+  std::uint16_t bytes;  ///< on the wire, at most
+  Pace pace;
+  std::int64_t fixed_us;
+  bool companion;  ///< sent beside an autopilot too, whose states it would be mixed with otherwise
+};
+
+/// In sending order: what followers steer by comes first.
+inline constexpr std::array kStreams{
+    StreamInfo{link::mav::kGpsGlobalOriginId, 32, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::mav::kAttitudeId, 40, Pace::kState, 0, false},
+    StreamInfo{link::mav::kLocalPositionNedId, 40, Pace::kState, 0, false},
+    StreamInfo{link::mav::kFormationReferenceId, 106, Pace::kNews, 0, true},
+    StreamInfo{link::mav::kFollowTargetId, 105, Pace::kOnRequest, 0, false},
+    StreamInfo{link::mav::kGlobalPositionIntId, 40, Pace::kFixed, 500'000, false},
+    StreamInfo{link::mav::kSysStatusId, 43, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::mav::kSystemTimeId, 24, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::mav::kCurrentModeId, 21, Pace::kFixed, 2'000'000, true},
+    StreamInfo{link::mav::kHomePositionId, 72, Pace::kFixed, 2'000'000, false},
+    StreamInfo{link::mav::kNavControllerOutputId, 38, Pace::kSlow, 0, false},
+    StreamInfo{link::mav::kPositionTargetLocalNedId, 63, Pace::kSlow, 0, false},
+    StreamInfo{link::mav::kEscStatusId, 138, Pace::kSlow, 0, true},
+    StreamInfo{link::mav::kEscInfoId, 116, Pace::kFixed, 5'000'000, true},
+    StreamInfo{link::mav::kBatteryStatusId, 66, Pace::kFixed, 5'000'000, false},
+    StreamInfo{link::mav::kNamedValueFloatId, 660, Pace::kSlow, 0, true},
+    StreamInfo{link::mav::kExtendedSysStateId, 14, Pace::kOnRequest, 0, false},
+};
+
+constexpr std::size_t kOriginStream = 0;
+/// What followers steer by, at SR_STATE's pace.
+constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
+constexpr std::size_t kReferenceStream = 3;
+static_assert(kStreams[kReferenceStream].pace == Pace::kNews);
+static_assert(std::ranges::count(kStreams, Pace::kState, &StreamInfo::pace) == 2 &&
+              kStreams[1].pace == Pace::kState && kStreams[2].pace == Pace::kState);
+
+/// Whether a companion, beside an autopilot, may send that message.
+constexpr bool is_companions(std::uint16_t id) {
+  for (const StreamInfo& info : kStreams) {
+    if (info.id == id) return info.companion;
+  }
+  return id != link::mav::kOdometryId;
+}
+
+/// Every link has intervals of its own, which a client may change.
+class Streams {
+ public:
+  struct Turn {
+    std::int64_t wanted_us = 0;
+    Schedule schedule;
+  };
+  /// What is kept of one link.
+  struct Link {
+    std::array<Turn, kStreams.size()> turns{};
+    std::int64_t radio_us = 0;  ///< when it complained last
+    double share = 1;           ///< of the full rate, as the radio allows
+    /// Before that none waits but those of the state; schedules that change are looked at anew.
+    std::int64_t quiet_until_us = 0;
+  };
+
+  /// links: one each, outlives this.
+  Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links);
+
+  /// The default rates have changed.
+  void configure(const Parameters& p);
+
+  /// An interval of 0 is the default, −1 never; faster than the tick or than the link can carry
+  /// (bytes_per_s, 0: no limit) becomes the fastest that it can. Whether there is such a stream.
+  bool set(std::size_t link, std::uint16_t id, std::int64_t interval_us, std::uint32_t bytes_per_s);
+
+  /// As MESSAGE_INTERVAL says it: −1 where it is off, 0 where there is no such stream.
+  std::int32_t interval_us(std::size_t link, std::uint16_t id) const;
+
+  Schedule& schedule(std::size_t stream, std::size_t link) {
+    return links_[link].turns[stream].schedule;
+  }
+  const Schedule& schedule(std::size_t stream, std::size_t link) const {
+    return links_[link].turns[stream].schedule;
+  }
+
+  /// Whether the turn of a stream has come on that link, but for those of the state.
+  bool any_waits(std::size_t link, std::int64_t now_us);
+
+  /// That message once more at once, on every link that has it.
+  void hurry(std::uint16_t id);
+
+  /// A radio says how much of its send buffer is free (%): slower while it fills, but no state
+  /// slower than followers can bear. One that says nothing more has no complaints.
+  void radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us);
+  void forget_silent_radios(std::int64_t now_us);
+
+ private:
+  static constexpr std::size_t kNone = kStreams.size();
+
+  std::size_t find(std::uint16_t id) const;
+  std::int64_t plain_interval_us(std::size_t stream, std::size_t link) const;
+  std::int64_t stretched_us(std::size_t stream, std::size_t link) const;
+  void restart(std::size_t stream, std::size_t link);
+  void set_share(std::size_t link, double share);
+  void look_anew(std::size_t link) { links_[link].quiet_until_us = 0; }
+
+  bool companion_;
+  bool configured_ = false;
+  std::int64_t tick_us_;
+  std::int64_t state_us_ = 0, slow_us_ = 0;
+  std::span<Link> links_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/telemetry.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "app/operator/metadata.hpp"
+#include "app/operator/streams.hpp"
+#include "app/operator/text.hpp"
+#include "app/parameters.hpp"
+#include "app/version.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+constexpr std::uint64_t kCapabilities = mav::kCapabilityMavlink2 | mav::kCapabilityCommandInt |
+                                        mav::kCapabilityParamBytewise | mav::kCapabilityFtp;
+
+struct Mode {
+  std::uint8_t number;
+  std::uint32_t properties;
+  std::string_view name;
+};
+// FOLLOW is what clients call Rover's mode 6; the law's own word stands beside it.
+constexpr std::array<Mode, 3> kModes{{{mode::kManual, 0, "MANUAL"},
+                                      {mode::kHold, 0, "HOLD"},
+                                      {mode::kFormation, mav::kModePropertyAuto, "FOLLOW"}}};
+
+std::uint32_t boot_ms(const Report& r) { return convert::boot_ms(r.now_us); }
+
+link::SysStatus sys_status(const Report& r) {
+  constexpr std::uint32_t kSensors = mav::kSensorGyro | mav::kSensorAccel | mav::kSensorMag |
+                                     mav::kSensorGps | mav::kSensorAhrs |
+                                     mav::kSensorPositionControl;
+  constexpr std::uint32_t kMotors = mav::kSensorMotors | mav::kSensorPropulsion;
+  const auto met = [&r](core::Conditions all) { return (r.conditions & all) == all; };
+  const auto battery = convert::battery_of(r.escs[0].status, r.escs[1].status);
+  const bool measured = battery.voltage_mV != UINT16_MAX;
+  std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
+  if (r.fenced) present |= mav::kSensorGeofence;
+  if (measured || r.battery_limited) present |= mav::kSensorBattery;
+  std::uint32_t health = 0;
+  if (met(core::kOwn)) health |= kSensors;
+  if (met(core::kPropulsion)) health |= kMotors;
+  if (met(core::kArming)) health |= mav::kSensorPrearm;
+  if (!r.fenced || met(core::kInsideFence)) health |= mav::kSensorGeofence;
+  if (measured && met(core::kBatteryGood)) health |= mav::kSensorBattery;
+  return {present, present, health, 0, battery.voltage_mV, battery.current_cA, -1};
+}
+
+link::AutopilotVersion autopilot_version(const Report& r) {
+  link::AutopilotVersion version{};
+  version.capabilities = kCapabilities;
+  version.uid = kUidFamily | r.self.system;
+  version.flight_sw_version = std::uint32_t{kVersionMajor} << 24U | std::uint32_t{kVersionMinor}
+                                                                        << 16U;
+  const std::string_view revision = source_revision();
+  std::copy_n(revision.begin(), std::min(revision.size(), version.flight_custom_version.size()),
+              version.flight_custom_version.begin());
+  return version;
+}
+
+link::ComponentInformationBasic component_information(const Report& r) {
+  link::ComponentInformationBasic basic{};
+  basic.time_boot_ms = boot_ms(r);
+  basic.capabilities = kCapabilities;
+  put_text(basic.vendor_name, "Flotilla");
+  put_text(basic.model_name, "twin-propeller boat");
+  put_text(basic.software_version, source_revision());
+  return basic;
+}
+
+link::ComponentMetadata component_metadata(const Report& r) {
+  link::ComponentMetadata metadata{boot_ms(r), general_crc(), {}};
+  put_text(metadata.uri, kGeneralUri);
+  return metadata;
+}
+
+std::optional<link::Message> available_mode(std::uint32_t turn) {
+  if (turn >= kModes.size()) return std::nullopt;
+  const Mode& mode = kModes[turn];
+  link::AvailableModes out{static_cast<std::uint8_t>(kModes.size()),
+                           static_cast<std::uint8_t>(turn + 1),
+                           0,
+                           mode.number,
+                           mode.properties,
+                           {}};
+  put_text(out.mode_name, mode.name);
+  return out;
+}
+
+/// ESCs come in groups of four; both propellers' are in one, or each in its own.
+std::optional<std::uint8_t> esc_group(std::uint32_t turn, const Report& r) {
+  const auto group_of = [](std::uint8_t index) { return static_cast<std::uint8_t>(index / 4 * 4); };
+  const std::uint8_t port = group_of(r.escs[0].index), stbd = group_of(r.escs[1].index);
+  if (turn == 0) return port;
+  if (turn == 1 && stbd != port) return stbd;
+  return std::nullopt;
+}
+
+std::optional<link::Message> esc_status(std::uint32_t turn, const Report& r) {
+  const auto group = esc_group(turn, r);
+  if (!group) return std::nullopt;
+  link::MavEscStatus out{*group, static_cast<std::uint64_t>(r.now_us), {}, {}, {}};
+  for (const EscReport& esc : r.escs) {
+    if (esc.index / 4 * 4 != *group || !esc.status) continue;
+    const std::size_t at = esc.index % 4U;
+    out.rpm[at] = esc.status->rpm;
+    out.voltage[at] = esc.status->voltage;
+    out.current[at] = esc.status->current;
+  }
+  return out;
+}
+
+std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
+  const auto group = esc_group(turn, r);
+  if (!group) return std::nullopt;
+  constexpr std::uint8_t kConnectionCan = 5;
+  link::MavEscInfo out{};
+  out.index = *group;
+  out.time_usec = static_cast<std::uint64_t>(r.now_us);
+  // Clients ignore indices from here on.
+  out.count = static_cast<std::uint8_t>(std::max(r.escs[0].index, r.escs[1].index) + 1);
+  out.connection_type = kConnectionCan;
+  out.temperature.fill(INT16_MAX);
+  for (const EscReport& esc : r.escs) {
+    if (esc.index / 4 * 4 != *group || !esc.status) continue;
+    const std::size_t at = esc.index % 4U;
+    out.info = static_cast<std::uint8_t>(out.info | 1U << at);
+    out.error_count[at] = esc.status->error_count;
+    out.temperature[at] = convert::centidegrees_of_kelvin(esc.status->temperature);
+  }
+  return out;
+}
+
+/// Errors, what was wanted, what could not be given, ages, conditions, thrusts: one message each.
+std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
+  struct Value {
+    std::string_view name;
+    std::optional<double> value;
+  };
+  const auto of = [&](auto read) {
+    return r.formation ? std::optional<double>(read(*r.formation)) : std::nullopt;
+  };
+  std::optional<double> in_slot;
+  if (r.formation && r.formation->in_slot) in_slot = *r.formation->in_slot ? 1 : 0;
+  const auto estimate = [&](auto read) {
+    return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
+  };
+  static_assert(core::kAllConditions < 1U << 24U, "COND: a float counts 24 bits exactly");
+  using F = FormationReport;
+  using E = Estimates;
+  const std::array<Value, 22> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+                                      {"E_Y", of([](const F& f) { return f.error.y; })},
+                                      {"E_PSI", of([](const F& f) { return f.error.psi; })},
+                                      {"IN_SLOT", in_slot},
+                                      {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
+                                      {"R_STAR", of([](const F& f) { return f.nu_star.r; })},
+                                      {"LACK_X", of([](const F& f) { return f.missing.X; })},
+                                      {"LACK_N", of([](const F& f) { return f.missing.N; })},
+                                      {"NAV_AGE", r.own_age_s},
+                                      {"LEAD_AGE", r.leader_age_s},
+                                      {"LEAD_UNC", r.leader_uncertainty_m},
+                                      {"UNK_X", estimate([](const E& e) { return e.unknown.X; })},
+                                      {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
+                                      {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
+                                      {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
+                                      {"LEADER", double(r.leader)},
+                                      {"COND", double(r.conditions & core::kAllConditions)},
+                                      {"T_PORT", r.thrust.port},
+                                      {"T_STBD", r.thrust.stbd},
+                                      {"T_MAX", r.most_N},
+                                      {"T_MIN", r.least_N},
+                                      {"OVERRUNS", double(r.overruns)}}};
+  for (const Value& v : values) {
+    if (!v.value) continue;
+    if (turn-- == 0) return value_of(v.name, static_cast<float>(*v.value), boot_ms(r));
+  }
+  return std::nullopt;
+}
+
+/// What needs the own state.
+std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own, const Report& r) {
+  switch (id) {
+    case mav::kAttitudeId:
+      return convert::attitude_of(own.state, own.time_boot_ms);
+    case mav::kLocalPositionNedId:
+      if (!own.adrift) return convert::local_position_of(own.state, own.time_boot_ms);
+      break;
+    case mav::kOdometryId:
+      return convert::odometry_of(own.state, own.time_boot_ms);
+    case mav::kNavControllerOutputId:
+      if (r.formation) return convert::nav_controller_output_of(own.state, r.formation->error);
+      break;
+    case mav::kPositionTargetLocalNedId:
+      if (r.formation) return convert::slot_of(own.state, r.formation->error, own.time_boot_ms);
+      break;
+    default:
+      break;
+  }
+  if (!own.located) return std::nullopt;
+  switch (id) {
+    case mav::kGpsGlobalOriginId: {
+      link::GpsGlobalOrigin origin = own.state.origin;
+      origin.time_usec = static_cast<std::uint64_t>(r.now_us);
+      return origin;
+    }
+    case mav::kGlobalPositionIntId:
+      return convert::global_position_of(own.state, own.time_boot_ms);
+    case mav::kFollowTargetId:
+      return convert::follow_target_of(own.state, own.time_boot_ms);
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+bool can_compose(std::uint16_t id) {
+  constexpr std::array kOnceOnly{
+      mav::kAutopilotVersionId,  mav::kProtocolVersionId, mav::kComponentInformationBasicId,
+      mav::kComponentMetadataId, mav::kAvailableModesId,  mav::kOdometryId};
+  return std::find(kOnceOnly.begin(), kOnceOnly.end(), id) != kOnceOnly.end() ||
+         std::any_of(kStreams.begin(), kStreams.end(),
+                     [&](const StreamInfo& info) { return info.id == id; });
+}
+
+std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const Report& r) {
+  switch (id) {  // those of several messages
+    case mav::kAvailableModesId:
+      return available_mode(turn);
+    case mav::kEscStatusId:
+      return esc_status(turn, r);
+    case mav::kEscInfoId:
+      return esc_info(turn, r);
+    case mav::kNamedValueFloatId:
+      return named_value(turn, r);
+    default:
+      break;
+  }
+  if (turn > 0) return std::nullopt;
+  switch (id) {
+    case mav::kSysStatusId:
+      return sys_status(r);
+    case mav::kSystemTimeId:
+      return link::SystemTime{static_cast<std::uint64_t>(r.unix_us), boot_ms(r)};
+    case mav::kHomePositionId:
+      if (!r.home) return std::nullopt;
+      return link::HomePosition{r.home->latitude,
+                                r.home->longitude,
+                                r.home->altitude_mm,
+                                0,
+                                0,
+                                0,
+                                {1, 0, 0, 0},
+                                static_cast<std::uint64_t>(r.now_us)};
+    case mav::kAutopilotVersionId:
+      return autopilot_version(r);
+    case mav::kProtocolVersionId:
+      return link::ProtocolVersion{200, 100, 200};
+    case mav::kComponentInformationBasicId:
+      return component_information(r);
+    case mav::kComponentMetadataId:
+      return component_metadata(r);
+    case mav::kCurrentModeId:
+      return link::CurrentMode{0, r.mode, r.intended_mode};
+    case mav::kFormationReferenceId:
+      if (!r.reference) return std::nullopt;
+      return *r.reference;
+    case mav::kBatteryStatusId:
+      return convert::battery_of(r.escs[0].status, r.escs[1].status);
+    case mav::kExtendedSysStateId:
+      return link::ExtendedSysState{0, 0};
+    default:
+      return r.own ? compose_own(id, *r.own, r) : std::nullopt;
+  }
+}
+
+}  // namespace flotilla::app

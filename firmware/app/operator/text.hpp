@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Short messages to the operator, without a heap.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/supervisor.hpp"
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+inline std::string_view name_of(core::State state) {
+  constexpr std::array<std::string_view, core::kStates> kNames{
+      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+struct Complaint {
+  core::Conditions condition;
+  std::string_view sentence;
+  std::string_view limit = {};  ///< the parameter that sets it
+};
+
+/// What is wrong where a condition is not met, the most important first.
+constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
+    {core::kSoleController, "another controller on the CAN bus"},
+    {core::kBusUp, "CAN bus is down"},
+    {core::kInRange, "a number is out of the scalar's range"},
+    {core::kOwnFresh, "own state is not fresh", "FS_NAV_S"},
+    {core::kOwnLive, "own state is frozen"},
+    {core::kOwnSteady, "own state jumps"},
+    {core::kOwnPrompt, "navigation unit is too late"},
+    {core::kEscsOnline, "ESCs are not online", "FS_ESC_S"},
+    {core::kEscsObey, "an ESC turns that was told not to"},
+    {core::kBoatAnswers, "boat does not answer to thrust"},
+    {core::kLeaderFresh, "leader's state is not fresh", "FS_LEADER_S"},
+    {core::kLeaderLive, "leader's state is frozen"},
+    {core::kLeaderSteady, "leader's state jumps"},
+    {core::kLeadersEnd, "leaders follow each other in a ring"},
+    {core::kSlotSound, "slot is taken, or astern in the turn"},
+    {core::kOnStation, "boat does not keep its slot", "FS_SLOT_M"},
+    {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
+    {core::kInsideFence, "place is beyond FS_FENCE_M, or unknown", "FS_FENCE_M"},
+    {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
+    {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
+    {core::kParametersSaved, "parameters are not saved"},
+    {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
+    {core::kTestRunning, "no motor test is running"},
+    {core::kCoastRunning, "FS_COAST_S is over", "FS_COAST_S"},
+}};
+
+/// Calls f(sentence) for every condition of the set, the most important first.
+template <class F>
+void for_each_complaint(core::Conditions unmet, F f) {
+  for (const Complaint& complaint : kComplaints) {
+    if ((unmet & complaint.condition) != 0) f(complaint.sentence);
+  }
+}
+
+/// The most important of them, or nothing for none.
+inline std::string_view complaint_of(core::Conditions unmet) {
+  for (const Complaint& complaint : kComplaints) {
+    if ((unmet & complaint.condition) != 0) return complaint.sentence;
+  }
+  return {};
+}
+
+/// What fits of a text, the rest NUL.
+template <std::size_t N>
+void put_text(link::Text<N>& out, std::string_view text) {
+  out = {};
+  std::copy_n(text.begin(), std::min(text.size(), N), out.begin());
+}
+
+/// A number with a name of up to 10 characters, for plots.
+inline link::NamedValueFloat value_of(std::string_view name, float value, std::uint32_t boot_ms) {
+  link::NamedValueFloat message{boot_ms, value, {}};
+  put_text(message.name, name);
+  return message;
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/vehicle.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "app/convert/convert.hpp"
+#include "app/operator/metadata.hpp"
+#include "app/operator/text.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::Request;
+using core::State;
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
+// Of a tick's 1400 bytes: for the heartbeat and the state, and for 24 answers beside them.
+constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
+constexpr std::size_t kSentenceRoom = 200;  // of two chunks
+
+std::uint8_t mode_of(State state) {
+  switch (state) {
+    case State::kManual:
+      return mode::kManual;
+    case State::kFormation:
+    case State::kCoast:
+      return mode::kFormation;
+    default:
+      return mode::kHold;
+  }
+}
+
+/// What of it is for the tick to answer, if anything.
+struct QuestionOf {
+  const link::FtpServer& ftp;
+
+  template <class Message>
+  std::optional<Question> operator()(const Message& m) const {
+    if constexpr (std::is_constructible_v<Question, const Message&>) {
+      return Question(m);
+    } else {
+      return std::nullopt;
+    }
+  }
+  std::optional<Question> operator()(std::monostate) const { return std::nullopt; }
+  std::optional<Question> operator()(const link::FileTransferProtocol& m) const {
+    return ftp.read(m);
+  }
+  std::optional<Question> operator()(const link::Timesync& m) const {
+    return m.tc1 == 0 ? std::optional<Question>(m) : std::nullopt;
+  }
+  std::optional<Question> operator()(const link::Ping& m) const {
+    return m.target == link::Address{} ? std::optional<Question>(m) : std::nullopt;
+  }
+};
+
+bool holds(const Letter& letter) {
+  const auto command = command_of(letter.message);
+  return command && meaning_of(*command).request == Request::kHold;
+}
+
+/// A mode may be asked for by a parameter too.
+bool undoes_stop(const Letter& letter) {
+  const auto command = command_of(letter.message);
+  if (command) return meaning_of(*command).request != Request::kNone;
+  const auto* set = std::get_if<link::ParamSet>(&letter.message);
+  return set != nullptr && ParameterService::asks_for_mode(*set);
+}
+
+bool asks_for_message(const Letter& letter) {
+  const auto command = command_of(letter.message);
+  return command && meaning_of(*command).message;
+}
+
+}  // namespace
+
+Vehicle::Vehicle(const Parameters& p, std::size_t links, const Storage& storage)
+    : parameters_(p),
+      identity_(p),
+      links_(identity_.self(), storage.links.first(links), storage.mavlink, storage.signing),
+      router_(storage.routes.first(links)),
+      parameter_service_(storage.parameters.first(links)),
+      ftp_(metadata_files()),
+      streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE),
+               storage.streams.first(links)),
+      heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      separation_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      arm_refusal_due_(kSecond_us / 2),
+      refusal_due_(kSecond_us / 2),
+      parameter_refusal_due_(kSecond_us / 2),
+      double_due_(10 * kSecond_us) {
+  parameters_.MODE = mode::kHold;
+  freshen();
+}
+
+void Vehicle::freshen() {
+  report_.self = self();
+  report_.mode = mode_of(state_);
+  report_.intended_mode = intended_mode_;
+}
+
+bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
+                   link::Counters& counters) {
+  while (links_.next(link, out, counters)) {
+    const auto* beat = std::get_if<link::Heartbeat>(&out.message);
+    if (out.from == self()) {
+      double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(out));
+      continue;
+    }
+    // A radio's word comes unsigned on any link, under any name: it counts for nothing else.
+    if (const auto* radio = std::get_if<link::RadioStatus>(&out.message)) {
+      streams_.radio_has_room(link, radio->txbuf, now_us);
+      continue;
+    }
+    router_.heard(out.from, link, now_us);
+    if (beat != nullptr) take_beat(out.from, *beat, now_us);
+    if (out.target.system != 0) hand_on(link, out, now_us, counters);
+    if (!identity_.addressed(out.target)) continue;
+    if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
+      take_sticks(out, *sticks, now_us, counters);
+    } else if (const auto question = std::visit(QuestionOf{ftp_}, out.message)) {
+      inbox_.push({now_us, *question, out.from, out.target, static_cast<std::uint8_t>(link)},
+                  counters);
+    } else {
+      return true;
+    }
+  }
+  return false;
+}
+
+void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
+  identity_.heard(from, beat, parameters_.FORM_LEADER, now_us);
+  if (beat.type == mav::kTypeGcs && may_command(from)) gcs_us_ = now_us;
+}
+
+void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
+                      link::Counters& counters) {
+  if (received.target == self() || received.id == mav::kSetupSigningId) return;  // nobody's secret
+  const std::uint8_t beyond = router_.beyond(received.target, link, now_us);
+  for (std::size_t other = 0; other < links_.count(); ++other) {
+    if ((beyond >> other & 1U) != 0) {
+      links_.forward(other, links_.decoder(link).frame(), counters);
+    }
+  }
+}
+
+/// Of the operator who takes them first, until he lets go; never those that are meant for a fleet.
+void Vehicle::take_sticks(const link::Received& received, const link::ManualControl& message,
+                          std::int64_t now_us, link::Counters& counters) {
+  const auto surge = convert::stick_of(message.x), yaw = convert::stick_of(message.r);
+  if (!surge || !yaw) {
+    ++counters.mavlink_bad_value;
+    return;
+  }
+  const bool held = sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us;
+  if (received.target.system == 0 || identity_.is_autopilots(received.target) ||
+      !may_command(received.from) || (held && sticks_from_ != received.from)) {
+    return;
+  }
+  sticks_ = {*surge, *yaw};
+  sticks_from_ = received.from;
+  sticks_us_ = now_us;
+}
+
+bool Vehicle::may_command(link::Address from) const {
+  return parameters_.MAV_GCS_SYSID == 0.0F ||
+         static_cast<float>(from.system) == parameters_.MAV_GCS_SYSID;
+}
+
+void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
+  now_us_ = now_us;
+  links_.begin(dt_us);
+  streams_.forget_silent_radios(now_us);
+  if (identity_.latch(core::armed(state_), now_us)) {
+    links_.rename(identity_.self());
+    changed_ = true;
+  }
+}
+
+core::Conditions Vehicle::conditions(std::int64_t now_us) const {
+  core::Conditions met = 0;
+  if (sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us) met |= core::kSticksFresh;
+  if (test_ && now_us < test_end_us_) met |= core::kTestRunning;
+  const std::int64_t silence_us = convert::microseconds(parameters_.FS_GCS_S);
+  if (silence_us == 0 || (gcs_us_ && now_us - *gcs_us_ < silence_us)) met |= core::kGcsHeard;
+  return met;
+}
+
+void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
+  conditions_ = conditions;
+  const core::Verdict verdict = core::supervise(state_, Request::kNone, conditions_);
+  if (verdict.granted) enter(verdict.state, verdict.missing, counters);
+}
+
+bool Vehicle::answer(link::Counters& counters) {
+  using Taken = Inbox::Taken;
+  const auto answer_one = [&](const Letter& letter) {
+    // The heartbeat and the state need their room too; what stops the boat needs none.
+    const std::size_t kept = asks_for_message(letter) ? kKeptRoom : kOwnRoom;
+    if (links_.room(letter.link) < kept && !stops(letter)) return Taken::kKept;
+    answer(letter, counters);
+    if (stops(letter) || holds(letter)) return Taken::kStop;
+    return changed_ ? Taken::kLast : Taken::kAnswered;
+  };
+  const auto is_void = [&](const Letter& letter) {
+    const bool undone = undoes_stop(letter);
+    if (undone) ++counters.requests_dropped;
+    return undone;
+  };
+  const bool more = inbox_.take_each(answer_one, is_void);
+  if (!more && std::exchange(disarm_, false) && state_ != State::kDisarmed) {
+    enter(State::kDisarmed, 0, counters);
+  }
+  return more;
+}
+
+core::Verdict Vehicle::ask(Asked& asked) {
+  if (asked.motor_test) return ask_for_test(asked);
+  const core::Verdict verdict = core::supervise(state_, asked.request, conditions_);
+  if (!verdict.granted) {
+    asked.result = mav::kTemporarilyRejected;
+  } else if (asked.request == Request::kManual) {
+    intended_mode_ = mode::kManual;
+  } else if (asked.request == Request::kHold) {
+    intended_mode_ = mode::kHold;
+  } else if (asked.request == Request::kFormation) {
+    intended_mode_ = mode::kFormation;
+  }
+  return verdict;
+}
+
+core::Verdict Vehicle::ask_for_test(Asked& asked) {
+  if (is_repeated(asked)) return {state_, true, 0};
+  if (convert::is_dead(asked.motor_test->share, parameters_)) {
+    asked.result = mav::kDenied;
+    return {state_, false, 0};
+  }
+  const core::Verdict verdict =
+      core::supervise(state_, asked.request, conditions_ | core::kTestRunning);
+  if (verdict.granted) {
+    test_ = asked.motor_test;
+    test_end_us_ = now_us_ + test_->duration_us;
+    conditions_ |= core::kTestRunning;
+  } else {
+    asked.result = mav::kTemporarilyRejected;
+  }
+  return verdict;
+}
+
+/// A test's answer may have been lost: asked for once more it is neither longer nor a second one.
+bool Vehicle::is_repeated(const Asked& asked) const {
+  if (test_ != asked.motor_test) return false;
+  return state_ == State::kTest || (asked.repeated && now_us_ - test_end_us_ < kRepeated_us);
+}
+
+void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {
+  if (!(request == Request::kArm ? arm_refusal_due_ : refusal_due_).due(now_us_)) return;
+  const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
+  if (missing == 0) {
+    const auto* const why = state_ == State::kFault      ? "FAULT, disarm first"
+                            : state_ == State::kDisarmed ? "arm first"
+                            : state_ == State::kHold     ? "THR_DEAD is above that thrust"
+                                                         : "HOLD first";
+    say(mav::kSeverityWarning, {what, why}, counters);
+    return;
+  }
+  // Of many, what leaves the heartbeat its room; the rest when these are seen to.
+  for_each_complaint(missing, [&](std::string_view why) {
+    if (links_.least_room() < kOwnRoom + kSentenceRoom) return;
+    say(mav::kSeverityWarning, {what, why}, counters);
+  });
+}
+
+void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {
+  if (state_ == State::kTest) test_end_us_ = std::min(test_end_us_, now_us_);
+  state_ = state;
+  if (state == State::kDisarmed) intended_mode_ = mode::kHold;
+  const bool terminated = state == State::kFault && missing == 0;
+  const bool test_over = missing == core::kTestRunning;
+  const std::string_view why = terminated  ? "terminated, disarm to leave"
+                               : test_over ? "motor test is over"
+                                           : complaint_of(missing);
+  const std::uint8_t severity = terminated                   ? mav::kSeverityCritical
+                                : missing != 0 && !test_over ? mav::kSeverityError
+                                                             : mav::kSeverityInfo;
+  say(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
+  announce_ = true;
+  streams_.hurry(mav::kCurrentModeId);
+  if (parameters_.MODE == mode_of(state)) return;
+  parameters_.MODE = mode_of(state);
+  parameter_service_.announce(*find_parameter("MODE"));
+}
+
+}  // namespace flotilla::app

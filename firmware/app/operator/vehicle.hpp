@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// The boat as a MAVLink vehicle: who it is, what it was asked, which state that led to, what it
+// tells. It knows nothing of courses and thrusts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "app/navigation/time_requests.hpp"
+#include "app/operator/identity.hpp"
+#include "app/operator/inbox.hpp"
+#include "app/operator/mavlink_links.hpp"
+#include "app/operator/parameter_service.hpp"
+#include "app/operator/router.hpp"
+#include "app/operator/storage.hpp"
+#include "app/operator/streams.hpp"
+#include "app/operator/telemetry.hpp"
+#include "link/mavlink/ftp_server.hpp"
+
+namespace flotilla::app {
+
+/// Why the host should save the parameters; the later reason counts.
+enum class SaveRequest : std::uint8_t {
+  kNone,
+  kChanged,    ///< an operator has changed one
+  kConfirmed,  ///< an operator has asked for it: those in force are the right ones
+};
+
+/// Sticks as shares of full thrust ahead and of full moment to starboard.
+struct Sticks {
+  double surge = 0, yaw = 0;
+};
+
+class Vehicle {
+ public:
+  /// links: 1 … as many as there is storage for.
+  Vehicle(const Parameters& parameters, std::size_t links, const Storage& storage);
+
+  MavlinkLinks& links() { return links_; }
+  const MavlinkLinks& links() const { return links_; }
+
+  /// The next message that has come on this link, into `out`; false where there is none. Requests are
+  /// kept for the tick; what is meant for others is handed on; all that a boat may make use of
+  /// besides is returned.
+  bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters);
+  std::optional<link::Received> next(std::size_t link, std::int64_t now_us,
+                                     link::Counters& counters) {
+    std::optional<link::Received> received(std::in_place);
+    if (!next(link, *received, now_us, counters)) received.reset();
+    return received;
+  }
+
+  /// When we sent the TIMESYNC request that this answers, µs.
+  std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
+    return time_.sent_us(answer);
+  }
+
+  /// Begins a tick, dt_us after the one before.
+  void begin(std::int64_t now_us, std::int64_t dt_us);
+
+  /// Those conditions that an operator makes: sticks, motor test, being there.
+  core::Conditions conditions(std::int64_t now_us) const;
+
+  /// What the conditions force, and nothing else.
+  void heed(core::Conditions conditions, link::Counters& counters);
+
+  /// What was asked since the last tick, in order, but no farther than to something that changes
+  /// the boat: whether it is to be called again, when that is in force (take_change()).
+  bool answer(link::Counters& counters);
+
+  /// There are questions, perhaps for what a report tells.
+  bool is_asked() const { return !inbox_.is_empty(); }
+
+  /// Our positions are measured from there from now on.
+  void locate(const link::GpsGlobalOrigin& origin);
+
+  /// Whether tell() will make use of a report of this tick.
+  bool tells_report();
+
+  /// What is told, and answered, from now on.
+  void report(const Report& report);
+
+  /// What the formation steers by, where `news` is another number than it was told of last.
+  bool waits_for_reference(std::uint32_t news) const;
+  void tell_reference(std::uint32_t news, const link::FormationReference& reference,
+                      link::Counters& counters);
+
+  /// Telemetry, and what is still owed to clients.
+  void tell(link::Counters& counters);
+
+  /// A sentence to every operator; longer ones in chunks of 50 characters.
+  void say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+           link::Counters& counters);
+
+  /// With the next tick, whatever else was asked.
+  void disarm() { disarm_ = true; }
+
+  core::State state() const { return state_; }
+  link::Address self() const { return identity_.self(); }
+  const Parameters& parameters() const { return parameters_; }
+  const Sticks& sticks() const { return sticks_; }
+  const std::optional<MotorTest>& motor_test() const { return test_; }
+
+  /// Whether a parameter was set, or the identity found, since the last call.
+  bool take_change() { return std::exchange(changed_, false); }
+  SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
+
+  /// What MAV_CMD_INJECT_FAILURE asks for is the host's to judge; without a judge: unsupported.
+  void let_failures_be_injected(FailureJudge judge) { failure_judge_ = judge; }
+  std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
+
+ private:
+  void take_sticks(const link::Received& received, const link::ManualControl& sticks,
+                   std::int64_t now_us, link::Counters& counters);
+  void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
+  void hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
+               link::Counters& counters);
+  bool may_command(link::Address from) const;
+
+  void answer(const Letter& letter, link::Counters& counters);
+  void execute(const Letter& letter, const Command& command, link::Counters& counters);
+  void explain(std::uint16_t command, link::Counters& counters);
+  void answer_mission(const Letter& letter, link::Counters& counters);
+  bool is_repeated(const Asked& asked) const;
+  void freshen();
+  core::Verdict ask(Asked& asked);
+  core::Verdict ask_for_test(Asked& asked);
+  std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;
+  void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
+  std::optional<link::Message> requested(std::size_t link, const MessageRequest& request,
+                                         std::uint32_t turn) const;
+  void set_parameter(const Letter& letter, const link::ParamSet& asked, link::Counters& counters);
+  void set_mode_parameter(const Letter& letter, const SetResult& result, link::Counters& counters);
+  void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
+  void enter(core::State state, core::Conditions missing, link::Counters& counters);
+  link::Heartbeat heartbeat() const;
+  /// Of one tick, for all links.
+  using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
+  void tell_separation(link::Counters& counters);
+  bool state_waits();
+  bool reference_waits(std::size_t link, std::uint32_t news) const;
+  void tell_state(link::Counters& counters);
+  void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
+  void tell_rest(std::size_t link, link::Counters& counters);
+  bool may_tell(std::size_t link) const;
+  bool tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
+  bool tell_parameters(std::size_t link, link::Counters& counters);
+  bool tell_files(std::size_t link, link::Counters& counters);
+
+  Parameters parameters_;
+  Identity identity_;
+  MavlinkLinks links_;
+  Router router_;
+  Inbox inbox_;
+  ParameterService parameter_service_;
+  link::FtpServer ftp_;
+  Streams streams_;
+  TimeRequests time_;
+  Report report_;  // the last one, and the mode of now
+
+  core::State state_ = core::State::kDisarmed;
+  core::Conditions conditions_ = 0;
+  std::uint8_t intended_mode_ = mode::kHold;
+  Sticks sticks_;
+  link::Address sticks_from_{};
+  std::optional<std::int64_t> sticks_us_;
+  std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
+  std::optional<MotorTest> test_;       // the last one
+  std::int64_t test_end_us_ = 0;
+  bool changed_ = false;
+  SaveRequest save_ = SaveRequest::kNone;
+  FailureJudge failure_judge_ = nullptr;
+  std::optional<Failure> failure_;
+  bool disarm_ = false;
+  bool double_seen_ = false;  // another sender under our ids
+  bool announce_ = false;     // a heartbeat at once: the state has changed
+  std::optional<std::array<std::int32_t, 2>> told_origin_;
+  bool origin_moved_ = false;  // in this tick
+  std::array<std::uint32_t, kMaxLinks> told_news_{};
+  std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
+  struct Begun {
+    std::size_t stream = kStreams.size();
+    std::uint32_t told = 0;
+  };
+  std::array<Begun, kMaxLinks> begun_{};  // the stream that has told only so many of its messages
+  std::uint16_t text_id_ = 0;
+  std::int64_t now_us_ = 0;
+
+  Schedule heartbeat_due_;
+  Schedule timesync_due_;
+  Schedule separation_due_;
+  Schedule arm_refusal_due_;
+  Schedule refusal_due_;
+  Schedule parameter_refusal_due_;
+  Schedule double_due_;
+};
+
+}  // namespace flotilla::app

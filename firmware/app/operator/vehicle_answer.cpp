@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+// Vehicle, the part that answers: commands, message requests, parameters, missions.
+#include "app/operator/vehicle.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::Request;
+
+/// Driving, and what leads there: in companion identity the autopilot's business, where it is asked
+/// of the whole system. Whatever stops the boat is not.
+bool drives(Request request) {
+  return request == Request::kArm || request == Request::kManual ||
+         request == Request::kFormation || request == Request::kTest;
+}
+
+}  // namespace
+
+void Vehicle::answer(const Letter& letter, link::Counters& counters) {
+  const std::size_t link = letter.link;
+  const link::Address from = letter.from;
+  if (const auto command = command_of(letter.message)) {
+    execute(letter, *command, counters);
+  } else if (std::holds_alternative<link::ParamRequestList>(letter.message)) {
+    parameter_service_.list(link);
+  } else if (const auto* read = std::get_if<link::ParamRequestRead>(&letter.message)) {
+    parameter_service_.read(link, from, *read);
+  } else if (const auto* set = std::get_if<link::ParamSet>(&letter.message)) {
+    set_parameter(letter, *set, counters);
+  } else if (const auto* file = std::get_if<link::FtpRequest>(&letter.message)) {
+    ftp_.request(link, from, *file, now_us_);
+  } else if (const auto* timesync = std::get_if<link::Timesync>(&letter.message)) {
+    links_.send(link, TimeRequests::answer_to(*timesync, from, letter.read_us), counters);
+  } else if (const auto* ping = std::get_if<link::Ping>(&letter.message)) {
+    links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
+  } else if (!identity_.is_autopilots(letter.target)) {
+    answer_mission(letter, counters);
+  }
+}
+
+/// There is none, and none is taken.
+void Vehicle::answer_mission(const Letter& letter, link::Counters& counters) {
+  const link::Address from = letter.from;
+  const Question& asked = letter.message;
+  if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
+    links_.send(letter.link, link::MissionCount{0, from, list->mission_type}, counters);
+  } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
+    const link::MissionAck no{from, mav::kMissionUnsupported, count->mission_type};
+    links_.send(letter.link, no, counters);
+  } else if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
+    const link::MissionAck yes{from, mav::kMissionAccepted, clear->mission_type};
+    links_.send(letter.link, yes, counters);
+  }
+}
+
+void Vehicle::execute(const Letter& letter, const Command& command, link::Counters& counters) {
+  const std::size_t link = letter.link;
+  Asked asked = meaning_of(command);
+  const bool unknown = asked.result == mav::kUnsupported;
+  const bool at_rest = asked.request == Request::kHold && !core::armed(state_);
+  const bool autopilots = drives(asked.request) || unknown || at_rest;
+  if (identity_.is_autopilots(command.target) && autopilots) return;
+  if (!may_command(letter.from) && !asked.reads_only() && !is_stop(command)) {
+    asked = {mav::kDenied};
+  }
+  if (asked.failure && failure_judge_ != nullptr) {
+    asked.result = failure_ ? mav::kTemporarilyRejected : failure_judge_(*asked.failure);
+    if (asked.result == mav::kAccepted) failure_ = asked.failure;
+  }
+  core::Verdict verdict{state_, true, 0};
+  if (asked.request != Request::kNone) verdict = ask(asked);
+  if (asked.rate &&
+      !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.credit(link).limit())) {
+    asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
+  }
+  if (asked.message) {
+    freshen();
+    asked.result = answer_of(link, *asked.message);
+    if (asked.result != mav::kAccepted) asked.message.reset();
+  }
+  if (command.wants_ack) {
+    links_.send(link, link::CommandAck{command.id, asked.result, letter.from}, counters);
+  }
+  if (asked.message) send_requested(link, *asked.message, counters);
+  if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
+  if (verdict.granted && verdict.state != state_) enter(verdict.state, 0, counters);
+  if (!verdict.granted) refuse(asked.request, verdict.missing, counters);
+  if (asked.result == mav::kDenied && may_command(letter.from)) explain(command.id, counters);
+}
+
+/// A denial says nothing by itself about what would be right.
+void Vehicle::explain(std::uint16_t command, link::Counters& counters) {
+  const auto* const why = command == mav::kCmdDoSetMode ? "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW"
+                          : command == mav::kCmdComponentArmDisarm ? "force overrides no check"
+                                                                   : nullptr;
+  if (why == nullptr || !refusal_due_.due(now_us_)) return;
+  say(mav::kSeverityWarning, {"Refused: ", why}, counters);
+}
+
+std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageRequest& request,
+                                                std::uint32_t turn) const {
+  const bool first = turn == 0;
+  if (request.id == mav::kHeartbeatId) {
+    return first ? std::optional<link::Message>(heartbeat()) : std::nullopt;
+  }
+  if (request.id == mav::kMessageIntervalId) {
+    const auto id = static_cast<std::uint16_t>(request.index);
+    const link::MessageInterval interval{streams_.interval_us(link, id), id};
+    return first ? std::optional<link::Message>(interval) : std::nullopt;
+  }
+  if (identity_.companion() && !is_companions(request.id)) return std::nullopt;
+  if (request.id != mav::kAvailableModesId || request.index == 0) {
+    return compose(request.id, turn, report_);
+  }
+  return first ? compose(request.id, request.index - 1, report_) : std::nullopt;
+}
+
+std::uint8_t Vehicle::answer_of(std::size_t link, const MessageRequest& request) const {
+  if (requested(link, request, 0)) return mav::kAccepted;
+  const bool companion = identity_.companion() && !is_companions(request.id);
+  const bool no_such_mode = request.id == mav::kAvailableModesId;
+  const bool later = can_compose(request.id) && !companion && !no_such_mode;
+  return later ? mav::kTemporarilyRejected : mav::kUnsupported;
+}
+
+void Vehicle::send_requested(std::size_t link, const MessageRequest& request,
+                             link::Counters& counters) {
+  for (std::uint32_t turn = 0; const auto message = requested(link, request, turn); ++turn) {
+    links_.send(link, *message, counters);
+  }
+}
+
+void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
+                            link::Counters& counters) {
+  const std::size_t link = letter.link;
+  const bool autopilots = identity_.is_autopilots(letter.target);
+  if (autopilots && !ParameterService::knows(asked)) return;
+  const SetResult result = parameter_service_.set(link, letter.from, asked, parameters_,
+                                                  {core::armed(state_), self().system});
+  switch (result.what) {
+    case SetResult::What::kSet:
+      changed_ = true;
+      streams_.configure(parameters_);
+      if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
+      break;
+    case SetResult::What::kUnchanged:
+      break;
+    case SetResult::What::kAskMode:
+      set_mode_parameter(letter, result, counters);
+      break;
+    case SetResult::What::kRefused:
+      if (result.info != nullptr && parameter_refusal_due_.due(now_us_)) {
+        say(mav::kSeverityWarning, {result.sentence.text()}, counters);
+      }
+      break;
+  }
+}
+
+void Vehicle::set_mode_parameter(const Letter& letter, const SetResult& result,
+                                 link::Counters& counters) {
+  const std::size_t link = letter.link;
+  if (identity_.is_autopilots(letter.target)) return;
+  const auto request = request_of_mode(result.mode);
+  Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
+  const core::Verdict verdict = ask(asked);
+  if (!verdict.granted && parameters_.MODE != static_cast<float>(result.mode)) {
+    parameter_service_.refuse(link, letter.from, *result.info, mav::kParamPermissionDenied);
+    refuse(asked.request, verdict.missing, counters);
+    return;
+  }
+  if (verdict.state != state_) enter(verdict.state, 0, counters);
+  parameter_service_.announce(*result.info);
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+// Vehicle, the part that speaks: heartbeat, streams, what clients are owed, sentences.
+#include <algorithm>
+
+#include "app/operator/text.hpp"
+#include "app/operator/vehicle.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+using core::State;
+
+constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
+// Whose turn it may be, beside the streams.
+constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kTurns = kFiles + 1;
+// Per tick and link, beside the control tick's own traffic: files come at some 70 kB/s.
+constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
+
+std::uint8_t base_mode_of(State state) {
+  unsigned flags = mav::kModeFlagCustom;
+  if (core::armed(state)) flags |= mav::kModeFlagArmed;
+  if (state == State::kManual) flags |= mav::kModeFlagManual;
+  if (core::law_drives(state)) flags |= mav::kModeFlagAuto | mav::kModeFlagGuided;
+  if (state == State::kTest) flags |= mav::kModeFlagTest;
+  return static_cast<std::uint8_t>(flags);
+}
+
+std::uint8_t status_of(State state) {
+  if (state == State::kFault) return mav::kStateEmergency;
+  if (state == State::kCoast) return mav::kStateCritical;
+  return core::armed(state) ? mav::kStateActive : mav::kStateStandby;
+}
+
+}  // namespace
+
+link::Heartbeat Vehicle::heartbeat() const {
+  const bool companion = identity_.companion();
+  return {static_cast<std::uint32_t>(parameters_.MODE),
+          companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
+          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric, base_mode_of(state_),
+          status_of(state_)};
+}
+
+/// Followers take our positions from another origin from now on.
+void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
+  const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
+  if (told_origin_ == here) return;
+  told_origin_ = here;
+  origin_moved_ = true;
+  streams_.hurry(mav::kGpsGlobalOriginId);
+}
+
+bool Vehicle::tells_report() {
+  if (origin_moved_ || separation_due_.waits(now_us_) || state_waits()) return true;
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (links_.credit(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
+  }
+  return false;
+}
+
+void Vehicle::report(const Report& report) {
+  report_ = report;
+  if (report_.own) report_.own->adrift = !report_.own->located && told_origin_;
+  freshen();
+}
+
+void Vehicle::tell(link::Counters& counters) {
+  if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
+  announce_ = false;
+  if (timesync_due_.due(now_us_)) {
+    links_.broadcast(time_.ask(now_us_, self().system), counters);
+  }
+  if (separation_due_.due(now_us_) && report_.depth) tell_separation(counters);
+  if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
+    say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
+        counters);
+  }
+  if (std::exchange(origin_moved_, false)) {  // before any position from there
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      tell_stream(kOriginStream, link, counters);
+    }
+  }
+  if (state_waits()) tell_state(counters);
+  for (std::size_t link = 0; link < links_.count(); ++link) tell_rest(link, counters);
+}
+
+/// For boats around, and for who wonders why this one stops.
+void Vehicle::tell_separation(link::Counters& counters) {
+  const auto tell = [&](std::string_view name, double value) {
+    const std::uint32_t boot_ms = convert::boot_ms(now_us_);
+    links_.broadcast(value_of(name, static_cast<float>(value), boot_ms), counters);
+  };
+  tell("DEPTH", *report_.depth);
+  if (report_.separation_m) tell("SEP_M", *report_.separation_m);
+}
+
+bool Vehicle::state_waits() {
+  for (const std::size_t stream : kStateStreams) {
+    for (std::size_t link = 0; link < links_.count(); ++link) {
+      if (streams_.schedule(stream, link).waits(now_us_)) return true;
+    }
+  }
+  return false;
+}
+
+void Vehicle::tell_state(link::Counters& counters) {
+  StateMessages state;
+  for (std::size_t link = 0; link < links_.count(); ++link) tell_state(link, state, counters);
+}
+
+/// Attitude and position leave together or not at all.
+void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
+  if (!links_.credit(link).for_state()) return;
+  for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
+    const StreamInfo& info = kStreams[kStateStreams[i]];
+    Schedule& schedule = streams_.schedule(kStateStreams[i], link);
+    if (!schedule.waits(now_us_) || links_.room(link) < std::size_t{2} * info.bytes) continue;
+    if (!state[i]) state[i] = compose(info.id, 0, report_);
+    if (!state[i]) continue;
+    links_.send_state(link, *state[i], counters);
+    schedule.due(now_us_);
+  }
+}
+
+bool Vehicle::waits_for_reference(std::uint32_t news) const {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (reference_waits(link, news)) return true;
+  }
+  return false;
+}
+
+bool Vehicle::reference_waits(std::size_t link, std::uint32_t news) const {
+  const Schedule& schedule = streams_.schedule(kReferenceStream, link);
+  return told_news_[link] == news ? schedule.waits(now_us_) : schedule.waits_early(now_us_);
+}
+
+void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference& reference,
+                             link::Counters& counters) {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (!reference_waits(link, news) || !links_.credit(link).for_state() ||
+        links_.room(link) < kStreams[kReferenceStream].bytes) {
+      continue;
+    }
+    links_.send_state(link, reference, counters);
+    streams_.schedule(kReferenceStream, link).take(now_us_);
+    told_news_[link] = news;
+  }
+}
+
+/// Everything else in turn: what a slow link has no room for is the first of a later tick.
+void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
+  if (!streams_.any_waits(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
+    return;
+  }
+  const std::size_t first = turn_[link];
+  for (std::size_t n = 0; n < kTurns && may_tell(link); ++n) {
+    const std::size_t turn = (first + n) % kTurns;
+    bool told = false;
+    if (turn == kParameters) {
+      told = tell_parameters(link, counters);
+    } else if (turn == kFiles) {
+      told = tell_files(link, counters);
+    } else if (is_rest(kStreams[turn].pace)) {
+      told = tell_stream(turn, link, counters);
+    }
+    const Begun& begun = begun_[link];
+    if (told) turn_[link] = begun.told > 0 ? begun.stream : (turn + 1) % kTurns;
+  }
+}
+
+bool Vehicle::may_tell(std::size_t link) const {
+  return links_.credit(link).for_rest() && links_.room(link) >= kLargestFrame;
+}
+
+/// It keeps its turn where there is nothing to tell yet. What a slow link cannot carry at once goes
+/// on in a later tick, before all others but parameters that somebody waits for.
+bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
+  Schedule& schedule = streams_.schedule(stream, link);
+  if (!schedule.waits(now_us_)) return false;
+  Begun& begun = begun_[link];
+  const std::uint32_t first = begun.stream == stream ? begun.told : 0;
+  std::uint32_t told = first;
+  for (; const auto message = compose(kStreams[stream].id, told, report_); ++told) {
+    if (told > first && !may_tell(link)) {
+      begun = {stream, told};
+      turn_[link] = parameter_service_.owes(link) ? kParameters : stream;
+      return false;
+    }
+    links_.send(link, *message, counters);
+  }
+  begun = {};
+  return told > 0 && schedule.due(now_us_);
+}
+
+bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kParametersPerTick && links_.room(link) >= kLargestFrame; ++n) {
+    const auto message = parameter_service_.next(link, parameters_);
+    if (!message) break;
+    links_.send(link, *message, counters);
+    told = true;
+  }
+  return told;
+}
+
+bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kFtpPacketsPerTick && may_tell(link); ++n) {
+    const auto packet = ftp_.next(link);
+    if (!packet) break;
+    links_.send(link, *packet, counters);
+    told = true;
+  }
+  return told;
+}
+
+void Vehicle::say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+                  link::Counters& counters) {
+  std::array<char, 200> text{};
+  std::size_t length = 0;
+  for (const std::string_view part : parts) {
+    const std::size_t n = std::min(part.size(), text.size() - length);
+    std::copy_n(part.begin(), n, text.begin() + static_cast<std::ptrdiff_t>(length));
+    length += n;
+  }
+  link::Statustext chunk{severity, {}};
+  // A NUL ends the last chunk, so a text that fills a chunk to the end needs one more.
+  const bool one_chunk = length <= chunk.text.size();
+  if (!one_chunk) chunk.id = ++text_id_ != 0 ? text_id_ : ++text_id_;
+  for (std::size_t at = 0; at == 0 || (!one_chunk && at <= length); at += chunk.text.size()) {
+    chunk.text = {};
+    const std::size_t n = std::min(chunk.text.size(), length - at);
+    std::copy_n(text.begin() + static_cast<std::ptrdiff_t>(at), n, chunk.text.begin());
+    links_.broadcast(chunk, counters);
+    ++chunk.chunk_seq;
+  }
+}
+
+}  // namespace flotilla::app

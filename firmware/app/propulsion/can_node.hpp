@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// The boat's node on its CAN bus: what the ESCs report, what they are told.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "app/schedule.hpp"
+#include "link/dronecan/messages.hpp"
+#include "link/dronecan/node_id_server.hpp"
+
+namespace flotilla::app {
+
+/// Frames of one tick, in sending order; a transfer that does not fit is dropped whole.
+struct CanOutput {
+  std::array<link::CanFrame, 64> frames{};
+  std::size_t count = 0;
+};
+
+class CanNode {
+ public:
+  struct Identity {
+    std::uint8_t node;
+    std::uint8_t system;  ///< MAVLink system id, shown in the unique id
+  };
+
+  /// early_us: half a control period, so that a loop's jitter does not skip a turn.
+  CanNode(Identity identity, std::int64_t early_us)
+      : identity_(identity),
+        node_ids_(identity.node),
+        arming_due_(100'000, early_us),
+        status_due_(1'000'000, early_us) {}
+
+  void on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us,
+                link::Counters& counters);
+
+  /// That ESC's status came within the limit, from one node alone, which is operational and OK.
+  bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
+
+  /// Neither of the two has driven its propeller for a moment though it was told to stand still, nor
+  /// has within the last second. A propeller that water turns is given time to come to rest.
+  bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
+
+  /// What that ESC said last; nothing where it has been silent for some seconds.
+  std::optional<link::EscStatus> esc_status(std::uint8_t index, std::int64_t now_us) const;
+
+  /// Another node commands or arms ESCs, or has within the last two seconds.
+  bool foreign_controller(std::int64_t now_us) const;
+
+  /// Who was given which node id; for the host to keep over a restart.
+  link::NodeIdServer& node_ids() { return node_ids_; }
+
+  /// One control tick: both propellers in one RawCommand, ArmingStatus, NodeStatus, answers.
+  void send(const link::RawCommand& command, bool armed, std::int64_t now_us,
+            link::Counters& counters, CanOutput& out);
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
+  static constexpr std::int64_t kLongAgo_us = 500'000;
+  static constexpr std::uint16_t kMinute_ms = 60'000;
+
+  struct Esc {
+    std::int64_t heard_us = kNever;
+    std::int64_t claimed_us = kNever;  ///< by a second node
+    link::EscStatus status{};
+    std::uint8_t node = 0;
+    bool driven = false;  ///< told to turn since its last status
+    // How long in ms, at most kMinute_ms, as its last status found it:
+    std::uint16_t zeros_ms = 0;   ///< told to stand still
+    std::uint16_t drives_ms = 0;  ///< all the same
+    std::uint16_t turns_ms = 0;   ///< fast, all the same
+    std::uint16_t obeyed_ms = kMinute_ms;
+  };
+  /// Small: there is one for each of 128 ids.
+  struct Node {
+    std::int64_t heard_us = kNever;
+    std::uint32_t uptime_sec = 0;
+    std::uint32_t since_reboot_us : 31 =
+        kLongAgo_us;                ///< when it was heard last, at most kLongAgo_us
+    std::uint32_t is_well : 1 = 0;  ///< operational and OK
+  };
+  struct Question {
+    std::uint8_t node;
+    std::uint8_t priority;
+    std::uint8_t transfer_id;
+  };
+
+  template <class Message>
+  void send(const Message& message, const link::DataType& type, std::uint8_t priority,
+            std::uint8_t& transfer_id, link::Counters& counters, CanOutput& out);
+  template <class Message>
+  void put(const Message& message, const link::Route& route, const link::DataType& type,
+           std::uint8_t transfer_id, link::Counters& counters, CanOutput& out);
+  void take_node_status(std::uint8_t node, const link::NodeStatus& status, std::int64_t now_us);
+  static void judge(Esc& esc, std::int64_t since_us);
+  void take_esc_status(std::uint8_t node, const link::EscStatus& status, std::int64_t now_us);
+  void answer(const Question& question, std::int64_t now_us, link::Counters& counters,
+              CanOutput& out);
+
+  Identity identity_;
+  link::TransferReceiver receiver_;
+  std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>> escs_{};  // no others obey us
+  std::array<Node, 128> nodes_{};
+  std::array<Question, 4> questions_{};
+  std::size_t question_count_ = 0;
+  link::NodeIdServer node_ids_;
+  std::optional<link::Allocation> allocation_;
+  std::optional<std::int64_t> foreign_us_;
+  std::optional<std::int64_t> started_us_;
+  Schedule arming_due_;
+  Schedule status_due_;
+  bool armed_ = false;
+  std::uint8_t command_id_ = 0;
+  std::uint8_t arming_id_ = 0;
+  std::uint8_t status_id_ = 0;
+  std::uint8_t allocation_id_ = 0;
+};
+
+}  // namespace flotilla::app

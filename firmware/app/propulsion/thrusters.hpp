@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Thrusts to the ESCs' raw commands, and what the propellers are thereby given.
+#pragma once
+
+#include <algorithm>
+
+#include "app/convert/convert.hpp"
+#include "core/coast.hpp"
+#include "link/dronecan/messages.hpp"
+
+namespace flotilla::app {
+
+template <class S>
+class Thrusters {
+ public:
+  struct Output {
+    core::Thrust<S> thrust{};  ///< N, of the commands as sent
+    core::Tau<S> given{};
+    bool slew_limited = false;
+    link::RawCommand raw{};
+  };
+
+  explicit Thrusters(const Parameters& p)
+      : curve_(convert::thrust_curve_params<S>(p)),
+        propellers_(convert::controller_params<S>(p).propellers),
+        slew_(convert::scalar<S>(p.THR_SLEW)),
+        port_{static_cast<std::uint8_t>(p.ESC_PORT), p.THR_PORT_DIR < 0},
+        stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
+
+  /// Zeros at once unless `drive`; else towards the wanted thrusts at no more than the slew rate.
+  /// Where the thrust may not rise, no thrust and no command is greater than the greater one of the
+  /// last step: a propeller that turns the other way gives another thrust by the same command.
+  Output step(bool drive, const core::Thrust<S>& wanted, S dt, bool may_rise = true) {
+    Output out;
+    out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);
+    if (!drive) {
+      port_.command = stbd_.command = S(0);
+      return out;
+    }
+    core::Thrust<S> may = wanted;
+    S most = curve_.full;
+    if (!may_rise) {
+      may = core::limited(wanted,
+                          core::larger(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_))));
+      most = core::larger(core::abs(port_.command), core::abs(stbd_.command));
+    }
+    const S port = core::clamp(core::command_from_thrust(curve_, may.port), -most, most),
+            stbd = core::clamp(core::command_from_thrust(curve_, may.stbd), -most, most);
+    out.thrust = {turn(port_, port, dt, out), turn(stbd_, stbd, dt, out)};
+    out.given = core::wrench_of(propellers_, out.thrust);
+    return out;
+  }
+
+ private:
+  struct Propeller {
+    std::uint8_t index;
+    bool reversed;
+    S command{};
+  };
+
+  S turn(Propeller& propeller, S asked, S dt, Output& out) {
+    const S command = core::limit_slew(propeller.command, asked, slew_, dt, curve_.full);
+    out.slew_limited = out.slew_limited || command < asked || asked < command;
+    propeller.command = command;
+    const std::int16_t raw = convert::raw_of(command);
+    out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
+    return thrust_of(propeller);
+  }
+
+  S thrust_of(const Propeller& propeller) const {
+    return core::thrust_from_command(curve_, S(convert::raw_of(propeller.command)));
+  }
+
+  core::ThrustCurveParams<S> curve_;
+  core::AllocationParams<S> propellers_;
+  S slew_;
+  Propeller port_;
+  Propeller stbd_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// A scalar of 32 bits, 16 of them behind the binary point: the same bits on every machine, and no
+// floating-point instruction.
+//
+//   value = raw / 2¹⁶      −32768 … 32767.99998      one LSB = 1.5e-5
+//
+// +, −, ×, / are correctly rounded, to nearest, ties to even, so that a boat and its mirror image
+// sail alike. What is beyond the range is its nearest end, and raises overflow(), which stays up
+// until somebody lowers it: a saturated number is wrong, but has the right sign and never wraps.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "core/scalar/fixed_integer.hpp"
+#include "core/scalar/scalar.hpp"
+
+namespace flotilla::core {
+
+/// Of this thread: some result since it was last lowered was out of range. The microcontroller has
+/// one thread, and no place for others' flags.
+#ifdef __linux__
+inline thread_local bool q16_overflow = false;
+#else
+inline bool q16_overflow = false;
+#endif
+
+class Q16 {
+ public:
+  constexpr Q16() = default;
+
+  template <std::integral T>
+  constexpr explicit Q16(T whole) {
+    if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = end(std::cmp_less(whole, 0));
+  }
+
+  /// Literals only, when the program is built: one that is out of range does not compile.
+  template <std::floating_point T>
+  consteval explicit Q16(T literal) : raw_(nearest(literal)) {}
+
+  static constexpr Q16 of_raw(std::int32_t raw) {
+    Q16 x;
+    x.raw_ = raw;
+    return x;
+  }
+  constexpr std::int32_t raw() const { return raw_; }
+
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) {
+    return of_raw(saturated(-std::int64_t{a.raw_}));
+  }
+  [[gnu::always_inline]] friend constexpr Q16 operator+(Q16 a, Q16 b) {
+    std::int32_t sum = 0;
+    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
+    return of_raw(sum);
+  }
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a, Q16 b) {
+    std::int32_t difference = 0;
+    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
+    return of_raw(difference);
+  }
+  [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
+    return rounded(std::int64_t{a.raw_} * b.raw_);
+  }
+  /// By zero: the end of the range that a has the sign of; 0 / 0 = 0. Both raise overflow.
+  friend constexpr Q16 operator/(Q16 a, Q16 b) {
+    const std::uint64_t n = std::uint64_t{fixed::magnitude(a.raw_)} << 16;
+    return quotient(n, fixed::magnitude(b.raw_), (a.raw_ < 0) != (b.raw_ < 0));
+  }
+
+  // Of two products that can be added some 2³¹ are left up to the end: rounding cannot wrap either.
+  [[gnu::always_inline]] friend constexpr Q16 sum_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
+    const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
+    std::int64_t sum = 0;
+    const bool wraps = __builtin_add_overflow(first, std::int64_t{c.raw_} * d.raw_, &sum);
+    return wraps ? of_raw(end(first < 0)) : rounded(sum);
+  }
+  [[gnu::always_inline]] friend constexpr Q16 difference_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
+    const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
+    std::int64_t difference = 0;
+    const bool wraps = __builtin_sub_overflow(first, std::int64_t{c.raw_} * d.raw_, &difference);
+    return wraps ? of_raw(end(first < 0)) : rounded(difference);
+  }
+
+  friend constexpr bool operator==(Q16 a, Q16 b) = default;
+  [[gnu::always_inline]] friend constexpr auto operator<=>(Q16 a, Q16 b) {
+    return a.raw_ <=> b.raw_;
+  }
+
+  /// x / 2ⁿ, n < 32, to nearest, ties to even.
+  static constexpr std::int64_t halved(std::int64_t x, int n) {
+    const std::int64_t whole = x >> n;
+    const std::uint32_t odd = static_cast<std::uint32_t>(whole) & 1;
+    const std::uint32_t rest = static_cast<std::uint32_t>(x) & ((1U << n) - 1);
+    return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
+  }
+
+  /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶: of any product, it cannot wrap.
+  [[gnu::always_inline]] static constexpr Q16 rounded(std::int64_t x) {
+    return of_raw(saturated((x + 0x7FFF + (x >> 16 & 1)) >> 16));
+  }
+
+  /// The nearest that a raw value can be.
+  static constexpr std::int32_t saturated(std::int64_t raw) {
+    const auto same = static_cast<std::int32_t>(raw);
+    return same == raw ? same : end(raw < 0);
+  }
+
+  /// ±n / d of raw values.
+  [[gnu::always_inline]] static constexpr Q16 quotient(std::uint64_t n, std::uint32_t d,
+                                                       bool negative) {
+    if (n >> 32 >= d) {  // 2³² or more, or by zero
+      const std::int32_t most = end(negative);
+      return of_raw(n == 0 ? 0 : most);
+    }
+    const bool is_short = n >> 32 == 0;  // |a| < 1: one division will do
+    const int zeros = is_short ? 0 : std::countl_zero(d);
+    const auto [whole, rest] = is_short ? fixed::divided(static_cast<std::uint32_t>(n), d)
+                                        : fixed::divided(n << zeros, d << zeros);
+    // rest < d: rest > d − rest is 2 rest > d, which may wrap
+    const std::uint32_t other = (d << zeros) - rest;
+    const std::uint32_t up = rest > other || (rest == other && (whole & 1) != 0) ? 1 : 0;
+    const std::uint32_t rounded = whole + up;
+    // 2³¹ or more, or 2³²: the sum wraps to 0
+    if (rounded >> 31 != 0 || rounded < whole) {
+      return of_raw(saturated((std::int64_t{whole} + up) * (negative ? -1 : 1)));
+    }
+    const auto raw = static_cast<std::int32_t>(rounded);
+    return of_raw(negative ? -raw : raw);
+  }
+
+ private:
+  static constexpr std::int32_t kOne = 65536;
+
+  static std::int32_t end(bool negative) {
+    q16_overflow = true;
+    return negative ? std::numeric_limits<std::int32_t>::min()
+                    : std::numeric_limits<std::int32_t>::max();
+  }
+
+  template <std::floating_point T>
+  static consteval std::int32_t nearest(T literal) {
+    const double twice = double{literal} * 131072;
+    // A conversion that is out of range is no constant expression: that is the error wanted here.
+    return static_cast<std::int32_t>((twice + (twice < 0 ? -1 : 1)) / 2);
+  }
+
+  std::int32_t raw_ = 0;
+};
+
+/// Angles in rad; results within one LSB of the true value of the argument as it is.
+constexpr Q16 sin(Q16 x);
+constexpr Q16 cos(Q16 x);
+constexpr SinCos<Q16> sin_cos(Q16 x);
+constexpr Q16 atan(Q16 x);
+constexpr Q16 atan2(Q16 y, Q16 x);
+constexpr Q16 tanh(Q16 x);
+constexpr Q16 exp(Q16 x);   ///< above ln 32768 it overflows
+constexpr Q16 sqrt(Q16 x);  ///< of a negative number: 0, and overflow
+constexpr Q16 abs(Q16 x) { return x < Q16{} ? -x : x; }
+/// Of a number over 32767 it overflows.
+constexpr Q16 ceil(Q16 x) {
+  return Q16::of_raw(Q16::saturated(((std::int64_t{x.raw()} + 65535) >> 16) * 65536));
+}
+/// √(x² + y²), √(x² + y² + z²), rounded once; squares may be out of range.
+constexpr Q16 hypot(Q16 x, Q16 y);
+constexpr Q16 hypot(Q16 x, Q16 y, Q16 z);
+/// a b / c, rounded once; c = 0 as of the division.
+constexpr Q16 scaled(Q16 a, Q16 b, Q16 c);
+
+}  // namespace flotilla::core
+
+#include "core/scalar/fixed_functions.hpp"  // IWYU pragma: export

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Plays a recorded stream to one boat and digests what it says.
+//
+// The stream is records as of sil/recording.py, of one boat, in its own clock: time (u64 µs), port
+// (u16), length (u16), bytes. Ports: MAVLink of link n: n; CAN: 8, identifier (u32) and data; what
+// its host says of the bus: 32, up (u8); a control tick: 33. Before all of them one of port 34: how
+// many links (u32), and every parameter (float) in the order of their table.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "app/boat.hpp"
+#include "app/law_scalar.hpp"
+#include "cortex_m/sha256.hpp"
+
+namespace flotilla::target {
+
+/// Nothing longer comes over a link at once.
+constexpr std::size_t kMostBytes = 1500;
+
+struct Record {
+  std::uint64_t t_us = 0;
+  std::uint16_t port = 0;
+  std::uint16_t length = 0;
+};
+
+class Player {
+ public:
+  /// Hands a record to the boat. False for one that no boat was made for, or of an unknown port.
+  bool play(const Record& record, std::span<const std::uint8_t> bytes);
+
+  /// Whether the last record was a control tick.
+  bool ticked() const { return out_.has_value(); }
+
+  /// After a tick: adds what the boat says to the digest, records of the ports 16 + n and 24.
+  void digest();
+
+  std::array<std::uint8_t, 32> finish() { return sha256_.finish(); }
+
+  bool drives() const { return boat_ != nullptr && boat_->state() == core::State::kFormation; }
+
+ private:
+  bool build(std::span<const std::uint8_t> bytes);
+  void add(std::uint16_t port, std::span<const std::uint8_t> head,
+           std::span<const std::uint8_t> bytes);
+
+  /// A microcontroller's: one radio, one serial line.
+  static constexpr std::size_t kLinks = 2, kSigningStreams = 16;
+  app::LinkRoom<kLinks, kSigningStreams> room_;
+  app::Outbox<kLinks> outbox_;
+  /// Never destroyed: that would need a heap.
+  alignas(app::Boat<Scalar>) std::array<std::byte, sizeof(app::Boat<Scalar>)> place_;
+  app::Boat<Scalar>* boat_ = nullptr;
+  std::size_t links_ = 0;
+  std::optional<app::Boat<Scalar>::Output> out_;
+  std::uint64_t t_us_ = 0;
+  Sha256 sha256_;
+};
+
+}  // namespace flotilla::target

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// A boat's two motor controllers: thrust only while armed, after a zero command, and while commands
+// keep coming, as AM32 firmware does. What sil/wire/esc_node.py is in the live SIL; both are on one
+// bus, so what they hear is decoded once.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fleet/clock.hpp"
+#include "fleet/esc_receiver.hpp"
+#include "fleet/fault.hpp"
+#include "link/dronecan/can_frame.hpp"
+
+namespace flotilla::fleet {
+
+/// Port, starboard. Times are their vessel's clock, µs.
+class EscNodes {
+ public:
+  static constexpr std::size_t kEscs = 2;
+
+  explicit EscNodes(std::array<std::uint8_t, kEscs> esc_indices);
+
+  /// Takes one frame from the bus.
+  void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
+
+  /// What a motor is told now, full reverse −1 to full forward 1.
+  double command(std::size_t esc, std::int64_t now_us) const;
+
+  /// Of both where `esc` is none.
+  void set_fault(const Fault& fault, std::int64_t now_us);
+  void clear_fault(FaultKind kind, std::optional<std::size_t> esc);
+
+  using Frames = std::vector<link::CanFrame>;
+
+  /// Appends the frames that are due, in order, to `out`; rpm (1/min) of the two shafts.
+  void tick(std::int64_t now_us, const double* rpm, Frames& out);
+
+ private:
+  struct Esc {
+    std::uint8_t index;
+    std::int16_t raw = 0;
+    bool zero_seen = false;
+    std::int64_t raw_us = kNever_us, armed_us = kNever_us, boot_us = kNever_us;
+    std::uint8_t node_status_id = 0, esc_status_id = 0;
+    // what is wrong with it
+    bool silent = false, reversed = false, off = false;
+    std::optional<double> stuck{};     // there
+    std::optional<float> voltage_V{};  // it says
+  };
+  struct Question {
+    std::size_t esc;
+    std::uint8_t source, priority, transfer_id;
+  };
+  static constexpr std::int64_t kNever_us = -(std::int64_t{1} << 62);
+
+  void take_raw_command(const EscReceiver::Transfer& transfer, std::int64_t now_us);
+  void tell_node_status(std::size_t esc, std::int64_t now_us, Frames& out);
+  void tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm, Frames& out);
+  void answer(const Question& question, std::int64_t now_us, Frames& out) const;
+  double told(const Esc& esc, std::int64_t now_us) const;
+
+  std::array<Esc, kEscs> escs_;
+  EscReceiver receiver_;
+  std::vector<Question> questions_;
+  Rate node_status_rate_, esc_status_rate_;
+};
+
+}  // namespace flotilla::fleet

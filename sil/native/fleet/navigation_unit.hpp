@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// A navigation unit's MAVLink side: sends a state, its origin and heartbeats, answers TIMESYNC.
+// What sil/wire/navigation_unit.py is in the live SIL, byte for byte.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fleet/clock.hpp"
+#include "fleet/frame_writer.hpp"
+
+namespace flotilla::fleet {
+
+enum class StateMessage : std::uint8_t { kLocal, kOdometry, kGlobal, kFollowTarget };
+
+struct UnitSettings {
+  double rate_hz;
+  StateMessage message;
+  double attitude_rate_hz;             ///< 0: with every position
+  std::array<std::int32_t, 3> origin;  ///< latitude, longitude (degE7), altitude (mm)
+  double delay_s = 0;                  ///< before what it says of itself leaves
+  bool timesync = true;                ///< it answers it, at once
+  double dropout_every_s = 0;          ///< of its clock; 0: never
+  double dropout_s = 0;                ///< without a state
+};
+
+/// What a unit measured, in the frame that it tells: x y ψ (m, rad), u v r (m/s, rad/s); degE7.
+struct Sensed {
+  const double* eta;
+  const double* nu;
+  std::array<std::int32_t, 2> degE7;
+};
+
+/// Times are its own clock's, µs.
+class NavigationUnit {
+ public:
+  NavigationUnit(link::Address self, const UnitSettings& settings);
+
+  /// Appends what is due now to `out`.
+  void tick(std::int64_t now_us, const Sensed& sensed, std::vector<std::uint8_t>& out);
+
+  /// Takes any bytes; TIMESYNC requests to this unit are answered by the next tick.
+  void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us);
+
+  bool tells_degrees() const { return settings_.message >= StateMessage::kGlobal; }
+  const UnitSettings& settings() const { return settings_; }
+
+ private:
+  struct Request {
+    std::int64_t ts1_ns;
+    std::int64_t arrived_us;
+  };
+  using Out = std::vector<std::uint8_t>;
+  struct Waiting {
+    std::int64_t since_us;
+    Out frames;
+  };
+
+  void answer(Out& out);
+  void tell_due(std::int64_t now_us, const Sensed& sensed, Out& out);
+  bool drops_out(std::int64_t now_us) const;
+  void tell_slowly(std::int64_t now_us, Out& out);
+  void tell(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void attitude(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void local(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void odometry(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void global(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void follow_target(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void take_timesync(std::span<const std::uint8_t> frame, std::int64_t now_us);
+
+  link::Address self_;
+  UnitSettings settings_;
+  FrameWriter writer_;
+  Rate state_rate_, slow_rate_;
+  std::optional<Rate> attitude_rate_;
+  std::vector<Request> requests_;
+  std::int64_t delay_us_, every_us_, dropout_us_;
+  std::deque<Waiting> waiting_;
+};
+
+}  // namespace flotilla::fleet

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// The faults of one vessel's navigation unit, bus and radio.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fleet/fault.hpp"
+#include "fleet/navigation_unit.hpp"
+#include "fleet/radio_link.hpp"
+
+namespace flotilla::fleet {
+
+/// Times are the world's, or the vessel's clock where they are called now_us; µs.
+class VesselFaults {
+ public:
+  using Bytes = std::vector<std::uint8_t>;
+
+  void set(const Fault& fault);
+  void clear(FaultKind kind);
+  bool none() const { return active_.none(); }
+  bool has(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)]; }
+  double value(FaultKind kind) const { return value_[static_cast<std::size_t>(kind)]; }
+
+  /// The unit that pretends to be the vessel's.
+  void set_impostor(NavigationUnit&& unit) { impostor_.emplace(std::move(unit)); }
+
+  /// What the unit measures of the truth; valid until the next call.
+  Sensed measured(const Sensed& truth);
+
+  /// How far the unit's clock is ahead of the vessel's.
+  std::int64_t unit_ahead_us() const;
+
+  /// Whether the next frame, of either way, gets over the bus.
+  bool passes_bus();
+
+  /// What is on the air where the vessel says `said`; valid until the next call.
+  std::span<const std::uint8_t> aired(std::span<const std::uint8_t> said, std::int64_t t_us,
+                                      std::int64_t now_us);
+
+  /// What the vessel hears of a chunk: nothing, or bytes that are valid until the next call.
+  std::span<const std::uint8_t> heard(std::span<const std::uint8_t> chunk);
+
+ private:
+  struct Pose {
+    std::array<double, 3> eta, nu;
+    std::array<std::int32_t, 2> degE7;
+    Sensed sensed() const { return {eta.data(), nu.data(), degE7}; }
+  };
+  struct Said {
+    std::int64_t t_us;
+    Bytes data;
+  };
+
+  bool strikes(FaultKind kind);
+  bool passes_radio();
+  void damage(std::span<std::uint8_t> bytes);
+  void say_again(std::span<const std::uint8_t> said, std::int64_t t_us);
+
+  std::bitset<kFaultKinds> active_;
+  std::array<double, kFaultKinds> value_{};
+  std::array<SplitMix64, kFaultKinds> random_{make_random()};
+  Pose truth_{}, told_{};
+  std::optional<Pose> frozen_;
+  std::optional<NavigationUnit> impostor_;
+  std::deque<Said> to_repeat_;
+  Bytes aired_, heard_;
+
+  static std::array<SplitMix64, kFaultKinds> make_random();
+};
+
+}  // namespace flotilla::fleet

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "helm.hpp"
+
+#include <nanobind/stl/array.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "app/convert/convert.hpp"
+#include "values.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace flotilla;
+
+namespace {
+
+/// The boat's own code between its messages and its commands, in double precision: fixes and the
+/// leader's motion in, thrusts out; positions in metres, north-east.
+class Helm {
+ public:
+  using State = std::array<double, 22>;
+  using Leader = std::array<double, 9>;
+
+  explicit Helm(const nb::dict& parameters) {
+    const app::Parameters p = parameters_from(parameters);
+    law_ = app::convert::controller_params<double>(p);
+    observer_ = app::convert::observer_params<double>(p);
+  }
+
+  void fix(double x, double y, double psi, double u, double v, double r, double age, double dt) {
+    fix_at_ = {x, y};
+    fix_ = core::Fix<double>{{}, psi, {u, v, r}, age, dt};
+  }
+
+  nb::dict step(const Leader& l, double h, bool drive) {
+    core::observer_forward(law_.vessel, own_, given_, h);
+    take_fix();
+    core::Encounter<double> in{
+        {anchor_.x + own_.motion.moved_n.x - l[0], anchor_.y + own_.motion.moved_n.y - l[1]},
+        own_.motion.psi,
+        l[2],
+        own_.motion.nu,
+        {l[3], l[4], l[5]},
+        {l[6], l[7], l[8]},
+        own_.c_n,
+        core::unknown_wrench(law_.vessel, own_)};
+    if (!started_) state_ = core::controller_start(in);
+    const auto out = core::controller_step(law_, state_, in, started_ ? h : 0.0);
+    started_ = drive;
+    given_ = drive ? out.allocation.given : core::Tau<double>{};
+    return told(out, in, drive);
+  }
+
+  /// x, y, ψ, u, v, r; unknown accelerations of the three; current north, east; v*, u* and r* held;
+  /// sway of the slot, its speed and slip with their rates; approach: 1 bow first, −1 stern first, 0
+  /// none; wrench given.
+  State state() const {
+    const auto& m = own_.motion;
+    return {anchor_.x + m.moved_n.x,
+            anchor_.y + m.moved_n.y,
+            m.psi,
+            m.nu.u,
+            m.nu.v,
+            m.nu.r,
+            own_.b.u,
+            own_.b.v,
+            own_.b.r,
+            own_.c_n.x,
+            own_.c_n.y,
+            state_.outer.v_star,
+            state_.outer.u_star_held,
+            state_.outer.r_star_held,
+            state_.slot.v_w,
+            state_.slot.q_s.value,
+            state_.slot.q_s.rate,
+            state_.slot.n.value,
+            state_.slot.n.rate,
+            state_.approach.on ? (state_.approach.astern ? -1.0 : 1.0) : 0.0,
+            given_.X,
+            given_.N};
+  }
+
+  void set_state(const State& s) {
+    anchor_ = {s[0], s[1]};
+    own_.motion = {{}, s[2], {s[3], s[4], s[5]}, {}};
+    own_.b = {s[6], s[7], s[8]};
+    own_.c_n = {s[9], s[10]};
+    own_.given = {};
+    state_ = {{s[11], s[12], s[13]}, {s[14], {s[15], s[16]}, {s[17], s[18]}, true}};
+    state_.approach = {std::abs(s[19]) > 0.5, s[19] < -0.5};
+    given_ = {s[20], s[21]};
+    fix_.reset();
+    started_ = true;
+  }
+
+ private:
+  void take_fix() {
+    if (!fix_) return;
+    fix_->expected_n = {anchor_.x + own_.motion.moved_n.x - fix_at_.x,
+                        anchor_.y + own_.motion.moved_n.y - fix_at_.y};
+    core::observer_correct(observer_, law_.vessel, own_, *fix_);
+    anchor_ = fix_at_;
+    fix_.reset();
+  }
+
+  static nb::dict told(const core::ControllerOutput<double>& law, const core::Encounter<double>& in,
+                       bool drive) {
+    const core::Error<double>& e = law.error.e;
+    const core::Nu<double>& star = law.wanted.nu_star;
+    const core::Allocation<double>& a = law.allocation;
+    const core::Thrust<double> thrust = drive ? a.thrust : core::Thrust<double>{};
+    nb::dict out;
+    out["error"] = triple("x_m", e.x, "y_m", e.y, "psi_rad", e.psi);
+    out["virtual_velocity"] = triple("u_mps", star.u, "v_mps", star.v, "r_radps", star.r);
+    out["wrench_asked"] = pair("X_N", law.tau.X, "N_Nm", law.tau.N);
+    out["wrench_given"] = pair("X_N", a.given.X, "N_Nm", a.given.N);
+    out["thrust_N"] = pair("port", thrust.port, "stbd", thrust.stbd);
+    out["unknown"] = pair("X_N", in.unknown.X, "N_Nm", in.unknown.N);
+    out["current_mps"] = pair("north", in.current_n.x, "east", in.current_n.y);
+    return out;
+  }
+
+  core::ControllerParams<double> law_;
+  core::ObserverParams<double> observer_;
+  core::ControllerState<double> state_{};
+  core::Observer<double> own_{};
+  core::Vec2<double> anchor_{}, fix_at_{};
+  std::optional<core::Fix<double>> fix_;
+  core::Tau<double> given_{};
+  bool started_ = false;
+};
+
+}  // namespace
+
+void bind_helm(nb::module_& m) {
+  nb::class_<Helm>(m, "Helm",
+                   "The boat's observer and law without messages, supervisor and ESCs: for "
+                   "certificates and experiments. Metres, radians, seconds; north-east.")
+      .def(nb::init<const nb::dict&>(), "parameters"_a = nb::dict())
+      .def("fix", &Helm::fix, "x_m"_a, "y_m"_a, "psi_rad"_a, "u_mps"_a, "v_mps"_a, "r_radps"_a,
+           "age_s"_a = 0.0, "dt_s"_a = 0.0,
+           "The own state that the next step takes: true age_s before it, dt_s after the one "
+           "before; dt_s 0: the first.")
+      .def("step", &Helm::step, "leader"_a, "h_s"_a, "drive"_a = true,
+           "One control step, h_s after the last. leader: x, y, psi, u, v, r and the rates of "
+           "change of the last three, now. What the law made of it, by name.")
+      .def_prop_rw("state", &Helm::state, &Helm::set_state,
+                   "What it remembers, 22 numbers, but for the wrenches that late fixes are "
+                   "carried on under: x, y, psi, u, v, r; unknown acceleration "
+                   "in surge, sway, yaw; current north, east; v*, u*, r* held; sway of the slot, "
+                   "its speed and slip with their rates; approach: 1 bow first, -1 stern first, 0 "
+                   "none; wrench given X, N.");
+}

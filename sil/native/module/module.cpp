@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+// The native module `flotilla`: the boat's own object code, for the SIL, tests and notebooks.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "app/boat.hpp"
+#include "app/operator/metadata.hpp"
+#include "app/operator/text.hpp"
+#include "app/version.hpp"
+#include "fleet_binding.hpp"
+#include "helm.hpp"
+#include "snapshot.hpp"
+#include "supervisor.hpp"
+#include "values.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace flotilla;
+
+namespace {
+
+struct TickOutput {
+  nb::list mavlink;
+  nb::list can;
+};
+
+nb::bytes bytes_of(std::span<const std::uint8_t> data) {
+  return nb::bytes(data.data(), data.size());
+}
+
+std::span<const std::uint8_t> span_of(const nb::bytes& data) {
+  return {static_cast<const std::uint8_t*>(data.data()), data.size()};
+}
+
+/// A boat of any scalar behind one Python type.
+class PyBoat {
+ public:
+  PyBoat(const nb::dict& values, int links, const std::string& scalar)
+      : links_(static_cast<std::size_t>(links)) {
+    if (links < 1 || links_ > app::kMaxLinks)
+      throw nb::value_error("links: a whole number from 1 to 4");
+    const app::Parameters parameters = parameters_from(values);
+    if (scalar == "float") {
+      boat_ = std::make_unique<app::Boat<float>>(parameters, links_);
+    } else if (scalar == "double") {
+      boat_ = std::make_unique<app::Boat<double>>(parameters, links_);
+    } else if (scalar == "q16") {
+      boat_ = std::make_unique<app::Boat<core::Q16>>(parameters, links_);
+    } else {
+      throw nb::value_error(
+          ("scalar: \"float\", \"double\" or \"q16\", not \"" + scalar + "\"").c_str());
+    }
+  }
+
+  void on_mavlink(const nb::bytes& data, std::int64_t now_us, int link) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) {
+      throw nb::value_error(("link: from 0 to " + std::to_string(links_ - 1)).c_str());
+    }
+    const auto bytes = span_of(data);
+    std::visit([&](auto& b) { b->on_mavlink(bytes, now_us, static_cast<std::size_t>(link)); },
+               boat_);
+  }
+
+  void on_can(std::uint32_t can_id, const nb::bytes& data, std::int64_t now_us) {
+    const auto bytes = span_of(data);
+    std::visit([&](auto& b) { b->on_can(can_id, bytes, now_us); }, boat_);
+  }
+
+  TickOutput tick(std::int64_t now_us) {
+    TickOutput out;
+    std::visit(
+        [&](auto& b) {
+          const auto sent = b->tick(now_us);
+          for (std::size_t link = 0; link < links_; ++link) {
+            const auto bytes = sent.links->bytes(link);
+            if (!bytes.empty()) out.mavlink.append(nb::make_tuple(link, bytes_of(bytes)));
+          }
+          for (const link::CanFrame& frame : sent.can) {
+            out.can.append(nb::make_tuple(frame.id, bytes_of(frame.bytes())));
+          }
+        },
+        boat_);
+    return out;
+  }
+
+  void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us,
+               bool save_failed) {
+    const app::HostReport report{bus_up, parameters_saved, overruns, unix_us, save_failed};
+    std::visit([&](auto& b) { b->on_host(report); }, boat_);
+  }
+
+  void secure(const nb::bytes& key, std::int64_t unix_us) {
+    link::SigningKey wanted{};
+    const auto bytes = span_of(key);
+    if (bytes.size() != wanted.size()) throw nb::value_error("key: 32 bytes");
+    std::copy(bytes.begin(), bytes.end(), wanted.begin());
+    std::visit([&](auto& b) { b->secure(wanted, link::signing_time(unix_us), 0); }, boat_);
+  }
+
+  void set_signing(int link, const std::string& policy) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) throw nb::index_error("link");
+    const auto wanted = app::signing_policy(policy);
+    if (!wanted) throw nb::value_error("policy: \"off\", \"accept\" or \"required\"");
+    std::visit([&](auto& b) { b->set_policy(static_cast<std::size_t>(link), *wanted); }, boat_);
+  }
+
+  void limit_link(int link, std::uint32_t bytes_per_s) {
+    if (link < 0 || static_cast<std::size_t>(link) >= links_) throw nb::index_error("link");
+    std::visit([&](auto& b) { b->limit_link(static_cast<std::size_t>(link), bytes_per_s); }, boat_);
+  }
+
+  const char* take_save_request() {
+    constexpr std::array kNames{"none", "changed", "confirmed"};
+    const auto request = std::visit([](auto& b) { return b->take_save_request(); }, boat_);
+    return kNames[static_cast<std::size_t>(request)];
+  }
+
+  nb::dict snapshot() const {
+    return std::visit([](const auto& b) { return snapshot_dict(b->snapshot()); }, boat_);
+  }
+
+  nb::str state() const {
+    return std::visit(
+        [](const auto& b) {
+          const auto name = app::name_of(b->state());
+          return nb::str(name.data(), name.size());
+        },
+        boat_);
+  }
+
+  nb::dict parameters() const {
+    return parameters_dict(
+        std::visit([](const auto& b) -> const app::Parameters& { return b->parameters(); }, boat_));
+  }
+
+ private:
+  std::size_t links_;
+  std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>,
+               std::unique_ptr<app::Boat<core::Q16>>>
+      boat_;
+};
+
+const char* name_of(app::ParameterKind kind) {
+  constexpr std::array kNames{"real",     "whole", "sign",   "mode",
+                              "identity", "frame", "switch", "action"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+const char* name_of(app::ParameterChange change) {
+  constexpr std::array kNames{"anytime", "disarmed", "restart", "mode"};
+  return kNames[static_cast<std::size_t>(change)];
+}
+
+nb::list parameter_list() {
+  nb::list out;
+  for (const app::ParameterInfo& info : app::kParameterList) {
+    nb::dict entry;
+    entry["name"] = nb::str(info.name.data(), info.name.size());
+    entry["unit"] = nb::str(info.unit.data(), info.unit.size());
+    entry["default"] = info.default_value;
+    entry["least"] = info.least;
+    entry["greatest"] = info.greatest;
+    entry["integer"] = info.whole();
+    entry["group"] = nb::str(info.group.data(), info.group.size());
+    entry["kind"] = name_of(info.kind);
+    entry["change"] = name_of(info.change);
+    entry["sentence"] = nb::str(info.sentence.data(), info.sentence.size());
+    out.append(entry);
+  }
+  return out;
+}
+
+nb::dict metadata() {
+  nb::dict out;
+  for (const link::FtpFile& file : app::metadata_files()) {
+    out[nb::str(file.name.data(), file.name.size())] =
+        nb::bytes(file.content.data(), file.content.size());
+  }
+  return out;
+}
+
+}  // namespace
+
+NB_MODULE(flotilla, m) {
+  m.doc() = "Flotilla's firmware: the autopilot of a twin-propeller boat, without I/O.";
+  m.attr("__version__") =
+      std::to_string(app::kVersionMajor) + "." + std::to_string(app::kVersionMinor);
+  m.def("parameter_list", &parameter_list,
+        "Every parameter with name, unit, default, least and greatest value, group, kind, when it "
+        "may change, and a sentence.");
+  m.def("metadata", &metadata,
+        "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
+  bind_supervisor(m);
+  bind_helm(m);
+  bind_fleet(m);
+  nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
+      .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
+      .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");
+
+  nb::class_<PyBoat>(
+      m, "Boat",
+      "One boat. parameters: by MAVLink name, the rest keep their defaults; links: "
+      "number of MAVLink links, 1 to 4; scalar of the law: \"float\", "
+      "\"double\" or \"q16\". ValueError names a parameter that is unknown or out of range.")
+      .def(nb::init<const nb::dict&, int, const std::string&>(), "parameters"_a = nb::dict(),
+           "links"_a = 1, "scalar"_a = "float")
+      .def("on_mavlink", &PyBoat::on_mavlink, "data"_a, "now_us"_a, "link"_a = 0,
+           "Any bytes, in any chunks; now_us: the boat's own monotonic clock, microseconds.")
+      .def("on_can", &PyBoat::on_can, "can_id"_a, "data"_a, "now_us"_a,
+           "One CAN frame with a 29-bit id and up to 8 bytes.")
+      .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
+      .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
+           "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false,
+           "What only the boat's host can know; holds until the next report.")
+      .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
+           "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")
+      .def("set_signing", &PyBoat::set_signing, "link"_a, "policy"_a,
+           "\"off\", \"accept\" or \"required\": what that link's signatures are worth.")
+      .def("limit_link", &PyBoat::limit_link, "link"_a, "bytes_per_s"_a,
+           "Telemetry on that link keeps to so many bytes a second; 0: no limit.")
+      .def("take_save_request", &PyBoat::take_save_request,
+           "Why the parameters should be saved since the last call: \"none\", \"changed\" by an "
+           "operator, or \"confirmed\": he has asked for it.")
+      .def("snapshot", &PyBoat::snapshot,
+           "Last tick: state, conditions, ages, estimates, error, virtual velocity, wrench asked "
+           "and given, "
+           "limits that acted, thrusts, counters; SI units.")
+      .def_prop_ro("state", &PyBoat::state, "State of the supervisor after the last tick.")
+      .def("parameters", &PyBoat::parameters, "Every parameter's value by name.");
+}

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#include "policies/mavlink_ear.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include "app/operator/text.hpp"
+
+namespace flotilla::policies {
+namespace {
+
+namespace mav = link::mav;
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
+// Of messages that link::mav has no name for.
+constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kParamSetId = 23,
+                        kManualControlId = 69, kCommandIntId = 75, kCommandLongId = 76,
+                        kCommandAckId = 77, kTimesyncId = 111, kStatustextId = 253;
+
+template <class T>
+T field(Bytes payload, std::size_t at) {
+  T value{};
+  if (at + sizeof value <= payload.size()) {
+    std::memcpy(&value, payload.data() + at, sizeof value);
+  } else if (at < payload.size()) {
+    std::memcpy(&value, payload.data() + at, payload.size() - at);
+  }
+  return value;
+}
+
+/// The frame at the beginning of these bytes, where there is all of one.
+inline Frame frame_at(Bytes b) {
+  if (b.size() < 8) return {};
+  const std::uint8_t length = b[1];
+  if (b[0] == kVersion2 && b.size() >= 12 && (b[2] & ~kSigned) == 0 && length > 0) {
+    const std::size_t size = 12U + length + (b[2] != 0 ? 13U : 0U);
+    if (size > b.size()) return {};
+    const std::uint32_t id = field<std::uint32_t>(b, 6) >> 8U;
+    return {size, {b[5], b[6]}, b[4], id, b.subspan(10, length)};
+  }
+  if (b[0] != kVersion1 || b.size() < 8U + length) return {};
+  return {8U + length, {b[3], b[4]}, b[2], b[5], b.subspan(6, length)};
+}
+
+/// Ids of what asks for something.
+constexpr std::array<bool, 128> kQuestions = [] {
+  std::array<bool, 128> are{};
+  for (const auto id : {kSetModeId, kParamSetId, kManualControlId, kCommandIntId, kCommandLongId}) {
+    are[id] = true;
+  }
+  return are;
+}();
+
+/// What a message has that rules are about.
+enum class Kind : std::uint8_t { kOther, kBeat, kPlace, kTimesync, kAck, kText };
+struct Contents {
+  Kind kind = Kind::kOther;
+  bool has_time = false;   ///< since boot, ms, at its beginning
+  std::uint8_t first = 0;  ///< where floating-point numbers begin
+  std::uint8_t count = 0;  ///< one behind the other
+};
+
+/// What an ESC does not know is NaN by its protocol, and told as such: its currents are no number
+/// of ours.
+constexpr std::size_t kIds = 512;
+constexpr std::array<Contents, kIds> kContents = [] {
+  std::array<Contents, kIds> of{};
+  of[mav::kHeartbeatId].kind = Kind::kBeat;
+  of[kTimesyncId].kind = Kind::kTimesync;
+  of[kCommandAckId].kind = Kind::kAck;
+  of[kStatustextId].kind = Kind::kText;
+  of[mav::kAttitudeId] = of[mav::kLocalPositionNedId] = {Kind::kPlace, true, 4, 6};
+  of[mav::kGlobalPositionIntId] = {Kind::kPlace, true};
+  of[mav::kFollowTargetId] = {Kind::kPlace, false, 24, 14};
+  of[mav::kOdometryId] = {Kind::kPlace, false, 8, 13};
+  of[mav::kPositionTargetLocalNedId] = {Kind::kOther, true, 4, 11};
+  of[mav::kNamedValueFloatId] = {Kind::kOther, true, 4, 1};
+  of[mav::kNavControllerOutputId] = {Kind::kOther, false, 0, 5};
+  of[mav::kHomePositionId] = {Kind::kOther, false, 12, 10};
+  of[kParamValueId] = {Kind::kOther, false, 0, 1};
+  return of;
+}();
+
+/// One that is cut off ends in zeros, and is finite. Two at a time: 1 more than an exponent of ones
+/// is where the sign was.
+inline bool finite(Bytes payload, const Contents& contents) {
+  constexpr std::uint64_t kExponents = 0x7F80'0000'7F80'0000, kOnes = 0x0080'0000'0080'0000,
+                          kSigns = 0x8000'0000'8000'0000;
+  if (contents.count == 0 || payload.size() < contents.first) return true;
+  const std::size_t count =
+      std::min<std::size_t>(contents.count, (payload.size() - contents.first) / 4);
+  const std::uint8_t* at = payload.data() + contents.first;
+  std::uint64_t wrong = 0;
+  for (std::size_t pair = 0; pair < count / 2; ++pair, at += 8) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, at, 8);
+    wrong |= (bits & kExponents) + kOnes;
+  }
+  if (count % 2 != 0) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, at, 4);
+    wrong |= (bits & kExponents) + kOnes;
+  }
+  return (wrong & kSigns) == 0;
+}
+
+}  // namespace
+
+MavlinkEar::MavlinkEar(const app::Parameters& p)
+    : self_{static_cast<std::uint8_t>(p.MAV_SYSID), static_cast<std::uint8_t>(p.MAV_COMPID)},
+      companion_(p.MAV_IDENTITY == 1.0F) {}
+
+bool MavlinkEar::hear(Bytes bytes, const app::Parameters& p, Moment& n) {
+  const auto leader = static_cast<std::uint8_t>(p.FORM_LEADER);
+  while (!bytes.empty()) {
+    const Frame frame = frame_at(bytes);
+    if (frame.size == 0) return false;
+    bytes = bytes.subspan(frame.size);
+    const std::uint8_t system = frame.from.system;
+    heard_.set(system);
+    n.heard.own |= companion_ || system == self_.system;
+    n.heard.leader |= system == leader;
+    if (frame.id < kQuestions.size() && kQuestions[frame.id] && frame.from != self_) {
+      hear_request(frame.id, frame.from, frame.payload, p, n);
+    }
+  }
+  return true;
+}
+
+void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
+                              const app::Parameters& p, Moment& n) const {
+  switch (id) {
+    case kManualControlId:
+      n.heard.sticks = true;
+      break;
+    case kSetModeId:
+      hear_mode(field<std::uint32_t>(m, 0), n);
+      break;
+    case kParamSetId:
+      if (std::memcmp(field<std::array<char, 5>>(m, 6).data(), "MODE", 5) == 0) {
+        hear_mode(double{field<float>(m, 0)}, n);
+      }
+      break;
+    case kCommandLongId:
+    case kCommandIntId: {
+      const auto command = field<std::uint16_t>(m, 28);
+      const link::Address target{field<std::uint8_t>(m, 30), field<std::uint8_t>(m, 31)};
+      ++n.asked[Ask::kAck];
+      if (command == mav::kCmdDoSetMode) hear_mode(double{field<float>(m, 4)}, n);
+      hear_command({command, field<float>(m, 0)}, from, target, p, n);
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+void MavlinkEar::hear_mode(double mode, Moment& n) const {
+  if (mode == app::mode::kManual) ++n.asked[Ask::kManual];
+  if (mode == app::mode::kFormation) ++n.asked[Ask::kFormation];
+}
+
+void MavlinkEar::hear_command(Order order, link::Address from, link::Address target,
+                              const app::Parameters& p, Moment& n) const {
+  const auto [command, first] = order;
+  const bool mine = !companion_ && (target.system == 0 || target.system == self_.system) &&
+                    (target.component == 0 || target.component == self_.component);
+  if (command == mav::kCmdComponentArmDisarm && first == 0) {
+    n.heard.disarm = true;
+    n.heard.stop = n.heard.stop || mine;
+  } else if (command == mav::kCmdComponentArmDisarm) {
+    const auto system = static_cast<float>(from.system);
+    ++n.asked[Ask::kArm];
+    if (p.MAV_GCS_SYSID == 0 || p.MAV_GCS_SYSID == system) ++n.asked[Ask::kArmAllowed];
+    n.heard.stop = false;
+  } else if (command == mav::kCmdDoMotorTest) {
+    ++n.asked[Ask::kTest];
+  } else if (command == mav::kCmdDoFlightTermination) {
+    ++n.asked[Ask::kTerminate];
+    n.heard.stop = false;
+  }
+}
+
+void MavlinkEar::read_own(const Frame& frame, Link& link, Moment& n) {
+  const Bytes m = frame.payload;
+  if (frame.id >= kIds) return;
+  const Contents& contents = kContents[frame.id];
+  // What was requested is made of the report of the tick before.
+  if (contents.has_time) {
+    const auto told_ms = field<std::uint32_t>(m, 0);
+    n.links.punctual &= told_ms == n.now_ms || told_ms == n.before_ms;
+  }
+  n.links.finite &= finite(m, contents);
+  switch (contents.kind) {
+    case Kind::kBeat:
+      n.links.mode = field<std::uint8_t>(m, 0);
+      n.links.flags = field<std::uint8_t>(m, 6);
+      n.links.status = field<std::uint8_t>(m, 7);
+      link.beats = true;
+      link.beat_us = n.now_us;
+      break;
+    case Kind::kPlace:
+      n.links.places = true;
+      break;
+    case Kind::kTimesync:
+      if (field<std::int64_t>(m, 0) == 0) link.timesync_us = n.now_us;
+      break;
+    case Kind::kAck:
+      ++n.done[Ask::kAck];
+      break;
+    case Kind::kText: {
+      const auto text = field<link::Text<50>>(m, 1);
+      n.links.gravest = std::min(n.links.gravest, field<std::uint8_t>(m, 0));
+      n.links.states_word |=
+          std::string_view(text.data(), text.size()).starts_with(app::name_of(n.state));
+      break;
+    }
+    case Kind::kOther:
+      break;
+  }
+}
+
+void MavlinkEar::read(Bytes bytes, std::size_t number, Moment& n) {
+  Link& link = links_[number];
+  link.beats = false;
+  n.links.longest = std::max(n.links.longest, static_cast<std::uint16_t>(bytes.size()));
+  bool own = false;
+  while (!bytes.empty()) {
+    const Frame frame = frame_at(bytes);
+    if (frame.size == 0) {
+      n.links.whole = false;
+      return;
+    }
+    bytes = bytes.subspan(frame.size);
+    if (frame.from == self_ || (companion_ && frame.from.component == self_.component)) {
+      own = true;
+      n.links.counted &= !link.counts || link.sequence == frame.sequence;
+      link.counts = true;
+      link.sequence = static_cast<std::uint8_t>(frame.sequence + 1U);
+      read_own(frame, link, n);
+    } else {
+      n.links.ours &= heard_.test(frame.from.system);
+      n.links.others_first &= !own;
+    }
+  }
+}
+
+void MavlinkEar::note_times(std::size_t links, Moment& n) const {
+  n.beat_us = n.timesync_us = n.now_us;
+  n.links.beats = links > 0;
+  for (std::size_t i = 0; i < links; ++i) {
+    n.beat_us = std::min(n.beat_us, links_[i].beat_us);
+    n.timesync_us = std::min(n.timesync_us, links_[i].timesync_us);
+    n.links.beats = n.links.beats && links_[i].beats;
+  }
+}
+
+}  // namespace flotilla::policies

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// The rules, each with a name that is a sentence; rules.def is the list.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "link/mavlink/mav.hpp"
+#include "policies/moment.hpp"
+
+namespace flotilla::policies {
+
+/// Plain: holds(before, now).
+struct Rule {
+  std::string_view group;
+  std::string_view name;
+  bool (*holds)(const Seen& b, const Moment& n);
+};
+
+namespace rules {
+
+using core::State;
+namespace mav = link::mav;
+
+inline std::int64_t us(float seconds) { return static_cast<std::int64_t>(double{seconds} * 1e6); }
+
+inline float greatest_N(const Moment& n) {
+  return n.p->THR_FWD_MAX < n.p->THR_REV_MAX ? n.p->THR_REV_MAX : n.p->THR_FWD_MAX;
+}
+
+/// By which one unit of RawCommand may change a thrust, where the curve is steepest.
+inline float step_N(const Moment& n) { return 2.0F / 8191.0F * greatest_N(n); }
+
+inline bool at_most(float thrust_N, const Moment& n) {
+  constexpr float kRounded = 1.0001F;
+  return thrust_N <= kRounded * n.p->THR_FWD_MAX && thrust_N >= -kRounded * n.p->THR_REV_MAX;
+}
+
+/// A command has its thrust's sign, and there is no thrust without a command. What is under the
+/// 16 µN of a scalar in fixed point, on the flattest curve, is none.
+inline bool agrees(std::int16_t command, float thrust_N, float direction, float most_N) {
+  const float ahead = static_cast<float>(command) * direction / 8191.0F;
+  if (thrust_N == 0) return most_N * ahead * ahead < 16e-6F;
+  return ahead * thrust_N > 0;
+}
+
+inline bool slewed(std::int16_t before, std::int16_t now, const Moment& n) {
+  constexpr float kFull = 8191.0F, kRounded = 1.5F;
+  if (now == 0 || !(n.p->THR_SLEW > 0)) return true;
+  const float most = n.p->THR_SLEW * kFull * static_cast<float>(n.dt_us) * 1e-6F + kRounded;
+  return std::abs(static_cast<float>(now) - static_cast<float>(before)) <= most;
+}
+
+/// ArduPilot Rover's numbers, as heartbeats tell them.
+constexpr std::uint8_t mode_of(State state) {
+  if (state == State::kManual) return app::mode::kManual;
+  return core::law_drives(state) ? app::mode::kFormation : app::mode::kHold;
+}
+
+/// A state that was not known, or one that is younger than the last that was known. An age that
+/// stands at zero is that of a stamp from the future.
+inline bool moved(const std::optional<double>& before_s, const std::optional<double>& now_s,
+                  const Moment& n) {
+  constexpr double kRounded_s = 1e-4;
+  if (!now_s || (before_s && *now_s == 0 && *before_s == 0)) return false;
+  return !before_s || *now_s < *before_s + static_cast<double>(n.dt_us) * 1e-6 - kRounded_s;
+}
+
+inline constexpr std::array kAll{
+#define POLICY(group, name, condition) \
+  Rule{group, name,                    \
+       []([[maybe_unused]] const Seen& b, const Moment& n) -> bool { return condition; }},
+#include "policies/rules.def"
+#undef POLICY
+};
+static_assert(kAll.size() >= 60);
+
+}  // namespace rules
+
+inline constexpr auto& kRules = rules::kAll;
+
+}  // namespace flotilla::policies

@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "app/guidance/reference.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::int64_t kSecond_us = 1'000'000, kTick_us = 10'000;
+constexpr link::GpsGlobalOrigin kOrigin{487'000'000, 22'950'000, 40'000, 0};
+constexpr std::uint8_t kRoot = 100;
+const convert::Position kHere{0, 0, kOrigin};
+
+Parameters parameters(std::uint8_t system, std::uint8_t leader) {
+  Parameters p;
+  p.MAV_SYSID = system;
+  p.FORM_LEADER = leader;
+  p.FORM_OFS_N = -3;
+  return p;
+}
+
+/// The root: a circle to starboard of 0.3 rad/s at 0.6 m/s.
+struct Circle {
+  static constexpr double kU = 0.6, kR = 0.3;
+  static double psi(std::int64_t us) { return kR * static_cast<double>(us) * 1e-6; }
+  static double north(std::int64_t us) { return kU / kR * std::sin(psi(us)); }
+  static double east(std::int64_t us) { return kU / kR * (1 - std::cos(psi(us))); }
+
+  static link::Odometry odometry(std::int64_t us) {
+    link::Odometry m{};
+    m.time_usec = static_cast<std::uint64_t>(us);
+    m.x = static_cast<float>(north(us));
+    m.y = static_cast<float>(east(us));
+    m.q = {static_cast<float>(std::cos(0.5 * psi(us))), 0, 0,
+           static_cast<float>(std::sin(0.5 * psi(us)))};
+    m.vx = static_cast<float>(kU);
+    m.yawspeed = static_cast<float>(kR);
+    m.frame_id = 1;
+    m.child_frame_id = 12;
+    return m;
+  }
+};
+
+/// A boat that has nothing but a reference; its clock is so far ahead of the world's.
+template <class S>
+struct Boat {
+  Reference<S> reference;
+  VesselTrack<S> leader;
+  std::int64_t ahead_us = 0;
+  link::Address self;
+  link::Counters counters;
+
+  Boat(std::uint8_t system, std::uint8_t leader_system, std::int64_t clock_us)
+      : leader({leader_system, 0}), ahead_us(clock_us), self{system, 1} {
+    reference.configure(parameters(system, leader_system), system);
+  }
+  void hear(link::Address from, const link::Message& message, std::int64_t us) {
+    leader.take({from, message}, us + ahead_us, counters);
+    reference.take({from, message}, &kHere, us + ahead_us, counters);
+  }
+  std::optional<link::FormationReference> say(std::int64_t us) const {
+    return reference.message(us + ahead_us, true);
+  }
+  auto aim(std::int64_t us) const { return reference.aim(us + ahead_us); }
+};
+
+/// How far the aim is from where the root is, m.
+template <class S>
+double off_m(const Boat<S>& boat, std::int64_t us) {
+  const auto aim = boat.aim(us);
+  REQUIRE(aim);
+  const double north = convert::number(aim->position.north_m) +
+                       convert::number(aim->motion.moved_n.x) - Circle::north(us);
+  const double east = convert::number(aim->position.east_m) +
+                      convert::number(aim->motion.moved_n.y) - Circle::east(us);
+  return std::hypot(north, east);
+}
+
+/// Boats in a line behind the root; each hears its neighbours, delay_us late, with clocks hours apart.
+template <class S>
+struct Line {
+  static constexpr std::int64_t kDelay_us = 150'000;
+  struct Sent {
+    std::int64_t arrives_us;
+    std::size_t to;
+    link::Address from;
+    link::Message message;
+  };
+  std::vector<Boat<S>> boats;
+  std::vector<Sent> air;
+  std::function<void(link::FormationReference&, std::size_t)> tamper = [](auto&, auto) {};
+  bool root_speaks = true;
+
+  explicit Line(std::uint8_t count) {
+    for (std::uint8_t i = 1; i <= count; ++i) {
+      const std::uint8_t leader = i == 1 ? kRoot : static_cast<std::uint8_t>(i - 1);
+      boats.emplace_back(i, leader, 1000 * kSecond_us * (i % 5));
+    }
+  }
+
+  void deliver(std::int64_t us) {
+    std::vector<Sent> rest;
+    for (const Sent& sent : air) {
+      if (sent.arrives_us > us) {
+        rest.push_back(sent);
+      } else {
+        boats[sent.to].hear(sent.from, sent.message, us);
+      }
+    }
+    air = std::move(rest);
+  }
+
+  void answer_timesync(std::int64_t us) {
+    for (std::size_t i = 0; i < boats.size(); ++i) {
+      const auto exchange = [&](link::Address with, std::int64_t their_clock_us) {
+        const std::int64_t sent_us = us - 2 * kDelay_us + boats[i].ahead_us;
+        const std::int64_t read_us = us - kDelay_us + their_clock_us;
+        boats[i].leader.answered(with, sent_us, read_us, us + boats[i].ahead_us);
+        boats[i].reference.answered(with, sent_us, read_us, us + boats[i].ahead_us);
+      };
+      if (i == 0) exchange({kRoot, 1}, 0);
+      if (i > 0) exchange(boats[i - 1].self, boats[i - 1].ahead_us);
+      if (i + 1 < boats.size()) exchange(boats[i + 1].self, boats[i + 1].ahead_us);
+    }
+  }
+
+  void run(std::int64_t from_us, std::int64_t to_us) {
+    for (std::int64_t us = from_us; us < to_us; us += kTick_us) {
+      if (us % 100'000 == 0 && root_speaks) {
+        air.push_back({us + kDelay_us, 0, {kRoot, 1}, kOrigin});
+        air.push_back({us + kDelay_us, 0, {kRoot, 1}, Circle::odometry(us)});
+      }
+      deliver(us);
+      if (us % kSecond_us == 0) answer_timesync(us);
+      for (std::size_t i = 0; i < boats.size(); ++i) {
+        boats[i].reference.make(boats[i].leader, us + boats[i].ahead_us);
+        if (us % 100'000 != 0) continue;
+        auto said = boats[i].say(us);
+        if (!said) continue;
+        tamper(*said, i);
+        if (i > 0) air.push_back({us + kDelay_us, i - 1, boats[i].self, *said});
+        if (i + 1 < boats.size()) air.push_back({us + kDelay_us, i + 1, boats[i].self, *said});
+      }
+    }
+  }
+};
+
+TEST_CASE_TEMPLATE("through a line of boats with clocks hours apart the root stays where it is", S,
+                   float, double, core::Q16) {
+  Line<S> line(8);
+  line.run(0, 12 * kSecond_us);
+  for (std::size_t i = 0; i < line.boats.size(); ++i) {
+    CAPTURE(i);
+    CHECK(off_m(line.boats[i], 12 * kSecond_us) < 0.02);
+    const auto aim = line.boats[i].aim(12 * kSecond_us);
+    CHECK(aim->branch == Branch{kRoot, 1});
+    CHECK(aim->offset.n == convert::WireOffset{-3072 * (static_cast<int>(i) + 1), 0});
+    CHECK(double(convert::number(aim->motion.nu.r)) == doctest::Approx(Circle::kR).epsilon(0.02));
+    CHECK(line.boats[i].reference.place().depth(12 * kSecond_us + line.boats[i].ahead_us) == i + 1);
+    CHECK(line.boats[i].counters.reference_refused == 0);
+  }
+}
+
+TEST_CASE("each hop adds its own share to the age, and no more than a tick of waiting") {
+  Line<double> line(6);
+  line.run(0, 12 * kSecond_us);
+  const auto age_us = [&](std::size_t i) {
+    return *line.boats[i].reference.age_us(12 * kSecond_us + line.boats[i].ahead_us);
+  };
+  for (std::size_t i = 1; i < line.boats.size(); ++i) {
+    CAPTURE(i);
+    CHECK(age_us(i) > age_us(0) + static_cast<std::int64_t>(i) * 150'000 - 100'000);
+    CHECK(age_us(i) <= age_us(0) + static_cast<std::int64_t>(i) * 260'000);
+  }
+}
+
+TEST_CASE("switched off a boat neither follows a reference nor tells one") {
+  Line<double> line(3);
+  auto p = parameters(2, 1);
+  p.LAW_REF = 0;
+  line.boats[1].reference.configure(p, 2);
+  line.run(0, 6 * kSecond_us);
+  CHECK_FALSE(line.boats[1].aim(6 * kSecond_us));
+  CHECK_FALSE(line.boats[1].say(6 * kSecond_us));
+  CHECK(line.boats[0].aim(6 * kSecond_us));
+}
+
+TEST_CASE("a root that is not heard any more is carried on for four seconds, told for three") {
+  Line<double> line(1);
+  line.run(0, 6 * kSecond_us);  // the last message is of 5.9 s
+  line.root_speaks = false;
+  line.run(6 * kSecond_us, 8'850'000);
+  CHECK(line.boats[0].say(8'850'000));
+  CHECK_FALSE(line.boats[0].say(8'950'000));
+  CHECK(line.boats[0].aim(9'850'000));
+  CHECK_FALSE(line.boats[0].aim(9'950'000));
+}
+
+/// A boat behind boat 1, which tells the root's motion directly.
+struct Follower {
+  Boat<double> boat{2, 1, 0};
+  std::uint16_t sequence = 0;
+
+  static link::FormationReference reference(std::int64_t us, std::uint16_t sequence) {
+    const convert::RootState<double> root{
+        {Circle::north(us), Circle::east(us), kOrigin},
+        {core::wrap_pi(Circle::psi(us)), {Circle::kU, 0, Circle::kR}, {}, 0}};
+    link::FormationReference m{};
+    m.time_boot_ms = static_cast<std::uint32_t>(us / 1000);
+    m.sequence = sequence;
+    m.root = kRoot;
+    m.maker = 1;
+    m.flags = link::mav::kReferenceFollowed;
+    m.motion = *convert::reference_motion_of(root);
+    m.path[0] = kRoot;
+    return m;
+  }
+
+  void hear(const link::FormationReference& m, std::int64_t us, std::uint8_t from = 1) {
+    boat.hear({from, 1}, m, us);
+  }
+  /// As it should be, ten times a second.
+  void hear_until(std::int64_t from_us, std::int64_t to_us) {
+    for (std::int64_t us = from_us; us < to_us; us += 100'000) hear(reference(us, ++sequence), us);
+  }
+  std::uint32_t refused() const { return boat.counters.reference_refused; }
+  std::uint32_t news() const { return boat.reference.news(); }
+};
+
+TEST_CASE("what was heard before, or is older, changes nothing") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  const std::uint32_t news = f.news();
+  CHECK(news == 10);
+  const auto again = Follower::reference(1'900'000, f.sequence);
+  f.hear(again, 1'950'000);
+  f.hear(again, 1'960'000, 5);
+  f.hear(Follower::reference(1'800'000, static_cast<std::uint16_t>(f.sequence - 1)), 1'970'000, 6);
+  CHECK(f.news() == news);
+  CHECK(off_m(f.boat, 2 * kSecond_us) < 0.01);
+}
+
+TEST_CASE("a sequence that begins anew after 65536 goes on") {
+  Follower f;
+  f.sequence = 65'530;
+  f.hear_until(kSecond_us, 3 * kSecond_us);
+  CHECK(f.news() == 20);
+}
+
+TEST_CASE("a maker that was started anew is followed again when its first second is over") {
+  Follower f;
+  f.sequence = 5000;
+  f.hear_until(kSecond_us, 3 * kSecond_us);
+  f.sequence = 0;
+  f.hear_until(3 * kSecond_us, 6 * kSecond_us);
+  CHECK(f.news() >= 20 + 18);
+  CHECK(off_m(f.boat, 6 * kSecond_us) < 0.01);
+}
+
+TEST_CASE("any boat of the branch may tell the newest, none of another branch") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  const std::uint32_t news = f.news();
+  f.hear(Follower::reference(2'050'000, ++f.sequence), 2'060'000, 9);
+  CHECK(f.news() == news + 1);
+  auto other = Follower::reference(2'100'000, ++f.sequence);
+  other.maker = 4;
+  f.hear(other, 2'110'000, 9);
+  other.maker = 1;
+  other.root = 101;
+  f.hear(other, 2'110'000, 9);
+  CHECK(f.news() == news + 1);
+}
+
+TEST_CASE("another boat's word on its own slot and path counts for nothing") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  auto sibling = Follower::reference(2'050'000, ++f.sequence);
+  sibling.offset_n = {99'999, 99'999};
+  sibling.path[0] = 2;
+  f.hear(sibling, 2'060'000, 9);
+  CHECK(f.boat.aim(2'100'000)->offset.n == convert::WireOffset{-3072, 0});
+  CHECK_FALSE(f.boat.reference.place().is_cycle(2'100'000));
+}
+
+TEST_CASE("what is too old when it comes is refused, and so is a root where none can be") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  const std::uint32_t news = f.news();
+  auto old = Follower::reference(2'050'000, ++f.sequence);
+  old.age_ms = 5000;
+  f.hear(old, 2'060'000, 9);
+  CHECK(f.refused() == 1);
+  auto nowhere = Follower::reference(2'050'000, ++f.sequence);
+  nowhere.motion.latitude = nowhere.motion.longitude = 0;
+  f.hear(nowhere, 2'060'000);
+  CHECK(f.boat.counters.mavlink_bad_value == 1);
+  CHECK(f.news() == news);
+}
+
+TEST_CASE("a root that jumps is not followed until it has been there for a second") {
+  for (const std::uint8_t liar : {std::uint8_t{1}, std::uint8_t{9}}) {
+    Follower f;
+    f.hear_until(kSecond_us, 3 * kSecond_us);
+    const std::uint32_t news = f.news();
+    for (std::int64_t us = 3 * kSecond_us; us < 3'900'000; us += 100'000) {
+      auto m = Follower::reference(us, ++f.sequence);
+      m.motion.east += 20 * 1024;
+      f.hear(m, us, liar);
+    }
+    CHECK(f.news() == news);
+    CHECK(f.refused() == 9);
+    CHECK(off_m(f.boat, 3'900'000) < 0.02);
+    for (std::int64_t us = 3'900'000; us < 4'400'000; us += 100'000) {
+      auto m = Follower::reference(us, ++f.sequence);
+      m.motion.east += 20 * 1024;
+      f.hear(m, us, liar);
+    }
+    CHECK(f.news() > news);
+  }
+}
+
+TEST_CASE("what is refused is not handed on") {
+  Follower f;
+  f.hear_until(kSecond_us, 3 * kSecond_us);
+  auto jump = Follower::reference(3 * kSecond_us, ++f.sequence);
+  const auto good = f.boat.say(3 * kSecond_us)->motion.north;
+  jump.motion.north += 50 * 1024;
+  f.hear(jump, 3 * kSecond_us);
+  CHECK(f.boat.say(3 * kSecond_us)->motion.north == good);
+}
+
+TEST_CASE("a root whose plane begins elsewhere is not followed at once either") {
+  Follower f;
+  f.hear_until(kSecond_us, 3 * kSecond_us);
+  const std::uint32_t news = f.news();
+  auto m = Follower::reference(3 * kSecond_us, ++f.sequence);
+  m.motion.latitude += 100'000;
+  f.hear(m, 3 * kSecond_us);
+  CHECK(f.news() == news);
+  CHECK(f.refused() == 1);
+}
+
+TEST_CASE("a root that is too far away is not followed") {
+  Follower f;
+  for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += 100'000) {
+    auto m = Follower::reference(us, ++f.sequence);
+    m.motion.north += 6000 * 1024;
+    f.hear(m, us);
+  }
+  CHECK_FALSE(f.boat.aim(2 * kSecond_us));
+}
+
+TEST_CASE("without knowing where it is itself a boat follows no reference of others") {
+  Follower f;
+  f.boat.reference.take({{1, 1}, Follower::reference(kSecond_us, 1)}, nullptr, kSecond_us,
+                        f.boat.counters);
+  CHECK_FALSE(f.boat.aim(kSecond_us));
+}
+
+TEST_CASE("a leader that leaves its slot is followed itself, by a reference of our own making") {
+  Follower f;
+  const auto track_leader = [&](std::int64_t us) {
+    f.boat.leader.take({{1, 1}, kOrigin}, us, f.boat.counters);
+    f.boat.leader.take({{1, 1}, Circle::odometry(us)}, us, f.boat.counters);
+    f.boat.reference.make(f.boat.leader, us);
+  };
+  for (std::int64_t us = kSecond_us; us < 3 * kSecond_us; us += 100'000) {
+    track_leader(us);
+    f.hear(Follower::reference(us, ++f.sequence), us);
+  }
+  CHECK(f.boat.aim(3 * kSecond_us)->branch == Branch{kRoot, 1});
+  auto left = Follower::reference(3 * kSecond_us, ++f.sequence);
+  left.flags = 0;
+  f.hear(left, 3 * kSecond_us);
+  track_leader(3 * kSecond_us);
+  CHECK(f.boat.aim(3 * kSecond_us)->branch == Branch{1, 2});
+  CHECK(f.boat.say(3 * kSecond_us)->maker == 2);
+  CHECK(f.boat.say(3 * kSecond_us)->path[1] == kRoot);
+}
+
+TEST_CASE("whoever listens to another leader forgets the reference of the one before") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  CHECK(f.boat.aim(2 * kSecond_us));
+  f.boat.reference.configure(parameters(2, 7), 2);
+  CHECK_FALSE(f.boat.aim(2 * kSecond_us));
+  CHECK_FALSE(f.boat.say(2 * kSecond_us));
+}
+
+TEST_CASE("the age is told to the millisecond, of the whole millisecond that the stamp names") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  const auto said = f.boat.say(2'345'678);
+  REQUIRE(said);
+  CHECK(said->time_boot_ms == 2345);
+  CHECK(said->age_ms == 445);  // the last one was true at 1.9 s
+  CHECK(said->flags == link::mav::kReferenceFollowed);
+  CHECK(f.boat.reference.message(2'345'678, false)->flags == 0);
+}
+
+}  // namespace
+}  // namespace flotilla::app

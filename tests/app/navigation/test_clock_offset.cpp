@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "app/navigation/clock_offset.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::int64_t kHour_us = 3'600'000'000;
+
+/// Their clock: offset and drift; the radio: least delay and mean of what comes on top, each way.
+struct Radio {
+  std::int64_t offset_us = 0;  ///< our time − their time, at time 0
+  double drift_ppm = 0;
+  std::int64_t delay_us = 0;
+  double jitter_us = 0;
+  std::mt19937 random{61};
+
+  std::int64_t theirs(std::int64_t ours) const {
+    return ours - offset_us +
+           static_cast<std::int64_t>(static_cast<double>(ours) * drift_ppm * 1e-6);
+  }
+  std::int64_t way_us() {
+    if (jitter_us <= 0) return delay_us;
+    return delay_us +
+           static_cast<std::int64_t>(std::exponential_distribution<double>(1 / jitter_us)(random));
+  }
+  /// Messages at 20 Hz and a TIMESYNC exchange a second, in the order of their arrival's cause.
+  void talk(ClockOffset& clock, std::int64_t from_us, std::int64_t until_us, bool timesync) {
+    for (std::int64_t t = from_us; t < until_us; t += 50'000) {
+      clock.heard(theirs(t), t + way_us());
+      if (timesync && t % 1'000'000 == 0) {
+        const std::int64_t read = t + way_us();
+        clock.answered(t, theirs(read), read + way_us());
+      }
+    }
+  }
+  double error_ms(const ClockOffset& clock, std::int64_t now_us) const {
+    return static_cast<double>(*clock.offset_us() - (now_us - theirs(now_us))) * 1e-3;
+  }
+};
+
+TEST_CASE("before the first message nothing is known, nor after a reset") {
+  ClockOffset clock;
+  CHECK_FALSE(clock.offset_us());
+  clock.answered(1, 2, 3);
+  CHECK_FALSE(clock.offset_us());
+  clock.heard(5, 7);
+  CHECK(clock.offset_us());
+  clock.reset();
+  CHECK_FALSE(clock.offset_us());
+}
+
+TEST_CASE("without TIMESYNC a clock hours away is known up to the quickest way of a message") {
+  for (const std::int64_t offset : {-5 * kHour_us, std::int64_t{0}, 7 * kHour_us}) {
+    Radio radio{offset, 0, 20'000, 50'000.0};
+    ClockOffset clock;
+    radio.talk(clock, 0, 10'000'000, false);
+    CHECK(radio.error_ms(clock, 10'000'000) >= 20);
+    CHECK(radio.error_ms(clock, 10'000'000) < 25);
+  }
+}
+
+TEST_CASE(
+    "with TIMESYNC over a radio as quick there as back the offset is exact but for the drift "
+    "allowed") {
+  Radio radio{3 * kHour_us, 0, 80'000, 0.0};
+  ClockOffset clock;
+  radio.talk(clock, 0, 3'000'000, true);
+  CHECK(std::abs(radio.error_ms(clock, 3'000'000)) < 0.1);
+}
+
+TEST_CASE("jitter of 100 ms and a drift of 20 ppm over an hour leave 60 ms") {
+  for (const double drift : {-20.0, 20.0}) {
+    Radio radio{-2 * kHour_us, drift, 10'000, 100'000.0};
+    ClockOffset clock;
+    for (std::int64_t t = 0; t < kHour_us; t += 10'000'000) {
+      radio.talk(clock, t, t + 10'000'000, true);
+      if (t > 0) REQUIRE(std::abs(radio.error_ms(clock, t + 10'000'000)) < 60);
+    }
+  }
+}
+
+TEST_CASE("a steady radio and a drift of 20 ppm over an hour leave half a millisecond") {
+  for (const double drift : {-20.0, 20.0}) {
+    Radio radio{kHour_us, drift, 30'000, 0.0};
+    ClockOffset clock;
+    for (std::int64_t t = 0; t < kHour_us; t += 10'000'000) {
+      radio.talk(clock, t, t + 10'000'000, true);
+      REQUIRE(std::abs(radio.error_ms(clock, t + 10'000'000)) < 0.5);
+    }
+  }
+}
+
+TEST_CASE(
+    "a clock that is set forward is followed at once, one that is set back within two windows") {
+  Radio radio{0, 0, 10'000, 0.0};
+  ClockOffset clock;
+  radio.talk(clock, 0, 20'000'000, true);
+  radio.offset_us -= kHour_us;  // their clock shows an hour more
+  radio.talk(clock, 20'000'000, 21'000'000, false);
+  CHECK(std::abs(radio.error_ms(clock, 21'000'000)) <= 10.001);
+  radio.talk(clock, 21'000'000, 40'000'000, true);
+  radio.offset_us += 2 * kHour_us;
+  radio.talk(clock, 40'000'000, 51'000'000, true);
+  CHECK(std::abs(radio.error_ms(clock, 51'000'000)) <= 10.001);
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include "app/navigation/liveness.hpp"
+
+namespace flotilla::app {
+namespace {
+
+/// A vessel that says at 10 Hz where it is, and its instrument, which can stick.
+template <class S>
+struct Watch {
+  Liveness<S> liveness{S(0.3)};
+  convert::Sample<S> sample{};
+  int said = 0;
+
+  /// Until it is found frozen, or −1.
+  double sail(double seconds, bool stuck = false, double pushed_mps2 = 0) {
+    double frozen_s = -1;
+    for (int k = 0; k < seconds * 10; ++k, ++said) {
+      if (!stuck) {
+        sample.north_m = sample.north_m + 0.1 * double(sample.u_mps);
+        sample.psi_rad += S(0.1) * sample.r_radps;
+      }
+      liveness.push(S(0.1 * pushed_mps2));
+      liveness.take(sample, said > 0 ? S(0.1) : S(0));
+      if (!liveness.live() && frozen_s < 0) frozen_s = 0.1 * (k + 1);
+    }
+    return frozen_s;
+  }
+};
+
+TEST_CASE_TEMPLATE("a vessel that sails or turns and sticks is frozen within half a second", S,
+                   float, double) {
+  for (const auto& [u, r] : {std::pair{1.0, 0.0}, {0.6, 0.3}, {-0.5, 0.0}}) {
+    Watch<S> w;
+    w.sample.u_mps = S(u), w.sample.r_radps = S(r);
+    CHECK(w.sail(10) == -1);
+    const double after_s = w.sail(5, true);
+    CHECK(after_s >= 0.3);
+    CHECK(after_s <= 0.5);
+  }
+}
+
+TEST_CASE_TEMPLATE("a vessel that lies still and says so is not frozen, however long", S, float,
+                   double) {
+  Watch<S> w;
+  CHECK(w.sail(1000) == -1);
+  w.sample.u_mps = 1;
+  CHECK(w.sail(10) == -1);
+  w.sample.u_mps = 0;
+  CHECK(w.sail(1000) == -1);
+}
+
+TEST_CASE_TEMPLATE("a place or a heading alone that sticks is frozen too", S, float, double) {
+  for (const bool place : {true, false}) {
+    Watch<S> w;
+    w.sample.u_mps = S(0.5), w.sample.r_radps = S(0.2);
+    REQUIRE(w.sail(5) == -1);
+    bool live = true;
+    for (int k = 0; k < 30; ++k) {
+      w.sample.psi_rad += place ? S(0.02) : S(0);
+      if (!place) w.sample.north_m = w.sample.north_m + 0.02;
+      w.liveness.take(w.sample, S(0.1));
+      live = w.liveness.live();
+    }
+    CHECK_FALSE(live);
+  }
+}
+
+TEST_CASE_TEMPLATE("a place told twice, four times, is that of a slow instrument", S, float,
+                   double) {
+  Watch<S> w;
+  w.sample.u_mps = 1;
+  for (int k = 0; k < 200; ++k) {
+    REQUIRE(w.sail(0.1) == -1);
+    REQUIRE(w.sail(0.2, true) == -1);
+    w.sample.north_m = w.sample.north_m + 0.2;
+  }
+}
+
+TEST_CASE_TEMPLATE("a state that is the same to the last bit while the propellers push is frozen",
+                   S, float, double) {
+  Watch<S> w;
+  w.sample.u_mps = 1;
+  REQUIRE(w.sail(3) == -1);
+  w.sample.u_mps = 0;
+  REQUIRE(w.sail(30) == -1);
+  const double after_s = w.sail(5, true, 1.0);
+  CHECK(after_s >= 0.2);
+  CHECK(after_s <= 0.5);
+  CHECK(w.sail(2, true) > 0);
+  // They rest: who knows whether it still sticks. It is asked again when they push.
+  w.sail(20, true);
+  CHECK(w.liveness.live());
+  CHECK(w.sail(5, true, 1.0) > 0);
+}
+
+TEST_CASE_TEMPLATE("two equal states under thrust at a place that stays are chance, not a fault", S,
+                   float, double) {
+  Watch<S> w;
+  w.sample.u_mps = 1;
+  REQUIRE(w.sail(3) == -1);
+  for (int k = 0; k < 50;
+       ++k) {  // coarse degrees, and by a quay: only the velocity's noise goes on
+    w.sample.u_mps = S(0.001 * (k / 2 % 2));
+    REQUIRE(w.sail(0.1, true, 10) == -1);
+  }
+}
+
+TEST_CASE_TEMPLATE("a frozen vessel is live again some states after it moves", S, float, double) {
+  Watch<S> w;
+  w.sample.u_mps = 1;
+  w.sail(5);
+  REQUIRE(w.sail(5, true) > 0);
+  int states = 0;
+  for (; !w.liveness.live(); ++states) w.sail(0.1);
+  CHECK(states >= 2);
+  CHECK(states <= 5);
+}
+
+TEST_CASE_TEMPLATE("a hull that is held from the beginning has some seconds", S, float, double) {
+  Watch<S> w;
+  w.sample.u_mps = 5;
+  CHECK(w.sail(4.5, true) == -1);
+  CHECK(w.sail(5, true) > 0);
+  Watch<S> pushed;
+  CHECK(pushed.sail(60, true, 10) == -1);
+  CHECK_FALSE(pushed.liveness.moved());
+}
+
+}  // namespace
+}  // namespace flotilla::app

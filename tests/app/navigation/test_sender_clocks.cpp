@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+#include "app/navigation/sender_clocks.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr link::Address kMaker{1, 1};
+
+/// Their clock is that far ahead of ours; messages take delay_us each way.
+struct Sender {
+  link::Address from;
+  std::int64_t ahead_us = 0, delay_us = 0;
+
+  std::uint32_t stamp(std::int64_t us) const {
+    return static_cast<std::uint32_t>((us + ahead_us) / 1000);
+  }
+  std::optional<std::int64_t> speak(SenderClocks& clocks, std::int64_t us,
+                                    std::uint8_t rank = 1) const {
+    return clocks.heard(from, rank, stamp(us), us + delay_us);
+  }
+  void answer(SenderClocks& clocks, std::int64_t us) const {
+    clocks.answered(from, us, us + delay_us + ahead_us, us + 2 * delay_us);
+  }
+};
+
+TEST_CASE("TIMESYNC tells when a message left, however long it took and whatever its clock says") {
+  for (const std::int64_t ahead_us : {0L, 7'200'000'000L, 4'294'967'000'000L}) {
+    SenderClocks clocks;
+    const Sender sender{kMaker, ahead_us, 200'000};
+    sender.speak(clocks, 1'000'000);
+    CHECK(*sender.speak(clocks, 1'100'000) >= 1'290'000);  // unknown: as if it took no time
+    sender.answer(clocks, 1'200'000);
+    for (std::int64_t us = 2'000'000; us < 9'000'000; us += 100'000) {
+      const auto left_us = sender.speak(clocks, us);
+      REQUIRE(left_us);
+      CHECK(std::abs(*left_us - us) < 2000);
+      if (us % 1'000'000 == 0) sender.answer(clocks, us);
+    }
+  }
+}
+
+TEST_CASE("no message left after it came") {
+  SenderClocks clocks;
+  const Sender sender{kMaker, 0, 0};
+  sender.speak(clocks, 1'000'000);
+  clocks.answered(kMaker, 1'000'000, 900'000, 1'200'000);
+  CHECK(*sender.speak(clocks, 1'300'000) <= 1'300'000);
+}
+
+TEST_CASE("a sender that was started anew is heard with its new clock") {
+  SenderClocks clocks;
+  const Sender before{kMaker, 500'000'000, 0}, after{kMaker, 0, 0};
+  before.speak(clocks, 1'000'000);
+  CHECK(std::abs(*after.speak(clocks, 2'000'000) - 2'000'000) < 1000);
+}
+
+TEST_CASE("of more senders than there is room for those nearest to the root are kept") {
+  SenderClocks clocks;
+  const auto speak = [&](std::uint8_t system, std::uint8_t rank, std::int64_t us) {
+    return Sender{{system, 1}, 0, 0}.speak(clocks, us, rank).has_value();
+  };
+  for (std::uint8_t system = 1; system <= 4; ++system) CHECK(speak(system, 5, 1'000'000));
+  CHECK_FALSE(speak(9, 5, 1'000'000));
+  CHECK_FALSE(speak(9, 6, 1'000'000));
+  CHECK(speak(9, 4, 1'000'000));
+  CHECK(speak(10, 0, 1'000'000));  // the leader
+  CHECK(speak(10, 0, 1'100'000));
+  // Who is silent makes room.
+  CHECK_FALSE(speak(20, 9, 1'100'000));
+  CHECK(speak(20, 9, 4'200'000));
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <set>
+
+#include "app/operator/commands.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using core::Request;
+namespace mav = link::mav;
+
+Asked meaning(std::uint16_t command, std::array<float, 7> param) {
+  return meaning_of(*command_of(link::CommandLong{command, param, {1, 1}, 0}));
+}
+Asked meaning(std::uint16_t command, float first, float second = 0) {
+  return meaning(command, {first, second, 0, 0, 0, 0, 0});
+}
+bool asks_nothing(const Asked& asked) {
+  return asked.request == Request::kNone && !asked.save_parameters && !asked.motor_test &&
+         !asked.message && !asked.rate;
+}
+bool denied(const Asked& asked) { return asked.result == mav::kDenied && asks_nothing(asked); }
+
+TEST_CASE("arm and disarm ask the supervisor, with the unused fields 0, NaN or the force number") {
+  for (const float second : {0.0F, NAN, 21196.0F}) {
+    CHECK(meaning(mav::kCmdComponentArmDisarm, 1, second).request == Request::kArm);
+    CHECK(meaning(mav::kCmdComponentArmDisarm, 0, second).request == Request::kDisarm);
+  }
+  CHECK(meaning(mav::kCmdComponentArmDisarm, 0, 77).request == Request::kDisarm);
+  CHECK(denied(meaning(mav::kCmdComponentArmDisarm, 1, 77)));
+}
+
+TEST_CASE("an arming that is neither 0 nor 1 is denied") {
+  for (const float first : {2.0F, 0.5F, -1.0F, 255.0F, NAN, INFINITY}) {
+    CHECK(denied(meaning(mav::kCmdComponentArmDisarm, first)));
+  }
+}
+
+TEST_CASE("modes are MANUAL, HOLD and FORMATION by Rover's numbers; every other one is denied") {
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 0).request == Request::kManual);
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 4).request == Request::kHold);
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 6).request == Request::kFormation);
+  CHECK(meaning(mav::kCmdDoSetMode, 129, 6).request == Request::kFormation);
+  for (const float mode : {5.0F, 6.5F, 10.0F, -6.0F, NAN, 1e30F, INFINITY}) {
+    CHECK(denied(meaning(mav::kCmdDoSetMode, 1, mode)));
+  }
+  for (const float base : {0.0F, 128.0F, NAN, -1.0F, 1e30F, 1.5F}) {
+    CHECK(denied(meaning(mav::kCmdDoSetMode, base, 6)));
+  }
+  for (int mode = -300; mode < 300; ++mode) {
+    CHECK(request_of_mode(mode).has_value() == (mode == 0 || mode == 4 || mode == 6));
+  }
+}
+
+TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {
+  const std::set<unsigned> known{176, 185, 209, 245, 262, 400, 510, 511, 512, 519, 520};
+  for (unsigned id = 0; id <= UINT16_MAX; ++id) {
+    const Asked asked = meaning(static_cast<std::uint16_t>(id), 1);
+    if (known.count(id) != 0) {
+      REQUIRE(asked.result != mav::kUnsupported);
+    } else {
+      REQUIRE(asked.result == mav::kUnsupported);
+      REQUIRE(asks_nothing(asked));
+    }
+  }
+  CHECK(meaning(mav::kCmdDoSetStandardMode, 1).result == mav::kFailed);
+}
+
+TEST_CASE("a motor test is one propeller, up to 20 percent either way, for up to 5 seconds") {
+  const auto test = [](float propeller, float kind, float percent, float s, float count) {
+    return meaning(mav::kCmdDoMotorTest, {propeller, kind, percent, s, count, 0, NAN});
+  };
+  const Asked port = test(1, 0, 20, 5, 0), stbd = test(2, 0, -12.5F, 0.5F, NAN);
+  CHECK(port.result == mav::kAccepted);
+  CHECK(port.request == Request::kTest);
+  CHECK(port.motor_test == MotorTest{false, 0.2, 5'000'000});
+  CHECK(stbd.motor_test == MotorTest{true, -0.125, 500'000});
+  CHECK(test(2, 0, 0, 1, 1).request == Request::kTest);
+  for (const float nonsense : {0.0F, 3.0F, -1.0F, 1.5F, NAN, INFINITY, 1e30F}) {
+    CHECK(denied(test(nonsense, 0, 5, 1, 0)));
+  }
+  for (const float kind : {1.0F, 2.0F, 3.0F, -1.0F, NAN}) CHECK(denied(test(1, kind, 5, 1, 0)));
+  for (const float percent : {20.001F, -20.001F, 100.0F, 1100.0F, NAN, -INFINITY}) {
+    CHECK(denied(test(1, 0, percent, 1, 0)));
+  }
+  for (const float s : {-1.0F, 5.001F, NAN, INFINITY}) CHECK(denied(test(1, 0, 5, s, 0)));
+  for (const float count : {2.0F, -1.0F, 0.5F, INFINITY}) CHECK(denied(test(1, 0, 5, 1, count)));
+}
+
+TEST_CASE("termination and saving are asked for by exactly 1") {
+  CHECK(meaning(mav::kCmdDoFlightTermination, 1).request == Request::kTerminate);
+  CHECK(meaning(mav::kCmdPreflightStorage, 1).save_parameters);
+  CHECK(meaning(mav::kCmdPreflightStorage, 1).request == Request::kNone);
+  for (const float first : {0.0F, 2.0F, 0.5F, -1.0F, NAN, INFINITY}) {
+    CHECK(denied(meaning(mav::kCmdDoFlightTermination, first)));
+    CHECK(denied(meaning(mav::kCmdPreflightStorage, first)));
+  }
+}
+
+TEST_CASE("a message is asked for by its number, directly or by the older commands") {
+  for (unsigned id = 0; id <= UINT16_MAX; ++id) {
+    const Asked asked = meaning(mav::kCmdRequestMessage, static_cast<float>(id), NAN);
+    REQUIRE(asked.message);
+    REQUIRE(asked.message->id == id);
+    REQUIRE(asked.message->index == 0);
+    REQUIRE(asked.reads_only());
+    const Asked interval = meaning(mav::kCmdGetMessageInterval, static_cast<float>(id), NAN);
+    REQUIRE(interval.message);
+    REQUIRE(interval.message->id == mav::kMessageIntervalId);
+    REQUIRE(interval.message->index == id);
+  }
+  CHECK(meaning(mav::kCmdRequestMessage, 435, 2).message->index == 2);
+  CHECK(meaning(mav::kCmdRequestAutopilotCapabilities, 1).message->id == 148);
+  CHECK(meaning(mav::kCmdRequestProtocolVersion, 1).message->id == 300);
+  for (const float id : {-1.0F, 0.5F, 65536.0F, 1e30F, NAN, INFINITY, -INFINITY}) {
+    CHECK(denied(meaning(mav::kCmdRequestMessage, id)));
+    CHECK(denied(meaning(mav::kCmdSetMessageInterval, id, 1e6F)));
+  }
+}
+
+TEST_CASE("an interval is −1, 0 or microseconds; NaN and nonsense are denied") {
+  const auto interval = [](float us) { return meaning(mav::kCmdSetMessageInterval, 30, us); };
+  CHECK(interval(-1).rate->interval_us == -1);
+  CHECK(interval(0).rate->interval_us == 0);
+  CHECK(interval(100'000).rate->interval_us == 100'000);
+  CHECK(interval(0.25F).rate->interval_us == 1);  // fast, not the default
+  CHECK(interval(1e6F).rate->id == 30);
+  CHECK_FALSE(interval(1e6F).reads_only());
+  for (const float us : {-2.0F, -1.001F, 1e10F, NAN, INFINITY, -INFINITY})
+    CHECK(denied(interval(us)));
+}
+
+TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
+  const Command as_long =
+      *command_of(link::CommandLong{209, {1, 0, 10, 2, 1, 0, NAN}, {7, 191}, 3});
+  for (unsigned frame = 0; frame < 256; ++frame) {
+    const Command as_int = *command_of(link::CommandInt{
+        209, {1, 0, 10, 2}, 1, 0, NAN, {7, 191}, static_cast<std::uint8_t>(frame)});
+    CHECK(as_int.id == as_long.id);
+    CHECK(as_int.target == as_long.target);
+    CHECK(as_int.wants_ack);
+    CHECK(meaning_of(as_int).motor_test == meaning_of(as_long).motor_test);
+  }
+  const auto extreme =
+      command_of(link::CommandInt{512, {30, 0, 0, 0}, INT32_MIN, INT32_MAX, INFINITY, {1, 1}, 0});
+  CHECK(meaning_of(*extreme).message->id == 30);
+  const Command mode = *command_of(link::SetMode{6, 7, 1});
+  CHECK(mode.target == link::Address{7, 0});
+  CHECK_FALSE(mode.wants_ack);
+  CHECK(meaning_of(mode).request == Request::kFormation);
+  CHECK(denied(meaning_of(*command_of(link::SetMode{UINT32_MAX, 7, 1}))));
+  CHECK(denied(meaning_of(*command_of(link::SetMode{6, 7, 0}))));
+  CHECK_FALSE(command_of(link::Ping{}).has_value());
+  CHECK_FALSE(command_of(Question{}).has_value());
+}
+
+TEST_CASE("no bits in a command's fields, whatever they are, break anything") {
+  constexpr std::uint32_t kSeed = 11;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  constexpr std::array<std::uint16_t, 11> kKnown{176, 185, 209, 245, 262, 400,
+                                                 510, 511, 512, 519, 520};
+  constexpr std::array kTypical{0.0F, 1.0F, 2.0F, 4.0F, 6.0F, -1.0F, NAN, INFINITY, 1e38F};
+  for (int k = 0; k < 200'000; ++k) {
+    std::array<float, 7> param{};
+    for (float& x : param) {
+      const auto bits = static_cast<std::uint32_t>(random());
+      std::memcpy(&x, &bits, sizeof x);
+      if (random() % 2 == 0) x = kTypical[random() % kTypical.size()];
+    }
+    const std::uint16_t id = kKnown[random() % kKnown.size()];
+    const Asked asked = meaning(id, param);
+    REQUIRE(asked.result <= mav::kFailed);
+    if (asked.result != mav::kAccepted) REQUIRE(asks_nothing(asked));
+    REQUIRE(asked.motor_test.has_value() == (asked.request == Request::kTest));
+    const Command command = *command_of(link::CommandLong{id, param, {1, 1}, 0});
+    REQUIRE(is_disarm(command) == (asked.request == Request::kDisarm));
+    if (asked.motor_test) {
+      REQUIRE(std::abs(asked.motor_test->share) <= 0.2);
+      REQUIRE(asked.motor_test->duration_us >= 0);
+      REQUIRE(asked.motor_test->duration_us <= 5'000'000);
+    }
+    if (asked.rate) REQUIRE(asked.rate->interval_us >= -1);
+  }
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "app/propulsion/thrusters.hpp"
+
+namespace flotilla::app {
+namespace {
+
+Parameters without_slew() {
+  Parameters p;
+  p.THR_SLEW = 0;
+  return p;
+}
+
+TEST_CASE_TEMPLATE("full thrust is 8191 in each propeller's own slot, the others hold zeros", S,
+                   float, double) {
+  Parameters p = without_slew();
+  p.ESC_PORT = 3;
+  p.ESC_STBD = 1;
+  Thrusters<S> thrusters(p);
+  const auto out = thrusters.step(true, core::Thrust<S>{S(20), S(-20)}, S(0.01));
+  REQUIRE(out.raw.count == 4);
+  CHECK(out.raw.cmd[3] == 8191);
+  CHECK(out.raw.cmd[1] == -8191);
+  CHECK(out.raw.cmd[0] == 0);
+  CHECK(out.raw.cmd[2] == 0);
+  CHECK(double(out.given.X) == doctest::Approx(0));
+  CHECK(double(out.given.N) == doctest::Approx(0.25 * 40));
+}
+
+TEST_CASE_TEMPLATE("a propeller that turns the other way gets the other sign and gives the same", S,
+                   float, double) {
+  Parameters p = without_slew();
+  const auto straight = Thrusters<S>(p).step(true, core::Thrust<S>{S(7), S(3)}, S(0.01));
+  p.THR_STBD_DIR = -1;
+  const auto reversed = Thrusters<S>(p).step(true, core::Thrust<S>{S(7), S(3)}, S(0.01));
+  CHECK(reversed.raw.cmd[0] == straight.raw.cmd[0]);
+  CHECK(reversed.raw.cmd[1] == -straight.raw.cmd[1]);
+  CHECK(reversed.thrust.stbd == straight.thrust.stbd);
+}
+
+TEST_CASE_TEMPLATE("starting takes its time, stopping does not, and the next start is from zero", S,
+                   float, double) {
+  Parameters p;
+  p.THR_SLEW = 5;
+  Thrusters<S> thrusters(p);
+  const core::Thrust<S> full{S(20), S(20)};
+  typename Thrusters<S>::Output out;
+  for (int k = 1; k <= 20; ++k) {
+    out = thrusters.step(true, full, S(0.01));
+    CHECK(std::abs(out.raw.cmd[0] - k * 0.05 * 8191) <= 1);
+    if (k < 20) CHECK(out.slew_limited);
+  }
+  out = thrusters.step(true, full, S(0.01));
+  CHECK(out.raw.cmd[0] == 8191);
+  CHECK_FALSE(out.slew_limited);
+  out = thrusters.step(false, full, S(0.01));
+  CHECK(out.raw.count == 2);
+  CHECK(out.raw.cmd[0] == 0);
+  CHECK(out.raw.cmd[1] == 0);
+  CHECK(out.given.X == S(0));
+  CHECK(std::abs(thrusters.step(true, full, S(0.01)).raw.cmd[0] - 0.05 * 8191) <= 1);
+}
+
+TEST_CASE_TEMPLATE("what is given is what the commands as sent will give", S, float, double) {
+  constexpr std::uint32_t kSeed = 62;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> thrust(-25, 25), part(0, 1);
+  for (int i = 0; i < 500; ++i) {
+    Parameters p = without_slew();
+    p.THR_EXPO = static_cast<float>(part(random));
+    p.THR_REV_MAX = 12;
+    const core::Thrust<S> wanted{S(thrust(random)), S(thrust(random))};
+    const auto out = Thrusters<S>(p).step(true, wanted, S(0.01));
+    CHECK(std::abs(double(out.thrust.port) - std::clamp(double(wanted.port), -12.0, 20.0)) < 0.01);
+    CHECK(std::abs(double(out.thrust.stbd) - std::clamp(double(wanted.stbd), -12.0, 20.0)) < 0.01);
+    CHECK(double(out.given.X) == doctest::Approx(double(out.thrust.port + out.thrust.stbd)));
+    CHECK(std::abs(out.raw.cmd[0]) <= 8191);
+  }
+}
+
+TEST_CASE_TEMPLATE(
+    "a wrench that fades to nothing fades to exactly zero, also on a quadratic curve", S, float,
+    double) {
+  Parameters p = without_slew();
+  p.THR_EXPO = 1;
+  Thrusters<S> thrusters(p);
+  for (S T = S(1); T > S(0); T = S(0.25) * T) {
+    const S c = core::command_from_thrust(convert::thrust_curve_params<S>(p), T);
+    REQUIRE(std::isfinite(c));  // the cast of NaN to an integer would be undefined
+    CHECK(thrusters.step(true, core::Thrust<S>{T, T}, S(0.01)).raw.cmd[0] >= 0);
+  }
+}
+
+TEST_CASE_TEMPLATE(
+    "where thrust may not rise, neither the greater thrust nor the greater command does", S, float,
+    double) {
+  constexpr std::uint32_t kSeed = 73;
+  INFO("seed ", kSeed);
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> thrust(-25, 25);
+  Parameters p;
+  p.THR_REV_MAX = 12;  // the same thrust is a greater command astern
+  Thrusters<S> thrusters(p);
+  const auto step = [&](bool may_rise) {
+    const core::Thrust<S> wanted{S(thrust(random)), S(thrust(random))};
+    const auto out = thrusters.step(true, wanted, S(0.01), may_rise);
+    return std::pair(std::max(std::abs(out.raw.cmd[0]), std::abs(out.raw.cmd[1])),
+                     core::larger(core::abs(out.thrust.port), core::abs(out.thrust.stbd)));
+  };
+  for (int run = 0; run < 20; ++run) {
+    auto greatest = step(true);
+    for (int k = 0; k < 50; ++k) greatest = step(true);
+    for (int k = 0; k < 200; ++k) {
+      const auto next = step(false);
+      REQUIRE(next.first <= greatest.first);
+      // A thrust becomes a command of 1/8191 of full scale, the nearest one.
+      REQUIRE(next.second <= greatest.second + S(0.5 * 20 / 8191));
+      greatest.first = next.first;
+      greatest.second = core::smaller(greatest.second, next.second);
+    }
+  }
+  thrusters.step(false, {}, S(0.01));
+  CHECK(step(false).first == 0);  // from rest there is nothing to keep
+}
+
+}  // namespace
+}  // namespace flotilla::app

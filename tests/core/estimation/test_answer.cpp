@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "core/estimation/answer.hpp"
+#include "core/piloted_boat.hpp"
+
+namespace flotilla::core {
+namespace {
+
+using testing::Hull;
+
+/// Of the thrust to port and to starboard, what is given.
+using Shares = std::vector<std::pair<double, double>>;
+
+/// What acts on the hull beside its propellers, and what they make of a command.
+struct Sailing {
+  double port = 1, stbd = 1;     ///< of the thrust asked for, from `from` on
+  double from = 10, until = 30;  ///< s
+  double drag = 0;               ///< N, of the water that nobody knows
+  double noise = 0;              ///< of a force and moment, for 10 ms
+};
+
+/// A hull that keeps 0.6 m/s and its heading by a plain loop; after how long from the fault on it is
+/// seen not to answer, s, or −1; −2 before it.
+template <class S>
+double not_answering_after(const Sailing& how) {
+  std::mt19937 engine(7);
+  std::normal_distribution<double> force(0, how.noise > 0 ? how.noise : 1);
+  AnswerParams<S> params;
+  params.vessel = testing::papers_vessel<S>();
+  params.propellers = {S(0.25), S(20), S(20)};
+  AnswerState<S> state;
+  Hull hull{{0, 0, 0, 0, 0, 0}};
+  for (double t = 0; t < how.until; t += 0.01) {
+    const double heading = hull.q[2], u = hull.q[3], r = hull.q[5];
+    const Allocation<double> asked =
+        allocate(AllocationParams<double>{0.25, 20, 20},
+                 Tau<double>{3.436 * 0.6 + 10 * (0.6 - u), -10 * r - 5 * heading});
+    Thrust<double> real = asked.thrust;
+    if (t >= how.from) real = {how.port * real.port, how.stbd * real.stbd};
+    const auto moved = wrench_of(AllocationParams<double>{0.25, 20, 20}, real);
+    const double w = how.noise > 0 ? force(engine) : 0, w_N = how.noise > 0 ? force(engine) : 0;
+    hull.advance({moved.X + w - how.drag, moved.N + w_N}, 0.01);
+    answer_forward(params, state, Nu<S>{S(hull.q[3]), S(hull.q[4]), S(hull.q[5])},
+                   Nu<S>{S(0.6), S(0), S(-0.5 * heading)},
+                   Tau<S>{S(asked.given.X), S(asked.given.N)}, S(0.01));
+    if (!answers(params, state)) return t < how.from ? -2 : t - how.from;
+  }
+  return -1;
+}
+
+TEST_CASE_TEMPLATE("a boat that sails as it is told answers, in noise and against a drag", S, float,
+                   double) {
+  CHECK(not_answering_after<S>({}) == -1);
+  CHECK(not_answering_after<S>({.noise = 3.2}) == -1);
+  CHECK(not_answering_after<S>({.drag = 1}) == -1);
+  CHECK(not_answering_after<S>({.port = 0.7, .stbd = 0.7}) == -1);
+}
+
+TEST_CASE_TEMPLATE("propellers that stop are seen within five seconds", S, float, double) {
+  for (const double noise : {0.0, 3.2}) {
+    for (const auto& [port, stbd] : Shares{{0, 0}, {0, 1}, {1, 0}}) {
+      CAPTURE(port);
+      CAPTURE(stbd);
+      CAPTURE(noise);
+      const double after = not_answering_after<S>({.port = port, .stbd = stbd, .noise = noise});
+      CHECK(after > 0.1);
+      CHECK(after < 5);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("propellers that turn the other way are seen within three seconds", S, float,
+                   double) {
+  for (const double noise : {0.0, 0.5}) {
+    for (const auto& [port, stbd] : Shares{{-1, -1}, {-1, 1}, {1, -1}}) {
+      CAPTURE(port);
+      CAPTURE(stbd);
+      CAPTURE(noise);
+      const double after = not_answering_after<S>({.port = port, .stbd = stbd, .noise = noise});
+      CHECK(after > 0.1);
+      CHECK(after < 3);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("who is given nothing, or next to nothing, is not asked to move", S, float,
+                   double) {
+  AnswerParams<S> params;
+  params.vessel = testing::papers_vessel<S>();
+  params.propellers = {S(0.25), S(20), S(20)};
+  for (const double X : {0.0, 0.8, -0.8}) {  // a current of 0.23 m/s takes as much
+    AnswerState<S> state;
+    for (int k = 0; k < 3000; ++k) {
+      answer_forward(params, state, {}, Nu<S>{S(X), S(0), S(X)}, Tau<S>{S(X), S(0.3 * X)}, S(0.01));
+      REQUIRE(answers(params, state));
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE(
+    "a boat that stands in a stream as it shall answers, one that shall go on does not", S, float,
+    double) {
+  AnswerParams<S> params;
+  params.vessel = testing::papers_vessel<S>();
+  params.propellers = {S(0.25), S(20), S(20)};
+  for (const double X : {3.4, -3.4, 10.0}) {  // a stream of 1 m/s takes as much, one of 3 m/s
+    for (const double wanted : {0.0, 0.05, 0.4}) {
+      AnswerState<S> state;
+      bool answered = true;
+      for (int k = 0; k < 6000; ++k) {
+        const S u_star = S(X < 0 ? -wanted : wanted);
+        answer_forward(params, state, {}, Nu<S>{u_star}, Tau<S>{S(X), S(0)}, S(0.01));
+        answered = answered && answers(params, state);
+      }
+      CHECK(answered == (wanted < 0.1));
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("a boat that was seen not to answer is asked anew some seconds after it stopped",
+                   S, float, double) {
+  AnswerParams<S> params;
+  params.vessel = testing::papers_vessel<S>();
+  params.propellers = {S(0.25), S(20), S(20)};
+  AnswerState<S> state;
+  for (int k = 0; k < 500; ++k) {
+    answer_forward(params, state, {}, Nu<S>{S(1)}, Tau<S>{S(10), S(0)}, S(0.01));
+  }
+  CHECK_FALSE(answers(params, state));
+  int ticks = 0;
+  while (!answers(params, state)) {
+    answer_forward(params, state, {}, Nu<S>{S(1)}, {}, S(0.01));
+    REQUIRE(++ticks < 1000);
+  }
+  CHECK(ticks > 100);
+}
+
+}  // namespace
+}  // namespace flotilla::core

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: MIT
+"""A sea of its own for each flotillad, on a bus that nobody else has."""
+
+import fcntl
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.linux.process import PROGRAM, RealSea
+
+BUSES = (5, 6, 7)  # live simulations have 0 to 4, the tests of firmware/ 8 and 9
+
+
+@pytest.fixture(scope="module")
+def bus() -> Iterator[int]:
+    """The number of a multicast bus; other runs of tests on this machine take others."""
+    for number in BUSES:
+        with Path(f"/tmp/flotilla-mcast-{number}.lock").open("a") as lock:
+            try:
+                last = number == BUSES[-1]
+                fcntl.flock(lock, fcntl.LOCK_EX | (0 if last else fcntl.LOCK_NB))
+            except BlockingIOError:
+                continue
+            yield number
+            return
+
+
+@pytest.fixture
+def sea(bus: int, tmp_path: Path) -> Iterator[RealSea]:
+    """Nobody afloat yet: start() does that."""
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    with RealSea(bus, tmp_path) as sea:
+        yield sea
