@@ -19,8 +19,8 @@ from mavsdk.plugins.param.param import ParamError, ParamResult
 
 from tests.clients.boat import ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
 from tests.clients.mavsdk_client import MavsdkClient
-from tests.target.course import Course
 from tests.linux.process import ROOT
+from tests.target.course import Course
 from tests.target.stations import (
     ACCEPTED,
     ARM,

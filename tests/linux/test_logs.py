@@ -10,8 +10,8 @@ import can
 import pytest
 from pymavlink import mavutil
 
-from tests.target.bus import NODE
 from tests.linux.process import RealSea
+from tests.target.bus import NODE
 from tests.target.stations import (
     BOAT,
     GCS,

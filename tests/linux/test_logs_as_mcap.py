@@ -11,9 +11,9 @@ import pytest
 from pymavlink import mavutil
 
 from sil.logs.__main__ import main
+from tests.linux.process import RealSea
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of
 from tests.target.bus import ESC_STATUS, type_of
-from tests.linux.process import RealSea
 from tests.target.stations import BOAT, LEADER
 
 Topics = dict[str, list[tuple[int, Any]]]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.linux.process import LOOPBACK, PATIENT, RealSea, Udp, free_port, now_us
 from tests.target.bus import (
     ARMING_STATUS,
     GET_NODE_INFO,
@@ -22,7 +23,6 @@ from tests.target.bus import (
     transfers,
     type_of,
 )
-from tests.linux.process import LOOPBACK, PATIENT, RealSea, Udp, free_port, now_us
 from tests.target.stations import (
     ARM,
     BOAT,

@@ -4,8 +4,8 @@
 import signal
 from typing import Any
 
-from tests.target.bus import NODE, of_type, reference, transfers
 from tests.linux.process import RealSea
+from tests.target.bus import NODE, of_type, reference, transfers
 
 ALLOCATION = 1
 LOG = next(entry for entry in reference("generated") if entry["name"] == "spec DNA log")

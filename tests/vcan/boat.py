@@ -21,11 +21,11 @@ from typing import Any, Self
 from sil.ordinary_user import ordinary_user
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
+from tests.linux.process import PATIENT
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
 from tests.target.course import Course
 from tests.target.hull import ARM_M, GREATEST_N, Helmsman, Hull
-from tests.linux.process import PATIENT
 from tests.target.sea import TURN
 from tests.target.stations import (
     ARM,

@@ -15,8 +15,8 @@ from pymavlink import mavutil
 from sil.view.fleet import Fleet
 from sil.view.hear import Listener
 from sil.wire.mavlink_mcast import LOOPBACK, Mouth
-from tests.sil.view.feed import BEAT, attitude, said
 from tests.linux.process import free_port
+from tests.sil.view.feed import BEAT, attitude, said
 from tests.turns import some
 
 _PATIENCE_S = 20.0

@@ -17,9 +17,9 @@ import pytest
 from tornado.websocket import websocket_connect
 
 from sil.live import build
+from tests.linux.process import free_port
 from tests.live_buses import live_buses
 from tests.punctual import sail_punctually
-from tests.linux.process import free_port
 
 _PATIENCE_S = 120.0
 DURATION_S = 12

@@ -19,11 +19,11 @@ from sil import scenario
 from sil.__main__ import main as sil
 from sil.view.cost import Said, said_by
 from sil.wire.mavlink_mcast import LOOPBACK
+from tests.linux.process import free_port
 from tests.sil.campaign.short import short
 from tests.sil.view.browser import Browser
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
 from tests.sil.view.live_page import CARD, LIVE, word
-from tests.linux.process import free_port
 
 FAULT = "fault=[{kind='radio_silent', agent=0, at_s=4.0}]"
 STATE = f"{CARD} return card && card.querySelector('.state').textContent === arguments[1]"

@@ -19,13 +19,13 @@ from sil.view.history import numbers
 from sil.view.tlog import history_of_tlog
 from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_mcast import group_of, listener
+from tests.linux.process import free_port
 from tests.live_buses import live_buses
 from tests.punctual import sail_punctually
 from tests.sil.view.browser import Browser
 from tests.sil.view.live_page import LIVE, word
 from tests.sil.view.test_live_fleet import process
 from tests.sil.view.test_page_replay import seek
-from tests.linux.process import free_port
 from tests.turns import some
 
 ROOT = Path(__file__).parents[3]

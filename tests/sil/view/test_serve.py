@@ -18,8 +18,8 @@ from sil.view.history import column, numbers
 from sil.view.live import Live
 from sil.view.serve import Server
 from sil.wire.mavlink_mcast import LOOPBACK
-from tests.sil.view.feed import BEAT, attitude, local, origin, said
 from tests.linux.process import free_port
+from tests.sil.view.feed import BEAT, attitude, local, origin, said
 from tests.turns import some
 
 _PATIENCE_S = 20.0
