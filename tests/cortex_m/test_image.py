@@ -18,7 +18,7 @@ from sil.recording import Recording
 from sil.world import sail
 from tests import readme
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 TOOLS = (QEMU, QEMU_ARM64, "arm-none-eabi-g++", "aarch64-linux-gnu-g++")
 HEAP = {"malloc", "_malloc_r", "_sbrk", "_Znwj", "_Znaj"}
 

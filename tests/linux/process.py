@@ -45,7 +45,7 @@ from tests.target.stations import (
     command_long,
 )
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 PROGRAM = ROOT / "build" / "release" / "firmware" / "flotillad"
 LOOPBACK = "127.0.0.1"
 TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy

@@ -21,7 +21,7 @@ from tests.target.stations import (
     NAVIGATION,
 )
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 START_S = 1700000000.123456
 
 

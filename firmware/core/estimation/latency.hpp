@@ -47,8 +47,8 @@ struct LatencyParams {
 template <class S>
 struct Latency {
   static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
-  static constexpr int kLength = 64;
-  static constexpr S kBin = S(0.02);  ///< s
+  static constexpr int kLength = 128;
+  static constexpr S kBin = S(0.01);  ///< s
   struct Hypothesis {
     Eigen::Matrix<S, 3, 1> x{S(0), S(0), S(1)};
     Eigen::Matrix<S, 3, 3> P = Eigen::Matrix<S, 3, 1>{S(0.1), S(0.1), S(0.25)}.asDiagonal();
@@ -115,12 +115,14 @@ struct LatencySteps {
   int count;
   S h;
   S kept_r;  ///< of the yaw rate, by one step's damping
+  S kept_n;  ///< of what the moment makes of it in the step
 };
 template <class S>
 LatencySteps<S> latency_steps(const LatencyParams<S>& params, S dt) {
   const int count = 1 + static_cast<int>(dt / params.step);
   const S h = dt / S(count);
-  return {count, h, S(1) / (S(1) + h * params.d)};
+  const S half = S(0.5) * h * params.d;
+  return {count, h, (S(1) - half) / (S(1) + half), S(1) / (S(1) + half)};
 }
 
 /// One hypothesis, carried to `to` ago and set right by the yaw rate that is told.
@@ -128,13 +130,14 @@ template <class S>
 void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
                         const LatencySteps<S>& steps, typename Latency<S>::Hypothesis& one, S to,
                         S z, S kept) {
-  const auto& [count, h, kept_r] = steps;
+  const auto& [count, h, kept_r, kept_n] = steps;
   Eigen::Matrix<S, 1, 3> F{S(1), S(0), S(0)};  // its first row; the others are the identity's
   for (int left = count; left > 0; --left) {
     const S end = to + S(left - 1) * h;
-    const S impulse = latency_impulse(state, end + h, end);
-    one.x(0) = kept_r * (one.x(0) + one.x(2) * impulse + h * one.x(1));
-    F = kept_r * (F + Eigen::Matrix<S, 1, 3>{S(0), h, impulse});
+    const Eigen::Matrix<S, 1, 3> pushed{S(0), kept_n * h,
+                                        kept_n * latency_impulse(state, end + h, end)};
+    one.x(0) = kept_r * one.x(0) + pushed.dot(one.x);
+    F = kept_r * F + pushed;
   }
   const S dt = S(count) * h;
   const Eigen::Matrix<S, 1, 3> r = F * one.P;

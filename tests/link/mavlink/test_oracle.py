@@ -14,7 +14,7 @@ from pymavlink.dialects.v10 import common as mavlink1
 
 from tests.dialect import dialect
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 TARGET = "target_system target_component"
 SEEDS = range(1, 21)
 
