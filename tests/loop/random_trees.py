@@ -55,6 +55,9 @@ class End:
     off_m: float
     yaw_rate: float  # rad/s
 
+    def __str__(self) -> str:
+        return f"{self.off_m:.2f} m off, {self.yaw_rate:.2f} rad/s, {self.held} held"
+
     @property
     def word(self) -> str:
         if self.off_m > ASTRAY_M:
