@@ -49,7 +49,10 @@ IN_SLOTS = "all in their slots"
 
 @dataclass(frozen=True)
 class End:
-    """Of a run's last 10 s: boats that stopped; of the others the farthest and the fastest turn."""
+    """Of a run's last 10 s: boats that stopped; of the others the farthest and the fastest turn.
+
+    Where a white moment shakes the hulls, turns are means over a second.
+    """
 
     held: int
     off_m: float
@@ -99,12 +102,14 @@ def draw(number: int, folder: Path) -> Scenario:
     return scenario.load(path)
 
 
-def end_of(run: Run) -> End:
+def end_of(run: Run, one: Scenario) -> End:
     """Who stopped has no thrust."""
     last = run.trace["t_s"] > run.trace["t_s"][-1] - 10.0
     driven = run.trace["thrust"][last].any(axis=(0, 2))
     off_m = metrics.distances(run.trace["error"])[last].max(axis=0)
-    turn = np.abs(run.trace["nu"][last, 1:, 2]).max(axis=0)
+    ticks = round(one.rate_hz) if one.white_noise.power else 1
+    turned = np.cumsum(run.trace["nu"][last, 1:, 2], axis=0)
+    turn = np.abs(turned[ticks:] - turned[:-ticks]).max(axis=0) / ticks
     count = int(np.count_nonzero(~driven))
     return End(count, *(float(each[driven].max(initial=0.0)) for each in (off_m, turn)))
 
@@ -116,7 +121,7 @@ def ends(drawn: Mapping[int, Scenario]) -> dict[int, End | str]:
     for begin in track(range(0, len(numbers), TOGETHER), "sailing", transient=True):
         some = numbers[begin : begin + TOGETHER]
         for number, run in zip(some, sail([drawn[n] for n in some], {}), strict=True):
-            found[number] = end_of(run) if isinstance(run, Run) else str(run)
+            found[number] = end_of(run, drawn[number]) if isinstance(run, Run) else str(run)
     return found
 
 
@@ -189,7 +194,7 @@ def main() -> None:
     for name in MONTE_CARLOS:
         sampler = Sampler(scenario.read(name, law_override=PRODUCT))
         some = {number: sampler.scenario(number) for number in range(MONTE_CARLO_RUNS)}
-        tell(f"draws of {name}, product's law", ends(some))
+        tell(f"draws of {name}, product's law, turns as means over 1 s", ends(some))
 
 
 def told(passed: set[int], found: Mapping[int, End | str]) -> str:
