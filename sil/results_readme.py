@@ -24,6 +24,9 @@ WANTED: Measured = {
     "leader_follow_target": 0.004,
     "leader_far_origin": 0.001,
     "radio_share": bench_radio.TARGET_SHARE,
+    "radio_share_seldom": bench_radio.TARGET_SHARE,
+    "radio_share_of_eight": bench_radio.EIGHT_SHARE,
+    "radio_rms_of_eight": bench_radio.EIGHT_RMS_M,
 }
 _LEADERS = ("leader_global", "leader_follow_target", "leader_far_origin")
 _FROM_S = {"diamond": 200, **dict.fromkeys(_LEADERS, 120)}
@@ -48,21 +51,33 @@ _LAW = (
 
 
 def sail() -> Measured:
-    """Largest late distances from the slots, m, and the share of a radio that a boat needs."""
+    """Largest late distances from the slots, m; shares of a radio that boats need that sign."""
     with tempfile.TemporaryDirectory(prefix="flotilla-") as folder:
         measured = {}
         for name, from_s in _FROM_S.items():
             run = World(scenario.load(name), {}).run(Path(folder) / "run.bin", lambda _: None)
             late = run.trace["t_s"] >= from_s - 1e-6
             measured[name] = float(metrics.distances(run.trace["error"][late]).max())
-        return {**measured, "radio_share": bench_radio.measure(Path(folder))["share"]}
+        return {**measured, **_radio(Path(folder))}
+
+
+def _radio(folder: Path) -> Measured:
+    eight = bench_radio.eight(folder, bench_radio.PROFILE)
+    return {
+        "radio_share": bench_radio.one(folder, {})["share"],
+        "radio_share_seldom": bench_radio.one(folder, bench_radio.SELDOM)["share"],
+        "radio_share_of_eight": eight["share"],
+        "radio_rms_of_eight": eight["rms_m"],
+    }
 
 
 def for_measured(table: Sequence[Row], measured: Measured) -> str:
     """The table of what boats did, in Markdown."""
     (deviation,) = (row for row in table if row.bound.key == "deviation_from_reference")
     leaders = "only `GLOBAL_POSITION_INT`, only `FOLLOW_TARGET`, or from an origin 2 km away"
-    share = f"{100.0 * measured['radio_share']:.0f} %"
+    one, seldom, eight = (
+        f"{100.0 * measured[f'radio_share{which}']:.0f} %" for which in ("", "_seldom", "_of_eight")
+    )
     lines = [
         (
             "largest deviation of a formation error, any boat and second",
@@ -75,9 +90,16 @@ def for_measured(table: Sequence[Row], measured: Measured) -> str:
             *_metres(_LEADERS, measured),
         ),
         (
-            "one boat on a 57,600 Bd radio: heartbeat, state at 10 Hz, all telemetry",
-            share,
+            "one boat on a 57,600 Bd radio, signed, state and reference at 10 Hz: all telemetry "
+            f"every second; every 4 s ({_told(bench_radio.SELDOM)})",
+            f"{one}; {seldom}",
             f"{100.0 * WANTED['radio_share']:.0f} %",
+        ),
+        (
+            "eight boats in a line on one such radio, signed, 0.2 s late, with "
+            f"{_told(bench_radio.PROFILE)}; worst RMS distance from the slot behind the S-curve",
+            f"{eight}; {measured['radio_rms_of_eight']:.2g} m",
+            f"{100.0 * WANTED['radio_share_of_eight']:.0f} %; {WANTED['radio_rms_of_eight']:g} m",
         ),
     ]
     return _markdown(("", "measured", "wanted"), "|---|---|---|", lines)
@@ -95,6 +117,10 @@ def for_law(table: Sequence[Row], campaigns: Sequence[MonteCarlo]) -> str:
     about = f"{runs} random starts, hulls ±50 %, white noise ([the paper's Fig. 2](sil/RESULTS.md))"
     lines.append((f"{about}: 95th percentile of the worst boat after 100 s", *worst))
     return _markdown((head, "paper's law", "product's"), "|---|--:|--:|", lines)
+
+
+def _told(parameters: Measured) -> str:
+    return ", ".join(f"`{name}` {value:g}" for name, value in parameters.items())
 
 
 def _metres(names: Sequence[str], measured: Measured) -> tuple[str, str]:

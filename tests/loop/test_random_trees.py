@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.loop.random_trees import End, ends
+from sil.scenario import Scenario
+from tests.loop.random_trees import IN_SLOTS, WANTED, End, certified, draw, ends, in_slots
 
 MUST_NOT_BE = {"driven astray", "spinning"}
 
@@ -17,7 +18,29 @@ MUST_NOT_BE = {"driven astray", "spinning"}
 def test_of_random_trees_nearly_all_end_in_their_slots_and_no_boat_is_driven_astray(
     runs: range, tmp_path: Path
 ) -> None:
-    found = ends(runs, tmp_path)
+    found = ends({number: draw(number, tmp_path) for number in runs})
     words = Counter(end.word if isinstance(end, End) else end for end in found.values())
     assert not MUST_NOT_BE & words.keys(), words
-    assert words["all in their slots"] >= 0.9 * len(runs), words
+    assert words[IN_SLOTS] >= 0.9 * len(runs), words
+
+
+@pytest.mark.parametrize(
+    "runs", [range(1, 4), pytest.param(range(4, 60), marks=pytest.mark.nightly)], ids=str
+)
+def test_the_certificate_passes_most_random_trees_and_those_end_in_their_slots(
+    runs: range, tmp_path: Path
+) -> None:
+    drawn = {number: draw(number, tmp_path) for number in runs}
+    passed = certified(drawn)
+    assert len(passed) >= 0.9 * len(runs)
+    assert in_slots(passed, ends(drawn)) >= WANTED
+
+
+def test_the_certificate_passes_no_tree_that_does_not_steer_by_the_reference_and_is_deep(
+    tmp_path: Path,
+) -> None:
+    assert certified({0: without_reference(draw(1, tmp_path))}) == set()
+
+
+def without_reference(tree: Scenario) -> Scenario:
+    return tree.model_copy(update={"parameters": {**tree.parameters, "LAW_REF": 0.0}})

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import random
 from collections import defaultdict
+from itertools import pairwise
 
 import flotilla
 import pytest
@@ -12,8 +13,13 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.agent import START_US
 from tests.target.course import Course
-from tests.target.sea import Sea, named
+from tests.target.operator_words import param_set
+from tests.target.sea import Sea, Tick, named
 from tests.target.stations import BOAT, GCS, LEADER, NAVIGATION, STRANGER, Station, odometry, origin
+
+
+def asks(tick: Tick, link: int) -> int:
+    return len([m for m in tick.named("TIMESYNC", link) if m.tc1 == 0])
 
 
 @pytest.mark.parametrize("link", [0, 1])
@@ -125,3 +131,29 @@ def test_a_boat_and_its_follower_agree_about_time() -> None:
     assert sea.condition("leader_fresh")
     assert (error["x_m"], error["y_m"]) == pytest.approx((ahead, starboard), abs=0.02)
     assert error["psi_rad"] == pytest.approx(turn, abs=0.005)
+
+
+@pytest.mark.parametrize(("rate_Hz", "often"), [(1.0, 10), (0.0, 10), (5.0, 10), (0.2, 2)])
+def test_a_slow_radio_is_asked_as_seldom_as_sr_slow_says_and_the_own_unit_every_second(
+    rate_Hz: float, often: int
+) -> None:
+    sea = Sea({"SR_SLOW": rate_Hz}, links=2)  # the unit speaks on link 0
+    sea.settle()
+    ticks = sea.run(10.0)
+    assert [sum(asks(tick, link) for tick in ticks) for link in (0, 1)] == [10, often]
+
+
+@pytest.mark.parametrize("after_s", [0.04, 0.3, 0.97, 5.0])
+def test_a_radio_that_may_be_asked_more_often_again_is_asked_so_at_once(after_s: float) -> None:
+    sea = Sea({"SR_SLOW": 0.1}, links=2)
+    sea.settle()
+    sea.run(30.0)
+    while not asks(sea.step(), 1):
+        pass
+    asked_us = [sea.now_us]
+    sea.run(after_s)
+    sea.say(param_set("SR_SLOW", 1.0))
+    changed_us = sea.now_us
+    asked_us += [tick.now_us for tick in sea.run(3.0) if asks(tick, 1)]
+    assert asked_us[1] - max(asked_us[0], changed_us - 100_000) <= 1_100_000
+    assert max(b - a for a, b in pairwise(asked_us[1:])) <= 1_010_000

@@ -42,6 +42,12 @@ class Router {
 
   /// Links, a bit each, that a message from one link is to be handed on to.
   std::uint8_t beyond(link::Address target, std::size_t from_link, std::int64_t now_us) const {
+    const std::uint8_t links = links_to(target, now_us);
+    return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : links;
+  }
+
+  /// Links, a bit each, on which that one was heard within ten seconds; component 0: any of it.
+  std::uint8_t links_to(link::Address target, std::int64_t now_us) const {
     if (target.system == 0) return 0;
     unsigned links = 0;
     for (std::size_t place = 0; place < used_; ++place) {
@@ -52,7 +58,7 @@ class Router {
         if (now_us - kGone_us < links_[link].heard_us[place]) links |= 1U << link;
       }
     }
-    return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(links);
+    return static_cast<std::uint8_t>(links);
   }
 
  private:

@@ -47,6 +47,11 @@ bool Streams::set(std::size_t link, std::uint16_t id, std::int64_t interval_us,
   return true;
 }
 
+std::int64_t Streams::slowed_us(std::int64_t fixed_us) const {
+  constexpr std::int64_t kSecond_us = 1'000'000;
+  return slow_us_ > kSecond_us ? std::max(fixed_us, slow_us_) : fixed_us;
+}
+
 std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
   if (id == link::mav::kHeartbeatId) return 1'000'000;
   const std::size_t stream = find(id);
@@ -119,7 +124,7 @@ std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) co
     case Pace::kSlow:
       return slow_us_ > 0 ? std::max(slow_us_, tick_us_) : 0;
     case Pace::kFixed:
-      return info.fixed_us;
+      return slowed_us(info.fixed_us);
     case Pace::kOnRequest:
       return 0;
   }

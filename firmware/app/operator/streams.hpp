@@ -20,7 +20,7 @@ enum class Pace : std::uint8_t {
   kState,  ///< SR_STATE
   kNews,  ///< twice SR_STATE, ten times a second at the most; where there is news half a turn early
   kSlow,  ///< SR_SLOW
-  kFixed,
+  kFixed,  ///< as listed, or SR_SLOW where that is below 1
   kOnRequest,
 };
 
@@ -97,6 +97,10 @@ class Streams {
   /// An interval of 0 is the default, −1 never; faster than the tick or than the link can carry
   /// (bytes_per_s, 0: no limit) becomes the fastest that it can. Whether there is such a stream.
   bool set(std::size_t link, std::uint16_t id, std::int64_t interval_us, std::uint32_t bytes_per_s);
+
+  /// How often that comes which has an interval of its own: an SR_SLOW below 1 slows it too, so that
+  /// parameters alone make a fleet fit on a slow radio.
+  std::int64_t slowed_us(std::int64_t fixed_us) const;
 
   /// As MESSAGE_INTERVAL says it: −1 where it is off, 0 where there is no such stream.
   std::int32_t interval_us(std::size_t link, std::uint16_t id) const;

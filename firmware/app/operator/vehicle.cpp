@@ -15,7 +15,6 @@ namespace mav = link::mav;
 using core::Request;
 using core::State;
 
-constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
 // Of a tick's 1400 bytes: for the heartbeat and the state, and for 24 answers beside them.
 constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -114,6 +115,8 @@ class Vehicle {
   std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
 
  private:
+  static constexpr std::int64_t kSecond_us = 1'000'000;
+
   void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                    std::int64_t now_us, link::Counters& counters);
   void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
@@ -140,6 +143,7 @@ class Vehicle {
   link::Heartbeat heartbeat() const;
   /// Of one tick, for all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
+  void ask_times(link::Counters& counters);
   void tell_separation(link::Counters& counters);
   bool state_waits();
   bool reference_waits(std::size_t link, std::uint32_t news) const;
@@ -192,6 +196,7 @@ class Vehicle {
 
   Schedule heartbeat_due_;
   Schedule timesync_due_;
+  std::int64_t asked_everywhere_us_ = std::numeric_limits<std::int64_t>::min() / 2;
   Schedule separation_due_;
   Schedule arm_refusal_due_;
   Schedule refusal_due_;

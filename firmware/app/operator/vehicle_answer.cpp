@@ -139,11 +139,14 @@ void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
   const SetResult result = parameter_service_.set(link, letter.from, asked, parameters_,
                                                   {core::armed(state_), self().system});
   switch (result.what) {
-    case SetResult::What::kSet:
+    case SetResult::What::kSet: {
       changed_ = true;
+      const std::int64_t asks_us = streams_.slowed_us(kSecond_us);
       streams_.configure(parameters_);
+      if (streams_.slowed_us(kSecond_us) != asks_us) timesync_due_.hurry();
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
+    }
     case SetResult::What::kUnchanged:
       break;
     case SetResult::What::kAskMode:

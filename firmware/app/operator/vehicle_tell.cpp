@@ -68,9 +68,7 @@ void Vehicle::report(const Report& report) {
 void Vehicle::tell(link::Counters& counters) {
   if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
-  if (timesync_due_.due(now_us_)) {
-    links_.broadcast(time_.ask(now_us_, self().system), counters);
-  }
+  if (timesync_due_.due(now_us_)) ask_times(counters);
   if (separation_due_.due(now_us_) && report_.depth) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
     say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
@@ -83,6 +81,19 @@ void Vehicle::tell(link::Counters& counters) {
   }
   if (state_waits()) tell_state(counters);
   for (std::size_t link = 0; link < links_.count(); ++link) tell_rest(link, counters);
+}
+
+/// All that hear each other answer each other: on a slow radio that is most of its load. The own
+/// unit is asked every second all the same, as it counts as late where it does not answer.
+void Vehicle::ask_times(link::Counters& counters) {
+  const link::Timesync request = time_.ask(now_us_, self().system);
+  const std::int64_t before_us = streams_.slowed_us(kSecond_us) - kSecond_us;  // of the last turn
+  const bool everywhere = now_us_ - asked_everywhere_us_ > before_us + kSecond_us / 20;
+  if (everywhere) asked_everywhere_us_ = now_us_;
+  const unsigned own = router_.links_to({self().system, 0}, now_us_);
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (everywhere || (own >> link & 1U) != 0) links_.send(link, request, counters);
+  }
 }
 
 /// For boats around, and for who wonders why this one stops.

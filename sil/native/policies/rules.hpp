@@ -27,6 +27,12 @@ namespace mav = link::mav;
 
 inline std::int64_t us(float seconds) { return static_cast<std::int64_t>(double{seconds} * 1e6); }
 
+/// The longest from one TIMESYNC request to the next.
+inline double asks_s(const Moment& n) {
+  const double slow_Hz = double{n.p->SR_SLOW};
+  return 0.1 + (0 < slow_Hz && slow_Hz < 1 ? 1 / slow_Hz : 1);
+}
+
 inline float greatest_N(const Moment& n) {
   return n.p->THR_FWD_MAX < n.p->THR_REV_MAX ? n.p->THR_REV_MAX : n.p->THR_FWD_MAX;
 }

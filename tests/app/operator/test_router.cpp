@@ -26,6 +26,18 @@ TEST_CASE("a message goes on to where its addressee was heard, and never to who 
   CHECK(router.beyond({3, 0}, 0, kNow_us) == 0);
 }
 
+TEST_CASE("a system is on every link on which one of its components was heard in the last 10 s") {
+  Room room;
+  Router router(room);
+  router.heard({2, 1}, 1, kNow_us);
+  router.heard({2, 191}, 2, kNow_us + kGone_us);
+  CHECK(router.links_to({2, 0}, kNow_us + 1) == 0b110);
+  CHECK(router.links_to({2, 1}, kNow_us + 1) == 0b010);
+  CHECK(router.links_to({2, 0}, kNow_us + kGone_us) == 0b100);
+  CHECK(router.links_to({3, 0}, kNow_us) == 0);
+  CHECK(router.links_to({0, 0}, kNow_us) == 0);
+}
+
 TEST_CASE("broadcasts are not handed on") {
   Room room;
   Router router(room);

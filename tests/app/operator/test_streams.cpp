@@ -195,6 +195,29 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   CHECK(sent(streams, index_of(mav::kAttitudeId), 0, 0, kSecond_us) == 0);
 }
 
+TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW does") {
+  Parameters p;
+  RoomyStreams streams(p, false, kTick_us);
+  const auto interval_us = [&](float rate_Hz, std::uint16_t id) {
+    p.SR_SLOW = rate_Hz;
+    streams.configure(p);
+    return streams.interval_us(0, id);
+  };
+  for (const StreamInfo& info : kStreams) {
+    CAPTURE(info.id);
+    const bool fixed = info.pace == Pace::kFixed;
+    const bool slow = info.pace == Pace::kSlow;
+    const std::int32_t own_us = interval_us(1, info.id);
+    CHECK(interval_us(0.25F, info.id) ==
+          (fixed || slow ? std::max<std::int32_t>(own_us, 4'000'000) : own_us));
+    CHECK(interval_us(20, info.id) == (slow ? 50'000 : own_us));
+    CHECK(interval_us(0, info.id) == (slow ? -1 : own_us));
+  }
+  p.SR_SLOW = 0.25F;
+  streams.configure(p);
+  CHECK(streams.slowed_us(kSecond_us) == 4 * kSecond_us);
+}
+
 TEST_CASE("parameters set to what they are shift no stream's grid") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
   const std::size_t battery = index_of(mav::kBatteryStatusId);

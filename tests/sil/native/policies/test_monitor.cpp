@@ -41,6 +41,22 @@ TEST_CASE_TEMPLATE("a boat that is armed, sails, is stopped and sails again brea
   CHECK(h.boat.broken() == "");
 }
 
+TEST_CASE("TIMESYNC is asked as often as SR_SLOW says, whenever and however that changes") {
+  WatchedHarbour<> h(app::Parameters{}, 2);  // the unit speaks on the first link
+  link::ParamSet set{1, {1, 1}, {}, mav::kParamReal32};
+  app::put_text(set.param_id, "SR_SLOW");
+  for (const double after_s : {0.02, 0.3, 0.97, 1.0, 1.04, 4.0, 11.0}) {
+    for (const float rate_Hz : {0.1F, 1.0F, 0.3F, 0.0F, 0.15F, 20.0F, 0.9F, 1e-6F}) {
+      set.param_value = rate_Hz;
+      h.say(h.operator_, set);
+      h.sail(after_s);
+      CAPTURE(after_s);
+      CAPTURE(rate_Hz);
+      REQUIRE(h.boat.broken() == "");
+    }
+  }
+}
+
 /// What breaks first where frames of a type are changed on their way out from now on.
 std::string_view broken_by(WatchedHarbour<>& h, std::uint16_t type,
                            const std::function<void(link::CanFrame&)>& change) {

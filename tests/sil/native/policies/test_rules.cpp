@@ -214,8 +214,10 @@ const std::vector<Mutation> kMavlink{
     {"FAULT is told as an error or worse", kFault,
      from(kHold, [](Pair& q) { q.n.links.gravest = mav::kSeverityInfo; })},
     {"the parameter MODE is the state's", kManual, [](Pair& q) { q.p.MODE = 4; }},
-    {"TIMESYNC is asked at least every 1.1 s", kHold,
+    {"TIMESYNC is asked at least every 1.1 s, or as an SR_SLOW below 1 says", kHold,
      [](Pair& q) { q.n.timesync_us -= 1'051'000; }},
+    {"TIMESYNC is asked at least every 1.1 s, or as an SR_SLOW below 1 says", kHold,
+     [](Pair& q) { q.p.SR_SLOW = 0.2F, q.n.timesync_us -= 5'051'000; }},
     {"sysid of everything sent is ours, or of what is handed on", kOff,
      [](Pair& q) { q.n.links.ours = false; }},
     {"what is handed on comes before our own", kOff,
@@ -270,6 +272,14 @@ TEST_CASE("a boat that stays in a state breaks no rule") {
     const Pair q(s);
     CHECK_MESSAGE(first_broken(q.b, q.n).value_or("") == "", static_cast<int>(s));
   }
+}
+
+TEST_CASE("a boat with an SR_SLOW of 0.2 may ask by TIMESYNC every 5 s") {
+  Pair q(kHold);
+  q.n.timesync_us -= 5'000'000;
+  CHECK(first_broken(q.b, q.n));
+  q.p.SR_SLOW = 0.2F;
+  CHECK(!first_broken(q.b, q.n));
 }
 
 TEST_CASE("a boat that goes from a state to another one breaks no rule") {
