@@ -3,6 +3,8 @@
 
 import pytest
 
+import sil  # noqa: F401 (before anything imports numpy: it sets the threads)
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="run the tests marked nightly too")
