@@ -144,7 +144,9 @@ def decode(chunks: Iterable[bytes]) -> list[Any]:
 def decode_named(chunks: Iterable[bytes], name: str) -> list[Any]:
     """The messages of one name; chunks that are whole frames of others are not decoded."""
     number = _numbers()[name]
-    some = (chunk for chunk in chunks if _may_have(chunk, number))
+    some = [chunk for chunk in chunks if _may_have(chunk, number)]
+    if not some:
+        return []
     return [message for message in decode(some) if message.get_type() == name]
 
 
