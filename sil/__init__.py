@@ -1,2 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The software-in-the-loop world: plant, sensors, wire, scenarios, metrics, reports."""
+
+import os
+
+# Matrices are small here: OpenBLAS's threads would take time from each other and from the processes
+# beside them, and their number would decide the last bits. numpy reads this when it is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

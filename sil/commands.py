@@ -13,10 +13,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sil import arguments, scenario
-from sil.certificate.chain import chain
+from sil.certificate.chain import chain, too_deep
 from sil.certificate.probe import deepest
 from sil.certificate.reference import references
-from sil.certificate.verdict import too_deep
 from sil.logs import run_folder
 from sil.policies import PolicyViolationError
 from sil.run import live, run

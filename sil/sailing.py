@@ -13,7 +13,8 @@ from sil.claims import CLAIMS
 from sil.law import Law
 from sil.metrics import BoatSummary
 from sil.plant.hull import Array
-from sil.world import World
+from sil.scenario import Scenario
+from sil.world import Run, World
 
 _SAMPLES = 1500
 
@@ -69,16 +70,21 @@ def sail(job: Job, folder: Path) -> Outcome:
     """Sail one job; its recording is written into `folder` and thrown away."""
     try:
         with tempfile.TemporaryDirectory(dir=folder) as own:
-            return _sail(job, Path(own) / "recording.bin")
+            chosen = scenario_of(job)
+            return outcome(job, World(chosen, {}).run(Path(own) / "recording.bin", lambda _: None))
     except Exception as error:  # whatever it is, the other runs go on
         return Outcome(job, f"{type(error).__name__}: {error}")
 
 
-def _sail(job: Job, recording: Path) -> Outcome:
+def scenario_of(job: Job) -> Scenario:
+    """Its scenario with its law, seed and overrides."""
     seed = [] if job.seed is None else [f"seed={job.seed}"]
     overrides = [*CLAIMS[job.scenario].settings(job.law), *seed, *job.overrides]
-    chosen = scenario.load(job.scenario, overrides, job.law)
-    run = World(chosen, {}).run(recording, lambda _: None)
+    return scenario.load(job.scenario, overrides, job.law)
+
+
+def outcome(job: Job, run: Run) -> Outcome:
+    """What is left of a job's run."""
     trace, bounds = run.trace, CLAIMS[job.scenario].bounds
     step = max(1, trace["t_s"].size // _SAMPLES)
     return Outcome(

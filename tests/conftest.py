@@ -1,7 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""The option --all: tests marked `nightly` run only with it."""
+"""The option --all: tests marked `nightly` run only with it. The longest files come first."""
+
+import gc
 
 import pytest
+
+import sil  # noqa: F401 (before anything imports numpy: it sets the threads)
+
+# One worker has a whole file: those that take longest, or wait in real time, must not begin last.
+FIRST = (
+    "tests/loop/test_live.py",
+    "tests/loop/test_published.py",
+    "tests/sil/view/test_sailing_fleet.py",
+    "tests/sil/view/test_live_fleet.py",
+    "tests/sil/view/test_page_served.py",
+    "tests/sil/test_certify.py",
+    "tests/sil/view/test_page_live.py",
+    "tests/clients/test_mavsdk.py",
+    "tests/clients/test_mavproxy.py",
+    "tests/sil/campaign/test_runner.py",
+    "tests/sil/certificate/test_chain.py",
+    "tests/tools/test_with_vcan.py",
+)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -9,8 +29,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    place = {file: k for k, file in enumerate(FIRST)}
+    items.sort(key=lambda item: place.get(item.nodeid.partition("::")[0], len(FIRST)))
     if config.getoption("--all"):
         return
     nightly = [item for item in items if item.get_closest_marker("nightly")]
     config.hook.pytest_deselected(items=nightly)
     items[:] = [item for item in items if item not in nightly]
+
+
+def pytest_collection_finish() -> None:
+    # thousands of tests and all their modules: the collector need not look at them again and again
+    gc.freeze()

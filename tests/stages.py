@@ -84,8 +84,9 @@ def stages(options: argparse.Namespace) -> list[Stage]:
                            f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
         Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan {ignored} "
-                         f"--numprocesses 4 --dist loadfile{every} {words}",),
-              ("sanitizers",), tests=True),
+                         "--numprocesses 3 --dist loadfile --no-loadscope-reorder"
+                         f"{every} {words}",),
+              ("release",), tests=True),
     ]  # fmt: skip
     if options.all:
         found += [

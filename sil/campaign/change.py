@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from scipy import stats
+import scipy  # its parts are imported when they are used: stats takes half a second
 
 from sil.campaign.finished import Mask
 from sil.plant.hull import Array
@@ -64,7 +64,7 @@ def of_ratio(
         first, *second = (_quantile(group, share, axis) for group in groups)
         return second[0] - first if second else first
 
-    found: Any = stats.bootstrap(
+    found: Any = scipy.stats.bootstrap(
         samples,
         statistic,
         paired=paired and not of_each,
@@ -88,10 +88,10 @@ def of_share(a: Mask, b: Mask, tests: int, *, paired: bool) -> Change:
     own, other = float(np.mean(a)), float(np.mean(b))
     if paired:
         only_a, only_b = int(np.sum(a & ~b)), int(np.sum(b & ~a))
-        p = stats.binomtest(only_a, only_a + only_b).pvalue if only_a + only_b else 1.0
+        p = scipy.stats.binomtest(only_a, only_a + only_b).pvalue if only_a + only_b else 1.0
     else:
         counts = np.array([[np.sum(a), np.sum(~a)], [np.sum(b), np.sum(~b)]])
-        p = stats.fisher_exact(counts).pvalue
+        p = scipy.stats.fisher_exact(counts).pvalue
     certain = p < FALSE_ALARMS / tests and abs(other - own) > _MARGIN_OF_SHARE
     verdict = _verdict(certain and other > own, certain and other < own, less_is_worse=False)
     return Change(own, other, verdict, p=float(p))

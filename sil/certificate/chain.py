@@ -142,6 +142,21 @@ def chain(
     return Chain(path, whole, yaw, surge, told, limits)
 
 
+def too_deep(chain: Chain) -> str:
+    """From which boat on a chain cannot hold, and why."""
+    first = chain.path[chain.certified]
+    at, limits = chain.depths[chain.certified], chain.limits
+    why = f"{at.off_slot_m:.2g} m off its slot, over {limits.off_slot_m:.2g} m"
+    if not at.speed <= limits.speed:
+        why = f"{at.speed:.2g} m/s, over {limits.speed:.2g} m/s"
+    if not at.yaw_rate <= limits.yaw_rate:
+        why = f"{at.yaw_rate:.2g} rad/s, over {limits.yaw_rate:.2g} rad/s"
+    return (
+        f"a chain of {len(chain.path)} boats, certified to depth {chain.certified}: from boat "
+        f"{first} on it cannot hold ({why})"
+    )
+
+
 def _limits(
     along: list[dict[str, float]], defaults: Mapping[str, float], sailed: "_Sailed"
 ) -> Limits:

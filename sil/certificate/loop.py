@@ -8,11 +8,10 @@ a given path and the boat learns of it without delay. Left out: rounding on the 
 THR_SLEW, noise, waves.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from functools import cached_property
 
 import flotilla
 import numpy as np
@@ -61,10 +60,14 @@ class Boat:
         """Ticks after which the fixes fall on the same ticks again."""
         return Fraction(self.rate_hz / self.navigation_hz).limit_denominator(100).numerator
 
+    @cached_property
+    def _fixes_per_tick(self) -> Fraction:
+        return Fraction(self.navigation_hz / self.rate_hz).limit_denominator(100)
+
     def fix_due(self, tick: int) -> bool:
         """Whether a fix comes at a tick."""
-        share = Fraction(self.navigation_hz / self.rate_hz).limit_denominator(100)
-        return math.floor(tick * share) != math.floor((tick - 1) * share)
+        fixes, ticks = self._fixes_per_tick.as_integer_ratio()
+        return tick * fixes // ticks != (tick - 1) * fixes // ticks
 
     def with_parameters(self, changed: Mapping[str, float]) -> "Boat":
         """The same boat with other parameters of its firmware."""
@@ -81,13 +84,14 @@ class Loop:
         self.boat = boat
         self.tick = 0
         self.limited = False
-        self._helms = [flotilla.Helm(dict(boat.parameters)) for _ in range(copies)]
-        self._hulls = hull.stack([boat.hull] * copies)
-        self._pairs = propeller.stack([boat.propellers] * copies)
+        self._parameters = dict(boat.parameters)
+        self._helms = flotilla.Helms(self._parameters, copies)
+        self._hulls = np.tile(hull.stack([boat.hull]), (copies, 1))
+        self._pairs = np.tile(propeller.stack([boat.propellers]), (copies, 1))
         self._current = np.tile(boat.current, (copies, 1))
         self._no_force = np.zeros((copies, 3))
         self._tau = np.zeros((3, copies, 2))
-        self._command = np.zeros((copies, 2))
+        self._asked = np.zeros((copies, 2))
         self.eta = np.zeros((copies, 3))
         self.nu = np.zeros((copies, 3))
         self.thrust = np.zeros((copies, 2))
@@ -99,46 +103,36 @@ class Loop:
         self.tick = tick
         time_s = np.array([tick * self.boat.h_s])
         self.eta[:], self.nu[:] = self.boat.slot.eta(time_s), self.boat.slot.nu(time_s)
-        self._helms = [flotilla.Helm(dict(self.boat.parameters)) for _ in self._helms]
+        self._helms = flotilla.Helms(self._parameters, len(self.eta))
         self._fresh = True
 
     @property
     def state(self) -> Array:
         """The state now, before the tick."""
-        remembered = np.array([helm.state for helm in self._helms])
+        remembered = np.empty((len(self.eta), len(COMPONENTS) - BODY))
+        self._helms.state(remembered)
         return np.hstack([self.eta, self.nu, self.thrust, remembered])
 
     def resume(self, tick: int, state: Array) -> None:
         """Go on from `state` (copies, n) at a tick."""
         self.tick = tick
         self.eta[:], self.nu[:], self.thrust[:] = state[:, :3], state[:, 3:6], state[:, 6:BODY]
-        for helm, row in zip(self._helms, state[:, BODY:].tolist(), strict=True):
-            helm.state = row
+        self._helms.set_state(np.ascontiguousarray(state[:, BODY:]))
         self._fresh = False
 
     def step(self, leader: Array) -> None:
         """One tick; `leader` (9): its pose, velocity and the rates of that, now."""
-        boat, now = self.boat, leader.tolist()
-        fix = self._fresh or boat.fix_due(self.tick)
-        since_s = 0.0 if self._fresh else 1.0 / boat.navigation_hz
-        bodies = zip(self._helms, self.eta.tolist(), self.nu.tolist(), strict=True)
-        for i, (helm, eta, nu) in enumerate(bodies):
-            if fix:
-                helm.fix(*eta, *nu, 0.0, since_s)
-            told = helm.step(now, boat.h_s)
-            self._note(i, told)
-        propeller.advance(self.thrust, self._command, self._tau, self._pairs, boat.h_s)
+        boat = self.boat
+        if self._fresh or boat.fix_due(self.tick):
+            self._helms.fix(self.eta, self.nu, 0.0, 0.0 if self._fresh else 1 / boat.navigation_hz)
+        missing = self._helms.step(leader.tolist(), boat.h_s, self._asked)
+        self.limited = self.limited or missing > 1e-9
+        command = self._curve(self._asked)
+        propeller.advance(self.thrust, command, self._tau, self._pairs, boat.h_s)
         water = (self._no_force, self._current, self._hulls)
         hull.advance(self.eta, self.nu, self._tau, *water, boat.h_s)
         self._fresh = False
         self.tick += 1
-
-    def _note(self, i: int, told: Mapping[str, Any]) -> None:
-        thrust = told["thrust_N"]
-        self._command[i] = self._curve(thrust["port"]), self._curve(thrust["stbd"])
-        asked, given = told["wrench_asked"], told["wrench_given"]
-        missing = abs(asked["X_N"] - given["X_N"]) + abs(asked["N_Nm"] - given["N_Nm"])
-        self.limited = self.limited or missing > 1e-9
 
 
 def leader_rows(leader: Motion, times_s: Array) -> Array:
@@ -159,10 +153,10 @@ class _Curve:
         names = ("THR_FWD_MAX", "THR_REV_MAX", "THR_EXPO")
         return _Curve(*(parameters[name] for name in names))
 
-    def __call__(self, thrust_N: float) -> float:
-        share = abs(thrust_N) / (self.forward_N if thrust_N >= 0.0 else self.reverse_N)
+    def __call__(self, thrust_N: Array) -> Array:
+        share = np.abs(thrust_N) / np.where(thrust_N >= 0.0, self.forward_N, self.reverse_N)
         linear = 1.0 - self.expo
-        if self.expo > 0.0 and share > 0.0:
-            root = math.sqrt(linear * linear + 4.0 * self.expo * share)
-            share = 2.0 * share / (linear + root)
-        return math.copysign(share, thrust_N)
+        if self.expo > 0.0:
+            root = np.sqrt(linear * linear + 4.0 * self.expo * share)
+            share = np.where(share > 0.0, 2.0 * share / (linear + root), share)
+        return np.asarray(np.copysign(share, thrust_N))

@@ -123,9 +123,13 @@ def jacobians(boat: Boat, points: Points) -> Array:
     n = points.states.shape[1]
     loop, found = Loop(boat, 2 * n), []
     nudges = _DELTA * np.vstack([np.eye(n), -np.eye(n)])
-    for tick, state in zip(points.ticks, points.states, strict=True):
+    ticks = points.ticks[:, None] + np.arange(boat.cycle)
+    rows = leader_rows(boat.leader, boat.h_s * ticks.ravel().astype(np.float64))
+    leader = rows.reshape(*ticks.shape, -1)
+    for tick, state, cycle in zip(points.ticks, points.states, leader, strict=True):
         loop.resume(int(tick), state + nudges)
-        _sail(loop, boat.cycle)
+        for row in cycle:
+            loop.step(row)
         end = loop.state
         found.append((end[:n] - end[n:]).T / (2.0 * _DELTA))
     return np.array(found)
@@ -136,15 +140,34 @@ def products(factors: Array, cycles: npt.NDArray[np.int64]) -> tuple[Array, floa
 
     Each is scaled; times e to the second of the answers the last one is what it is.
     """
-    total, partial, scale = np.eye(factors.shape[1]), [], 0.0
-    for factor, count in zip(factors, cycles, strict=True):
-        for _ in range(int(count)):
-            total = factor @ total
-            size = np.abs(total).max()
-            if not 1e-50 < size < 1e50:
-                total, scale = total / size, scale + float(np.log(size))
+    powers, scales = np.empty_like(factors), np.empty(len(factors))
+    for count in np.unique(cycles).tolist():
+        at = cycles == count
+        powers[at], scales[at] = _power(factors[at], count)
+    total, partial, scale = np.eye(factors.shape[1]), [], np.zeros(())
+    for power, more in zip(powers, scales, strict=True):
+        total, scale = _scaled(power @ total, scale + more)
         partial.append(total)
-    return np.array(partial), scale
+    return np.array(partial), float(scale)
+
+
+def _power(factors: Array, count: int) -> tuple[Array, Array]:
+    """Each of the factors (K, n, n) times itself, `count` of it, and logarithms of scales (K)."""
+    scale, more = np.zeros(len(factors)), np.zeros(len(factors))
+    total = np.tile(np.eye(factors.shape[1]), (len(factors), 1, 1))
+    while count:
+        if count % 2:
+            total, scale = _scaled(factors @ total, scale + more)
+        factors, more = _scaled(factors @ factors, 2.0 * more)
+        count //= 2
+    return total, scale
+
+
+def _scaled(product: Array, scale: Array) -> tuple[Array, Array]:
+    """Matrices (..., n, n) divided by their sizes where these are extreme, and the new scales."""
+    size = np.abs(product).max(axis=(-2, -1))
+    size = np.where((size > 1e-50) & (size < 1e50), 1.0, size)
+    return product / size[..., None, None], scale + np.log(size)
 
 
 def written(factors: Array) -> npt.NDArray[np.bool_]:

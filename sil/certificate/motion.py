@@ -5,10 +5,14 @@
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from sil.plant.hull import Array
+
+Spectrum = npt.NDArray[np.complex128]
 
 _NOISE = 1e-13  # harmonics under this share of the largest sample are rounding
 
@@ -33,15 +37,20 @@ class Series:
         return self._sum(t_s, 1)
 
     def _sum(self, t_s: Array, order: int) -> Array:
+        spectrum = self._spectrum
+        omega = 2.0 * np.pi * np.arange(1, len(spectrum)) / self.window_s
+        turning = np.exp(1j * np.outer(t_s - self.begin_s, omega)) * (1j * omega) ** order
+        mean = spectrum[:1].real if order == 0 else np.zeros((1, self.values.shape[1]))
+        return np.asarray(mean + 2.0 * (turning @ spectrum[1:]).real)
+
+    @cached_property
+    def _spectrum(self) -> Spectrum:
+        """The mean and the harmonics (H, k) that are no rounding."""
         spectrum = np.fft.rfft(self.values, axis=0) / len(self.values)
         large = np.abs(spectrum).max(axis=1) > _NOISE * np.abs(self.values).max(initial=1e-300)
         top = int(np.flatnonzero(large)[-1]) if large.any() else 0
         # the half-sample harmonic of an even number of samples has no derivative
-        top = min(top, (len(self.values) - 1) // 2)
-        omega = 2.0 * np.pi * np.arange(1, top + 1) / self.window_s
-        turning = np.exp(1j * np.outer(t_s - self.begin_s, omega)) * (1j * omega) ** order
-        mean = spectrum[:1].real if order == 0 else np.zeros((1, self.values.shape[1]))
-        return np.asarray(mean + 2.0 * (turning @ spectrum[1 : top + 1]).real)
+        return np.asarray(spectrum[: min(top, (len(self.values) - 1) // 2) + 1])
 
 
 @dataclass(frozen=True)

@@ -201,23 +201,25 @@ class _Push:
     def __init__(self, chain: Scenario) -> None:
         root = chain.hulls()[0]
         rng = np.random.default_rng(_SEED)
-        self._h_s = 1e-6 * round(1e6 / chain.rate_hz)
-        self._axes = []
+        h_s = 1e-6 * round(1e6 / chain.rate_hz)
+        t_s = h_s * np.arange(round((SETTLING_S + WINDOW_S) / h_s) + 1)
+        # of each tick, run and component of nu
+        self._forces = np.zeros((t_s.size, 2 * RUNS, 3))
         for axis, mass, damping in ((YAW, root.m33, root.d33), (SURGE, root.m11, root.d11)):
             omega = frequencies(axis)
             size = _SMALL * np.minimum(omega, 1.0) * np.hypot(damping, mass * omega)
             phase = rng.uniform(0.0, 2.0 * pi, (2 * RUNS, omega.size))
-            self._axes.append((axis, omega, size, phase))
+            for run in range(2 * RUNS):
+                waves = size * np.sin(t_s[:, None] * omega + phase[run])
+                # a boat's own law resists
+                share = 1.0 if run < RUNS else _RESISTED
+                self._forces[:, run, axis] = share * waves.sum(axis=1)
 
     def step(self, batch: Batch, members: Sequence[int], k: int, _t_us: int) -> None:
         """Set the forces of tick k."""
         push = np.zeros_like(batch.bodies.nu)
         for run, member in enumerate(members):
-            if member >= 2 * RUNS:
-                continue
-            # a boat's own law resists
-            agent, share = (0, 1.0) if member < RUNS else (PUSHED_BOAT, _RESISTED)
-            for axis, omega, size, phase in self._axes:
-                force = np.sum(size * np.sin(omega * (k * self._h_s) + phase[member]))
-                push[batch.row(run, agent), axis] = share * force
+            if member < 2 * RUNS:
+                agent = 0 if member < RUNS else PUSHED_BOAT
+                push[batch.row(run, agent)] = self._forces[k, member]
         batch.bodies.push = push

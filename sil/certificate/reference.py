@@ -105,9 +105,7 @@ class _Agent:
         times_s: Array = self.t_s + 0.5 * h_s * np.arange(2 * count + 1, dtype=np.float64)
         tau = leader.tau(times_s)[:, None]
         no_force, no_current = np.zeros((1, 3)), np.zeros((1, 2))
-        water = (no_force, no_current, self._parameters)
-        for k in range(0, 2 * count, 2):
-            hull.advance(self.eta, self.nu, tau[k : k + 3], *water, h_s)
+        hull.sail(self.eta, self.nu, tau, no_force, no_current, self._parameters, h_s)
         self.t_s = until_s
 
 

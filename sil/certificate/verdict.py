@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 
 from sil.certificate.certificate import Case, Certificate, Leg
-from sil.certificate.chain import Chain
+from sil.certificate.chain import too_deep
 from sil.metrics import SETTLED_M
 
 
@@ -62,21 +62,6 @@ def _failures(certificate: Certificate) -> Iterator[str]:
             yield f"the longest chain of boats cannot be sailed: {leg.chain}" + _leg(leg, where)
         elif leg.chain is not None and not leg.chain.holds:
             yield too_deep(leg.chain) + _leg(leg, where)
-
-
-def too_deep(chain: Chain) -> str:
-    """From which boat on a chain cannot hold, and why."""
-    first = chain.path[chain.certified]
-    at, limits = chain.depths[chain.certified], chain.limits
-    why = f"{at.off_slot_m:.2g} m off its slot, over {limits.off_slot_m:.2g} m"
-    if not at.speed <= limits.speed:
-        why = f"{at.speed:.2g} m/s, over {limits.speed:.2g} m/s"
-    if not at.yaw_rate <= limits.yaw_rate:
-        why = f"{at.yaw_rate:.2g} rad/s, over {limits.yaw_rate:.2g} rad/s"
-    return (
-        f"a chain of {len(chain.path)} boats, certified to depth {chain.certified}: from boat "
-        f"{first} on it cannot hold ({why})"
-    )
 
 
 def _up_to(cases: list[Case]) -> str:

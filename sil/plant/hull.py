@@ -94,6 +94,15 @@ def advance(
 
 
 @_compiled
+def sail(
+    eta: Array, nu: Array, tau: Array, w: Array, current: Array, parameters: Array, h_s: float
+) -> None:
+    """`advance` over many steps: tau (2 steps + 1, n, 2) at their ends and their middles."""
+    for k in range(0, tau.shape[0] - 1, 2):
+        advance(eta, nu, tau[k : k + 3], w, current, parameters, h_s)
+
+
+@_compiled
 def _carry(
     i: int, eta: Array, nu: Array, tau: Array, w: Array, water: Water, p: Array, h_s: float
 ) -> None:

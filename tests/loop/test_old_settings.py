@@ -7,14 +7,12 @@ are, at 100 Hz, 50 N and without a slew limit; the figures of then may improve, 
 
 import math
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pytest
 
 from sil import scenario
 from sil.claims import CLAIMS, PRODUCT, Bound
-from sil.world import World
+from sil.world import Run, sail
 
 # the share by which a figure differs that is as good; m: the reference tells a millimetre
 SHARE, WIRE_M = 1e-3, 2e-4
@@ -45,11 +43,10 @@ WORSE = {("turning", "overshoot_m"): 0.665, ("stop_and_go", "overshoot_m"): 0.07
 @cache
 def figures_of(name: str, seed: int | None = None) -> dict[str, float]:
     seeds = [] if seed is None else [f"seed={seed}"]
-    with TemporaryDirectory() as folder:
-        world = World(scenario.load(name, seeds, PRODUCT), {})
-        trace = world.run(Path(folder) / "recording.bin", lambda _: None).trace
+    (run,) = sail([scenario.load(name, seeds, PRODUCT)], {})
+    assert isinstance(run, Run), run
     of_product: list[Bound] = [b for b in CLAIMS[name].bounds if PRODUCT in b.laws]
-    return {bound.key: bound.figure(trace) for bound in of_product}
+    return {bound.key: bound.figure(run.trace) for bound in of_product}
 
 
 @pytest.mark.parametrize(

@@ -129,7 +129,7 @@ def test_the_command_line_knows_two_laws(
 
 
 def test_the_command_line_sails_the_law_it_is_told(tmp_path: Path) -> None:
-    arguments = ["run", "diamond", "--law", "product", "--set", "duration_s=1"]
+    arguments = ["run", "turning", "--law", "product", "--set", "duration_s=1"]
     assert main([*arguments, "--param", "LAW_KPSI=0.4", "--out", str(tmp_path)]) == 0
     sailed = Recording(tmp_path / "recording.bin").header["boats"][0]["parameters"]
     expected = flotilla.Boat({"LAW_KPSI": 0.4}).parameters()

@@ -36,5 +36,5 @@ def test_results_that_cannot_be_written_are_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("in the way")
-    assert main(["run", "diamond", "--out", str(tmp_path / "file")]) == 2
+    assert main(["run", "turning", "--out", str(tmp_path / "file")]) == 2
     assert "file" in capsys.readouterr().err

@@ -30,6 +30,7 @@ from tests.target.stations import (
     Station,
     command_long,
     decode,
+    decode_named,
     origin,
     state_messages,
 )
@@ -71,7 +72,7 @@ class Tick:
         return decode(data for at, data in self.mavlink if at == link)
 
     def named(self, name: str, link: int = 0) -> list[Any]:
-        return [m for m in self.messages(link) if m.get_type() == name]
+        return decode_named((data for at, data in self.mavlink if at == link), name)
 
 
 class Sea:
@@ -116,7 +117,7 @@ class Sea:
         self.ticks.append(tick)
         for agent in (self.own, self.leader):
             if agent.answers_timesync and agent.on:
-                agent.hear(tick.messages(), self.now_us)
+                agent.hear(tick.named("TIMESYNC"), self.now_us)
         self.now_us += self.period_us
         return tick
 
@@ -243,7 +244,7 @@ def messages(ticks: Iterable[Tick], link: int = 0) -> list[Any]:
 
 
 def named(ticks: Iterable[Tick], name: str, link: int = 0) -> list[Any]:
-    return [m for m in messages(ticks, link) if m.get_type() == name]
+    return decode_named((data for tick in ticks for at, data in tick.mavlink if at == link), name)
 
 
 def texts(ticks: Iterable[Tick], link: int = 0) -> list[str]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable
 from typing import Any
@@ -138,3 +139,26 @@ def decode(chunks: Iterable[bytes]) -> list[Any]:
     parser = dialect().MAVLink(None)
     parser.robust_parsing = True
     return [message for chunk in chunks for message in parser.parse_buffer(chunk) or []]
+
+
+def decode_named(chunks: Iterable[bytes], name: str) -> list[Any]:
+    """The messages of one name; chunks that are whole frames of others are not decoded."""
+    number = _numbers()[name]
+    some = [chunk for chunk in chunks if _may_have(chunk, number)]
+    if not some:
+        return []
+    return [message for message in decode(some) if message.get_type() == name]
+
+
+@functools.cache
+def _numbers() -> dict[str, int]:
+    return {kind.msgname: number for number, kind in dialect().mavlink_map.items()}
+
+
+def _may_have(chunk: bytes, number: int) -> bool:
+    at = 0
+    while len(chunk) >= at + 12 and chunk[at] == 0xFD:
+        if int.from_bytes(chunk[at + 7 : at + 10], "little") == number:
+            return True
+        at += 12 + chunk[at + 1] + 13 * (chunk[at + 2] & 1)  # with its signature
+    return at != len(chunk)

@@ -7,6 +7,7 @@ import random
 from typing import Any
 
 import flotilla
+import numpy as np
 import pytest
 
 from tests.target.course import Course
@@ -73,6 +74,41 @@ def test_the_same_steps_from_the_same_state_end_in_the_same_state(
     assert sail(helm, 4, 30, age_s=0.012) == shown and helm.state == after
     helm.state = before
     assert sail(helm, 6, 30, age_s=0.012) != shown
+
+
+@LAWS
+def test_several_step_together_as_each_does_alone(parameters: dict[str, float]) -> None:
+    dice = np.random.default_rng(7)
+    alone, together = [flotilla.Helm(parameters) for _ in range(3)], flotilla.Helms(parameters, 3)
+    eta, nu, rows, thrusts = (dice.uniform(-1, 1, (3, n)) for n in (3, 3, 22, 2))
+    for k in range(60):
+        if k % 5 == 0:
+            eta, nu = dice.uniform(-1, 1, (2, 3, 3))
+            together.fix(eta, nu, 0.012, 0.05)
+        leader = dice.uniform(-1, 1, 9).tolist()
+        most = together.step(leader, 0.01, thrusts)
+        together.state(rows)
+        lacks = []
+        for i, helm in enumerate(alone):
+            if k % 5 == 0:
+                helm.fix(*eta[i], *nu[i], 0.012, 0.05)
+            told = helm.step(leader, 0.01)
+            asked, given = told["wrench_asked"], told["wrench_given"]
+            lacks.append(sum(abs(asked[axis] - given[axis]) for axis in asked))
+            assert thrusts[i].tolist() == list(told["thrust_N"].values())
+            assert rows[i].tolist() == helm.state
+        assert most == max(lacks)
+        if k == 30:
+            rows = rows[::-1].copy()
+            together.set_state(rows)
+            for helm, row in zip(alone, rows, strict=True):
+                helm.state = row.tolist()
+    assert len(set(thrusts.ravel().tolist())) == 6
+
+
+def test_rows_that_are_not_as_many_as_the_helms_are_refused() -> None:
+    with pytest.raises(ValueError, match="as many rows"):
+        flotilla.Helms({}, 3).set_state(np.zeros((2, 22)))
 
 
 def test_each_of_the_numbers_counts() -> None:

@@ -57,10 +57,10 @@ def test_an_extension_that_is_switched_off_leaves_no_trace(
 ) -> None:
     """The same frames, bit for bit, whether it was never on or an operator has switched it off."""
     off = sail(base | {name: 0.0})
-    on = base | {name: FELT[name]}
-    assert sail(on, **{name: 0.0}) == off
-    assert sail(on) != off
-    assert sail(base | {name: 0.0}, **{name: FELT[name]}) == sail(on)
+    felt = sail(base | {name: FELT[name]})
+    assert felt != off
+    assert sail(base | {name: FELT[name]}, **{name: 0.0}) == off
+    assert sail(base | {name: 0.0}, **{name: FELT[name]}) == felt
 
 
 def wanted(sea: Afloat) -> dict[str, Any]:

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "helm.hpp"
 
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
+#include <tuple>
+#include <vector>
 
 #include "app/convert/convert.hpp"
 #include "values.hpp"
@@ -34,10 +39,15 @@ class Helm {
     fix_ = core::Fix<double>{{}, psi, {u, v, r}, age, dt};
   }
 
-  nb::dict step(const Leader& l, double h, bool drive) {
+  struct Step {
+    core::ControllerOutput<double> law;
+    core::Encounter<double> in;
+  };
+
+  Step step(const Leader& l, double h, bool drive) {
     core::observer_forward(law_.vessel, own_, given_, h);
     take_fix();
-    core::Encounter<double> in{
+    const core::Encounter<double> in{
         {anchor_.x + own_.motion.moved_n.x - l[0], anchor_.y + own_.motion.moved_n.y - l[1]},
         own_.motion.psi,
         l[2],
@@ -50,7 +60,12 @@ class Helm {
     const auto out = core::controller_step(law_, state_, in, started_ ? h : 0.0);
     started_ = drive;
     given_ = drive ? out.allocation.given : core::Tau<double>{};
-    return told(out, in, drive);
+    return {out, in};
+  }
+
+  nb::dict told_step(const Leader& l, double h, bool drive) {
+    const Step made = step(l, h, drive);
+    return told(made.law, made.in, drive);
   }
 
   /// x, y, ψ, u, v, r; unknown accelerations of the three; current north, east; v*, u* and r* held;
@@ -132,6 +147,59 @@ class Helm {
   bool started_ = false;
 };
 
+template <int N, class T = const double>
+using Rows = nb::ndarray<T, nb::shape<-1, N>, nb::c_contig, nb::device::cpu>;
+
+/// Copies of a Helm that step together, a row each.
+class Helms {
+ public:
+  static constexpr int kState = std::tuple_size_v<Helm::State>;
+
+  Helms(const nb::dict& parameters, std::size_t count) : helms_(count, Helm(parameters)) {}
+
+  void fix(const Rows<3>& eta, const Rows<3>& nu, double age, double dt) {
+    check(eta.shape(0));
+    check(nu.shape(0));
+    for (std::size_t i = 0; i < helms_.size(); ++i)
+      helms_[i].fix(eta(i, 0), eta(i, 1), eta(i, 2), nu(i, 0), nu(i, 1), nu(i, 2), age, dt);
+  }
+
+  double step(const Helm::Leader& leader, double h, const Rows<2, double>& thrust) {
+    check(thrust.shape(0));
+    double most = 0.0;
+    for (std::size_t i = 0; i < helms_.size(); ++i) {
+      const core::ControllerOutput<double> law = helms_[i].step(leader, h, true).law;
+      const core::Allocation<double>& a = law.allocation;
+      thrust(i, 0) = a.thrust.port;
+      thrust(i, 1) = a.thrust.stbd;
+      most = std::max(most, std::abs(law.tau.X - a.given.X) + std::abs(law.tau.N - a.given.N));
+    }
+    return most;
+  }
+
+  void state(const Rows<kState, double>& rows) const {
+    check(rows.shape(0));
+    for (std::size_t i = 0; i < helms_.size(); ++i)
+      std::ranges::copy(helms_[i].state(), &rows(i, 0));
+  }
+
+  void set_state(const Rows<kState>& rows) {
+    check(rows.shape(0));
+    Helm::State one;
+    for (std::size_t i = 0; i < helms_.size(); ++i) {
+      std::copy_n(&rows(i, 0), one.size(), one.begin());
+      helms_[i].set_state(one);
+    }
+  }
+
+ private:
+  void check(std::size_t rows) const {
+    if (rows != helms_.size()) throw nb::value_error("as many rows are needed as there are helms");
+  }
+
+  std::vector<Helm> helms_;
+};
+
 }  // namespace
 
 void bind_helm(nb::module_& m) {
@@ -143,7 +211,7 @@ void bind_helm(nb::module_& m) {
            "age_s"_a = 0.0, "dt_s"_a = 0.0,
            "The own state that the next step takes: true age_s before it, dt_s after the one "
            "before; dt_s 0: the first.")
-      .def("step", &Helm::step, "leader"_a, "h_s"_a, "drive"_a = true,
+      .def("step", &Helm::told_step, "leader"_a, "h_s"_a, "drive"_a = true,
            "One control step, h_s after the last. leader: x, y, psi, u, v, r and the rates of "
            "change of the last three, now. What the law made of it, by name.")
       .def_prop_rw("state", &Helm::state, &Helm::set_state,
@@ -152,4 +220,15 @@ void bind_helm(nb::module_& m) {
                    "in surge, sway, yaw; current north, east; v*, u*, r* held; sway of the slot, "
                    "its speed and slip with their rates; approach: 1 bow first, -1 stern first, 0 "
                    "none; wrench given X, N.");
+  nb::class_<Helms>(m, "Helms",
+                    "As many Helms with the same parameters, which step together: arrays of a row "
+                    "each, in double precision and C order.")
+      .def(nb::init<const nb::dict&, std::size_t>(), "parameters"_a, "count"_a)
+      .def("fix", &Helms::fix, "eta"_a, "nu"_a, "age_s"_a = 0.0, "dt_s"_a = 0.0,
+           "Helm.fix of each: eta (n, 3) and nu (n, 3).")
+      .def("step", &Helms::step, "leader"_a, "h_s"_a, "thrust_N"_a.noconvert(),
+           "Helm.step of all behind one leader; writes thrust_N (n, 2), port and starboard. The "
+           "most that a wrench given lacks of the one asked, |X| + |N|.")
+      .def("state", &Helms::state, "rows"_a.noconvert(), "Writes Helm.state of each (n, 22).")
+      .def("set_state", &Helms::set_state, "rows"_a, "Helm.state of each (n, 22).");
 }

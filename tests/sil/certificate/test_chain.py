@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Chains: the depth that is certified is the depth to which they hold when they are sailed."""
 
+from functools import cache
+
 import pytest
 
 from sil import scenario
@@ -19,16 +21,19 @@ def test_a_chain_breaks_in_simulation_where_it_stops_being_certified(
     assert 0 < found.certified < 10, found
 
 
+@cache
+def followed(delay_s: float) -> chain.Chain:
+    """Boats of which each follows the one before it."""
+    late = scenario.load("line10", [f"link.delay_s={delay_s}"])
+    return chain.chain(late, references(late)[0], {"LAW_REF": 0.0})
+
+
 def test_each_hop_amplifies_more_the_later_the_radio_is() -> None:
-    most = []
-    for delay_s in (0.0, 0.1, 0.2):
-        late = scenario.load("line10", [f"link.delay_s={delay_s}"])
-        most.append(max(chain.chain(late, references(late)[0], {"LAW_REF": 0.0}).yaw.hop))
+    most = [max(followed(delay_s).yaw.hop) for delay_s in (0.0, 0.1, 0.2)]
     assert most == pytest.approx([1.56, 2.1, 2.8], abs=0.15)  # as they were measured in chains
 
 
 def test_a_slow_turn_is_passed_on_as_it_is() -> None:
-    late = scenario.load("line10", ["link.delay_s=0.2"])
-    found = chain.chain(late, references(late)[0], {"LAW_REF": 0.0})
+    found = followed(0.2)
     assert found.yaw.hop[0] == pytest.approx(1.0, abs=0.05)
     assert found.surge.hop[0] == pytest.approx(1.0, abs=0.05)

@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from sil import scenario
-from sil.certificate import files, margins, report, search
+from sil.certificate import chain, files, margins, report, search
 from sil.certificate.certificate import Certificate, certify
 from tests.turns import some
 
@@ -23,6 +23,7 @@ def two_legs() -> Certificate:
     patch = pytest.MonkeyPatch()
     patch.setattr(search, "SEARCH_CYCLES", 0)
     patch.setattr(margins, "STEPS", 0)
+    patch.setattr(chain, "MOST_DEPTH", 0)
     try:
         chosen = scenario.load("diamond", [INPUTS, "boat.3.parameters={LAW_KX = 0.4}"], "product")
         return certify(chosen, {}, lambda what, share: None)

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from sil import scenario
-from sil.certificate import margins, report, search
+from sil.certificate import chain, margins, report, search
 from sil.certificate.certificate import Certificate, certify
 from sil.certificate.small_gain import MOST_K_X
 from tests.sil.certificate.made_up import SINE
@@ -19,6 +19,7 @@ def straight() -> Certificate:
     patch = pytest.MonkeyPatch()
     patch.setattr(search, "SEARCH_CYCLES", 60)
     patch.setattr(margins, "STEPS", 0)
+    patch.setattr(chain, "MOST_DEPTH", 0)
     try:
         slew = {"THR_SLEW": 5.0, "THR_DEAD": 0.01}
         return certify(scenario.load("diamond", [SINE], "product"), slew, lambda what, share: None)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from sil import scenario
-from sil.certificate import margins, search, verdict
+from sil.certificate import chain, margins, search, verdict
 from sil.certificate.certificate import Certificate, certify
 from tests.sil.certificate.made_up import SINE
 
@@ -17,6 +17,7 @@ def straight() -> Certificate:
     patch = pytest.MonkeyPatch()
     patch.setattr(search, "SEARCH_CYCLES", 0)
     patch.setattr(margins, "STEPS", 0)
+    patch.setattr(chain, "MOST_DEPTH", 0)
     try:
         return certify(scenario.load("diamond", [SINE], "product"), {}, lambda what, share: None)
     finally:

@@ -20,7 +20,7 @@ LAYOUT = Path(__file__).parents[3] / "sil" / "logs" / "layout.json"
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("run")
-    assert main(["run", "diamond", "--set", "duration_s=2", "--mcap", "--out", str(out)]) == 0
+    assert main(["run", "turning", "--set", "duration_s=2", "--mcap", "--out", str(out)]) == 0
     return out / NAME
 
 

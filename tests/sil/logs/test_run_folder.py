@@ -19,7 +19,7 @@ from tests.sil.mistakes import assert_told_in_one_line
 from tests.turns import some
 
 SECONDS = 12.0
-SAILED = ["run", "diamond", "--set", f"duration_s={SECONDS}"]
+SAILED = ["run", "turning", "--set", f"duration_s={SECONDS}"]
 LOST = ["--set", "fault=[{kind='radio_silent', agent=0, at_s=4.0, for_s=3.0}]"]
 
 
@@ -137,7 +137,7 @@ def test_the_converter_makes_the_same_file_of_the_folder(folder: Path, tmp_path:
 
 def test_a_run_that_wants_no_mcap_leaves_none_of_an_earlier_one(tmp_path: Path) -> None:
     (tmp_path / NAME).write_bytes(b"old")
-    assert main(["run", "diamond", "--set", "duration_s=1", "--out", str(tmp_path)]) == 0
+    assert main(["run", "turning", "--set", "duration_s=1", "--out", str(tmp_path)]) == 0
     assert not (tmp_path / NAME).exists()
 
 

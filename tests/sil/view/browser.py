@@ -40,11 +40,11 @@ class Browser:
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
 
     def until(self, script: str, *arguments: object, patience_s: float = _PATIENCE_S) -> Any:
-        """What `script` returns as soon as that is true; looked at every 20 ms."""
+        """What `script` returns as soon as that is true; looked at every 50 ms."""
         give_up_s = time.monotonic() + patience_s
         while not (found := self.run(script, *arguments)):
             assert time.monotonic() < give_up_s, f"never true: {script}\n{self.said()}"
-            time.sleep(0.02)
+            time.sleep(0.05)
         return found
 
     def devtools(self, command: str, **parameters: object) -> Any:

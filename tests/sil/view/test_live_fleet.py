@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from tornado.websocket import websocket_connect
 
+from sil.__main__ import main
 from sil.live import build
 from tests.linux.process import free_port
 from tests.live_buses import live_buses
@@ -116,12 +117,9 @@ def test_boats_that_have_gone_stay_with_their_age(
 
 
 @pytest.mark.parametrize("address", ["nowhere", "mcast:127.0.0.1:14550", "udpout:1"])
-def test_an_address_to_repeat_to_that_is_none_is_told(address: str, tmp_path: Path) -> None:
-    live = ["sil", "live", "diamond", "--bus", "mcast:5", "--out", str(tmp_path)]
-    done = subprocess.run(
-        [sys.executable, "-m", *live, "--mavlink", address],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 2 and f'error: "{address}"' in done.stderr
+def test_an_address_to_repeat_to_that_is_none_is_told(
+    address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    live = ["live", "diamond", "--bus", "mcast:5", "--out", str(tmp_path)]
+    assert main([*live, "--mavlink", address]) == 2
+    assert f'error: "{address}"' in capsys.readouterr().err

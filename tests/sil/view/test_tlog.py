@@ -59,7 +59,8 @@ def test_every_message_that_pymavlink_reads_is_read_at_its_time(
     ours = [(t_s, m.number) for t_s, m in messages_of(sailed[0].read_bytes())]
     known = {number for _, number in ours}
     theirs = [(t_s, number) for t_s, number in theirs if number in known]
-    ours = [(t_s, number) for t_s, number in ours if number in {n for _, n in theirs}]
+    known = {number for _, number in theirs}
+    ours = [(t_s, number) for t_s, number in ours if number in known]
     assert [number for _, number in ours] == [number for _, number in theirs]
     assert [t_s for t_s, _ in ours] == pytest.approx([t_s for t_s, _ in theirs], abs=1e-4)
 
