@@ -143,7 +143,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
 template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
   if (vehicle_.take_change()) configure();
-  vehicle_.heed(conditions_ = conditions(now_us), counters_);
+  vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
   bool more = true;
   while (more) {
     more = vehicle_.answer(counters_);
@@ -151,7 +151,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
     if (!vehicle_.take_change()) continue;
     // What was set is in force before the next request: another leader, say, was not heard yet.
     configure();
-    vehicle_.heed(conditions_ = conditions(now_us), counters_);
+    vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
   }
   note_state(now_us);
 }
@@ -229,7 +229,7 @@ bool Boat<S>::may_drive(std::int64_t now_us) const {
 }
 
 template <class S>
-core::Thrust<S> Boat<S>::wanted_thrust(std::int64_t now_us, S dt) {
+core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
   switch (state()) {
     case core::State::kManual: {
       const Sticks& sticks = vehicle_.sticks();
@@ -261,7 +261,7 @@ void Boat<S>::steer(std::int64_t now_us) {
   pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
   const bool drive = may_drive(now_us);
   if (!drive || !core::law_drives(state())) law_output_ = {};
-  const core::Thrust<S> wanted = drive ? wanted_thrust(now_us, dt) : core::Thrust<S>{};
+  const core::Thrust<S> desired = drive ? desired_thrust(now_us, dt) : core::Thrust<S>{};
   // COAST does not know the leader: what is told of it is what is heard of it.
   const bool by_law = drive && state() == core::State::kFormation;
   if (!by_law && seen()) {
@@ -272,21 +272,21 @@ void Boat<S>::steer(std::int64_t now_us) {
   slot_astern_.look(law_output_.astern && seen() && parameters().FS_SLOT_M > 0, now_us);
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
-  thrust_ = thrusters_.step(still, wanted, dt, state() != core::State::kCoast);
+  thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
   note_range();
   // What was computed is wrong, who knows where: FAULT comes with the next tick's conditions.
-  if (overflow_) thrust_ = thrusters_.step(false, wanted, dt);
+  if (overflow_) thrust_ = thrusters_.step(false, desired, dt);
 }
 
 template <class S>
 void Boat<S>::complain(std::int64_t now_us) {
   if (pilot_.take_frame_complaint() && complaint_due_.due(now_us)) {
-    vehicle_.say(link::mav::kSeverityWarning, {"ODOMETRY refused: frame is not north-aligned"},
-                 counters_);
+    vehicle_.send_statustext(link::mav::kSeverityWarning,
+                             {"ODOMETRY refused: frame is not north-aligned"}, counters_);
   }
   if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
-    vehicle_.say(link::mav::kSeverityError, {"parameters could not be saved: see the host's disk"},
-                 counters_);
+    vehicle_.send_statustext(link::mav::kSeverityError,
+                             {"parameters could not be saved: see the host's disk"}, counters_);
   }
   complain_of_slot(now_us);
   complain_of_station();
@@ -306,7 +306,8 @@ void Boat<S>::tell_latency() {
   late << "navigation unit is " << hundredths(portable::nearest(100 * *latency_s))
        << " s late (no TIMESYNC)";
   const bool borne = (pilot_.conditions(now_us_, parameters(), false) & core::kOwnPrompt) != 0;
-  vehicle_.say(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""}, counters_);
+  vehicle_.send_statustext(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""},
+                           counters_);
 }
 
 /// Of a slot that was too fast for two seconds: a leader's noise is not worth a word.
@@ -316,11 +317,11 @@ void Boat<S>::complain_of_slot(std::int64_t now_us) {
   slot_too_fast_.look(u > 0 || r > 0, now_us);
   if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !slot_complaint_due_.due(now_us)) return;
   const Parameters& p = parameters();
-  const auto say = [&](const Sentence& why) {
-    vehicle_.say(link::mav::kSeverityWarning, {why.text()}, counters_);
+  const auto send_statustext = [&](const Sentence& why) {
+    vehicle_.send_statustext(link::mav::kSeverityWarning, {why.text()}, counters_);
   };
-  if (u > 0) say(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
-  if (r > 0) say(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
+  if (u > 0) send_statustext(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
+  if (r > 0) send_statustext(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
 }
 
 /// With figures, in the tick before COAST or HOLD; the state's own sentence has none.
@@ -344,7 +345,7 @@ void Boat<S>::complain_of_station() {
       why << "boat comes no nearer to its slot: " << off_m << " m off";
     }
   }
-  vehicle_.say(link::mav::kSeverityError, {why.text()}, counters_);
+  vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);
 }
 
 /// Why exactly the slot is not sound, at once and every ten seconds, to who wants to sail.
@@ -361,7 +362,7 @@ void Boat<S>::complain_of_place(std::int64_t now_us) {
   } else {
     why << "slot goes astern on the inside of the turn: bring it nearer, or astern of the leader";
   }
-  vehicle_.say(link::mav::kSeverityError, {why.text()}, counters_);
+  vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);
 }
 
 /// As it is armed, or learns it then: so far down, no certificate says that the line stays calm.
@@ -373,7 +374,7 @@ void Boat<S>::complain_of_depth(std::int64_t now_us) {
   if (std::exchange(deep_, deep) || !deep) return;
   Sentence why;
   why << "boat is " << depth << " deep in the tree, FORM_DEPTH is " << most;
-  vehicle_.say(link::mav::kSeverityWarning, {why.text()}, counters_);
+  vehicle_.send_statustext(link::mav::kSeverityWarning, {why.text()}, counters_);
 }
 
 template <class S>
@@ -416,7 +417,7 @@ Report Boat<S>::report(std::int64_t now_us) {
     const bool judged = state() == core::State::kFormation && parameters().FS_SLOT_M > 0;
     const auto told_in_slot = judged ? std::optional(in_slot()) : std::nullopt;
     out.formation = FormationReport{told_in_slot, convert::in_double(law_output_.error.e),
-                                    convert::in_double(law_output_.wanted.nu_star),
+                                    convert::in_double(law_output_.desired.nu_star),
                                     convert::in_double(law_output_.allocation.missing)};
   }
   out.reference = reference(now_us);
@@ -451,15 +452,15 @@ Snapshot Boat<S>::snapshot() const {
           pilot_.estimates(),
           seen(),
           convert::in_double(law.error.e),
-          convert::in_double(law.wanted.nu_star),
+          convert::in_double(law.desired.nu_star),
           convert::in_double(law.tau),
           convert::in_double(thrust_.given),
           {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)},
           law.allocation.surge_limited,
           law.allocation.yaw_limited,
           thrust_.slew_limited,
-          law.wanted.u_limited,
-          law.wanted.r_limited,
+          law.desired.u_limited,
+          law.desired.r_limited,
           convert::in_double(law.too_fast),
           law.separation.yielding,
           in_slot(),

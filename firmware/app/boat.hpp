@@ -103,7 +103,7 @@ class Boat {
 
   /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
-    vehicle_.links().credit(link).limit(bytes_per_s);
+    vehicle_.links().bucket(link).limit(bytes_per_s);
   }
 
   /// What was asked since the last call of the parameters on the disk.
@@ -157,7 +157,7 @@ class Boat {
   }
   bool may_drive(std::int64_t now_us) const;
   bool in_slot() const { return state() == core::State::kFormation && pilot_.in_slot(); }
-  core::Thrust<S> wanted_thrust(std::int64_t now_us, S dt);
+  core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
   std::optional<double> separation_m() const;

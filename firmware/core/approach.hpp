@@ -101,7 +101,7 @@ LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState& stat
   }
   const Vec2<S> n = {way.q.x / speed, way.q.y / speed};
   return {theta,
-          (n.x * way.q_dot.y - n.y * way.q_dot.x) / larger(way.closing, params.k_x * params.Delta),
+          (n.x * way.q_dot.y - n.y * way.q_dot.x) / max(way.closing, params.k_x * params.Delta),
           S(0)};
 }
 

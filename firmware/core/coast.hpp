@@ -42,7 +42,7 @@ void coast_forward(S T, CoastState<S>& state, S h) {
   Motion<S>& leader = state.leader;
   const auto arc = [T](S x) { return T * x * (S(1) - S(0.33333333333333333) * x * x); };
   const S before = state.t / T;
-  state.t = smaller(state.t + h, T);
+  state.t = min(state.t + h, T);
   const S x = state.t / T;
   const S s = arc(x) - arc(before);
   const S turned = state.nu_0.r * s;

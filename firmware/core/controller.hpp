@@ -41,7 +41,7 @@ struct ControllerOutput {
   FormationError<S> error{};
   LineOfSight<S> sight{};
   TooFast<S> too_fast{};
-  VirtualVelocity<S> wanted{};
+  VirtualVelocity<S> desired{};
   Separation<S> separation{};
   Tau<S> tau{};
   Allocation<S> allocation{};
@@ -50,7 +50,7 @@ struct ControllerOutput {
 
 /// v*(0) = v_L(0): call when FORMATION is entered and when the leader changes.
 template <class S>
-ControllerState<S> controller_start(const Encounter<S>& in) {
+ControllerState<S> controller_start(const ControllerInput<S>& in) {
   ControllerState<S> state;
   state.outer.v_star = sway_beside(in);
   state.slot = slot_start(in);
@@ -66,8 +66,9 @@ struct Course {
 
 /// Along the slot's way, or to the slot.
 template <class S>
-Course<S> course(const ControllerParams<S>& params, ApproachState& state, const Encounter<S>& in,
-                 const Slot<S>& slot, const FormationError<S>& error) {
+Course<S> course(const ControllerParams<S>& params, ApproachState& state,
+                 const ControllerInput<S>& in, const Slot<S>& slot,
+                 const FormationError<S>& error) {
   const Vec2<S> c_b = to_body(error.R, in.current_n);
   const ApproachParams<S> approach = {params.outer.k_x, params.sight.Delta, params.sight.epsilon,
                                       params.outer.u_max};
@@ -82,23 +83,24 @@ Course<S> course(const ControllerParams<S>& params, ApproachState& state, const 
     }
   }
   state = {};
-  const S U = agreed(slot.pace, wanted_surge(params.outer, slot, error) - c_b.x);
+  const S U = agreed(slot.pace, desired_surge(params.outer, slot, error) - c_b.x);
   return {slot, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
 
 /// ν* through the water, which PD+ and v* are about; c_b: current in the boat's axes.
 template <class S>
-VirtualVelocity<S> through_water(VirtualVelocity<S> wanted, const Vec2<S>& c_b, S r) {
-  wanted.nu_star.u = wanted.nu_star.u - c_b.x;
-  wanted.u_star_dot = wanted.u_star_dot - r * c_b.y;
-  return wanted;
+VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b, S r) {
+  desired.nu_star.u = desired.nu_star.u - c_b.x;
+  desired.u_star_dot = desired.u_star_dot - r * c_b.y;
+  return desired;
 }
 
 /// ν* for a boat among others.
 template <class S>
 Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& state,
-                         const Encounter<S>& in, const Traffic<S>& traffic, const Slot<S>& slot,
-                         const FormationError<S>& error, VirtualVelocity<S>& wanted) {
+                         const ControllerInput<S>& in, const Traffic<S>& traffic,
+                         const Slot<S>& slot, const FormationError<S>& error,
+                         VirtualVelocity<S>& desired) {
   const Vec2<S> v = to_north_east(slot.psi, Vec2<S>{slot.nu.u, slot.nu.v});
   const Vec2<S> e = to_north_east(error.R, Vec2<S>{error.e.x, error.e.y});
   const S k = params.outer.k_x;
@@ -106,8 +108,8 @@ Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& 
       intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
   const S a = params.propellers.R / params.vessel.m11;  // half of what both give
   const auto kept =
-      separate(params.separation, a, state.separation, traffic, in.psi, intent, wanted);
-  state.outer.r_star_held = wanted.nu_star.r;
+      separate(params.separation, a, state.separation, traffic, in.psi, intent, desired);
+  state.outer.r_star_held = desired.nu_star.r;
   return kept;
 }
 
@@ -115,28 +117,28 @@ Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& 
 /// nobody is looked for.
 template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
-                                    const Encounter<S>& in, S dt,
+                                    const ControllerInput<S>& in, S dt,
                                     const Traffic<S>* traffic = nullptr) {
   const Slot<S> slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
   const FormationError<S> error = formation_error(in, slot);
   const Vec2<S> c_b = to_body(error.R, in.current_n);
   const auto [sailed, sight] = course(params, state.approach, in, slot, error);
   virtual_sway_forward(params.vessel, state.outer, dt);
-  VirtualVelocity<S> wanted = virtual_velocity(params.outer, state.outer, sailed, error, sight);
+  VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
   if (traffic != nullptr) {
-    separation = keep_clear(params, state, in, *traffic, slot, error, wanted);
+    separation = keep_clear(params, state, in, *traffic, slot, error, desired);
   }
-  const VirtualVelocity<S> wanted_w = through_water(wanted, c_b, in.nu.r);
-  state.outer.u_star_held = wanted_w.nu_star.u;  // v* is of the water too
-  const Tau<S> needed = pd_plus(params.inner, params.vessel, wanted_w,
+  const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
+  state.outer.u_star_held = desired_w.nu_star.u;  // v* is of the water too
+  const Tau<S> needed = pd_plus(params.inner, params.vessel, desired_w,
                                 Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
   const Tau<S> tau = {needed.X - in.unknown.X, needed.N - in.unknown.N};
   return {slot,
           error,
           sight,
           too_fast(params.outer, slot),
-          wanted,
+          desired,
           separation,
           tau,
           allocate(params.propellers, tau),

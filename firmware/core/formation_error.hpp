@@ -30,7 +30,7 @@ struct FormationError {
 };
 
 template <class S>
-FormationError<S> formation_error(const Encounter<S>& in, const Slot<S>& slot) {
+FormationError<S> formation_error(const ControllerInput<S>& in, const Slot<S>& slot) {
   const Vec2<S> from_slot = {in.separation_n.x - slot.d_n.x, in.separation_n.y - slot.d_n.y};
   const Rotation<S> R = rotation(in.psi);
   const Vec2<S> e_b = to_body(R, from_slot);

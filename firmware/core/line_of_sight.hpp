@@ -44,8 +44,8 @@ struct LineOfSight {
 /// to zero; 0 where they disagree about their sign.
 template <class S>
 S agreed(S a, S b) {
-  if (S(0) < a && S(0) < b) return smaller(a, b);
-  if (a < S(0) && b < S(0)) return larger(a, b);
+  if (S(0) < a && S(0) < b) return min(a, b);
+  if (a < S(0) && b < S(0)) return max(a, b);
   return S(0);
 }
 

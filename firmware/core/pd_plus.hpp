@@ -23,12 +23,12 @@ struct PdPlusParams {
 };
 
 template <class S>
-Tau<S> pd_plus(const PdPlusParams<S>& params, const Vessel<S>& m, const VirtualVelocity<S>& wanted,
+Tau<S> pd_plus(const PdPlusParams<S>& params, const Vessel<S>& m, const VirtualVelocity<S>& desired,
                const Nu<S>& nu) {
-  const Nu<S>& star = wanted.nu_star;
-  return {m.m11 * wanted.u_star_dot - m.m22 * nu.v * star.r + m.d11 * star.u -
+  const Nu<S>& star = desired.nu_star;
+  return {m.m11 * desired.u_star_dot - m.m22 * nu.v * star.r + m.d11 * star.u -
               params.k_du * (nu.u - star.u),
-          m.m33 * wanted.r_star_dot + m.m22 * nu.v * star.u - m.m11 * nu.u * star.v +
+          m.m33 * desired.r_star_dot + m.m22 * nu.v * star.u - m.m11 * nu.u * star.v +
               m.d33 * star.r - params.k_dr * (nu.r - star.r)};
 }
 

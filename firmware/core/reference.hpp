@@ -53,7 +53,7 @@ struct Foresight {
 };
 template <class S>
 Foresight<S> foresight(S h, S rate, S rate_dot, S most) {
-  const S m = smaller(h, S(2));
+  const S m = min(h, S(2));
   const S half = S(0.5) * m;
   const S change = m * (rate + half * rate_dot);
   const S way = m * half * (rate + S(0.66666666666666667) * half * rate_dot) + (h - m) * change;
@@ -69,7 +69,7 @@ Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMot
   const auto r = foresight(h, at.nu_dot.r, at.r_ddot, limits.yaw_rate);
   const S turned = at.nu.r * h + r.way;
   const S mean = at.psi + S(0.5) * at.nu.r * h + S(0.33333333333333333) * r.way;
-  const S chord = larger(S(1) - S(0.041666666666666667) * turned * turned, S(0.5));
+  const S chord = max(S(1) - S(0.041666666666666667) * turned * turned, S(0.5));
   const Vec2<S> way = to_north_east(mean, Vec2<S>{at.nu.u * h + u.way, at.nu.v * h + v.way});
   return {{chord * way.x, chord * way.y},
           at.psi + turned,
@@ -112,7 +112,7 @@ Blend<S> blend_start(const Vec2<S>& step) {
 }
 template <class S>
 void blend_forward(Blend<S>& blend, S h) {
-  blend.left = larger(blend.left - h, S(0));
+  blend.left = max(blend.left - h, S(0));
 }
 template <class S>
 Vec2<S> rest_of(const Blend<S>& blend) {

@@ -47,11 +47,11 @@ struct OtherVessel {
   bool has_way{};  ///< we yield to it
 };
 
-constexpr std::size_t kMostVessels = 8;
+constexpr std::size_t kMaxVessels = 8;
 
 template <class S>
 struct Traffic {
-  std::array<OtherVessel<S>, kMostVessels> vessels{};
+  std::array<OtherVessel<S>, kMaxVessels> vessels{};
   std::size_t count = 0;
 };
 
@@ -140,7 +140,7 @@ template <class S>
 S lacking(const Vec2<S>& p, S keep) {
   if (!(abs(p.x) < keep && abs(p.y) < keep)) return S(0);
   const Vec2<S> share = {p.x / keep, p.y / keep};
-  return larger(S(0), S(1) - dot(share, share));
+  return max(S(0), S(1) - dot(share, share));
 }
 
 /// s(w) for one vessel.
@@ -151,7 +151,7 @@ S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, cons
   S sum = S(0);
   for (int k = 1; k <= 8; ++k) {
     const S t = params.horizon * S(k) / S(8);
-    const S under_way = larger(S(0), t - turning_s);
+    const S under_way = max(S(0), t - turning_s);
     const Vec2<S> p = {other.p_n.x + t * other.v_n.x - under_way * w.x,
                        other.p_n.y + t * other.v_n.y - under_way * w.y};
     sum = sum + S(9 - k) / S(8) * lacking(p, keep);
@@ -208,10 +208,10 @@ bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
   for (std::size_t i = 0; i < traffic.count; ++i) {
     const OtherVessel<S>& other = traffic.vessels[i];
     const S now = predicted_distance(params.horizon, other, w);
-    out.predicted = out.known ? smaller(out.predicted, now) : now;
+    out.predicted = out.known ? min(out.predicted, now) : now;
     out.known = true;
     const S straight = predicted_distance(params.horizon, other, intent.straight_n);
-    yield = yield || (other.has_way && smaller(now, straight) < keep);
+    yield = yield || (other.has_way && min(now, straight) < keep);
   }
   return yield;
 }
@@ -221,9 +221,9 @@ template <class S>
 S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S psi, S u) {
   for (std::size_t i = 0; i < traffic.count; ++i) {
     const OtherVessel<S>& other = traffic.vessels[i];
-    const S d = larger(length(other.p_n), S(0.001));
+    const S d = max(length(other.p_n), S(0.001));
     const S gap = S(0.5) * (d - other.margin - S(1.1) * params.least);
-    const S receding = larger(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
+    const S receding = max(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
     const S limit = stopping_speed(a, params.reaction, gap) + S(0.8) * receding;
     const S n = to_body(psi, other.p_n).x / d;
     if (limit < u * n) u = limit / n;
@@ -235,7 +235,7 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
 template <class S>
 Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
                     const Vec2<S>& to_slot_n) {
-  const S fastest = S(0) < limits.u_max ? limits.u_max : larger(least, S(1.1) * length(slot_n));
+  const S fastest = S(0) < limits.u_max ? limits.u_max : max(least, S(1.1) * length(slot_n));
   return {shortened(slot_n, fastest), shortened(to_slot_n, fastest), fastest,
           S(0) < limits.r_max ? limits.r_max : S(1)};
 }
@@ -244,9 +244,9 @@ Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<
 template <class S>
 Separation<S> separate(const SeparationParams<S>& params, S a, SeparationState<S>& state,
                        const Traffic<S>& traffic, S psi, const Intent<S>& intent,
-                       VirtualVelocity<S>& wanted) {
+                       VirtualVelocity<S>& desired) {
   Separation<S> out;
-  Nu<S>& nu = wanted.nu_star;
+  Nu<S>& nu = desired.nu_star;
   const Vec2<S> w = to_north_east(psi, Vec2<S>{nu.u, S(0)});
   const bool yields = foresee(params, state, intent, traffic, w, out);
   if (yields) {
@@ -254,13 +254,13 @@ Separation<S> separate(const SeparationParams<S>& params, S a, SeparationState<S
     const Way<S> way = way_to(psi, state.w_n);
     nu.u = way.u;
     nu.r = clamp(S(2) * way.delta, -intent.turning, intent.turning);
-    wanted.r_star_dot = S(0);
+    desired.r_star_dot = S(0);
   }
   state.yielding = yields;
   const S u = held_back(params, a, traffic, psi, nu.u);
   out.yielding = yields || u < nu.u || nu.u < u;
   nu.u = u;
-  if (out.yielding) wanted.u_star_dot = S(0);
+  if (out.yielding) desired.u_star_dot = S(0);
   return out;
 }
 

@@ -33,7 +33,7 @@ namespace flotilla::core {
 
 /// What the boat knows of itself, of its leader and of the water, at one instant.
 template <class S>
-struct Encounter {
+struct ControllerInput {
   Vec2<S> separation_n{};  ///< p − p_L
   S psi{};
   S psi_L{};
@@ -80,7 +80,7 @@ struct Slot {
 
 /// A slot that goes as its leader goes.
 template <class S>
-Slot<S> slot_beside(const Encounter<S>& in, const Vec2<S>& d_n) {
+Slot<S> slot_beside(const ControllerInput<S>& in, const Vec2<S>& d_n) {
   return {d_n, in.psi_L, in.nu_L, in.nu_L_dot, in.nu_L.u};
 }
 
@@ -93,7 +93,7 @@ struct SlotVelocity {
 };
 
 template <class S>
-SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const Encounter<S>& in) {
+SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const ControllerInput<S>& in) {
   const auto& [u, v, r] = in.nu_L;
   const auto& a = in.nu_L_dot;
   const Vec2<S> d = params.turns ? params.d : Vec2<S>{};
@@ -128,7 +128,7 @@ void smooth(const Smoothing<S>& by, Smooth<S>& state, S value) {
 /// How the slot moves; carries its state over the h seconds since the step before.
 template <class S>
 Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<S>& state,
-                     const Encounter<S>& in, S h) {
+                     const ControllerInput<S>& in, S h) {
   Slot<S> slot = slot_beside(in, params.turns ? to_north_east(in.psi_L, params.d) : params.d);
   const auto [w, w_dot, q] = slot_velocity(params, in);
   if (!state.started) {
@@ -166,18 +166,18 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
 
 /// A slot on the inside of its leader's turn that has to go astern, which no hull holds.
 template <class S>
-bool goes_astern(const SlotParams<S>& params, const Encounter<S>& in, const Slot<S>& slot) {
+bool goes_astern(const SlotParams<S>& params, const ControllerInput<S>& in, const Slot<S>& slot) {
   return params.turns && S(0) < in.nu_L.u && slot.nu.u < S(-0.05);
 }
 
 /// The leader's sway through the water: as if the boat had sailed beside it before.
 template <class S>
-S sway_beside(const Encounter<S>& in) {
+S sway_beside(const ControllerInput<S>& in) {
   return in.nu_L.v - to_body(in.psi_L, in.current_n).y;
 }
 
 template <class S>
-SlotState<S> slot_start(const Encounter<S>& in) {
+SlotState<S> slot_start(const ControllerInput<S>& in) {
   SlotState<S> state;
   state.v_w = sway_beside(in);
   return state;

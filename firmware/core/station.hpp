@@ -63,7 +63,7 @@ struct StationInput {
 /// A time that goes on while something is so, and begins anew.
 template <class S>
 void count_while(S& time, bool so, S h) {
-  time = so ? smaller(time + h, S(1000)) : S(0);
+  time = so ? min(time + h, S(1000)) : S(0);
 }
 
 template <class S>
@@ -71,7 +71,7 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
                    const StationInput<S>& in, S near, S h) {
   const bool nearer = in.distance < state.nearest - params.step;
   if (state.in || nearer || !state.started) {
-    state.nearest = larger(in.distance, near);
+    state.nearest = max(in.distance, near);
     state.idle_s = S(0);
     state.started = true;
   } else if (!in.yields) {
@@ -88,7 +88,7 @@ void station_forward(const StationParams<S>& params, StationState<S>& state,
     return;
   }
   const S slot = S(0.2) * params.D;
-  const S near = in.at_rest ? larger(slot, S(1.6) * params.Delta) : slot;
+  const S near = in.at_rest ? max(slot, S(1.6) * params.Delta) : slot;
   state.in = in.distance <= (state.in ? S(1.5) * near : near);
   count_while(state.in_s, state.in, h);
   state.kept = state.kept || params.keep_s < state.in_s;
@@ -96,7 +96,7 @@ void station_forward(const StationParams<S>& params, StationState<S>& state,
   count_while(state.far_s, state.kept && params.D < in.distance, h);
   const bool turns = S(0) < params.r_max && S(1.2) * params.r_max < abs(in.r);
   state.spinning_s =
-      turns ? smaller(state.spinning_s + h, S(1000)) : larger(state.spinning_s - S(0.3) * h, S(0));
+      turns ? min(state.spinning_s + h, S(1000)) : max(state.spinning_s - S(0.3) * h, S(0));
   const bool calm = !(S(0) < params.r_max && params.r_max < abs(in.r));
   count_while(state.well_s, state.in && calm, h);
   if (state.astray != Astray::kNo) {

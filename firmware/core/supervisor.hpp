@@ -163,7 +163,7 @@ constexpr bool law_drives(State state) { return (kLawDrives & in(state)) != 0; }
 
 /// Whether thrust is allowed; the propellers' path asks again, after allocation.
 constexpr bool may_drive(State state, Conditions met) {
-  const auto all_of = [met](Conditions wanted) { return (met & wanted) == wanted; };
+  const auto all_of = [met](Conditions desired) { return (met & desired) == desired; };
   return (state == State::kManual && all_of(kManualDrive)) ||
          (state == State::kFormation && all_of(kDrive)) ||
          (state == State::kCoast && all_of(kCoastDrive)) ||

@@ -42,24 +42,24 @@ template <class S>
 S command_from_thrust(const ThrustCurveParams<S>& params, S T) {
   const bool astern = T < S(0);
   const S T_max = astern ? params.R : params.F;
-  const S t = smaller(abs(T) / T_max, S(1));
+  const S t = min(abs(T) / T_max, S(1));
   if (abs(T) < params.dead || t <= S(0)) return S(0);
   const S linear = S(1) - params.epsilon;
   const S root = sqrt(linear * linear + S(4) * params.epsilon * t);
-  const S most = scaled(params.full, smaller(abs(T), T_max), T_max);
+  const S most = scaled(params.full, min(abs(T), T_max), T_max);
   const S c =
-      smaller(most / (S(0.5) * (linear + root)), params.full);  // rounding may exceed it at t = 1
+      min(most / (S(0.5) * (linear + root)), params.full);  // rounding may exceed it at t = 1
   return astern ? -c : c;
 }
 
 /// The command after dt seconds on its way to `wanted`; rate in full scale per second, 0 = no
 /// limit.
 template <class S>
-S limit_slew(S previous, S wanted, S rate, S dt, S full = S(1)) {
-  if (!(S(0) < rate)) return wanted;
-  const S half = S(0.5) * full * smaller(rate * dt, S(2));
-  const S way = S(0.5) * wanted - S(0.5) * previous;  // halves: the whole may be 2 full
-  if (abs(way) <= half) return wanted;
+S limit_slew(S previous, S desired, S rate, S dt, S full = S(1)) {
+  if (!(S(0) < rate)) return desired;
+  const S half = S(0.5) * full * min(rate * dt, S(2));
+  const S way = S(0.5) * desired - S(0.5) * previous;  // halves: the whole may be 2 full
+  if (abs(way) <= half) return desired;
   return way < S(0) ? previous - half - half : previous + half + half;
 }
 

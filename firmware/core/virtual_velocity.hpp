@@ -62,10 +62,10 @@ void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& stat
 /// Keeps a wanted velocity within ±most, 0: no limit, and tells whether that changed it; where it is
 /// held, it has no derivative.
 template <class S>
-bool keep_within(S most, S& wanted, S& wanted_dot) {
-  if (!(S(0) < most && most < abs(wanted))) return false;
-  wanted = clamp(wanted, -most, most);
-  wanted_dot = S(0);
+bool keep_within(S most, S& desired, S& desired_dot) {
+  if (!(S(0) < most && most < abs(desired))) return false;
+  desired = clamp(desired, -most, most);
+  desired_dot = S(0);
   return true;
 }
 
@@ -93,8 +93,8 @@ TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot)
 
 /// The speed that is wanted, before its limit.
 template <class S>
-S wanted_surge(const VirtualVelocityParams<S>& params, const Slot<S>& slot,
-               const FormationError<S>& error) {
+S desired_surge(const VirtualVelocityParams<S>& params, const Slot<S>& slot,
+                const FormationError<S>& error) {
   return slot.nu.u - params.k_x * error.e.x;  // (eq:49a)
 }
 
@@ -104,7 +104,7 @@ VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
                                     const FormationError<S>& error, const LineOfSight<S>& sight) {
   const S t = tanh(wrap_pi(error.e.psi - sight.theta));
   VirtualVelocity<S> out;
-  out.nu_star.u = wanted_surge(params, slot, error);
+  out.nu_star.u = desired_surge(params, slot, error);
   out.nu_star.v = state.v_star;
   out.nu_star.r = slot.nu.r - params.k_psi * t + sight.theta_dot;  // (eq:49b)
   out.u_star_dot = slot.nu_dot.u - params.k_x * error.e_dot.x;

@@ -45,7 +45,7 @@ void print_digest(const std::array<std::uint8_t, 32>& digest) {
 /// Prints of each tick that drives how many instructions there are from the end of the one before to
 /// its own, without what the player itself does.
 bool play_all(Player& player, Ticks& ticks) {
-  static std::array<std::uint8_t, kMostBytes> bytes;
+  static std::array<std::uint8_t, kMaxBytes> bytes;
   std::array<std::uint8_t, 12> head;
   static_assert(std::endian::native == std::endian::little);
   std::uint32_t cost = 0;

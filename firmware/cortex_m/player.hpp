@@ -20,7 +20,7 @@
 namespace flotilla::target {
 
 /// Nothing longer comes over a link at once.
-constexpr std::size_t kMostBytes = 1500;
+constexpr std::size_t kMaxBytes = 1500;
 
 struct Record {
   std::uint64_t t_us = 0;

@@ -6,7 +6,7 @@
 namespace flotilla::target {
 namespace {
 
-constexpr std::uint32_t kPerCount = 40, kMost = 0xFF'FFFF;
+constexpr std::uint32_t kPerCount = 40, kMax = 0xFF'FFFF;
 
 volatile std::uint32_t& at(std::uintptr_t address) {
   return *reinterpret_cast<volatile std::uint32_t*>(address);
@@ -19,10 +19,10 @@ std::uint32_t instructions() {
   constexpr std::uint32_t kRuns = 1, kProcessorsClock = 4;
   static std::uint32_t last = 0;
   if ((at(kControl) & kRuns) == 0) {
-    at(kReload) = kMost;
+    at(kReload) = kMax;
     at(kControl) = kRuns | kProcessorsClock;
   }
-  const std::uint32_t now = at(kCurrent), passed = (last - now) & kMost;  // it counts down
+  const std::uint32_t now = at(kCurrent), passed = (last - now) & kMax;  // it counts down
   last = now;
   return passed * kPerCount;
 }

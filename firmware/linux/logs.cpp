@@ -56,9 +56,9 @@ void Logs::mavlink(std::size_t link, Direction direction, std::span<const std::u
                    std::int64_t unix_us) {
   if (!ring_ || link >= kLinks) return;
   const auto channel = static_cast<std::uint8_t>(2 * link + static_cast<std::size_t>(direction));
-  constexpr std::size_t kMost = 4096;
-  for (; !bytes.empty(); bytes = bytes.subspan(std::min(kMost, bytes.size()))) {
-    put(channel, bytes.first(std::min(kMost, bytes.size())), unix_us);
+  constexpr std::size_t kMax = 4096;
+  for (; !bytes.empty(); bytes = bytes.subspan(std::min(kMax, bytes.size()))) {
+    put(channel, bytes.first(std::min(kMax, bytes.size())), unix_us);
   }
 }
 

@@ -31,7 +31,7 @@ constexpr int kFarewellTicks = 10;
 // How far ahead of the clock a stored signing timestamp may be before it is worth a word.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
 // Read at one go; more waits until the timer was looked at: a flood must not stop the tick.
-constexpr int kMostFrames = 256, kMostChunks = 64;
+constexpr int kMaxFrames = 256, kMaxChunks = 64;
 constexpr std::int64_t kReadBeforeTick_us = 1000;
 
 std::int64_t clock_us(clockid_t clock) {
@@ -42,7 +42,7 @@ std::int64_t clock_us(clockid_t clock) {
 
 std::int64_t now() { return clock_us(CLOCK_MONOTONIC); }
 
-void say(std::string_view text) {
+void send_statustext(std::string_view text) {
   std::fprintf(stderr, "flotillad: %.*s\n", static_cast<int>(text.size()), text.data());
 }
 
@@ -54,11 +54,13 @@ void ask_for_real_time(const Config& config) {
     sched_param wish{};
     wish.sched_priority = config.priority;
     if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
-      say("SCHED_FIFO refused (" + std::string(std::strerror(errno)) + "): ordinary priority");
+      send_statustext("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
+                      "): ordinary priority");
     }
   }
   if (config.lock_memory && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-    say("locked memory refused (" + std::string(std::strerror(errno)) + "): memory may be paged");
+    send_statustext("locked memory refused (" + std::string(std::strerror(errno)) +
+                    "): memory may be paged");
   }
 }
 
@@ -69,7 +71,7 @@ FileDescriptor catch_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGHUP);  // the terminal is gone
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);  // whoever reads what we say() may go; we stay
+  ::signal(SIGPIPE, SIG_IGN);  // whoever reads what we send_statustext() may go; we stay
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
 
@@ -82,7 +84,7 @@ void make_directory(const std::filesystem::path& path) {
 LoadedParameters load(const Config& config) {
   make_directory(config.state_dir);
   LoadedParameters loaded = load_parameters(config.parameter_file());
-  for (const std::string& note : loaded.notes) say(note);
+  for (const std::string& note : loaded.notes) send_statustext(note);
   return loaded;
 }
 
@@ -123,12 +125,13 @@ Loop::Loop(const Config& config)
 void Loop::secure() {
   const link::SigningKey key = read_signing_key(config_.signing_key);
   const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
-  if (!stored.note.empty()) say(stored.note);
+  if (!stored.note.empty()) send_statustext(stored.note);
   const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
   if (stored.timestamp > clock + kWorthSaying) {
-    say("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
-        " s behind " + config_.signing_time_file().filename().string() +
-        ": who signs by another clock may be refused");
+    send_statustext("the clock is " +
+                    std::to_string((stored.timestamp - clock) / kStampsPerSecond) + " s behind " +
+                    config_.signing_time_file().filename().string() +
+                    ": who signs by another clock may be refused");
   }
   boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
@@ -139,9 +142,9 @@ int Loop::run() {
   deadline_us_ = now() + period_us_;
   const itimerspec grid{time_of(period_us_), time_of(deadline_us_)};
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &grid, nullptr);
-  service_manager_.say("READY=1");
-  say("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) + " on " +
-      config_.can);
+  service_manager_.send_statustext("READY=1");
+  send_statustext("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) +
+                  " on " + config_.can);
   while (!stopping_) {
     wait();
     if (timer_fired_) tick();
@@ -181,7 +184,7 @@ void Loop::wait() {
 
 void Loop::read_bus(std::int64_t now_us) {
   link::CanFrame frame;
-  for (int n = 0; n < kMostFrames && bus_->receive(frame); ++n) {
+  for (int n = 0; n < kMaxFrames && bus_->receive(frame); ++n) {
     logs_.can(frame, clock_us(CLOCK_REALTIME));
     boat_->on_can(frame.id, frame.bytes(), now_us);
   }
@@ -192,7 +195,7 @@ void Loop::read_links(std::int64_t now_us) {
   // A flood must not stop the tick, nor one link the others.
   const std::int64_t until_us = timer_fired_ ? now_us + kReadBeforeTick_us : deadline_us_;
   bool heard = true;
-  for (int n = 0; heard && n < kMostChunks && (n == 0 || now() < until_us); ++n) {
+  for (int n = 0; heard && n < kMaxChunks && (n == 0 || now() < until_us); ++n) {
     heard = false;
     for (std::size_t i = 0; i < links_.size(); ++i) {
       const std::size_t size = links_[i]->receive(buffer);
@@ -238,12 +241,12 @@ void Loop::keep_house(std::int64_t now_us) {
   house_kept_us_ = now_us;
   bus_->maintain();
   if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
-    say(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
+    send_statustext(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
   }
   for (const auto& link : links_) link->maintain();
-  if (const auto complaint = logs_.complaint()) say(*complaint);
+  if (const auto complaint = logs_.complaint()) send_statustext(*complaint);
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
-    say(*complaint);
+    send_statustext(*complaint);
   }
   report_outcome();
   note_changes();
@@ -251,7 +254,7 @@ void Loop::keep_house(std::int64_t now_us) {
   // A disk may take its time, which an armed boat has not.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    say(error);
+    send_statustext(error);
   }
 }
 
@@ -293,11 +296,11 @@ void Loop::report_outcome() {
 void Loop::report_saved(std::string_view why, const std::optional<std::string>& fault) {
   const bool failed_before = std::exchange(save_failed_, fault.has_value());
   if (fault) {
-    if (!failed_before) say(*fault);
+    if (!failed_before) send_statustext(*fault);
     return;
   }
   parameters_.must_be_confirmed = false;
-  say("parameters saved (" + std::string(why) + ")");
+  send_statustext("parameters saved (" + std::string(why) + ")");
 }
 
 void Loop::shut_down() {
@@ -309,7 +312,7 @@ void Loop::shut_down() {
     const timespec next = time_of(now_us + period_us_);
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
-  service_manager_.say("STOPPING=1");
+  service_manager_.send_statustext("STOPPING=1");
   saver_.finish();
   report_outcome();
   note_changes();
@@ -318,7 +321,7 @@ void Loop::shut_down() {
                                             parameters_.unknown));
   }
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    say(error);
+    send_statustext(error);
   }
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   write_stats();
@@ -328,7 +331,7 @@ void Loop::write_stats() const {
   if (config_.stats.empty()) return;
   std::FILE* file = std::fopen(config_.stats.c_str(), "w");
   if (file == nullptr) {
-    say("stats " + config_.stats.string() + ": " + std::strerror(errno));
+    send_statustext("stats " + config_.stats.string() + ": " + std::strerror(errno));
     return;
   }
   const auto put = [&](const char* name, const Latency& latency) {

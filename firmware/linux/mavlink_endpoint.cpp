@@ -87,7 +87,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
       refuse(address, std::string("cannot listen there: ") + std::strerror(error));
     }
     if (lost_ && error != ENETUNREACH) refuse(address, std::strerror(error));
-    peers_.reserve(kMostPeers);
+    peers_.reserve(kMaxPeers);
     if (!learns_) peers_.push_back({named_, 0});
   }
 
@@ -141,7 +141,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
     return 0;
   }
 
-  static constexpr std::size_t kMostPeers = 8;
+  static constexpr std::size_t kMaxPeers = 8;
   struct Peer {
     sockaddr_in address;
     std::uint64_t heard;
@@ -153,7 +153,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
                                     [&](const Peer& p) { return same(p.address, from); });
     if (known != peers_.end()) {
       known->heard = ++clock_;
-    } else if (peers_.size() < kMostPeers) {
+    } else if (peers_.size() < kMaxPeers) {
       peers_.push_back({from, ++clock_});
     } else {
       *std::min_element(peers_.begin(), peers_.end(), [](const Peer& a, const Peer& b) {

@@ -45,12 +45,14 @@ struct Harbour {
     return m;
   }
 
-  void say(link::MavlinkEncoder& who, const link::Message& message, std::size_t link = 0) {
+  void send_statustext(link::MavlinkEncoder& who, const link::Message& message,
+                       std::size_t link = 0) {
     boat.on_mavlink(frame_of(who, message), now_us, link);
   }
 
   void command(std::uint16_t number, float first, float second = 0, std::size_t link = 0) {
-    say(operator_, link::CommandLong{number, {first, second, 0, 0, 0, 0, 0}, 1, 1, 0}, link);
+    send_statustext(operator_, link::CommandLong{number, {first, second, 0, 0, 0, 0, 0}, 1, 1, 0},
+                    link);
   }
   void arm(float force = 0) { command(link::mav::kCmdComponentArmDisarm, 1, force); }
   void disarm() { command(link::mav::kCmdComponentArmDisarm, 0); }
@@ -71,10 +73,10 @@ struct Harbour {
   void talk() {
     const link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
     const bool second = now_us % 1'000'000 < kTick_us;
-    if (navigation_talks) say(navigation, state(now_us, 0, 0));
-    if (navigation_talks && second) say(navigation, origin);
-    if (leader_talks) say(leader, state(now_us + leader_clock_us, leader_north_m, 0));
-    if (leader_talks && second) say(leader, origin);
+    if (navigation_talks) send_statustext(navigation, state(now_us, 0, 0));
+    if (navigation_talks && second) send_statustext(navigation, origin);
+    if (leader_talks) send_statustext(leader, state(now_us + leader_clock_us, leader_north_m, 0));
+    if (leader_talks && second) send_statustext(leader, origin);
     if (now_us % 100'000 >= kTick_us) return;
     for (const std::uint8_t index : std::initializer_list<std::uint8_t>{0, 1}) {
       if (!(index == 0 ? port_talks : stbd_talks)) continue;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kTick_us = 10'000;
 const link::GpsGlobalOrigin kLake{410'000'000, 20'000'000, 500'000, 0};
 
-bool has(core::Conditions met, core::Conditions wanted) { return (met & wanted) == wanted; }
+bool has(core::Conditions met, core::Conditions desired) { return (met & desired) == desired; }
 
 /// Limits, and what they see tick by tick.
 struct Watch {

@@ -62,8 +62,8 @@ core::Nu<S> arbitrary_nu(Random& random) {
 }
 
 template <class S>
-core::Encounter<S> arbitrary_encounter(Random& random) {
-  core::Encounter<S> in;
+core::ControllerInput<S> arbitrary_encounter(Random& random) {
+  core::ControllerInput<S> in;
   in.separation_n = {in_scalar<S>(random(-30, 30)), in_scalar<S>(random(-30, 30))};
   in.psi = in_scalar<S>(random.angle());
   in.psi_L = in_scalar<S>(random.angle());
@@ -75,8 +75,8 @@ core::Encounter<S> arbitrary_encounter(Random& random) {
 
 /// In its slot, with its leader's velocity.
 template <class S>
-core::Encounter<S> encounter_in_slot(const core::Vec2<S>& d, Random& random) {
-  core::Encounter<S> in = arbitrary_encounter<S>(random);
+core::ControllerInput<S> encounter_in_slot(const core::Vec2<S>& d, Random& random) {
+  core::ControllerInput<S> in = arbitrary_encounter<S>(random);
   in.separation_n = d;
   in.psi = in.psi_L;
   in.nu = in.nu_L;
@@ -84,7 +84,7 @@ core::Encounter<S> encounter_in_slot(const core::Vec2<S>& d, Random& random) {
 }
 
 /// The encounter h later: both with their velocity, the leader with its acceleration.
-inline core::Encounter<double> later(core::Encounter<double> in, double h) {
+inline core::ControllerInput<double> later(core::ControllerInput<double> in, double h) {
   const auto way = [h](double psi, const core::Nu<double>& nu) {
     return core::to_north_east(psi + 0.5 * h * nu.r, core::Vec2<double>{h * nu.u, h * nu.v});
   };
@@ -99,14 +99,15 @@ inline core::Encounter<double> later(core::Encounter<double> in, double h) {
 
 /// The paper's error and virtual velocity: the slot goes as the leader does.
 template <class S>
-core::FormationError<S> papers_error(const core::Encounter<S>& in, const core::Vec2<S>& d) {
+core::FormationError<S> papers_error(const core::ControllerInput<S>& in, const core::Vec2<S>& d) {
   return core::formation_error(in, core::slot_beside(in, d));
 }
 
 template <class S>
 core::VirtualVelocity<S> papers_velocity(const core::VirtualVelocityParams<S>& params,
                                          core::VirtualVelocityState<S>& state,
-                                         const core::Encounter<S>& in, const core::Vec2<S>& d) {
+                                         const core::ControllerInput<S>& in,
+                                         const core::Vec2<S>& d) {
   return core::virtual_velocity(params, state, core::slot_beside(in, d), papers_error(in, d), {});
 }
 

@@ -69,7 +69,7 @@ core::Nu<S> in_scalar(const core::Nu<double>& nu) {
 }
 
 template <class S>
-core::Encounter<S> encounter_of(const Sighting& own, const Sighting& leader) {
+core::ControllerInput<S> controller_input_of(const Sighting& own, const Sighting& leader) {
   return {{in_scalar<S>(own.place.x - leader.place.x), in_scalar<S>(own.place.y - leader.place.y)},
           in_scalar<S>(own.psi),
           in_scalar<S>(leader.psi),
@@ -106,7 +106,7 @@ core::Error<double> sail(ClosedLoop& world, core::ControllerState<S>& state, dou
   core::Error<double> e{};
   for (; world.t < until - h / 2; world.t += h) {
     const core::Tau<double> tau = leader_tau(world.t);
-    const auto in = encounter_of<S>(sighting_of(world.boat), sighting_of(world.leader, tau));
+    const auto in = controller_input_of<S>(sighting_of(world.boat), sighting_of(world.leader, tau));
     const core::ControllerOutput<S> out =
         core::controller_step(params, state, in, world.t > 0 ? in_scalar<S>(h) : S(0));
     world.boat.advance(in_double(out.allocation.given), h);

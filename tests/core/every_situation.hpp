@@ -53,6 +53,6 @@ void for_every_situation(F f) {
   }
 }
 
-inline bool has(Conditions met, Conditions wanted) { return (met & wanted) == wanted; }
+inline bool has(Conditions met, Conditions desired) { return (met & desired) == desired; }
 
 }  // namespace flotilla::core

@@ -17,8 +17,8 @@
 
 namespace flotilla::testing {
 
-constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
-constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
+constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
 
 /// Of what is rounded once, from the exact result; in LSB, with what the oracle itself rounds.
 constexpr double kRoundedOnce = 0.50001;
@@ -36,7 +36,7 @@ struct Worst {
   }
   /// `exact` in LSB; the nearest end of the range is expected of what is beyond it.
   void see(core::Q16 result, double exact, const std::array<std::int64_t, 3>& where) {
-    see(result.raw() - std::clamp(exact, double{kLeast}, double{kMost}), where);
+    see(result.raw() - std::clamp(exact, double{kMin}, double{kMax}), where);
   }
   void merge(const Worst& other) {
     if (!(other.lsb <= lsb)) {

@@ -36,14 +36,14 @@ struct Function {
   Mirror mirror = Mirror::kNone;
   double bound = 1;
   /// Arguments beyond these, in LSB, give what these give.
-  std::int64_t from = kLeast, to = kMost;
+  std::int64_t from = kMin, to = kMax;
 };
 
 constexpr std::array<Function, 6> kFunctions{{
     {"sin", flotilla::core::sin, std::sin, Mirror::kOdd},
     {"cos", flotilla::core::cos, std::cos, Mirror::kEven},
     {"atan", flotilla::core::atan, std::atan, Mirror::kOdd},
-    {"tanh", flotilla::core::tanh, std::tanh, Mirror::kOdd, 1, kLeast, 8 * 65536},
+    {"tanh", flotilla::core::tanh, std::tanh, Mirror::kOdd, 1, kMin, 8 * 65536},
     {"exp", flotilla::core::exp, std::exp, Mirror::kNone, 1, -13 * 65536, 12 * 65536},
     {"sqrt", flotilla::core::sqrt, [](double x) { return std::sqrt(std::max(x, 0.0)); },
      Mirror::kNone, kRoundedOnce, 0},
@@ -68,9 +68,9 @@ Worst over_all(const Function& function) {
     Worst worst;
     if (index == 0) seen(worst, function, 0);
     for (std::int64_t m = index * kChunk + 1; m <= (index + 1) * kChunk; ++m) {
-      const bool has_mirror = m <= kMost && function.mirror != Mirror::kNone;
+      const bool has_mirror = m <= kMax && function.mirror != Mirror::kNone;
       if (!has_mirror) seen(worst, function, -m);
-      if (m > kMost) continue;
+      if (m > kMax) continue;
       const Q16 upper = seen(worst, function, m);
       if (!has_mirror) continue;
       const Q16 lower = function.ours(Q16::of_raw(static_cast<std::int32_t>(-m)));
@@ -124,8 +124,8 @@ constexpr std::array<Several, 7> kSeveral{{
 std::vector<std::int32_t> dense_grid(int small, int great) {
   std::vector<std::int32_t> grid;
   for (int i = 0; i <= small + great; ++i) {
-    const double ratio = std::pow(static_cast<double>(kMost) / small, 1.0 * (i - small) / great);
-    const double value = i <= small ? i : std::min(small * ratio, double{kMost});
+    const double ratio = std::pow(static_cast<double>(kMax) / small, 1.0 * (i - small) / great);
+    const double value = i <= small ? i : std::min(small * ratio, double{kMax});
     grid.push_back(static_cast<std::int32_t>(value));
     grid.push_back(-grid.back() - (i == small + great ? 1 : 0));
   }

@@ -46,9 +46,10 @@ struct PilotedBoat {
   int late = 0;  ///< how many ticks old a fix is when it comes
   std::vector<Sighting> past{};
 
-  core::Encounter<S> encounter(const core::Vessel<S>& vessel, const Sighting& leader) const {
+  core::ControllerInput<S> controller_input(const core::Vessel<S>& vessel,
+                                            const Sighting& leader) const {
     const core::Motion<S>& m = motion.motion;
-    core::Encounter<S> in;
+    core::ControllerInput<S> in;
     in.separation_n = {in_scalar<S>(anchor.x - leader.place.x) + m.moved_n.x,
                        in_scalar<S>(anchor.y - leader.place.y) + m.moved_n.y};
     in.psi = m.psi;
@@ -83,7 +84,7 @@ struct PilotedBoat {
                             in_scalar<S>(age),
                             dt});
     anchor = own.place;
-    const core::Encounter<S> in = encounter(vessel, leader);
+    const core::ControllerInput<S> in = controller_input(vessel, leader);
     if (!under_way) state = core::controller_start(in);
     under_way = true;
     const auto out = core::controller_step(params.law, state, in, dt);

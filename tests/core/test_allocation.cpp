@@ -31,10 +31,10 @@ TEST_CASE_TEMPLATE("what two propellers can give, they are asked for and nothing
   for (int i = 0; i < 2000; ++i) {
     const auto p = arbitrary_propellers<S>(random);
     const auto draw = [&] { return S(random(-0.99 * double(p.R), 0.99 * double(p.F))); };
-    const Thrust<S> wanted{draw(), draw()};
-    const Allocation<S> out = allocate(p, wrench_of(p, wanted));
-    CHECK(out.thrust.port == approx(wanted.port, 500));
-    CHECK(out.thrust.stbd == approx(wanted.stbd, 500));
+    const Thrust<S> desired{draw(), draw()};
+    const Allocation<S> out = allocate(p, wrench_of(p, desired));
+    CHECK(out.thrust.port == approx(desired.port, 500));
+    CHECK(out.thrust.stbd == approx(desired.stbd, 500));
     CHECK(out.missing.X == approx(S(0), 500));
     CHECK(out.missing.N == approx(S(0), 2500));
     CHECK_FALSE(out.surge_limited);

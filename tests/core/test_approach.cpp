@@ -130,7 +130,7 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
     const ApproachParams<double> params{0.2, 1, 0.15, i % 2 == 0 ? 0 : 1.5};
-    Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    ControllerInput<double> in = testing::arbitrary_encounter<double>(random);
     in.nu_L = in.nu_L_dot = {};
     const auto angle = [&](double h, bool astern) {
       const auto then = testing::later(in, h);
@@ -188,10 +188,10 @@ TEST_CASE("a kilometre off, at the largest gain, in Q16, nothing overflows") {
   Random random(113);
   take_overflow<Q16>();
   for (int i = 0; i < 500; ++i) {
-    Encounter<double> in;
+    ControllerInput<double> in;
     in.separation_n = {random(-999, 999), random(-999, 999)};
     in.psi = random.angle();
-    Encounter<Q16> fixed;
+    ControllerInput<Q16> fixed;
     fixed.separation_n = {testing::in_scalar<Q16>(in.separation_n.x),
                           testing::in_scalar<Q16>(in.separation_n.y)};
     fixed.psi = testing::in_scalar<Q16>(in.psi);

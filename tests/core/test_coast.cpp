@@ -91,8 +91,8 @@ TEST_CASE_TEMPLATE("no command is greater than the limit, and within it none is 
     const Thrust<S> asked{S(random(-1, 1)), S(random(-1, 1))};
     const S most = S(random(0, 1));
     const Thrust<S> given = limited(asked, most);
-    CHECK(larger(abs(given.port), abs(given.stbd)) <= most);
-    if (larger(abs(asked.port), abs(asked.stbd)) <= most) {
+    CHECK(max(abs(given.port), abs(given.stbd)) <= most);
+    if (max(abs(asked.port), abs(asked.stbd)) <= most) {
       CHECK(given.port == approx(asked.port));
       CHECK(given.stbd == approx(asked.stbd));
     }

@@ -12,20 +12,20 @@ TEST_CASE_TEMPLATE("a step is error, virtual velocity, wrench and thrusts in thi
                    double) {
   Random random(22);
   const ControllerParams<S> params = testing::papers_controller<S>();
-  const Encounter<S> in = testing::arbitrary_encounter<S>(random);
+  const ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
   ControllerState<S> state = controller_start(in);
   CHECK(state.outer.v_star == in.nu_L.v);  // v*(0) = v_L(0)
   VirtualVelocityState<S> outer = state.outer;
   const ControllerOutput<S> out = controller_step(params, state, in, S(0));
   const auto error = testing::papers_error(in, params.slot.d);
-  const auto wanted = testing::papers_velocity(params.outer, outer, in, params.slot.d);
-  const Tau<S> tau = pd_plus(params.inner, params.vessel, wanted, in.nu);
+  const auto desired = testing::papers_velocity(params.outer, outer, in, params.slot.d);
+  const Tau<S> tau = pd_plus(params.inner, params.vessel, desired, in.nu);
   CHECK(out.error.e.y == error.e.y);
-  CHECK(out.wanted.nu_star.v == in.nu_L.v);
+  CHECK(out.desired.nu_star.v == in.nu_L.v);
   CHECK(out.tau.X == tau.X);
   CHECK(out.tau.N == tau.N);
   CHECK(out.allocation.thrust.port == allocate(params.propellers, tau).thrust.port);
-  CHECK(state.outer.r_star_held == wanted.nu_star.r);
+  CHECK(state.outer.r_star_held == desired.nu_star.r);
 }
 
 TEST_CASE("in a current u* is wanted through the water, and its derivative is the slope of that") {
@@ -38,8 +38,8 @@ TEST_CASE("in a current u* is wanted through the water, and its derivative is th
     const auto star = [&](double h) {
       const auto then = testing::later(in, h);
       VirtualVelocityState<double> state;
-      const auto wanted = testing::papers_velocity({0.2, 0.2}, state, then, {});
-      return through_water(wanted, to_body(then.psi, c_n), then.nu.r);
+      const auto desired = testing::papers_velocity({0.2, 0.2}, state, then, {});
+      return through_water(desired, to_body(then.psi, c_n), then.nu.r);
     };
     constexpr double h = 1e-4;
     const double slope = (star(h).nu_star.u - star(-h).nu_star.u) / (2 * h);
@@ -56,7 +56,7 @@ TEST_CASE("where all the water moves, boats that turn together are none the wise
     auto still = testing::arbitrary_encounter<double>(random);
     still.psi_L = still.psi;
     still.nu_L.r = still.nu.r;
-    Encounter<double> moving = still;
+    ControllerInput<double> moving = still;
     moving.current_n = {random(-0.5, 0.5), random(-0.5, 0.5)};
     const Vec2<double> c = to_body(still.psi, moving.current_n);
     moving.nu = {still.nu.u + c.x, still.nu.v + c.y, still.nu.r};
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("the virtual sway and the slot's begin with the leader's thro
     CHECK(state.outer.v_star == testing::approx(S(v_w), 5));
     CHECK(state.slot.v_w == state.outer.v_star);
     const auto out = controller_step(testing::papers_controller<S>(), state, in, S(0));
-    CHECK(out.wanted.nu_star.v == testing::approx(S(v_w), 5));
+    CHECK(out.desired.nu_star.v == testing::approx(S(v_w), 5));
   }
 }
 

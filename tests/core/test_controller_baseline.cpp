@@ -19,7 +19,7 @@ struct PapersLaw {
   ControllerParams<S> p;
   S v_star, u_held{}, r_held{};
 
-  Said<S> step(const Encounter<S>& in, S dt) {
+  Said<S> step(const ControllerInput<S>& in, S dt) {
     const Vessel<S>& m = p.vessel;
     const auto [u, v, r] = in.nu;
     const auto [u_L, v_L, r_L] = in.nu_L;
@@ -68,18 +68,18 @@ struct PapersLaw {
 
 template <class S>
 Said<S> said(const ControllerOutput<S>& out, const ControllerState<S>& state) {
-  const auto& [slot, error, sight, too_fast, wanted, separation, tau, allocation, astern] = out;
+  const auto& [slot, error, sight, too_fast, desired, separation, tau, allocation, astern] = out;
   return {error.e.x,
           error.e.y,
           error.e.psi,
           error.e_dot.x,
           error.e_dot.y,
           error.e_dot.psi,
-          wanted.nu_star.u,
-          wanted.nu_star.v,
-          wanted.nu_star.r,
-          wanted.u_star_dot,
-          wanted.r_star_dot,
+          desired.nu_star.u,
+          desired.nu_star.v,
+          desired.nu_star.r,
+          desired.u_star_dot,
+          desired.r_star_dot,
           tau.X,
           tau.N,
           allocation.thrust.port,
@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("with every extension at 0 a boat does what the paper says, t
   int saturated = 0, free = 0;
   for (int run = 0; run < 2000; ++run) {
     const ControllerParams<S> params = arbitrary_params<S>(random);
-    Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     ControllerState<S> state = controller_start(in);
     PapersLaw<S> paper{params, in.nu_L.v};
     for (int k = 0; k < 5; ++k) {
@@ -141,7 +141,7 @@ TEST_CASE_TEMPLATE(
   Random random(92);
   for (int run = 0; run < 1000; ++run) {
     const ControllerParams<S> params = arbitrary_params<S>(random);
-    Encounter<S> in = testing::encounter_in_slot(params.slot.d, random);
+    ControllerInput<S> in = testing::encounter_in_slot(params.slot.d, random);
     if (run % 3 == 0) in.nu = in.nu_L = in.nu_L_dot = {};
     if (run % 3 == 1) in.psi_L = in.psi + S(random(3.1, 3.14)) * S(run % 2 == 0 ? 1 : -1);
     if (run % 9 == 0) in.psi_L = in.psi + S(run % 2 == 0 ? testing::kPi : -testing::kPi);
@@ -158,14 +158,14 @@ TEST_CASE_TEMPLATE("with the bow to the leader's stern, r* is that of the error 
                    float, double) {
   Random random(92);
   for (int i = 0; i < 3000; ++i) {
-    Encounter<S> in;
+    ControllerInput<S> in;
     in.psi = S(random.angle());
     in.psi_L = in.psi + S(i % 2 == 0 ? testing::kPi : -testing::kPi);
     VirtualVelocityState<S> state;
     const auto error = testing::papers_error(in, {});
-    const auto wanted =
+    const auto desired =
         testing::papers_velocity(VirtualVelocityParams<S>{S(1), S(1)}, state, in, {});
-    CHECK(wanted.nu_star.r == -std::tanh(error.e.psi));
+    CHECK(desired.nu_star.r == -std::tanh(error.e.psi));
   }
 }
 

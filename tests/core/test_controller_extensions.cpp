@@ -14,8 +14,8 @@ enum class Extension { kNone, kSteeredSlot, kLineOfSight, kLimits, kCurrent, kUn
 
 /// The slot of the paper; its pace is that of any slot.
 template <class S>
-Slot<S> paper_slot(const ControllerParams<S>& params, SlotState<S>& state, const Encounter<S>& in,
-                   S dt) {
+Slot<S> paper_slot(const ControllerParams<S>& params, SlotState<S>& state,
+                   const ControllerInput<S>& in, S dt) {
   Slot<S> slot = slot_beside(in, params.slot.d);
   slot.pace = slot_forward(params.slot, params.vessel, state, in, dt).pace;
   return slot;
@@ -24,9 +24,9 @@ Slot<S> paper_slot(const ControllerParams<S>& params, SlotState<S>& state, const
 /// One step of the law from its pieces, one of them left out.
 template <class S>
 ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& params,
-                                 ControllerState<S>& state, const Encounter<S>& in, S dt) {
+                                 ControllerState<S>& state, const ControllerInput<S>& in, S dt) {
   ControllerOutput<S> out;
-  Encounter<S> seen = in;
+  ControllerInput<S> seen = in;
   if (piece == Extension::kCurrent) seen.current_n = {};
   out.slot = piece == Extension::kSteeredSlot
                  ? paper_slot(params, state.slot, seen, dt)
@@ -43,11 +43,11 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
     out.sight = to_slot.sight;
   }
   virtual_sway_forward(params.vessel, state.outer, dt);
-  out.wanted = virtual_velocity(limits.outer, state.outer, sailed, out.error, out.sight);
-  VirtualVelocity<S> through_the_water = out.wanted;
+  out.desired = virtual_velocity(limits.outer, state.outer, sailed, out.error, out.sight);
+  VirtualVelocity<S> through_the_water = out.desired;
   Nu<S> nu = seen.nu;
   if (piece != Extension::kCurrent) {
-    through_the_water = through_water(out.wanted, c_b, seen.nu.r);
+    through_the_water = through_water(out.desired, c_b, seen.nu.r);
     nu = {nu.u - c_b.x, nu.v - c_b.y, nu.r};
   }
   state.outer.u_star_held = through_the_water.nu_star.u;
@@ -59,8 +59,8 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
 }
 
 template <class S>
-Encounter<S> wild_encounter(Random& random) {
-  Encounter<S> in = testing::arbitrary_encounter<S>(random);
+ControllerInput<S> wild_encounter(Random& random) {
+  ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
   in.current_n = {S(random(-0.5, 0.5)), S(random(-0.5, 0.5))};
   in.unknown = {S(random(-5, 5)), S(random(-2, 2))};
   return in;
@@ -74,7 +74,7 @@ void switch_off(Extension piece, ControllerParams<S>& params) {
 }
 
 template <class S>
-void switch_off(Extension piece, Encounter<S>& in) {
+void switch_off(Extension piece, ControllerInput<S>& in) {
   if (piece == Extension::kCurrent) in.current_n = {};
   if (piece == Extension::kUnknown) in.unknown = {};
 }
@@ -83,9 +83,9 @@ template <class S>
 bool same(const ControllerOutput<S>& a, const ControllerOutput<S>& b) {
   return same_bits(a.slot.psi, b.slot.psi) && same_bits(a.slot.nu.r, b.slot.nu.r) &&
          same_bits(a.error.e.y, b.error.e.y) && same_bits(a.sight.theta, b.sight.theta) &&
-         same_bits(a.wanted.nu_star.u, b.wanted.nu_star.u) &&
-         same_bits(a.wanted.nu_star.v, b.wanted.nu_star.v) &&
-         same_bits(a.wanted.nu_star.r, b.wanted.nu_star.r) && same_bits(a.tau.X, b.tau.X) &&
+         same_bits(a.desired.nu_star.u, b.desired.nu_star.u) &&
+         same_bits(a.desired.nu_star.v, b.desired.nu_star.v) &&
+         same_bits(a.desired.nu_star.r, b.desired.nu_star.r) && same_bits(a.tau.X, b.tau.X) &&
          same_bits(a.tau.N, b.tau.N) &&
          same_bits(a.allocation.thrust.port, b.allocation.thrust.port) &&
          same_bits(a.allocation.thrust.stbd, b.allocation.thrust.stbd);
@@ -102,8 +102,8 @@ int differences(Extension off, Extension left_out) {
     switch_off(off, params);
     ControllerState<S> state = controller_start(wild_encounter<S>(random)), other = state;
     for (int k = 0; k < 5; ++k) {
-      const Encounter<S> in = wild_encounter<S>(random);
-      Encounter<S> seen = in;
+      const ControllerInput<S> in = wild_encounter<S>(random);
+      ControllerInput<S> seen = in;
       switch_off(off, seen);
       const S dt = S(k == 0 ? 0 : 0.01);
       const auto with = controller_step(params, state, seen, dt);
@@ -128,7 +128,7 @@ TEST_CASE_TEMPLATE("each extension at 0 is as if it had never been thought of", 
 template <class S>
 struct Assumed {
   ControllerOutput<S> out{};
-  Encounter<S> in{};
+  ControllerInput<S> in{};
 };
 
 template <class S>
@@ -138,7 +138,7 @@ Assumed<S> sail(const testing::ProductParams<S>& params) {
   boat.hull = {{-3, 1, 0, 0, 0, 0}, {0.05, 0.1}};
   Assumed<S> last;
   for (const auto& seen : leader) last.out = boat.tick(params, seen, 0.01);
-  last.in = boat.encounter(params.law.vessel, leader.back());
+  last.in = boat.controller_input(params.law.vessel, leader.back());
   return last;
 }
 

@@ -99,7 +99,7 @@ TEST_CASE_TEMPLATE("a leader faster than LAW_U_MAX is followed at LAW_U_MAX, and
     for (const Sighting& seen : leader) {
       off = std::hypot(boat.hull.q[0] - seen.place.x, boat.hull.q[1] - seen.place.y);
       out = boat.tick(params, seen, kH);
-      REQUIRE(double(out.wanted.nu_star.u) <= 1.5);
+      REQUIRE(double(out.desired.nu_star.u) <= 1.5);
     }
     INFO("from ", behind, " m behind, at the end ", off, " m");
     CHECK(off < 7);  // on its circle of 11 m it is never left behind
@@ -119,8 +119,8 @@ TEST_CASE_TEMPLATE("a slot 10 m astern of a leader that pivots asks for no more 
   double needs = 0, off = 0;
   for (const Sighting& seen : leader) {
     const auto out = boat.tick(params, seen, kH);
-    REQUIRE(std::abs(double(out.wanted.nu_star.u)) <= 1.5);
-    REQUIRE(std::abs(double(out.wanted.nu_star.r)) <= double(S(0.8)));
+    REQUIRE(std::abs(double(out.desired.nu_star.u)) <= 1.5);
+    REQUIRE(std::abs(double(out.desired.nu_star.r)) <= double(S(0.8)));
     needs = std::max(needs, double(out.too_fast.u));
     off = std::max(off, std::hypot(boat.hull.q[3], boat.hull.q[4]));
   }
@@ -151,7 +151,7 @@ TEST_CASE_TEMPLATE("nothing that a boat meets makes it ask for more than its lim
           {S(random(-6, 6)), S(random(-6, 6))}, {S(random(-1, 1)), S(0)}, S(0), true};
       traffic.count = 1;
       const auto out = controller_step(params, state, in, S(0.01), &traffic);
-      const auto& nu = out.wanted.nu_star;
+      const auto& nu = out.desired.nu_star;
       REQUIRE(std::abs(nu.u) <= params.outer.u_max);
       REQUIRE(std::abs(nu.r) <= params.outer.r_max);
       yields += out.separation.yielding;

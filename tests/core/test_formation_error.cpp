@@ -13,7 +13,7 @@ using testing::Random;
 TEST_CASE_TEMPLATE(
     "a boat that heads east, one metre north of its slot, is one metre to port of it", S, float,
     double) {
-  Encounter<S> in;
+  ControllerInput<S> in;
   in.separation_n = {S(-2), S(-2)};
   in.psi = S(kPi / 2);
   in.psi_L = S(0);
@@ -44,11 +44,11 @@ TEST_CASE_TEMPLATE("the error cares for neither place nor compass: shift or turn
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {
-    const Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    const ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     const Vec2<S> d{S(random(-9, 9)), S(random(-9, 9))};
     const S turn = S(random.angle());
     const Vec2<S> shift{S(random(-20, 20)), S(random(-20, 20))};
-    Encounter<S> moved = in;
+    ControllerInput<S> moved = in;
     moved.separation_n =
         to_north_east(turn, Vec2<S>{in.separation_n.x + shift.x, in.separation_n.y + shift.y});
     moved.psi = in.psi + turn;
@@ -68,8 +68,8 @@ TEST_CASE_TEMPLATE("the error cares for neither place nor compass: shift or turn
 TEST_CASE_TEMPLATE("a turn of the boat turns its error the other way", S, float, double) {
   Random random(7);
   for (int i = 0; i < 200; ++i) {
-    const Encounter<S> in = testing::arbitrary_encounter<S>(random);
-    Encounter<S> turned = in;
+    const ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
+    ControllerInput<S> turned = in;
     const S turn = S(random.angle());
     turned.psi = in.psi + turn;
     const Error<S> a = testing::papers_error(in, Vec2<S>{}).e,
@@ -85,7 +85,7 @@ TEST_CASE("the error's derivative is the slope of the error while both vessels s
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {
-    const Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    const ControllerInput<double> in = testing::arbitrary_encounter<double>(random);
     const Vec2<double> d{random(-9, 9), random(-9, 9)};
     constexpr double h = 1e-4;
     const Error<double> before = testing::papers_error(later(in, -h), d).e;

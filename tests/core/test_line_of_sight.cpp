@@ -15,24 +15,24 @@ constexpr std::uint32_t kSeed = 81;
 
 /// Where the water stands still and no force is unknown; U is held where it is given.
 template <class S>
-LineOfSight<S> sight_of(S Delta, const Encounter<S>& in, const Slot<S>& slot, S U) {
+LineOfSight<S> sight_of(S Delta, const ControllerInput<S>& in, const Slot<S>& slot, S U) {
   return line_of_sight(LineOfSightParams<S>{Delta}, in.nu, slot, formation_error(in, slot), U);
 }
 
 template <class S>
-LineOfSight<S> sight_of(S Delta, const Encounter<S>& in, const Slot<S>& slot) {
+LineOfSight<S> sight_of(S Delta, const ControllerInput<S>& in, const Slot<S>& slot) {
   return sight_of(Delta, in, slot, slot.pace);
 }
 
 /// A slot that goes as its leader, 9 m away at most.
 template <class S>
-Slot<S> arbitrary_slot(const Encounter<S>& in, Random& random) {
+Slot<S> arbitrary_slot(const ControllerInput<S>& in, Random& random) {
   return slot_beside(in, Vec2<S>{S(random(-9, 9)), S(random(-9, 9))});
 }
 
 /// Behind its slot, which sails north at `speed`, and `aside` to starboard of its track.
-Encounter<double> straight(double behind, double aside, double speed) {
-  Encounter<double> in;
+ControllerInput<double> straight(double behind, double aside, double speed) {
+  ControllerInput<double> in;
   in.separation_n = {-behind, aside};
   in.nu = in.nu_L = {speed, 0, 0};
   return in;
@@ -55,7 +55,7 @@ TEST_CASE_TEMPLATE("the bow never turns by more than one radian for the track's 
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 5000; ++i) {
-    Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     in.separation_n = {S(random(-1000, 1000)), S(random(-1000, 1000))};
     const S Delta = S(std::pow(10, random(-1, 2)));
     const LineOfSight<S> sight = sight_of(Delta, in, arbitrary_slot(in, random));
@@ -69,9 +69,9 @@ TEST_CASE_TEMPLATE("seen in a mirror, the bow turns the other way", S, float, do
   Random random(kSeed);
   const auto mirrored = [](const Nu<S>& nu) { return Nu<S>{nu.u, -nu.v, -nu.r}; };
   for (int i = 0; i < 1000; ++i) {
-    Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     in.psi_L = S(0);
-    Encounter<S> mirror = in;
+    ControllerInput<S> mirror = in;
     mirror.separation_n.y = -in.separation_n.y;
     mirror.psi = -in.psi;
     mirror.nu = mirrored(in.nu);
@@ -128,7 +128,7 @@ TEST_CASE_TEMPLATE(
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
-    Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     in.nu_L_dot = {};
     in.nu_L = {};
     const LineOfSight<S> stands = sight_of(S(1), in, slot_beside(in, {}));
@@ -150,7 +150,7 @@ TEST_CASE("the bow's angle changes as its rate says while both vessels sail on")
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {
-    Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    ControllerInput<double> in = testing::arbitrary_encounter<double>(random);
     in.separation_n = {random(-9, 9), random(-9, 9)};
     const double Delta = random(0.5, 10);
     const double U = random(-2, 2);  // held: the rate leaves out that of σ
@@ -169,7 +169,7 @@ TEST_CASE("on the track, the bow's angle speeds up with the boat's yaw rate alon
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
     const double u = random(-2, 2), r = random(-1, 1), Delta = random(0.5, 10);
-    Encounter<double> in = straight(0, 0, u);
+    ControllerInput<double> in = straight(0, 0, u);
     in.nu.r = r;
     const double sigma = u * std::abs(u) / (u * u + 0.15 * 0.15);
     CHECK(sight_of(Delta, in, slot_beside(in, {})).theta_ddot ==
@@ -188,10 +188,10 @@ TEST_CASE("abreast of the slot, at any distance, the share of the boat's own tur
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
     const double u = random(-1.5, 1.5), Delta = random(1, 5);
-    Encounter<double> in = straight(0, random(-3, 3) * Delta, u);
+    ControllerInput<double> in = straight(0, random(-3, 3) * Delta, u);
     in.psi = random(-1, 1);
     const auto at = [&](double r, double h) {
-      Encounter<double> turning = in;
+      ControllerInput<double> turning = in;
       turning.nu.r = r;
       const auto then = later(turning, h);
       return sight_of(Delta, then, slot_beside(then, {}));

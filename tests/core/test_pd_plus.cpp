@@ -24,13 +24,13 @@ TEST_CASE_TEMPLATE("a boat in its slot gets the wrench that its leader's own mot
   Random random(kSeed);
   for (int i = 0; i < 500; ++i) {
     const Vec2<S> d{S(random(-9, 9)), S(random(-9, 9))};
-    const Encounter<S> in = testing::encounter_in_slot(d, random);
+    const ControllerInput<S> in = testing::encounter_in_slot(d, random);
     const Vessel<S> vessel = testing::arbitrary_vessel<S>(random);
     VirtualVelocityState<S> state{.v_star = in.nu_L.v};
-    const auto wanted = testing::papers_velocity(
+    const auto desired = testing::papers_velocity(
         VirtualVelocityParams<S>{S(random(0, 2)), S(random(0, 2))}, state, in, d);
     const Tau<S> tau =
-        pd_plus(PdPlusParams<S>{S(random(0, 100)), S(random(0, 100))}, vessel, wanted, in.nu);
+        pd_plus(PdPlusParams<S>{S(random(0, 100)), S(random(0, 100))}, vessel, desired, in.nu);
     const Tau<S> needed = wrench_needed(vessel, in.nu_L, in.nu_L_dot);
     CHECK(tau.X == approx(needed.X, 500));
     CHECK(tau.N == approx(needed.N, 500));
@@ -44,10 +44,10 @@ TEST_CASE_TEMPLATE("a boat that is too fast is braked by its gain, one that turn
   for (int i = 0; i < 200; ++i) {
     const Vessel<S> vessel = testing::arbitrary_vessel<S>(random);
     const Nu<S> star = testing::arbitrary_nu<S>(random);
-    const VirtualVelocity<S> wanted{star, S(random(-1, 1)), S(random(-1, 1))};
+    const VirtualVelocity<S> desired{star, S(random(-1, 1)), S(random(-1, 1))};
     const Nu<S> nu = testing::arbitrary_nu<S>(random);
-    const Tau<S> with = pd_plus(gains, vessel, wanted, nu);
-    const Tau<S> without = pd_plus(PdPlusParams<S>{}, vessel, wanted, nu);
+    const Tau<S> with = pd_plus(gains, vessel, desired, nu);
+    const Tau<S> without = pd_plus(PdPlusParams<S>{}, vessel, desired, nu);
     CHECK(with.X - without.X == approx(S(-7) * (nu.u - star.u), 500));
     CHECK(with.N - without.N == approx(S(-3) * (nu.r - star.r), 500));
   }
@@ -55,8 +55,8 @@ TEST_CASE_TEMPLATE("a boat that is too fast is braked by its gain, one that turn
 
 TEST_CASE("the wrench of the printed equation, term by term") {
   const Vessel<double> m{2, 3, 5, 7, 11, 13};
-  const VirtualVelocity<double> wanted{{1.5, 0.25, 0.5}, 0.1, 0.2};
-  const Tau<double> tau = pd_plus({17, 19}, m, wanted, Nu<double>{1, -0.5, 0.75});
+  const VirtualVelocity<double> desired{{1.5, 0.25, 0.5}, 0.1, 0.2};
+  const Tau<double> tau = pd_plus({17, 19}, m, desired, Nu<double>{1, -0.5, 0.75});
   CHECK(tau.X == doctest::Approx(2 * 0.1 - 3 * -0.5 * 0.5 + 7 * 1.5 - 17 * (1 - 1.5)));
   CHECK(tau.N == doctest::Approx(5 * 0.2 + 3 * -0.5 * 1.5 - 2 * 1 * 0.25 + 13 * 0.5 - 19 * 0.25));
 }

@@ -16,7 +16,7 @@ using testing::Hull;
 using testing::Random;
 using testing::same_bits;
 
-constexpr double kLeast = 1.5;
+constexpr double kMin = 1.5;
 
 /// A boat of the product behind a leader, among others; knows them exactly.
 struct Sailor {
@@ -26,7 +26,7 @@ struct Sailor {
   ControllerOutput<double> out{};
   double h = 0.01;
 
-  explicit Sailor(Hull::Q q, double least = kLeast) {
+  explicit Sailor(Hull::Q q, double least = kMin) {
     hull.q = q;
     law.separation.least = least;
   }
@@ -38,7 +38,7 @@ struct Sailor {
     return {minus(place(), other.place()), velocity(), 0, has_way};
   }
   void sail(const testing::Sighting& leader, const Traffic<double>& traffic) {
-    const auto in = testing::encounter_of<double>(testing::sighting_of(hull), leader);
+    const auto in = testing::controller_input_of<double>(testing::sighting_of(hull), leader);
     if (!state.slot.started) state = controller_start(in);
     out = controller_step(law, state, in, h, &traffic);
     hull.advance(out.allocation.given, h);
@@ -111,7 +111,7 @@ TEST_CASE_TEMPLATE(
     double) {
   Random random(74);
   auto params = testing::products_law<S>().law;
-  params.separation.least = S(kLeast);
+  params.separation.least = S(kMin);
   for (int i = 0; i < 200; ++i) {
     const auto in = testing::arbitrary_encounter<S>(random);
     auto state = controller_start(in), same = state;
@@ -138,7 +138,7 @@ TEST_CASE("only who has the way is yielded to; the other is told of all the same
     boat.state = {};
     // Crosses its course in two seconds, from starboard.
     boat.sail(leader_at(0, 0), only({{2, 2.5}, {0, -1}, 0, has_way}));
-    CHECK(boat.out.separation.predicted < 1.4 * kLeast);
+    CHECK(boat.out.separation.predicted < 1.4 * kMin);
     CHECK(boat.out.separation.yielding == has_way);
   }
 }
@@ -152,8 +152,8 @@ TEST_CASE("two boats bow to bow, each with the way, stop before they are too nea
     b.sail(leader_at(-15, 0, 0), of_a);
     least = std::min(least, length(minus(a.place(), b.place())));
   }
-  CHECK(least > 1.1 * kLeast - 0.05);
-  CHECK(least < 1.4 * kLeast);
+  CHECK(least > 1.1 * kMin - 0.05);
+  CHECK(least < 1.4 * kMin);
 }
 
 TEST_CASE("in 200 chance meetings of two boats the one that yields keeps away, and both arrive") {
@@ -181,13 +181,13 @@ TEST_CASE("in 200 chance meetings of two boats the one that yields keeps away, a
         closest = std::min(closest, least);
         CHECK(std::hypot(first.out.error.e.x, first.out.error.e.y) < 0.05);
         CHECK(std::hypot(second.out.error.e.x, second.out.error.e.y) < 0.05);
-      } else if (least < kLeast) {
+      } else if (least < kMin) {
         ++nearer_without;
       }
     }
   }
   MESSAGE("closest ", closest, " m; too near without: ", nearer_without);
-  CHECK(closest > kLeast);
+  CHECK(closest > kMin);
   CHECK(nearer_without > 20);
 }
 
@@ -201,7 +201,7 @@ TEST_CASE("a vessel that lies in the way is passed, from whichever side") {
         least = std::min(least, length(there));
         boat.sail(leader_at(-5 + 0.5 * boat.h * k, 0), only({there, {}, 0, true}));
       }
-      CHECK(least > 1.1 * kLeast);
+      CHECK(least > 1.1 * kMin);
       CHECK(std::hypot(boat.out.error.e.x, boat.out.error.e.y) < 0.05);
     }
   }
@@ -239,17 +239,17 @@ TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its dis
 
 TEST_CASE("of several vessels those without the way change no course that is taken") {
   SeparationParams<double> params;
-  params.least = kLeast;
+  params.least = kMin;
   const VirtualVelocityParams<double> limits{0.2, 0.5, 1.5, 0.8};
-  const auto intent = intent_of(limits, kLeast, Vec2<double>{0.5, 0}, Vec2<double>{1, 0});
+  const auto intent = intent_of(limits, kMin, Vec2<double>{0.5, 0}, Vec2<double>{1, 0});
   const OtherVessel<double> ahead{{3, 0}, {}, 0, true}, aside{{3, 6}, {}, 0, false};
   const auto yields_to = [&](const Traffic<double>& traffic) {
     SeparationState<double> state{};
-    VirtualVelocity<double> wanted{};
-    wanted.nu_star.u = 1;
-    const auto out = separate(params, 10.0, state, traffic, 0.0, intent, wanted);
+    VirtualVelocity<double> desired{};
+    desired.nu_star.u = 1;
+    const auto out = separate(params, 10.0, state, traffic, 0.0, intent, desired);
     CHECK((out.yielding && out.known && out.predicted == 0));
-    return wanted.nu_star;
+    return desired.nu_star;
   };
   const Nu<double> alone = yields_to(only(ahead));
   for (const auto& [first, second] : {std::pair(ahead, aside), std::pair(aside, ahead)}) {
@@ -262,17 +262,17 @@ TEST_CASE("of several vessels those without the way change no course that is tak
 
 TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not") {
   SeparationParams<double> params;
-  params.least = kLeast;
+  params.least = kMin;
   const Intent<double> intent{{0.5, 0}, {1, 0}, 1.5, 0.8};
   for (const double behind_m : {1.4, 1.7, 2.0}) {
     SeparationState<double> state{};
-    VirtualVelocity<double> wanted{};
-    wanted.nu_star.u = -1;
-    wanted.u_star_dot = 1;
+    VirtualVelocity<double> desired{};
+    desired.nu_star.u = -1;
+    desired.u_star_dot = 1;
     const OtherVessel<double> behind{{-behind_m, 0}, {}, 0, false};
-    const auto out = separate(params, 10.0, state, only(behind), 0.0, intent, wanted);
-    CHECK((out.yielding && wanted.u_star_dot == 0));
-    CHECK((-0.5 < wanted.nu_star.u && wanted.nu_star.u <= 0));
+    const auto out = separate(params, 10.0, state, only(behind), 0.0, intent, desired);
+    CHECK((out.yielding && desired.u_star_dot == 0));
+    CHECK((-0.5 < desired.nu_star.u && desired.nu_star.u <= 0));
   }
 }
 

@@ -26,7 +26,7 @@ bool all_finite(const Slot<S>& slot) {
 
 /// After `seconds` in which nothing changes.
 template <class S>
-Slot<S> settled(const SlotParams<S>& params, const Vessel<S>& vessel, const Encounter<S>& in,
+Slot<S> settled(const SlotParams<S>& params, const Vessel<S>& vessel, const ControllerInput<S>& in,
                 double seconds = 60) {
   SlotState<S> state = slot_start(in);
   Slot<S> slot;
@@ -36,7 +36,7 @@ Slot<S> settled(const SlotParams<S>& params, const Vessel<S>& vessel, const Enco
 }
 
 template <class S>
-void check_same(const Slot<S>& slot, const Vec2<S>& d_n, const Encounter<S>& in) {
+void check_same(const Slot<S>& slot, const Vec2<S>& d_n, const ControllerInput<S>& in) {
   CHECK(slot.d_n.x == d_n.x);
   CHECK(slot.d_n.y == d_n.y);
   CHECK(slot.psi == in.psi_L);
@@ -55,7 +55,7 @@ TEST_CASE_TEMPLATE("the paper's slot lies beside its leader and goes exactly as 
   Random random(kSeed);
   SlotState<S> state, steered_state;
   for (int i = 0; i < 500; ++i) {
-    Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     in.current_n = {S(random(-2, 2)), S(random(-2, 2))};
     const auto params = slot_at<S>(random(-9, 9), random(-9, 9), false, false);
     check_same(slot_beside(in, params.d), params.d, in);
@@ -71,7 +71,7 @@ TEST_CASE_TEMPLATE("the paper's slot lies beside its leader and goes exactly as 
 
 TEST_CASE_TEMPLATE("two metres astern of a leader that heads east is two metres west of it", S,
                    float, double) {
-  Encounter<S> in;
+  ControllerInput<S> in;
   in.psi_L = S(testing::kPi / 2);
   in.nu_L = {S(1), S(0), S(0)};
   const auto params = slot_at<S>(-2, 0, true, true);
@@ -108,13 +108,13 @@ TEST_CASE_TEMPLATE("around a circling leader the slot heads as a boat does on it
     const double u_L = random(0.5, 2), r = random(-0.3, 0.3);
     m.d22 = m.m11 * random(1.5, 20);
     const double ahead = random(-1, 1), aside = random(-1, 1);
-    Encounter<double> in;
+    ControllerInput<double> in;
     in.psi_L = random.angle();
     in.nu_L = {u_L, -m.m11 * u_L * r / m.d22, r};
     const double w_x = u_L - r * aside, w_y = in.nu_L.v + r * ahead;
     const double heading = in.psi_L + std::atan2(w_y, w_x) + std::atan(m.m11 * r / m.d22);
 
-    Encounter<S> seen;
+    ControllerInput<S> seen;
     seen.psi_L = S(in.psi_L);
     seen.nu_L = {S(in.nu_L.u), S(in.nu_L.v), S(in.nu_L.r)};
     const Vessel<S> vessel{S(m.m11), S(m.m22), S(m.m33), S(m.d11), S(m.d22), S(m.d33)};
@@ -135,7 +135,7 @@ TEST_CASE_TEMPLATE("in a cross current the slot heads where the boat's way throu
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 60; ++i) {
-    Encounter<S> in;
+    ControllerInput<S> in;
     in.psi_L = S(random.angle());
     in.nu_L = {S(random(0.4, 2)), S(0), S(0)};  // over ground: a leader that no water carries
     const Vec2<double> c = to_north_east(random.angle(), Vec2<double>{random(0, 0.3), 0});
@@ -189,7 +189,7 @@ TEST_CASE_TEMPLATE("no leader, water or hull, and no step, takes the slot out of
     const auto params = slot_at<S>(random(-size, size), random(-size, size), run % 2 == 0, true);
     SlotState<S> state;
     for (int k = 0; k < 300; ++k) {
-      Encounter<S> in;
+      ControllerInput<S> in;
       in.psi_L = S(random.angle());
       in.nu_L = {S(random(-20, 20)), S(random(-20, 20)), S(random(-4, 4))};
       if (k % 7 == 0) in.nu_L = {};

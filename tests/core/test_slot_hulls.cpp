@@ -24,7 +24,7 @@ Vessel<S> cybership() {
 /// Behind a leader that goes straight on with a millimetre a second of sway.
 template <class S>
 double worst_turn_of_slot(const Vessel<S>& vessel, int seconds) {
-  Encounter<S> in;
+  ControllerInput<S> in;
   in.nu_L = {S(0.6), S(0.001), S(0)};
   SlotState<S> state = slot_start(in);
   double worst = 0;
@@ -51,7 +51,7 @@ TEST_CASE_TEMPLATE("a boat heavier ahead than abeam keeps its slot in the number
     const Vessel<S> vessel = testing::arbitrary_vessel(random, S(random(1, 5)));
     SlotState<S> state;
     for (int k = 0; k < 300; ++k) {
-      Encounter<S> in;
+      ControllerInput<S> in;
       in.nu_L = {S(random(-20, 20)), S(random(-20, 20)), S(random(-4, 4))};
       const auto slot = slot_forward(steered<S>(), vessel, state, in, S(random(0, 0.2)));
       REQUIRE(std::isfinite(slot.psi + slot.nu.r + state.v_w));
@@ -67,7 +67,7 @@ TEST_CASE_TEMPLATE("behind a leader with the paper's hull, slot and leader head 
   double worst = 0;
   for (int k = 0; k < 6000; ++k) {
     const auto seen = testing::sighting_of(leader, testing::s_curve(k * 0.01));
-    const auto in = testing::encounter_of<S>({}, seen);
+    const auto in = testing::controller_input_of<S>({}, seen);
     if (k == 0) state = slot_start(in);
     const auto slot =
         slot_forward(steered<S>(), testing::papers_vessel<S>(), state, in, S(k == 0 ? 0 : 0.01));
@@ -100,7 +100,7 @@ template <class S>
 double worst_behind_its_like(const Vessel<double>& m, double swing) {
   Leader leader{m, swing};
   const Vessel<S> vessel{S(m.m11), S(m.m22), S(m.m33), S(m.d11), S(m.d22), S(m.d33)};
-  Encounter<S> in;
+  ControllerInput<S> in;
   SlotState<S> state;
   double worst = 0;
   for (int k = 0; k < 9000; ++k) {

@@ -42,7 +42,7 @@ std::vector<Point> sail(const SlotParams<double>& params, const Voyage& voyage) 
   std::vector<Point> out;
   for (double t = 0; t < voyage.seconds; t += voyage.h) {
     const Sighting seen = testing::sighting_of(leader, voyage.thrust(t));
-    auto in = testing::encounter_of<double>({}, seen);
+    auto in = testing::controller_input_of<double>({}, seen);
     in.current_n = voyage.current;
     if (out.empty()) state = slot_start(in);
     const double h = out.empty() ? 0 : voyage.h;

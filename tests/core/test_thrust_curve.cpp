@@ -77,15 +77,15 @@ TEST_CASE_TEMPLATE("a command moves no faster than the slew rate and arrives", S
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {
-    const S wanted = S(random(-1, 1)), rate = S(random(0.5, 20));
+    const S desired = S(random(-1, 1)), rate = S(random(0.5, 20));
     S command = S(random(-1, 1));
     for (int k = 0; k < 500; ++k) {
-      const S next = limit_slew(command, wanted, rate, S(0.01));
+      const S next = limit_slew(command, desired, rate, S(0.01));
       REQUIRE(std::abs(next - command) <= rate * S(0.01) * S(1.001) + S(1e-6));
-      REQUIRE(std::abs(wanted - next) <= std::abs(wanted - command));
+      REQUIRE(std::abs(desired - next) <= std::abs(desired - command));
       command = next;
     }
-    CHECK(command == wanted);
+    CHECK(command == desired);
   }
 }
 

@@ -13,7 +13,7 @@ using testing::Random;
 
 template <class S>
 VirtualVelocity<S> step(const VirtualVelocityParams<S>& params, VirtualVelocityState<S>& state,
-                        const Encounter<S>& in, S h) {
+                        const ControllerInput<S>& in, S h) {
   virtual_sway_forward(testing::papers_vessel<S>(), state, h);
   return testing::papers_velocity(params, state, in, Vec2<S>{});
 }
@@ -21,7 +21,7 @@ VirtualVelocity<S> step(const VirtualVelocityParams<S>& params, VirtualVelocityS
 TEST_CASE_TEMPLATE(
     "a boat ahead of its slot wants to be slower, one that points to starboard to port", S, float,
     double) {
-  Encounter<S> in;
+  ControllerInput<S> in;
   in.nu_L = {S(1), S(0), S(0)};
   in.separation_n = {S(2), S(0)};
   in.psi = in.psi_L = S(0);
@@ -40,7 +40,7 @@ TEST_CASE_TEMPLATE("virtual sway reaches the same value in steps of any lengths:
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int run = 0; run < 50; ++run) {
-    const Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    const ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     const S v_0 = S(random(-1, 1));
     VirtualVelocityState<S> state{.v_star = v_0};
     VirtualVelocity<S> last = step(VirtualVelocityParams<S>{S(0.2), S(0.2)}, state, in, S(0));
@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("virtual sway stays bounded over an hour of long steps", S, f
   VirtualVelocityState<S> state{.v_star = S(20)};
   S greatest = S(0);
   for (int k = 0; k < 20'000; ++k) {
-    const Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    const ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     const S v = step(VirtualVelocityParams<S>{S(0.2), S(0.2)}, state, in, S(0.2)).nu_star.v;
     REQUIRE(std::isfinite(v));
     if (k > 100) greatest = std::max(greatest, std::abs(v));
@@ -77,7 +77,7 @@ TEST_CASE("the derivatives of u* and r* are their slopes while both vessels sail
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {
-    Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    ControllerInput<double> in = testing::arbitrary_encounter<double>(random);
     in.psi_L = in.psi + random(-3, 3);  // r* jumps where the heading error wraps
     const VirtualVelocityParams<double> params{random(0, 2), random(0, 2)};
     const auto star = [&](double h) {
@@ -95,7 +95,7 @@ TEST_CASE("r* follows a line of sight that turns, and its derivative is the slop
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 1000; ++i) {
-    Encounter<double> in = testing::arbitrary_encounter<double>(random);
+    ControllerInput<double> in = testing::arbitrary_encounter<double>(random);
     const LineOfSight<double> sight{random(-1, 1), random(-1, 1), random(-1, 1)};
     in.psi_L = in.psi + random(-2, 2);
     const VirtualVelocityParams<double> params{random(0, 2), random(0, 2)};
@@ -124,7 +124,7 @@ TEST_CASE_TEMPLATE("no more than the limits is ever asked for, whatever the slot
   Random random(kSeed);
   int limited = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Encounter<S> in = testing::arbitrary_encounter<S>(random);
+    const ControllerInput<S> in = testing::arbitrary_encounter<S>(random);
     const VirtualVelocityParams<S> any{S(random(0, 2)), S(random(0, 2))};
     VirtualVelocityParams<S> params = any;
     params.u_max = S(random(0.1, 4));
@@ -169,16 +169,16 @@ TEST_CASE_TEMPLATE("a slot that needs more than the limits is told with what it 
 }
 
 TEST_CASE_TEMPLATE("a limit of zero is none", S, float, double) {
-  Encounter<S> in;
+  ControllerInput<S> in;
   in.separation_n = {S(-1000), S(0)};
   in.nu_L = {S(20), S(0), S(4)};
   VirtualVelocityState<S> state;
-  const auto wanted =
+  const auto desired =
       testing::papers_velocity(VirtualVelocityParams<S>{S(2), S(2), S(0), S(0)}, state, in, {});
-  CHECK_FALSE(wanted.u_limited);
-  CHECK_FALSE(wanted.r_limited);
-  CHECK(wanted.nu_star.u == S(2020));
-  CHECK(wanted.nu_star.r == S(4));
+  CHECK_FALSE(desired.u_limited);
+  CHECK_FALSE(desired.r_limited);
+  CHECK(desired.nu_star.u == S(2020));
+  CHECK(desired.nu_star.r == S(4));
 }
 
 }  // namespace

@@ -57,12 +57,12 @@ class History {
   explicit History(const Setup& setup) : setup_(setup) { start(); }
 
   void run(Stream& in) {
-    while (!in.empty() && ticks_ < kMostTicks) op(in);
+    while (!in.empty() && ticks_ < kMaxTicks) op(in);
     tick();
   }
 
  private:
-  static constexpr int kMostTicks = 1500;
+  static constexpr int kMaxTicks = 1500;
   static constexpr std::int64_t kEscs_us = 100'000, kSecond_us = 1'000'000;
 
   void start();

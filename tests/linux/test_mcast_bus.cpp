@@ -24,8 +24,8 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr int kPatience_ms = 2000;
 
 bool readable(int descriptor, int timeout_ms = kPatience_ms) {
-  pollfd wanted{descriptor, POLLIN, 0};
-  return ::poll(&wanted, 1, timeout_ms) == 1;
+  pollfd desired{descriptor, POLLIN, 0};
+  return ::poll(&desired, 1, timeout_ms) == 1;
 }
 
 bool next(CanBus& bus, link::CanFrame& frame) {

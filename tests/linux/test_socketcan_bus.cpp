@@ -35,8 +35,8 @@ void shell(const std::string& command) {
 }
 
 bool readable(int descriptor) {
-  pollfd wanted{descriptor, POLLIN, 0};
-  return ::poll(&wanted, 1, kPatience_ms) == 1;
+  pollfd desired{descriptor, POLLIN, 0};
+  return ::poll(&desired, 1, kPatience_ms) == 1;
 }
 
 bool operator==(const can_frame& a, const link::CanFrame& b) {
@@ -106,10 +106,10 @@ bool next(CanBus& bus, link::CanFrame& frame) {
 
 /// Reads until `counter` has become 1 more than it is.
 bool await(SocketCanBus& bus, const std::uint64_t& counter) {
-  const std::uint64_t wanted = counter + 1;
+  const std::uint64_t desired = counter + 1;
   link::CanFrame frame;
-  while (counter < wanted) {
-    if (!bus.receive(frame) && counter < wanted && !readable(bus.descriptor())) return false;
+  while (counter < desired) {
+    if (!bus.receive(frame) && counter < desired && !readable(bus.descriptor())) return false;
   }
   return true;
 }
@@ -118,7 +118,7 @@ TEST_CASE("the kernel hands over what a boat reads, and nothing else") {
   const Interface interface;
   SocketCanBus boat(kInterface, kBoat);
   Peer peer;
-  const std::vector<canid_t> wanted{
+  const std::vector<canid_t> desired{
       0x10040A15, 0x00040A7F,  // esc.Status of nodes 21 and 127, of any priority
       0x14015515,              // NodeStatus
       0x07040616, 0x18044C16,  // another controller's RawCommand and ArmingStatus
@@ -136,15 +136,15 @@ TEST_CASE("the kernel hands over what a boat reads, and nothing else") {
       0x155,                                     // 11 bits
   };
   for (const canid_t id : not_for_us) CHECK(peer.send(id));
-  for (const canid_t id : wanted) CHECK(peer.send(CAN_EFF_FLAG | id, {1, 2, 3}, 3));
-  for (const canid_t id : wanted) {
+  for (const canid_t id : desired) CHECK(peer.send(CAN_EFF_FLAG | id, {1, 2, 3}, 3));
+  for (const canid_t id : desired) {
     link::CanFrame frame;
     REQUIRE(next(boat, frame));
     CHECK(frame.id == id);
     CHECK(frame.size == 3);
     CHECK(frame.data == std::array<std::uint8_t, 8>{1, 2, 3});
   }
-  CHECK(boat.counters().received == wanted.size());
+  CHECK(boat.counters().received == desired.size());
   CHECK(boat.counters().error_frames == 0);
 }
 

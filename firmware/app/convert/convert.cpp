@@ -57,8 +57,9 @@ Separation<S> separation(const Position& own, const Position& leader) {
 }
 
 template <class S>
-core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_motion,
-                                const Position& leader, const core::Motion<S>& leader_motion) {
+core::ControllerInput<S> controller_input_of(const Position& own, const core::Motion<S>& own_motion,
+                                             const Position& leader,
+                                             const core::Motion<S>& leader_motion) {
   const Seen seen = seen_from(own, leader);
   const S turn = scalar<S>(seen.turn_rad);
   const core::Vec2<S> moved =
@@ -143,35 +144,35 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
 }
 
 template <class S>
-core::JumpLimits<S> jump_limits(const Parameters& p, bool carried) {
+core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried) {
   // Twice what the model says: it may be half wrong. A current of 2 m/s may begin at once.
   const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
   const float moment = p.THR_ARM * thrust;
   const auto within = [](float most, float x) { return scalar<S>(std::min(x, most)); };
   constexpr float kAnyRate = 500, kAnySpeed = 150;  // that, and no state is refused for it
   const S current = S(2);
-  const core::JumpLimits<S> afloat{S(1),
-                                   S(0.8),
-                                   current,
-                                   S(1.5),
-                                   within(kAnyRate, thrust / p.VES_M11),
-                                   within(kAnyRate, moment / p.VES_M33),
-                                   within(kAnySpeed, thrust / p.VES_D11) + current,
-                                   within(kAnySpeed, moment / p.VES_D33)};
+  const core::PlausibilityLimits<S> afloat{S(1),
+                                           S(0.8),
+                                           current,
+                                           S(1.5),
+                                           within(kAnyRate, thrust / p.VES_M11),
+                                           within(kAnyRate, moment / p.VES_M33),
+                                           within(kAnySpeed, thrust / p.VES_D11) + current,
+                                           within(kAnySpeed, moment / p.VES_D33)};
   if (!carried) return afloat;
   return {S(20), S(4), S(20), S(20), afloat.a, afloat.a_r, afloat.V + S(20), afloat.R + S(20)};
 }
 
-#define FLOTILLA_INSTANTIATE(S)                                                         \
-  template Separation<S> separation<S>(const Position&, const Position&);               \
-  template core::Encounter<S> encounter_of<S>(const Position&, const core::Motion<S>&,  \
-                                              const Position&, const core::Motion<S>&); \
-  template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);       \
-  template core::ControllerParams<S> controller_params<S>(const Parameters&);           \
-  template core::StationParams<S> station_params<S>(const Parameters&);                 \
-  template core::ObserverParams<S> observer_params<S>(const Parameters&);               \
-  template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);        \
-  template core::JumpLimits<S> jump_limits<S>(const Parameters&, bool);
+#define FLOTILLA_INSTANTIATE(S)                                                          \
+  template Separation<S> separation<S>(const Position&, const Position&);                \
+  template core::ControllerInput<S> controller_input_of<S>(                              \
+      const Position&, const core::Motion<S>&, const Position&, const core::Motion<S>&); \
+  template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);        \
+  template core::ControllerParams<S> controller_params<S>(const Parameters&);            \
+  template core::StationParams<S> station_params<S>(const Parameters&);                  \
+  template core::ObserverParams<S> observer_params<S>(const Parameters&);                \
+  template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);         \
+  template core::PlausibilityLimits<S> plausibility_limits<S>(const Parameters&, bool);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
 FLOTILLA_INSTANTIATE(core::Q16)

@@ -10,8 +10,8 @@
 #include "app/convert/convert_scalar.hpp"
 #include "app/parameters.hpp"
 #include "core/controller.hpp"
-#include "core/estimation/jump.hpp"
 #include "core/estimation/observer.hpp"
+#include "core/estimation/plausibility.hpp"
 #include "core/estimation/track.hpp"
 #include "core/station.hpp"
 #include "core/thrust_curve.hpp"
@@ -122,8 +122,9 @@ Separation<S> separation(const Position& own, const Position& leader);
 
 /// What the law sees: two positions and the motions since, in the plane of our origin.
 template <class S>
-core::Encounter<S> encounter_of(const Position& own, const core::Motion<S>& own_motion,
-                                const Position& leader, const core::Motion<S>& leader_motion);
+core::ControllerInput<S> controller_input_of(const Position& own, const core::Motion<S>& own_motion,
+                                             const Position& leader,
+                                             const core::Motion<S>& leader_motion);
 
 template <class S>
 core::Nu<S> nu_of(const Sample<S>& sample) {
@@ -174,7 +175,7 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
 
 /// What the boat can do by its propellers and by the water; carried: by hand, or on a trailer.
 template <class S>
-core::JumpLimits<S> jump_limits(const Parameters& p, bool carried);
+core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried);
 
 /// A command of all that a propeller gives, in RawCommand (AM32 and VESC divide by 8192).
 constexpr int kRawFull = 8191;

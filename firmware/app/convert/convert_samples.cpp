@@ -11,7 +11,7 @@
 namespace flotilla::app::convert {
 namespace {
 
-constexpr float kFarthest_m = 1e6F, kFastest_mps = 50, kFastestTurn_radps = 20, kMostTurns_rad = 10;
+constexpr float kFarthest_m = 1e6F, kFastest_mps = 50, kFastestTurn_radps = 20, kMaxTurns_rad = 10;
 constexpr int kCentimetres = 100;
 constexpr std::int64_t kMicrosecondsPerMillisecond = 1000;
 
@@ -151,7 +151,7 @@ Reading<S> sample_of(const link::Odometry& m) {
 
 template <class S>
 std::optional<HeadingSample<S>> heading_of(const link::Attitude& m) {
-  if (!within(kMostTurns_rad, {m.roll, m.pitch, m.yaw}) ||
+  if (!within(kMaxTurns_rad, {m.roll, m.pitch, m.yaw}) ||
       !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed})) {
     return std::nullopt;
   }

@@ -16,11 +16,11 @@ namespace flotilla::app::convert {
 /// The nearest to x, ties to even, by its bits alone. Beyond the range its nearest end, of what is
 /// no number 0: both raise the overflow.
 inline core::Q16 q16_of(double x) {
-  constexpr int kFraction = 52, kBias = 1023, kMost = 0x7FF;
+  constexpr int kFraction = 52, kBias = 1023, kMax = 0x7FF;
   const auto bits = std::bit_cast<std::uint64_t>(x);
-  const int exponent = static_cast<int>(bits >> kFraction & kMost);
+  const int exponent = static_cast<int>(bits >> kFraction & kMax);
   const std::uint64_t fraction = bits & ((std::uint64_t{1} << kFraction) - 1);
-  if (exponent == kMost && fraction != 0) {
+  if (exponent == kMax && fraction != 0) {
     core::q16_overflow = true;
     return {};
   }
@@ -37,9 +37,9 @@ inline core::Q16 q16_of(double x) {
 
 /// The same of a float: those of the range need 32 bits.
 inline core::Q16 q16_of(float x) {
-  constexpr int kFraction = 23, kBias = 127, kMost = 0xFF;
+  constexpr int kFraction = 23, kBias = 127, kMax = 0xFF;
   const auto bits = std::bit_cast<std::uint32_t>(x);
-  const int exponent = static_cast<int>(bits >> kFraction & kMost);
+  const int exponent = static_cast<int>(bits >> kFraction & kMax);
   const int right = kBias + kFraction - 16 - exponent;  // of the point, in units of an LSB
   if (right > kFraction + 1) return {};                 // under half an LSB
   if (exponent >= kBias + 15) return q16_of(double{x});
@@ -106,8 +106,8 @@ inline core::Q16 seconds(std::int64_t us) {
     return core::Q16::of_raw(
         static_cast<std::int32_t>((short_us * 65536U + 500'000U) / 1'000'000U));
   }
-  constexpr std::int64_t kMost_us = 32'767'000'000;
-  const std::int64_t near = us < -kMost_us ? -kMost_us : us > kMost_us ? kMost_us : us;
+  constexpr std::int64_t kMax_us = 32'767'000'000;
+  const std::int64_t near = us < -kMax_us ? -kMax_us : us > kMax_us ? kMax_us : us;
   const std::int64_t half = near < 0 ? -500'000 : 500'000;
   return core::Q16::of_raw(static_cast<std::int32_t>((near * 65536 + half) / 1'000'000));
 }

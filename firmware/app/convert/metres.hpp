@@ -24,9 +24,9 @@ class Metres {
 
   /// The nearest; what is no number is beyond the range.
   constexpr Metres(double x) {
-    constexpr auto kMost = static_cast<double>(kEnd);
+    constexpr auto kMax = static_cast<double>(kEnd);
     const double raw = x * kOne;
-    if (!(-kMost < raw && raw < kMost)) {
+    if (!(-kMax < raw && raw < kMax)) {
       raw_ = end(x < 0);
       return;
     }
@@ -37,9 +37,9 @@ class Metres {
 
   /// The same by the bits alone.
   constexpr Metres(float x) {
-    constexpr int kSignificand = 23, kBias = 127, kMost = 0xFF;
+    constexpr int kSignificand = 23, kBias = 127, kMax = 0xFF;
     const auto bits = std::bit_cast<std::uint32_t>(x);
-    const int exponent = static_cast<int>(bits >> kSignificand & kMost);
+    const int exponent = static_cast<int>(bits >> kSignificand & kMax);
     const std::int64_t whole = (bits & ((1U << kSignificand) - 1)) | 1U << kSignificand;
     const int left = exponent - kBias - kSignificand + kFraction;
     const bool negative = bits >> 31U != 0;

@@ -17,7 +17,7 @@ constexpr std::int64_t kOwnFrozen_us = 300'000;
 constexpr float kUnknown_s = 0.3F;
 // Whatever it is: with hulls half off their model, predicting over 0.3 s costs 0.2 m behind the S-curve
 // (tests/loop/test_late_unit.py).
-constexpr float kMostLate_s = 0.35F;
+constexpr float kMaxLate_s = 0.35F;
 constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC once a second, and a word back
 constexpr float kSlewOfLag = 0.2F;             // s per s
 constexpr float kSeldom_s = 0.045F;            // fixes that come more often say no more of it
@@ -72,8 +72,8 @@ void Pilot<S>::set_lag() {
 
 template <class S>
 void Pilot<S>::set_limits(const Parameters& p) {
-  afloat_ = convert::jump_limits<S>(p, false);
-  carried_ = convert::jump_limits<S>(p, true);
+  afloat_ = convert::plausibility_limits<S>(p, false);
+  carried_ = convert::plausibility_limits<S>(p, true);
   own_.set_limits(armed_ ? afloat_ : carried_);
 }
 
@@ -127,7 +127,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, 
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
   if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us, sails))
     met |= core::kSlotSound;
-  if (known_lag_s_ + found_.value_or(0) <= kMostLate_s || own_.bounded()) met |= core::kOwnPrompt;
+  if (known_lag_s_ + found_.value_or(0) <= kMaxLate_s || own_.bounded()) met |= core::kOwnPrompt;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -159,8 +159,8 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
                           static_cast<float>(convert::number(since)));
   }
   weigh(given, since);
-  own_.push(since * core::larger(core::abs(given.X) / law_.vessel.m11,
-                                 core::abs(given.N) / law_.vessel.m33));
+  own_.push(since *
+            core::max(core::abs(given.X) / law_.vessel.m11, core::abs(given.N) / law_.vessel.m33));
   core::observer_forward(law_.vessel, motion_, given, since);
   const convert::Position before = std::exchange(anchor_, own_.position());
   const auto fix = own_.take_fix();
@@ -206,7 +206,7 @@ void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_u
   if (late.known) found_ = late.tau;
   if (!found_) return;
   const float most = kSlewOfLag * dt;
-  lag_s_ += std::clamp(std::min(*found_, kMostLate_s) - lag_s_, -most, most);
+  lag_s_ += std::clamp(std::min(*found_, kMaxLate_s) - lag_s_, -most, most);
   set_lag();
 }
 
@@ -218,7 +218,7 @@ core::ObserverParams<S> Pilot<S>::careful_observer() const {
   if (!finds_latency_) return out;
   const float unknown_s = found_ ? std::abs(*found_ - lag_s_) : kUnknown_s;
   out.T = out.T + convert::scalar<S>(1.5F * unknown_s);
-  out.omega = core::smaller(out.omega, S(1) / out.T);
+  out.omega = core::min(out.omega, S(1) / out.T);
   return out;
 }
 
@@ -233,10 +233,10 @@ void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
   pushed_ = {pushed_.X + since * given.X, pushed_.N + since * given.N};
   pushed_s_ = pushed_s_ + since;
   if (pushed_s_ < S(0.05)) return;
-  const core::AnswerParams<S> params{.vessel = law_.vessel, .propellers = law_.propellers};
-  core::answer_forward(params, answer_, told_, std::exchange(wanted_, told_),
-                       {pushed_.X / pushed_s_, pushed_.N / pushed_s_},
-                       core::smaller(pushed_s_, S(1)));
+  const core::ThrustResponseParams<S> params{.vessel = law_.vessel, .propellers = law_.propellers};
+  core::thrust_response_forward(params, answer_, told_, std::exchange(desired_, told_),
+                                {pushed_.X / pushed_s_, pushed_.N / pushed_s_},
+                                core::min(pushed_s_, S(1)));
   answers_ = core::answers(params, answer_);
   pushed_ = {};
   pushed_s_ = S(0);
@@ -262,8 +262,8 @@ typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
 }
 
 template <class S>
-core::Encounter<S> Pilot<S>::encounter(const Lead& lead) const {
-  auto in = convert::encounter_of<S>(anchor_, motion_.motion, lead.position, lead.motion);
+core::ControllerInput<S> Pilot<S>::controller_input(const Lead& lead) const {
+  auto in = convert::controller_input_of<S>(anchor_, motion_.motion, lead.position, lead.motion);
   in.separation_n = {in.separation_n.x - lead.offset_n.x, in.separation_n.y - lead.offset_n.y};
   in.current_n = motion_.c_n;
   in.unknown = core::unknown_wrench(law_.vessel, motion_);
@@ -283,7 +283,7 @@ void Pilot<S>::follow(const Lead& next, S dt) {
   } else if (lead_.branch != next.branch && S(1) < core::hypot(error_.e.x, error_.e.y)) {
     blend_ = {};
   } else if (lead_.branch != next.branch) {
-    const auto in = encounter(next);
+    const auto in = controller_input(next);
     const core::Vec2<S> d_n =
         next.slot.turns ? core::to_north_east(in.psi_L, next.slot.d) : next.slot.d;
     const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
@@ -303,18 +303,18 @@ void Pilot<S>::shift_slot(std::int64_t now_us, S dt) {
   core::Vec2<S> e_L{};
   if (lead_.branch.root != 0 && lead_.branch.root != lead_.leader) {
     const RootOffset slot = reference_.place().leaders_offset(now_us);
-    const auto seen = convert::encounter_of<S>(leader_.position(), leader_.motion(now_us),
-                                               lead_.position, lead_.motion);
+    const auto seen = convert::controller_input_of<S>(leader_.position(), leader_.motion(now_us),
+                                                      lead_.position, lead_.motion);
     const core::Vec2<S> n = convert::offset_of<S>(slot.n);
     const core::Vec2<S> b = core::to_north_east(seen.psi_L, convert::offset_of<S>(slot.b));
     e_L = {seen.separation_n.x - n.x - b.x, seen.separation_n.y - n.y - b.y};
   }
   shift_n_ = core::shift_forward(core::ShiftParams<S>{}, shift_n_, e_L,
-                                 core::smaller(std::exchange(shift_s_, S(0)), S(1)));
+                                 core::min(std::exchange(shift_s_, S(0)), S(1)));
 }
 
 template <class S>
-core::ControllerOutput<S> Pilot<S>::step_among_others(const core::Encounter<S>& in,
+core::ControllerOutput<S> Pilot<S>::step_among_others(const core::ControllerInput<S>& in,
                                                       std::int64_t now_us, S dt) {
   const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
   return core::controller_step(law_, state_, in, dt, &traffic);
@@ -332,9 +332,9 @@ bool Pilot<S>::same_slot(const Lead& a, const Lead& b) {
 template <class S>
 void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
                             const core::FormationError<S>& error, S dt) {
-  const auto& [wanted, allocation] = std::tie(out.wanted, out.allocation);
+  const auto& [desired, allocation] = std::tie(out.desired, out.allocation);
   const bool limited =
-      wanted.u_limited || wanted.r_limited || allocation.surge_limited || allocation.yaw_limited;
+      desired.u_limited || desired.r_limited || allocation.surge_limited || allocation.yaw_limited;
   const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.sight.epsilon;
   core::station_forward(keeping_, station_,
                         {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, limited,
@@ -344,7 +344,7 @@ void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t now_us, S dt) {
-  core::Encounter<S> in = encounter(lead);
+  core::ControllerInput<S> in = controller_input(lead);
   const core::Vec2<S> rest = core::rest_of(blend_);
   in.separation_n = {in.separation_n.x - rest.x - shift_n_.x,
                      in.separation_n.y - rest.y - shift_n_.y};
@@ -355,7 +355,7 @@ core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t n
                                          : core::controller_step(law_, state_, in, since);
   law_.slot = own_slot;
   error_ = out.error;
-  wanted_ = out.wanted.nu_star;
+  desired_ = out.desired.nu_star;
   return out;
 }
 
@@ -394,7 +394,7 @@ bool Pilot<S>::can_coast() const {
 template <class S>
 core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
   const Lead lead = this->lead(now_us);
-  const core::Encounter<S> in = encounter(lead);
+  const core::ControllerInput<S> in = controller_input(lead);
   core::SlotState<S> state = core::slot_start(in);
   core::ControllerOutput<S> out;
   out.slot = core::slot_forward(lead.slot, law_.vessel, state, in, S(0));

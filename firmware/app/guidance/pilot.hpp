@@ -11,8 +11,8 @@
 #include "app/navigation/neighbours.hpp"
 #include "app/navigation/vessel_track.hpp"
 #include "core/coast.hpp"
-#include "core/estimation/answer.hpp"
 #include "core/estimation/latency.hpp"
+#include "core/estimation/thrust_response.hpp"
 #include "core/station.hpp"
 #include "core/supervisor.hpp"
 
@@ -121,12 +121,12 @@ class Pilot {
   };
 
   Lead lead(std::int64_t now_us) const;
-  core::Encounter<S> encounter(const Lead& lead) const;
+  core::ControllerInput<S> controller_input(const Lead& lead) const;
   void follow(const Lead& next, S dt);
   static bool same_slot(const Lead& a, const Lead& b);
   void shift_slot(std::int64_t now_us, S dt);
-  core::ControllerOutput<S> step_among_others(const core::Encounter<S>& in, std::int64_t now_us,
-                                              S dt);
+  core::ControllerOutput<S> step_among_others(const core::ControllerInput<S>& in,
+                                              std::int64_t now_us, S dt);
   void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error,
                     S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
@@ -162,14 +162,14 @@ class Pilot {
   float lag_s_ = 0;             // as much of it as is compensated
   float known_lag_s_ = 0;       // NAV_LAG_S
   float inertia_ = 1;           // VES_M33
-  core::JumpLimits<S> afloat_, carried_;
+  core::PlausibilityLimits<S> afloat_, carried_;
   bool armed_ = false;
-  core::AnswerState<S> answer_{};
+  core::ThrustResponse<S> answer_{};
   bool answers_ = true;
   core::Tau<S> pushed_{};  // N s, N m s, not weighed yet
   S pushed_s_{};
   core::Nu<S> told_{};        // velocity of the last fix
-  core::Nu<S> wanted_{};      // that the law wants, else as told
+  core::Nu<S> desired_{};     // that the law wants, else as told
   convert::Position anchor_;  // where motion_.motion.moved_n begins
   bool starting_ = false;
   VesselTrack<S> own_;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "app/convert/convert.hpp"
-#include "core/estimation/jump.hpp"
+#include "core/estimation/plausibility.hpp"
 
 namespace flotilla::app {
 
@@ -26,14 +26,14 @@ class JumpGuard {
   };
 
   /// What is known of a leader: the quickest model boat.
-  static constexpr core::JumpLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
-                                                  S(40), S(60),  S(10), S(8)};
+  static constexpr core::PlausibilityLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
+                                                          S(40), S(60),  S(10), S(8)};
 
-  void set_limits(const core::JumpLimits<S>& limits) {
+  void set_limits(const core::PlausibilityLimits<S>& limits) {
     limits_ = limits;
     small_ = core::small_move(limits);
   }
-  const core::JumpLimits<S>& limits() const { return limits_; }
+  const core::PlausibilityLimits<S>& limits() const { return limits_; }
 
   /// No state led to the next one.
   void forget() { last_.reset(), next_.reset(); }
@@ -62,13 +62,13 @@ class JumpGuard {
     if (!far && core::hardly_moves(small_, way)) {
       // What velocity may account for is no scatter.
       const S speed = core::abs(way.from.u) + core::abs(way.from.v);
-      const S moved = core::larger(core::abs(way.moved_n.x), core::abs(way.moved_n.y));
-      note_scatter(core::larger(moved - way.h * speed, S(0)));
+      const S moved = core::max(core::abs(way.moved_n.x), core::abs(way.moved_n.y));
+      note_scatter(core::max(moved - way.h * speed, S(0)));
       return Verdict::kGoesOn;
     }
-    const auto surprise = core::surprise_of(limits_, way, scatter_);
-    if (!far && surprise.share <= S(1)) {
-      note_scatter(surprise.off);
+    const auto innovation = core::innovation_of(limits_, way, scatter_);
+    if (!far && innovation.share <= S(1)) {
+      note_scatter(innovation.off);
       return Verdict::kGoesOn;
     }
     const std::int64_t now_us = state.arrived_us;
@@ -87,9 +87,9 @@ class JumpGuard {
     if (!last_) return;
     const bool before = state.stamp_us < last_->stamp_us;
     const core::Leg<S> way = before ? leg(state, *last_) : leg(*last_, state);
-    core::JumpLimits<S> limits = limits_;
+    core::PlausibilityLimits<S> limits = limits_;
     if (!heading_known) limits.heading = limits.yaw_rate = S(100);
-    if (core::surprise_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
+    if (core::innovation_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
   }
 
   /// What else is told that cannot be.
@@ -119,12 +119,12 @@ class JumpGuard {
             convert::seconds<S>(h_us)};
   }
   bool can_be(const Seen& a, const Seen& b) const {
-    return core::surprise_of(limits_, leg(a, b), scatter_).share <= S(1);
+    return core::innovation_of(limits_, leg(a, b), scatter_).share <= S(1);
   }
 
   void note_scatter(S off) { scatter_ = scatter_ + S(0.1) * (off - scatter_); }
 
-  core::JumpLimits<S> limits_ = kAnyVessel;
+  core::PlausibilityLimits<S> limits_ = kAnyVessel;
   core::SmallMove<S> small_ = core::small_move(limits_);
   std::optional<Seen> last_, next_;
   S scatter_{};

@@ -51,7 +51,7 @@ class Liveness {
 
   /// The propellers alone would have changed the velocity by so much since the last call: m/s, and
   /// rad/s.
-  void push(S change) { pushed_ = core::smaller(pushed_ + change, S(2) * kPushed); }
+  void push(S change) { pushed_ = core::min(pushed_ + change, S(2) * kPushed); }
 
   bool live() const { return live_; }
 
@@ -65,7 +65,7 @@ class Liveness {
   static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: as good as still
   static constexpr int kFew = 3;        ///< messages
 
-  static S left_after(S h) { return S(1) - core::smaller(kForgetting_per_s * h, S(1)); }
+  static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }
 
   /// What has stayed the same, and where its rate of change would have led since.
   struct Stuck {
@@ -76,7 +76,7 @@ class Liveness {
     void stay(const core::Vec2<S>& rate, S h) {
       const S left = left_after(h);
       way = {left * way.x + h * rate.x, left * way.y + h * rate.y};
-      time = core::smaller(time + h, S(2) * kHeld_s);
+      time = core::min(time + h, S(2) * kHeld_s);
       repeats = std::min(repeats + 1, kFew);
     }
     bool lasts(S s) const { return time >= s && repeats == kFew; }

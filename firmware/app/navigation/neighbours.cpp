@@ -117,12 +117,13 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   if (!convert::near(own, there)) return;
   core::Motion<S> motion;
   motion.psi = seen.psi_rad;
-  const auto encounter = convert::encounter_of<S>(own, {}, there, motion);
-  const core::Vec2<S>& apart_n = encounter.separation_n;
+  const auto controller_input = convert::controller_input_of<S>(own, {}, there, motion);
+  const core::Vec2<S>& apart_n = controller_input.separation_n;
   const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
   Vessel* vessel = place_for(system, apart_m, own, now_us);
   if (vessel == nullptr) return;
-  const auto v_n = core::to_north_east(encounter.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
+  const auto v_n =
+      core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
   vessel->north_m = own.north_m - apart_n.x;
   vessel->east_m = own.east_m - apart_n.y;

@@ -68,7 +68,7 @@ class Neighbours {
   bool watches_ = false;
   std::optional<std::uint8_t> leader_depth_;
   link::GpsGlobalOrigin frame_{};  // that all places are in
-  std::array<Vessel, core::kMostVessels> vessels_{};
+  std::array<Vessel, core::kMaxVessels> vessels_{};
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
 };
 

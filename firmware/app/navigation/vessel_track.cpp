@@ -24,7 +24,7 @@ void VesselTrack<S>::follow(std::uint8_t system) {
   if (system == identity_.system) return;
   Identity identity = identity_;
   identity.system = system;
-  const core::JumpLimits<S> limits = guard_.limits();
+  const core::PlausibilityLimits<S> limits = guard_.limits();
   const bool smooths = smooths_;
   const std::int64_t lag_us = lag_us_;
   *this = VesselTrack(identity, antenna_);

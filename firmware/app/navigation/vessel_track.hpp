@@ -51,7 +51,7 @@ class VesselTrack {
   bool bounded() const { return clock().was_answered(); }
 
   /// What this vessel can do; without them it is any vessel.
-  void set_limits(const core::JumpLimits<S>& limits) { guard_.set_limits(limits); }
+  void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
 
   /// Whether motion() is asked for; where another knows better how the vessel moves between its
   /// messages, each is believed as it is.

@@ -13,7 +13,7 @@ namespace mav = link::mav;
 using core::Request;
 
 constexpr double kForce = 21196;
-constexpr double kMostTestPercent = 20, kLongestTest_s = 5;
+constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
 constexpr double kThrottlePercent = 0;              // MOTOR_TEST_THROTTLE_PERCENT
 constexpr double kLongestInterval_us = 2147483647;  // what MESSAGE_INTERVAL can tell
 
@@ -50,7 +50,7 @@ Asked motor_test(const Command& c) {
   const double percent = c.param[2], time_s = c.param[3];
   const bool one_only = unused(c.param[4]) || c.param[4] == 1;
   if (!propeller || *propeller == 0 || c.param[1] != kThrottlePercent || !one_only ||
-      !(std::abs(percent) <= kMostTestPercent) || !(time_s > 0 && time_s <= kLongestTest_s)) {
+      !(std::abs(percent) <= kMaxTestPercent) || !(time_s > 0 && time_s <= kLongestTest_s)) {
     return denied();
   }
   Asked asked{mav::kAccepted, Request::kTest};
@@ -103,7 +103,7 @@ Asked failure(const Command& c) {
 
 }  // namespace
 
-std::optional<Command> command_of(const Question& message) {
+std::optional<Command> command_of(const RequestMessage& message) {
   if (const auto* c = std::get_if<link::CommandLong>(&message)) {
     Command out{c->command, {}, c->target, c->confirmation > 0};
     for (std::size_t i = 0; i < out.param.size(); ++i) out.param[i] = double{c->param[i]};

@@ -15,10 +15,11 @@
 namespace flotilla::app {
 
 /// What others may ask of the boat.
-using Question = std::variant<std::monostate, link::CommandLong, link::CommandInt, link::SetMode,
-                              link::ParamRequestList, link::ParamRequestRead, link::ParamSet,
-                              link::FtpRequest, link::Timesync, link::Ping,
-                              link::MissionRequestList, link::MissionCount, link::MissionClearAll>;
+using RequestMessage =
+    std::variant<std::monostate, link::CommandLong, link::CommandInt, link::SetMode,
+                 link::ParamRequestList, link::ParamRequestRead, link::ParamSet, link::FtpRequest,
+                 link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
+                 link::MissionClearAll>;
 
 /// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. No command of ours has a position, so the
 /// frame of a COMMAND_INT says nothing.
@@ -29,7 +30,7 @@ struct Command {
   bool repeated = false;  ///< for want of an answer (COMMAND_LONG.confirmation)
   bool wants_ack = true;  ///< SET_MODE is a message: nobody waits for an answer
 };
-std::optional<Command> command_of(const Question& message);
+std::optional<Command> command_of(const RequestMessage& message);
 
 bool is_disarm(const Command& command);
 

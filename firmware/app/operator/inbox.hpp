@@ -13,17 +13,17 @@
 namespace flotilla::app {
 
 /// Kept small: a request for a file is kept as what it asks, not as it came.
-struct Letter {
+struct PendingRequest {
   std::int64_t read_us = 0;
-  Question message{};
+  RequestMessage message{};
   link::Address from{};
   link::Address target{};
   std::uint8_t link = 0;
 };
 
 /// Disarms or terminates: never to be lost or put off.
-inline bool stops(const Letter& letter) {
-  const auto command = command_of(letter.message);
+inline bool stops(const PendingRequest& pending) {
+  const auto command = command_of(pending.message);
   return command && is_stop(*command);
 }
 
@@ -31,17 +31,17 @@ inline bool stops(const Letter& letter) {
 /// never one too many, and of two such the later one has the last word.
 class Inbox {
  public:
-  void push(const Letter& letter, link::Counters& counters) {
-    if (count_ < letters_.size()) {
-      letters_[count_++] = letter;
+  void push(const PendingRequest& pending, link::Counters& counters) {
+    if (count_ < pending_.size()) {
+      pending_[count_++] = pending;
       return;
     }
     ++counters.requests_dropped;
-    if (!stops(letter)) return;
-    const auto first = std::find_if_not(letters_.rbegin(), letters_.rend(), stops);
-    const auto given_up = first == letters_.rend() ? letters_.end() - 1 : first.base() - 1;
-    std::move(given_up + 1, letters_.end(), given_up);
-    letters_.back() = letter;
+    if (!stops(pending)) return;
+    const auto first = std::find_if_not(pending_.rbegin(), pending_.rend(), stops);
+    const auto given_up = first == pending_.rend() ? pending_.end() - 1 : first.base() - 1;
+    std::move(given_up + 1, pending_.end(), given_up);
+    pending_.back() = pending;
   }
 
   bool is_empty() const { return count_ == 0; }
@@ -60,21 +60,21 @@ class Inbox {
     std::size_t kept = 0, i = 0;
     bool last = false;
     for (; i < count_ && !last; ++i) {
-      const Taken taken = answer(letters_[i]);
-      if (taken == Taken::kKept) letters_[kept++] = letters_[i];
+      const Taken taken = answer(pending_[i]);
+      if (taken == Taken::kKept) pending_[kept++] = pending_[i];
       if (taken == Taken::kStop) {
-        const auto begin = letters_.begin(), end = begin + static_cast<std::ptrdiff_t>(kept);
+        const auto begin = pending_.begin(), end = begin + static_cast<std::ptrdiff_t>(kept);
         kept = static_cast<std::size_t>(std::remove_if(begin, end, undoes_stop) - begin);
       }
       last = taken == Taken::kLast || taken == Taken::kStop;
     }
-    while (i < count_) letters_[kept++] = letters_[i++];
+    while (i < count_) pending_[kept++] = pending_[i++];
     count_ = kept;
     return last;
   }
 
  private:
-  std::array<Letter, 24> letters_{};
+  std::array<PendingRequest, 24> pending_{};
   std::size_t count_ = 0;
 };
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "app/operator/credit.hpp"
+#include "app/operator/token_bucket.hpp"
 #include "link/mavlink/decode.hpp"
 #include "link/mavlink/encode.hpp"
 #include "link/mavlink/signing.hpp"
@@ -52,7 +52,7 @@ class MavlinkLinks {
     std::size_t next_beat = 0;
     std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
     SigningPolicy policy = SigningPolicy::kOff;
-    Credit credit;
+    TokenBucket bucket;
   };
 
   /// One link for each of `links`, at most kMaxLinks. What is said goes to `out`, one a link;
@@ -109,8 +109,8 @@ class MavlinkLinks {
     return false;
   }
 
-  Credit& credit(std::size_t link) { return links_[link].credit; }
-  const Credit& credit(std::size_t link) const { return links_[link].credit; }
+  TokenBucket& bucket(std::size_t link) { return links_[link].bucket; }
+  const TokenBucket& bucket(std::size_t link) const { return links_[link].bucket; }
 
   /// Bytes that still fit into this tick's output.
   std::size_t room(std::size_t link) const { return Datagram{}.size() - links_[link].size; }
@@ -124,12 +124,12 @@ class MavlinkLinks {
 
   /// A message that finds no room waits for nobody: it is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
-    links_[link].credit.spend_on_rest(put(link, message, counters));
+    links_[link].bucket.spend_on_rest(put(link, message, counters));
   }
 
   /// The same for what followers steer by.
   void send_state(std::size_t link, const link::Message& message, link::Counters& counters) {
-    links_[link].credit.spend_on_state(put(link, message, counters));
+    links_[link].bucket.spend_on_state(put(link, message, counters));
   }
 
   void broadcast(const link::Message& message, link::Counters& counters) {
@@ -139,7 +139,7 @@ class MavlinkLinks {
   /// Another's frame, unchanged, with the next tick.
   void forward(std::size_t link, std::span<const std::uint8_t> frame, link::Counters& counters) {
     Link& l = links_[link];
-    if (frame.size() > l.forwarded.size() - l.forwarded_size || !l.credit.for_rest()) {
+    if (frame.size() > l.forwarded.size() - l.forwarded_size || !l.bucket.for_rest()) {
       ++counters.mavlink_not_sent;
       return;
     }
@@ -184,8 +184,8 @@ class MavlinkLinks {
         std::copy_n(link.forwarded.begin(), link.forwarded_size, out_[i].begin());
       }
       link.size = std::exchange(link.forwarded_size, 0);
-      link.credit.spend_on_rest(link.size);
-      link.credit.earn(dt_us);
+      link.bucket.spend_on_rest(link.size);
+      link.bucket.earn(dt_us);
     }
   }
 

@@ -99,9 +99,9 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
   if (info.member == &Parameters::FORM_LEADER && value == static_cast<float>(boat.system)) {
     return refusal(info, mav::kParamOutOfRange, value, "it is this boat's own system id");
   }
-  Parameters wanted = values;
-  wanted.*info.member = value;
-  if (const auto why = contradiction(wanted)) {
+  Parameters desired = values;
+  desired.*info.member = value;
+  if (const auto why = contradiction(desired)) {
     return refusal(info, mav::kParamOutOfRange, value, *why);
   }
   return {SetResult::What::kSet, &info};

@@ -9,7 +9,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::int64_t kLeastNews_us = 100'000;  // no root turns faster than that tells
+constexpr std::int64_t kMinNews_us = 100'000;  // no root turns faster than that tells
 
 }  // namespace
 
@@ -42,7 +42,7 @@ bool Streams::set(std::size_t link, std::uint16_t id, std::int64_t interval_us,
     }
     interval_us = std::max(interval_us, least_us);
   }
-  links_[link].turns[stream].wanted_us = interval_us;
+  links_[link].turns[stream].desired_us = interval_us;
   restart(stream, link);
   return true;
 }
@@ -112,13 +112,13 @@ std::size_t Streams::find(std::uint16_t id) const {
 }
 
 std::int64_t Streams::plain_interval_us(std::size_t stream, std::size_t link) const {
-  const std::int64_t wanted_us = links_[link].turns[stream].wanted_us;
+  const std::int64_t desired_us = links_[link].turns[stream].desired_us;
   const StreamInfo& info = kStreams[stream];
-  if (wanted_us != 0) return std::max<std::int64_t>(wanted_us, 0);
+  if (desired_us != 0) return std::max<std::int64_t>(desired_us, 0);
   if (companion_ && !info.companion) return 0;
   switch (info.pace) {
     case Pace::kNews:
-      return state_us_ > 0 ? std::max({state_us_ / 2, kLeastNews_us, tick_us_}) : 0;
+      return state_us_ > 0 ? std::max({state_us_ / 2, kMinNews_us, tick_us_}) : 0;
     case Pace::kState:
       return state_us_ > 0 ? std::max(state_us_, tick_us_) : 0;
     case Pace::kSlow:

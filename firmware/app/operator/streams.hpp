@@ -76,7 +76,7 @@ constexpr bool is_companions(std::uint16_t id) {
 class Streams {
  public:
   struct Turn {
-    std::int64_t wanted_us = 0;
+    std::int64_t desired_us = 0;
     Schedule schedule;
   };
   /// What is kept of one link.

@@ -37,40 +37,40 @@ struct QuestionOf {
   const link::FtpServer& ftp;
 
   template <class Message>
-  std::optional<Question> operator()(const Message& m) const {
-    if constexpr (std::is_constructible_v<Question, const Message&>) {
-      return Question(m);
+  std::optional<RequestMessage> operator()(const Message& m) const {
+    if constexpr (std::is_constructible_v<RequestMessage, const Message&>) {
+      return RequestMessage(m);
     } else {
       return std::nullopt;
     }
   }
-  std::optional<Question> operator()(std::monostate) const { return std::nullopt; }
-  std::optional<Question> operator()(const link::FileTransferProtocol& m) const {
+  std::optional<RequestMessage> operator()(std::monostate) const { return std::nullopt; }
+  std::optional<RequestMessage> operator()(const link::FileTransferProtocol& m) const {
     return ftp.read(m);
   }
-  std::optional<Question> operator()(const link::Timesync& m) const {
-    return m.tc1 == 0 ? std::optional<Question>(m) : std::nullopt;
+  std::optional<RequestMessage> operator()(const link::Timesync& m) const {
+    return m.tc1 == 0 ? std::optional<RequestMessage>(m) : std::nullopt;
   }
-  std::optional<Question> operator()(const link::Ping& m) const {
-    return m.target == link::Address{} ? std::optional<Question>(m) : std::nullopt;
+  std::optional<RequestMessage> operator()(const link::Ping& m) const {
+    return m.target == link::Address{} ? std::optional<RequestMessage>(m) : std::nullopt;
   }
 };
 
-bool holds(const Letter& letter) {
-  const auto command = command_of(letter.message);
+bool holds(const PendingRequest& pending) {
+  const auto command = command_of(pending.message);
   return command && meaning_of(*command).request == Request::kHold;
 }
 
 /// A mode may be asked for by a parameter too.
-bool undoes_stop(const Letter& letter) {
-  const auto command = command_of(letter.message);
+bool undoes_stop(const PendingRequest& pending) {
+  const auto command = command_of(pending.message);
   if (command) return meaning_of(*command).request != Request::kNone;
-  const auto* set = std::get_if<link::ParamSet>(&letter.message);
+  const auto* set = std::get_if<link::ParamSet>(&pending.message);
   return set != nullptr && ParameterService::asks_for_mode(*set);
 }
 
-bool asks_for_message(const Letter& letter) {
-  const auto command = command_of(letter.message);
+bool asks_for_message(const PendingRequest& pending) {
+  const auto command = command_of(pending.message);
   return command && meaning_of(*command).message;
 }
 
@@ -189,7 +189,7 @@ core::Conditions Vehicle::conditions(std::int64_t now_us) const {
   return met;
 }
 
-void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
+void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& counters) {
   conditions_ = conditions;
   const core::Verdict verdict = core::supervise(state_, Request::kNone, conditions_);
   if (verdict.granted) enter(verdict.state, verdict.missing, counters);
@@ -197,20 +197,20 @@ void Vehicle::heed(core::Conditions conditions, link::Counters& counters) {
 
 bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
-  const auto answer_one = [&](const Letter& letter) {
+  const auto thrust_response_one = [&](const PendingRequest& pending) {
     // The heartbeat and the state need their room too; what stops the boat needs none.
-    const std::size_t kept = asks_for_message(letter) ? kKeptRoom : kOwnRoom;
-    if (links_.room(letter.link) < kept && !stops(letter)) return Taken::kKept;
-    answer(letter, counters);
-    if (stops(letter) || holds(letter)) return Taken::kStop;
+    const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
+    if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
+    answer(pending, counters);
+    if (stops(pending) || holds(pending)) return Taken::kStop;
     return changed_ ? Taken::kLast : Taken::kAnswered;
   };
-  const auto is_void = [&](const Letter& letter) {
-    const bool undone = undoes_stop(letter);
+  const auto is_void = [&](const PendingRequest& pending) {
+    const bool undone = undoes_stop(pending);
     if (undone) ++counters.requests_dropped;
     return undone;
   };
-  const bool more = inbox_.take_each(answer_one, is_void);
+  const bool more = inbox_.take_each(thrust_response_one, is_void);
   if (!more && std::exchange(disarm_, false) && state_ != State::kDisarmed) {
     enter(State::kDisarmed, 0, counters);
   }
@@ -264,13 +264,13 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
                             : state_ == State::kDisarmed ? "arm first"
                             : state_ == State::kHold     ? "THR_DEAD is above that thrust"
                                                          : "HOLD first";
-    say(mav::kSeverityWarning, {what, why}, counters);
+    send_statustext(mav::kSeverityWarning, {what, why}, counters);
     return;
   }
   // Of many, what leaves the heartbeat its room; the rest when these are seen to.
   for_each_complaint(missing, [&](std::string_view why) {
     if (links_.least_room() < kOwnRoom + kSentenceRoom) return;
-    say(mav::kSeverityWarning, {what, why}, counters);
+    send_statustext(mav::kSeverityWarning, {what, why}, counters);
   });
 }
 
@@ -286,7 +286,7 @@ void Vehicle::enter(State state, core::Conditions missing, link::Counters& count
   const std::uint8_t severity = terminated                   ? mav::kSeverityCritical
                                 : missing != 0 && !test_over ? mav::kSeverityError
                                                              : mav::kSeverityInfo;
-  say(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
+  send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(mav::kCurrentModeId);
   if (parameters_.MODE == mode_of(state)) return;

@@ -67,7 +67,7 @@ class Vehicle {
   core::Conditions conditions(std::int64_t now_us) const;
 
   /// What the conditions force, and nothing else.
-  void heed(core::Conditions conditions, link::Counters& counters);
+  void apply_conditions(core::Conditions conditions, link::Counters& counters);
 
   /// What was asked since the last tick, in order, but no farther than to something that changes
   /// the boat: whether it is to be called again, when that is in force (take_change()).
@@ -94,8 +94,8 @@ class Vehicle {
   void tell(link::Counters& counters);
 
   /// A sentence to every operator; longer ones in chunks of 50 characters.
-  void say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
-           link::Counters& counters);
+  void send_statustext(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+                       link::Counters& counters);
 
   /// With the next tick, whatever else was asked.
   void disarm() { disarm_ = true; }
@@ -124,10 +124,10 @@ class Vehicle {
                link::Counters& counters);
   bool may_command(link::Address from) const;
 
-  void answer(const Letter& letter, link::Counters& counters);
-  void execute(const Letter& letter, const Command& command, link::Counters& counters);
+  void answer(const PendingRequest& pending, link::Counters& counters);
+  void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
   void explain(std::uint16_t command, link::Counters& counters);
-  void answer_mission(const Letter& letter, link::Counters& counters);
+  void answer_mission(const PendingRequest& pending, link::Counters& counters);
   bool is_repeated(const Asked& asked) const;
   void freshen();
   core::Verdict ask(Asked& asked);
@@ -136,8 +136,10 @@ class Vehicle {
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
   std::optional<link::Message> requested(std::size_t link, const MessageRequest& request,
                                          std::uint32_t turn) const;
-  void set_parameter(const Letter& letter, const link::ParamSet& asked, link::Counters& counters);
-  void set_mode_parameter(const Letter& letter, const SetResult& result, link::Counters& counters);
+  void set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
+                     link::Counters& counters);
+  void set_mode_parameter(const PendingRequest& pending, const SetResult& result,
+                          link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
   void enter(core::State state, core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;

@@ -17,51 +17,52 @@ bool drives(Request request) {
 
 }  // namespace
 
-void Vehicle::answer(const Letter& letter, link::Counters& counters) {
-  const std::size_t link = letter.link;
-  const link::Address from = letter.from;
-  if (const auto command = command_of(letter.message)) {
-    execute(letter, *command, counters);
-  } else if (std::holds_alternative<link::ParamRequestList>(letter.message)) {
+void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
+  const std::size_t link = pending.link;
+  const link::Address from = pending.from;
+  if (const auto command = command_of(pending.message)) {
+    execute(pending, *command, counters);
+  } else if (std::holds_alternative<link::ParamRequestList>(pending.message)) {
     parameter_service_.list(link);
-  } else if (const auto* read = std::get_if<link::ParamRequestRead>(&letter.message)) {
+  } else if (const auto* read = std::get_if<link::ParamRequestRead>(&pending.message)) {
     parameter_service_.read(link, from, *read);
-  } else if (const auto* set = std::get_if<link::ParamSet>(&letter.message)) {
-    set_parameter(letter, *set, counters);
-  } else if (const auto* file = std::get_if<link::FtpRequest>(&letter.message)) {
+  } else if (const auto* set = std::get_if<link::ParamSet>(&pending.message)) {
+    set_parameter(pending, *set, counters);
+  } else if (const auto* file = std::get_if<link::FtpRequest>(&pending.message)) {
     ftp_.request(link, from, *file, now_us_);
-  } else if (const auto* timesync = std::get_if<link::Timesync>(&letter.message)) {
-    links_.send(link, TimeRequests::answer_to(*timesync, from, letter.read_us), counters);
-  } else if (const auto* ping = std::get_if<link::Ping>(&letter.message)) {
+  } else if (const auto* timesync = std::get_if<link::Timesync>(&pending.message)) {
+    links_.send(link, TimeRequests::answer_to(*timesync, from, pending.read_us), counters);
+  } else if (const auto* ping = std::get_if<link::Ping>(&pending.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
-  } else if (!identity_.is_autopilots(letter.target)) {
-    answer_mission(letter, counters);
+  } else if (!identity_.is_autopilots(pending.target)) {
+    answer_mission(pending, counters);
   }
 }
 
 /// There is none, and none is taken.
-void Vehicle::answer_mission(const Letter& letter, link::Counters& counters) {
-  const link::Address from = letter.from;
-  const Question& asked = letter.message;
+void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
+  const link::Address from = pending.from;
+  const RequestMessage& asked = pending.message;
   if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
-    links_.send(letter.link, link::MissionCount{0, from, list->mission_type}, counters);
+    links_.send(pending.link, link::MissionCount{0, from, list->mission_type}, counters);
   } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
     const link::MissionAck no{from, mav::kMissionUnsupported, count->mission_type};
-    links_.send(letter.link, no, counters);
+    links_.send(pending.link, no, counters);
   } else if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
     const link::MissionAck yes{from, mav::kMissionAccepted, clear->mission_type};
-    links_.send(letter.link, yes, counters);
+    links_.send(pending.link, yes, counters);
   }
 }
 
-void Vehicle::execute(const Letter& letter, const Command& command, link::Counters& counters) {
-  const std::size_t link = letter.link;
+void Vehicle::execute(const PendingRequest& pending, const Command& command,
+                      link::Counters& counters) {
+  const std::size_t link = pending.link;
   Asked asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(state_);
   const bool autopilots = drives(asked.request) || unknown || at_rest;
   if (identity_.is_autopilots(command.target) && autopilots) return;
-  if (!may_command(letter.from) && !asked.reads_only() && !is_stop(command)) {
+  if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
   }
   if (asked.failure && failure_judge_ != nullptr) {
@@ -71,7 +72,7 @@ void Vehicle::execute(const Letter& letter, const Command& command, link::Counte
   core::Verdict verdict{state_, true, 0};
   if (asked.request != Request::kNone) verdict = ask(asked);
   if (asked.rate &&
-      !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.credit(link).limit())) {
+      !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
     asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.message) {
@@ -80,13 +81,13 @@ void Vehicle::execute(const Letter& letter, const Command& command, link::Counte
     if (asked.result != mav::kAccepted) asked.message.reset();
   }
   if (command.wants_ack) {
-    links_.send(link, link::CommandAck{command.id, asked.result, letter.from}, counters);
+    links_.send(link, link::CommandAck{command.id, asked.result, pending.from}, counters);
   }
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   if (verdict.granted && verdict.state != state_) enter(verdict.state, 0, counters);
   if (!verdict.granted) refuse(asked.request, verdict.missing, counters);
-  if (asked.result == mav::kDenied && may_command(letter.from)) explain(command.id, counters);
+  if (asked.result == mav::kDenied && may_command(pending.from)) explain(command.id, counters);
 }
 
 /// A denial says nothing by itself about what would be right.
@@ -95,7 +96,7 @@ void Vehicle::explain(std::uint16_t command, link::Counters& counters) {
                           : command == mav::kCmdComponentArmDisarm ? "force overrides no check"
                                                                    : nullptr;
   if (why == nullptr || !refusal_due_.due(now_us_)) return;
-  say(mav::kSeverityWarning, {"Refused: ", why}, counters);
+  send_statustext(mav::kSeverityWarning, {"Refused: ", why}, counters);
 }
 
 std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageRequest& request,
@@ -131,12 +132,12 @@ void Vehicle::send_requested(std::size_t link, const MessageRequest& request,
   }
 }
 
-void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
+void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
                             link::Counters& counters) {
-  const std::size_t link = letter.link;
-  const bool autopilots = identity_.is_autopilots(letter.target);
+  const std::size_t link = pending.link;
+  const bool autopilots = identity_.is_autopilots(pending.target);
   if (autopilots && !ParameterService::knows(asked)) return;
-  const SetResult result = parameter_service_.set(link, letter.from, asked, parameters_,
+  const SetResult result = parameter_service_.set(link, pending.from, asked, parameters_,
                                                   {core::armed(state_), self().system});
   switch (result.what) {
     case SetResult::What::kSet: {
@@ -150,25 +151,25 @@ void Vehicle::set_parameter(const Letter& letter, const link::ParamSet& asked,
     case SetResult::What::kUnchanged:
       break;
     case SetResult::What::kAskMode:
-      set_mode_parameter(letter, result, counters);
+      set_mode_parameter(pending, result, counters);
       break;
     case SetResult::What::kRefused:
       if (result.info != nullptr && parameter_refusal_due_.due(now_us_)) {
-        say(mav::kSeverityWarning, {result.sentence.text()}, counters);
+        send_statustext(mav::kSeverityWarning, {result.sentence.text()}, counters);
       }
       break;
   }
 }
 
-void Vehicle::set_mode_parameter(const Letter& letter, const SetResult& result,
+void Vehicle::set_mode_parameter(const PendingRequest& pending, const SetResult& result,
                                  link::Counters& counters) {
-  const std::size_t link = letter.link;
-  if (identity_.is_autopilots(letter.target)) return;
+  const std::size_t link = pending.link;
+  if (identity_.is_autopilots(pending.target)) return;
   const auto request = request_of_mode(result.mode);
   Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
   const core::Verdict verdict = ask(asked);
   if (!verdict.granted && parameters_.MODE != static_cast<float>(result.mode)) {
-    parameter_service_.refuse(link, letter.from, *result.info, mav::kParamPermissionDenied);
+    parameter_service_.refuse(link, pending.from, *result.info, mav::kParamPermissionDenied);
     refuse(asked.request, verdict.missing, counters);
     return;
   }

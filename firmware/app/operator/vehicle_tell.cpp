@@ -54,7 +54,7 @@ void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
 bool Vehicle::tells_report() {
   if (origin_moved_ || separation_due_.waits(now_us_) || state_waits()) return true;
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (links_.credit(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
+    if (links_.bucket(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
   }
   return false;
 }
@@ -71,8 +71,8 @@ void Vehicle::tell(link::Counters& counters) {
   if (timesync_due_.due(now_us_)) ask_times(counters);
   if (separation_due_.due(now_us_) && report_.depth) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
-    say(mav::kSeverityCritical, {"another sender uses this boat's system and component id"},
-        counters);
+    send_statustext(mav::kSeverityCritical,
+                    {"another sender uses this boat's system and component id"}, counters);
   }
   if (std::exchange(origin_moved_, false)) {  // before any position from there
     for (std::size_t link = 0; link < links_.count(); ++link) {
@@ -122,7 +122,7 @@ void Vehicle::tell_state(link::Counters& counters) {
 
 /// Attitude and position leave together or not at all.
 void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
-  if (!links_.credit(link).for_state()) return;
+  if (!links_.bucket(link).for_state()) return;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
     const StreamInfo& info = kStreams[kStateStreams[i]];
     Schedule& schedule = streams_.schedule(kStateStreams[i], link);
@@ -149,7 +149,7 @@ bool Vehicle::reference_waits(std::size_t link, std::uint32_t news) const {
 void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference& reference,
                              link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (!reference_waits(link, news) || !links_.credit(link).for_state() ||
+    if (!reference_waits(link, news) || !links_.bucket(link).for_state() ||
         links_.room(link) < kStreams[kReferenceStream].bytes) {
       continue;
     }
@@ -181,7 +181,7 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
 }
 
 bool Vehicle::may_tell(std::size_t link) const {
-  return links_.credit(link).for_rest() && links_.room(link) >= kLargestFrame;
+  return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
 /// It keeps its turn where there is nothing to tell yet. What a slow link cannot carry at once goes
@@ -226,8 +226,8 @@ bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
   return told;
 }
 
-void Vehicle::say(std::uint8_t severity, std::initializer_list<std::string_view> parts,
-                  link::Counters& counters) {
+void Vehicle::send_statustext(std::uint8_t severity, std::initializer_list<std::string_view> parts,
+                              link::Counters& counters) {
   std::array<char, 200> text{};
   std::size_t length = 0;
   for (const std::string_view part : parts) {

@@ -30,19 +30,19 @@ class Thrusters {
   /// Zeros at once unless `drive`; else towards the wanted thrusts at no more than the slew rate.
   /// Where the thrust may not rise, no thrust and no command is greater than the greater one of the
   /// last step: a propeller that turns the other way gives another thrust by the same command.
-  Output step(bool drive, const core::Thrust<S>& wanted, S dt, bool may_rise = true) {
+  Output step(bool drive, const core::Thrust<S>& desired, S dt, bool may_rise = true) {
     Output out;
     out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);
     if (!drive) {
       port_.command = stbd_.command = S(0);
       return out;
     }
-    core::Thrust<S> may = wanted;
+    core::Thrust<S> may = desired;
     S most = curve_.full;
     if (!may_rise) {
-      may = core::limited(wanted,
-                          core::larger(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_))));
-      most = core::larger(core::abs(port_.command), core::abs(stbd_.command));
+      may = core::limited(desired,
+                          core::max(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_))));
+      most = core::max(core::abs(port_.command), core::abs(stbd_.command));
     }
     const S port = core::clamp(core::command_from_thrust(curve_, may.port), -most, most),
             stbd = core::clamp(core::command_from_thrust(curve_, may.stbd), -most, most);

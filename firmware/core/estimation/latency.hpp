@@ -80,7 +80,7 @@ struct Late {
 template <class S>
 void latency_forward(Latency<S>& state, S n, S time) {
   while (S(0) < time) {
-    const S part = smaller(time, state.kBin - state.filled);
+    const S part = min(time, state.kBin - state.filled);
     state.impulse[state.last] = state.impulse[state.last] + part * n;
     state.filled = state.filled + part;
     time = time - part;
@@ -103,7 +103,7 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
     const S begin = end + length;
     const S all = state.impulse[(state.last + n - back) % n];
     const bool whole = !(end < to) && !(from < begin);
-    sum = sum + (whole ? all : (smaller(begin, from) - larger(end, to)) / length * all);
+    sum = sum + (whole ? all : (min(begin, from) - max(end, to)) / length * all);
     end = begin;
   }
   return sum;
@@ -184,7 +184,7 @@ Late<S> latency_of(const LatencyParams<S>& params, const Latency<S>& state) {
   const S after = best + 1 < n ? J(best + 1) : J(n - 2);
   const S bend = before - S(2) * J(best) + after;
   const S off = best == 0 || best + 1 == n ? S(0) : S(0.5) * (before - after) / bend;
-  const S scale = larger(J(best), params.J_min * state.weight);
+  const S scale = max(J(best), params.J_min * state.weight);
   const bool answers = params.D_min * scale < (state.none.J - J(best)) * state.weight;
   return {params.h * (S(best) + off), answers && params.A_min * scale < bend * state.weight};
 }

@@ -45,7 +45,7 @@ struct ObserverParams {
 
 /// Wrenches of the last moments, those of steps under 10 ms taken together; the newest at `last`.
 template <class S>
-struct Given {
+struct WrenchHistory {
   static constexpr int kLength = 64;
   Tau<S> tau[kLength]{};
   S time[kLength]{};
@@ -57,7 +57,7 @@ struct Observer {
   Motion<S> motion{};  ///< now; moved_n: since the last fix
   Nu<S> b{};
   Vec2<S> c_n{};
-  Given<S> given{};
+  WrenchHistory<S> given{};
   Nu<Carry<S>> nu_rest{}, b_rest{};
   Vec2<Carry<S>> moved_rest{}, c_rest{};
   Carry<S> psi_rest{};
@@ -105,9 +105,9 @@ Nu<S> bounded(const Nu<S>& nu, const Nu<S>& most) {
 /// Carries the motion on by `time` seconds, in steps of at most 20 ms; by no more than 2 s.
 template <class S>
 void observer_carry(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& tau, S time) {
-  S left = smaller(time, S(2));
+  S left = min(time, S(2));
   while (S(0) < left) {
-    const S h = smaller(left, S(0.02));
+    const S h = min(left, S(0.02));
     state.motion = observer_step(vessel, state, tau, h);
     state.motion.nu = bounded(state.motion.nu, Nu<S>{S(50), S(50), S(50)});
     left = left - h;
@@ -119,7 +119,7 @@ template <class S>
 void observer_forward(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& tau, S time) {
   if (!(S(0) < time)) return;
   observer_carry(vessel, state, tau, time);
-  Given<S>& given = state.given;
+  WrenchHistory<S>& given = state.given;
   S& length = given.time[given.last];
   Tau<S>& mean = given.tau[given.last];
   if (length + time <= S(0.01)) {
@@ -128,7 +128,7 @@ void observer_forward(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>&
     length = length + time;
     return;
   }
-  given.last = (given.last + 1) % Given<S>::kLength;
+  given.last = (given.last + 1) % WrenchHistory<S>::kLength;
   given.tau[given.last] = tau;
   given.time[given.last] = time;
 }
@@ -136,8 +136,8 @@ void observer_forward(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>&
 /// Carries a fix that is `age` old on to now, under what was given since.
 template <class S>
 void observer_replay(const Vessel<S>& vessel, Observer<S>& state, S age) {
-  const Given<S>& given = state.given;
-  constexpr int n = Given<S>::kLength;
+  const WrenchHistory<S>& given = state.given;
+  constexpr int n = WrenchHistory<S>::kLength;
   int back = 0;
   S later = S(0);  // what was given after this one
   while (later + given.time[(given.last + n - back) % n] < age && back + 1 < n) {
@@ -150,7 +150,7 @@ void observer_replay(const Vessel<S>& vessel, Observer<S>& state, S age) {
     left = later;
     if (back == 0) return;
     --back;
-    later = larger(later - given.time[(given.last + n - back) % n], S(0));
+    later = max(later - given.time[(given.last + n - back) % n], S(0));
   }
 }
 
@@ -164,17 +164,17 @@ S share_of_fix(const ObserverParams<S>& params, S dt) {
 /// its share.
 template <class S>
 void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observer<S>& state,
-                    const Nu<S>& surprise, S k, S dt) {
+                    const Nu<S>& innovation, S k, S dt) {
   const auto gain_of = [&](S omega) { return k * omega / (S(1) + omega * dt); };
   const auto learnt_of = [](S omega, S gain, S b, S off, Carry<S>& rest) {
     return S(0) < omega ? b + rest.take(gain, off) : S(0);  // switched off, none is known
   };
   // The current needs the sway that it causes well before it has taken that over.
-  const S omega_v = larger(params.omega, S(10) * params.omega_c);
+  const S omega_v = max(params.omega, S(10) * params.omega_c);
   const S gain = gain_of(params.omega), gain_v = gain_of(omega_v);
-  const Nu<S> b = {learnt_of(params.omega, gain, state.b.u, surprise.u, state.b_rest.u),
-                   learnt_of(omega_v, gain_v, state.b.v, surprise.v, state.b_rest.v),
-                   learnt_of(params.omega, gain, state.b.r, surprise.r, state.b_rest.r)};
+  const Nu<S> b = {learnt_of(params.omega, gain, state.b.u, innovation.u, state.b_rest.u),
+                   learnt_of(omega_v, gain_v, state.b.v, innovation.v, state.b_rest.v),
+                   learnt_of(params.omega, gain, state.b.r, innovation.r, state.b_rest.r)};
   state.b = bounded(b, params.b_max);
   if (!(S(0) < params.omega_c)) {
     state.c_n = {};
@@ -182,7 +182,7 @@ void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observe
   }
   const S off = m.m22_d22 * state.b.v;
   const Vec2<S> off_n = to_north_east(state.motion.psi, Vec2<S>{S(0), off});
-  const S share = params.omega_c * smaller(dt, S(1));
+  const S share = params.omega_c * min(dt, S(1));
   const auto within = [&](S c) { return clamp(c, -params.c_max, params.c_max); };
   state.c_n = {within(state.c_n.x + state.c_rest.x.take(share, off_n.x)),
                within(state.c_n.y + state.c_rest.y.take(share, off_n.y))};
@@ -202,8 +202,8 @@ void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, 
   }
   const S k = share_of_fix(params, fix.dt);
   const Motion<S> said = state.motion;
-  const Nu<S> surprise = {said.nu.u - expected.nu.u, said.nu.v - expected.nu.v,
-                          said.nu.r - expected.nu.r};
+  const Nu<S> innovation = {said.nu.u - expected.nu.u, said.nu.v - expected.nu.v,
+                            said.nu.r - expected.nu.r};
   if (k < S(1)) {
     const S rest = S(1) - k;
     const S psi_off = wrap_pi(expected.psi - said.psi);
@@ -211,11 +211,11 @@ void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, 
     state.motion.moved_n = {said.moved_n.x + state.moved_rest.x.take(rest, off.x),
                             said.moved_n.y + state.moved_rest.y.take(rest, off.y)};
     state.motion.psi = said.psi + state.psi_rest.take(rest, psi_off);
-    state.motion.nu = {expected.nu.u + state.nu_rest.u.take(k, surprise.u),
-                       expected.nu.v + state.nu_rest.v.take(k, surprise.v),
-                       expected.nu.r + state.nu_rest.r.take(k, surprise.r)};
+    state.motion.nu = {expected.nu.u + state.nu_rest.u.take(k, innovation.u),
+                       expected.nu.v + state.nu_rest.v.take(k, innovation.v),
+                       expected.nu.r + state.nu_rest.r.take(k, innovation.r)};
   }
-  observer_learn(params, vessel, state, surprise, k, fix.dt);
+  observer_learn(params, vessel, state, innovation, k, fix.dt);
 }
 
 /// The wrench that b stands for.

@@ -76,17 +76,17 @@ Nu<S> plus(const Nu<S>& a, S k, const Nu<S>& b) {
 /// ν, ν̇ and ψ, h seconds after the last message.
 template <class S>
 Nu<S> track_velocity(const TrackState<S>& state, S h) {
-  const S m = smaller(h, S(1));
+  const S m = min(h, S(1));
   return plus(plus(state.nu, h, state.nu_dot), m * (h - S(0.5) * m), state.nu_ddot);
 }
 template <class S>
 Nu<S> track_acceleration(const TrackState<S>& state, S h) {
-  return plus(state.nu_dot, smaller(h, S(1)), state.nu_ddot);
+  return plus(state.nu_dot, min(h, S(1)), state.nu_ddot);
 }
 template <class S>
 S track_heading(const TrackState<S>& state, S h) {
   const S half = S(0.5) * h;
-  const S m = smaller(h, S(1));
+  const S m = min(h, S(1));
   const S twice = m * (half * (h - m) + S(0.16666666666666667) * m * m);
   return state.psi + h * (state.nu.r + half * state.nu_dot.r) + twice * state.nu_ddot.r;
 }
@@ -137,7 +137,7 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   state.nu_dot = plus(nu_hat_dot, beta / dt, off);
   state.nu_ddot = plus(state.nu_ddot, gamma / (dt * dt), off);
   state.dt = dt;
-  state.a = larger(state.a + p * (unforeseen - state.a), params.a_min);
+  state.a = max(state.a + p * (unforeseen - state.a), params.a_min);
 }
 
 /// Takes a message of another source, whose state was true dt seconds after the last one's. What the
@@ -150,7 +150,7 @@ void track_resume(const TrackParams<S>& params, TrackState<S>& state, const Trac
   next.psi = in.psi;
   next.nu = in.nu;
   next.dt = near ? in.dt : S(0);
-  next.a = larger(next.a, params.a_min);
+  next.a = max(next.a, params.a_min);
   next.started = true;
   state = next;
 }

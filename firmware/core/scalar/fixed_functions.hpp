@@ -158,10 +158,10 @@ constexpr Q16 hypot(Q16 x, Q16 y) {
 }
 
 constexpr Q16 hypot(Q16 x, Q16 y, Q16 z) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 63;  // from 2⁶² on, the root is out of range
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 63;  // from 2⁶² on, the root is out of range
   const std::uint64_t a = fixed::magnitude(x.raw()), b = fixed::magnitude(y.raw());
   const std::uint64_t c = fixed::magnitude(z.raw());
-  return Q16::of_raw(Q16::saturated(fixed::root(smaller(a * a + b * b + c * c, kMost))));
+  return Q16::of_raw(Q16::saturated(fixed::root(min(a * a + b * b + c * c, kMax))));
 }
 
 constexpr Q16 scaled(Q16 a, Q16 b, Q16 c) {

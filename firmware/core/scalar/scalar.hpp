@@ -28,12 +28,12 @@ constexpr S clamp(S x, S low, S high) {
 }
 
 template <class S>
-constexpr S smaller(S a, S b) {
+constexpr S min(S a, S b) {
   return b < a ? b : a;
 }
 
 template <class S>
-constexpr S larger(S a, S b) {
+constexpr S max(S a, S b) {
   return a < b ? b : a;
 }
 

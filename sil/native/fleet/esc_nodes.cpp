@@ -193,7 +193,7 @@ void EscNodes::tell_esc_status(std::size_t esc, std::int64_t now_us, double rpm,
 
 void EscNodes::answer(const Question& question, std::int64_t now_us, Frames& out) const {
   constexpr link::DataType type = link::NodeInfo::kResponse;
-  constexpr std::size_t kMostFrames = 16;
+  constexpr std::size_t kMaxFrames = 16;
   link::NodeInfo info;
   info.status.uptime_sec = uptime_s(escs_[question.esc].boot_us, now_us);
   info.software_major = 1;
@@ -216,7 +216,7 @@ void EscNodes::answer(const Question& question, std::int64_t now_us, Frames& out
   info.name = "org.flotilla.sil.esc";
   link::Payload payload;
   const std::size_t size = write_payload(info, payload);
-  std::array<link::CanFrame, kMostFrames> frames;
+  std::array<link::CanFrame, kMaxFrames> frames;
   const std::size_t count =
       split_transfer({question.priority, type.kind, type.id, kNodes[question.esc], question.source},
                      type, question.transfer_id, std::span(payload).first(size), frames);

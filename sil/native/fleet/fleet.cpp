@@ -23,7 +23,7 @@ typename Fleet<S>::Station Fleet<S>::station(std::int64_t run, link::Address sel
                                              const UnitSettings& unit, const Clock& clock,
                                              bool is_boat) {
   Run& mine = runs_[run];
-  if (records_ && mine.agents == Records::kMostAgents) {
+  if (records_ && mine.agents == Records::kMaxAgents) {
     throw std::invalid_argument("record: a recording has room for 256 agents");
   }
   Station out{clock, NavigationUnit(self, unit), &mine, agents_.size(), mine.agents++, self.system};

@@ -32,7 +32,7 @@ enum class HostEvent : std::uint8_t {
 
 class Records {
  public:
-  static constexpr std::size_t kMostAgents = 256;
+  static constexpr std::size_t kMaxAgents = 256;
 
   /// Appends a record: a chunk, or a CAN frame by its identifier and its data.
   void chunk(std::int64_t t_us, std::size_t agent, Wire wire, std::size_t link,

@@ -14,15 +14,15 @@ namespace nb = nanobind;
 namespace flotilla::fleet {
 namespace {
 
-constexpr double kMostValue = 1e6;
+constexpr double kMaxValue = 1e6;
 constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 127 years; a clock adds as much
 // Longjumeau, as everywhere in the SIL: any place will do.
 constexpr std::array<std::int32_t, 3> kOrigin{487'000'000, 22'950'000, 40'000};
 
 template <class T>
-T item(const nb::handle& sequence, std::size_t i, const char* wanted) {
+T item(const nb::handle& sequence, std::size_t i, const char* desired) {
   T value{};
-  if (!nb::try_cast(nb::object(sequence[i]), value)) throw nb::type_error(wanted);
+  if (!nb::try_cast(nb::object(sequence[i]), value)) throw nb::type_error(desired);
   return value;
 }
 
@@ -42,25 +42,25 @@ StateMessage message_from(const std::string& name) {
 bool within(double x, double low, double high) { return low <= x && x <= high; }
 
 std::array<std::int32_t, 3> origin_from(const nb::handle& origin) {
-  constexpr const char* kWanted = "unit: origin is (latitude degE7, longitude degE7, altitude mm)";
-  if (!nb::isinstance<nb::tuple>(origin) || nb::len(origin) != 3) throw nb::type_error(kWanted);
-  const std::array out{item<std::int32_t>(origin, 0, kWanted),
-                       item<std::int32_t>(origin, 1, kWanted),
-                       item<std::int32_t>(origin, 2, kWanted)};
+  constexpr const char* kDesired = "unit: origin is (latitude degE7, longitude degE7, altitude mm)";
+  if (!nb::isinstance<nb::tuple>(origin) || nb::len(origin) != 3) throw nb::type_error(kDesired);
+  const std::array out{item<std::int32_t>(origin, 0, kDesired),
+                       item<std::int32_t>(origin, 1, kDesired),
+                       item<std::int32_t>(origin, 2, kDesired)};
   if (std::abs(out[0]) > 900'000'000 || std::abs(std::int64_t{out[1]}) > 1'800'000'000) {
-    refuse(kWanted);
+    refuse(kDesired);
   }
   return out;
 }
 
 void set_faults(UnitSettings& unit, const nb::handle& faults) {
-  constexpr const char* kWanted =
+  constexpr const char* kDesired =
       "unit: faults are (delay_s, timesync, dropout_every_s, dropout_s)";
-  if (!nb::isinstance<nb::tuple>(faults) || nb::len(faults) != 4) throw nb::type_error(kWanted);
-  unit.delay_s = item<double>(faults, 0, kWanted);
-  unit.timesync = item<bool>(faults, 1, kWanted);
-  unit.dropout_every_s = item<double>(faults, 2, kWanted);
-  unit.dropout_s = item<double>(faults, 3, kWanted);
+  if (!nb::isinstance<nb::tuple>(faults) || nb::len(faults) != 4) throw nb::type_error(kDesired);
+  unit.delay_s = item<double>(faults, 0, kDesired);
+  unit.timesync = item<bool>(faults, 1, kDesired);
+  unit.dropout_every_s = item<double>(faults, 2, kDesired);
+  unit.dropout_s = item<double>(faults, 3, kDesired);
   for (const double s : {unit.delay_s, unit.dropout_every_s, unit.dropout_s}) {
     if (!within(s, 0, 1e6)) refuse("unit: delay_s, dropout_every_s, dropout_s from 0 to 1000000");
   }
@@ -78,27 +78,27 @@ std::string shape_text(std::span<const std::size_t> shape) {
 void refuse(const std::string& text) { throw nb::value_error(text.c_str()); }
 
 UnitSettings unit_from(const nb::tuple& unit) {
-  constexpr const char* kWanted =
+  constexpr const char* kDesired =
       "unit: (rate_hz, message, attitude_rate_hz) or (rate_hz, message, attitude_rate_hz, origin) "
       "or (rate_hz, message, attitude_rate_hz, origin, faults)";
-  if (unit.size() < 3 || unit.size() > 5) throw nb::type_error(kWanted);
-  const double rate_hz = item<double>(unit, 0, kWanted);
-  const double attitude_rate_hz = item<double>(unit, 2, kWanted);
+  if (unit.size() < 3 || unit.size() > 5) throw nb::type_error(kDesired);
+  const double rate_hz = item<double>(unit, 0, kDesired);
+  const double attitude_rate_hz = item<double>(unit, 2, kDesired);
   // A period is counted in whole microseconds.
   if (!within(rate_hz, 1e-3, 1e6)) refuse("unit: rate_hz from 0.001 to 1000000");
   if (attitude_rate_hz != 0 && !within(attitude_rate_hz, 1e-3, 1e6)) {
     refuse("unit: attitude_rate_hz is 0 or from 0.001 to 1000000");
   }
-  UnitSettings out{rate_hz, message_from(item<std::string>(unit, 1, kWanted)), attitude_rate_hz,
+  UnitSettings out{rate_hz, message_from(item<std::string>(unit, 1, kDesired)), attitude_rate_hz,
                    unit.size() > 3 ? origin_from(unit[3]) : kOrigin};
   if (unit.size() > 4) set_faults(out, unit[4]);
   return out;
 }
 
 Clock clock_from(const nb::tuple& clock) {
-  constexpr const char* kWanted = "clock: (offset_us, drift_ppm)";
-  if (clock.size() != 2) throw nb::type_error(kWanted);
-  const Clock out{item<std::int64_t>(clock, 0, kWanted), item<double>(clock, 1, kWanted)};
+  constexpr const char* kDesired = "clock: (offset_us, drift_ppm)";
+  if (clock.size() != 2) throw nb::type_error(kDesired);
+  const Clock out{item<std::int64_t>(clock, 0, kDesired), item<double>(clock, 1, kDesired)};
   if (out.offset_us < 0 || out.offset_us > kLatest_us) refuse("clock: offset_us from 0 to 4e15");
   if (!within(out.drift_ppm, -1e5, 1e5)) refuse("clock: drift_ppm from -100000 to 100000");
   return out;
@@ -128,7 +128,7 @@ Fault fault_from(const std::string& kind, double value, const nb::object& esc, s
   const auto* const found = std::find(kFaultNames.begin(), kFaultNames.end(), kind);
   if (found == kFaultNames.end()) refuse("kind: one of flotilla.FAULTS, not \"" + kind + "\"");
   Fault out{static_cast<FaultKind>(found - kFaultNames.begin()), value, std::nullopt, seed};
-  if (!within(value, -kMostValue, kMostValue)) refuse("value: a number from -1e6 to 1e6");
+  if (!within(value, -kMaxValue, kMaxValue)) refuse("value: a number from -1e6 to 1e6");
   if (is_share(out.kind) && !within(value, 0, 1)) refuse("value: a share from 0 to 1");
   if (out.kind == FaultKind::kReplay && value < 0) refuse("value: seconds, not negative");
   if (esc.is_none()) return out;
@@ -149,21 +149,21 @@ std::int64_t time_from(std::int64_t t_us) {
 template <class T>
 Elements<T>::Elements(nb::handle array, const char* name, std::size_t rows, std::size_t columns) {
   using Element = std::remove_const_t<T>;
-  const std::string wanted = std::string(name) + ": a C-contiguous" +
-                             (std::is_const_v<T> ? "" : ", writable") +
-                             (std::is_same_v<Element, double> ? " float64" : " int32") +
-                             " array of shape " + shape_text(std::array{rows, columns});
+  const std::string desired = std::string(name) + ": a C-contiguous" +
+                              (std::is_const_v<T> ? "" : ", writable") +
+                              (std::is_same_v<Element, double> ? " float64" : " int32") +
+                              " array of shape " + shape_text(std::array{rows, columns});
   if (!nb::try_cast(array, array_) || array_.dtype() != nb::dtype<Element>()) {
-    throw nb::type_error(wanted.c_str());
+    throw nb::type_error(desired.c_str());
   }
   if (array_.ndim() != 2 || array_.shape(0) != rows || array_.shape(1) != columns) {
     std::vector<std::size_t> shape;
     for (std::size_t i = 0; i < array_.ndim(); ++i) shape.push_back(array_.shape(i));
-    refuse(wanted + ", not " + shape_text(shape));
+    refuse(desired + ", not " + shape_text(shape));
   }
   const bool contiguous =
       array_.stride(1) == 1 && (rows < 2 || std::cmp_equal(array_.stride(0), columns));
-  if (rows > 0 && !contiguous) throw nb::type_error(wanted.c_str());
+  if (rows > 0 && !contiguous) throw nb::type_error(desired.c_str());
 }
 
 template class Elements<const double>;

@@ -41,13 +41,13 @@ class Helm {
 
   struct Step {
     core::ControllerOutput<double> law;
-    core::Encounter<double> in;
+    core::ControllerInput<double> in;
   };
 
   Step step(const Leader& l, double h, bool drive) {
     core::observer_forward(law_.vessel, own_, given_, h);
     take_fix();
-    const core::Encounter<double> in{
+    const core::ControllerInput<double> in{
         {anchor_.x + own_.motion.moved_n.x - l[0], anchor_.y + own_.motion.moved_n.y - l[1]},
         own_.motion.psi,
         l[2],
@@ -120,10 +120,10 @@ class Helm {
     fix_.reset();
   }
 
-  static nb::dict told(const core::ControllerOutput<double>& law, const core::Encounter<double>& in,
-                       bool drive) {
+  static nb::dict told(const core::ControllerOutput<double>& law,
+                       const core::ControllerInput<double>& in, bool drive) {
     const core::Error<double>& e = law.error.e;
-    const core::Nu<double>& star = law.wanted.nu_star;
+    const core::Nu<double>& star = law.desired.nu_star;
     const core::Allocation<double>& a = law.allocation;
     const core::Thrust<double> thrust = drive ? a.thrust : core::Thrust<double>{};
     nb::dict out;

@@ -100,18 +100,18 @@ class PyBoat {
   }
 
   void secure(const nb::bytes& key, std::int64_t unix_us) {
-    link::SigningKey wanted{};
+    link::SigningKey desired{};
     const auto bytes = span_of(key);
-    if (bytes.size() != wanted.size()) throw nb::value_error("key: 32 bytes");
-    std::copy(bytes.begin(), bytes.end(), wanted.begin());
-    std::visit([&](auto& b) { b->secure(wanted, link::signing_time(unix_us), 0); }, boat_);
+    if (bytes.size() != desired.size()) throw nb::value_error("key: 32 bytes");
+    std::copy(bytes.begin(), bytes.end(), desired.begin());
+    std::visit([&](auto& b) { b->secure(desired, link::signing_time(unix_us), 0); }, boat_);
   }
 
   void set_signing(int link, const std::string& policy) {
     if (link < 0 || static_cast<std::size_t>(link) >= links_) throw nb::index_error("link");
-    const auto wanted = app::signing_policy(policy);
-    if (!wanted) throw nb::value_error("policy: \"off\", \"accept\" or \"required\"");
-    std::visit([&](auto& b) { b->set_policy(static_cast<std::size_t>(link), *wanted); }, boat_);
+    const auto desired = app::signing_policy(policy);
+    if (!desired) throw nb::value_error("policy: \"off\", \"accept\" or \"required\"");
+    std::visit([&](auto& b) { b->set_policy(static_cast<std::size_t>(link), *desired); }, boat_);
   }
 
   void limit_link(int link, std::uint32_t bytes_per_s) {

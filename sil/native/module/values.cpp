@@ -28,9 +28,9 @@ app::Parameters parameters_from(const nb::dict& values) {
     }
     const app::ParameterInfo* info = app::find_parameter(name);
     if (info == nullptr) throw nb::value_error(("unknown parameter " + name).c_str());
-    double wanted = 0;
-    const bool is_number = nb::try_cast(value, wanted);
-    if (!is_number || !app::is_valid(*info, static_cast<float>(wanted))) {
+    double desired = 0;
+    const bool is_number = nb::try_cast(value, desired);
+    if (!is_number || !app::is_valid(*info, static_cast<float>(desired))) {
       const std::string kind = info->whole() ? "a whole number" : "a number";
       const std::string unit = info->unit.empty() ? "" : std::string(" ").append(info->unit);
       throw nb::value_error((name + " = " + nb::cast<std::string>(nb::str(value)) +
@@ -39,10 +39,10 @@ app::Parameters parameters_from(const nb::dict& values) {
                              (info->kind == app::ParameterKind::kSign ? ", not 0" : ""))
                                 .c_str());
     }
-    if (info->kind == app::ParameterKind::kMode && wanted != double{app::mode::kHold}) {
+    if (info->kind == app::ParameterKind::kMode && desired != double{app::mode::kHold}) {
       throw nb::value_error((name + ": every start is in HOLD").c_str());
     }
-    parameters.*(info->member) = static_cast<float>(wanted);
+    parameters.*(info->member) = static_cast<float>(desired);
   }
   if (const auto sentence = app::contradiction(parameters)) {
     throw nb::value_error(std::string(*sentence).c_str());

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint8_t kStart = 0x80, kEnd = 0x40, kToggle = 0x20, kTransferId = 0x1F;
 
-bool is(std::uint16_t type, const link::DataType& wanted) { return type == wanted.id; }
+bool is(std::uint16_t type, const link::DataType& desired) { return type == desired.id; }
 
 /// A RawCommand's i-th value: 14 bits, the low byte first.
 std::int16_t command_at(std::span<const std::uint8_t> payload, std::size_t i) {

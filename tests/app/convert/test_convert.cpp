@@ -354,7 +354,7 @@ TEST_CASE_TEMPLATE("a leader's heading and way are turned from its north to ours
     const core::Motion<S> still{{}, S(0.3), {S(1), S(2), S(3)}, {}};
     const core::Motion<S> moving{{S(200), S(100)}, S(-1), {S(4), S(5), S(6)}, {S(7), S(8), S(9)}};
     const Position own{0, 0, t.own}, leader{t.north_m, t.east_m, t.leader};
-    const auto in = encounter_of<S>(own, still, leader, moving);
+    const auto in = controller_input_of<S>(own, still, leader, moving);
     CHECK(double(in.psi) == doctest::Approx(0.3));
     CHECK(std::abs(double(in.psi_L) - (-1 + t.turn_rad)) < 1e-6);
     // Where it would be, had it told that place itself.

@@ -156,7 +156,7 @@ TEST_CASE("COMMAND_INT and SET_MODE mean what COMMAND_LONG means") {
   CHECK(denied(meaning_of(*command_of(link::SetMode{UINT32_MAX, 7, 1}))));
   CHECK(denied(meaning_of(*command_of(link::SetMode{6, 7, 0}))));
   CHECK_FALSE(command_of(link::Ping{}).has_value());
-  CHECK_FALSE(command_of(Question{}).has_value());
+  CHECK_FALSE(command_of(RequestMessage{}).has_value());
 }
 
 TEST_CASE("no bits in a command's fields, whatever they are, break anything") {

@@ -13,42 +13,43 @@ namespace {
 namespace mav = link::mav;
 constexpr std::size_t kHolds = 24;
 
-Letter letter(const Question& message, std::uint8_t link = 0, std::int64_t read_us = 0) {
+PendingRequest pending(const RequestMessage& message, std::uint8_t link = 0,
+                       std::int64_t read_us = 0) {
   return {read_us, message, {255, 190}, {1, 1}, link};
 }
-Letter command(std::uint16_t id, float first = 0) {
-  return letter(link::CommandLong{id, {first, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
+PendingRequest command(std::uint16_t id, float first = 0) {
+  return pending(link::CommandLong{id, {first, 0, 0, 0, 0, 0, 0}, {1, 1}, 0});
 }
 /// A stop makes all void that was kept.
 template <class Answer>
 bool take(Inbox& inbox, Answer answer) {
-  return inbox.take_each(answer, [](const Letter&) { return true; });
+  return inbox.take_each(answer, [](const PendingRequest&) { return true; });
 }
-std::vector<Letter> all(Inbox& inbox) {
-  std::vector<Letter> out;
-  take(inbox, [&](const Letter& letter) {
-    out.push_back(letter);
+std::vector<PendingRequest> all(Inbox& inbox) {
+  std::vector<PendingRequest> out;
+  take(inbox, [&](const PendingRequest& pending) {
+    out.push_back(pending);
     return Inbox::Taken::kAnswered;
   });
   return out;
 }
-std::uint16_t id_of(const Letter& letter) { return command_of(letter.message)->id; }
+std::uint16_t id_of(const PendingRequest& pending) { return command_of(pending.message)->id; }
 
 TEST_CASE("requests wait in their order with link and time of reading; one too many is counted") {
   Inbox inbox;
   link::Counters counters;
   for (std::uint16_t i = 0; i < kHolds + 3; ++i) {
-    Letter one = command(i);
+    PendingRequest one = command(i);
     one.link = static_cast<std::uint8_t>(i % 4U);
     one.read_us = i * 1000;
     inbox.push(one, counters);
   }
-  const auto letters = all(inbox);
-  REQUIRE(letters.size() == kHolds);
+  const auto pending = all(inbox);
+  REQUIRE(pending.size() == kHolds);
   for (std::uint16_t i = 0; i < kHolds; ++i) {
-    CHECK(id_of(letters[i]) == i);
-    CHECK(letters[i].link == i % 4U);
-    CHECK(letters[i].read_us == i * 1000);
+    CHECK(id_of(pending[i]) == i);
+    CHECK(pending[i].link == i % 4U);
+    CHECK(pending[i].read_us == i * 1000);
   }
   CHECK(counters.requests_dropped == 3);
   CHECK(all(inbox).empty());
@@ -75,18 +76,18 @@ TEST_CASE("what cannot be answered yet keeps its place, and so does what comes b
       } else {
         ++dropped;
       }
-      inbox.push(letter(link::CommandLong{next++, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}), counters);
+      inbox.push(pending(link::CommandLong{next++, {1, 0, 0, 0, 0, 0, 0}, {1, 1}, 0}), counters);
     }
     std::vector<std::uint16_t> seen, kept;
     bool last = false;
-    const bool said_last = take(inbox, [&](const Letter& letter) {
+    const bool said_last = take(inbox, [&](const PendingRequest& pending) {
       REQUIRE_FALSE(last);  // nobody is asked behind the last
-      seen.push_back(id_of(letter));
+      seen.push_back(id_of(pending));
       const auto chance = random() % 8;
       last = chance == 0;
       if (last) return kLast;
       if (chance < 6) return kAnswered;
-      kept.push_back(id_of(letter));
+      kept.push_back(id_of(pending));
       return kKept;
     });
     REQUIRE(said_last == last);
@@ -107,11 +108,11 @@ TEST_CASE("the last of all, or of none, leaves nothing behind") {
   using enum Inbox::Taken;
   Inbox inbox;
   link::Counters counters;
-  CHECK_FALSE(take(inbox, [](const Letter&) { return kLast; }));
+  CHECK_FALSE(take(inbox, [](const PendingRequest&) { return kLast; }));
   inbox.push(command(5), counters);
   inbox.push(command(6), counters);
-  CHECK(take(inbox, [](const Letter&) { return kLast; }));
-  CHECK(take(inbox, [](const Letter& one) { return id_of(one) == 6 ? kLast : kAnswered; }));
+  CHECK(take(inbox, [](const PendingRequest&) { return kLast; }));
+  CHECK(take(inbox, [](const PendingRequest& one) { return id_of(one) == 6 ? kLast : kAnswered; }));
   CHECK(all(inbox).empty());
 }
 
@@ -120,7 +121,7 @@ TEST_CASE("a stop makes void what was kept before it, and leaves what is behind 
   Inbox inbox;
   link::Counters counters;
   for (std::uint16_t i = 0; i < 9; ++i) inbox.push(command(i), counters);
-  CHECK(take(inbox, [](const Letter& one) {
+  CHECK(take(inbox, [](const PendingRequest& one) {
     if (id_of(one) == 4) return kStop;
     return id_of(one) % 2 == 0 ? kKept : kAnswered;
   }));
@@ -130,12 +131,12 @@ TEST_CASE("a stop makes void what was kept before it, and leaves what is behind 
 }
 
 /// Disarms and terminations, in either form.
-Letter stop(std::size_t any) {
+PendingRequest stop(std::size_t any) {
   const bool terminate = any % 2 == 0;
   const std::uint16_t id = terminate ? mav::kCmdDoFlightTermination : mav::kCmdComponentArmDisarm;
   const float first = terminate ? 1 : 0;
   if (any / 2 % 2 == 0) return command(id, first);
-  return letter(link::CommandInt{id, {first, 0, 0, 0}, 0, 0, 0, {1, 1}, 0});
+  return pending(link::CommandInt{id, {first, 0, 0, 0}, 0, 0, 0, {1, 1}, 0});
 }
 // read_us numbers the letters.
 TEST_CASE("no stop is ever lost, however full the inbox, nor answered before what came before it") {
@@ -149,14 +150,15 @@ TEST_CASE("no stop is ever lost, however full the inbox, nor answered before wha
   for (int tick = 0; tick < 5000; ++tick) {
     const std::size_t most = random() % 5 == 0 ? 60 : 10;
     for (auto n = random() % most; n > 0; --n) {
-      Letter one = random() % 8 == 0 ? stop(random()) : command(mav::kCmdComponentArmDisarm, 1);
+      PendingRequest one =
+          random() % 8 == 0 ? stop(random()) : command(mav::kCmdComponentArmDisarm, 1);
       if (stops(one) && owed == kHolds) continue;  // as many stops are waiting already
       one.read_us = static_cast<std::int64_t>(++pushed);
       owed += stops(one) ? 1U : 0U;
       inbox.push(one, counters);
     }
     std::int64_t latest_other = 0, latest_stop = 0;
-    take(inbox, [&](const Letter& one) {
+    take(inbox, [&](const PendingRequest& one) {
       if (stops(one)) {
         REQUIRE(one.read_us > latest_other);
         latest_stop = std::max(latest_stop, one.read_us);
@@ -174,7 +176,7 @@ TEST_CASE("no stop is ever lost, however full the inbox, nor answered before wha
     });
   }
   std::size_t left = 0;
-  for (const Letter& one : all(inbox)) {
+  for (const PendingRequest& one : all(inbox)) {
     ++left;
     owed -= stops(one) ? 1U : 0U;
   }
@@ -198,22 +200,22 @@ TEST_CASE("among however many requests, wherever it stands, a disarm is kept") {
         // An arming is no disarm, whatever it is about.
         const bool arm = random() % 2 == 0;
         inbox.push(
-            arm ? command(mav::kCmdComponentArmDisarm, 1) : letter(link::ParamRequestList{{1, 1}}),
+            arm ? command(mav::kCmdComponentArmDisarm, 1) : pending(link::ParamRequestList{{1, 1}}),
             counters);
       } else if (as_int) {
-        inbox.push(
-            letter(link::CommandInt{mav::kCmdComponentArmDisarm, {0, 0, 0, 0}, 0, 0, 0, {1, 1}, 0}),
-            counters);
+        inbox.push(pending(link::CommandInt{
+                       mav::kCmdComponentArmDisarm, {0, 0, 0, 0}, 0, 0, 0, {1, 1}, 0}),
+                   counters);
       } else {
         inbox.push(command(mav::kCmdComponentArmDisarm, 0), counters);
       }
     }
     CAPTURE(many);
     CAPTURE(at);
-    const auto letters = all(inbox);
-    CHECK(letters.size() == std::min(many, kHolds));
-    CHECK(counters.requests_dropped == many - letters.size());
-    CHECK(std::count_if(letters.begin(), letters.end(), [](const Letter& l) {
+    const auto pending = all(inbox);
+    CHECK(pending.size() == std::min(many, kHolds));
+    CHECK(counters.requests_dropped == many - pending.size());
+    CHECK(std::count_if(pending.begin(), pending.end(), [](const PendingRequest& l) {
             const auto c = command_of(l.message);
             return c && is_disarm(*c);
           }) == 1);
@@ -229,9 +231,9 @@ TEST_CASE("of many stops the last one has the last word, however full the inbox 
       inbox.push(command(mav::kCmdDoFlightTermination, 1), counters);
     }
     inbox.push(command(mav::kCmdComponentArmDisarm, 0), counters);
-    const auto letters = all(inbox);
-    REQUIRE(letters.size() == kHolds);
-    CHECK(id_of(letters.back()) == mav::kCmdComponentArmDisarm);
+    const auto pending = all(inbox);
+    REQUIRE(pending.size() == kHolds);
+    CHECK(id_of(pending.back()) == mav::kCmdComponentArmDisarm);
   }
 }
 

@@ -38,22 +38,22 @@ Bytes any_bytes(std::size_t size, std::uint8_t first) {
 
 TEST_CASE("each link has a limit of its own, and the state and the rest have purses of their own") {
   Ship s;
-  s.links.credit(1).limit(1000);
-  CHECK(s.links.credit(0).limit() == 0);
+  s.links.bucket(1).limit(1000);
+  CHECK(s.links.bucket(0).limit() == 0);
   s.links.begin(kSecond_us);  // 300 and 200 bytes
   for (int k = 0; k < 20; ++k) s.send(0, kAttitude);
-  CHECK(s.links.credit(0).for_state());
-  CHECK(s.links.credit(0).for_rest());
+  CHECK(s.links.bucket(0).for_state());
+  CHECK(s.links.bucket(0).for_rest());
   for (int k = 0; k < 5; ++k) {
-    CHECK(s.links.credit(1).for_rest());
+    CHECK(s.links.bucket(1).for_rest());
     s.send(1, kAttitude);
   }
-  CHECK_FALSE(s.links.credit(1).for_rest());
+  CHECK_FALSE(s.links.bucket(1).for_rest());
   for (int k = 0; k < 8; ++k) {
-    CHECK(s.links.credit(1).for_state());
+    CHECK(s.links.bucket(1).for_state());
     s.links.send_state(1, kAttitude, s.counters);
   }
-  CHECK_FALSE(s.links.credit(1).for_state());
+  CHECK_FALSE(s.links.bucket(1).for_state());
 }
 
 TEST_CASE("whatever a limited link is given to send, in the long run it keeps to its limit") {
@@ -62,38 +62,38 @@ TEST_CASE("whatever a limited link is given to send, in the long run it keeps to
   std::mt19937 random(kSeed);
   for (const std::uint32_t rate_Bps : {200U, 1000U, 5700U, 20'000U}) {
     Ship s;
-    s.links.credit(0).limit(rate_Bps);
+    s.links.bucket(0).limit(rate_Bps);
     std::int64_t sent = 0, time_us = 0;
     while (time_us < 120 * kSecond_us) {
       const auto dt_us = static_cast<std::int64_t>(1 + random() % 30'000);
       s.links.begin(dt_us);
       time_us += dt_us;
-      while (s.links.credit(0).for_state() && s.links.room(0) >= 700)
+      while (s.links.bucket(0).for_state() && s.links.room(0) >= 700)
         s.links.send_state(0, kAttitude, s.counters);
-      while (s.links.credit(0).for_rest() && s.links.room(0) >= 40) s.send(0, kAttitude);
+      while (s.links.bucket(0).for_rest() && s.links.room(0) >= 40) s.send(0, kAttitude);
       sent += static_cast<std::int64_t>(s.links.bytes(0).size());
     }
-    const double wanted = double(rate_Bps) * double(time_us) / 1e6;
+    const double desired = double(rate_Bps) * double(time_us) / 1e6;
     CAPTURE(rate_Bps);
-    CHECK(double(sent) <= wanted + 80);
-    CHECK(double(sent) >= wanted - 80);
+    CHECK(double(sent) <= desired + 80);
+    CHECK(double(sent) >= desired - 80);
   }
 }
 
 TEST_CASE("what was dropped for want of room is not paid for") {
   Ship s;
-  s.links.credit(0).limit(4000);
+  s.links.bucket(0).limit(4000);
   s.links.begin(kSecond_us);  // 1200 and 800 bytes
   for (int k = 0; k < 35; ++k) s.links.send_state(0, kAttitude, s.counters);
   REQUIRE(s.links.room(0) == 0);
   for (int k = 0; k < 1000; ++k) s.send(0, kAttitude);
-  CHECK(s.links.credit(0).for_rest());
-  CHECK_FALSE(s.links.credit(0).for_state());
+  CHECK(s.links.bucket(0).for_rest());
+  CHECK_FALSE(s.links.bucket(0).for_state());
 }
 
 TEST_CASE("others' traffic on a slow link keeps to what is not the state's, which is never late") {
   Ship s;
-  s.links.credit(0).limit(1000);
+  s.links.bucket(0).limit(1000);
   const Bytes file = any_bytes(280, 1);
   std::size_t handed_on = 0, states = 0;
   for (int k = 0; k < 12'000; ++k) {  // two minutes of somebody's file
@@ -102,7 +102,7 @@ TEST_CASE("others' traffic on a slow link keeps to what is not the state's, whic
     s.links.begin(kTick_us);
     handed_on += s.links.bytes(0).size();
     if (k % 10 != 0) continue;
-    states += s.links.credit(0).for_state() ? 1U : 0U;
+    states += s.links.bucket(0).for_state() ? 1U : 0U;
     s.links.send_state(0, kAttitude, s.counters);
   }
   CHECK(states == 1200);  // 400 of 600 B/s

@@ -111,9 +111,9 @@ TEST_CASE("any value that is allowed by itself and beside the others is taken an
       const float value = info.kind == ParameterKind::kSign ? std::copysign(1.0F, drawn)
                           : info.whole()                    ? std::round(drawn)
                                                             : drawn;
-      Parameters wanted;
-      wanted.*info.member = value;
-      if (!is_valid(info, value) || contradiction(wanted)) continue;
+      Parameters desired;
+      desired.*info.member = value;
+      if (!is_valid(info, value) || contradiction(desired)) continue;
       CAPTURE(value);
       const bool same = boat.values.*info.member == value;
       const SetResult result = boat.set(std::string(info.name), value);
@@ -185,9 +185,9 @@ TEST_CASE("while armed only what may change at any time changes") {
     // half way to an end, where there is room
     const float to = info.default_value == info.greatest ? info.least : info.greatest;
     const float value = info.whole() ? to : (info.default_value + to) / 2;
-    Parameters wanted;
-    wanted.*info.member = value;
-    if (contradiction(wanted)) continue;
+    Parameters desired;
+    desired.*info.member = value;
+    if (contradiction(desired)) continue;
     boat.armed = true;
     const auto result = boat.set(std::string(info.name), value);
     if (info.change == ParameterChange::kAnytime) {
@@ -258,13 +258,13 @@ TEST_CASE("a stranger sets nothing where one ground station alone may command") 
 TEST_CASE("a mode is asked of the supervisor, and told to all when it has decided") {
   Boat boat;
   const ParameterInfo& mode = *find_parameter("MODE");
-  for (const std::uint8_t wanted : {mode::kManual, mode::kHold, mode::kFormation}) {
+  for (const std::uint8_t desired : {mode::kManual, mode::kHold, mode::kFormation}) {
     for (const bool armed : {false, true}) {
       boat.armed = armed;
-      const auto result = boat.set("MODE", wanted);
+      const auto result = boat.set("MODE", desired);
       CHECK(result.what == What::kAskMode);
       CHECK(result.info == &mode);
-      CHECK(result.mode == wanted);
+      CHECK(result.mode == desired);
       CHECK(boat.values.MODE == mode::kHold);
       CHECK(boat.heard(kHere).empty());
     }
@@ -358,12 +358,12 @@ TEST_CASE("the value sent is the one in force then, not the one in force when it
 }
 
 /// One message leaves per round, and `flood` comes before each; the rounds until `wanted` leaves.
-template <class Flood, class Wanted>
-int rounds_until(Boat& boat, Flood flood, Wanted wanted) {
+template <class Flood, class Desired>
+int rounds_until(Boat& boat, Flood flood, Desired desired) {
   for (int round = 1; round <= 1000; ++round) {
     flood(round);
     const auto message = boat.service.next(kHere, boat.values);
-    if (message && wanted(*message)) return round;
+    if (message && desired(*message)) return round;
   }
   return 1001;
 }

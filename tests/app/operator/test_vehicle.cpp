@@ -86,7 +86,7 @@ struct Ship {
 
   void tick() {
     vehicle->begin(now_us, kTick_us);
-    vehicle->heed(world | vehicle->conditions(now_us), counters);
+    vehicle->apply_conditions(world | vehicle->conditions(now_us), counters);
     while (vehicle->answer(counters)) changed = vehicle->take_change() || changed;
     changed = vehicle->take_change() || changed;
     Report r;
@@ -150,21 +150,21 @@ struct Ship {
   bool take_change() { return vehicle->take_change() || std::exchange(changed, false); }
 
   /// In that state, by its operator.
-  void bring_to(State wanted) {
+  void bring_to(State desired) {
     tick();
-    if (wanted != State::kDisarmed) command(mav::kCmdComponentArmDisarm, 1);
+    if (desired != State::kDisarmed) command(mav::kCmdComponentArmDisarm, 1);
     tick();
     sticks(0, 0);
-    if (wanted == State::kManual) command(mav::kCmdDoSetMode, 1, 0);
-    if (core::law_drives(wanted)) command(mav::kCmdDoSetMode, 1, 6);
-    if (wanted == State::kTest) test_port();
-    if (wanted == State::kFault) command(mav::kCmdDoFlightTermination, 1);
+    if (desired == State::kManual) command(mav::kCmdDoSetMode, 1, 0);
+    if (core::law_drives(desired)) command(mav::kCmdDoSetMode, 1, 6);
+    if (desired == State::kTest) test_port();
+    if (desired == State::kFault) command(mav::kCmdDoFlightTermination, 1);
     tick();
-    if (wanted == State::kCoast) {
+    if (desired == State::kCoast) {
       world ^= core::kLeaderFresh | core::kLeaderLossHolds | core::kLeaderLossCoasts;
       tick();
     }
-    REQUIRE(state() == wanted);
+    REQUIRE(state() == desired);
   }
 };
 
@@ -273,7 +273,7 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   s.command(mav::kCmdComponentArmDisarm, 1);  // of 255
   s.set("LAW_KX", 0.5F);                      // too
   s.vehicle->begin(s.now_us, kTick_us);
-  s.vehicle->heed(s.world, s.counters);
+  s.vehicle->apply_conditions(s.world, s.counters);
   CHECK(s.vehicle->answer(s.counters));  // there is more, but first:
   CHECK(s.vehicle->parameters().MAV_GCS_SYSID == 99);
   CHECK(s.vehicle->links().bytes(0).empty());
@@ -849,12 +849,12 @@ TEST_CASE("MODE follows the state, and every change of it is announced on every 
   Ship s;
   const auto mode_now = [&] { return static_cast<int>(s.vehicle->parameters().MODE); };
   s.pass(0.1);
-  const auto expect_announced = [&](int wanted) {
-    CHECK(mode_now() == wanted);
+  const auto expect_announced = [&](int desired) {
+    CHECK(mode_now() == desired);
     for (const std::size_t link : {0U, 1U}) {
       const auto values = s.values("MODE", link);
       CHECK(values.size() == 1);
-      if (!values.empty()) CHECK(values[0].param_value == static_cast<float>(wanted));
+      if (!values.empty()) CHECK(values[0].param_value == static_cast<float>(desired));
     }
   };
   CHECK(mode_now() == 4);
@@ -952,8 +952,8 @@ TEST_CASE(
     for (std::size_t k = 0; k < length; ++k) sentence += static_cast<char>('a' + k % 23);
     s.vehicle->begin(s.now_us, kTick_us);
     const std::size_t cut = length / 3;
-    s.vehicle->say(5, {sentence.substr(0, cut), "", std::string_view(sentence).substr(cut)},
-                   s.counters);
+    s.vehicle->send_statustext(
+        5, {sentence.substr(0, cut), "", std::string_view(sentence).substr(cut)}, s.counters);
     for (std::size_t link = 0; link < 3; ++link) {
       const auto heard =
           received_from(s.decoders[link], s.vehicle->links().bytes(link), s.counters);
@@ -986,7 +986,7 @@ TEST_CASE(
 TEST_CASE("an endless sentence is cut off, not a crash") {
   Ship s;
   s.vehicle->begin(s.now_us, kTick_us);
-  s.vehicle->say(5, {std::string(500, 'x'), std::string(500, 'y')}, s.counters);
+  s.vehicle->send_statustext(5, {std::string(500, 'x'), std::string(500, 'y')}, s.counters);
   std::string whole;
   for (const auto& r : received_from(s.decoders[0], s.vehicle->links().bytes(0), s.counters)) {
     whole += text_of(std::get<link::Statustext>(r.message));
@@ -1075,7 +1075,7 @@ TEST_CASE("what is no request and nothing of the vehicle's is left to the boat")
 
 TEST_CASE("a limited link hears the state before all else, and keeps to its limit") {
   Ship s;
-  s.vehicle->links().credit(0).limit(1500);
+  s.vehicle->links().bucket(0).limit(1500);
   s.pass(1);
   std::size_t bytes = 0, states = 0;
   for (int k = 0; k < 3000; ++k) {

@@ -75,10 +75,10 @@ TEST_CASE_TEMPLATE("what is given is what the commands as sent will give", S, fl
     Parameters p = without_slew();
     p.THR_EXPO = static_cast<float>(part(random));
     p.THR_REV_MAX = 12;
-    const core::Thrust<S> wanted{S(thrust(random)), S(thrust(random))};
-    const auto out = Thrusters<S>(p).step(true, wanted, S(0.01));
-    CHECK(std::abs(double(out.thrust.port) - std::clamp(double(wanted.port), -12.0, 20.0)) < 0.01);
-    CHECK(std::abs(double(out.thrust.stbd) - std::clamp(double(wanted.stbd), -12.0, 20.0)) < 0.01);
+    const core::Thrust<S> desired{S(thrust(random)), S(thrust(random))};
+    const auto out = Thrusters<S>(p).step(true, desired, S(0.01));
+    CHECK(std::abs(double(out.thrust.port) - std::clamp(double(desired.port), -12.0, 20.0)) < 0.01);
+    CHECK(std::abs(double(out.thrust.stbd) - std::clamp(double(desired.stbd), -12.0, 20.0)) < 0.01);
     CHECK(double(out.given.X) == doctest::Approx(double(out.thrust.port + out.thrust.stbd)));
     CHECK(std::abs(out.raw.cmd[0]) <= 8191);
   }
@@ -108,10 +108,10 @@ TEST_CASE_TEMPLATE(
   p.THR_REV_MAX = 12;  // the same thrust is a greater command astern
   Thrusters<S> thrusters(p);
   const auto step = [&](bool may_rise) {
-    const core::Thrust<S> wanted{S(thrust(random)), S(thrust(random))};
-    const auto out = thrusters.step(true, wanted, S(0.01), may_rise);
+    const core::Thrust<S> desired{S(thrust(random)), S(thrust(random))};
+    const auto out = thrusters.step(true, desired, S(0.01), may_rise);
     return std::pair(std::max(std::abs(out.raw.cmd[0]), std::abs(out.raw.cmd[1])),
-                     core::larger(core::abs(out.thrust.port), core::abs(out.thrust.stbd)));
+                     core::max(core::abs(out.thrust.port), core::abs(out.thrust.stbd)));
   };
   for (int run = 0; run < 20; ++run) {
     auto greatest = step(true);
@@ -122,7 +122,7 @@ TEST_CASE_TEMPLATE(
       // A thrust becomes a command of 1/8191 of full scale, the nearest one.
       REQUIRE(next.second <= greatest.second + S(0.5 * 20 / 8191));
       greatest.first = next.first;
-      greatest.second = core::smaller(greatest.second, next.second);
+      greatest.second = core::min(greatest.second, next.second);
     }
   }
   thrusters.step(false, {}, S(0.01));

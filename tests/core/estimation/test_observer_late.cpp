@@ -68,7 +68,7 @@ TEST_CASE_TEMPLATE("the boat remembers half a second at any rate of ticks", S, f
     for (double t = 0; t < 5; t += h)
       observer_forward(testing::papers_vessel<S>(), state, Tau<S>{S(1), S(2)}, S(h));
     double remembered = 0;
-    for (int k = 0; k < Given<S>::kLength; ++k) {
+    for (int k = 0; k < WrenchHistory<S>::kLength; ++k) {
       remembered += double(state.given.time[k]);
       CHECK(state.given.tau[k].X == testing::approx(S(1)));
       CHECK(state.given.tau[k].N == testing::approx(S(2)));

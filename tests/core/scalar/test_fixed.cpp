@@ -16,9 +16,9 @@
 namespace flotilla::core {
 namespace {
 
-constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
-constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-const Q16 kLowest = Q16::of_raw(kLeast), kHighest = Q16::of_raw(kMost);
+constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
+constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
+const Q16 kLowest = Q16::of_raw(kMin), kHighest = Q16::of_raw(kMax);
 
 /// Of all magnitudes, and the ends of the range.
 struct RandomQ16 {
@@ -47,7 +47,7 @@ Wide rounded(Wide n, Wide d) {
 }
 
 void check_saturated(Q16 result, Wide exact) {
-  const Wide nearest_raw = std::clamp<Wide>(exact, kLeast, kMost);
+  const Wide nearest_raw = std::clamp<Wide>(exact, kMin, kMax);
   CHECK(result.raw() == static_cast<std::int64_t>(nearest_raw));
   CHECK(lowered_and_risen(exact != nearest_raw));
 }
@@ -68,7 +68,7 @@ constexpr std::array<Function, 6> kFunctions{{
 }};
 
 long double error_lsb(Q16 result, long double exact) {
-  const auto raw = std::clamp<long double>(exact * 65536, kLeast, kMost);
+  const auto raw = std::clamp<long double>(exact * 65536, kMin, kMax);
   return std::abs(static_cast<long double>(result.raw()) - raw);
 }
 
@@ -170,9 +170,8 @@ TEST_CASE("a literal is the nearest number, when the program is built") {
 TEST_CASE_TEMPLATE("a whole number of any width is itself or the nearest end, and the flag tells",
                    T, std::int16_t, std::int32_t, std::uint32_t, std::int64_t, std::uint64_t) {
   q16_overflow = false;
-  constexpr T kLeastWhole = std::numeric_limits<T>::min(),
-              kMostWhole = std::numeric_limits<T>::max();
-  std::vector<T> wholes{0, 1, 32'767, kLeastWhole, kMostWhole, kMostWhole / 2 + 1, kMostWhole / 3};
+  constexpr T kMinWhole = std::numeric_limits<T>::min(), kMaxWhole = std::numeric_limits<T>::max();
+  std::vector<T> wholes{0, 1, 32'767, kMinWhole, kMaxWhole, kMaxWhole / 2 + 1, kMaxWhole / 3};
   for (int places = 0; places < std::numeric_limits<T>::digits; ++places) {
     const T power = static_cast<T>(T{1} << places);
     wholes.insert(wholes.end(), {power, static_cast<T>(power + 5), static_cast<T>(-power)});
@@ -187,13 +186,13 @@ TEST_CASE("every function is within 0.7 LSB of the C library's, whatever the arg
   for (const Function& function : kFunctions) {
     CAPTURE(function.name);
     long double worst = 0;
-    for (std::int64_t raw = kLeast; raw <= kMost; raw += 60'013) {
+    for (std::int64_t raw = kMin; raw <= kMax; raw += 60'013) {
       worst = std::max(worst, error_lsb(function, raw));
     }
     for (std::int64_t raw = -800'000; raw <= 700'000; raw += 7) {
       worst = std::max(worst, error_lsb(function, raw));
     }
-    for (const std::int64_t raw : {kLeast, kLeast + 1, kMost - 1, kMost}) {
+    for (const std::int64_t raw : {kMin, kMin + 1, kMax - 1, kMax}) {
       worst = std::max(worst, error_lsb(function, raw));
     }
     CHECK(worst < 0.7L);
@@ -225,9 +224,9 @@ TEST_CASE("a product's share and a distance in three dimensions are rounded once
     // Nearest is r where (2r − 1)² < 4n < (2r + 1)².
     const Wide n = Wide{a.raw()} * a.raw() + Wide{b.raw()} * b.raw() + Wide{c.raw()} * c.raw();
     const Wide r = hypot(a, b, c).raw(), four = 4 * n;
-    const bool over = four > Wide{2 * kMost + 1} * (2 * kMost + 1);
+    const bool over = four > Wide{2 * kMax + 1} * (2 * kMax + 1);
     CHECK(lowered_and_risen(over));
-    REQUIRE((over ? r == kMost : four < (2 * r + 1) * (2 * r + 1)));
+    REQUIRE((over ? r == kMax : four < (2 * r + 1) * (2 * r + 1)));
     REQUIRE((r == 0 || over || four > (2 * r - 1) * (2 * r - 1)));
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // All of core in fixed point: it compiles, sails as in doubles, and says where it cannot.
 #include "core/coast.hpp"
-#include "core/estimation/answer.hpp"
-#include "core/estimation/jump.hpp"
+#include "core/estimation/plausibility.hpp"
+#include "core/estimation/thrust_response.hpp"
 #include "core/estimation/track.hpp"
 #include "core/manual.hpp"
 #include "core/piloted_boat.hpp"
@@ -89,7 +89,7 @@ TEST_CASE("one step from anywhere within a kilometre overflows nothing and pushe
 
 TEST_CASE("40 km away at 400 m/s the law says that it cannot, and no thrust is a wrapped one") {
   ControllerParams<Q16> params = testing::papers_controller<Q16>();
-  Encounter<Q16> in;
+  ControllerInput<Q16> in;
   in.separation_n = {Q16(-40000), Q16(0)};
   in.nu_L.u = Q16(400);
   auto state = controller_start(in);

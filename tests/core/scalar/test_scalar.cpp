@@ -65,8 +65,8 @@ TEST_CASE_TEMPLATE("clamp and smaller give one of their arguments", S, float, do
   CHECK(clamp(S(4), S(-1), S(3)) == S(3));
   CHECK(clamp(S(0.5), S(-1), S(3)) == S(0.5));
   CHECK(clamp(S(9), S(1), S(1)) == S(1));
-  CHECK(smaller(S(1), S(2)) == S(1));
-  CHECK(smaller(S(2), S(-1)) == S(-1));
+  CHECK(min(S(1), S(2)) == S(1));
+  CHECK(min(S(2), S(-1)) == S(-1));
 }
 
 TEST_CASE_TEMPLATE("a ratio stays within its bounds, also where the quotient is out of range", S,

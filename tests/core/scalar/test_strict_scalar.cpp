@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
 #include "core/coast.hpp"
-#include "core/estimation/answer.hpp"
-#include "core/estimation/jump.hpp"
 #include "core/estimation/observer.hpp"
+#include "core/estimation/plausibility.hpp"
+#include "core/estimation/thrust_response.hpp"
 #include "core/estimation/track.hpp"
 #include "core/manual.hpp"
 #include "core/piloted_boat.hpp"
@@ -41,7 +41,7 @@ TEST_CASE("one control step in strict scalars is that in doubles, to the last bi
                                           strict_in, Strict(dt));
       const auto out = controller_step(testing::papers_controller<double>(), state, in, dt);
       CHECK(strict.error.e.x.value() == out.error.e.x);
-      CHECK(strict.wanted.nu_star.v.value() == out.wanted.nu_star.v);
+      CHECK(strict.desired.nu_star.v.value() == out.desired.nu_star.v);
       CHECK(strict.tau.X.value() == out.tau.X);
       CHECK(strict.tau.N.value() == out.tau.N);
       CHECK(strict.allocation.thrust.port.value() == out.allocation.thrust.port);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "app/operator/credit.hpp"
+#include "app/operator/token_bucket.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -27,23 +27,23 @@ constexpr int kRun_s = 200;
 
 Shares carried(std::uint32_t rate_Bps, const Traffic& traffic, std::uint32_t seed) {
   std::mt19937 random(seed);
-  Credit credit;
-  credit.limit(rate_Bps);
+  TokenBucket bucket;
+  bucket.limit(rate_Bps);
   double state_queue = 0, rest_queue = 0, state = 0, rest = 0;
   std::int64_t time_us = 0;
   while (time_us < kRun_s * kSecond_us) {
     const auto dt_us = static_cast<std::int64_t>(5000 + random() % 10'000);
     time_us += dt_us;
-    credit.earn(dt_us);
+    bucket.earn(dt_us);
     state_queue += traffic.state_Bps * double(dt_us) / 1e6;
     rest_queue += traffic.rest_Bps * double(dt_us) / 1e6;
-    while (credit.for_state() && state_queue >= double(traffic.state_bytes)) {
-      credit.spend_on_state(traffic.state_bytes);
+    while (bucket.for_state() && state_queue >= double(traffic.state_bytes)) {
+      bucket.spend_on_state(traffic.state_bytes);
       state_queue -= double(traffic.state_bytes);
       state += double(traffic.state_bytes);
     }
-    while (credit.for_rest() && rest_queue >= double(traffic.rest_bytes)) {
-      credit.spend_on_rest(traffic.rest_bytes);
+    while (bucket.for_rest() && rest_queue >= double(traffic.rest_bytes)) {
+      bucket.spend_on_rest(traffic.rest_bytes);
       rest_queue -= double(traffic.rest_bytes);
       rest += double(traffic.rest_bytes);
     }
@@ -97,20 +97,20 @@ TEST_CASE("whatever was sent without asking, each may send again in a second and
   INFO("seed ", kSeed);
   std::mt19937 random(kSeed);
   for (int k = 0; k < 500; ++k) {
-    Credit credit;
-    credit.limit(static_cast<std::uint32_t>(1 + random() % 20'000));
+    TokenBucket bucket;
+    bucket.limit(static_cast<std::uint32_t>(1 + random() % 20'000));
     for (auto n = random() % 100; n > 0; --n) {
-      credit.spend_on_rest(random() % 1400);
-      credit.spend_on_state(random() % 1400);
-      if (random() % 2 == 0) credit.earn(kTick_us);
+      bucket.spend_on_rest(random() % 1400);
+      bucket.spend_on_state(random() % 1400);
+      if (random() % 2 == 0) bucket.earn(kTick_us);
     }
     std::int64_t state_us = 0, rest_us = 0;
     for (std::int64_t t = kTick_us; t <= 2 * kSecond_us; t += kTick_us) {
-      credit.earn(kTick_us);
-      if (state_us == 0 && credit.for_state()) state_us = t;
-      if (rest_us == 0 && credit.for_rest()) rest_us = t;
+      bucket.earn(kTick_us);
+      if (state_us == 0 && bucket.for_state()) state_us = t;
+      if (rest_us == 0 && bucket.for_rest()) rest_us = t;
     }
-    CAPTURE(credit.limit());
+    CAPTURE(bucket.limit());
     CHECK(state_us > 0);
     CHECK(state_us <= 850'000);
     CHECK(rest_us > 0);
@@ -121,53 +121,53 @@ TEST_CASE("whatever was sent without asking, each may send again in a second and
 TEST_CASE("a silent link saves up half a second's worth and no more, however long it is silent") {
   for (const std::int64_t gap_us :
        {kTick_us, kSecond_us, 3600 * kSecond_us, std::numeric_limits<std::int64_t>::max()}) {
-    Credit credit;
-    credit.limit(1000);
-    for (int k = 0; k < 500; ++k) credit.earn(gap_us);
+    TokenBucket bucket;
+    bucket.limit(1000);
+    for (int k = 0; k < 500; ++k) bucket.earn(gap_us);
     int state = 0, rest = 0;
-    for (; credit.for_state() && state < 2000; ++state) credit.spend_on_state(1);
-    for (; credit.for_rest() && rest < 2000; ++rest) credit.spend_on_rest(1);
+    for (; bucket.for_state() && state < 2000; ++state) bucket.spend_on_state(1);
+    for (; bucket.for_rest() && rest < 2000; ++rest) bucket.spend_on_rest(1);
     CHECK(state == 300);
     CHECK(rest == 200);
   }
 }
 
 TEST_CASE("a link with a limit may not send before it has earned, one without always may") {
-  Credit credit;
-  CHECK(credit.limit() == 0);
+  TokenBucket bucket;
+  CHECK(bucket.limit() == 0);
   for (int k = 0; k < 1000; ++k) {
-    CHECK(credit.for_state());
-    CHECK(credit.for_rest());
-    credit.spend_on_state(1400);
-    credit.spend_on_rest(1400);
-    if (k % 3 == 0) credit.earn(kTick_us);
+    CHECK(bucket.for_state());
+    CHECK(bucket.for_rest());
+    bucket.spend_on_state(1400);
+    bucket.spend_on_rest(1400);
+    if (k % 3 == 0) bucket.earn(kTick_us);
   }
-  credit.limit(1000);
-  CHECK(credit.limit() == 1000);
-  CHECK_FALSE(credit.for_state());
-  CHECK_FALSE(credit.for_rest());
-  credit.earn(0);
-  CHECK_FALSE(credit.for_state());
-  CHECK_FALSE(credit.for_rest());
-  credit.earn(kTick_us);  // nothing is owed from before
-  CHECK(credit.for_state());
-  CHECK(credit.for_rest());
+  bucket.limit(1000);
+  CHECK(bucket.limit() == 1000);
+  CHECK_FALSE(bucket.for_state());
+  CHECK_FALSE(bucket.for_rest());
+  bucket.earn(0);
+  CHECK_FALSE(bucket.for_state());
+  CHECK_FALSE(bucket.for_rest());
+  bucket.earn(kTick_us);  // nothing is owed from before
+  CHECK(bucket.for_state());
+  CHECK(bucket.for_rest());
 }
 
 TEST_CASE("the fastest link there is counts without overflow") {
-  Credit credit;
-  credit.limit(std::numeric_limits<std::uint32_t>::max());
+  TokenBucket bucket;
+  bucket.limit(std::numeric_limits<std::uint32_t>::max());
   for (int k = 0; k < 100; ++k) {
-    credit.earn(std::numeric_limits<std::int64_t>::max());
-    CHECK(credit.for_state());
-    CHECK(credit.for_rest());
+    bucket.earn(std::numeric_limits<std::int64_t>::max());
+    CHECK(bucket.for_state());
+    CHECK(bucket.for_rest());
     for (int n = 0; n < 100; ++n) {
-      credit.spend_on_state(1U << 30U);
-      credit.spend_on_rest(1U << 30U);
+      bucket.spend_on_state(1U << 30U);
+      bucket.spend_on_rest(1U << 30U);
     }
-    CHECK_FALSE(credit.for_state());
-    CHECK_FALSE(credit.for_rest());
-    credit.earn(kSecond_us);
+    CHECK_FALSE(bucket.for_state());
+    CHECK_FALSE(bucket.for_rest());
+    bucket.earn(kSecond_us);
   }
 }
 

@@ -33,7 +33,7 @@
 namespace flotilla::core {
 
 template <class S>
-struct AnswerParams {
+struct ThrustResponseParams {
   Vessel<S> vessel{};
   AllocationParams<S> propellers{};
   S T = S(0.5);
@@ -49,9 +49,9 @@ struct AnswerParams {
 
 /// One axis: means over T of velocity, of the wrench given and of that which the hull takes.
 template <class S>
-struct AnswerAxis {
+struct ThrustResponseAxis {
   S rate{};
-  S wanted{};
+  S desired{};
   S given{};
   S resisted{};
   S weight{};  ///< the same without regard to signs
@@ -60,18 +60,18 @@ struct AnswerAxis {
 };
 
 template <class S>
-struct AnswerState {
-  AnswerAxis<S> surge{};
-  AnswerAxis<S> yaw{};
+struct ThrustResponse {
+  ThrustResponseAxis<S> surge{};
+  ThrustResponseAxis<S> yaw{};
   S failing{};  ///< for how long it has not answered
   bool started = false;
 };
 
 template <class S>
-struct AnswerInput {
+struct ThrustResponseInput {
   S inertia{};
   S rate{};
-  S wanted{};
+  S desired{};
   S drag{};
   S coupling{};
   S given{};
@@ -79,11 +79,11 @@ struct AnswerInput {
 };
 
 template <class S>
-void answer_axis(const AnswerParams<S>& params, AnswerAxis<S>& axis, const AnswerInput<S>& in,
-                 S h) {
+void thrust_response_axis(const ThrustResponseParams<S>& params, ThrustResponseAxis<S>& axis,
+                          const ThrustResponseInput<S>& in, S h) {
   const S p = h / (params.T + h);
   axis.rate = axis.rate + p * (in.rate - axis.rate);
-  axis.wanted = axis.wanted + p * (in.wanted - axis.wanted);
+  axis.desired = axis.desired + p * (in.desired - axis.desired);
   axis.given = axis.given + p * (in.given - axis.given);
   axis.resisted = axis.resisted + p * (in.drag + in.coupling - axis.resisted);
   axis.weight = axis.weight + p * (abs(in.drag) + abs(in.coupling) - axis.weight);
@@ -99,8 +99,8 @@ void answer_axis(const AnswerParams<S>& params, AnswerAxis<S>& axis, const Answe
 }
 
 template <class S>
-bool fails(const AnswerAxis<S>& axis, S share, S near) {
-  const S lacking = axis.wanted - axis.rate;
+bool fails(const ThrustResponseAxis<S>& axis, S share, S near) {
+  const S lacking = axis.desired - axis.rate;
   const bool lacks = near < (axis.given < S(0) ? -lacking : lacking);
   return lacks && S(1) < axis.Q && axis.P < share * axis.Q;
 }
@@ -108,34 +108,36 @@ bool fails(const AnswerAxis<S>& axis, S share, S near) {
 /// The velocity was last told to be nu, and over the last h seconds the wrench was given, for the
 /// sake of that wanted.
 template <class S>
-void answer_forward(const AnswerParams<S>& params, AnswerState<S>& state, const Nu<S>& nu,
-                    const Nu<S>& wanted, const Tau<S>& given, S h) {
+void thrust_response_forward(const ThrustResponseParams<S>& params, ThrustResponse<S>& state,
+                             const Nu<S>& nu, const Nu<S>& desired, const Tau<S>& given, S h) {
   const Vessel<S>& m = params.vessel;
   const AllocationParams<S>& propellers = params.propellers;
   if (!state.started) {
-    state = AnswerState<S>{};
+    state = ThrustResponse<S>{};
     state.surge.rate = nu.u;
     state.yaw.rate = nu.r;
-    state.surge.wanted = wanted.u;
-    state.yaw.wanted = wanted.r;
+    state.surge.desired = desired.u;
+    state.yaw.desired = desired.r;
     state.started = true;
   }
-  const S most = S(2) * params.least_share * larger(propellers.F, propellers.R);
-  answer_axis(params, state.surge,
-              AnswerInput<S>{m.m11, nu.u, wanted.u, m.d11 * nu.u, -m.m22 * nu.v * nu.r, given.X,
-                             larger(params.least.u * m.d11, most)},
-              h);
-  answer_axis(params, state.yaw,
-              AnswerInput<S>{m.m33, nu.r, wanted.r, m.d33 * nu.r, (m.m22 - m.m11) * nu.u * nu.v,
-                             given.N, larger(params.least.r * m.d33, propellers.a * most)},
-              h);
+  const S most = S(2) * params.least_share * max(propellers.F, propellers.R);
+  thrust_response_axis(
+      params, state.surge,
+      ThrustResponseInput<S>{m.m11, nu.u, desired.u, m.d11 * nu.u, -m.m22 * nu.v * nu.r, given.X,
+                             max(params.least.u * m.d11, most)},
+      h);
+  thrust_response_axis(
+      params, state.yaw,
+      ThrustResponseInput<S>{m.m33, nu.r, desired.r, m.d33 * nu.r, (m.m22 - m.m11) * nu.u * nu.v,
+                             given.N, max(params.least.r * m.d33, propellers.a * most)},
+      h);
   const bool fail =
       fails(state.surge, params.surge, params.near) || fails(state.yaw, params.yaw, params.near);
-  state.failing = fail ? smaller(state.failing + h, S(10)) : S(0);
+  state.failing = fail ? min(state.failing + h, S(10)) : S(0);
 }
 
 template <class S>
-bool answers(const AnswerParams<S>& params, const AnswerState<S>& state) {
+bool answers(const ThrustResponseParams<S>& params, const ThrustResponse<S>& state) {
   return state.failing < params.patience;
 }
 

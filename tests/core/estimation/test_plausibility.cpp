@@ -4,14 +4,14 @@
 #include <cmath>
 #include <random>
 
-#include "core/estimation/jump.hpp"
+#include "core/estimation/plausibility.hpp"
 
 namespace flotilla::core {
 namespace {
 
 /// 1 m, 0.8 rad, 2 m/s, 1.5 rad/s; 10 m/s² up to 10 m/s, 10 rad/s² up to 4 rad/s.
 template <class S>
-JumpLimits<S> any_vessel() {
+PlausibilityLimits<S> any_vessel() {
   return {S(1), S(0.8), S(2), S(1.5), S(10), S(10), S(10), S(4)};
 }
 
@@ -23,13 +23,13 @@ Leg<S> sails() {
 
 template <class S>
 bool jumps(const Leg<S>& leg, double scatter = 0) {
-  return S(1) < surprise_of(any_vessel<S>(), leg, S(scatter)).share;
+  return S(1) < innovation_of(any_vessel<S>(), leg, S(scatter)).share;
 }
 
 TEST_CASE_TEMPLATE("a vessel that goes where its velocity leads is no surprise", S, float, double) {
-  const auto surprise = surprise_of(any_vessel<S>(), sails<S>(), S(0));
-  CHECK(double(surprise.off) < 1e-6);
-  CHECK(double(surprise.share) < 1e-6);
+  const auto innovation = innovation_of(any_vessel<S>(), sails<S>(), S(0));
+  CHECK(double(innovation.off) < 1e-6);
+  CHECK(double(innovation.share) < 1e-6);
 }
 
 TEST_CASE_TEMPLATE("a place, a heading, a velocity or a yaw rate too far off is a jump", S, float,

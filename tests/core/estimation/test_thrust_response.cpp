@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/estimation/answer.hpp"
+#include "core/estimation/thrust_response.hpp"
 #include "core/piloted_boat.hpp"
 
 namespace flotilla::core {
@@ -30,10 +30,10 @@ template <class S>
 double not_answering_after(const Sailing& how) {
   std::mt19937 engine(7);
   std::normal_distribution<double> force(0, how.noise > 0 ? how.noise : 1);
-  AnswerParams<S> params;
+  ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
-  AnswerState<S> state;
+  ThrustResponse<S> state;
   Hull hull{{0, 0, 0, 0, 0, 0}};
   for (double t = 0; t < how.until; t += 0.01) {
     const double heading = hull.q[2], u = hull.q[3], r = hull.q[5];
@@ -45,9 +45,9 @@ double not_answering_after(const Sailing& how) {
     const auto moved = wrench_of(AllocationParams<double>{0.25, 20, 20}, real);
     const double w = how.noise > 0 ? force(engine) : 0, w_N = how.noise > 0 ? force(engine) : 0;
     hull.advance({moved.X + w - how.drag, moved.N + w_N}, 0.01);
-    answer_forward(params, state, Nu<S>{S(hull.q[3]), S(hull.q[4]), S(hull.q[5])},
-                   Nu<S>{S(0.6), S(0), S(-0.5 * heading)},
-                   Tau<S>{S(asked.given.X), S(asked.given.N)}, S(0.01));
+    thrust_response_forward(params, state, Nu<S>{S(hull.q[3]), S(hull.q[4]), S(hull.q[5])},
+                            Nu<S>{S(0.6), S(0), S(-0.5 * heading)},
+                            Tau<S>{S(asked.given.X), S(asked.given.N)}, S(0.01));
     if (!answers(params, state)) return t < how.from ? -2 : t - how.from;
   }
   return -1;
@@ -90,13 +90,14 @@ TEST_CASE_TEMPLATE("propellers that turn the other way are seen within three sec
 
 TEST_CASE_TEMPLATE("who is given nothing, or next to nothing, is not asked to move", S, float,
                    double) {
-  AnswerParams<S> params;
+  ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
   for (const double X : {0.0, 0.8, -0.8}) {  // a current of 0.23 m/s takes as much
-    AnswerState<S> state;
+    ThrustResponse<S> state;
     for (int k = 0; k < 3000; ++k) {
-      answer_forward(params, state, {}, Nu<S>{S(X), S(0), S(X)}, Tau<S>{S(X), S(0.3 * X)}, S(0.01));
+      thrust_response_forward(params, state, {}, Nu<S>{S(X), S(0), S(X)}, Tau<S>{S(X), S(0.3 * X)},
+                              S(0.01));
       REQUIRE(answers(params, state));
     }
   }
@@ -105,36 +106,36 @@ TEST_CASE_TEMPLATE("who is given nothing, or next to nothing, is not asked to mo
 TEST_CASE_TEMPLATE(
     "a boat that stands in a stream as it shall answers, one that shall go on does not", S, float,
     double) {
-  AnswerParams<S> params;
+  ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
   for (const double X : {3.4, -3.4, 10.0}) {  // a stream of 1 m/s takes as much, one of 3 m/s
-    for (const double wanted : {0.0, 0.05, 0.4}) {
-      AnswerState<S> state;
+    for (const double desired : {0.0, 0.05, 0.4}) {
+      ThrustResponse<S> state;
       bool answered = true;
       for (int k = 0; k < 6000; ++k) {
-        const S u_star = S(X < 0 ? -wanted : wanted);
-        answer_forward(params, state, {}, Nu<S>{u_star}, Tau<S>{S(X), S(0)}, S(0.01));
+        const S u_star = S(X < 0 ? -desired : desired);
+        thrust_response_forward(params, state, {}, Nu<S>{u_star}, Tau<S>{S(X), S(0)}, S(0.01));
         answered = answered && answers(params, state);
       }
-      CHECK(answered == (wanted < 0.1));
+      CHECK(answered == (desired < 0.1));
     }
   }
 }
 
 TEST_CASE_TEMPLATE("a boat that was seen not to answer is asked anew some seconds after it stopped",
                    S, float, double) {
-  AnswerParams<S> params;
+  ThrustResponseParams<S> params;
   params.vessel = testing::papers_vessel<S>();
   params.propellers = {S(0.25), S(20), S(20)};
-  AnswerState<S> state;
+  ThrustResponse<S> state;
   for (int k = 0; k < 500; ++k) {
-    answer_forward(params, state, {}, Nu<S>{S(1)}, Tau<S>{S(10), S(0)}, S(0.01));
+    thrust_response_forward(params, state, {}, Nu<S>{S(1)}, Tau<S>{S(10), S(0)}, S(0.01));
   }
   CHECK_FALSE(answers(params, state));
   int ticks = 0;
   while (!answers(params, state)) {
-    answer_forward(params, state, {}, Nu<S>{S(1)}, {}, S(0.01));
+    thrust_response_forward(params, state, {}, Nu<S>{S(1)}, {}, S(0.01));
     REQUIRE(++ticks < 1000);
   }
   CHECK(ticks > 100);

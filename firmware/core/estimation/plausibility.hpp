@@ -27,7 +27,7 @@
 namespace flotilla::core {
 
 template <class S>
-struct JumpLimits {
+struct PlausibilityLimits {
   S position{};
   S heading{};
   S speed{};
@@ -48,7 +48,7 @@ struct Leg {
 };
 
 template <class S>
-struct Surprise {
+struct Innovation {
   S off{};    ///< m, of the place
   S share{};  ///< of the limit that is nearest, or passed: over 1 it is a jump
 };
@@ -56,7 +56,7 @@ struct Surprise {
 /// How far b is from all that lies between nothing and a.
 template <class S>
 S beyond(S a, S b) {
-  return abs(b - clamp(b, smaller(a, S(0)), larger(a, S(0))));
+  return abs(b - clamp(b, min(a, S(0)), max(a, S(0))));
 }
 
 template <class S>
@@ -69,21 +69,21 @@ S beyond(const Vec2<S>& a, const Vec2<S>& b) {
 }
 
 template <class S>
-Surprise<S> surprise_of(const JumpLimits<S>& limits, const Leg<S>& leg, S scatter) {
+Innovation<S> innovation_of(const PlausibilityLimits<S>& limits, const Leg<S>& leg, S scatter) {
   const S half = S(0.5) * leg.h;
-  const S w = smaller(limits.a * leg.h, limits.V);
-  const S w_r = smaller(limits.a_r * leg.h, limits.R);
+  const S w = min(limits.a * leg.h, limits.V);
+  const S w_r = min(limits.a_r * leg.h, limits.R);
   const Vec2<S> before = to_north_east(leg.psi_from, Vec2<S>{leg.from.u, leg.from.v});
   const Vec2<S> after = to_north_east(leg.psi_to, Vec2<S>{leg.to.u, leg.to.v});
   const Vec2<S> way = {half * (before.x + after.x), half * (before.y + after.y)};
   const auto far = [](S x) { return clamp(x, S(-15000), S(15000)); };  // is as good as anywhere
   const S off = beyond(way, {far(leg.moved_n.x), far(leg.moved_n.y)});
   const S speed = hypot(leg.from.u, leg.from.v);
-  const S sailed = smaller(leg.h * speed, S(40));
-  const S munk = smaller(S(10) * sailed * smaller(speed, S(70)), S(500));
+  const S sailed = min(leg.h * speed, S(40));
+  const S munk = min(S(10) * sailed * min(speed, S(70)), S(500));
   const S turned = wrap_pi(leg.psi_to - leg.psi_from);
   const S expected = half * (leg.from.r + leg.to.r);
-  const S turn = smaller(beyond(expected, turned), abs(wrap_pi(turned - expected)));
+  const S turn = min(beyond(expected, turned), abs(wrap_pi(turned - expected)));
   const Vec2<S> was = to_body(leg.psi_to, before);
   const S u = beyond(was.x, leg.to.u);
   const S v = beyond(was.y, leg.to.v);
@@ -92,7 +92,7 @@ Surprise<S> surprise_of(const JumpLimits<S>& limits, const Leg<S>& leg, S scatte
   const S heading = turn / (limits.heading + half * (w_r + munk));
   const S velocity = hypot(u, v) / (limits.speed + w + swing);
   const S yaw_rate = beyond(leg.from.r, leg.to.r) / (limits.yaw_rate + w_r + munk);
-  return {off, larger(larger(place, heading), larger(velocity, yaw_rate))};
+  return {off, max(max(place, heading), max(velocity, yaw_rate))};
 }
 
 /// What hardly moves: so little changes that it is no matter what was expected.
@@ -106,9 +106,9 @@ struct SmallMove {
 };
 
 template <class S>
-SmallMove<S> small_move(const JumpLimits<S>& limits) {
+SmallMove<S> small_move(const PlausibilityLimits<S>& limits) {
   const S change = S(0.25) * limits.speed;  // as much again is what 0.1 rad make of ten times that
-  return {S(0.5) * limits.position, smaller(S(0.1), limits.heading), change, S(10) * change,
+  return {S(0.5) * limits.position, min(S(0.1), limits.heading), change, S(10) * change,
           limits.yaw_rate};
 }
 

@@ -10,7 +10,7 @@ namespace flotilla::app {
 
 /// Three fifths of the rate are for the state that followers steer by, two for everything else; what
 /// one leaves the other may have. Half a second's worth may be saved up, and as much be owed.
-class Credit {
+class TokenBucket {
  public:
   /// Bytes per second; 0: no limit.
   void limit(std::uint32_t bytes_per_s) { rate_Bps_ = bytes_per_s; }
@@ -36,14 +36,14 @@ class Credit {
   std::int64_t most() const { return std::int64_t{rate_Bps_} * kSecond_us / 2; }
 
   /// What is over.
-  static std::int64_t save(std::int64_t& purse, std::int64_t earned, std::int64_t most) {
-    const std::int64_t all = purse + earned;
-    purse = std::min(all, most);
-    return all - purse;
+  static std::int64_t save(std::int64_t& bucket, std::int64_t earned, std::int64_t most) {
+    const std::int64_t all = bucket + earned;
+    bucket = std::min(all, most);
+    return all - bucket;
   }
 
-  void spend(std::int64_t& purse, std::size_t bytes) const {
-    purse = std::max(purse - static_cast<std::int64_t>(bytes) * kSecond_us, -most());
+  void spend(std::int64_t& bucket, std::size_t bytes) const {
+    bucket = std::max(bucket - static_cast<std::int64_t>(bytes) * kSecond_us, -most());
   }
 
   std::uint32_t rate_Bps_ = 0;
