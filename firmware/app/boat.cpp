@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 // ESCs want to see zeros after they were armed, before they are driven.
-constexpr std::int64_t kArmedZeros_us = 200'000;
 constexpr std::int64_t kShortCoast_us = 1'000'000;
 // 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
@@ -34,7 +33,7 @@ Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
 template <class S>
 Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
     : can_output_(storage.can),
-      vehicle_(p, links, storage),
+      vehicle_(p, supervisor_, links, storage),
       tick_rate_Hz_(p.CTL_RATE),
       pilot_(p),
       thrusters_(p),
@@ -160,18 +159,11 @@ void Boat<S>::supervise(std::int64_t now_us) {
 template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
-  if (core::armed(state()) && !core::armed(was)) armed_us_ = now_us;
-  if (state() == core::State::kCoast) {
-    if (was != state()) coast_us_ = now_us;
+  if (state() != core::State::kFormation || was == state()) return;
+  if (was == core::State::kCoast) {
+    pilot_.close_anew();
   } else {
-    coast_us_.reset();
-    if (state() == core::State::kFormation && was != state()) {
-      if (was == core::State::kCoast) {
-        pilot_.close_anew();
-      } else {
-        pilot_.start(now_us);
-      }
-    }
+    pilot_.start(now_us);
   }
 }
 
@@ -190,7 +182,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const Parameters& p = parameters();
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (idle_ticks_ > 0 && static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
-  core::Conditions met = vehicle_.conditions(now_us) |
+  core::Conditions met = supervisor_.conditions(now_us) | vehicle_.conditions(now_us) |
                          pilot_.conditions(now_us, p, core::law_drives(state())) |
                          propulsion_of(can_, p, now_us) | limits_.conditions() | choices_;
   if (host_.bus_up) met |= core::kBusUp;
@@ -204,9 +196,10 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
 
 template <class S>
 bool Boat<S>::coasts_on(std::int64_t now_us) const {
-  if (!coast_us_) return true;
+  const auto since_us = supervisor_.coasting_since_us();
+  if (!since_us) return true;
   const std::int64_t limit_us = convert::microseconds(parameters().FS_COAST_S);
-  return now_us - *coast_us_ < limit_us && pilot_.can_coast();
+  return now_us - *since_us < limit_us && pilot_.can_coast();
 }
 
 /// When this tick's place is known; the next one goes by it.
@@ -224,15 +217,10 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
 }
 
 template <class S>
-bool Boat<S>::may_drive(std::int64_t now_us) const {
-  return core::may_drive(state(), conditions_) && now_us - armed_us_ >= kArmedZeros_us;
-}
-
-template <class S>
 core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
   switch (state()) {
     case core::State::kManual: {
-      const Sticks& sticks = vehicle_.sticks();
+      const Sticks& sticks = supervisor_.sticks();
       law_output_.tau =
           core::stick_wrench(pilot_.law().propellers, convert::scalar<S>(sticks.surge),
                              convert::scalar<S>(sticks.yaw));
@@ -240,7 +228,7 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       break;
     }
     case core::State::kTest: {
-      const MotorTest& test = *vehicle_.motor_test();
+      const MotorTest& test = *supervisor_.motor_test();
       law_output_.allocation.thrust = core::test_thrust(
           pilot_.law().propellers, test.stbd ? core::Propeller::kStbd : core::Propeller::kPort,
           convert::scalar<S>(test.share));
@@ -249,8 +237,13 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
     case core::State::kCoast:
       law_output_ = pilot_.coast(now_us, dt);
       break;
-    default:
+    case core::State::kFormation:
       law_output_ = pilot_.step(now_us, dt);
+      break;
+    case core::State::kDisarmed:
+    case core::State::kHold:
+    case core::State::kFault:
+      return {};
   }
   return law_output_.allocation.thrust;
 }
@@ -259,7 +252,7 @@ template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
   const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
   pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
-  const bool drive = may_drive(now_us);
+  const bool drive = supervisor_.may_drive(conditions_, now_us);
   if (!drive || !core::law_drives(state())) law_output_ = {};
   const core::Thrust<S> desired = drive ? desired_thrust(now_us, dt) : core::Thrust<S>{};
   // COAST does not know the leader: what is told of it is what is heard of it.
@@ -317,11 +310,11 @@ void Boat<S>::complain_of_slot(std::int64_t now_us) {
   slot_too_fast_.look(u > 0 || r > 0, now_us);
   if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !slot_complaint_due_.due(now_us)) return;
   const Parameters& p = parameters();
-  const auto send_statustext = [&](const Sentence& why) {
+  const auto warn = [&](const Sentence& why) {
     vehicle_.send_statustext(link::mav::kSeverityWarning, {why.text()}, counters_);
   };
-  if (u > 0) send_statustext(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
-  if (r > 0) send_statustext(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
+  if (u > 0) warn(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
+  if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
 }
 
 /// With figures, in the tick before COAST or HOLD; the state's own sentence has none.
@@ -392,7 +385,8 @@ void Boat<S>::tell(std::int64_t now_us) {
 /// Followers of a boat that coasts for longer follow itself: it comes to rest.
 template <class S>
 std::optional<link::FormationReference> Boat<S>::reference(std::int64_t now_us) const {
-  const bool coasts = coast_us_ && now_us - *coast_us_ < kShortCoast_us;
+  const auto since_us = supervisor_.coasting_since_us();
+  const bool coasts = since_us && now_us - *since_us < kShortCoast_us;
   return pilot_.reference(now_us, state() == core::State::kFormation || coasts);
 }
 

@@ -15,6 +15,7 @@
 #include "app/operator/vehicle.hpp"
 #include "app/propulsion/can_node.hpp"
 #include "app/propulsion/thrusters.hpp"
+#include "app/supervisor.hpp"
 
 namespace flotilla::app {
 
@@ -120,7 +121,7 @@ class Boat {
   Output tick(std::int64_t now_us);
 
   Snapshot snapshot() const;
-  core::State state() const { return vehicle_.state(); }
+  core::State state() const { return supervisor_.state(); }
 
   /// Parts of the snapshot, for who looks at every tick; time as the boat counts it.
   std::int64_t now_us() const { return now_us_; }
@@ -155,7 +156,6 @@ class Boat {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (conditions_ & kSeen) == kSeen;
   }
-  bool may_drive(std::int64_t now_us) const;
   bool in_slot() const { return state() == core::State::kFormation && pilot_.in_slot(); }
   core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
@@ -172,6 +172,7 @@ class Boat {
 
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
   CanOutput& can_output_;
+  Supervisor supervisor_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   core::ControllerOutput<S> law_output_{};
@@ -181,8 +182,6 @@ class Boat {
   bool fits_ = true;              // parameters, into the scalar
   bool overflow_ = false;         // of some number since the last tick began
   bool in_range_ = true;
-  std::int64_t armed_us_ = 0;
-  std::optional<std::int64_t> coast_us_;  // since when, in COAST
   Limits limits_;
 
   Pilot<S> pilot_;

@@ -42,7 +42,7 @@ std::int64_t clock_us(clockid_t clock) {
 
 std::int64_t now() { return clock_us(CLOCK_MONOTONIC); }
 
-void send_statustext(std::string_view text) {
+void print_line(std::string_view text) {
   std::fprintf(stderr, "flotillad: %.*s\n", static_cast<int>(text.size()), text.data());
 }
 
@@ -54,13 +54,13 @@ void ask_for_real_time(const Config& config) {
     sched_param wish{};
     wish.sched_priority = config.priority;
     if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
-      send_statustext("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
-                      "): ordinary priority");
+      print_line("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
+                 "): ordinary priority");
     }
   }
   if (config.lock_memory && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-    send_statustext("locked memory refused (" + std::string(std::strerror(errno)) +
-                    "): memory may be paged");
+    print_line("locked memory refused (" + std::string(std::strerror(errno)) +
+               "): memory may be paged");
   }
 }
 
@@ -71,7 +71,7 @@ FileDescriptor catch_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGHUP);  // the terminal is gone
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);  // whoever reads what we send_statustext() may go; we stay
+  ::signal(SIGPIPE, SIG_IGN);  // whoever reads our output may go; we stay
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
 
@@ -84,7 +84,7 @@ void make_directory(const std::filesystem::path& path) {
 LoadedParameters load(const Config& config) {
   make_directory(config.state_dir);
   LoadedParameters loaded = load_parameters(config.parameter_file());
-  for (const std::string& note : loaded.notes) send_statustext(note);
+  for (const std::string& note : loaded.notes) print_line(note);
   return loaded;
 }
 
@@ -125,13 +125,12 @@ Loop::Loop(const Config& config)
 void Loop::secure() {
   const link::SigningKey key = read_signing_key(config_.signing_key);
   const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
-  if (!stored.note.empty()) send_statustext(stored.note);
+  if (!stored.note.empty()) print_line(stored.note);
   const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
   if (stored.timestamp > clock + kWorthSaying) {
-    send_statustext("the clock is " +
-                    std::to_string((stored.timestamp - clock) / kStampsPerSecond) + " s behind " +
-                    config_.signing_time_file().filename().string() +
-                    ": who signs by another clock may be refused");
+    print_line("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
+               " s behind " + config_.signing_time_file().filename().string() +
+               ": who signs by another clock may be refused");
   }
   boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
@@ -142,9 +141,9 @@ int Loop::run() {
   deadline_us_ = now() + period_us_;
   const itimerspec grid{time_of(period_us_), time_of(deadline_us_)};
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &grid, nullptr);
-  service_manager_.send_statustext("READY=1");
-  send_statustext("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) +
-                  " on " + config_.can);
+  service_manager_.notify("READY=1");
+  print_line("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) +
+             " on " + config_.can);
   while (!stopping_) {
     wait();
     if (timer_fired_) tick();
@@ -241,12 +240,12 @@ void Loop::keep_house(std::int64_t now_us) {
   house_kept_us_ = now_us;
   bus_->maintain();
   if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
-    send_statustext(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
+    print_line(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
   }
   for (const auto& link : links_) link->maintain();
-  if (const auto complaint = logs_.complaint()) send_statustext(*complaint);
+  if (const auto complaint = logs_.complaint()) print_line(*complaint);
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
-    send_statustext(*complaint);
+    print_line(*complaint);
   }
   report_outcome();
   note_changes();
@@ -254,7 +253,7 @@ void Loop::keep_house(std::int64_t now_us) {
   // A disk may take its time, which an armed boat has not.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    send_statustext(error);
+    print_line(error);
   }
 }
 
@@ -296,11 +295,11 @@ void Loop::report_outcome() {
 void Loop::report_saved(std::string_view why, const std::optional<std::string>& fault) {
   const bool failed_before = std::exchange(save_failed_, fault.has_value());
   if (fault) {
-    if (!failed_before) send_statustext(*fault);
+    if (!failed_before) print_line(*fault);
     return;
   }
   parameters_.must_be_confirmed = false;
-  send_statustext("parameters saved (" + std::string(why) + ")");
+  print_line("parameters saved (" + std::string(why) + ")");
 }
 
 void Loop::shut_down() {
@@ -312,7 +311,7 @@ void Loop::shut_down() {
     const timespec next = time_of(now_us + period_us_);
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
-  service_manager_.send_statustext("STOPPING=1");
+  service_manager_.notify("STOPPING=1");
   saver_.finish();
   report_outcome();
   note_changes();
@@ -321,7 +320,7 @@ void Loop::shut_down() {
                                             parameters_.unknown));
   }
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    send_statustext(error);
+    print_line(error);
   }
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   write_stats();
@@ -331,7 +330,7 @@ void Loop::write_stats() const {
   if (config_.stats.empty()) return;
   std::FILE* file = std::fopen(config_.stats.c_str(), "w");
   if (file == nullptr) {
-    send_statustext("stats " + config_.stats.string() + ": " + std::strerror(errno));
+    print_line("stats " + config_.stats.string() + ": " + std::strerror(errno));
     return;
   }
   const auto put = [&](const char* name, const Latency& latency) {

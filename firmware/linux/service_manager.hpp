@@ -32,7 +32,7 @@ class ServiceManager {
     socket_ = FileDescriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   }
 
-  void send_statustext(std::string_view what) const {
+  void notify(std::string_view what) const {
     if (!socket_) return;
     ::sendto(socket_.get(), what.data(), what.size(), MSG_NOSIGNAL,
              reinterpret_cast<const sockaddr*>(&address_), length_);
@@ -42,7 +42,7 @@ class ServiceManager {
   void alive(std::int64_t now_us) {
     if (interval_us_ <= 0 || now_us - last_us_ < interval_us_) return;
     last_us_ = now_us;
-    send_statustext("WATCHDOG=1");
+    notify("WATCHDOG=1");
   }
 
  private:

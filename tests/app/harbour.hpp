@@ -45,14 +45,12 @@ struct Harbour {
     return m;
   }
 
-  void send_statustext(link::MavlinkEncoder& who, const link::Message& message,
-                       std::size_t link = 0) {
+  void tell(link::MavlinkEncoder& who, const link::Message& message, std::size_t link = 0) {
     boat.on_mavlink(frame_of(who, message), now_us, link);
   }
 
   void command(std::uint16_t number, float first, float second = 0, std::size_t link = 0) {
-    send_statustext(operator_, link::CommandLong{number, {first, second, 0, 0, 0, 0, 0}, 1, 1, 0},
-                    link);
+    tell(operator_, link::CommandLong{number, {first, second, 0, 0, 0, 0, 0}, 1, 1, 0}, link);
   }
   void arm(float force = 0) { command(link::mav::kCmdComponentArmDisarm, 1, force); }
   void disarm() { command(link::mav::kCmdComponentArmDisarm, 0); }
@@ -73,10 +71,10 @@ struct Harbour {
   void talk() {
     const link::GpsGlobalOrigin origin{410'000'000, 20'000'000, 0, 0};
     const bool second = now_us % 1'000'000 < kTick_us;
-    if (navigation_talks) send_statustext(navigation, state(now_us, 0, 0));
-    if (navigation_talks && second) send_statustext(navigation, origin);
-    if (leader_talks) send_statustext(leader, state(now_us + leader_clock_us, leader_north_m, 0));
-    if (leader_talks && second) send_statustext(leader, origin);
+    if (navigation_talks) tell(navigation, state(now_us, 0, 0));
+    if (navigation_talks && second) tell(navigation, origin);
+    if (leader_talks) tell(leader, state(now_us + leader_clock_us, leader_north_m, 0));
+    if (leader_talks && second) tell(leader, origin);
     if (now_us % 100'000 >= kTick_us) return;
     for (const std::uint8_t index : std::initializer_list<std::uint8_t>{0, 1}) {
       if (!(index == 0 ? port_talks : stbd_talks)) continue;

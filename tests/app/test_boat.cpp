@@ -143,7 +143,7 @@ TEST_CASE_TEMPLATE("in COAST the operator has the last word", S, float, double) 
     h.leader_talks = false;
     h.sail(2);
     REQUIRE(h.boat.state() == State::kCoast);
-    if (mode == 0) h.send_statustext(h.operator_, link::ManualControl{0, 0, 0, 0, 0, 1});
+    if (mode == 0) h.tell(h.operator_, link::ManualControl{0, 0, 0, 0, 0, 1});
     h.mode(mode);
     h.step();
     CHECK(h.boat.state() == (mode == 0   ? State::kManual
@@ -231,8 +231,8 @@ TEST_CASE_TEMPLATE("every command is answered once, on the link it came by, gran
   CHECK(answer_to(mav::kCmdDoSetMode, 1, 77) == mav::kDenied);
   CHECK(answer_to(9999, 0, 0) == mav::kUnsupported);
   CHECK(answer_to(mav::kCmdComponentArmDisarm, 0, 0) == mav::kAccepted);
-  h.send_statustext(h.operator_,
-                    link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, 9, 1, 0});
+  h.tell(h.operator_,
+         link::CommandLong{mav::kCmdComponentArmDisarm, {1, 0, 0, 0, 0, 0, 0}, 9, 1, 0});
   h.step();
   CHECK(h.template all<link::CommandAck>().empty());  // it was for another boat
   CHECK(h.boat.state() == State::kDisarmed);
@@ -319,13 +319,13 @@ TEST_CASE_TEMPLATE("told to follow another and to go on in the same tick, a boat
   h.step();
   link::ParamSet leader{55, {1, 1}, {}, mav::kParamReal32};
   std::strncpy(leader.param_id.data(), "FORM_LEADER", leader.param_id.size());
-  h.send_statustext(h.operator_, leader);
+  h.tell(h.operator_, leader);
   h.mode(6);
   h.step();
   CHECK(h.boat.state() == State::kHold);
   CHECK(h.template all<link::CommandAck>().at(0).result == mav::kTemporarilyRejected);
   leader.param_value = 100;
-  h.send_statustext(h.operator_, leader);
+  h.tell(h.operator_, leader);
   h.sail(2);
   h.mode(6);
   h.step();
@@ -358,11 +358,11 @@ TEST_CASE_TEMPLATE("no foreign system id ever moves the own track or the leader'
   for (int k = 0; k < 300; ++k) {
     for (const std::uint8_t system : std::initializer_list<std::uint8_t>{0, 2, 50, 99, 101, 255}) {
       link::MavlinkEncoder foreign({system, 1});
-      h.send_statustext(foreign, Harbour<S>::state(h.now_us + k, 777, 9));
-      h.send_statustext(foreign, link::GpsGlobalOrigin{1, 1, 0, 0});
+      h.tell(foreign, Harbour<S>::state(h.now_us + k, 777, 9));
+      h.tell(foreign, link::GpsGlobalOrigin{1, 1, 0, 0});
     }
     link::MavlinkEncoder echo({1, 1});  // our own voice, come back over another link
-    h.send_statustext(echo, Harbour<S>::state(h.now_us + k, 777, 9));
+    h.tell(echo, Harbour<S>::state(h.now_us + k, 777, 9));
     h.step();
     alone.step();
     CHECK(h.boat.snapshot().error.x == alone.boat.snapshot().error.x);
@@ -375,8 +375,8 @@ TEST_CASE_TEMPLATE("without both origins no leader is followed", S, float, doubl
   Harbour<S> h;
   for (int k = 0; k < 90; ++k) {
     h.now_us += Harbour<S>::kTick_us;
-    h.send_statustext(h.navigation, Harbour<S>::state(h.now_us, 0, 0));
-    h.send_statustext(h.leader, Harbour<S>::state(h.now_us + h.leader_clock_us, 3, 0));
+    h.tell(h.navigation, Harbour<S>::state(h.now_us, 0, 0));
+    h.tell(h.leader, Harbour<S>::state(h.now_us + h.leader_clock_us, 3, 0));
     h.tick();
     CHECK((h.boat.snapshot().conditions & core::kLeaderFresh) == 0);
   }
@@ -439,7 +439,7 @@ TEST_CASE_TEMPLATE("whoever asks for the time is told it, once, with his number"
                    double) {
   Harbour<S> h;
   h.sail(1);
-  h.send_statustext(h.operator_, link::Timesync{0, 123'456'789});
+  h.tell(h.operator_, link::Timesync{0, 123'456'789});
   const std::int64_t read_us = h.now_us;
   std::size_t answers = 0;
   for (int k = 0; k < 50; ++k) {
@@ -493,7 +493,7 @@ TEST_CASE_TEMPLATE("noise on every wire crashes nothing and starts no propeller"
     testing::Bytes noise(any.u32() % 100);
     for (auto& byte : noise) byte = any.u8();
     h.boat.on_mavlink(noise, h.now_us, 0);
-    h.send_statustext(anyone, any(1 + any.u32() % (testing::kMessages - 1)));
+    h.tell(anyone, any(1 + any.u32() % (testing::kMessages - 1)));
     h.boat.on_can(any.u32(), std::span(noise).first(std::min<std::size_t>(noise.size(), 8)),
                   h.now_us);
     h.step();

@@ -184,7 +184,7 @@ TEST_CASE_TEMPLATE(
     h.boat.limit_link(0, 60);
     h.sail(4);
     for (int i = 0; i < k; ++i) h.step();
-    h.send_statustext(h.navigation, link::GpsGlobalOrigin{kMoved, 20'000'000, 0, 0});
+    h.tell(h.navigation, link::GpsGlobalOrigin{kMoved, 20'000'000, 0, 0});
     for (int i = k; i < 98; ++i) {  // until the harbour's unit tells its own again
       h.step();
       for (const link::Message& message : h.received[0]) {

@@ -18,7 +18,7 @@ using Harbour = testing::Harbour<S>;
 /// A tick with the sticks held.
 template <class S>
 void step_with_sticks(Harbour<S>& h, std::int16_t surge, std::int16_t yaw) {
-  h.send_statustext(h.operator_, link::ManualControl{surge, 0, 0, yaw, 0, 1});
+  h.tell(h.operator_, link::ManualControl{surge, 0, 0, yaw, 0, 1});
   h.step();
 }
 
@@ -48,9 +48,8 @@ TEST_CASE_TEMPLATE("a motor test turns its propeller alone, for its time", S, fl
     h.sail(2);
     h.arm();
     h.sail(0.5);
-    h.send_statustext(
-        h.operator_,
-        link::CommandLong{mav::kCmdDoMotorTest, {stbd ? 2.0F : 1.0F, 0, 10, 1}, {1, 1}, 0});
+    h.tell(h.operator_,
+           link::CommandLong{mav::kCmdDoMotorTest, {stbd ? 2.0F : 1.0F, 0, 10, 1}, {1, 1}, 0});
     h.sail(0.5);
     CHECK(h.boat.state() == State::kTest);
     CHECK(h.raw.cmd[stbd ? 1 : 0] == doctest::Approx(819).epsilon(0.01));
@@ -72,8 +71,7 @@ TEST_CASE_TEMPLATE("a leader that answers requests for the time is known more ex
     for (const auto& request : h.template all<link::Timesync>()) {
       if (request.tc1 != 0) continue;
       asked = true;
-      h.send_statustext(h.leader,
-                        link::Timesync{(h.now_us + h.leader_clock_us) * 1000, request.ts1, {1, 1}});
+      h.tell(h.leader, link::Timesync{(h.now_us + h.leader_clock_us) * 1000, request.ts1, {1, 1}});
     }
   }
   CHECK(asked);
@@ -87,7 +85,7 @@ TEST_CASE_TEMPLATE("ODOMETRY in a frame without north is refused, and the operat
   h.sail(1);
   link::Odometry odometry = Harbour<S>::state(h.now_us, 0, 0);
   odometry.frame_id = mav::kFrameBodyFrd;
-  h.send_statustext(h.navigation, odometry);
+  h.tell(h.navigation, odometry);
   h.step();
   CHECK(h.says("ODOMETRY refused"));
   CHECK(h.boat.snapshot().counters.mavlink_bad_frame == 1);
@@ -107,7 +105,7 @@ TEST_CASE_TEMPLATE("told to follow itself, a boat does not", S, float, double) {
   h.sail(2);
   link::ParamSet leader{1, {1, 1}, {}, mav::kParamReal32};
   std::strncpy(leader.param_id.data(), "FORM_LEADER", leader.param_id.size());
-  h.send_statustext(h.operator_, leader);
+  h.tell(h.operator_, leader);
   h.step();
   CHECK(h.boat.parameters().FORM_LEADER == 100);
 }

@@ -95,7 +95,7 @@ TEST_CASE(
   h.leader_talks = false;
   const auto before = h.raw.cmd;
   for (int i = 0; i < 300; ++i) {
-    h.send_statustext(h.leader, Harbour<Q16>::state(h.now_us + h.leader_clock_us, 3, 400));
+    h.tell(h.leader, Harbour<Q16>::state(h.now_us + h.leader_clock_us, 3, 400));
     h.step();
     CHECK(std::abs(h.raw.cmd[0]) <= std::max(std::abs(before[0]), std::abs(before[1])) + 8191);
     CHECK(h.boat.state() != State::kFault);

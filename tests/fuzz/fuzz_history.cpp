@@ -75,15 +75,14 @@ void History<S>::op(Stream& in) {
     case Op::kMessage: {
       const std::uint8_t who = in.byte();
       const std::size_t where = link();
-      talkers_->send_statustext(who, any_message(in), now_us_, where);
+      talkers_->tell(who, any_message(in), now_us_, where);
       break;
     }
     case Op::kCommand:
       any_command(in);
       break;
     case Op::kParameter:
-      talkers_->send_statustext(Talkers<S>::kOperator, any_parameter(in, boat_->boat().self()),
-                                now_us_);
+      talkers_->tell(Talkers<S>::kOperator, any_parameter(in, boat_->boat().self()), now_us_);
       break;
     case Op::kFrame:
       push(any_frame(in));
@@ -119,8 +118,8 @@ template <class S>
 void History<S>::ask(std::uint8_t what) {
   namespace mav = link::mav;
   const auto command = [&](std::uint16_t number, std::array<float, 7> param) {
-    talkers_->send_statustext(Talkers<S>::kOperator,
-                              link::CommandLong{number, param, boat_->boat().self(), 0}, now_us_);
+    talkers_->tell(Talkers<S>::kOperator, link::CommandLong{number, param, boat_->boat().self(), 0},
+                   now_us_);
   };
   switch (what % 9) {
     case 0:
@@ -156,8 +155,8 @@ void History<S>::any_command(Stream& in) {
       boat_->boat().self(),
       static_cast<std::uint8_t>(flags & 1U)};
   for (float& x : command.param) x = any_param(in);
-  talkers_->send_statustext((flags & 2U) != 0 ? in.byte() : std::uint8_t{Talkers<S>::kOperator},
-                            command, now_us_, (flags >> 2U) % boat_->links());
+  talkers_->tell((flags & 2U) != 0 ? in.byte() : std::uint8_t{Talkers<S>::kOperator}, command,
+                 now_us_, (flags >> 2U) % boat_->links());
 }
 
 template <class S>
@@ -203,15 +202,15 @@ void History<S>::host(Stream& in) {
 
 template <class S>
 void History<S>::tell(Talkers<S>& talkers, std::uint8_t who, const Vessel& vessel) {
-  vessel.tell(now_us_, [&](const link::Message& m) { talkers.send_statustext(who, m, now_us_); });
-  if (now_us_ >= second_due_us_) talkers.send_statustext(who, vessel.origin, now_us_);
+  vessel.tell(now_us_, [&](const link::Message& m) { talkers.tell(who, m, now_us_); });
+  if (now_us_ >= second_due_us_) talkers.tell(who, vessel.origin, now_us_);
 }
 
 /// Of the boat's request for the time, by who hears it.
 template <class S>
 void History<S>::answer_time(const link::Timesync& request) {
   const auto answer = [&](std::uint8_t who, const Vessel& vessel) {
-    talkers_->send_statustext(
+    talkers_->tell(
         who, link::Timesync{(now_us_ + vessel.clock_us) * 1000, request.ts1, boat_->boat().self()},
         now_us_);
   };
@@ -231,12 +230,11 @@ void History<S>::talk() {
   if ((talk_ & kTalkImpostor) != 0) tell(t, kImpostor, other_);
   if ((talk_ & kTalkSticks) != 0) {
     sticks_.target_system = boat_->boat().self().system;
-    t.send_statustext(T::kOperator, sticks_, now_us_);
+    t.tell(T::kOperator, sticks_, now_us_);
   }
   if ((talk_ & kTalkOperator) != 0 && now_us_ >= second_due_us_) {
-    t.send_statustext(T::kOperator,
-                      link::Heartbeat{0, link::mav::kTypeGcs, link::mav::kAutopilotInvalid, 0, 4},
-                      now_us_);
+    t.tell(T::kOperator,
+           link::Heartbeat{0, link::mav::kTypeGcs, link::mav::kAutopilotInvalid, 0, 4}, now_us_);
   }
   if (now_us_ >= second_due_us_) second_due_us_ = now_us_ + kSecond_us;
   if (now_us_ >= escs_due_us_) talk_bus();

@@ -40,8 +40,8 @@ class Talkers {
   static constexpr std::size_t kCount = 8;
 
   /// Signed where the link has a key.
-  void send_statustext(std::uint8_t who, const link::Message& message, std::int64_t now_us,
-                       std::size_t link = 0) {
+  void tell(std::uint8_t who, const link::Message& message, std::int64_t now_us,
+            std::size_t link = 0) {
     std::array<std::uint8_t, 300> out;
     const std::size_t size = encoders_[who % kCount].encode(
         message, out, signs_ ? &signing_ : nullptr, static_cast<std::uint8_t>(link));

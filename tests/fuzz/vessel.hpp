@@ -37,7 +37,7 @@ struct Vessel {
 
   /// Calls say(message) for each message that tells the state of now; never the same twice.
   template <class Say>
-  void tell(std::int64_t now_us, Say send_statustext) const {
+  void tell(std::int64_t now_us, Say tell) const {
     const double noise = 1e-4 * static_cast<double>(now_us / 1000 % 37 - 18);
     const auto state = app::convert::own_state_of<double>({north_m + noise, east_m - noise, origin},
                                                           {{}, psi + noise, {u, 0, r}, {}});
@@ -47,16 +47,16 @@ struct Vessel {
       case 0: {
         link::Odometry odometry = app::convert::odometry_of(state, boot_ms);
         odometry.time_usec = static_cast<std::uint64_t>(stamp_us);
-        return send_statustext(odometry);
+        return tell(odometry);
       }
       case 1:
-        send_statustext(app::convert::attitude_of(state, boot_ms));
-        return send_statustext(app::convert::local_position_of(state, boot_ms));
+        tell(app::convert::attitude_of(state, boot_ms));
+        return tell(app::convert::local_position_of(state, boot_ms));
       case 2:
-        send_statustext(app::convert::attitude_of(state, boot_ms));
-        return send_statustext(app::convert::global_position_of(state, boot_ms));
+        tell(app::convert::attitude_of(state, boot_ms));
+        return tell(app::convert::global_position_of(state, boot_ms));
       default:
-        return send_statustext(app::convert::follow_target_of(state, boot_ms));
+        return tell(app::convert::follow_target_of(state, boot_ms));
     }
   }
 };

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "app/operator/failure.hpp"
+#include "app/supervisor.hpp"
 #include "core/supervisor.hpp"
 #include "link/mavlink/ftp_server.hpp"
 #include "link/mavlink/messages.hpp"
@@ -36,13 +37,6 @@ bool is_disarm(const Command& command);
 
 /// Disarming or flight termination.
 bool is_stop(const Command& command);
-
-struct MotorTest {
-  bool stbd = false;
-  double share = 0;  ///< of the greatest thrust, negative astern
-  std::int64_t duration_us = 0;
-  bool operator==(const MotorTest&) const = default;
-};
 
 struct MessageRequest {
   std::uint16_t id = 0;

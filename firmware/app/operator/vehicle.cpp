@@ -15,22 +15,9 @@ namespace mav = link::mav;
 using core::Request;
 using core::State;
 
-constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
 // Of a tick's 1400 bytes: for the heartbeat and the state, and for 24 answers beside them.
 constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
 constexpr std::size_t kSentenceRoom = 200;  // of two chunks
-
-std::uint8_t mode_of(State state) {
-  switch (state) {
-    case State::kManual:
-      return mode::kManual;
-    case State::kFormation:
-    case State::kCoast:
-      return mode::kFormation;
-    default:
-      return mode::kHold;
-  }
-}
 
 /// What of it is for the tick to answer, if anything.
 struct QuestionOf {
@@ -76,8 +63,10 @@ bool asks_for_message(const PendingRequest& pending) {
 
 }  // namespace
 
-Vehicle::Vehicle(const Parameters& p, std::size_t links, const Storage& storage)
-    : parameters_(p),
+Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, std::size_t links,
+                 const Storage& storage)
+    : supervisor_(supervisor),
+      parameters_(p),
       identity_(p),
       links_(identity_.self(), storage.links.first(links), storage.mavlink, storage.signing),
       router_(storage.routes.first(links)),
@@ -98,8 +87,8 @@ Vehicle::Vehicle(const Parameters& p, std::size_t links, const Storage& storage)
 
 void Vehicle::freshen() {
   report_.self = self();
-  report_.mode = mode_of(state_);
-  report_.intended_mode = intended_mode_;
+  report_.mode = supervisor_.mode();
+  report_.intended_mode = supervisor_.intended_mode();
 }
 
 bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
@@ -147,7 +136,7 @@ void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int
   }
 }
 
-/// Of the operator who takes them first, until he lets go; never those that are meant for a fleet.
+/// Only from an operator who may command, and only where they are addressed to this boat.
 void Vehicle::take_sticks(const link::Received& received, const link::ManualControl& message,
                           std::int64_t now_us, link::Counters& counters) {
   const auto surge = convert::stick_of(message.x), yaw = convert::stick_of(message.r);
@@ -155,14 +144,10 @@ void Vehicle::take_sticks(const link::Received& received, const link::ManualCont
     ++counters.mavlink_bad_value;
     return;
   }
-  const bool held = sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us;
-  if (received.target.system == 0 || identity_.is_autopilots(received.target) ||
-      !may_command(received.from) || (held && sticks_from_ != received.from)) {
-    return;
+  const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
+  if (ours && may_command(received.from)) {
+    supervisor_.take_sticks({*surge, *yaw}, received.from, now_us);
   }
-  sticks_ = {*surge, *yaw};
-  sticks_from_ = received.from;
-  sticks_us_ = now_us;
 }
 
 bool Vehicle::may_command(link::Address from) const {
@@ -174,30 +159,26 @@ void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
   now_us_ = now_us;
   links_.begin(dt_us);
   streams_.forget_silent_radios(now_us);
-  if (identity_.latch(core::armed(state_), now_us)) {
+  if (identity_.latch(core::armed(supervisor_.state()), now_us)) {
     links_.rename(identity_.self());
     changed_ = true;
   }
 }
 
 core::Conditions Vehicle::conditions(std::int64_t now_us) const {
-  core::Conditions met = 0;
-  if (sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us) met |= core::kSticksFresh;
-  if (test_ && now_us < test_end_us_) met |= core::kTestRunning;
   const std::int64_t silence_us = convert::microseconds(parameters_.FS_GCS_S);
-  if (silence_us == 0 || (gcs_us_ && now_us - *gcs_us_ < silence_us)) met |= core::kGcsHeard;
-  return met;
+  const bool heard = silence_us == 0 || (gcs_us_ && now_us - *gcs_us_ < silence_us);
+  return heard ? core::kGcsHeard : core::Conditions{0};
 }
 
 void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& counters) {
-  conditions_ = conditions;
-  const core::Verdict verdict = core::supervise(state_, Request::kNone, conditions_);
-  if (verdict.granted) enter(verdict.state, verdict.missing, counters);
+  const auto decision = supervisor_.apply_conditions(conditions, now_us_);
+  if (decision.changed) announce_state(decision.missing, counters);
 }
 
 bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
-  const auto thrust_response_one = [&](const PendingRequest& pending) {
+  const auto answer_one = [&](const PendingRequest& pending) {
     // The heartbeat and the state need their room too; what stops the boat needs none.
     const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
     if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
@@ -210,60 +191,39 @@ bool Vehicle::answer(link::Counters& counters) {
     if (undone) ++counters.requests_dropped;
     return undone;
   };
-  const bool more = inbox_.take_each(thrust_response_one, is_void);
-  if (!more && std::exchange(disarm_, false) && state_ != State::kDisarmed) {
-    enter(State::kDisarmed, 0, counters);
+  const bool more = inbox_.take_each(answer_one, is_void);
+  if (!more && std::exchange(disarm_, false) &&
+      supervisor_.request(Request::kDisarm, now_us_).changed) {
+    announce_state(0, counters);
   }
   return more;
 }
 
-core::Verdict Vehicle::ask(Asked& asked) {
-  if (asked.motor_test) return ask_for_test(asked);
-  const core::Verdict verdict = core::supervise(state_, asked.request, conditions_);
-  if (!verdict.granted) {
-    asked.result = mav::kTemporarilyRejected;
-  } else if (asked.request == Request::kManual) {
-    intended_mode_ = mode::kManual;
-  } else if (asked.request == Request::kHold) {
-    intended_mode_ = mode::kHold;
-  } else if (asked.request == Request::kFormation) {
-    intended_mode_ = mode::kFormation;
-  }
-  return verdict;
-}
-
-core::Verdict Vehicle::ask_for_test(Asked& asked) {
-  if (is_repeated(asked)) return {state_, true, 0};
-  if (convert::is_dead(asked.motor_test->share, parameters_)) {
+Supervisor::Decision Vehicle::ask(Asked& asked) {
+  Supervisor::Decision decision{true, false, 0};
+  if (!asked.motor_test) {
+    decision = supervisor_.request(asked.request, now_us_);
+  } else if (supervisor_.is_repeated(*asked.motor_test, asked.repeated, now_us_)) {
+    return decision;
+  } else if (convert::is_dead(asked.motor_test->share, parameters_)) {
     asked.result = mav::kDenied;
-    return {state_, false, 0};
-  }
-  const core::Verdict verdict =
-      core::supervise(state_, asked.request, conditions_ | core::kTestRunning);
-  if (verdict.granted) {
-    test_ = asked.motor_test;
-    test_end_us_ = now_us_ + test_->duration_us;
-    conditions_ |= core::kTestRunning;
+    return {false, false, 0};
   } else {
-    asked.result = mav::kTemporarilyRejected;
+    decision = supervisor_.request_test(*asked.motor_test, now_us_);
   }
-  return verdict;
-}
-
-/// A test's answer may have been lost: asked for once more it is neither longer nor a second one.
-bool Vehicle::is_repeated(const Asked& asked) const {
-  if (test_ != asked.motor_test) return false;
-  return state_ == State::kTest || (asked.repeated && now_us_ - test_end_us_ < kRepeated_us);
+  if (!decision.granted) asked.result = mav::kTemporarilyRejected;
+  return decision;
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {
   if (!(request == Request::kArm ? arm_refusal_due_ : refusal_due_).due(now_us_)) return;
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {
-    const auto* const why = state_ == State::kFault      ? "FAULT, disarm first"
-                            : state_ == State::kDisarmed ? "arm first"
-                            : state_ == State::kHold     ? "THR_DEAD is above that thrust"
-                                                         : "HOLD first";
+    const State state = supervisor_.state();
+    const auto* const why = state == State::kFault      ? "FAULT, disarm first"
+                            : state == State::kDisarmed ? "arm first"
+                            : state == State::kHold     ? "THR_DEAD is above that thrust"
+                                                        : "HOLD first";
     send_statustext(mav::kSeverityWarning, {what, why}, counters);
     return;
   }
@@ -274,10 +234,8 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
   });
 }
 
-void Vehicle::enter(State state, core::Conditions missing, link::Counters& counters) {
-  if (state_ == State::kTest) test_end_us_ = std::min(test_end_us_, now_us_);
-  state_ = state;
-  if (state == State::kDisarmed) intended_mode_ = mode::kHold;
+void Vehicle::announce_state(core::Conditions missing, link::Counters& counters) {
+  const State state = supervisor_.state();
   const bool terminated = state == State::kFault && missing == 0;
   const bool test_over = missing == core::kTestRunning;
   const std::string_view why = terminated  ? "terminated, disarm to leave"
@@ -289,8 +247,8 @@ void Vehicle::enter(State state, core::Conditions missing, link::Counters& count
   send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(mav::kCurrentModeId);
-  if (parameters_.MODE == mode_of(state)) return;
-  parameters_.MODE = mode_of(state);
+  if (parameters_.MODE == supervisor_.mode()) return;
+  parameters_.MODE = supervisor_.mode();
   parameter_service_.announce(*find_parameter("MODE"));
 }
 

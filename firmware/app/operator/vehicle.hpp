@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat as a MAVLink vehicle: who it is, what it was asked, which state that led to, what it
-// tells. It knows nothing of courses and thrusts.
+// The boat as a MAVLink vehicle: it turns messages into requests, and states into messages. The
+// supervisor decides; nothing here knows of courses and thrusts.
 #pragma once
 
 #include <array>
@@ -20,6 +20,7 @@
 #include "app/operator/storage.hpp"
 #include "app/operator/streams.hpp"
 #include "app/operator/telemetry.hpp"
+#include "app/supervisor.hpp"
 #include "link/mavlink/ftp_server.hpp"
 
 namespace flotilla::app {
@@ -31,15 +32,11 @@ enum class SaveRequest : std::uint8_t {
   kConfirmed,  ///< an operator has asked for it: those in force are the right ones
 };
 
-/// Sticks as shares of full thrust ahead and of full moment to starboard.
-struct Sticks {
-  double surge = 0, yaw = 0;
-};
-
 class Vehicle {
  public:
   /// links: 1 … as many as there is storage for.
-  Vehicle(const Parameters& parameters, std::size_t links, const Storage& storage);
+  Vehicle(const Parameters& parameters, Supervisor& supervisor, std::size_t links,
+          const Storage& storage);
 
   MavlinkLinks& links() { return links_; }
   const MavlinkLinks& links() const { return links_; }
@@ -63,10 +60,10 @@ class Vehicle {
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t now_us, std::int64_t dt_us);
 
-  /// Those conditions that an operator makes: sticks, motor test, being there.
+  /// The condition that a ground station is heard.
   core::Conditions conditions(std::int64_t now_us) const;
 
-  /// What the conditions force, and nothing else.
+  /// Applies the automatic transitions, and announces them.
   void apply_conditions(core::Conditions conditions, link::Counters& counters);
 
   /// What was asked since the last tick, in order, but no farther than to something that changes
@@ -100,11 +97,8 @@ class Vehicle {
   /// With the next tick, whatever else was asked.
   void disarm() { disarm_ = true; }
 
-  core::State state() const { return state_; }
   link::Address self() const { return identity_.self(); }
   const Parameters& parameters() const { return parameters_; }
-  const Sticks& sticks() const { return sticks_; }
-  const std::optional<MotorTest>& motor_test() const { return test_; }
 
   /// Whether a parameter was set, or the identity found, since the last call.
   bool take_change() { return std::exchange(changed_, false); }
@@ -128,10 +122,8 @@ class Vehicle {
   void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
   void explain(std::uint16_t command, link::Counters& counters);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
-  bool is_repeated(const Asked& asked) const;
   void freshen();
-  core::Verdict ask(Asked& asked);
-  core::Verdict ask_for_test(Asked& asked);
+  Supervisor::Decision ask(Asked& asked);
   std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
   std::optional<link::Message> requested(std::size_t link, const MessageRequest& request,
@@ -141,7 +133,7 @@ class Vehicle {
   void set_mode_parameter(const PendingRequest& pending, const SetResult& result,
                           link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
-  void enter(core::State state, core::Conditions missing, link::Counters& counters);
+  void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
   /// Of one tick, for all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
@@ -157,6 +149,7 @@ class Vehicle {
   bool tell_parameters(std::size_t link, link::Counters& counters);
   bool tell_files(std::size_t link, link::Counters& counters);
 
+  Supervisor& supervisor_;
   Parameters parameters_;
   Identity identity_;
   MavlinkLinks links_;
@@ -168,15 +161,7 @@ class Vehicle {
   TimeRequests time_;
   Report report_;  // the last one, and the mode of now
 
-  core::State state_ = core::State::kDisarmed;
-  core::Conditions conditions_ = 0;
-  std::uint8_t intended_mode_ = mode::kHold;
-  Sticks sticks_;
-  link::Address sticks_from_{};
-  std::optional<std::int64_t> sticks_us_;
   std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
-  std::optional<MotorTest> test_;       // the last one
-  std::int64_t test_end_us_ = 0;
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
   FailureJudge failure_judge_ = nullptr;

@@ -59,7 +59,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   const std::size_t link = pending.link;
   Asked asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
-  const bool at_rest = asked.request == Request::kHold && !core::armed(state_);
+  const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
   const bool autopilots = drives(asked.request) || unknown || at_rest;
   if (identity_.is_autopilots(command.target) && autopilots) return;
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
@@ -69,8 +69,8 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = failure_ ? mav::kTemporarilyRejected : failure_judge_(*asked.failure);
     if (asked.result == mav::kAccepted) failure_ = asked.failure;
   }
-  core::Verdict verdict{state_, true, 0};
-  if (asked.request != Request::kNone) verdict = ask(asked);
+  Supervisor::Decision decision{true, false, 0};
+  if (asked.request != Request::kNone) decision = ask(asked);
   if (asked.rate &&
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
     asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
@@ -85,8 +85,8 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   }
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
-  if (verdict.granted && verdict.state != state_) enter(verdict.state, 0, counters);
-  if (!verdict.granted) refuse(asked.request, verdict.missing, counters);
+  if (decision.changed) announce_state(0, counters);
+  if (!decision.granted) refuse(asked.request, decision.missing, counters);
   if (asked.result == mav::kDenied && may_command(pending.from)) explain(command.id, counters);
 }
 
@@ -137,8 +137,8 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
   const std::size_t link = pending.link;
   const bool autopilots = identity_.is_autopilots(pending.target);
   if (autopilots && !ParameterService::knows(asked)) return;
-  const SetResult result = parameter_service_.set(link, pending.from, asked, parameters_,
-                                                  {core::armed(state_), self().system});
+  const SetResult result = parameter_service_.set(
+      link, pending.from, asked, parameters_, {core::armed(supervisor_.state()), self().system});
   switch (result.what) {
     case SetResult::What::kSet: {
       changed_ = true;
@@ -167,13 +167,13 @@ void Vehicle::set_mode_parameter(const PendingRequest& pending, const SetResult&
   if (identity_.is_autopilots(pending.target)) return;
   const auto request = request_of_mode(result.mode);
   Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
-  const core::Verdict verdict = ask(asked);
-  if (!verdict.granted && parameters_.MODE != static_cast<float>(result.mode)) {
+  const Supervisor::Decision decision = ask(asked);
+  if (!decision.granted && parameters_.MODE != static_cast<float>(result.mode)) {
     parameter_service_.refuse(link, pending.from, *result.info, mav::kParamPermissionDenied);
-    refuse(asked.request, verdict.missing, counters);
+    refuse(asked.request, decision.missing, counters);
     return;
   }
-  if (verdict.state != state_) enter(verdict.state, 0, counters);
+  if (decision.changed) announce_state(0, counters);
   parameter_service_.announce(*result.info);
 }
 

@@ -38,8 +38,8 @@ link::Heartbeat Vehicle::heartbeat() const {
   const bool companion = identity_.companion();
   return {static_cast<std::uint32_t>(parameters_.MODE),
           companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
-          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric, base_mode_of(state_),
-          status_of(state_)};
+          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric,
+          base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
 }
 
 /// Followers take our positions from another origin from now on.

@@ -27,15 +27,9 @@ constexpr S clamp(S x, S low, S high) {
   return x < low ? low : (high < x ? high : x);
 }
 
-template <class S>
-constexpr S min(S a, S b) {
-  return b < a ? b : a;
-}
-
-template <class S>
-constexpr S max(S a, S b) {
-  return a < b ? b : a;
-}
+// Objects, which argument-dependent lookup does not find: Eigen calls std's of our scalars.
+inline constexpr auto min = []<class S>(S a, S b) -> S { return b < a ? b : a; };
+inline constexpr auto max = []<class S>(S a, S b) -> S { return a < b ? b : a; };
 
 /// √(x² + y²), √(x² + y² + z²); a scalar whose squares may be out of range has its own.
 template <class S>

@@ -62,7 +62,7 @@ struct Boat {
     leader.take({from, message}, us + ahead_us, counters);
     reference.take({from, message}, &kHere, us + ahead_us, counters);
   }
-  std::optional<link::FormationReference> send_statustext(std::int64_t us) const {
+  std::optional<link::FormationReference> tell(std::int64_t us) const {
     return reference.message(us + ahead_us, true);
   }
   auto aim(std::int64_t us) const { return reference.aim(us + ahead_us); }
@@ -139,7 +139,7 @@ struct Line {
       for (std::size_t i = 0; i < boats.size(); ++i) {
         boats[i].reference.make(boats[i].leader, us + boats[i].ahead_us);
         if (us % 100'000 != 0) continue;
-        auto said = boats[i].send_statustext(us);
+        auto said = boats[i].tell(us);
         if (!said) continue;
         tamper(*said, i);
         if (i > 0) air.push_back({us + kDelay_us, i - 1, boats[i].self, *said});
@@ -185,7 +185,7 @@ TEST_CASE("switched off a boat neither follows a reference nor tells one") {
   line.boats[1].reference.configure(p, 2);
   line.run(0, 6 * kSecond_us);
   CHECK_FALSE(line.boats[1].aim(6 * kSecond_us));
-  CHECK_FALSE(line.boats[1].send_statustext(6 * kSecond_us));
+  CHECK_FALSE(line.boats[1].tell(6 * kSecond_us));
   CHECK(line.boats[0].aim(6 * kSecond_us));
 }
 
@@ -194,8 +194,8 @@ TEST_CASE("a root that is not heard any more is carried on for four seconds, tol
   line.run(0, 6 * kSecond_us);  // the last message is of 5.9 s
   line.root_speaks = false;
   line.run(6 * kSecond_us, 8'850'000);
-  CHECK(line.boats[0].send_statustext(8'850'000));
-  CHECK_FALSE(line.boats[0].send_statustext(8'950'000));
+  CHECK(line.boats[0].tell(8'850'000));
+  CHECK_FALSE(line.boats[0].tell(8'950'000));
   CHECK(line.boats[0].aim(9'850'000));
   CHECK_FALSE(line.boats[0].aim(9'950'000));
 }
@@ -328,10 +328,10 @@ TEST_CASE("what is refused is not handed on") {
   Follower f;
   f.hear_until(kSecond_us, 3 * kSecond_us);
   auto jump = Follower::reference(3 * kSecond_us, ++f.sequence);
-  const auto good = f.boat.send_statustext(3 * kSecond_us)->motion.north;
+  const auto good = f.boat.tell(3 * kSecond_us)->motion.north;
   jump.motion.north += 50 * 1024;
   f.hear(jump, 3 * kSecond_us);
-  CHECK(f.boat.send_statustext(3 * kSecond_us)->motion.north == good);
+  CHECK(f.boat.tell(3 * kSecond_us)->motion.north == good);
 }
 
 TEST_CASE("a root whose plane begins elsewhere is not followed at once either") {
@@ -379,8 +379,8 @@ TEST_CASE("a leader that leaves its slot is followed itself, by a reference of o
   f.hear(left, 3 * kSecond_us);
   track_leader(3 * kSecond_us);
   CHECK(f.boat.aim(3 * kSecond_us)->branch == Branch{1, 2});
-  CHECK(f.boat.send_statustext(3 * kSecond_us)->maker == 2);
-  CHECK(f.boat.send_statustext(3 * kSecond_us)->path[1] == kRoot);
+  CHECK(f.boat.tell(3 * kSecond_us)->maker == 2);
+  CHECK(f.boat.tell(3 * kSecond_us)->path[1] == kRoot);
 }
 
 TEST_CASE("whoever listens to another leader forgets the reference of the one before") {
@@ -389,13 +389,13 @@ TEST_CASE("whoever listens to another leader forgets the reference of the one be
   CHECK(f.boat.aim(2 * kSecond_us));
   f.boat.reference.configure(parameters(2, 7), 2);
   CHECK_FALSE(f.boat.aim(2 * kSecond_us));
-  CHECK_FALSE(f.boat.send_statustext(2 * kSecond_us));
+  CHECK_FALSE(f.boat.tell(2 * kSecond_us));
 }
 
 TEST_CASE("the age is told to the millisecond, of the whole millisecond that the stamp names") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
-  const auto said = f.boat.send_statustext(2'345'678);
+  const auto said = f.boat.tell(2'345'678);
   REQUIRE(said);
   CHECK(said->time_boot_ms == 2345);
   CHECK(said->age_ms == 445);  // the last one was true at 1.9 s

@@ -43,11 +43,13 @@ link::Text<N> text(std::string_view from) {
 /// A vehicle with two links; an operator and a stranger are behind the first one.
 struct Ship {
   explicit Ship(const Parameters& p = Parameters{}, std::size_t links = 2)
-      : vehicle(std::make_unique<Vehicle>(p, links, Storage(storage->room, storage->outbox))),
+      : vehicle(std::make_unique<Vehicle>(p, supervisor, links,
+                                          Storage(storage->room, storage->outbox))),
         heard(links),
         decoders(links) {}
 
   std::unique_ptr<AmpleStorage> storage = std::make_unique<AmpleStorage>();
+  Supervisor supervisor;
   std::unique_ptr<Vehicle> vehicle;
   link::Counters counters;
   link::MavlinkEncoder operator_{{255, 190}}, stranger{{99, 1}};
@@ -86,12 +88,12 @@ struct Ship {
 
   void tick() {
     vehicle->begin(now_us, kTick_us);
-    vehicle->apply_conditions(world | vehicle->conditions(now_us), counters);
+    vehicle->apply_conditions(world | conditions(now_us), counters);
     while (vehicle->answer(counters)) changed = vehicle->take_change() || changed;
     changed = vehicle->take_change() || changed;
     Report r;
     r.now_us = now_us;
-    r.conditions = world | vehicle->conditions(now_us);
+    r.conditions = world | conditions(now_us);
     if (own_known) {
       r.own = OwnReport{convert::boot_ms(now_us), {}, true};
       r.own->state.origin = {410'000'000, 20'000'000, 0, 0};
@@ -146,7 +148,10 @@ struct Ship {
     }
     return out;
   }
-  State state() const { return vehicle->state(); }
+  State state() const { return supervisor.state(); }
+  core::Conditions conditions(std::int64_t at_us) const {
+    return supervisor.conditions(at_us) | vehicle->conditions(at_us);
+  }
   bool take_change() { return vehicle->take_change() || std::exchange(changed, false); }
 
   /// In that state, by its operator.
@@ -578,7 +583,7 @@ TEST_CASE("sticks count for half a second, only whole ones, only the one command
   p.MAV_GCS_SYSID = 255;
   Ship s(p);
   const auto fresh = [&](std::int64_t after_us) {
-    return (s.vehicle->conditions(s.now_us + after_us) & core::kSticksFresh) != 0;
+    return (s.conditions(s.now_us + after_us) & core::kSticksFresh) != 0;
   };
   CHECK_FALSE(fresh(0));
   s.hear(s.stranger, link::ManualControl{500, 0, 0, 0, 0, 1});
@@ -587,21 +592,21 @@ TEST_CASE("sticks count for half a second, only whole ones, only the one command
   s.sticks(-250, 750);
   CHECK(fresh(499'999));
   CHECK_FALSE(fresh(500'000));
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(-0.25));
-  CHECK(s.vehicle->sticks().yaw == doctest::Approx(0.75));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(-0.25));
+  CHECK(s.supervisor.sticks().yaw == doctest::Approx(0.75));
   s.now_us += 400'000;
   s.sticks(32767, 0);
   s.sticks(0, -1001);
   CHECK(s.counters.mavlink_bad_value == 2);
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(-0.25));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(-0.25));
   CHECK_FALSE(fresh(100'000));
   s.ask(link::ManualControl{100, INT16_MAX, INT16_MAX, 100, UINT16_MAX, 0});  // for a fleet
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(-0.25));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(-0.25));
   CHECK_FALSE(fresh(100'000));
   s.ask(link::ManualControl{100, INT16_MAX, INT16_MAX, 100, UINT16_MAX, 1});
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(0.1));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(0.1));
   s.ask(link::ManualControl{900, 0, 0, 0, 0, 2});  // for another boat
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(0.1));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(0.1));
 }
 
 TEST_CASE("whoever holds the sticks keeps them until he lets go for half a second") {
@@ -612,17 +617,17 @@ TEST_CASE("whoever holds the sticks keeps them until he lets go for half a secon
     s.now_us += 490'000;
     s.hear(s.stranger, link::ManualControl{900, 0, 0, 0, 0, 1});
     s.hear(mate, link::ManualControl{-900, 0, 0, 0, 0, 1}, 1);
-    REQUIRE(s.vehicle->sticks().surge == doctest::Approx(0.1));
+    REQUIRE(s.supervisor.sticks().surge == doctest::Approx(0.1));
     s.sticks(100, 0);
   }
   s.now_us += 499'999;
   s.hear(s.stranger, link::ManualControl{900, 0, 0, 0, 0, 1});
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(0.1));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(0.1));
   s.now_us += 1;
   s.hear(s.stranger, link::ManualControl{900, 0, 0, 0, 0, 1});
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(0.9));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(0.9));
   s.sticks(100, 0);
-  CHECK(s.vehicle->sticks().surge == doctest::Approx(0.9));
+  CHECK(s.supervisor.sticks().surge == doctest::Approx(0.9));
 }
 
 TEST_CASE("a companion that drives holds when the whole system is told to, one at rest is silent") {
@@ -650,7 +655,7 @@ TEST_CASE("a companion has no sticks: they are the autopilot's") {
   p.MAV_COMPID = 191;
   Ship s(p);
   s.sticks(500, 0);
-  CHECK((s.vehicle->conditions(s.now_us) & core::kSticksFresh) == 0);
+  CHECK((s.conditions(s.now_us) & core::kSticksFresh) == 0);
 }
 
 TEST_CASE("silent sticks end MANUAL in HOLD") {
@@ -675,7 +680,7 @@ TEST_CASE(
     s.tick();
     CHECK((s.result() == mav::kAccepted) == (from == State::kHold));
     CHECK((s.state() == State::kTest) == (from == State::kHold));
-    CHECK(s.vehicle->motor_test().has_value() == (from == State::kHold));
+    CHECK(s.supervisor.motor_test().has_value() == (from == State::kHold));
   }
   Ship s;
   s.bring_to(State::kHold);

@@ -18,8 +18,7 @@ struct Esc {
   std::uint8_t transfer_id = 0;
 
   template <class Message>
-  void send_statustext(CanNode& to, const Message& message, std::int64_t now_us,
-                       link::Counters& counters) {
+  void tell(CanNode& to, const Message& message, std::int64_t now_us, link::Counters& counters) {
     link::Payload payload;
     const std::size_t size = write_payload(message, payload);
     std::array<link::CanFrame, 5> frames;
@@ -32,12 +31,12 @@ struct Esc {
   void status(CanNode& to, std::int64_t now_us, link::Counters& counters) {
     link::EscStatus message;
     message.esc_index = index;
-    send_statustext(to, message, now_us, counters);
+    tell(to, message, now_us, counters);
   }
   void health(CanNode& to, std::uint8_t health, std::int64_t now_us, link::Counters& counters) {
     link::NodeStatus message;
     message.health = health;
-    send_statustext(to, message, now_us, counters);
+    tell(to, message, now_us, counters);
   }
 };
 

@@ -25,7 +25,7 @@ struct Bus {
       node.on_frame(frames[i].id, frames[i].bytes(), now_us, counters);
   }
   template <class Message>
-  void send_statustext(std::uint8_t from, const Message& message, std::int64_t now_us) {
+  void tell(std::uint8_t from, const Message& message, std::int64_t now_us) {
     link::Payload payload;
     const std::size_t size = write_payload(message, payload);
     bytes({16, Message::kType.kind, Message::kType.id, from, 0}, Message::kType,
@@ -34,8 +34,8 @@ struct Bus {
   void esc(std::uint8_t from, std::int64_t now_us, std::uint32_t uptime_s = 100) {
     link::EscStatus status;
     status.esc_index = 1;
-    send_statustext(from, status, now_us);
-    send_statustext(from, link::NodeStatus{uptime_s}, now_us);
+    tell(from, status, now_us);
+    tell(from, link::NodeStatus{uptime_s}, now_us);
   }
   bool online(std::int64_t now_us) const { return node.esc_online(1, now_us, kLimit_us); }
   CanOutput tick(std::int64_t now_us) {
@@ -49,10 +49,10 @@ TEST_CASE("whoever else commands or arms ESCs is known for two seconds, even und
   for (const std::uint8_t from : {std::uint8_t{55}, std::uint8_t{20}}) {
     Bus bus;
     CHECK_FALSE(bus.node.foreign_controller(0));
-    bus.send_statustext(from, link::RawCommand{2}, 0);
+    bus.tell(from, link::RawCommand{2}, 0);
     CHECK(bus.node.foreign_controller(2 * kSecond_us - 1));
     CHECK_FALSE(bus.node.foreign_controller(2 * kSecond_us));
-    bus.send_statustext(from, link::ArmingStatus{}, 5 * kSecond_us);
+    bus.tell(from, link::ArmingStatus{}, 5 * kSecond_us);
     CHECK(bus.node.foreign_controller(6 * kSecond_us));
   }
 }
@@ -106,7 +106,7 @@ TEST_CASE("an ESC's node in another mode than operational, or not healthy, is no
     link::NodeStatus status{101};
     status.health = static_cast<std::uint8_t>(health);
     status.mode = static_cast<std::uint8_t>(mode);
-    bus.send_statustext(30, status, kSecond_us);
+    bus.tell(30, status, kSecond_us);
     CHECK_FALSE(bus.online(kSecond_us));
   }
 }

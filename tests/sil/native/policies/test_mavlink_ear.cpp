@@ -30,7 +30,7 @@ struct Ear {
     ear.read(bytes, 0, n);
     ear.note_times(1, n);
   }
-  void send_statustext(const link::Message& m) { read(frame_of(self, m)); }
+  void tell(const link::Message& m) { read(frame_of(self, m)); }
 };
 
 link::CommandLong command(std::uint16_t number, float first, float second = 0,
@@ -100,20 +100,20 @@ TEST_CASE("who speaks is heard; what is no whole frame is torn") {
 TEST_CASE("heartbeats, sentences and TIMESYNC requests are read as they are") {
   Ear e;
   e.n.state = core::State::kCoast;
-  e.send_statustext(link::Heartbeat{6, 11, 0, 129, 5});
+  e.tell(link::Heartbeat{6, 11, 0, 129, 5});
   CHECK(e.n.links.beats);
   CHECK(e.n.links.mode == 6);
   CHECK(e.n.links.flags == 129);
   CHECK(e.n.links.status == 5);
   link::Statustext text{3, {}};
   std::ranges::copy(std::string_view("COAST: no leader"), text.text.begin());
-  e.send_statustext(text);
+  e.tell(text);
   CHECK(e.n.links.states_word);
   CHECK(e.n.links.gravest == 3);
   CHECK(e.n.timesync_us == 0);
-  e.send_statustext(link::Timesync{1, 2});
+  e.tell(link::Timesync{1, 2});
   CHECK(e.n.timesync_us == 0);
-  e.send_statustext(link::Timesync{0, 2});
+  e.tell(link::Timesync{0, 2});
   CHECK(e.n.timesync_us == e.n.now_us);
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("a number that is none, anywhere in a message, is found") {
   const float none = std::numeric_limits<float>::quiet_NaN();
   Ear e;
   const auto finite = [&](const link::Message& m) {
-    e.send_statustext(m);
+    e.tell(m);
     return e.n.links.finite;
   };
   CHECK(finite(link::Attitude{5000, 1, 2, 3, 4, 5, 6}));
@@ -146,17 +146,17 @@ TEST_CASE("times are of this tick or of the one before, and of no other") {
   Ear e;
   for (const auto& [ms, good] :
        {std::pair{5000U, true}, {4990U, true}, {4980U, false}, {5001U, false}}) {
-    e.send_statustext(link::NamedValueFloat{ms, 0, {}});
+    e.tell(link::NamedValueFloat{ms, 0, {}});
     CHECK(e.n.links.punctual == good);
   }
 }
 
 TEST_CASE("a sequence number that is left out, a stranger's frame and half a frame are told") {
   Ear e;
-  e.send_statustext(link::Attitude{});
+  e.tell(link::Attitude{});
   CHECK(e.n.links.counted);
   frame_of(e.self, link::Attitude{});
-  e.send_statustext(link::Attitude{});
+  e.tell(link::Attitude{});
   CHECK(!e.n.links.counted);
   Bytes handed_on = frame_of(e.leader, link::Attitude{});
   e.read(handed_on);

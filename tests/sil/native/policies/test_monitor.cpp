@@ -48,7 +48,7 @@ TEST_CASE("TIMESYNC is asked as often as SR_SLOW says, whenever and however that
   for (const double after_s : {0.02, 0.3, 0.97, 1.0, 1.04, 4.0, 11.0}) {
     for (const float rate_Hz : {0.1F, 1.0F, 0.3F, 0.0F, 0.15F, 20.0F, 0.9F, 1e-6F}) {
       set.param_value = rate_Hz;
-      h.send_statustext(h.operator_, set);
+      h.tell(h.operator_, set);
       h.sail(after_s);
       CAPTURE(after_s);
       CAPTURE(rate_Hz);
@@ -141,7 +141,7 @@ TEST_CASE(
   h.mode(6);
   link::ParamSet set{101, {1, 1}, {}, mav::kParamReal32};
   app::put_text(set.param_id, "FORM_LEADER");
-  h.send_statustext(h.operator_, set);
+  h.tell(h.operator_, set);
   h.step();
   CHECK(h.boat.state() == State::kCoast);
   CHECK(h.boat.broken() == "");

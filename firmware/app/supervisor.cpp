@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "app/supervisor.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+using core::Request;
+using core::State;
+
+constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
+constexpr std::int64_t kArmedZeros_us = 200'000;
+
+}  // namespace
+
+std::uint8_t Supervisor::mode() const {
+  switch (state_) {
+    case State::kManual:
+      return mode::kManual;
+    case State::kFormation:
+    case State::kCoast:
+      return mode::kFormation;
+    default:
+      return mode::kHold;
+  }
+}
+
+bool Supervisor::sticks_fresh(std::int64_t now_us) const {
+  return sticks_us_ && now_us - *sticks_us_ < kSticksSilent_us;
+}
+
+core::Conditions Supervisor::conditions(std::int64_t now_us) const {
+  core::Conditions met = 0;
+  if (sticks_fresh(now_us)) met |= core::kSticksFresh;
+  if (test_ && now_us < test_end_us_) met |= core::kTestRunning;
+  return met;
+}
+
+Supervisor::Decision Supervisor::apply_conditions(core::Conditions conditions,
+                                                  std::int64_t now_us) {
+  conditions_ = conditions;
+  return decide(core::supervise(state_, Request::kNone, conditions_), now_us);
+}
+
+Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {
+  const core::Verdict verdict = core::supervise(state_, request, conditions_);
+  if (verdict.granted) {
+    if (request == Request::kManual) intended_mode_ = mode::kManual;
+    if (request == Request::kHold) intended_mode_ = mode::kHold;
+    if (request == Request::kFormation) intended_mode_ = mode::kFormation;
+  }
+  return decide(verdict, now_us);
+}
+
+Supervisor::Decision Supervisor::request_test(const MotorTest& test, std::int64_t now_us) {
+  const core::Verdict verdict =
+      core::supervise(state_, Request::kTest, conditions_ | core::kTestRunning);
+  if (verdict.granted) {
+    test_ = test;
+    test_end_us_ = now_us + test.duration_us;
+    conditions_ |= core::kTestRunning;
+  }
+  return decide(verdict, now_us);
+}
+
+bool Supervisor::is_repeated(const MotorTest& test, bool repeated, std::int64_t now_us) const {
+  if (test_ != test) return false;
+  return state_ == State::kTest || (repeated && now_us - test_end_us_ < kRepeated_us);
+}
+
+void Supervisor::take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us) {
+  if (sticks_fresh(now_us) && sticks_from_ != from) return;
+  sticks_ = sticks;
+  sticks_from_ = from;
+  sticks_us_ = now_us;
+}
+
+bool Supervisor::may_drive(core::Conditions conditions, std::int64_t now_us) const {
+  return core::may_drive(state_, conditions) && now_us - armed_us_ >= kArmedZeros_us;
+}
+
+Supervisor::Decision Supervisor::decide(const core::Verdict& verdict, std::int64_t now_us) {
+  const State was = std::exchange(state_, verdict.granted ? verdict.state : state_);
+  const bool changed = state_ != was;
+  if (changed) {
+    if (was == State::kTest) test_end_us_ = std::min(test_end_us_, now_us);
+    if (state_ == State::kDisarmed) intended_mode_ = mode::kHold;
+    if (core::armed(state_) && !core::armed(was)) armed_us_ = now_us;
+    coast_us_ = state_ == State::kCoast ? std::optional(now_us) : std::nullopt;
+  }
+  return {verdict.granted, changed, verdict.missing};
+}
+
+}  // namespace flotilla::app
