@@ -168,7 +168,7 @@ std::optional<std::string> save_parameters(const std::filesystem::path& path,
   const std::string text = parameter_text(values, unknown);
   const FileContent old = read_file(path);
   if (old.error == 0 && old.text == text) return std::nullopt;
-  // A damaged file must not push out the whole one that was loaded in its place.
+  // A damaged file must not replace the good previous one that was loaded instead.
   LoadedParameters ignored;
   if (read_version(path, ignored) == Found::kGood) {
     if (auto fault = replace_file(beside(path, ".previous"), old.text)) return fault;
