@@ -15,7 +15,7 @@ namespace flotilla::target {
 /// Bus `bus` (0 … 9) is the group 239.65.82.bus, port 57732. Unlike CAN it has neither arbitration
 /// nor back-pressure. One datagram is one frame, little endian:
 ///
-/// u16 magic 0x2934 · u16 CRC-16-CCITT-FALSE of the rest · u16 flags · u32 id | 1 << 31 · data
+///   u16 magic 0x2934 · u16 CRC-16-CCITT-FALSE of the rest · u16 flags · u32 id | 1 << 31 · data
 class McastBus final : public CanBus {
  public:
   /// Without `interface` the frames stay on this machine (127.0.0.1, time to live 0). Throws

@@ -37,7 +37,7 @@ std::optional<std::string> indiscretion(const struct stat& about) {
          "better make a new key)";
 }
 
-/// 32 random bytes are never all hexadecimal digits.
+/// 32 random bytes are practically never all hexadecimal digits.
 bool is_half_a_key(std::string_view content) {
   if (content.ends_with('\n')) content.remove_suffix(1);
   return (content.size() == kKeyBytes || content.size() == kKeyBytes - 1) &&

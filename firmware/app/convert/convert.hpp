@@ -157,7 +157,7 @@ inline std::int64_t microseconds(float s) {
   constexpr unsigned kFraction = 23, kBias = 127;
   const auto bits = std::bit_cast<std::uint32_t>(s);
   const unsigned right = kBias + kFraction - (bits >> kFraction);  // right of the binary point
-  if (right > 63) return 0;                                        // zero or subnormal
+  if (right > 63) return 0;                                        // under 2⁻⁴⁰ s
   const std::uint64_t units = (bits & ((1U << kFraction) - 1)) | 1U << kFraction;
   return static_cast<std::int64_t>(units * 1'000'000U >> right);
 }

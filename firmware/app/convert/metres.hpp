@@ -2,7 +2,7 @@
 // A coordinate in a local frame as a 64-bit fixed-point number: differences are exact, and cheap on
 // processors without double arithmetic.
 //
-// value = raw / 2³²      one LSB = 0.23 nm      saturates at ±2³⁰ m
+//   value = raw / 2³²      one LSB = 0.23 nm      saturates at ±2³⁰ m
 //
 // Accepted positions lie within 10⁶ m of their origin, or 10⁷ m in another's plane: sums of a
 // hundred do not wrap.

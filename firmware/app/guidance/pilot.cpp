@@ -11,7 +11,7 @@ namespace {
 
 // Another own source must take over before FS_NAV_S stops the boat.
 constexpr std::int64_t kOwnPatience_us = 300'000;
-// Before then, too, a boat that is pushed must report motion.
+// A boat that is pushed must report motion before then, too.
 constexpr std::int64_t kOwnFrozen_us = 300'000;
 // Assumed latency of a unit while none has been estimated.
 constexpr float kUnknown_s = 0.3F;

@@ -13,7 +13,7 @@ struct Failure {
   bool operator==(const Failure&) const = default;
 };
 
-/// The host's answer, a MAV_RESULT. It reads accepted failures from the boat after the tick.
+/// The host's answer, a MAV_RESULT. After the tick it takes accepted failures from the boat.
 using FailureJudge = std::uint8_t (*)(const Failure&);
 
 }  // namespace flotilla::app
