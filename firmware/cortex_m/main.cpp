@@ -42,8 +42,7 @@ void print_digest(const std::array<std::uint8_t, 32>& digest) {
   print("\n");
 }
 
-/// Prints the instructions of each tick that drives, counted since the previous tick, without the
-/// player's own.
+/// Prints the instructions of each tick that drives, since the last tick and without the player's.
 bool play_all(Player& player, Ticks& ticks) {
   static std::array<std::uint8_t, kMaxBytes> bytes;
   std::array<std::uint8_t, 12> head;

@@ -6,9 +6,8 @@
 
 namespace flotilla::target {
 
-/// Starts `run(self)`; the caller joins it. The thread receives no signals, has no real-time
-/// priority, and a stack small enough to be locked in memory. Throws std::system_error that names
-/// `whose`.
+/// Starts `run(self)`; the caller joins it. The thread has no signals, no real-time priority, and a
+/// stack small enough to be locked in memory. Throws std::system_error that names `whose`.
 pthread_t start_background_thread(void* (*run)(void*), void* self, const char* whose);
 
 }  // namespace flotilla::target

@@ -18,7 +18,7 @@ namespace flotilla::target {
 /// Counters since the bus was opened.
 struct CanBusCounters {
   std::uint64_t sent = 0;               ///< frames
-  std::uint64_t received = 0;           ///< frames accepted by our filters
+  std::uint64_t received = 0;           ///< frames
   std::uint64_t transfers_dropped = 0;  ///< transfers not sent completely
   std::uint64_t receive_overflows = 0;  ///< frames that the kernel dropped before we read them
   std::uint64_t error_frames = 0;
@@ -42,8 +42,7 @@ class CanBus {
   /// For poll(); −1 while the device is gone.
   virtual int descriptor() const = 0;
 
-  /// Reopens a device that vanished, and notices that a bus works again; call about ten times a
-  /// second.
+  /// Reopens a vanished device and notices a recovered bus; call about ten times a second.
   virtual void maintain() = 0;
 
   /// The interface is up and not bus-off. After a bus-off, however short, false from the receive()

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
-// A slider's every step shall not be written to the disk.
+// Minimum interval of saves: not every step of a slider goes to the disk.
 constexpr std::int64_t kSaveEvery_us = kSecond_us;
 constexpr int kFarewellTicks = 10;
 // A stored signing timestamp further ahead of the clock than this is reported.

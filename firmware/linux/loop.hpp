@@ -30,8 +30,7 @@ class Loop {
   /// Opens everything. Throws std::runtime_error that names the mistake in the configuration.
   explicit Loop(const Config& config);
 
-  /// Ticks until SIGTERM, SIGINT or SIGHUP, then stops the propellers and saves; returns the exit
-  /// status.
+  /// Ticks until SIGTERM, SIGINT or SIGHUP, stops the propellers, saves; returns the exit status.
   int run();
 
  private:
@@ -76,7 +75,7 @@ class Loop {
 
   std::int64_t heard_us_ = 0;  // first bytes since the last tick; 0: none
   Latency lateness_;           // of the wake-up
-  Latency processing_;         // from the wake-up until the command is sent
+  Latency processing_;         // from the tick's start until the command is sent
   Latency response_;           // from the first bytes received until the command is sent
 };
 

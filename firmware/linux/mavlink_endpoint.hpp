@@ -37,7 +37,7 @@ class MavlinkEndpoint {
   std::uint64_t dropped_ = 0;  ///< calls of send() with bytes that could not be sent
 };
 
-/// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; answers all its peers
+/// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; answers all who wrote to it
 /// udpout:HOST:PORT    exchanges messages with one peer only
 /// udpbcast:HOST:PORT  sends to a broadcast address, receives from everybody who answers
 /// serial:DEVICE:BAUD  a serial port, 8N1, raw; an absent one is opened when it appears

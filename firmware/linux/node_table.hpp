@@ -18,8 +18,7 @@ class NodeTable {
 
   void load(link::NodeIdServer& server);
 
-  /// Writes the table if it has grown, and retries after errors. Returns an error once, else an
-  /// empty string.
+  /// Writes the table if it has grown, and retries after errors. Returns an error once, else "".
   std::string save_if_changed(const link::NodeIdServer& server);
 
  private:

@@ -8,8 +8,8 @@
 
 namespace flotilla::target {
 
-/// Throws std::runtime_error, also if group or others may use the file, or it belongs to neither us
-/// nor root.
+/// Throws std::runtime_error, also if group or others may use the file, or another user owns it
+/// (except root).
 link::SigningKey read_signing_key(const std::filesystem::path& path);
 
 }  // namespace flotilla::target

@@ -28,8 +28,8 @@ struct StoredSigningTime {
 /// Never throws for the content of the disk.
 StoredSigningTime load_signing_time(const std::filesystem::path& path);
 
-/// Writes at once, then at an interval, and at the end, in its own thread: an armed boat must not
-/// wait for the disk. Call put() and complaint() from the control loop; they never block, throw or
+/// Writes at once, at an interval and at the end, in its own thread: an armed boat must not wait
+/// for the disk. put() and complaint() are for the control loop; they never block, throw or
 /// allocate.
 class SigningTime {
  public:

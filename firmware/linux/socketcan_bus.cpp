@@ -114,8 +114,7 @@ void SocketCanBus::close() {
   running_ = false;
 }
 
-/// As the kernel reports it; a bus-off controller has no carrier. Returns `before` if the query
-/// fails.
+/// As the kernel reports it (a bus-off controller has no carrier), or `before` if that fails.
 bool SocketCanBus::running(bool before) {
   ifreq request = request_about(interface_);
   if (::ioctl(socket_.get(), SIOCGIFFLAGS, &request) != 0) {

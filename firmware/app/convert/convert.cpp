@@ -20,8 +20,7 @@ Plane plane_at(const link::GpsGlobalOrigin& o) {
   return {o.latitude, o.longitude, std::abs(height_m) <= kHighest_m ? height_m : 0};
 }
 
-/// The leader's position north-east from us in our plane, and how far its north is turned from
-/// ours.
+/// The leader's position north-east from us in our plane, and the turn of its north from ours.
 struct Seen {
   Metres north_m, east_m;
   double turn_rad;
@@ -130,8 +129,7 @@ core::StationParams<S> station_params(const Parameters& p) {
 
 template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p) {
-  const S most = S(0.5) * (scalar<S>(p.THR_FWD_MAX) +
-                           scalar<S>(p.THR_REV_MAX));  // half of both propellers' thrust
+  const S most = S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of both
   return {scalar<S>(p.LAW_OBS_BW),
           scalar<S>(p.LAW_CUR_BW),
           {most / scalar<S>(p.VES_M11), most / scalar<S>(p.VES_M22),

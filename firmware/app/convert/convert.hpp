@@ -79,8 +79,7 @@ std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message
 /// Position and velocity are known, and every field flagged as known is in range.
 bool is_usable(const link::FollowTarget& message);
 
-/// Moves a sample from the navigation antenna, x_m ahead and y_m to starboard, to the vessel's
-/// reference point.
+/// Moves a sample from the antenna, x_m ahead and y_m to starboard, to the reference point.
 template <class S>
 Sample<S> at_reference_point(const Sample<S>& antenna, S x_m, S y_m);
 
@@ -172,8 +171,7 @@ core::ObserverParams<S> observer_params(const Parameters& p);
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
 
-/// Limits of the boat's motion from its propellers and the water; carried: by hand, or on a
-/// trailer.
+/// Limits of the boat's motion from propellers and water; carried: by hand, or on a trailer.
 template <class S>
 core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried);
 

@@ -13,8 +13,8 @@
 
 namespace flotilla::app::convert {
 
-/// The nearest Q16, ties to even, by integer arithmetic. Saturates; NaN gives 0; both raise the
-/// overflow flag.
+/// The nearest Q16, ties to even, by integer arithmetic. Saturates; NaN gives 0; both set
+/// q16_overflow.
 inline core::Q16 q16_of(double x) {
   constexpr int kFraction = 52, kBias = 1023, kMax = 0x7FF;
   const auto bits = std::bit_cast<std::uint64_t>(x);

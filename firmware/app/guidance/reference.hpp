@@ -47,8 +47,8 @@ class Reference {
   /// Nothing if there is no reference that can be followed.
   std::optional<Aim> aim(std::int64_t now_us) const;
 
-  /// The message for followers; nothing without a trustworthy reference. It changes whenever news()
-  /// does.
+  /// The message for followers, changed whenever news() is; nothing without a trustworthy
+  /// reference.
   std::optional<link::FormationReference> message(std::int64_t now_us, bool followed) const;
   std::uint32_t news() const { return news_; }
 

@@ -13,8 +13,7 @@ namespace flotilla::app {
 
 class SlotClaims {
  public:
-  /// Slots closer than beam_m count as one. A change of leader discards what was heard of the old
-  /// one.
+  /// Slots closer than beam_m count as one. A change of leader discards what the old one sent.
   void configure(std::uint8_t own_system, std::uint8_t leader, float beam_m);
 
   /// Any message. HEARTBEAT tells a vessel's type; GENERIC is a virtual leader, which takes no

@@ -9,8 +9,8 @@ namespace {
 // A leader silent for this long has lost its reference, or runs other software.
 constexpr std::int64_t kSilent_us = 3'000'000;
 // A boat whose leader's reference is older than kOld_us starts its own branch, and rejoins only
-// after kSteady_us of references younger than kYoung_us: no boat deep in a fleet on a bad radio
-// oscillates.
+// after kSteady_us of references younger than kYoung_us, so a deep boat on a bad radio does not
+// oscillate.
 constexpr std::int64_t kOld_us = 3'000'000, kYoung_us = 2'100'000, kSteady_us = 3'000'000;
 
 }  // namespace

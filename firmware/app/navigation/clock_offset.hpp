@@ -3,8 +3,7 @@
 //
 // offset = our time − their time. A message cannot arrive before it was stamped, so arrival − stamp
 // ≥ offset; a request cannot be read before it was sent, so sent − read ≤ offset. The bounds widen
-// with time as the clocks may drift; their middle is exact if both directions have the same
-// latency.
+// as the clocks may drift; their middle is exact if both directions have the same latency.
 #pragma once
 
 #include <cstdint>

@@ -12,8 +12,7 @@ namespace flotilla::app {
 
 /// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
 /// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
-/// rest that reports no velocity is not frozen. One that has never moved may be held in place, so
-/// it gets 5 s.
+/// rest that reports no velocity is not frozen. One that never moved may be held: it gets 5 s.
 template <class S>
 class Liveness {
  public:
@@ -49,8 +48,7 @@ class Liveness {
     judge(!sails && !(heads && core::abs(nu.r) > kSlow) && pushed_ <= kSlow);
   }
 
-  /// Change of velocity that the propellers alone would have caused since the last call, m/s and
-  /// rad/s.
+  /// Change of velocity by the propellers alone since the last call, m/s and rad/s.
   void push(S change) { pushed_ = core::min(pushed_ + change, S(2) * kPushed); }
 
   bool live() const { return live_; }

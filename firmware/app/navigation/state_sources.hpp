@@ -15,8 +15,7 @@ enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGl
 
 /// The most precise source that is received wins; a local one without a known origin ranks last.
 /// The one in use is replaced after `patience_us` of silence, or by a better one received five
-/// times in a row. Each source has its own clock: the stamps of two need not count from the same
-/// instant.
+/// times in a row. Each has its own clock: the stamps of two need not count from the same instant.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}

@@ -133,8 +133,7 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
     if (sources_.is_news(Source::kOdometry, reading.sample->stamp_us)) {
-      // Only an increment by one is a reset of this estimate; any other number may be another
-      // vessel's.
+      // Only an increment by one is a reset; another number may be another vessel's.
       const std::uint8_t resets = odometry_resets_.value_or(message.reset_counter);
       const bool next = message.reset_counter == static_cast<std::uint8_t>(resets + 1);
       if (next && sources_.in_use() == Source::kOdometry) jumped();
@@ -204,8 +203,7 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, std::uin
     ++counters.mavlink_no_heading;
     return;
   }
-  const auto sample =
-      convert::sample_of(message, heading.sample);  // stamp unwrapped near the heading's
+  const auto sample = convert::sample_of(message, heading.sample);  // its stamp near the heading's
   if (!sample) {
     ++counters.mavlink_bad_value;
     return;
@@ -363,8 +361,7 @@ template <class S>
 std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
   const auto offset = clock().offset_us();
   if (!stamp_us_ || !offset) return std::nullopt;
-  // A state is at least as old as its time since arrival, whatever TIMESYNC has since made of its
-  // stamp.
+  // A state is at least as old as its arrival, whatever TIMESYNC has since made of its stamp.
   return std::max<std::int64_t>(now_us - std::min(*stamp_us_ + *offset, arrived_us_), 0) + lag_us();
 }
 

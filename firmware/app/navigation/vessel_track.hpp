@@ -63,8 +63,7 @@ class VesselTrack {
   /// Its state is not frozen.
   bool live() const { return liveness_.live(); }
 
-  /// It has been seen to move, so its instruments are never quite still; else it may be held in
-  /// place.
+  /// It has reported two different positions; until then it may be held in place.
   bool has_moved() const { return liveness_.moved(); }
 
   /// No implausible report within the last second.
@@ -98,7 +97,7 @@ class VesselTrack {
   /// Motion extrapolated from the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
 
-  /// Greatest error of motion()'s position, m; nothing if unknown.
+  /// How far motion()'s position may be off, m; nothing if unknown.
   std::optional<double> uncertainty_m(std::int64_t now_us) const;
 
   /// The last message unless already taken; dt: since the last one taken, 0 if no motion led to it.

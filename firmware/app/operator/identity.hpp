@@ -10,9 +10,9 @@
 
 namespace flotilla::app {
 
-/// A companion takes the system id of the only autopilot heard within 3 s of the first one. If it
-/// hears several it keeps the configured id. It never takes the leader's, and does not change while
-/// armed.
+/// A companion takes the system id of the only autopilot heard within 3 s of the first one; if it
+/// hears several it keeps the configured id. It never takes the leader's. An armed boat keeps its
+/// id.
 /// Source: mavlink.io, MAVLink ID assignment.
 class Identity {
  public:

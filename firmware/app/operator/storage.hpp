@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A boat's working memory, owned by its caller, who knows the number of links. A boat allocates
-// nothing.
+// A boat's working memory, sized by its owner for the number of links. A boat allocates nothing.
 #pragma once
 
 #include <array>

@@ -32,8 +32,7 @@ struct StreamInfo {
   std::uint16_t bytes;  ///< on the wire, at most
   Pace pace;
   std::int64_t fixed_us;
-  bool
-      companion;  ///< also sent beside an autopilot, whose states the others would be confused with
+  bool companion;  ///< sent beside an autopilot too: not confused with its states
 };
 
 /// In sending order: what followers need comes first.

@@ -20,7 +20,7 @@ struct OwnReport {
   bool adrift = false;   ///< it was known, and followers still use positions relative to it
 };
 
-/// Status of one propeller's ESC, if it is online.
+/// One propeller's ESC, with its last status if that is recent.
 struct EscReport {
   std::uint8_t index = 0;
   std::optional<link::EscStatus> status;

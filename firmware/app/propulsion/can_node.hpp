@@ -100,8 +100,7 @@ class CanNode {
 
   Identity identity_;
   link::TransferReceiver receiver_;
-  std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>>
-      escs_{};  // RawCommand reaches no others
+  std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>> escs_{};  // no others obey us
   std::array<Node, 128> nodes_{};
   std::array<Question, 4> questions_{};
   std::size_t question_count_ = 0;

@@ -29,9 +29,8 @@ namespace flotilla::fleet {
 
 constexpr std::size_t kNavigation = 0, kRadio = 1, kLinks = 2;
 
-/// The sensors' measurements at a tick, and the output for the ESCs' commands. Shapes: eta and nu
-/// `agents` × 3, degE7 `agents` × 2 (nullptr if no unit sends degrees), rpm and command `boats` ×
-/// 2.
+/// The sensors' measurements at a tick, and the output for the ESCs' commands. eta, nu: `agents` ×
+/// 3; degE7: `agents` × 2, nullptr if no unit sends degrees; rpm, command: `boats` × 2.
 struct TickArrays {
   const double* eta;
   const double* nu;

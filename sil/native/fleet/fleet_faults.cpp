@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fleet's faults.
+// Fleet: sets and clears faults.
 #include <cmath>
 #include <memory>
 #include <stdexcept>

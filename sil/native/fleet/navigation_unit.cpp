@@ -199,8 +199,7 @@ void NavigationUnit::take_timesync(std::span<const std::uint8_t> frame, std::int
   if (frame[kHeader + length] != (crc & 0xFFU) || frame[kHeader + length + 1] != crc >> 8U) return;
   struct {
     std::int64_t tc1, ts1;
-    std::uint8_t system,
-        component;  // target of an answer, or of a request to one system; an extension of upstream
+    std::uint8_t system, component;  // the target, 0: all; an extension of upstream
   } asked{};
   std::memcpy(&asked, frame.data() + kHeader, std::min<std::size_t>(length, 18));
   const bool for_us = (asked.system == 0 || asked.system == self_.system) &&

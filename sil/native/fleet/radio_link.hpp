@@ -22,8 +22,7 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-/// delay_s, a uniform jitter in [0, jitter_s), share of lost chunks, bytes per second (0:
-/// unlimited).
+/// Delay, uniform jitter in [0, jitter_s), share of lost chunks, bytes per second (0: unlimited).
 struct LinkQuality {
   double delay_s = 0, jitter_s = 0, loss = 0, rate_Bps = 0;
   bool operator==(const LinkQuality&) const = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Converts and checks Fleet's arguments from Python; TypeError or ValueError states the expected
-// value.
+// Converts and checks Fleet's arguments from Python; TypeError or ValueError states what is
+// allowed.
 #pragma once
 
 #include <nanobind/nanobind.h>

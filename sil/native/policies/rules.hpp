@@ -66,8 +66,7 @@ constexpr std::uint8_t mode_of(State state) {
   return core::law_drives(state) ? app::mode::kFormation : app::mode::kHold;
 }
 
-/// A state became known, or a newer one arrived. An age constantly at zero comes from a stamp in
-/// the future.
+/// A state became known, or a newer one arrived. An age that stays 0 means a stamp in the future.
 inline bool moved(const std::optional<double>& before_s, const std::optional<double>& now_s,
                   const Moment& n) {
   constexpr double kRounded_s = 1e-4;
