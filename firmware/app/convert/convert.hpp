@@ -37,7 +37,6 @@ struct Sample {
   std::optional<GlobalPoint> at{};
 };
 
-/// Why a message is refused.
 enum class Refusal : std::uint8_t { kBadValue, kBadFrame };
 
 /// A sample, or why there is none. ODOMETRY: any pose in NED or ENU with any legal velocity frame.

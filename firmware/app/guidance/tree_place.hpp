@@ -76,7 +76,6 @@ class TreePlace {
   std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us
 };
 
-/// Number of ids in a path.
 std::size_t length_of(const TreePath& path);
 
 }  // namespace flotilla::app

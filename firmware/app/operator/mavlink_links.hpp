@@ -41,7 +41,6 @@ using Datagram = std::array<std::uint8_t, 1400>;
 
 class MavlinkLinks {
  public:
-  /// State of one link.
   struct Link {
     link::MavlinkDecoder decoder;
     link::MavlinkEncoder encoder;
@@ -158,7 +157,6 @@ class MavlinkLinks {
     return false;
   }
 
-  /// Sends our heartbeat on every link.
   void beat(const link::Heartbeat& heartbeat, link::Counters& counters) {
     for (std::size_t i = 0; i < count(); ++i) {
       send(i, heartbeat, counters);
@@ -167,7 +165,6 @@ class MavlinkLinks {
     }
   }
 
-  /// Changes our address on all links.
   void rename(link::Address self) {
     for (Link& link : links_) link.encoder.rename(self);
   }

@@ -79,7 +79,6 @@ class Streams {
     std::int64_t desired_us = 0;
     Schedule schedule;
   };
-  /// State of one link.
   struct Link {
     std::array<Turn, kStreams.size()> turns{};
     std::int64_t radio_us = 0;  ///< last RADIO_STATUS

@@ -24,7 +24,6 @@ class EscNodes {
 
   explicit EscNodes(std::array<std::uint8_t, kEscs> esc_indices);
 
-  /// Takes one frame from the bus.
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
   /// A motor's present command, from full reverse −1 to full forward 1.

@@ -24,7 +24,6 @@ class CanEar {
   void read(std::span<const link::CanFrame> frames, const app::Parameters& p, Moment& n);
 
  private:
-  /// One of the two ESCs.
   struct Esc {
     std::uint8_t node = 0;
     bool counts = false;  ///< its uptime is known

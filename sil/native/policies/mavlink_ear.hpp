@@ -42,7 +42,6 @@ class MavlinkEar {
     std::int64_t beat_us = 0, timesync_us = 0;
   };
 
-  /// A command and its first parameter.
   struct Order {
     std::uint16_t command;
     float first;

@@ -12,7 +12,7 @@ namespace {
 
 using core::State;
 
-/// Equivalent to calling each rule, without the calls: the rules take most of a tick's time.
+/// Equivalent to calling each rule, without the calls: the rules take most of the monitor's time.
 bool all_hold(const Seen& b, const Moment& n) {
   using namespace rules;
 #define POLICY(group, name, condition) \
