@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Work for the stop-watch and the instruction counter of tools/bench.
+// Workloads for the stopwatch and the instruction counter of tools/bench.
 //
 //   flotilla_bench tick N          N ticks in FORMATION: own and leader's ATTITUDE and
 //                                  LOCAL_POSITION_NED and the leader's FORMATION_REFERENCE decoded,
@@ -7,9 +7,9 @@
 //   flotilla_bench tick_odometry N the same from an ODOMETRY each
 //   flotilla_bench odometry N      N ODOMETRY decoded by the link alone
 //   flotilla_bench replay N FILE BOAT NAME=VALUE...   first N ticks of that boat in a recording.bin
-//   flotilla_bench stream N        what `tick` plays, as flotilla_player reads it, to standard output
+//   flotilla_bench stream N        the input of `tick` for flotilla_player, to standard output
 //
-// Inputs are made, and for a replay read, before the clock starts; it prints ns for all N.
+// Inputs are generated, and for a replay read, before the clock starts; prints ns for all N.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -29,10 +29,10 @@ using namespace flotilla;
 
 constexpr std::int64_t kPeriod_us = 10'000;
 constexpr std::uint8_t kOwn = 1, kLeader = 100;
-// Made for this many ticks whatever N is: the difference of two N is then ticks alone.
+// Generated for this many ticks whatever N is, so the difference of two N is due to ticks alone.
 constexpr std::size_t kMade = 20'000;
 
-/// What reaches a boat at one instant; `tick` ends it.
+/// Input of a boat at one instant; kTick ends it.
 struct Event {
   std::int64_t t_us;
   enum class Kind : std::uint8_t { kMavlink, kCan, kTick } kind;
@@ -78,7 +78,7 @@ std::vector<std::uint8_t> state_of(link::MavlinkEncoder& encoder, std::int64_t t
   return bytes;
 }
 
-/// North and east: a slot of zero is the leader's own place.
+/// North and east: a slot of zero would be the leader's own place.
 constexpr float kBehind_m = 2;
 
 app::Parameters in_its_slot() {
@@ -87,7 +87,7 @@ app::Parameters in_its_slot() {
   return parameters;
 }
 
-/// Of a root that is where the leader is.
+/// The reference of a root at the leader's position.
 link::FormationReference reference_at(std::int64_t t_us, float x) {
   link::FormationReference m{};
   m.time_boot_ms = static_cast<std::uint32_t>(t_us / 1000);
@@ -127,7 +127,7 @@ std::vector<Event> made_events(bool odometry) {
   link::MavlinkEncoder own({kOwn, 220}), leader({kLeader, 1}), operator_({255, 190});
   for (std::size_t k = 1; k <= kMade; ++k) {
     const auto t_us = static_cast<std::int64_t>(k) * kPeriod_us;
-    // Both sail north-east, one on top of the other: where the boat is, it need not go.
+    // Both sail north-east, the boat in its slot: it need not close up.
     const float x = 0.004F * static_cast<float>(k);
     if (k % 50 == 1) add_esc_reports(events, t_us, static_cast<std::uint8_t>(k / 50 % 32));
     events.push_back(
@@ -179,7 +179,7 @@ std::vector<Event> recorded_events(const char* path, unsigned boat) {
   return events;
 }
 
-/// Plays events until n ticks are done; how many were.
+/// Plays events until n ticks are done; returns how many were.
 std::size_t play(app::Boat<float>& boat, const std::vector<Event>& events, std::size_t n) {
   std::size_t ticks = 0;
   for (const Event& event : events) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The law's scalar on a boat, as the build has it: cmake -DCTL_SCALAR=float, double or q16.
+// The scalar of the boat's control law, set by the build: cmake -DCTL_SCALAR=float, double or q16.
 #pragma once
 
 #include "core/scalar/fixed.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every number an operator may set, with its unit, default, range and sentence.
+// Every number an operator may set, with its unit, default, range and description.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace flotilla::app {
 
-/// ArduPilot Rover's numbers, which clients name by vehicle type.
+/// ArduPilot Rover's mode numbers: clients translate them to names by vehicle type.
 namespace mode {
 constexpr std::uint8_t kManual = 0, kHold = 4, kFormation = 6;
 }
@@ -47,7 +47,7 @@ struct ParameterInfo {
   float Parameters::* member;
 
   bool whole() const { return kind != ParameterKind::kReal; }
-  /// Kept over a restart.
+  /// Kept across restarts.
   bool saved() const { return change != ParameterChange::kMode; }
 };
 
@@ -67,13 +67,13 @@ inline constexpr std::array kParameterList{
 #undef FLOTILLA_PARAMETER
 };
 
-/// The entry of that name.
+/// The entry with that name, or nullptr.
 const ParameterInfo* find_parameter(std::string_view name);
 
-/// Whether the value is finite, in range, and whole, ±1 or a mode where it must be.
+/// Whether the value is finite, in range, and of the kind required: whole, ±1 or a mode.
 bool is_valid(const ParameterInfo& info, float value);
 
-/// The first pair of parameters that are each in range but not together, as a sentence.
+/// A sentence on the first parameters that are valid alone but contradict each other.
 std::optional<std::string_view> contradiction(const Parameters& parameters);
 
 }  // namespace flotilla::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is sent at a fixed rate from a tick of another rate.
+// Schedules sending at a fixed rate from a tick of another rate.
 #pragma once
 
 #include <cstdint>
@@ -7,24 +7,24 @@
 
 namespace flotilla::app {
 
-/// Due on a grid that begins with the first question; after a gap, once, and the grid begins anew.
+/// Due on a grid that starts at the first call; after a gap once, and the grid restarts.
 class Schedule {
  public:
   Schedule() = default;
 
-  /// Interval 0: never. `early_us`: half a tick, so that a loop's jitter does not skip a turn.
+  /// Interval 0: never. `early_us`: half a tick, so that jitter of the loop does not skip a turn.
   explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
       : interval_us_(interval_us), early_us_(early_us) {}
 
-  /// Whether its turn has come; due() says the same and takes it.
+  /// Whether it is due; unlike due(), does not take the turn.
   bool waits(std::int64_t now_us) const {
     return interval_us_ > 0 && now_us + early_us_ >= next_us_;
   }
 
-  /// The same, up to half an interval before its turn: for news, which should not wait for it.
+  /// The same, up to half an interval early: for news, which should not wait.
   bool waits_early(std::int64_t now_us) const { return waits(now_us + interval_us_ / 2); }
 
-  /// From when on it waits.
+  /// Time from which waits() is true.
   std::int64_t from_us() const {
     if (interval_us_ <= 0) return std::numeric_limits<std::int64_t>::max();
     return next_us_ - early_us_;
@@ -36,16 +36,16 @@ class Schedule {
     return true;
   }
 
-  /// Its turn has come, or is taken early.
+  /// Takes the turn, due or early.
   void take(std::int64_t now_us) {
     const bool on_grid = now_us - next_us_ < interval_us_;
     next_us_ = (on_grid ? next_us_ : now_us) + interval_us_;
   }
 
-  /// Due at once, and the grid begins anew.
+  /// Due at once; the grid restarts.
   void hurry() { next_us_ = kAtOnce; }
 
-  /// From the next turn on.
+  /// Sets the interval from the next turn on.
   void stretch(std::int64_t interval_us) { interval_us_ = interval_us; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Plays the stream of standard input to a boat; prints the digest of what it says and what that took.
+// Replays a stream from standard input to a boat; prints the digest of its output and the cost.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -42,8 +42,7 @@ void print_digest(const std::array<std::uint8_t, 32>& digest) {
   print("\n");
 }
 
-/// Prints of each tick that drives how many instructions there are from the end of the one before to
-/// its own, without what the player itself does.
+/// Prints the instructions of each tick that drives, since the last tick and without the player's.
 bool play_all(Player& player, Ticks& ticks) {
   static std::array<std::uint8_t, kMaxBytes> bytes;
   std::array<std::uint8_t, 12> head;
@@ -76,7 +75,7 @@ bool play_all(Player& player, Ticks& ticks) {
 }  // namespace
 
 bool run() {
-  // Never destroyed: there is nothing after it.
+  // Never destroyed: the program ends after it.
   alignas(Player) static std::array<std::byte, sizeof(Player)> place;
   auto& player = *new (place.data()) Player;
   Ticks ticks;

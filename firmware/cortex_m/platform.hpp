@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the program needs of what it runs on: a microcontroller, or a PC that it is compared with.
+// The platform's functions: of a microcontroller, or of a PC for comparison.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,18 @@
 
 namespace flotilla::target {
 
-/// The program; whether it went well.
+/// The program; returns whether it succeeded.
 bool run();
 
 void print(const char* text);
 
-/// Fills `out` from standard input; false where that has less.
+/// Fills `out` from standard input; false at the end of input.
 bool read(std::span<std::uint8_t> out);
 
-/// Since it was called last, within 40; at most 600 million. 0 where nobody counts.
+/// Instructions since the last call, ±40; at most 600 million. 0 if the platform does not count.
 std::uint32_t instructions();
 
-/// As much of the stack as was ever in use since reset. 0 where nobody knows.
+/// The most stack ever in use since reset; 0 if unknown.
 std::size_t most_stack_bytes();
 
 }  // namespace flotilla::target

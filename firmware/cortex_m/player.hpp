@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Plays a recorded stream to one boat and digests what it says.
+// Replays a recorded stream to one boat and digests its output.
 //
-// The stream is records as of sil/recording.py, of one boat, in its own clock: time (u64 µs), port
-// (u16), length (u16), bytes. Ports: MAVLink of link n: n; CAN: 8, identifier (u32) and data; what
-// its host says of the bus: 32, up (u8); a control tick: 33. Before all of them one of port 34: how
-// many links (u32), and every parameter (float) in the order of their table.
+// The stream has records as in sil/recording.py, of one boat, in its own clock: time (u64 µs), port
+// (u16), length (u16), bytes. Ports: n: MAVLink of link n; 8: CAN, identifier (u32) and data; 32:
+// state of the bus, up (u8); 33: a control tick. The first record has port 34: number of links
+// (u32), and every parameter (float) in the order of their table.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace flotilla::target {
 
-/// Nothing longer comes over a link at once.
+/// Longest chunk that a link delivers at once.
 constexpr std::size_t kMaxBytes = 1500;
 
 struct Record {
@@ -30,13 +30,13 @@ struct Record {
 
 class Player {
  public:
-  /// Hands a record to the boat. False for one that no boat was made for, or of an unknown port.
+  /// Passes a record to the boat. False before a boat exists, or for an unknown port.
   bool play(const Record& record, std::span<const std::uint8_t> bytes);
 
   /// Whether the last record was a control tick.
   bool ticked() const { return out_.has_value(); }
 
-  /// After a tick: adds what the boat says to the digest, records of the ports 16 + n and 24.
+  /// After a tick: adds the boat's output to the digest, as records of ports 16 + n and 24.
   void digest();
 
   std::array<std::uint8_t, 32> finish() { return sha256_.finish(); }
@@ -48,7 +48,7 @@ class Player {
   void add(std::uint16_t port, std::span<const std::uint8_t> head,
            std::span<const std::uint8_t> bytes);
 
-  /// A microcontroller's: one radio, one serial line.
+  /// As on a microcontroller: one radio, one serial line.
   static constexpr std::size_t kLinks = 2, kSigningStreams = 16;
   app::LinkRoom<kLinks, kSigningStreams> room_;
   app::Outbox<kLinks> outbox_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a debugger, or QEMU, does for a program without an operating system. Source: ARM, "Semihosting
-// for AArch32 and AArch64", 2.0.
+// I/O through a debugger, or QEMU, without an operating system. Source: ARM, "Semihosting for
+// AArch32 and AArch64", 2.0.
 #include "cortex_m/semihosting.hpp"
 
 #include <array>
@@ -40,7 +40,7 @@ void leave(bool well) {
 }
 
 bool read(std::span<std::uint8_t> out) {
-  // The answer is how much is missing: a pipe gives what is there already.
+  // The call returns the number of missing bytes: a pipe delivers only what it holds.
   while (!out.empty()) {
     const std::uint32_t missing =
         call(kRead, {standard_input(), reinterpret_cast<std::uintptr_t>(out.data()), out.size()});

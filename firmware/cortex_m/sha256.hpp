@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The SHA-256 that MAVLink's signatures are made with, whole.
+// Full SHA-256, with the functions that MAVLink's signatures use.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What happens between power and main(): memory, floating point unit, constructors.
+// From reset to main(): memory, floating-point unit, constructors.
 #include <algorithm>
 #include <array>
 
@@ -7,7 +7,7 @@
 #include "cortex_m/semihosting.hpp"
 
 extern "C" {
-// Of memory.ld.
+// Symbols of memory.ld.
 extern std::uint32_t data_begin[], data_end[], data_stored[], bss_begin[], bss_end[];
 extern std::uint32_t stack_bottom[], stack_top[];
 using Constructor = void (*)();
@@ -36,7 +36,7 @@ struct Vectors {
 }  // namespace
 
 extern "C" [[gnu::naked]] void reset() {
-  // No stack frame may lie where the stack is painted.
+  // Naked: a stack frame would lie in the area that is painted.
   asm volatile(
       "ldr r0, =stack_bottom\n"
       "ldr r1, =stack_top\n"

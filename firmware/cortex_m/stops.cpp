@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the libraries go when they cannot go on. Theirs would tell of it by printf, from a heap.
+// Where the libraries end on fatal errors. Their own versions would print by printf, from a heap.
 #include "cortex_m/platform.hpp"
 #include "cortex_m/semihosting.hpp"
 

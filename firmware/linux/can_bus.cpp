@@ -23,7 +23,7 @@ constexpr std::uint8_t kEndOfTransfer = 0x40, kGreatestNode = 127;
   throw std::runtime_error("CAN bus \"" + std::string(address) + "\": " + why);
 }
 
-/// What the kernel takes for the name of an interface.
+/// The kernel's rule for names of interfaces.
 bool is_interface_name(std::string_view name) {
   return !name.empty() && name.size() < IFNAMSIZ && name != "." && name != ".." &&
          name.find_first_of("/: \t\n") == std::string_view::npos;

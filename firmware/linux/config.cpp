@@ -18,7 +18,7 @@ constexpr const char* kDescription =
 Every option is also a key of the configuration file (TOML, without the dashes); the command line
 wins. A list of links on the command line replaces the file's, a parameter replaces its namesake.)";
 
-// Whoever finds a mistake in what decodes the bytes of radio and bus shall not own the machine.
+// A flaw in the decoders of radio and bus must not give an attacker the whole machine.
 constexpr const char* kNotAsRoot =
     "does not run as root: use its systemd unit, firmware/linux/flotillad.service, or start "
     "it as another user (setpriv --reuid=USER --regid=GROUP --init-groups flotillad ...)";
@@ -47,7 +47,7 @@ struct Options {
   bool lock_memory = false;
 };
 
-/// Runs `read`; an error tells the option.
+/// Runs `read`; an error names the option.
 template <class Read>
 void option(const char* name, Read read) {
   try {
@@ -142,7 +142,7 @@ std::variant<Config, Ending> read_config(std::span<const char* const> arguments,
   Options options;
   define(app, options);
   try {
-    // "--log=" means an empty value; CLI11 would take the next option for it.
+    // "--log=" means an empty value; CLI11 would read the next option as the value.
     std::vector<const char*> words;
     std::vector<std::string> names;
     names.reserve(arguments.size());

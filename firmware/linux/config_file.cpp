@@ -13,7 +13,7 @@
 namespace flotilla::target {
 namespace {
 
-/// The value, where it has exactly that type of TOML.
+/// The value if it has exactly that TOML type.
 template <class T>
 T typed(const toml::node& node, std::string_view type) {
   if (const auto value = node.value_exact<T>()) return *value;
@@ -27,7 +27,7 @@ std::string where(const std::string& file, const toml::source_region& region) {
          std::to_string(region.begin.column) + ": ";
 }
 
-/// Runs `read` on a value; an error tells the file, line and key.
+/// Runs `read` on a value; an error names the file, line and key.
 template <class Read>
 void at(const std::string& file, const std::string& key, const toml::node& node, Read read) {
   try {

@@ -31,7 +31,7 @@ void require_scheme(std::string_view address, std::initializer_list<std::string_
                    " (allowed: " + allowed + "…)");
 }
 
-/// One of those behind a link's address, with its comma.
+/// Reads one option of a link, with its leading comma.
 void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
   constexpr std::string_view kRate = ",rate=", kSigning = ",signing=";
   if (option.starts_with(kRate)) {
@@ -73,7 +73,7 @@ void require_link_count(std::size_t count) {
                    std::to_string(app::kMaxLinks) + ")");
 }
 
-/// A parameter's value, `text` being how it was written.
+/// A parameter's value; `text`: as written.
 float parameter_value(std::string_view name, std::optional<double> value, std::string_view text) {
   const app::ParameterInfo* info = app::find_parameter(name);
   if (info == nullptr) {
@@ -84,7 +84,7 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
     throw ValueError(std::string(name) +
                      " cannot be given here: every start is in HOLD, a command changes it");
   }
-  // Beyond float's range a conversion would be undefined.
+  // A conversion beyond float's range would be undefined.
   const bool fits = value && std::abs(*value) <= double{std::numeric_limits<float>::max()};
   if (fits && app::is_valid(*info, static_cast<float>(*value))) return static_cast<float>(*value);
   const bool is_sign = info->kind == app::ParameterKind::kSign;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the configuration's values mean, whether they come from the file or the command line.
+// Parses the configuration's values, from the file or the command line.
 #pragma once
 
 #include <charconv>
@@ -13,17 +13,17 @@
 
 namespace flotilla::target {
 
-/// A value that is not allowed, and what is; whoever catches it adds where it stands.
+/// A value that is not allowed, and what is; the catcher adds the file and key, or the option.
 struct ValueError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The whole mistake as one line for the operator.
+/// The complete error as one line for the operator.
 struct ConfigError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The number that the whole text is.
+/// The whole text as a number, or nothing.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -36,7 +36,7 @@ std::optional<T> number(std::string_view text) {
 std::string can_address(std::string_view text);
 MavlinkLinkConfig mavlink_link(std::string_view text);  ///< ADDRESS[,rate=BYTES][,signing=POLICY]
 void require_link_count(std::size_t count);
-/// `text`: how the value was written; no value: it is no number.
+/// `text`: the value as written; no value: not a number.
 float parameter_value(std::string_view name, std::optional<double> value, std::string_view text);
 int priority_value(std::optional<std::int64_t> value);
 

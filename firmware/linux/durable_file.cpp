@@ -42,7 +42,7 @@ std::string checksum_line(std::string_view body) {
 }
 
 FileContent read_file(const std::filesystem::path& path, std::size_t most_bytes) {
-  // Not waiting for a writer where somebody put a pipe.
+  // O_NONBLOCK: does not wait for a writer if the path is a pipe.
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat about{};
   if (!file || ::fstat(file.get(), &about) != 0) return {errno, {}};
@@ -72,7 +72,7 @@ std::optional<std::string> replace_file(const std::filesystem::path& path,
                                         std::string_view content) {
   const auto fresh = beside(path, ".new");
   const auto directory = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  std::error_code ignored;  // a directory that is missing still shows when the file is opened
+  std::error_code ignored;  // a missing directory still shows when the file is opened
   std::filesystem::create_directories(directory, ignored);
   {
     const FileDescriptor file(

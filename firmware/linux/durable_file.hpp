@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Small files that are either the old one or the new one, whatever happens in between.
+// Small files replaced atomically: after a crash the content is either the old or the new.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace flotilla::target {
 
-/// What was read, or why it was not: `error` is an errno, 0 where all is well.
+/// The content read, or an errno; 0 on success.
 struct FileContent {
   int error = 0;
   std::string text;
@@ -18,17 +18,17 @@ struct FileContent {
 
 constexpr std::size_t kChecksumLineSize = std::string_view("crc32 = 89ABCDEF\n").size();
 
-/// The last line of a file whose other lines are `body`: by it a damaged file is known.
+/// The last line of a file with the lines `body`; detects damage.
 std::string checksum_line(std::string_view body);
 
-/// The whole of a regular file of at most `most_bytes` (EFBIG beyond).
+/// A whole regular file of at most `most_bytes`; EFBIG beyond.
 FileContent read_file(const std::filesystem::path& path, std::size_t most_bytes = 1U << 20U);
 
-/// `path` with something behind its name, in the same directory.
+/// `path` with a suffix to its name, in the same directory.
 std::filesystem::path beside(const std::filesystem::path& path, std::string_view suffix);
 
-/// Makes the directory where it is missing, writes `path.new`, syncs it, renames it to `path`, syncs
-/// the directory. What went wrong, as a sentence. Blocks for as long as the disk takes.
+/// Creates the directory if missing, writes `path.new`, syncs it, renames it to `path`, syncs the
+/// directory. Returns an error as a sentence. Blocks for as long as the disk takes.
 std::optional<std::string> replace_file(const std::filesystem::path& path,
                                         std::string_view content);
 

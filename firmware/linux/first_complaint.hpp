@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What went wrong in a background thread, told to the control loop once.
+// Passes a background thread's first error to the control loop, once.
 #pragma once
 
 #include <atomic>
@@ -12,14 +12,14 @@ namespace flotilla::target {
 
 class FirstComplaint {
  public:
-  /// The background thread's; all but the first are forgotten.
+  /// For the background thread; keeps only the first.
   void put(std::string_view sentence) {
     if (there_.load(std::memory_order_relaxed)) return;
     sentence_ = sentence;
     there_.store(true, std::memory_order_release);
   }
 
-  /// The loop's: once, never blocks or allocates.
+  /// For the loop: once, never blocks or allocates.
   std::optional<std::string> take() {
     if (taken_ || !there_.load(std::memory_order_acquire)) return std::nullopt;
     taken_ = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How late and how long: a histogram of microseconds that never allocates.
+// A histogram of latencies in microseconds that never allocates.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class Latency {
   std::uint64_t count() const { return count_; }
   std::int64_t greatest_us() const { return greatest_us_; }
 
-  /// The least time that so many of all were within, share 0 … 1; beyond 20 ms, 20 ms.
+  /// The least time that a share (0 … 1) of all samples did not exceed; saturates at 20 ms.
   std::int64_t percentile_us(double share) const {
     std::uint64_t seen = 0;
     for (std::size_t us = 0; us < bins_.size(); ++us) {

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kBufferBytes = 32U << 10U;
 constexpr int kOpenTries = 100;
 
-/// The number in "prefix-00012.ext", nothing for any other name.
+/// The number in "prefix-00012.ext"; nothing for any other name.
 std::optional<std::uint64_t> number_of(const std::string& name, const LogSeries& series) {
   const std::string begin = series.prefix + "-";
   if (!name.starts_with(begin) || !name.ends_with(series.extension)) return std::nullopt;
@@ -45,12 +45,12 @@ void LogFile::fail(const std::filesystem::path& where, int error) {
   broken_ = true;
   lost_ += std::exchange(buffered_, 0);
   buffer_.clear();
-  if (file_ && size_ == 0) ::unlink(path_.c_str());  // no heap of empty files on a full disk
+  if (file_ && size_ == 0) ::unlink(path_.c_str());  // a full disk must not collect empty files
   file_ = FileDescriptor();
   if (!fault_) fault_ = "log " + where.string() + ": " + std::strerror(error);
 }
 
-/// Removes the oldest files until one more fits in; the numbers that are left, ascending.
+/// Removes the oldest files until a new one fits; returns the numbers found, ascending.
 std::vector<std::uint64_t> LogFile::make_room() {
   std::vector<std::uint64_t> numbers;
   std::error_code error;
@@ -109,7 +109,7 @@ void LogFile::flush() {
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const int error = written < 0 ? errno : EIO;
-      // Half a record must not stay behind. Whole ones go with it; they are counted as lost.
+      // No partial record may stay behind. Whole ones are truncated with it, and counted as lost.
       if (::ftruncate(file_.get(), static_cast<off_t>(size_)) != 0) errno = error;
       return fail(path_, error);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A series of numbered files that together stay below a size; a record is in one of them whole.
+// A series of numbered files with a limited total size; each record is whole in one file.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ struct LogSeries {
   std::filesystem::path directory;
   std::string prefix;
   std::string extension;      ///< with its dot
-  std::uint64_t file_bytes;   ///< a file that would grow beyond is closed
-  std::uint64_t total_bytes;  ///< the oldest are removed so that all stay below this
+  std::uint64_t file_bytes;   ///< a file that would grow beyond this is closed
+  std::uint64_t total_bytes;  ///< the oldest are removed so that the total stays below this
 };
 
 class LogFile {
@@ -30,24 +30,24 @@ class LogFile {
   LogFile(const LogFile&) = delete;
   LogFile& operator=(const LogFile&) = delete;
 
-  /// Keeps the record until the next flush, or some of them; records that could not be written
-  /// are lost and counted.
+  /// Buffers the record, and flushes when the buffer is full. Records that could not be written are
+  /// lost and counted.
   void append(std::span<const std::uint8_t> record);
 
-  /// Hands everything to the operating system: from here on it outlives this process.
+  /// Passes all records to the operating system: they survive the end of this process.
   void flush();
 
-  /// Waits until the disk has it: it outlives a cut power supply.
+  /// Waits for the disk: the records survive a power cut.
   void sync();
 
   void close();
 
-  /// After a failure nothing is tried until this is called.
+  /// After a failure nothing is written until this is called.
   void try_again() { broken_ = false; }
 
   std::uint64_t written() const { return written_; }  ///< records
   std::uint64_t lost() const { return lost_; }        ///< records
-  /// What went wrong first.
+  /// The first error.
   const std::optional<std::string>& fault() const { return fault_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Records from the control loop to the log writer: one thread puts, one takes, nobody waits.
+// Lock-free queue of records from the control loop to the log writer: one producer, one consumer.
 #pragma once
 
 #include <algorithm>
@@ -16,18 +16,18 @@ namespace flotilla::target {
 
 struct LogRecord {
   std::int64_t unix_us = 0;
-  std::uint16_t size = 0;    ///< bytes that follow
-  std::uint8_t channel = 0;  ///< what they are; the ring does not care
+  std::uint16_t size = 0;    ///< bytes of payload
+  std::uint8_t channel = 0;  ///< kind of payload; opaque to the ring
 };
 
-/// All of its memory is there, and touched, after construction.
+/// Allocates and touches all its memory on construction.
 class LogRing {
  public:
-  /// Rounded up to a power of two.
+  /// Capacity, rounded up to a power of two.
   explicit LogRing(std::size_t bytes)
       : capacity_(std::bit_ceil(bytes)), bytes_(std::make_unique<std::uint8_t[]>(capacity_)) {}
 
-  /// The producer's. False, and nothing put, where there is no room.
+  /// For the producer. Returns false and stores nothing if there is no room.
   bool put(const LogRecord& record, std::span<const std::uint8_t> payload) {
     const std::size_t put = put_.load(std::memory_order_relaxed);
     const std::size_t taken = taken_.load(std::memory_order_acquire);
@@ -38,7 +38,7 @@ class LogRing {
     return true;
   }
 
-  /// The consumer's. The payload goes to the front of `out`, which must hold 65535 bytes.
+  /// For the consumer. Copies the payload to the front of `out`, which must hold 65535 bytes.
   std::optional<LogRecord> take(std::span<std::uint8_t> out) {
     const std::size_t taken = taken_.load(std::memory_order_relaxed);
     if (taken == put_.load(std::memory_order_acquire)) return std::nullopt;

@@ -25,12 +25,12 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
-// Not every step of a slider goes to the disk.
+// Minimum interval of saves: not every step of a slider goes to the disk.
 constexpr std::int64_t kSaveEvery_us = kSecond_us;
 constexpr int kFarewellTicks = 10;
-// How far ahead of the clock a stored signing timestamp may be before it is worth a word.
+// A stored signing timestamp further ahead of the clock than this is reported.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
-// Read at one go; more waits until the timer was looked at: a flood must not stop the tick.
+// Read at once; the timer is checked before the rest: a flood must not stop the tick.
 constexpr int kMaxFrames = 256, kMaxChunks = 64;
 constexpr std::int64_t kReadBeforeTick_us = 1000;
 
@@ -48,7 +48,7 @@ void print_line(std::string_view text) {
 
 timespec time_of(std::int64_t us) { return {us / kSecond_us, us % kSecond_us * 1000}; }
 
-/// Real-time priority and locked memory are wishes: the boat sails without, and says so.
+/// Real-time priority and locked memory are optional: without them the boat sails and reports it.
 void ask_for_real_time(const Config& config) {
   if (config.priority > 0) {
     sched_param wish{};
@@ -69,9 +69,9 @@ FileDescriptor catch_signals() {
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGHUP);  // the terminal is gone
+  sigaddset(&set, SIGHUP);  // the terminal has closed
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);  // whoever reads our output may go; we stay
+  ::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may end; we go on
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
 
@@ -88,7 +88,7 @@ LoadedParameters load(const Config& config) {
   return loaded;
 }
 
-/// What is in force: the saved ones, and those of the configuration over them.
+/// The parameters in force: the saved ones, overridden by the configuration.
 app::Parameters in_force(const Config& config, const LoadedParameters& loaded) {
   app::Parameters values = loaded.values;
   apply(config.param, values);
@@ -171,8 +171,8 @@ void Loop::wait() {
     lateness_.add(woken_us - deadline_us_);
     deadline_us_ += period_us_;
   }
-  // Nobody listened while ticks were missed: the boat shall judge by the age of what it had heard,
-  // before what piled up meanwhile passes for news.
+  // Nothing was read during missed ticks: the boat must judge the age of its data before the
+  // backlog passes for new.
   if (expirations > 1) tick();
   const std::int64_t now_us = now();
   read_bus(now_us);
@@ -191,7 +191,7 @@ void Loop::read_bus(std::int64_t now_us) {
 
 void Loop::read_links(std::int64_t now_us) {
   std::array<std::uint8_t, 2048> buffer;
-  // A flood must not stop the tick, nor one link the others.
+  // A flood must not stop the tick, nor may one link starve the others.
   const std::int64_t until_us = timer_fired_ ? now_us + kReadBeforeTick_us : deadline_us_;
   bool heard = true;
   for (int n = 0; heard && n < kMaxChunks && (n == 0 || now() < until_us); ++n) {
@@ -250,15 +250,15 @@ void Loop::keep_house(std::int64_t now_us) {
   report_outcome();
   note_changes();
   save_changes(now_us);
-  // A disk may take its time, which an armed boat has not.
+  // Disk writes may block, so an armed boat does not start them.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     print_line(error);
   }
 }
 
-/// What the operator has changed since the last call is to be saved, and what the configuration
-/// has laid over the saved values is not, unless he asks for all that he sees in force.
+/// Marks the operator's changes since the last call for saving. Overrides by the configuration are
+/// not saved unless the operator asks to save all parameters in force.
 void Loop::note_changes() {
   const app::SaveRequest request = boat_->take_save_request();
   if (request == app::SaveRequest::kNone) return;
@@ -275,7 +275,7 @@ void Loop::note_changes() {
 void Loop::save_changes(std::int64_t now_us) {
   using app::SaveRequest;
   if (to_save_ == SaveRequest::kNone) return;
-  // After a fall to defaults only an operator says that they are right.
+  // After a fall-back to defaults, an operator must confirm them before they are saved.
   const bool unasked = to_save_ == SaveRequest::kChanged;
   if (unasked && parameters_.must_be_confirmed) return;
   if ((unasked || save_failed_) && now_us - saved_us_ < kSaveEvery_us) return;
@@ -287,7 +287,7 @@ void Loop::save_changes(std::int64_t now_us) {
 void Loop::report_outcome() {
   const auto saved = saver_.outcome();
   if (!saved) return;
-  if (saved->fault) to_save_ = std::max(to_save_, saved->why);  // to be tried again
+  if (saved->fault) to_save_ = std::max(to_save_, saved->why);  // to be retried
   const bool asked = saved->why == app::SaveRequest::kConfirmed;
   report_saved(asked ? "asked for" : "changed", saved->fault);
 }
@@ -304,7 +304,7 @@ void Loop::report_saved(std::string_view why, const std::optional<std::string>& 
 
 void Loop::shut_down() {
   for (int i = 0; i < kFarewellTicks; ++i) {
-    boat_->disarm();  // every time: the last thing heard may have been a command to arm
+    boat_->disarm();  // every time: the last message may have been a command to arm
     const std::int64_t now_us = now();
     read_bus(now_us);
     send(boat_->tick(now_us), now_us);

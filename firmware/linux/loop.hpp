@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The control loop: buses, links and the clock of the operating system around one boat.
+// The control loop: connects one boat to buses, links and the operating system's clock.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +27,10 @@ namespace flotilla::target {
 
 class Loop {
  public:
-  /// Opens everything. Throws std::runtime_error that says what is wrong with the configuration.
+  /// Opens everything. Throws std::runtime_error that names the mistake in the configuration.
   explicit Loop(const Config& config);
 
-  /// Ticks until SIGTERM, SIGINT or SIGHUP, then stops the propellers and saves; the exit status.
+  /// Ticks until SIGTERM, SIGINT or SIGHUP, stops the propellers, saves; returns the exit status.
   int run();
 
  private:
@@ -49,19 +49,19 @@ class Loop {
   void write_stats() const;
 
   Config config_;
-  LoadedParameters parameters_;  // as they are to be on the disk
+  LoadedParameters parameters_;  // as they should be on the disk
   std::unique_ptr<app::Boat<Scalar>> boat_;
-  app::Parameters noted_;  // the boat's, when an operator's changes were last looked for
+  app::Parameters noted_;  // the boat's, at the last note_changes()
   app::SaveRequest to_save_ = app::SaveRequest::kNone;
-  std::int64_t saved_us_ = 0;  // when the last save began
-  bool save_failed_ = false;   // the last one did, which was said
+  std::int64_t saved_us_ = 0;  // start of the last save
+  bool save_failed_ = false;   // the last save failed, which was reported
   ParameterSaver saver_;
   std::unique_ptr<CanBus> bus_;
-  bool bus_usable_ = true;  // as it was said last
+  bool bus_usable_ = true;  // as last reported
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   NodeTable node_table_;
   Logs logs_;
-  std::optional<SigningTime> signing_time_;  // with a key only
+  std::optional<SigningTime> signing_time_;  // only with a key
   ServiceManager service_manager_;
 
   FileDescriptor timer_;
@@ -73,10 +73,10 @@ class Loop {
   std::uint32_t overruns_ = 0;
   std::int64_t house_kept_us_ = 0;
 
-  std::int64_t heard_us_ = 0;  // when the first bytes since the last tick came; 0: none did
+  std::int64_t heard_us_ = 0;  // first bytes since the last tick; 0: none
   Latency lateness_;           // of the wake-up
-  Latency processing_;         // from there until the command is sent
-  Latency response_;           // from the first bytes heard until the command is sent
+  Latency processing_;         // from the tick's start until the command is sent
+  Latency response_;           // from the first bytes received until the command is sent
 };
 
 }  // namespace flotilla::target

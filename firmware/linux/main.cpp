@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// flotillad: the autopilot as a program of a Linux companion computer.
+// flotillad: the autopilot as a program for a Linux companion computer.
 #include <unistd.h>
 
 #include <cstdio>

@@ -31,7 +31,7 @@ struct Address {
   std::string scheme, place, number;
 };
 
-/// "a:b:c"; the middle part may itself have no colon. "udpin:c" stays on this machine.
+/// "a:b:c"; the middle part may contain colons. "udpin:c" stays on this machine.
 Address split(std::string_view address) {
   const std::size_t first = address.find(':'), last = address.rfind(':');
   if (first == last && address.starts_with("udpin:")) {
@@ -70,8 +70,8 @@ FileDescriptor udp_socket() {
   return socket;
 }
 
-/// Datagrams. A fixed peer (udpout, udpbcast), or whoever talked to us most recently (udpin). Bound
-/// to one address of this machine: that which is named, or where the way to the peer begins.
+/// UDP to a fixed peer (udpout, udpbcast), or to the peers that have written to us (udpin). Bound
+/// to one address of this machine: the named one, or the source address of the route to the peer.
 class UdpEndpoint final : public MavlinkEndpoint {
  public:
   UdpEndpoint(std::string_view address, const Address& parts)
@@ -95,7 +95,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
     for (const Peer& peer : peers_) {
       const ssize_t sent = ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
                                     generic(peer.address), sizeof peer.address);
-      // ECONNREFUSED: nobody listens there yet; MAVLink repeats itself.
+      // ECONNREFUSED: nobody listens there yet; MAVLink messages repeat.
       if (sent >= 0 || errno == ECONNREFUSED) continue;
       ++dropped_;
       lost_ = errno != EAGAIN && errno != ENOBUFS;
@@ -115,13 +115,13 @@ class UdpEndpoint final : public MavlinkEndpoint {
   bool datagrams() const override { return true; }
   int descriptor() const override { return socket_.get(); }
 
-  /// Where the network came late, or this machine's address has changed.
+  /// Reopens after the network came late, or this machine's address changed.
   void maintain() override {
     if (lost_ && !learns_) lost_ = open() != 0;
   }
 
  private:
-  /// 0, or what was wrong.
+  /// 0 or errno.
   int open() {
     FileDescriptor socket = udp_socket();
     sockaddr_in own = named_;
@@ -133,7 +133,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
       }
       own.sin_port = 0;
     }
-    // Connected it would not hear those who answer a broadcast.
+    // A connected socket would not receive answers to a broadcast.
     if (broadcasts_) socket = udp_socket();
     const bool bound = !learns_ && !broadcasts_;
     if (!bound && ::bind(socket.get(), generic(own), sizeof own) != 0) return errno;
@@ -147,7 +147,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
     std::uint64_t heard;
   };
 
-  /// The peer that was silent for longest gives up its place.
+  /// When full, replaces the peer silent for longest.
   void learn(const sockaddr_in& from) {
     const auto known = std::find_if(peers_.begin(), peers_.end(),
                                     [&](const Peer& p) { return same(p.address, from); });
@@ -163,7 +163,7 @@ class UdpEndpoint final : public MavlinkEndpoint {
   }
 
   bool learns_, broadcasts_;
-  bool lost_ = false;  // nothing can be sent from here any more, or not yet
+  bool lost_ = false;  // nothing can be sent until open() succeeds
   sockaddr_in named_{};
   FileDescriptor socket_;
   std::vector<Peer> peers_;
@@ -178,8 +178,8 @@ constexpr std::array kSpeeds{Speed{9600, B9600},     Speed{19200, B19200},   Spe
                              Speed{57600, B57600},   Speed{115200, B115200}, Speed{230400, B230400},
                              Speed{460800, B460800}, Speed{921600, B921600}};
 
-/// A byte stream. What the port cannot take at once waits; a tick that finds others waiting is
-/// dropped whole, so that no message is cut.
+/// A byte stream. Bytes that the port cannot take at once wait; while they do, a tick's output is
+/// dropped whole, so no message is cut.
 class SerialEndpoint final : public MavlinkEndpoint {
  public:
   SerialEndpoint(std::string_view address, const Address& parts) : device_(parts.place) {

@@ -42,7 +42,7 @@ Integer get(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<Integer>(value);
 }
 
-/// The packet's length.
+/// Returns the packet's length.
 std::size_t pack(const link::CanFrame& frame, Packet& packet) {
   put(packet, 0, kMagic);
   put(packet, kFlagsAt, std::uint16_t{0});
@@ -53,7 +53,7 @@ std::size_t pack(const link::CanFrame& frame, Packet& packet) {
   return size;
 }
 
-/// False where the packet is no classic CAN frame with a 29-bit id.
+/// False unless the packet is a classic CAN frame with a 29-bit id.
 bool unpack(std::span<const std::uint8_t> packet, link::CanFrame& frame) {
   if (packet.size() < kDataAt || packet.size() > kLongest) return false;
   if (get<std::uint16_t>(packet, 0) != kMagic) return false;
@@ -97,7 +97,7 @@ McastBus::McastBus(unsigned bus, std::optional<in_addr> interface)
 }
 
 int McastBus::open() {
-  // Bound to the group, not to any address: else the other buses, on the same port, come in too.
+  // Bound to the group, not to INADDR_ANY: else the other buses, on the same port, arrive too.
   FileDescriptor in = udp_socket();
   FileDescriptor out = udp_socket();
   const ip_mreqn membership{group_.sin_addr, interface_, 0};
@@ -106,14 +106,14 @@ int McastBus::open() {
   from.sin_addr = interface_;
   socklen_t size = sizeof own_;
   const bool done = in && out &&
-                    // `out` first: it finds out whether the interface's address is ours.
+                    // `out` first: it checks that the interface's address is ours.
                     ::bind(out.get(), generic(from), sizeof from) == 0 &&
                     set_option(out, IPPROTO_IP, IP_MULTICAST_IF, membership) &&
                     set_option(out, IPPROTO_IP, IP_MULTICAST_TTL, time_to_live_) &&
                     ::connect(out.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, SOL_SOCKET, SO_REUSEADDR, 1) &&
                     set_option(in, SOL_SOCKET, SO_RXQ_OVFL, 1) &&
-                    // Else what other programs have joined elsewhere comes in too.
+                    // Else groups joined by other programs arrive too.
                     set_option(in, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
                     ::bind(in.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership) &&
@@ -149,7 +149,7 @@ bool McastBus::write(const link::CanFrame& frame) {
 
 bool McastBus::receive(link::CanFrame& frame) {
   while (true) {
-    std::array<std::uint8_t, kLongest + 1> packet{};  // one more, to see that one is too long
+    std::array<std::uint8_t, kLongest + 1> packet{};  // one more byte, to detect longer packets
     sockaddr_in from{};
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control{};
     iovec part{packet.data(), packet.size()};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// CAN frames in UDP multicast, as simulators and the DroneCAN GUI tool speak it.
+// CAN frames in UDP multicast, as used by simulators and the DroneCAN GUI tool.
 // Source: DroneCAN specification, chapter 4.2 "CAN bus over UDP multicast".
 #pragma once
 
@@ -15,11 +15,11 @@ namespace flotilla::target {
 /// Bus `bus` (0 … 9) is the group 239.65.82.bus, port 57732. Unlike CAN it has neither arbitration
 /// nor back-pressure. One datagram is one frame, little endian:
 ///
-///   u16 magic 0x2934 · u16 CRC-16-CCITT-FALSE of what follows · u16 flags · u32 id | 1 << 31 · data
+///   u16 magic 0x2934 · u16 CRC-16-CCITT-FALSE of the rest · u16 flags · u32 id | 1 << 31 · data
 class McastBus final : public CanBus {
  public:
-  /// Without `interface` the frames stay in this machine (127.0.0.1, time to live 0).
-  /// Throws std::system_error, for one where no interface of this machine has that address.
+  /// Without `interface` the frames stay on this machine (127.0.0.1, time to live 0). Throws
+  /// std::system_error, for example if no interface of this machine has that address.
   McastBus(unsigned bus, std::optional<in_addr> interface);
 
   void send(std::span<const link::CanFrame> frames) override;
@@ -36,8 +36,8 @@ class McastBus final : public CanBus {
   in_addr interface_{};
   int time_to_live_;
   FileDescriptor in_, out_;
-  sockaddr_in own_{};    ///< where our datagrams come from
-  bool failed_ = false;  ///< the last datagram could not be sent, though there was room
+  sockaddr_in own_{};    ///< source address of our datagrams
+  bool failed_ = false;  ///< the last datagram failed for a reason other than a full queue
 };
 
 }  // namespace flotilla::target

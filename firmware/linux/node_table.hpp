@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The node ids that were given away, kept over a restart.
+// Saves the assigned node ids across restarts.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +10,21 @@
 
 namespace flotilla::target {
 
-/// A text file: one "UNIQUE-ID NODE" a line, the id in hexadecimal. Lines that make no sense are
-/// passed over: a node that is not in the table gets an id anew.
+/// A text file: one "UNIQUE-ID NODE" a line, the id in hexadecimal. Malformed lines are ignored: a
+/// node missing from the table is assigned a new id.
 class NodeTable {
  public:
   explicit NodeTable(std::filesystem::path path) : path_(std::move(path)) {}
 
   void load(link::NodeIdServer& server);
 
-  /// Writes the table where it has grown since, until the disk has taken it; what went wrong, said
-  /// once, or nothing.
+  /// Writes the table if it has grown, and retries after errors. Returns an error once, else "".
   std::string save_if_changed(const link::NodeIdServer& server);
 
  private:
   std::filesystem::path path_;
   std::size_t saved_ = 0;
-  bool faulty_ = false;  ///< the disk did not take it last time
+  bool faulty_ = false;  ///< the last write failed
 };
 
 }  // namespace flotilla::target

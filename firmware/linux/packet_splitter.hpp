@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// MAVLink bytes in any chunks to packets, known or unknown, unchecked: for the log only.
+// Splits MAVLink bytes in any chunks into packets, known or unknown, unchecked: for the log only.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace flotilla::target {
 
 constexpr std::uint8_t kStart1 = 0xFE, kStart2 = 0xFD;
 
-/// Whether a SETUP_SIGNING begins in these bytes. Not only at their first: what noise made look
-/// like the start of a packet may have swallowed it.
+/// Whether a SETUP_SIGNING begins anywhere in these bytes: noise that resembles the start of a
+/// packet may have swallowed it.
 inline bool holds_key(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t kHeader = 10;
   for (; bytes.size() >= kHeader; bytes = bytes.subspan(1)) {
@@ -27,8 +27,8 @@ inline bool holds_key(std::span<const std::uint8_t> bytes) {
 
 class PacketSplitter {
  public:
-  /// Calls `each` with every packet (1 or 2, signed or not) that is whole now. Bytes that cannot
-  /// begin one are left out.
+  /// Calls `each` with every complete packet (version 1 or 2, signed or not). Skips bytes that
+  /// cannot begin one.
   template <class Each>
   void split(std::span<const std::uint8_t> bytes, Each each) {
     pending_.insert(pending_.end(), bytes.begin(), bytes.end());
@@ -45,7 +45,7 @@ class PacketSplitter {
  private:
   static constexpr std::uint8_t kSigned = 0x01;
 
-  /// 0: no packet begins here. More than there is: not whole yet.
+  /// 0: no packet begins here. More than b.size(): not complete yet.
   static std::size_t packet_size(std::span<const std::uint8_t> b) {
     if (b[0] != kStart1 && b[0] != kStart2) return 0;
     if (b.size() < 3) return 3;

@@ -29,7 +29,7 @@ std::optional<float> number(std::string_view text) {
   return value;
 }
 
-/// Takes the first line off the text.
+/// Removes and returns the first line.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   const std::string_view line = text.substr(0, end);
@@ -37,7 +37,7 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// The lines between title and checksum, or why there are none to be trusted.
+/// The lines between title and checksum, or why they cannot be trusted.
 struct Checked {
   std::string_view lines;
   std::string fault;
@@ -59,7 +59,7 @@ Checked check(std::string_view content) {
   return {lines, {}};
 }
 
-/// One "NAME = VALUE"; what it cannot use it notes.
+/// Reads one "NAME = VALUE"; notes a line that it cannot use.
 void read_line(std::string_view line, const std::string& where, LoadedParameters& loaded,
                std::array<bool, app::kParameterList.size()>& seen) {
   const std::size_t equals = line.find(" = ");
@@ -88,7 +88,7 @@ void read_line(std::string_view line, const std::string& where, LoadedParameters
                          "); default " + number_text(info->default_value));
 }
 
-/// A file written by a version that knew fewer parameters.
+/// Notes parameters that are missing because an older version wrote the file.
 void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
                   const std::string& where, LoadedParameters& loaded) {
   std::string names;
@@ -101,7 +101,7 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
 
 enum class Found : std::uint8_t { kGood, kBad, kAbsent };
 
-/// Reads one version into `loaded`; of a bad one only the note stays.
+/// Reads one version into `loaded`; a bad one adds only its note.
 Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) {
   const std::string where = path.filename().string();
   const auto bad = [&](std::string_view why) {
@@ -168,7 +168,7 @@ std::optional<std::string> save_parameters(const std::filesystem::path& path,
   const std::string text = parameter_text(values, unknown);
   const FileContent old = read_file(path);
   if (old.error == 0 && old.text == text) return std::nullopt;
-  // A damaged file must not push out the whole one that was loaded in its place.
+  // A damaged file must not replace the good previous one that was loaded instead.
   LoadedParameters ignored;
   if (read_version(path, ignored) == Found::kGood) {
     if (auto fault = replace_file(beside(path, ".previous"), old.text)) return fault;

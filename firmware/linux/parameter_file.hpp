@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The boat's parameters on disk: readable, checked as a whole, with the version before.
+// The boat's parameters on disk: readable, with a checksum, and with the previous version kept.
 //
 //   flotilla-parameters 1
 //   MAV_SYSID = 1
@@ -8,9 +8,9 @@
 //   crc32 = 89ABCDEF
 //
 // The checksum (IEEE 802.3) covers every byte before its own line, and its line is compared byte
-// for byte: a truncated file and any single flipped bit are found. `path` and `path.previous` are
-// each replaced by a rename, one after the other, and only a readable file becomes the previous
-// one: at every moment at least one of the two is whole.
+// for byte: truncation and any single flipped bit are detected. `path` and `path.previous` are each
+// replaced by a rename, one after the other, and only a readable file becomes the previous one: at
+// every moment at least one of the two is intact.
 #pragma once
 
 #include <cstdint>
@@ -27,26 +27,26 @@ namespace flotilla::target {
 
 enum class ParameterSource : std::uint8_t {
   kFile,
-  kPrevious,    ///< the file is damaged or gone, the version before it is whole
+  kPrevious,    ///< the file is damaged or missing, the previous version is intact
   kDefaults,    ///< both are damaged, or one is damaged and the other absent
-  kFirstStart,  ///< there is neither: defaults, as it should be
+  kFirstStart,  ///< neither exists: defaults, as expected
 };
 
 struct LoadedParameters {
-  app::Parameters values;  ///< each valid, together free of contradiction
+  app::Parameters values;  ///< each valid, without contradictions
   ParameterSource source = ParameterSource::kFirstStart;
-  /// A value was lost to its default: no arming until an operator has looked and saved. Do not
-  /// save by yourself before (at exit, say), or the next start takes the defaults for granted.
+  /// A value was replaced by its default: no arming until an operator has checked and saved. The
+  /// program must not save by itself before (at exit, say), or the next start would not ask again.
   bool must_be_confirmed = false;
-  std::vector<std::string> unknown;  ///< lines nobody here knows, for the next save
-  std::vector<std::string> notes;    ///< what to tell the operator, sentence by sentence
+  std::vector<std::string> unknown;  ///< unknown lines, kept for the next save
+  std::vector<std::string> notes;    ///< sentences for the operator
 };
 
-/// Never throws for what is on the disk.
+/// Never throws for the content of the disk.
 LoadedParameters load_parameters(const std::filesystem::path& path);
 
-/// Waits for the disk: see ParameterSaver. Nothing is written where the file says the same already.
-/// What went wrong, as a sentence.
+/// Blocks on the disk: see ParameterSaver. Writes nothing if the file has that content already.
+/// Returns an error as a sentence.
 std::optional<std::string> save_parameters(const std::filesystem::path& path,
                                            const app::Parameters& values,
                                            std::span<const std::string> unknown);

@@ -38,7 +38,7 @@ void ParameterSaver::finish() {
   const int last = state_.exchange(kEnd, std::memory_order_acq_rel);
   state_.notify_one();
   pthread_join(thread_, nullptr);
-  state_.store(last, std::memory_order_release);  // an outcome that nobody has taken yet
+  state_.store(last, std::memory_order_release);  // keeps an outcome not yet taken
 }
 
 void* ParameterSaver::run(void* self) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Saves parameters while the boat sails: the disk keeps a thread waiting, never the control loop.
+// Saves parameters while the boat sails: only a background thread waits for the disk.
 #pragma once
 
 #include <pthread.h>
@@ -15,27 +15,27 @@
 
 namespace flotilla::target {
 
-/// Of one thread; only finish() blocks.
+/// For one thread; only finish() blocks.
 class ParameterSaver {
  public:
   struct Saved {
     app::SaveRequest why;
-    std::optional<std::string> fault;  ///< what went wrong, as a sentence
+    std::optional<std::string> fault;  ///< the error as a sentence
   };
 
-  /// `unknown`: see save_parameters(). Throws std::system_error where no thread can be made.
+  /// `unknown`: see save_parameters(). Throws std::system_error if the thread cannot be started.
   ParameterSaver(std::filesystem::path file, std::vector<std::string> unknown);
   ~ParameterSaver() { finish(); }
   ParameterSaver(const ParameterSaver&) = delete;
   ParameterSaver& operator=(const ParameterSaver&) = delete;
 
-  /// Begins to save. False until the outcome of the save before has been taken: come again.
+  /// Starts a save. False until the outcome of the last save has been taken: try again later.
   bool save(const app::Parameters& values, app::SaveRequest why);
 
-  /// What came of the last save, once.
+  /// The outcome of the last save, once.
   std::optional<Saved> outcome();
 
-  /// Waits for a save under way and ends the thread; there is no save() after it.
+  /// Waits for a save in progress and ends the thread; no save() may follow.
   void finish();
 
  private:
@@ -47,7 +47,7 @@ class ParameterSaver {
   std::filesystem::path file_;
   std::vector<std::string> unknown_;
 
-  // The thread's while it has work, else the loop's.
+  // Owned by the thread while it has work, else by the loop.
   app::Parameters values_;
   Saved saved_{};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What systemd wants to hear from a service of Type=notify with a watchdog.
+// Notifies systemd, for a service of Type=notify with a watchdog.
 // Source: sd_notify(3), "Stand-alone implementations".
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace flotilla::target {
 
-/// Silent where no service manager listens. Never blocks.
+/// Does nothing without a service manager. Never blocks.
 class ServiceManager {
  public:
   ServiceManager() {
@@ -38,7 +38,7 @@ class ServiceManager {
              reinterpret_cast<const sockaddr*>(&address_), length_);
   }
 
-  /// From the control tick and from nowhere else: a hung loop shall be found out.
+  /// Call only from the control tick, so that the watchdog detects a hung loop.
   void alive(std::int64_t now_us) {
     if (interval_us_ <= 0 || now_us - last_us_ < interval_us_) return;
     last_us_ = now_us;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kKeyBytes = std::tuple_size_v<link::SigningKey>;
 
-/// Why a file like that keeps no secret.
+/// Why a file with these attributes keeps no secret.
 std::optional<std::string> indiscretion(const struct stat& about) {
   if (!S_ISREG(about.st_mode)) return "is no file";
   if (about.st_uid != ::geteuid() && about.st_uid != 0) {
@@ -37,7 +37,7 @@ std::optional<std::string> indiscretion(const struct stat& about) {
          "better make a new key)";
 }
 
-/// 32 bytes of chance do not look like that.
+/// 32 random bytes are practically never all hexadecimal digits.
 bool is_half_a_key(std::string_view content) {
   if (content.ends_with('\n')) content.remove_suffix(1);
   return (content.size() == kKeyBytes || content.size() == kKeyBytes - 1) &&

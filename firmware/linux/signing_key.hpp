@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The key of MAVLink 2 signing as a file: 32 bytes, or 64 hexadecimal digits and perhaps a newline.
+// MAVLink 2's signing key in a file: 32 bytes, or 64 hexadecimal digits with an optional newline.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace flotilla::target {
 
-/// Throws std::runtime_error, also where others than its owner may read or write the file, or it
-/// belongs to neither us nor root.
+/// Throws std::runtime_error, also if group or others may use the file, or another user owns it
+/// (except root).
 link::SigningKey read_signing_key(const std::filesystem::path& path);
 
 }  // namespace flotilla::target

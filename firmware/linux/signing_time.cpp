@@ -76,7 +76,7 @@ void SigningTime::write() {
   try {
     const std::string text = text_of(timestamp_.load(std::memory_order_relaxed));
     if (const auto fault = replace_file(path_, text)) complaint_.put(*fault);
-  } catch (const std::exception& error) {  // out of memory: tried again as well
+  } catch (const std::exception& error) {  // out of memory: retried as well
     complaint_.put(error.what());
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The timestamp of MAVLink 2 signing, kept over a restart: it must not go back even where the clock
+// Saves the timestamp of MAVLink 2 signing across restarts: it must not go back even if the clock
 // does, or old messages would pass for new.
 //
 //   flotilla-signing-time 1 37500000000000
@@ -21,18 +21,19 @@
 namespace flotilla::target {
 
 struct StoredSigningTime {
-  std::uint64_t timestamp = 0;  ///< as link::Signing::timestamp(); 0: there is none
-  std::string note;             ///< what to tell the operator, or nothing
+  std::uint64_t timestamp = 0;  ///< as link::Signing::timestamp(); 0: none
+  std::string note;             ///< for the operator, or empty
 };
 
-/// Never throws for what is on the disk.
+/// Never throws for the content of the disk.
 StoredSigningTime load_signing_time(const std::filesystem::path& path);
 
-/// Writes at once, then in that interval, and at its end, in a thread of its own: an armed boat waits for no
-/// disk. put() and complaint() belong to the control loop and never block, throw or allocate.
+/// Writes at once, at an interval and at the end, in its own thread: an armed boat must not wait
+/// for the disk. put() and complaint() are for the control loop; they never block, throw or
+/// allocate.
 class SigningTime {
  public:
-  /// Throws std::system_error where no thread can be made.
+  /// Throws std::system_error if the thread cannot be started.
   SigningTime(std::filesystem::path path, std::uint64_t timestamp,
               std::chrono::milliseconds every = std::chrono::seconds(30));
   ~SigningTime();
@@ -41,7 +42,7 @@ class SigningTime {
 
   void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
 
-  /// The first thing that went wrong with the file, once. Writing is tried again.
+  /// The first error with the file, once. Writing is retried.
   std::optional<std::string> complaint() { return complaint_.take(); }
 
  private:

@@ -23,17 +23,17 @@ namespace flotilla::target {
 namespace {
 
 constexpr canid_t kService = 0x80, kSource = 0x7F, kDestination = 0x7F00, kMessageType = 0xFFFF00;
-constexpr canid_t kAnonymousType = 0x300;  // above it is random
+constexpr canid_t kAnonymousType = 0x300;  // bits above it are random
 constexpr canid_t kKind = CAN_EFF_FLAG | CAN_RTR_FLAG;
 
-/// About 32 frames, whatever the interface's txqueuelen is: old throttle is of no use to anybody.
+/// About 32 frames, whatever the interface's txqueuelen: outdated commands are of no use.
 constexpr int kSendBuffer_bytes = 12 * 1024;
 
 can_filter message_filter(const link::DataType& type) {
   return {CAN_EFF_FLAG | canid_t{type.id} << 8U, kKind | kMessageType | kService};
 }
 
-/// What a boat reads.
+/// Filters for the transfers that a boat reads.
 std::array<can_filter, 7> filters_of(std::uint8_t node) {
   return {{message_filter(link::EscStatus::kType),
            message_filter(link::NodeStatus::kType),
@@ -114,7 +114,7 @@ void SocketCanBus::close() {
   running_ = false;
 }
 
-/// As the kernel says it; a controller that is bus-off has no carrier. `before` if it says nothing.
+/// As the kernel reports it (a bus-off controller has no carrier), or `before` if that fails.
 bool SocketCanBus::running(bool before) {
   ifreq request = request_about(interface_);
   if (::ioctl(socket_.get(), SIOCGIFFLAGS, &request) != 0) {
@@ -131,7 +131,7 @@ void SocketCanBus::maintain() {
     return;
   }
   const bool ran = std::exchange(running_, running(running_));
-  if (running_ && !ran) {  // its controller has been started anew
+  if (running_ && !ran) {  // its controller has restarted
     controller_ = Controller::kOn;
     flushing_ = true;
   } else if (controller_ == Controller::kOff) {
@@ -219,7 +219,7 @@ void SocketCanBus::on_error_frame(const ::can_frame& frame) {
   }
 }
 
-/// After a failed call. A full queue (ENOBUFS, EAGAIN) or an empty one changes nothing.
+/// Handles a failed call. A full queue (ENOBUFS, EAGAIN) or an empty one changes nothing.
 void SocketCanBus::on_failure(int error) {
   if (error == ENETDOWN) running_ = false;
   if (error == ENODEV || error == ENXIO) close();

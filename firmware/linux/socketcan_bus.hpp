@@ -12,14 +12,14 @@ struct can_frame;
 
 namespace flotilla::target {
 
-/// Other programs of this machine see the frames that it sends (candump works); it does not itself.
+/// Other programs on this machine receive the frames it sends (candump works); it does not itself.
 ///
-/// After a bus-off nothing is sent before the kernel has no frame of ours any more, so that no fresh
-/// command stands behind old ones. The socket stays: the kernel keeps the frames of a closed socket
-/// all the same, and would deliver them to a new one as another node's.
+/// After a bus-off nothing is sent until the kernel has sent or dropped all our frames, so no new
+/// command queues behind old ones. The socket stays open: the kernel would keep a closed socket's
+/// frames and deliver them to a new one as another node's.
 class SocketCanBus final : public CanBus {
  public:
-  /// Throws std::system_error where there is no AF_CAN or the interface is of another kind.
+  /// Throws std::system_error if there is no AF_CAN or the interface is of another kind.
   SocketCanBus(std::string interface, std::uint8_t node);
 
   void send(std::span<const link::CanFrame> frames) override;
@@ -29,8 +29,9 @@ class SocketCanBus final : public CanBus {
   bool usable() const override;
 
  private:
-  /// Recovery is believed at the next maintain(). What a controller had received before its bus-off
-  /// can come after the news of it, so a frame is a sign of life only from the next maintain() on.
+  /// A recovery counts from the next maintain() on. Frames that the controller received before its
+  /// bus-off may arrive after the report of it, so a frame shows recovery only after the next
+  /// maintain().
   enum class Controller { kOn, kOff, kStillOff, kRecovered };
 
   int open();  ///< 0 or errno
@@ -44,8 +45,8 @@ class SocketCanBus final : public CanBus {
   std::string interface_;
   std::uint8_t node_;
   FileDescriptor socket_;
-  bool running_ = false;   ///< the interface is up and its controller takes part
-  bool flushing_ = false;  ///< frames from before a bus-off may still wait in the kernel
+  bool running_ = false;   ///< the interface is up and its controller active
+  bool flushing_ = false;  ///< the kernel may still hold frames from before a bus-off
   Controller controller_ = Controller::kOn;
 };
 

@@ -10,7 +10,7 @@ from types import ModuleType
 from pymavlink.dialects.v10 import common as mavlink1
 
 from tests.dialect import dialect
-from tests.link.test_mavlink_oracle import ENTRIES
+from tests.link.mavlink.test_oracle import ENTRIES
 
 # Flags of a chunk, see fuzz_mavlink.cpp; kinds of boats, see setups.hpp.
 TICK, DATAGRAM_ENDS, REPAIRED, SECOND_LINK, LATER = 0x08, 0x04, 0x80, 0x01, 0x60

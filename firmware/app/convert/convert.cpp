@@ -13,18 +13,18 @@ namespace {
 
 using geodesy::Plane;
 
-/// At the height that the origin says, where that can be one of a water.
+/// At the origin's altitude if a body of water can lie there, else at 0 m.
 Plane plane_at(const link::GpsGlobalOrigin& o) {
   constexpr double kHighest_m = 9000;
   const double height_m = o.altitude * 1e-3;
   return {o.latitude, o.longitude, std::abs(height_m) <= kHighest_m ? height_m : 0};
 }
 
-/// Where the leader is, north-east from us in our plane, and how far its plane's north is turned.
+/// The leader's position north-east from us in our plane, and the turn of its north from ours.
 struct Seen {
   Metres north_m, east_m;
   double turn_rad;
-  bool same_side;  ///< of the globe
+  bool same_side;  ///< of the globe, as we are
 };
 
 Seen seen_from(const Position& own, const Position& leader) {
@@ -129,8 +129,7 @@ core::StationParams<S> station_params(const Parameters& p) {
 
 template <class S>
 core::ObserverParams<S> observer_params(const Parameters& p) {
-  const S most =
-      S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of what both give
+  const S most = S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of both
   return {scalar<S>(p.LAW_OBS_BW),
           scalar<S>(p.LAW_CUR_BW),
           {most / scalar<S>(p.VES_M11), most / scalar<S>(p.VES_M22),
@@ -145,11 +144,11 @@ core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
 
 template <class S>
 core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried) {
-  // Twice what the model says: it may be half wrong. A current of 2 m/s may begin at once.
+  // Twice the model's values, which may be half wrong. A current of 2 m/s may begin at once.
   const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
   const float moment = p.THR_ARM * thrust;
   const auto within = [](float most, float x) { return scalar<S>(std::min(x, most)); };
-  constexpr float kAnyRate = 500, kAnySpeed = 150;  // that, and no state is refused for it
+  constexpr float kAnyRate = 500, kAnySpeed = 150;  // above these no state is refused
   const S current = S(2);
   const core::PlausibilityLimits<S> afloat{S(1),
                                            S(0.8),

@@ -32,7 +32,7 @@ std::optional<std::int16_t> parts_of(S x, int parts) {
   return static_cast<std::int16_t>(whole(scaled < S(0) ? scaled - S(0.5) : scaled + S(0.5)));
 }
 
-/// The number that `parts`-ths are: exact, since they are powers of two.
+/// Exact, because `parts` is a power of two.
 template <class S>
 S of_parts(std::int16_t x, int parts) {
   return S(int{x}) * (S(1) / S(parts));

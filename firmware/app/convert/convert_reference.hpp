@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Convert, of FORMATION_REFERENCE: the root's motion, slots in whole parts of a metre.
+// Conversion of FORMATION_REFERENCE: the root's motion, and slots in 1/1024 m.
 #pragma once
 
 #include <array>
@@ -12,34 +12,34 @@
 
 namespace flotilla::app::convert {
 
-/// A slot as the wire has it, 1/1024 m.
+/// A slot in the wire's unit, 1/1024 m.
 using WireOffset = std::array<std::int32_t, 2>;
 
 WireOffset wire_offset_of(float a_m, float b_m);
 
-/// Nothing where it is farther than any fleet reaches.
+/// Nothing beyond 100 km, farther than any fleet reaches.
 std::optional<WireOffset> sum_of(const WireOffset& a, const WireOffset& b);
 
 template <class S>
 core::Vec2<S> offset_of(const WireOffset& offset);
 
-/// The root as it was when the reference was true.
+/// The root's state at the time the reference was valid.
 template <class S>
 struct RootState {
   Position position;
   core::ReferenceMotion<S> motion;
 };
 
-/// Nothing where no vessel can be so; altitude_mm: of the water.
+/// Nothing if no vessel can have this state; altitude_mm: of the water.
 template <class S>
 std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& message,
                                           std::int32_t altitude_mm);
 
-/// Nothing where it is beyond what the message can say.
+/// Nothing if a value exceeds the message's range.
 template <class S>
 std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& root);
 
-/// Shares of the speed and of the yaw rate that the boat itself approaches its slot by.
+/// The shares of LAW_U_MAX and LAW_R_MAX with which the boat itself approaches its slot.
 template <class S>
 core::ForesightLimits<S> foresight_limits(const Parameters& p);
 

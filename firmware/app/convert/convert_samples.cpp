@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// MAVLink state messages, read: the half of convert that faces the wire.
+// Reads MAVLink state messages: the half of convert that faces the wire.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,13 +20,13 @@ struct Vec3 {
   S x, y, z;
 };
 
-/// By their bits: magnitudes are ordered as whole numbers are, and NaN is above them all.
+/// Compares bits: magnitudes order like unsigned integers, and NaN is above them all.
 bool within(float limit, std::initializer_list<float> values) {
   const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x) & 0x7FFF'FFFFU; };
   return std::ranges::all_of(values, [&](float x) { return bits(x) <= bits(limit); });
 }
 
-/// Body to frame, of a unit quaternion (w x y z).
+/// Rotates from body axes to the frame, by a unit quaternion (w x y z).
 template <class S>
 Vec3<S> rotate(const std::array<S, 4>& q, const Vec3<S>& v) {
   const auto& [w, x, y, z] = q;
@@ -54,7 +54,7 @@ Vec3<S> ned_of(bool enu, const Vec3<S>& v) {
   return enu ? Vec3<S>{v.y, v.x, -v.z} : v;
 }
 
-/// Heading and its rate, of a vessel with that attitude in the message's frame.
+/// Heading and its rate, from the attitude in the message's frame.
 template <class S>
 struct Turning {
   S psi_rad, r_radps;
@@ -71,7 +71,7 @@ std::optional<Turning<S>> turning_of(bool enu, const std::array<S, 4>& q, float 
   return Turning<S>{core::atan2(ahead.y, ahead.x), *r};
 }
 
-/// A unit quaternion of the same direction; nothing where there is none.
+/// The quaternion scaled to unit length; nothing if it is too short, too long or not finite.
 template <class S>
 std::optional<std::array<S, 4>> normalised(const std::array<float, 4>& wire) {
   if (!within(10, {wire[0], wire[1], wire[2], wire[3]})) return std::nullopt;
@@ -90,7 +90,7 @@ void set_velocity_n(Sample<S>& sample, S north_mps, S east_mps) {
   sample.v_mps = v.y;
 }
 
-/// Not off the globe, too near a pole, or 0, 0, which is what units without a fix say.
+/// Rejects latitudes over 89°, longitudes over 180°, and 0, 0, which units without a fix send.
 bool is_fix(std::int32_t latitude, std::int32_t longitude) {
   const bool no_fix = latitude == 0 && longitude == 0;
   return !no_fix && std::abs(std::int64_t{latitude}) <= 890'000'000 &&
@@ -101,11 +101,11 @@ std::int64_t follow_stamp_us(const link::FollowTarget& m) {
   return static_cast<std::int64_t>(m.timestamp) * kMicrosecondsPerMillisecond;
 }
 
-/// The heading, carried over to a stamp of the same clock.
+/// The heading, extrapolated to a stamp of the same clock.
 template <class S>
 Sample<S> joined(const HeadingSample<S>& heading, std::int64_t time_us) {
   const std::int64_t stamp_us = unwrapped_us(time_us, heading.stamp_us);
-  // One that is older than a second is of no use, and carried nowhere.
+  // A heading more than a second away is of no use: extrapolate no further.
   constexpr std::int64_t kLongest_us = 1'000'000;
   const std::int64_t later_us = std::clamp(stamp_us - heading.stamp_us, -kLongest_us, kLongest_us);
   const S psi = heading.psi_rad + heading.r_radps * seconds<S>(later_us);

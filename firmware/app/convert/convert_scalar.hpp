@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Convert, between scalars: a number of the wire or a parameter, and the law's.
+// Conversion between the scalars of wire and parameters and the law's scalar.
 #pragma once
 
 #include <bit>
@@ -13,8 +13,8 @@
 
 namespace flotilla::app::convert {
 
-/// The nearest to x, ties to even, by its bits alone. Beyond the range its nearest end, of what is
-/// no number 0: both raise the overflow.
+/// The nearest Q16, ties to even, by integer arithmetic. Saturates; NaN gives 0; both set
+/// q16_overflow.
 inline core::Q16 q16_of(double x) {
   constexpr int kFraction = 52, kBias = 1023, kMax = 0x7FF;
   const auto bits = std::bit_cast<std::uint64_t>(x);
@@ -24,7 +24,7 @@ inline core::Q16 q16_of(double x) {
     core::q16_overflow = true;
     return {};
   }
-  const int right = kBias + kFraction - 16 - exponent;  // of the point, in units of an LSB
+  const int right = kBias + kFraction - 16 - exponent;  // right of the binary point, in LSB
   if (right > kFraction + 1) return {};                 // under half an LSB
   constexpr std::int64_t kBeyond = std::numeric_limits<std::int64_t>::max();
   const std::uint64_t whole = fraction | std::uint64_t{1} << kFraction;
@@ -35,12 +35,12 @@ inline core::Q16 q16_of(double x) {
   return core::Q16::of_raw(core::Q16::saturated(bits >> 63U != 0 ? -raw : raw));
 }
 
-/// The same of a float: those of the range need 32 bits.
+/// The same for a float: 32-bit arithmetic suffices within the range.
 inline core::Q16 q16_of(float x) {
   constexpr int kFraction = 23, kBias = 127, kMax = 0xFF;
   const auto bits = std::bit_cast<std::uint32_t>(x);
   const int exponent = static_cast<int>(bits >> kFraction & kMax);
-  const int right = kBias + kFraction - 16 - exponent;  // of the point, in units of an LSB
+  const int right = kBias + kFraction - 16 - exponent;  // right of the binary point, in LSB
   if (right > kFraction + 1) return {};                 // under half an LSB
   if (exponent >= kBias + 15) return q16_of(double{x});
   const auto kept = static_cast<std::int32_t>((bits & ((1U << kFraction) - 1)) | 1U << kFraction);
@@ -64,7 +64,7 @@ S scalar(T x) {
   }
 }
 
-/// The same of a coordinate, or of the difference of two.
+/// The same for a coordinate, or the difference of two.
 template <class S>
 S scalar(Metres x) {
   if constexpr (std::same_as<S, core::Q16>) {
@@ -75,32 +75,32 @@ S scalar(Metres x) {
 }
 inline double number(Metres x) { return scalar<double>(x); }
 
-/// The law's number as it is.
+/// The law's number as a double, exactly.
 template <std::floating_point S>
 double number(S x) {
   return double{x};
 }
 inline double number(core::Q16 x) {
-  constexpr std::uint64_t kHalvings = std::uint64_t{16} << 52U;  // off the exponent
+  constexpr std::uint64_t kHalvings = std::uint64_t{16} << 52U;  // subtracts 16 from the exponent
   const double raw = x.raw();
   return x.raw() == 0 ? 0 : std::bit_cast<double>(std::bit_cast<std::uint64_t>(raw) - kHalvings);
 }
 
-/// The whole part.
+/// The integer part, truncated towards zero.
 template <std::floating_point S>
 int whole(S x) {
   return static_cast<int>(x);
 }
 inline int whole(core::Q16 x) { return x.raw() / 65536; }
 
-/// Time, s. Q16: at most nine hours, beyond which nothing is younger or older.
+/// Time, s. Q16 saturates at ±32,767 s (nine hours): older than any limit.
 template <class S>
 S seconds(std::int64_t us) {
   return scalar<S>(static_cast<double>(us) * 1e-6);
 }
 template <>
 inline core::Q16 seconds(std::int64_t us) {
-  constexpr std::int64_t kShort_us = 65'000;  // for a division of 32 bits
+  constexpr std::int64_t kShort_us = 65'000;  // short enough for a 32-bit division
   if (0 <= us && us <= kShort_us) {
     const auto short_us = static_cast<std::uint32_t>(us);
     return core::Q16::of_raw(

@@ -12,7 +12,7 @@ constexpr double kDegreesPerRadian = 57.29577951308232;
 
 struct Slot {
   double north_m, east_m;   ///< from the own origin
-  core::Vec2<double> to_n;  ///< from the boat to it
+  core::Vec2<double> to_n;  ///< from the boat to the slot
 };
 
 core::Vec2<double> rotated(double rad, const core::Vec2<double>& v) {
@@ -24,7 +24,7 @@ std::int16_t cm_per_s(double mps) {
   return static_cast<std::int16_t>(portable::nearest(100 * std::clamp(mps, -300.0, 300.0)));
 }
 
-/// e is the boat seen from the slot, along the boat's axes.
+/// e is the boat's position relative to the slot, in body axes.
 Slot slot_from(const OwnState& state, const core::Error<double>& e) {
   const auto e_n = rotated(state.psi_rad, {e.x, e.y});
   return {state.north_m - e_n.x, state.east_m - e_n.y, {-e_n.x, -e_n.y}};
@@ -153,7 +153,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
       ++currents;
     }
   }
-  if (currents == 2 && current_A >= 0) {  // half of it would be no figure
+  if (currents == 2 && current_A >= 0) {  // one ESC's current alone would mislead
     out.current_cA = static_cast<std::int16_t>(portable::nearest(current_A * 100));
   }
   return out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Convert, outwards: the boat's state in the wire's units and frames.
+// Outgoing conversion: the boat's state in the wire's units and frames.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace flotilla::app::convert {
 
-/// The law's numbers in the one scalar that telemetry has.
+/// The law's numbers in double, telemetry's only scalar.
 template <class S>
 core::Nu<double> in_double(const core::Nu<S>& nu) {
   return {number(nu.u), number(nu.v), number(nu.r)};
@@ -33,10 +33,10 @@ core::TooFast<double> in_double(const core::TooFast<S>& needs) {
 struct OwnState {
   double north_m, east_m;
   double psi_rad;                  ///< in (−π, π]
-  core::Nu<double> nu;             ///< over ground, in the vessel's axes
+  core::Nu<double> nu;             ///< over ground, in body axes
   core::Vec2<double> v_n;          ///< the same, north-east
-  core::Nu<double> nu_dot;         ///< of the components of nu
-  link::GpsGlobalOrigin origin{};  ///< of north and east; global messages need it
+  core::Nu<double> nu_dot;         ///< rate of change of nu's components
+  link::GpsGlobalOrigin origin{};  ///< of north_m and east_m; global messages need it
 };
 template <class S>
 OwnState own_state_of(const Position& from, const core::Motion<S>& motion);
@@ -46,29 +46,29 @@ link::LocalPositionNed local_position_of(const OwnState& state, std::uint32_t ti
 link::GlobalPositionInt global_position_of(const OwnState& state, std::uint32_t time_boot_ms);
 link::FollowTarget follow_target_of(const OwnState& state, std::uint64_t timestamp_ms);
 
-/// LOCAL_NED, velocity in BODY_FRD. Only for who asks: an autopilot that hears it takes it for its
-/// own external vision.
+/// LOCAL_NED, velocity in BODY_FRD. Sent only on request: an autopilot that hears it would take it
+/// for its own external vision.
 link::Odometry odometry_of(const OwnState& state, std::uint32_t time_boot_ms);
 
-/// The way to the slot: bearing, distance, error abeam. `error` is (e_x, e_y, e_ψ) of the law.
+/// Bearing and distance to the slot, and the error abeam. `error` is the law's (e_x, e_y, e_ψ).
 link::NavControllerOutput nav_controller_output_of(const OwnState& state,
                                                    const core::Error<double>& error);
 
-/// The slot itself, from the own origin, and its heading.
+/// The slot's position from the own origin, and its heading.
 link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<double>& error,
                                      std::uint32_t time_boot_ms);
 
-/// What two ESCs measure of the battery that feeds them: the lower voltage, both currents.
+/// The battery as measured by the two ESCs: the lower voltage, the sum of both currents.
 link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
                                const std::optional<link::EscStatus>& stbd);
 
-/// INT16_MAX, unknown, for what is no temperature.
+/// INT16_MAX (unknown) if the value is no plausible temperature.
 std::int16_t centidegrees_of_kelvin(float kelvin);
 
-/// A propeller does not turn for that share of its greatest thrust.
+/// The thrust is below THR_DEAD, so the propeller does not turn. share: of the greatest thrust.
 bool is_dead(double share, const Parameters& p);
 
-/// A stick's −1000 … 1000 as −1 … 1; nothing for an axis that is not used, or nonsense.
+/// A stick's −1000 … 1000 as −1 … 1; nothing for an unused axis or one out of range.
 std::optional<double> stick_of(std::int16_t axis);
 
 }  // namespace flotilla::app::convert

@@ -16,7 +16,7 @@ constexpr double kRadPerDegE7 = portable::kPi / 180e7;
 double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Vec3 minus(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 
-/// On the unit sphere, where the point is on the ellipsoid.
+/// Scales the ellipsoid to the unit sphere.
 Vec3 scaled(const Vec3& v) { return {v.x / kA_m, v.y / kA_m, v.z / kB_m}; }
 
 std::int32_t degE7_of(double rad) {
@@ -46,7 +46,7 @@ Vec3 Plane::sea_level(const NorthEast& local) const {
   const double n = local.north_m * scale_, e = local.east_m * scale_;
   const Vec3 above{origin_.x + n * north_.x + e * east_.x, origin_.y + n * north_.y + e * east_.y,
                    origin_.z + n * north_.z + e * east_.z};
-  // |scaled(above + t down)| = 1, the nearer of the two.
+  // |scaled(above + t down)| = 1; of the two solutions the nearer.
   const Vec3 p = scaled(above), d = scaled(down_);
   const double b = -dot(p, d), c = dot(p, p) - 1;
   const double t = c / (b + portable::root(b * b - dot(d, d) * c));

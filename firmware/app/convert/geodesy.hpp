@@ -4,10 +4,10 @@
 //   P(φ, λ) = w⁻¹ [a cos φ cos λ   a cos φ sin λ   a (1 − e²) sin φ]ᵀ      w² = 1 − e² sin² φ
 //   local (north, east) of P: its components along the plane's axes     tan φ = Z / ((1 − e²) √(X² + Y²))
 //
-// A local position is taken for the point of the sea straight below it in its plane (at 10 km the
-// plane is 8 m above the sea), which makes both ways exact inverses. On a lake at height h a metre is
-// R/(R + h) of one at sea level; R, the earth's mean radius, is near enough for that: 0.3 mm in 2 km
-// at 500 m.
+// A local position stands for the point of the sea straight below it in its plane (10 km out the
+// plane is 8 m above the sea), so both conversions are exact inverses. On a lake at height h a
+// metre is R/(R + h) of one at sea level; the earth's mean radius R is precise enough: 0.3 mm in 2
+// km at 500 m.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct NorthEastDown {
   double north_m, east_m, down_m;
 };
 
-/// The plane that touches the ellipsoid at a point, its axes north and east there.
+/// The plane tangent to the ellipsoid at a point, with axes north and east there.
 class Plane {
  public:
   /// height_m: of the water there.
@@ -35,22 +35,22 @@ class Plane {
 
   const Vec3& origin() const { return origin_; }
 
-  /// Of a point at sea level, seen from the plane's origin.
+  /// A point at sea level, relative to the plane's origin.
   NorthEastDown local_of(const Vec3& point) const;
 
-  /// The point of the sea below.
+  /// The point of the sea straight below.
   Vec3 sea_level(const NorthEast& local) const;
 
-  /// By how much another plane's north is turned clockwise from this one's north, rad: about
-  /// −Δλ sin φ, a quarter of a milliradian at 49° for origins 1.4 km apart.
+  /// Clockwise angle from this plane's north to the other's, rad: about −Δλ sin φ, a quarter of a
+  /// milliradian at 49° for origins 1.4 km apart.
   double turn_of(const Plane& other) const;
 
  private:
   Vec3 origin_, north_, east_, down_;
-  double scale_;  // of a metre up there, at sea level
+  double scale_;  // length at sea level of a metre at this height
 };
 
-/// Latitude and longitude, rounded to degE7, of a point at sea level.
+/// Latitude and longitude of a point at sea level, rounded to degE7.
 struct Degrees {
   std::int32_t latitude, longitude;
 };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A coordinate in a local frame: whole numbers, so that differences of places are exact, and cheap
-// where a double is a long function.
+// A coordinate in a local frame as a 64-bit fixed-point number: differences are exact, and cheap on
+// processors without double arithmetic.
 //
-//   value = raw / 2³²      one LSB = 0.23 nm      beyond ±2³⁰ m the end of that
+//   value = raw / 2³²      one LSB = 0.23 nm      saturates at ±2³⁰ m
 //
-// No place that is let in is farther than 10⁶ m from its origin, or 10⁷ m in another's plane: sums of a
-// hundred of them do not wrap.
+// Accepted positions lie within 10⁶ m of their origin, or 10⁷ m in another's plane: sums of a
+// hundred do not wrap.
 #pragma once
 
 #include <bit>
@@ -22,7 +22,7 @@ class Metres {
 
   constexpr Metres(int whole) : raw_(std::int64_t{whole} * (std::int64_t{1} << kFraction)) {}
 
-  /// The nearest; what is no number is beyond the range.
+  /// Rounds to nearest; saturates; NaN gives the end of the range.
   constexpr Metres(double x) {
     constexpr auto kMax = static_cast<double>(kEnd);
     const double raw = x * kOne;
@@ -35,7 +35,7 @@ class Metres {
     raw_ += (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
   }
 
-  /// The same by the bits alone.
+  /// The same, by integer arithmetic.
   constexpr Metres(float x) {
     constexpr int kSignificand = 23, kBias = 127, kMax = 0xFF;
     const auto bits = std::bit_cast<std::uint32_t>(x);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Functions of doubles by + − × ÷ alone, for the globe and for what is told of the boat: the same bits
-// on every processor, and no libm on a microcontroller. The law's are core/scalar/scalar.hpp's.
+// Functions of doubles from + − × ÷ alone, for geodesy and telemetry: the same bits on every
+// processor, and no libm on a microcontroller. The law uses core/scalar/scalar.hpp.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@ namespace flotilla::app::portable {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// The nearest whole number, halves away from zero; |x| under 2⁵².
+/// The nearest integer, halves away from zero; |x| under 2⁵².
 constexpr std::int64_t nearest(double x) {
   return static_cast<std::int64_t>(x < 0 ? x - 0.5 : x + 0.5);
 }
 
-/// The least whole number that is not below x; |x| under 2⁶².
+/// The least integer not below x; |x| under 2⁶².
 constexpr std::int64_t ceil(double x) {
   const auto cut = static_cast<std::int64_t>(x);
   return static_cast<double>(cut) < x ? cut + 1 : cut;
@@ -30,7 +30,7 @@ constexpr double wrap_pi(double rad) {
   return rad - kTurn * static_cast<double>(ceil((rad - kPi) / kTurn));
 }
 
-/// √x by Newton's method, from half the exponent; 0 for what has none, and ∞ of ∞.
+/// √x by Newton's method, starting from half the exponent; 0 for x ≤ 0 and NaN, ∞ for ∞.
 constexpr double root(double x) {
   if (!(x > 0)) return 0;
   if (x > std::numeric_limits<double>::max()) return x;
@@ -45,9 +45,9 @@ struct SinCos {
   double sin, cos;
 };
 
-/// Of up to a million radians: of the nearest quarter turn the rest, by Taylor's series.
+/// |rad| up to a million: reduces to the nearest quarter turn, then a Taylor series.
 constexpr SinCos sin_cos(double rad) {
-  // π/2 in two parts; the first has as many bits as a product with a count of quarters leaves exact.
+  // π/2 in two parts; the first is short enough that its product with the quarter count is exact.
   constexpr double kQuarter = 1.57079632673412561417, kRest = 6.07710050650619224932e-11;
   const std::int64_t quarters = nearest(rad * (2 / kPi));
   const auto n = static_cast<double>(quarters);
@@ -81,14 +81,14 @@ constexpr SinCos sin_cos(double rad) {
   }
 }
 
-/// Angle of (x, y) from the x axis, rad, in (−π, π]; 0 of (0, 0).
+/// Angle of (x, y) from the x axis, rad, in (−π, π]; 0 for (0, 0).
 constexpr double atan2(double y, double x) {
   const double ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
   const bool steep = ay > ax;
   const double longer = steep ? ay : ax;
   if (longer == 0) return 0;
   double t = (steep ? ax : ay) / longer;
-  // tan of a quarter of the angle, under 0.2.
+  // Reduces t to the tangent of a quarter of the angle, under 0.2.
   for (int i = 0; i < 2; ++i) t = t / (1 + root(1 + t * t));
   constexpr auto kTerms = [] {  // 1/23 … 1/3, 1
     std::array<double, 12> terms{};

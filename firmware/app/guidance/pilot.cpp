@@ -11,16 +11,16 @@ namespace {
 
 // Another own source must take over before FS_NAV_S stops the boat.
 constexpr std::int64_t kOwnPatience_us = 300'000;
-// And it must move before that, where it is pushed.
+// A boat that is pushed must report motion before then, too.
 constexpr std::int64_t kOwnFrozen_us = 300'000;
-// How late a unit may be of which nothing is known.
+// Assumed latency of a unit while none has been estimated.
 constexpr float kUnknown_s = 0.3F;
-// Whatever it is: with hulls half off their model, predicting over 0.3 s costs 0.2 m behind the S-curve
-// (tests/loop/test_late_unit.py).
+// Greatest latency that is compensated: with hulls half off their model, predicting over 0.3 s
+// costs 0.2 m behind the S-curve (tests/loop/test_late_unit.py).
 constexpr float kMaxLate_s = 0.35F;
-constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC once a second, and a word back
+constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC's period of 1 s, and time for the answer
 constexpr float kSlewOfLag = 0.2F;             // s per s
-constexpr float kSeldom_s = 0.045F;            // fixes that come more often say no more of it
+constexpr float kSeldom_s = 0.045F;            // fixes closer together add no information
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
 
@@ -141,7 +141,7 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   look_at_clock(now_us);
   if (armed != armed_) {
     own_.set_limits(armed ? afloat_ : carried_);
-    own_.set_smoothing(!armed);  // the observer carries it on from each message
+    own_.set_smoothing(!armed);  // the observer extrapolates from each message
   }
   armed_ = armed;
   if (!armed) {
@@ -176,8 +176,8 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
       {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
 }
 
-/// A unit that answers TIMESYNC has done so within a second. A law without an observer takes each fix
-/// as it is, as in the paper.
+/// Estimates the latency only of units that do not answer TIMESYNC, and only with an observer:
+/// without one the law takes each fix as it is, as in the paper.
 template <class S>
 void Pilot<S>::look_at_clock(std::int64_t now_us) {
   if (own_.bounded() || !own_.age_us(now_us) || unanswered_us_ == 0) unanswered_us_ = now_us;
@@ -210,8 +210,8 @@ void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_u
   set_lag();
 }
 
-/// Fixes that may be late by a time that is not compensated are averaged over longer: of a boat that
-/// follows each fix at once, its own turn of that long ago would be answered again and again.
+/// Averages fixes with uncompensated latency over a longer time: a boat that follows each fix at
+/// once would keep correcting its own past turn.
 template <class S>
 core::ObserverParams<S> Pilot<S>::careful_observer() const {
   core::ObserverParams<S> out = observer_;
@@ -227,7 +227,7 @@ std::optional<double> Pilot<S>::latency_s() const {
   return found_ ? std::optional<double>(*found_) : std::nullopt;
 }
 
-/// Some ticks at once: it is about what happens in half a second.
+/// Averages over 50 ms: the thrust response takes half a second.
 template <class S>
 void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
   pushed_ = {pushed_.X + since * given.X, pushed_.N + since * given.N};
@@ -242,7 +242,7 @@ void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
   pushed_s_ = S(0);
 }
 
-/// The formation's root where its reference can be followed, else the leader.
+/// The formation's root if its reference can be followed, else the leader.
 template <class S>
 typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
   const auto aim = reference_.aim(now_us);
@@ -270,9 +270,8 @@ core::ControllerInput<S> Pilot<S>::controller_input(const Lead& lead) const {
   return in;
 }
 
-/// Another lead makes no step in the slot of a boat that sails in it: the step is let go slowly. One
-/// that still closes up makes for the new slot at once. To another slot of the same lead it closes up
-/// anew.
+/// A change of lead makes no step for a boat in its slot: the step fades out. A boat that still
+/// closes up heads for the new slot at once. A new slot of the same lead restarts the approach.
 template <class S>
 void Pilot<S>::follow(const Lead& next, S dt) {
   if (lead_.leader != next.leader) starting_ = true;
@@ -295,7 +294,7 @@ void Pilot<S>::follow(const Lead& next, S dt) {
   core::blend_forward(blend_, dt);
 }
 
-/// Slowly to where the leader is, where the slot is not seen from the leader itself.
+/// Shifts the slot slowly towards the leader's actual position, if it was computed from the root.
 template <class S>
 void Pilot<S>::shift_slot(std::int64_t now_us, S dt) {
   shift_s_ = shift_s_ + dt;
@@ -328,7 +327,7 @@ bool Pilot<S>::same_slot(const Lead& a, const Lead& b) {
   return a.slot.turns == b.slot.turns && same(a.slot.d, b.slot.d) && same(a.offset_n, b.offset_n);
 }
 
-/// error: of the slot behind the leader that is heard.
+/// error: relative to the slot behind the leader as received.
 template <class S>
 void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
                             const core::FormationError<S>& error, S dt) {
@@ -381,7 +380,7 @@ core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
   core::coast_forward(coast_s_, coast_, dt);
   lead_.motion = coast_.leader;
   const auto out = step_behind(lead_, now_us, dt);
-  // Whoever coasts because he left his slot may be back in it; nobody else is judged.
+  // A boat that coasts because it left its slot may return to it; no other is judged in COAST.
   if (station_.astray != core::Astray::kNo) keep_station(out, look(now_us).error, dt);
   return out;
 }

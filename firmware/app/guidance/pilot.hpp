@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the boat and its leader are, what acts on the boat, and what the law makes of it.
+// Tracks the boat and its leader, estimates the forces on the boat, and runs the control law.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace flotilla::app {
 
-/// What the boat knows beyond its messages, SI units.
+/// Estimated disturbances, SI units.
 struct Estimates {
   core::Tau<double> unknown;     ///< wrench that neither model nor propellers account for
   core::Vec2<double> current_n;  ///< of the water
@@ -29,63 +29,63 @@ class Pilot {
  public:
   explicit Pilot(const Parameters& p);
 
-  /// Parameters, and the own system id, as they are from now on.
+  /// Applies changed parameters and the own system id.
   void configure(const Parameters& p, std::uint8_t own_system);
 
-  /// Any message; those of other vessels are passed over.
+  /// Takes any message; ignores those of unrelated vessels.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
 
   /// A vessel answered the TIMESYNC request that we sent at `sent_us`.
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                 std::int64_t now_us);
 
-  /// Those conditions that states make: fresh, plausible, near each other; no other vessel too near.
-  /// sails: the law drives.
+  /// The conditions that depend on states: fresh, plausible, near each other, clear of other
+  /// vessels. sails: the law drives.
   core::Conditions conditions(std::int64_t now_us, const Parameters& p, bool sails) const;
 
-  /// Carries the own motion over `since`, s, under the wrench that was given, and takes the fix that
-  /// has come. A boat that is not armed may be carried about: it is tracked as a leader is.
+  /// Predicts the own motion over `since`, s, under the wrench given, and corrects it by a new fix.
+  /// A disarmed boat may be carried about, so it is tracked like a leader.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
 
-  /// FORMATION was entered, not from COAST: the law begins anew, with the leader as it is now.
+  /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
 
-  /// FORMATION goes on after COAST: the leader may have come back somewhere else.
+  /// Returns from COAST to FORMATION: the leader may have come back somewhere else.
   void close_anew() { station_ = {}; }
 
   /// One step of the law, dt after the last one, s.
   core::ControllerOutput<S> step(std::int64_t now_us, S dt);
 
-  /// The same in COAST: behind the leader of the last step(), carried forward. That can go on while
-  /// it is known where the boat is, seen from there.
+  /// The same in COAST, behind the extrapolated leader of the last step(); possible while the own
+  /// position relative to it is known.
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
 
-  /// Whether the law's boat keeps its slot, and is in it; since FORMATION was entered, or since the
-  /// slot or the leader changed.
+  /// Whether the boat under the law keeps its slot, and is in it, since FORMATION was entered or
+  /// the slot or leader changed.
   core::Astray astray() const { return station_.astray; }
   bool in_slot() const { return station_.in; }
   S yaw_rate() const { return motion_.motion.nu.r; }
 
-  /// Whose place the slot is besides.
+  /// Other claims to the own slot.
   const SlotClaims& claims() const { return claims_; }
 
-  /// Where the boat is, seen from its slot, without a step.
+  /// The boat's error from its slot, without a step of the law.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
 
   const core::ControllerParams<S>& law() const { return law_; }
   Estimates estimates() const;
 
-  /// The own state at the whole millisecond of now.
+  /// The own state at the current whole millisecond.
   convert::OwnState own_state(std::int64_t now_us) const;
   bool located() const { return own_.has_origin(); }
   const link::GpsGlobalOrigin& origin() const { return anchor_.origin; }
   convert::Position place() const;
 
-  /// How deep in the tree, for others; nothing where we keep clear of nobody.
+  /// Depth in the tree, to be sent; nothing if FS_SEP_M is 0.
   std::optional<double> depth() const;
 
-  /// What others steer by, and whether the tree ends in itself; followed: the law drives.
+  /// The reference for followers; followed: the law drives.
   std::optional<link::FormationReference> reference(std::int64_t now_us, bool followed) const {
     return reference_.message(now_us, followed);
   }
@@ -93,8 +93,8 @@ class Pilot {
   const TreePlace& tree_place() const { return reference_.place(); }
   std::optional<double> reference_age_s(std::int64_t now_us) const;
 
-  /// How late the navigation unit is found to be, beyond NAV_LAG_S; nothing where that is not seen yet,
-  /// or TIMESYNC tells.
+  /// Estimated latency of the navigation unit beyond NAV_LAG_S; nothing before it is known, or if
+  /// TIMESYNC bounds it.
   std::optional<double> latency_s() const;
 
   std::optional<double> own_age_s(std::int64_t now_us) const;
@@ -103,20 +103,20 @@ class Pilot {
     return leader_.uncertainty_m(now_us);
   }
 
-  /// A vessel's ODOMETRY in a frame without north was refused since the last call.
+  /// An ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint() {
     const bool own = own_.take_frame_complaint(), leader = leader_.take_frame_complaint();
     return own || leader;
   }
 
  private:
-  /// What the law follows: the leader, or the formation's root in its place.
+  /// The vessel that the law follows: the leader, or the formation's root in its place.
   struct Lead {
     std::uint8_t leader = 0;
     Branch branch{};  ///< 0, 0: the leader itself
     convert::Position position;
     core::Motion<S> motion;
-    core::Vec2<S> offset_n{};  ///< of the slot; what turns with what is followed:
+    core::Vec2<S> offset_n{};  ///< fixed north-east part of the slot; `slot` holds the rest
     core::SlotParams<S> slot;
   };
 
@@ -146,31 +146,31 @@ class Pilot {
   Lead lead_;                        // of the last step
   core::CoastState<S> coast_{};      // of its motion
   core::FormationError<S> error_{};  // of the last step
-  core::Vec2<S> shift_n_{};          // of the slot, to where the leader is
-  S shift_s_{};                      // since that was looked at
-  core::Blend<S> blend_{};           // of the step that another lead made
+  core::Vec2<S> shift_n_{};          // of the slot, towards the leader's actual position
+  S shift_s_{};                      // since shift_n_ was updated
+  core::Blend<S> blend_{};           // fades out the step from a change of lead
   S coast_s_;                        // how long COAST lasts
   core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
-  // float whatever the law's scalar: products of its variances are below Q16's least number.
+  // float for every S: products of its variances are below Q16's resolution.
   core::LatencyParams<float> latency_params_;
   core::Latency<float> latency_{};
-  std::int64_t unanswered_us_ = 0;  // since when no TIMESYNC bounds its clock; 0: not looked at
-  float fix_s_ = 0;                 // since the last fix that was looked at for it
+  std::int64_t unanswered_us_ = 0;  // since when TIMESYNC has not bounded its clock; 0: not checked
+  float fix_s_ = 0;                 // since the last fix used for the latency
   bool finds_latency_ = false;
   std::optional<float> found_;  // latency beyond NAV_LAG_S, s
-  float lag_s_ = 0;             // as much of it as is compensated
+  float lag_s_ = 0;             // the compensated part of it
   float known_lag_s_ = 0;       // NAV_LAG_S
   float inertia_ = 1;           // VES_M33
   core::PlausibilityLimits<S> afloat_, carried_;
   bool armed_ = false;
   core::ThrustResponse<S> answer_{};
   bool answers_ = true;
-  core::Tau<S> pushed_{};  // N s, N m s, not weighed yet
+  core::Tau<S> pushed_{};  // impulse since the last weigh(), N s, N m s
   S pushed_s_{};
   core::Nu<S> told_{};        // velocity of the last fix
-  core::Nu<S> desired_{};     // that the law wants, else as told
-  convert::Position anchor_;  // where motion_.motion.moved_n begins
+  core::Nu<S> desired_{};     // as the law desires; without it, of the last fix
+  convert::Position anchor_;  // origin of motion_.motion.moved_n
   bool starting_ = false;
   VesselTrack<S> own_;
   VesselTrack<S> leader_;

@@ -6,9 +6,9 @@
 namespace flotilla::app {
 namespace {
 
-// Older than that, no S-curve can be foreseen; what is handed on has to last for a hop more.
+// No S-curve can be extrapolated for longer; a reference that is sent on must last one more hop.
 constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'000;
-// A maker that counts from anew says what is later by so much.
+// A lower sequence number with a motion later by more than this means that the maker restarted.
 constexpr std::int64_t kRestart_us = 1'000'000;
 
 std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
@@ -56,7 +56,7 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   }
 }
 
-/// Heard before from another boat it is none; a maker that was started anew counts from anew.
+/// Rejects what another boat has already relayed; accepts a restarted maker.
 template <class S>
 bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& branch,
                             std::int64_t valid_us) const {
@@ -65,7 +65,7 @@ bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& bra
   return ahead > 0 || (ahead < 0 && valid_us - held_->valid_us > kRestart_us);
 }
 
-/// It can be what the one before has led to.
+/// Whether it is plausible after the previous state.
 template <class S>
 bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t valid_us,
                                std::int64_t now_us) {
@@ -80,7 +80,7 @@ bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t v
   return true;
 }
 
-/// When the leader's last message was true is known better by and by.
+/// Keeps updating valid_us: the leader's clock offset becomes more precise with time.
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const Branch mine{place_.own().leader, place_.own().system};
@@ -105,7 +105,7 @@ void Reference<S>::hold(const Held& held) {
   ++news_;
 }
 
-/// Of the branch that the boat is in now: its leader's, else its own.
+/// The reference of the current branch: the leader's, else the own one.
 template <class S>
 const typename Reference<S>::Held* Reference<S>::held(std::int64_t now_us,
                                                       std::int64_t oldest_us) const {

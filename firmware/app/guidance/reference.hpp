@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The formation's reference: the motion of the vessel that the whole tree follows, as it is heard
-// from any boat of the branch, judged, and handed on.
+// The formation's reference: the motion of the tree's root, received from any boat of the branch,
+// checked, and relayed.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace flotilla::app {
 
-/// A boat whose leader sails in its slot of a reference takes the newest of that branch, whoever
-/// tells it. One whose leader tells none, a virtual leader, an autopilot, a tablet, makes the
-/// reference of its own track of it. What fails a test is counted, not followed, not handed on.
+/// A boat whose leader follows a reference takes the newest one of that branch from any sender. If
+/// the leader sends none (a virtual leader, an autopilot, a tablet), the boat makes the reference
+/// from its own track of it. An implausible reference is counted, not followed and not relayed.
 template <class S>
 class Reference {
  public:
-  /// Parameters, and the own system id, as they are from now on.
+  /// Applies changed parameters and the own system id.
   void configure(const Parameters& p, std::uint8_t own_system);
 
-  /// Any message; own: where we are, nullptr where that is unknown.
+  /// Any message; own: our position, nullptr if unknown.
   void take(const link::Received& received, const convert::Position* own, std::int64_t now_us,
             link::Counters& counters);
 
@@ -32,23 +32,23 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
-  /// To be called in every tick: makes the reference where that is ours to do. Switched off it does
-  /// so too, that it may be switched on at any time.
+  /// Call in every tick: makes the reference if this boat is its maker. Also while LAW_REF is 0, so
+  /// that it can be switched on at any time.
   void make(VesselTrack<S>& leader, std::int64_t now_us);
 
-  /// The root now, in place of the leader.
+  /// The root's present state, to be followed in place of the leader.
   struct Aim {
     Branch branch;
-    convert::Position position;  ///< when it was true
-    core::Motion<S> motion;      ///< since
+    convert::Position position;  ///< at the time of the reference
+    core::Motion<S> motion;      ///< since then
     RootOffset offset;           ///< our slot
     RootOffset leaders_offset;
   };
-  /// Nothing where there is none that can be followed.
+  /// Nothing if there is no reference that can be followed.
   std::optional<Aim> aim(std::int64_t now_us) const;
 
-  /// The message for others; nothing while there is nothing that they can trust. It is another one
-  /// whenever news() is another number.
+  /// The message for followers, changed whenever news() is; nothing without a trustworthy
+  /// reference.
   std::optional<link::FormationReference> message(std::int64_t now_us, bool followed) const;
   std::uint32_t news() const { return news_; }
 
@@ -78,7 +78,7 @@ class Reference {
   JumpGuard<S> guard_;
   std::optional<Held> held_;
   std::uint32_t news_ = 0;
-  core::TrackState<S> shaped_;  // the leader's motion, as others are told of it
+  core::TrackState<S> shaped_;  // the leader's motion, filtered for followers
   std::uint16_t made_ = 0;
 };
 

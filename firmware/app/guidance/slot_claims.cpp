@@ -8,7 +8,7 @@ namespace {
 
 namespace mav = link::mav;
 
-// A boat that tells its slot no more has none, or is out of hearing.
+// A boat silent for this long has given up its slot, or is out of range.
 constexpr std::int64_t kSilent_us = 3'000'000;
 
 bool is_vessel(const link::Heartbeat& beat) {
@@ -23,7 +23,7 @@ void SlotClaims::configure(std::uint8_t own_system, std::uint8_t leader, float b
   own_ = own_system;
   leader_ = leader;
   beam_ = convert::wire_offset_of(beam_m, 0)[0];
-  rival_ = 0;  // the slot may be another one: it is told ten times a second
+  rival_ = 0;  // the slot may have changed; claims are repeated at 10 Hz
 }
 
 bool SlotClaims::is_one(const RootOffset& a, const RootOffset& b) const {
@@ -45,7 +45,7 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
   if (told == nullptr || from == leader_ || from == own_) return;
   const auto mine = place.offset(now_us);
   const std::uint8_t root = place.branch(now_us).value_or(Branch{leader_, own_}).root;
-  const bool follower = told->path[0] == own_;  // its slot is its own affair
+  const bool follower = told->path[0] == own_;  // its own leaders() checks its slot
   if (mine && !follower && told->root == root && is_one(*mine, {told->offset_n, told->offset_b})) {
     rival_ = from;
     rival_us_ = now_us;

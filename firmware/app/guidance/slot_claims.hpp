@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whose place the own slot is besides: the leader's own, where that is a vessel, or that of another
-// boat of the same formation.
+// Detects other claims to the own slot: by the leader, if that is a vessel, or by another boat of
+// the same formation.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace flotilla::app {
 
 class SlotClaims {
  public:
-  /// Slots nearer than beam_m are one. What was heard of another leader counts for nothing.
+  /// Slots closer than beam_m count as one. A change of leader discards what the old one sent.
   void configure(std::uint8_t own_system, std::uint8_t leader, float beam_m);
 
-  /// Any message. A vessel's HEARTBEAT names its kind; GENERIC is a virtual leader's, which takes no
-  /// room, so that a slot of zero is sound. Boats tell their slots by FORMATION_REFERENCE.
+  /// Any message. HEARTBEAT tells a vessel's type; GENERIC is a virtual leader, which takes no
+  /// room, so a slot of zero is valid behind it. Boats announce their slots by FORMATION_REFERENCE.
   void hear(const link::Received& received, const TreePlace& place, std::int64_t now_us);
 
-  /// The slot is where the leader is.
+  /// The slot coincides with the leader, which is a vessel.
   bool leaders(const TreePlace& place) const;
 
-  /// A boat that has the same slot of the same root: its system id. Who sails in it already, makes
-  /// way for one that sails too, not for one that only might.
+  /// System id of a boat with the same slot of the same root. While we sail, only a rival that
+  /// sails too counts.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
  private:

@@ -6,10 +6,11 @@
 namespace flotilla::app {
 namespace {
 
-// A leader that tells its place no more has lost its reference, or is another program.
+// A leader silent for this long has lost its reference, or runs other software.
 constexpr std::int64_t kSilent_us = 3'000'000;
-// A boat whose leader tells what is older than that begins a branch of its own, and leaves it only
-// for what was younger for some seconds: so deep in a fleet on a bad radio nobody is torn to and fro.
+// A boat whose leader's reference is older than kOld_us starts its own branch, and rejoins only
+// after kSteady_us of references younger than kYoung_us, so a deep boat on a bad radio does not
+// oscillate.
 constexpr std::int64_t kOld_us = 3'000'000, kYoung_us = 2'100'000, kSteady_us = 3'000'000;
 
 }  // namespace
@@ -71,7 +72,7 @@ std::size_t TreePlace::depth(std::int64_t now_us) const {
 TreePath TreePlace::path(std::int64_t now_us) const {
   TreePath path{own_.leader};
   if (const Word* told = word(now_us)) {
-    // In a cycle it ends where it comes back to us: it would grow for ever.
+    // In a cycle the path ends at our own id, else it would grow without end.
     const auto end = std::ranges::find(told->path, own_.system);
     const auto count = std::min<std::size_t>(static_cast<std::size_t>(end - told->path.begin()) + 1,
                                              path.size() - 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the boat stands in the tree of leaders, as its leader tells it.
+// The boat's place in the tree of leaders, from its leader's messages.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace flotilla::app {
 
-/// The system ids above a boat, its leader first, 0 after the last.
+/// System ids above a boat, its leader first, 0 after the last.
 using TreePath = decltype(link::FormationReference::path);
 
-/// Whose motion is followed, and who made the reference of it.
+/// The vessel whose motion is followed, and the boat that made its reference.
 struct Branch {
   std::uint8_t root = 0, maker = 0;
   bool operator==(const Branch&) const = default;
 };
 
-/// A slot seen from the root: the part that keeps its bearing, and that which turns with the root.
+/// A slot relative to the root: n keeps its bearing, b turns with the root.
 struct RootOffset {
   convert::WireOffset n{}, b{};
 };
@@ -31,28 +31,28 @@ class TreePlace {
     bool turns = false;  ///< FORM_FRAME 1
   };
 
-  /// Another leader's word counts for nothing.
+  /// A change of leader discards the old leader's message.
   void configure(const Own& own);
 
-  /// The leader has spoken, of a motion that was true at `valid_us`.
+  /// A message from the leader, with a motion valid at `valid_us`.
   void hear(const link::FormationReference& message, std::int64_t valid_us, std::int64_t now_us);
 
-  /// The branch that the leader sails in; nothing where it tells none, or one that is too old for a
-  /// boat behind it, where it does not sail in its slot, or where our slot turns with a leader whose
-  /// own slot turns: that has another heading than the root.
+  /// The branch that the leader sails in. Nothing if it announces none, or one that is too old for
+  /// a boat behind it, if it is not in its slot, if we made the reference, or if our slot turns
+  /// with a leader whose own slot turns: its heading differs from the root's.
   std::optional<Branch> branch(std::int64_t now_us) const;
 
-  /// Our slot and our leader's, seen from that branch's root, or from the leader where there is none;
-  /// ours is nothing where it is farther than any fleet reaches.
+  /// Our slot and our leader's, relative to that branch's root, or to the leader if there is no
+  /// branch; ours is nothing beyond 100 km.
   std::optional<RootOffset> offset(std::int64_t now_us) const;
   RootOffset leaders_offset(std::int64_t now_us) const;
 
-  /// How many links of the tree lie above; as many as the path has room for: it may be more.
+  /// Links of the tree above; saturates at the path's capacity.
   std::size_t depth(std::int64_t now_us) const;
   TreePath path(std::int64_t now_us) const;
   bool too_deep(std::int64_t now_us) const;
 
-  /// The leader follows this boat, if by others.
+  /// The leader follows this boat, directly or through others.
   bool is_cycle(std::int64_t now_us) const;
 
   const Own& own() const { return own_; }
@@ -64,7 +64,7 @@ class TreePlace {
     RootOffset offset;
     TreePath path{};
     std::size_t length = 0;  ///< of the path
-    bool cycle = false;      ///< we are on it
+    bool cycle = false;      ///< it contains our id
     bool followed = false;
   };
 
@@ -72,11 +72,10 @@ class TreePlace {
 
   Own own_;
   std::optional<Word> word_;
-  bool leads_ = true;              // what the leader tells is young enough
-  std::int64_t not_young_us_ = 0;  // when it last was too old to begin with
+  bool leads_ = true;              // the leader's reference is young enough
+  std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us
 };
 
-/// How many ids a path has.
 std::size_t length_of(const TreePath& path);
 
 }  // namespace flotilla::app

@@ -8,13 +8,13 @@ namespace {
 
 // Two ordinary crystals differ by less.
 constexpr std::int64_t kDrift_ppm = 100;
-// Whoever is further off counts TIMESYNC from another instant than his stamps.
+// A sender further off takes TIMESYNC and its stamps from different clocks.
 constexpr std::int64_t kWidest_us = 5'000'000;
 
 }  // namespace
 
 void ClockOffset::widen(std::int64_t now_us) {
-  // Whole microseconds only; what is left over waits for the next call.
+  // Whole microseconds only; the remainder waits for the next call.
   const std::int64_t by_us = (now_us - widened_us_) * kDrift_ppm / 1'000'000;
   if (by_us <= 0) return;
   widened_us_ = now_us;
@@ -26,7 +26,7 @@ void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
   widen(now_us);
   const std::int64_t upper = now_us - stamp_us;
   upper_ = upper_ ? std::min(*upper_, upper) : upper;
-  // The bounds contradict each other: their clock was set. The younger one is right.
+  // The bounds contradict each other: the sender's clock was set. The newer bound is right.
   if (lower_ && *lower_ > *upper_) lower_.reset();
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// How far another vessel's clock is from ours, from stamps and TIMESYNC answers alone.
+// Offset of another vessel's clock from ours, from stamps and TIMESYNC answers alone.
 //
-// offset = our time − their time. A message of theirs cannot arrive before it was stamped, so
-// arrival − stamp ≥ offset; a request of ours cannot be read before it was sent, so
-// sent − read ≤ offset. The truth lies between the two bounds, which widen with time as clocks may
-// drift; their middle is exact where the way there is as quick as the way back.
+// offset = our time − their time. A message cannot arrive before it was stamped, so arrival − stamp
+// ≥ offset; a request cannot be read before it was sent, so sent − read ≤ offset. The bounds widen
+// as the clocks may drift; their middle is exact if both directions have the same latency.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +22,10 @@ class ClockOffset {
   /// µs to add to their time to get ours; nothing before the first message.
   std::optional<std::int64_t> offset_us() const;
 
-  /// The same, at the least: what is stamped so may be that old.
+  /// The least possible offset; it gives the greatest possible age.
   std::optional<std::int64_t> least_us() const { return lower_ ? lower_ : upper_; }
 
-  /// TIMESYNC bounds it from below.
+  /// TIMESYNC bounds the offset from below.
   bool was_answered() const { return lower_.has_value(); }
 
   void reset() { *this = ClockOffset{}; }

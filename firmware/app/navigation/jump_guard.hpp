@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Refuses what no vessel can have done since its last state, until it has been told for a second.
+// Ignores an implausible jump until it has been reported consistently for 1 s.
 #pragma once
 
 #include <algorithm>
@@ -13,19 +13,18 @@
 
 namespace flotilla::app {
 
-/// Told states in, verdicts out. A new place is believed when five states in a row, over at least a
-/// second, agree on it, and none of them on the old one: of two vessels that speak in turn the first
-/// is followed.
+/// A new place is believed when five states in a row, over at least 1 s, agree with each other and
+/// none with the old place: if two vessels send alternately, the first is followed.
 template <class S>
 class JumpGuard {
  public:
   enum class Verdict : std::uint8_t {
     kGoesOn,
     kRefused,
-    kMoved,  ///< the new place is believed; no motion led there
+    kMoved,  ///< the new place is believed; the jump is no motion
   };
 
-  /// What is known of a leader: the quickest model boat.
+  /// Limits of an unknown leader: the fastest model boat.
   static constexpr core::PlausibilityLimits<S> kAnyVessel{S(1),  S(0.8), S(2),  S(1.5),
                                                           S(40), S(60),  S(10), S(8)};
 
@@ -35,10 +34,10 @@ class JumpGuard {
   }
   const core::PlausibilityLimits<S>& limits() const { return limits_; }
 
-  /// No state led to the next one.
+  /// The next state is accepted without comparison.
   void forget() { last_.reset(), next_.reset(); }
 
-  /// A told state, and when it came.
+  /// A reported state, and its arrival time.
   struct Seen {
     Metres north_m, east_m;
     S psi;
@@ -49,18 +48,18 @@ class JumpGuard {
     return {s.north_m, s.east_m, s.psi_rad, convert::nu_of(s), s.stamp_us, now_us};
   }
 
-  /// The state that the next one is compared with.
+  /// Sets the state that the next one is compared with.
   void believe(const Seen& state) {
     last_ = state;
     next_.reset();
   }
 
-  /// A state that has come, in the plane of the last one; `far`: it cannot be in that.
+  /// Judges a state given in the plane of the last one; `far`: too far away for that plane.
   Verdict judge(const Seen& state, bool far) {
     if (!last_) return Verdict::kGoesOn;
     const core::Leg<S> way = leg(*last_, state);
     if (!far && core::hardly_moves(small_, way)) {
-      // What velocity may account for is no scatter.
+      // Movement that the velocity explains is not scatter.
       const S speed = core::abs(way.from.u) + core::abs(way.from.v);
       const S moved = core::max(core::abs(way.moved_n.x), core::abs(way.moved_n.y));
       note_scatter(core::max(moved - way.h * speed, S(0)));
@@ -81,8 +80,8 @@ class JumpGuard {
     return settled ? Verdict::kMoved : Verdict::kRefused;
   }
 
-  /// A state that is not made use of, of the past or without a heading: whether it can be one of the
-  /// same vessel.
+  /// Checks a state that is not used otherwise, an old one or one without a heading, and notes a
+  /// jump if it cannot belong to the same vessel.
   void look_at(const Seen& state, bool heading_known) {
     if (!last_) return;
     const bool before = state.stamp_us < last_->stamp_us;
@@ -92,7 +91,7 @@ class JumpGuard {
     if (core::innovation_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
   }
 
-  /// What else is told that cannot be.
+  /// Notes an implausible report found elsewhere.
   void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
 
   /// No jump within the last second.
@@ -103,10 +102,10 @@ class JumpGuard {
  private:
   static constexpr int kRow = 5;
   static constexpr std::int64_t kSettled_us = 1'000'000;
-  static constexpr std::int64_t kLongest_us = 60'000'000;  // that a state says something
+  static constexpr std::int64_t kLongest_us = 60'000'000;  // between two states
 
-  /// The two clocks need not go together: no more time than has passed here and a second, which is
-  /// what the first one may have been late by.
+  /// The two clocks may disagree: limits the interval to the time that passed here plus 1 s, the
+  /// possible delay of the first state.
   static core::Leg<S> leg(const Seen& a, const Seen& b) {
     const std::int64_t apart_us = std::abs(b.arrived_us - a.arrived_us);
     const std::int64_t most_us = std::min(apart_us + kSettled_us, kLongest_us);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a vessel's states still come from an instrument, or are the last one again and again.
+// Detects frozen instruments, which repeat the same state.
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,16 @@
 
 namespace flotilla::app {
 
-/// Frozen is the place that stays the same to the last bit while the velocity told would have led
-/// elsewhere, and the heading that does beside a yaw rate; or the whole state, while the propellers
-/// push. A vessel that lies still and says so is not. What never moved yet may be held where it is:
-/// it is given some seconds.
+/// Frozen: the position stays bit-identical although the reported velocity would have moved it, the
+/// heading likewise despite a yaw rate, or the whole state while the propellers push. A vessel at
+/// rest that reports no velocity is not frozen. One that never moved may be held: it gets 5 s.
 template <class S>
 class Liveness {
  public:
-  /// patience_s: that much of the same is no fault yet.
+  /// patience_s: a shorter repetition is no fault.
   explicit Liveness(S patience_s) : patience_s_(patience_s) {}
 
-  /// A state, h seconds after the one before it; 0 where none led to it.
+  /// A state, h seconds after the previous one; 0 if it does not continue that one.
   void take(const convert::Sample<S>& sample, S h) {
     const bool stays = sample.north_m == north_m_ && sample.east_m == east_m_;
     const bool heads = sample.psi_rad == psi_rad_;
@@ -49,25 +48,24 @@ class Liveness {
     judge(!sails && !(heads && core::abs(nu.r) > kSlow) && pushed_ <= kSlow);
   }
 
-  /// The propellers alone would have changed the velocity by so much since the last call: m/s, and
-  /// rad/s.
+  /// Change of velocity by the propellers alone since the last call, m/s and rad/s.
   void push(S change) { pushed_ = core::min(pushed_ + change, S(2) * kPushed); }
 
   bool live() const { return live_; }
 
-  /// It has ever told two places.
+  /// It has reported two different positions.
   bool moved() const { return moved_; }
 
  private:
   static constexpr S kForgetting_per_s = S(0.2), kHeld_s = S(5);
-  static constexpr S kTold = S(0.15);   ///< m, rad: well over the rounding of any message
+  static constexpr S kTold = S(0.15);   ///< m, rad: well above any message's rounding
   static constexpr S kPushed = S(0.1);  ///< m/s, rad/s
-  static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: as good as still
+  static constexpr S kSlow = S(0.05);   ///< m/s, rad/s: counts as at rest
   static constexpr int kFew = 3;        ///< messages
 
   static S left_after(S h) { return S(1) - core::min(kForgetting_per_s * h, S(1)); }
 
-  /// What has stayed the same, and where its rate of change would have led since.
+  /// A repeated quantity, and how far its reported rate would have moved it since.
   struct Stuck {
     core::Vec2<S> way{};
     S time{};

@@ -11,7 +11,7 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kForgotten_us = 3'000'000;
-constexpr double kOnItsWay_s = 0.1;  // of a message, and that it was old when it was sent
+constexpr double kOnItsWay_s = 0.1;  // latency of the radio, and age at sending
 constexpr float kDeepest = 250;
 
 bool is_vehicle(const link::Heartbeat& beat) {
@@ -27,7 +27,7 @@ bool is_named(const link::NamedValueFloat& message, std::string_view name) {
          message.name[name.size()] == '\0';
 }
 
-/// Heading does not matter; in its own local frame, or at a point of the globe.
+/// Position and velocity, in the sender's local frame or global; the heading does not matter.
 template <class S>
 struct PlaceOf {
   static constexpr convert::HeadingSample<S> kNorth{};
@@ -132,7 +132,7 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   vessel->heard_us = now_us;
 }
 
-/// Places in another frame are worth nothing.
+/// Discards places in another frame.
 void Neighbours::look_from(const link::GpsGlobalOrigin& origin) {
   if (same(origin, frame_)) return;
   frame_ = origin;
@@ -145,7 +145,7 @@ Neighbours::Vessel* Neighbours::find(std::uint8_t system) {
   return found == vessels_.end() ? nullptr : found;
 }
 
-/// Its own place, a free one, or that of the farthest where it is nearer.
+/// The vessel's own entry, else a free one, else that of the farthest vessel if this one is nearer.
 Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<double> distance_m,
                                           const convert::Position& own, std::int64_t now_us) {
   if (Vessel* known = find(system)) return known;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The vessels around, as they tell by MAVLink, and which of them has the right of way.
+// Tracks the vessels around by their MAVLink messages, and decides who has the right of way.
 #pragma once
 
 #include <array>
@@ -11,22 +11,22 @@
 
 namespace flotilla::app {
 
-/// A vessel is a system of which a component says in its heartbeat that it is a vehicle's autopilot;
-/// that component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and its LOCAL_POSITION_NED and
-/// ODOMETRY where it tells its origin. Virtual leaders, ground stations, companions and gimbals are
-/// none. Of more than there is room for, the farthest are left out; one that is silent is forgotten.
+/// A vessel is a system with a component whose heartbeat announces a vehicle's autopilot; that
+/// component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and, if its origin is known, its
+/// LOCAL_POSITION_NED and ODOMETRY. Virtual leaders, ground stations, companions and gimbals do not
+/// count. When full, keeps the nearest vessels; forgets silent ones.
 class Neighbours {
  public:
-  /// Our own system and our leader's. Nobody is tracked where `least_m`, FS_SEP_M, is 0.
+  /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
   void configure(std::uint8_t own_system, std::uint8_t leader_system, float least_m);
 
   bool watches() const { return watches_; }
 
-  /// Any message. Places are kept in the local frame of `own`. S: what is computed in.
+  /// Any message. Places are kept in the local frame of `own`. S: scalar of the computation.
   template <class S = double>
   void take(const link::Received& received, const convert::Position& own, std::int64_t now_us);
 
-  /// Those around, carried forward to now, seen from `own` + `moved_n`.
+  /// The vessels around, extrapolated to now, relative to `own` + `moved_n`.
   template <class S>
   core::Traffic<S> traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                            std::int64_t now_us) const;
@@ -35,15 +35,15 @@ class Neighbours {
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
-  /// Links of the tree from a virtual leader, or from one that tells no depth of its own, to us.
+  /// Links of the tree to us from a virtual leader, or from a leader that sends no depth.
   std::uint8_t depth() const;
 
  private:
   struct Vessel {
-    std::uint8_t system = 0;  ///< 0: this place is free
+    std::uint8_t system = 0;  ///< 0: a free entry
     bool located = false;
     bool has_origin = false;
-    bool steered = false;  ///< by itself: only then it may yield
+    bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
     Metres north_m, east_m;
@@ -67,7 +67,7 @@ class Neighbours {
   float least_m_ = 0;
   bool watches_ = false;
   std::optional<std::uint8_t> leader_depth_;
-  link::GpsGlobalOrigin frame_{};  // that all places are in
+  link::GpsGlobalOrigin frame_{};  // of all places
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
 };

@@ -18,7 +18,7 @@ SenderClocks::Sender* SenderClocks::find(link::Address from) {
   return found == senders_.end() ? nullptr : found;
 }
 
-/// A free one, or that of the last where it is deeper.
+/// A free entry, or that of the deepest sender if it is deeper than `rank`.
 SenderClocks::Sender* SenderClocks::place_for(std::uint8_t rank, std::int64_t now_us) {
   Sender* last = nullptr;
   for (Sender& s : senders_) {

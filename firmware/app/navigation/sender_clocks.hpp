@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The clocks of the vessels that a reference is heard from.
+// The clocks of the vessels that send references.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace flotilla::app {
 
-/// Of more senders than there is room for, those nearest to the root are kept: news comes from there.
+/// When full, keeps the senders nearest to the root: news comes from there.
 class SenderClocks {
  public:
-  /// A message of that sender has arrived: our time of its stamp, no later than now; nothing where
-  /// there is no room for its clock. Rank: depth in the tree; 0: there is always room.
+  /// A message of that sender has arrived. Returns its stamp in our time, no later than now;
+  /// nothing if there is no room for its clock. Rank: depth in the tree; 0 always finds room.
   std::optional<std::int64_t> heard(link::Address from, std::uint8_t rank,
                                     std::uint32_t time_boot_ms, std::int64_t now_us);
 
@@ -25,7 +25,7 @@ class SenderClocks {
 
  private:
   struct Sender {
-    link::Address from{};  ///< system 0: this place is free
+    link::Address from{};  ///< system 0: a free entry
     std::uint8_t rank = 0;
     std::int64_t stamp_us = 0, arrived_us = 0;
     ClockOffset clock;

@@ -10,23 +10,23 @@
 namespace flotilla::app {
 namespace {
 
-/// A better source must have come so often before it is chosen again.
+/// Messages in a row that a better source needs before it is chosen again.
 constexpr int kSteady = 5;
 
 }  // namespace
 
-/// A message that came twice, or was overtaken on another way, neither counts nor breaks the row.
+/// A duplicate, or a message overtaken on another path, neither counts nor breaks the row.
 void StateSources::hear(Source source, std::int64_t stamp_us, std::int64_t now_us, bool accepted) {
   Heard& in = heard(source);
   if (in.in_a_row > 0 && stamp_us == in.stamp_us) return;
   const bool goes_on = in.in_a_row > 0 && now_us - in.arrived_us <= patience_us_;
   if (goes_on && stamp_us < in.stamp_us) return;
-  // Another source's clock is kept ready; that of the one in use is set by what is accepted.
+  // Keeps the clocks of unused sources ready; accepted states set the clock of the one in use.
   if (source != in_use_ || !accepted) {
     if (stamp_us < in.stamp_us) in.clock.reset();
     in.clock.heard(stamp_us, now_us);
   }
-  // It rebooted, unless it is only late beside a source that goes on: change_to() will know.
+  // The vessel rebooted, or only this message is late: change_to() decides.
   in.went_back = in.in_a_row > 0 && stamp_us < in.newest_us;
   in.newest_us = in.in_a_row > 0 ? std::max(in.newest_us, stamp_us) : stamp_us;
   in.in_a_row = goes_on ? std::min(in.in_a_row + 1, kSteady) : 1;
@@ -71,7 +71,7 @@ void StateSources::rebooted(std::int64_t stamp_us) {
 void StateSources::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
   for (Heard& in : heard_) {
     if (in.in_a_row == 0) continue;
-    // ODOMETRY's stamps do not wrap; what differs by whole turns of 49 days is another clock.
+    // ODOMETRY's stamps do not wrap: an offset of whole turns of 49 days means another clock.
     const bool wraps = &in != &heard(Source::kOdometry);
     in.clock.answered(sent_us, wraps ? convert::unwrapped_us(read_us, in.stamp_us) : read_us,
                       now_us);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// TIMESYNC, both ways: our requests and our answers.
+// TIMESYNC in both directions: our requests and our answers.
 #pragma once
 
 #include <algorithm>
@@ -14,15 +14,14 @@ namespace flotilla::app {
 
 class TimeRequests {
  public:
-  /// A request carries a number that nobody else sends: our time in ns, its low digits our system
-  /// id.
+  /// A request carries a unique number: our time in ns plus our system id.
   link::Timesync ask(std::int64_t now_us, std::uint8_t system) {
     const std::int64_t ts1 = now_us * 1000 + system;
     asked_[next_++ % asked_.size()] = ts1;
     return {0, ts1};
   }
 
-  /// When we sent the request that this answers, µs; nothing where it is not one of our last.
+  /// When we sent the request that this answers, µs; nothing if it is not among the last four.
   std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
     for (const std::int64_t ts1 : asked_) {
       if (ts1 != 0 && ts1 == answer.ts1) return ts1 / 1000;
@@ -30,11 +29,11 @@ class TimeRequests {
     return std::nullopt;
   }
 
-  /// The answer tells when the request was read, though it leaves with the tick.
+  /// Reports when the request was read, although the answer leaves with the tick.
   static link::Timesync answer_to(const link::Timesync& request, link::Address asker,
                                   std::int64_t read_us) {
     return {std::max<std::int64_t>(read_us * 1000, 1), request.ts1,
-            asker};  // 0 would be a question
+            asker};  // 0 would mark a request
   }
 
  private:

@@ -8,10 +8,10 @@
 namespace flotilla::app {
 namespace {
 
-/// A heading older than this cannot be carried over to a position.
+/// An older heading cannot be extrapolated to a position.
 constexpr std::int64_t kHeadingUsable_us = 300'000;
 
-/// A time over which a track is carried on, s: after ten nobody makes use of it.
+/// Time to extrapolate a track over, s; nobody uses a track after ten.
 template <class S>
 S carried(std::int64_t us) {
   return convert::seconds<S>(std::min<std::int64_t>(us, 10'000'000));
@@ -52,7 +52,7 @@ bool VesselTrack<S>::chosen(std::uint8_t component, std::int64_t now_us) {
   return component == component_;
 }
 
-/// A message of that source has come: whether it is to be made use of.
+/// Registers a message of that source; returns whether to use it.
 template <class S>
 bool VesselTrack<S>::preferred(Source source, std::int64_t stamp_us, std::int64_t now_us) {
   sources_.hear(source, stamp_us, now_us, stamp_us_.has_value());
@@ -62,8 +62,8 @@ bool VesselTrack<S>::preferred(Source source, std::int64_t stamp_us, std::int64_
   return true;
 }
 
-/// The track goes on from the old source's motion, with the new one's own stamps and clock: those
-/// of the two need not count from the same instant.
+/// The track continues the old source's motion with the new source's stamps and clock, which need
+/// not count from the same instant.
 template <class S>
 void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
   const auto age = age_us(now_us);
@@ -75,7 +75,7 @@ void VesselTrack<S>::change_to(Source source, std::int64_t now_us) {
   if (sources_.change_to(source)) origin_component_ = 0;
 }
 
-/// Its clock and its frame are others than before.
+/// The vessel rebooted: its clock and its frame have changed.
 template <class S>
 void VesselTrack<S>::rebooted(std::int64_t stamp_us) {
   restart();
@@ -83,7 +83,7 @@ void VesselTrack<S>::rebooted(std::int64_t stamp_us) {
   sources_.rebooted(stamp_us);
 }
 
-/// No motion led from the last state to what comes now.
+/// A jump: no motion leads from the last state to the next one.
 template <class S>
 void VesselTrack<S>::jumped() {
   guard_.forget();
@@ -133,7 +133,7 @@ void VesselTrack<S>::take(const link::Odometry& message, std::uint8_t component,
     frame_complaint_ = frame_complaint_ || bad_frame;
   } else if (chosen(component, now_us)) {
     if (sources_.is_news(Source::kOdometry, reading.sample->stamp_us)) {
-      // Another number than the next one is no reset of this estimate: another vessel's, perhaps.
+      // Only an increment by one is a reset; another number may be another vessel's.
       const std::uint8_t resets = odometry_resets_.value_or(message.reset_counter);
       const bool next = message.reset_counter == static_cast<std::uint8_t>(resets + 1);
       if (next && sources_.in_use() == Source::kOdometry) jumped();
@@ -163,7 +163,7 @@ void VesselTrack<S>::take(const link::Attitude& message, std::uint8_t component,
     ++counters.mavlink_old_stamp;
     return;
   }
-  // Of another vessel with another clock, perhaps: it would hide this one's.
+  // Perhaps of another vessel with another clock: it would block this one's.
   if (heading.component == component && now_us - heading.arrived_us < kHeadingUsable_us &&
       sample->stamp_us - heading.sample.stamp_us > now_us - heading.arrived_us + kSilent_us) {
     guard_.note_jump(now_us);
@@ -193,7 +193,7 @@ void VesselTrack<S>::take(const link::FollowTarget& message, std::uint8_t compon
   }
 }
 
-/// A position whose heading is ATTITUDE's.
+/// A position joined with ATTITUDE's heading.
 template <class S>
 template <class Message>
 void VesselTrack<S>::take_joined(Source source, const Message& message, std::uint8_t component,
@@ -231,7 +231,7 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t com
   } else if (component_ == 0 || component == component_) {
     const bool moved =
         message.latitude != origin_.latitude || message.longitude != origin_.longitude;
-    // A local position belongs to the origin that it was measured from.
+    // A local position is valid only with the origin that it was measured from.
     if (moved && origin_component_ != 0 && !anchored_) restart();
     origin_ = message;
     origin_component_ = component;
@@ -239,14 +239,14 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, std::uint8_t com
   }
 }
 
-/// In the plane that the last position is in.
+/// A global sample in the plane of the last position.
 template <class S>
 convert::Sample<S> VesselTrack<S>::here(const convert::Sample<S>& sample) const {
   return sample.at && anchored_ ? convert::in_plane(sample, position_.origin) : sample;
 }
 
-/// The origin of what is believed from now on. A global position gets one that stays: followers of
-/// this vessel rely on it.
+/// Sets the origin of the positions believed from now on. For global positions it stays fixed:
+/// followers of this vessel rely on it.
 template <class S>
 void VesselTrack<S>::anchor(const convert::Sample<S>& sample) {
   if (!sample.at) {
@@ -260,7 +260,7 @@ void VesselTrack<S>::anchor(const convert::Sample<S>& sample) {
   anchored_ = true;
 }
 
-/// Its stamp is not younger than the last one, and its clock did not begin anew.
+/// The stamp is not newer than the last one, and the vessel has not rebooted.
 template <class S>
 bool VesselTrack<S>::is_late(const convert::Sample<S>& sample, std::int64_t now_us) {
   if (!stamp_us_ || sample.stamp_us > *stamp_us_) return false;
@@ -275,7 +275,7 @@ bool VesselTrack<S>::is_late(const convert::Sample<S>& sample, std::int64_t now_
   return false;
 }
 
-/// No motion led to what is believed now; its clock may be another one too.
+/// A jump was believed: drops the motion, and the clock too if the stamps jumped.
 template <class S>
 void VesselTrack<S>::moved(std::int64_t stamp_us, std::int64_t now_us) {
   if (std::abs(stamp_us - *stamp_us_ - (now_us - arrived_us_)) > kSilent_us) {
@@ -301,12 +301,12 @@ bool VesselTrack<S>::accept(const convert::Sample<S>& sample, std::int64_t now_u
     return false;
   }
   if (verdict == JumpGuard<S>::Verdict::kMoved) moved(sample.stamp_us, now_us);
-  // A clock of 32 bits that begins anew after 25 days looks as if it had run ahead.
+  // A 32-bit clock that restarts after 25 days of uptime appears to leap ahead.
   if (stamp_us_ && sample.stamp_us - *stamp_us_ > now_us - arrived_us_ + kLeap_us) {
     rebooted(sample.stamp_us);
   }
-  // Stamps that went on regularly, but behind: their clock was set back, or once ran ahead. Where
-  // TIMESYNC vouches for it, they were overtaken on their way.
+  // Stamps advanced regularly but late: the clock was set back, or once ran ahead. If TIMESYNC
+  // confirms the clock, the messages were merely overtaken.
   if (refused_in_a_row_ >= 3 && !clock().was_answered()) sources_.restart();
   refused_in_a_row_ = 0;
   if (far || anchored_ != sample.at.has_value()) {
@@ -338,7 +338,7 @@ void VesselTrack<S>::update(const convert::Sample<S>& sample, std::int64_t now_u
     core::track_update(params, track_, message);
   }
   other_source_us_.reset();
-  // Of several between two ticks the last one counts, after the time of them all.
+  // Of several messages between two ticks the last one counts, with dt over all of them.
   const bool led = track_.dt > S(0) && (!fix_ || fix_->dt > S(0));
   const S since = led ? track_.dt + (fix_ ? fix_->dt : S(0)) : S(0);
   fix_ = core::TrackMessage<S>{message.psi, message.nu, since};
@@ -361,7 +361,7 @@ template <class S>
 std::optional<std::int64_t> VesselTrack<S>::age_us(std::int64_t now_us) const {
   const auto offset = clock().offset_us();
   if (!stamp_us_ || !offset) return std::nullopt;
-  // No state is younger than its arrival, whatever TIMESYNC makes of its stamp since.
+  // A state is at least as old as its arrival, whatever TIMESYNC has since made of its stamp.
   return std::max<std::int64_t>(now_us - std::min(*stamp_us_ + *offset, arrived_us_), 0) + lag_us();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is known of one vessel, own or leader, from its MAVLink state messages.
+// Tracks one vessel, own or leader, by its MAVLink state messages.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,20 @@
 
 namespace flotilla::app {
 
-/// Follows one system id and of its components the lowest that sends whole states: ODOMETRY,
-/// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE, by StateSources'
-/// choice. A message counts by its stamp: one that is not younger than the last is refused, unless
-/// nothing younger has come for so long, and the old stamps advance, that the vessel must have
-/// rebooted. What the vessel cannot have come to moves nothing until it has been told for a second,
-/// but after a reboot, a reset of its estimate, or from another source or origin.
+/// Follows one system id, and its lowest component that sends whole states: ODOMETRY,
+/// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE, as StateSources
+/// chooses. A message with a stamp not newer than the last is refused, unless nothing newer has
+/// come for 1 s while the old stamps advance: then the vessel has rebooted. An implausible jump is
+/// ignored until reported consistently for 1 s, except after a reboot, a reset of the estimate, or
+/// a change of source or origin.
 template <class S>
 class VesselTrack {
  public:
   struct Identity {
     std::uint8_t system;
     std::uint8_t ignored_component;      ///< 0: none
-    std::int64_t patience_us = 500'000;  ///< with the chosen source
-    std::int64_t frozen_us = 700'000;    ///< with the same state again and again
+    std::int64_t patience_us = 500'000;  ///< silence after which another source is chosen
+    std::int64_t frozen_us = 700'000;    ///< repetition of one state that counts as frozen
   };
   struct Antenna {
     S x_m, y_m;
@@ -41,35 +41,35 @@ class VesselTrack {
 
   std::uint8_t system() const { return identity_.system; }
 
-  /// Another vessel from now on; nothing that is known of the old one is kept.
+  /// Follows another vessel; discards everything known of the old one.
   void follow(std::uint8_t system);
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
 
-  /// How much older its states are than their arrival says, where TIMESYNC does not bound its clock.
+  /// Latency of its states before arrival, used if TIMESYNC does not bound its clock.
   void set_lag(std::int64_t lag_us) { lag_us_ = lag_us; }
   bool bounded() const { return clock().was_answered(); }
 
-  /// What this vessel can do; without them it is any vessel.
+  /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
 
-  /// Whether motion() is asked for; where another knows better how the vessel moves between its
-  /// messages, each is believed as it is.
+  /// Smoothing is for motion(); off if another estimator knows the motion between messages better:
+  /// then each message is believed as it is.
   void set_smoothing(bool smooths);
 
-  /// The propellers alone would have changed its velocity by so much since the last call, m/s.
+  /// Change of velocity that the propellers alone would have caused since the last call, m/s.
   void push(S change_mps) { liveness_.push(change_mps); }
 
-  /// What it says is not the same again and again while it moves.
+  /// Its state is not frozen.
   bool live() const { return liveness_.live(); }
 
-  /// It has been seen to move, by instruments that are never quite still; else it may be held.
+  /// It has reported two different positions; until then it may be held in place.
   bool has_moved() const { return liveness_.moved(); }
 
-  /// It has not been told where it cannot be, within the last second.
+  /// No implausible report within the last second.
   bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
 
-  /// Takes any message; those of other vessels and of no use here are passed over.
+  /// Takes any message; ignores those of other vessels and unused types.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
     if (mine(received.from)) take_mine(received, now_us, counters);
   }
@@ -78,36 +78,35 @@ class VesselTrack {
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
                 std::int64_t now_us);
 
-  /// Time since the state was true, not since it came; nothing where none is known.
+  /// Time since the state was true, not since its arrival; nothing if unknown.
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
 
-  /// Its state is known and younger than the limit, at the worst that its clock may be off.
+  /// The state is known and younger than the limit, even at the clock's worst possible error.
   bool fresh(std::int64_t now_us, std::int64_t limit_us) const;
 
-  /// Position at the last sample; the origin is that of the sender's local frame, or, while it
-  /// tells global positions only, its first one.
+  /// Position at the last sample, from the origin of the sender's local frame, or, if it sends only
+  /// global positions, from its first one.
   convert::Position position() const { return position_; }
 
-  /// The position can be compared with others.
+  /// The position can be compared with other vessels'.
   bool has_origin() const { return component_ != 0 && (anchored_ || origin_known()); }
 
   /// The motion at the last sample.
   const core::TrackState<S>& track() const { return track_; }
 
-  /// Motion since the last sample; ages below zero count as zero.
+  /// Motion extrapolated from the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
 
-  /// How far it may be from where motion() has it; nothing where none is known.
+  /// How far motion()'s position may be off, m; nothing if unknown.
   std::optional<double> uncertainty_m(std::int64_t now_us) const;
 
-  /// The last message itself, dt after the last one that was taken, 0 where none led to it; nothing
-  /// where none has come since.
+  /// The last message unless already taken; dt: since the last one taken, 0 if no motion led to it.
   std::optional<core::TrackMessage<S>> take_fix() { return std::exchange(fix_, std::nullopt); }
 
-  /// How many messages there have been.
+  /// Number of messages accepted.
   std::uint32_t messages() const { return messages_; }
 
-  /// ODOMETRY in a frame without north was refused since the last call.
+  /// An ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint();
 
  private:
@@ -161,19 +160,19 @@ class VesselTrack {
   JumpGuard<S> guard_;
   Liveness<S> liveness_;
   Heading heading_;        // of the chosen component
-  Heading other_heading_;  // of another, which may be chosen when its position comes too
+  Heading other_heading_;  // of another, which is chosen once its position comes too
   std::optional<std::uint8_t> odometry_resets_;
   std::optional<std::int64_t> stamp_us_;
   std::optional<std::int64_t> refused_stamp_us_;
-  std::optional<std::int64_t> other_source_us_;  // our time of the state of the source before
-  std::int64_t heading_older_us_ = 0;  // by how much the heading was older than the position
+  std::optional<std::int64_t> other_source_us_;  // our time of the previous source's state
+  std::int64_t heading_older_us_ = 0;            // age of the heading at the position's stamp
   std::int64_t arrived_us_ = 0;
   int refused_in_a_row_ = 0;
   std::uint32_t messages_ = 0;
   convert::Position position_;
   bool anchored_ = false;  // position_.origin was chosen for global positions
   link::GpsGlobalOrigin origin_{};
-  std::uint8_t origin_component_ = 0;  // 0: the sender has told no origin
+  std::uint8_t origin_component_ = 0;  // 0: no origin received
   bool frame_complaint_ = false;
   bool smooths_ = true;
   core::TrackState<S> track_;

@@ -15,21 +15,21 @@ using core::Request;
 constexpr double kForce = 21196;
 constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
 constexpr double kThrottlePercent = 0;              // MOTOR_TEST_THROTTLE_PERCENT
-constexpr double kLongestInterval_us = 2147483647;  // what MESSAGE_INTERVAL can tell
+constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
 Asked denied() { return {mav::kDenied}; }
 
-/// Unused parameters come as 0 or NaN.
+/// Unused parameters are 0 or NaN.
 bool unused(double param) { return std::isnan(param) || param == 0; }
 
-/// A whole number in that range, or nothing.
+/// An integer from 0 to `most`, or nothing.
 std::optional<std::uint32_t> whole(double param, double most) {
   if (!(param >= 0 && param <= most)) return std::nullopt;
   const auto number = static_cast<std::uint32_t>(param);
   return number == param ? std::optional(number) : std::nullopt;
 }
 
-/// Force is understood, and overrides no check.
+/// Force is legal, but overrides no check.
 Asked arm_or_disarm(const Command& c) {
   if (c.param[0] == 0) return {mav::kAccepted, Request::kDisarm};
   const bool force_is_legal = unused(c.param[1]) || c.param[1] == kForce;
@@ -44,7 +44,7 @@ Asked set_mode(const Command& c) {
   return {mav::kAccepted, *request};
 }
 
-/// One propeller, 1 port or 2 starboard, in percent of its greatest thrust, for some seconds.
+/// One propeller, 1 port or 2 starboard, in percent of its greatest thrust, for a limited time.
 Asked motor_test(const Command& c) {
   const auto propeller = whole(c.param[0], 2);
   const double percent = c.param[2], time_s = c.param[3];
@@ -61,7 +61,7 @@ Asked motor_test(const Command& c) {
 }
 
 Asked terminate(const Command& c) {
-  if (c.param[0] != 1) return denied();  // 0, "terminate not", is no way out of FAULT either
+  if (c.param[0] != 1) return denied();  // 0 ("do not terminate") does not leave FAULT either
   return {mav::kAccepted, Request::kTerminate};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an operator's command means.
+// Decodes operators' commands.
 #pragma once
 
 #include <array>
@@ -15,21 +15,21 @@
 
 namespace flotilla::app {
 
-/// What others may ask of the boat.
+/// Requests that other systems may send to the boat.
 using RequestMessage =
     std::variant<std::monostate, link::CommandLong, link::CommandInt, link::SetMode,
                  link::ParamRequestList, link::ParamRequestRead, link::ParamSet, link::FtpRequest,
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
                  link::MissionClearAll>;
 
-/// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. No command of ours has a position, so the
-/// frame of a COMMAND_INT says nothing.
+/// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. None of our commands has a position, so the
+/// frame of a COMMAND_INT is ignored.
 struct Command {
   std::uint16_t id;
-  std::array<double, 7> param;  ///< as they came; unused ones may be NaN
+  std::array<double, 7> param;  ///< as received; unused ones may be NaN
   link::Address target;
-  bool repeated = false;  ///< for want of an answer (COMMAND_LONG.confirmation)
-  bool wants_ack = true;  ///< SET_MODE is a message: nobody waits for an answer
+  bool repeated = false;  ///< a retransmission (COMMAND_LONG.confirmation)
+  bool wants_ack = true;  ///< false for SET_MODE, a message without acknowledgement
 };
 std::optional<Command> command_of(const RequestMessage& message);
 
@@ -48,7 +48,7 @@ struct MessageRate {
   std::int64_t interval_us = 0;  ///< 0: the default, −1: off
 };
 
-/// What a command asks; where that is nothing, the result is final already.
+/// The decoded command; if it requests nothing, `result` is final.
 struct Asked {
   std::uint8_t result = link::mav::kUnsupported;
   core::Request request = core::Request::kNone;
@@ -57,14 +57,14 @@ struct Asked {
   bool repeated = false;
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
-  std::optional<Failure> failure{};  ///< supported where the host says so
+  std::optional<Failure> failure{};  ///< supported only by hosts that simulate
 
-  /// Changes nothing that others see: anybody may.
+  /// Changes nothing that others see, so anybody may send it.
   bool reads_only() const { return message.has_value(); }
 };
 Asked meaning_of(const Command& command);
 
-/// The supervisor's request for a mode number; nothing where there is no such mode.
+/// The supervisor's request for a mode number; nothing for an unknown mode.
 std::optional<core::Request> request_of_mode(double custom_mode);
 
 }  // namespace flotilla::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who this boat is on MAVLink: a vehicle of its own, or an autopilot's companion.
+// The boat's MAVLink identity: a vehicle of its own, or an autopilot's companion.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace flotilla::app {
 
-/// A companion takes the system id of the only autopilot that is heard within three seconds of the
-/// first one; of several it takes none and keeps the configured id. The leader's is never its own.
-/// A boat that is armed stays who it is.
+/// A companion takes the system id of the only autopilot heard within 3 s of the first one; if it
+/// hears several it keeps the configured id. It never takes the leader's. An armed boat keeps its
+/// id.
 /// Source: mavlink.io, MAVLink ID assignment.
 class Identity {
  public:
@@ -23,13 +23,13 @@ class Identity {
   link::Address self() const { return self_; }
   bool companion() const { return companion_; }
 
-  /// A message for this target is (also) for us.
+  /// A message for this target is for us, perhaps among others.
   bool addressed(link::Address target) const {
     return (target.system == 0 || target.system == self_.system) &&
            (target.component == 0 || target.component == self_.component);
   }
 
-  /// What is asked of the whole system, its autopilot does; we are only the companion.
+  /// Requests to the whole system are for its autopilot; we are only the companion.
   bool is_autopilots(link::Address target) const { return companion_ && target.component == 0; }
 
   void heard(link::Address from, const link::Heartbeat& heartbeat, float leader,
@@ -41,7 +41,7 @@ class Identity {
     if (!first_us_) first_us_ = now_us;
   }
 
-  /// Whether the system id has changed just now.
+  /// Whether the system id has just changed.
   bool latch(bool armed, std::int64_t now_us) {
     if (latched_ || !first_us_ || now_us - *first_us_ < kListen_us) return false;
     latched_ = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What was asked since the last tick, kept until the tick that answers it.
+// Requests since the last tick, kept until the tick that answers them.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace flotilla::app {
 
-/// Kept small: a request for a file is kept as what it asks, not as it came.
+/// Kept small: a file request is stored decoded, not as received.
 struct PendingRequest {
   std::int64_t read_us = 0;
   RequestMessage message{};
@@ -21,14 +21,14 @@ struct PendingRequest {
   std::uint8_t link = 0;
 };
 
-/// Disarms or terminates: never to be lost or put off.
+/// Disarms or terminates: must never be lost or postponed.
 inline bool stops(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
   return command && is_stop(*command);
 }
 
-/// First come first served; one too many is counted, its sender repeats it. What stops the boat is
-/// never one too many, and of two such the later one has the last word.
+/// First in, first out. A request that does not fit is counted; its sender repeats it. A stop
+/// always fits, in place of another request, and the latest stop wins.
 class Inbox {
  public:
   void push(const PendingRequest& pending, link::Counters& counters) {
@@ -48,13 +48,13 @@ class Inbox {
 
   enum class Taken : std::uint8_t {
     kAnswered,
-    kKept,  ///< for the next time
-    kLast,  ///< answered, and those behind it are kept
-    kStop,  ///< the same, and what it would be undone by is void
+    kKept,  ///< until the next call
+    kLast,  ///< answered; those behind it are kept
+    kStop,  ///< the same, and requests that would undo the stop are dropped
   };
 
-  /// Calls answer(letter) for each in order; whether that ended before the last of them.
-  /// undoes_stop(letter) tells of a kept one what a stop makes void.
+  /// Calls answer(request) for each in order; returns whether it ended before the last one.
+  /// undoes_stop(request): whether a stop drops this kept request.
   template <class Answer, class UndoesStop>
   bool take_each(Answer answer, UndoesStop undoes_stop) {
     std::size_t kept = 0, i = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The boat's MAVLink links: a decoder, an encoder and this tick's outgoing bytes for each.
+// The boat's MAVLink links, each with a decoder, an encoder and this tick's outgoing bytes.
 #pragma once
 
 #include <algorithm>
@@ -18,17 +18,17 @@
 
 namespace flotilla::app {
 
-/// Of any boat.
+/// Upper limit for any boat.
 constexpr std::size_t kMaxLinks = 4;
 
-/// What a link's signatures are worth.
+/// How a link treats signatures.
 enum class SigningPolicy : std::uint8_t {
-  kOff,       ///< sends unsigned, looks at no signature
-  kAccept,    ///< sends signed; takes unsigned messages too, but none that is signed wrongly
-  kRequired,  ///< sends signed; takes nothing unsigned but a radio's RADIO_STATUS
+  kOff,       ///< sends unsigned, ignores signatures
+  kAccept,    ///< sends signed; accepts unsigned messages, rejects wrong signatures
+  kRequired,  ///< sends signed; accepts nothing unsigned except RADIO_STATUS
 };
 
-/// By its name in a configuration.
+/// The policy with that name in a configuration.
 constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
   if (name == "off") return SigningPolicy::kOff;
   if (name == "accept") return SigningPolicy::kAccept;
@@ -36,27 +36,26 @@ constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
   return std::nullopt;
 }
 
-/// What one link says in a tick: as much as no network cuts up.
+/// One link's output in a tick: small enough that no network fragments it.
 using Datagram = std::array<std::uint8_t, 1400>;
 
 class MavlinkLinks {
  public:
-  /// What is kept of one link.
   struct Link {
     link::MavlinkDecoder decoder;
     link::MavlinkEncoder encoder;
-    std::size_t size = 0;                       // of what is said
-    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is our own
+    std::size_t size = 0;                       // bytes of output so far
+    std::array<std::uint8_t, 400> forwarded{};  // the rest of the tick is for our own messages
     std::size_t forwarded_size = 0;
-    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of the last heartbeats
+    std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of our last heartbeats
     std::size_t next_beat = 0;
-    std::optional<std::int64_t> waiting_us;  // since when a message is incomplete
+    std::optional<std::int64_t> waiting_us;  // since when a message has been incomplete
     SigningPolicy policy = SigningPolicy::kOff;
     TokenBucket bucket;
   };
 
-  /// One link for each of `links`, at most kMaxLinks. What is said goes to `out`, one a link;
-  /// `signing` is room for who signs what is heard. All of it outlives this.
+  /// Uses one element of `links` for each link, at most kMaxLinks. Output goes to `out`, one
+  /// datagram a link; `signing` holds the senders' signing streams. All must outlive this object.
   MavlinkLinks(link::Address self, std::span<Link> links, std::span<Datagram> out,
                std::span<link::Signing::Stream> signing = {})
       : links_(links), out_(out), signing_(signing) {
@@ -68,8 +67,8 @@ class MavlinkLinks {
 
   link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
 
-  /// To be called when next() has returned nothing. What waits behind a whole message has come with
-  /// it or later; behind a false beginning it may be as old as that.
+  /// Call when next() has returned nothing. Bytes behind a complete message arrived with it or
+  /// later; bytes behind a false start of a message may be as old as that.
   void note_waiting(std::size_t link, bool heard, std::int64_t now_us) {
     Link& l = links_[link];
     if (!l.decoder.waits()) {
@@ -79,7 +78,7 @@ class MavlinkLinks {
     }
   }
 
-  /// The rest of a message has not come for so long that it will not.
+  /// A message has been incomplete for so long that the rest will not come.
   bool waits_in_vain(std::size_t link, std::int64_t now_us) const {
     const auto& since_us = links_[link].waiting_us;
     return since_us && now_us - *since_us > kPatience_us;
@@ -88,17 +87,17 @@ class MavlinkLinks {
   link::Signing& signing() { return signing_; }
   const link::Signing& signing() const { return signing_; }
 
-  /// Without a key in signing() no message counts as signed.
+  /// Without a key in signing(), no message counts as signed.
   void set_policy(std::size_t link, SigningPolicy policy) { links_[link].policy = policy; }
 
-  /// The next message that this link's policy lets through.
+  /// The next message that this link's policy accepts.
   std::optional<link::Received> next(std::size_t link, link::Counters& counters) {
     std::optional<link::Received> received(std::in_place);
     if (!next(link, *received, counters)) received.reset();
     return received;
   }
 
-  /// The same into `out`; false where there is none.
+  /// The same into `out`; false if there is none.
   bool next(std::size_t link, link::Received& out, link::Counters& counters) {
     Link& l = links_[link];
     while (l.decoder.next(out, counters, signing_of(l))) {
@@ -112,22 +111,22 @@ class MavlinkLinks {
   TokenBucket& bucket(std::size_t link) { return links_[link].bucket; }
   const TokenBucket& bucket(std::size_t link) const { return links_[link].bucket; }
 
-  /// Bytes that still fit into this tick's output.
+  /// Bytes left in this tick's output.
   std::size_t room(std::size_t link) const { return Datagram{}.size() - links_[link].size; }
 
-  /// The same of the link that has least.
+  /// The least room() of all links.
   std::size_t least_room() const {
     std::size_t least = Datagram{}.size();
     for (std::size_t link = 0; link < count(); ++link) least = std::min(least, room(link));
     return least;
   }
 
-  /// A message that finds no room waits for nobody: it is dropped whole and counted.
+  /// A message that does not fit is dropped whole and counted.
   void send(std::size_t link, const link::Message& message, link::Counters& counters) {
     links_[link].bucket.spend_on_rest(put(link, message, counters));
   }
 
-  /// The same for what followers steer by.
+  /// The same for the state messages that followers need.
   void send_state(std::size_t link, const link::Message& message, link::Counters& counters) {
     links_[link].bucket.spend_on_state(put(link, message, counters));
   }
@@ -136,7 +135,7 @@ class MavlinkLinks {
     for (std::size_t link = 0; link < count(); ++link) send(link, message, counters);
   }
 
-  /// Another's frame, unchanged, with the next tick.
+  /// Queues another sender's frame, unchanged, for the next tick.
   void forward(std::size_t link, std::span<const std::uint8_t> frame, link::Counters& counters) {
     Link& l = links_[link];
     if (frame.size() > l.forwarded.size() - l.forwarded_size || !l.bucket.for_rest()) {
@@ -147,8 +146,8 @@ class MavlinkLinks {
     l.forwarded_size += frame.size();
   }
 
-  /// Whether a heartbeat under our own ids is one that we sent ourselves, heard again (a broadcast
-  /// comes back to the link that listens for broadcasts).
+  /// Whether a heartbeat under our own ids is our own, echoed (a link that listens for broadcasts
+  /// receives its own).
   bool is_echo(const link::Received& heartbeat) const {
     for (const Link& link : links_) {
       for (const auto sequence : link.beats) {
@@ -158,7 +157,6 @@ class MavlinkLinks {
     return false;
   }
 
-  /// A heartbeat of ours to every link.
   void beat(const link::Heartbeat& heartbeat, link::Counters& counters) {
     for (std::size_t i = 0; i < count(); ++i) {
       send(i, heartbeat, counters);
@@ -167,7 +165,6 @@ class MavlinkLinks {
     }
   }
 
-  /// Under another system id from now on.
   void rename(link::Address self) {
     for (Link& link : links_) link.encoder.rename(self);
   }
@@ -176,7 +173,7 @@ class MavlinkLinks {
     return std::span(out_[link]).first(links_[link].size);
   }
 
-  /// Begins a tick, dt_us after the one before.
+  /// Begins a tick, dt_us after the last one.
   void begin(std::int64_t dt_us) {
     for (std::size_t i = 0; i < count(); ++i) {
       Link& link = links_[i];
@@ -192,7 +189,7 @@ class MavlinkLinks {
  private:
   static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
 
-  /// Its size; 0 where there was no room.
+  /// Size of the encoded message; 0 if there was no room.
   std::size_t put(std::size_t link, const link::Message& message, link::Counters& counters) {
     Link& l = links_[link];
     const std::size_t size = l.encoder.encode(message, std::span(out_[link]).subspan(l.size),

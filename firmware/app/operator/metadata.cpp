@@ -12,14 +12,14 @@
 namespace flotilla::app {
 namespace {
 
-/// Whether a text can stand between quotation marks as it is.
+/// Whether the text is valid inside JSON quotation marks as it is.
 consteval bool needs_no_escape(std::string_view text) {
   return std::ranges::none_of(text, [](char c) {
     return c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ' || c == '\x7F';
   });
 }
 
-/// Takes the digits off the text; whether there were any.
+/// Removes leading digits; returns whether there were any.
 consteval bool take_digits(std::string_view& text) {
   const std::size_t n = std::min(text.find_first_not_of("0123456789"), text.size());
   text.remove_prefix(n);
@@ -44,7 +44,7 @@ consteval bool is_json_number(std::string_view text) {
 #include "app/parameters.def"
 #undef FLOTILLA_PARAMETER
 
-// What a parameter's Kind and Change are in its description
+// JSON fragments for a parameter's Kind and Change
 #define FLOTILLA_VALUE(number, text) "{\"value\":" #number ",\"description\":\"" text "\"}"
 #define FLOTILLA_KIND_Real "\"decimalPlaces\":4"
 #define FLOTILLA_KIND_Whole "\"decimalPlaces\":0,\"increment\":1"
@@ -79,7 +79,7 @@ constexpr std::string_view kEntries =
     ;
 #undef FLOTILLA_PARAMETER
 
-/// A text of parts, as long as they are together.
+/// Concatenates the parts; N is their total length.
 template <std::size_t N>
 consteval std::array<char, N> joined(std::initializer_list<std::string_view> parts) {
   std::array<char, N> text{};
@@ -99,7 +99,7 @@ constexpr auto kParameters =
 
 constexpr std::size_t kCrcDigits = 10;
 
-/// A CRC as JSON writes numbers: without zeros before it, so blanks fill the place up.
+/// A CRC as a JSON number: no leading zeros, so padded with blanks.
 consteval std::array<char, kCrcDigits> digits_of(std::uint32_t number) {
   std::array<char, kCrcDigits> text{};
   for (std::size_t i = kCrcDigits; i > 0; --i) {

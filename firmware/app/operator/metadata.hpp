@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the boat tells ground stations about its parameters: MAVLink component metadata, as the
-// files that its FTP server offers. They are made of parameters.def when the firmware is compiled.
-// Source: mavlink.io, services, Component Metadata; version 1, which QGroundControl insists on.
+// The boat's parameter metadata for ground stations: MAVLink component metadata, as files of its
+// FTP server, generated from parameters.def at compile time. Source: mavlink.io, services,
+// Component Metadata; version 1, which QGroundControl requires.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace flotilla::app {
 
-/// Where the description of all metadata is, for COMPONENT_METADATA, and its CRC.
+/// URI and CRC of the general metadata file, for COMPONENT_METADATA.
 constexpr std::string_view kGeneralUri = "mftp:///general.json";
 std::uint32_t general_crc();
 

@@ -73,7 +73,7 @@ bool is_stranger(link::Address from, const Parameters& values) {
   return values.MAV_GCS_SYSID != 0.0F && values.MAV_GCS_SYSID != static_cast<float>(from.system);
 }
 
-/// What is to become of the set; nothing is changed.
+/// Decides about the set; changes nothing.
 SetResult judge(const ParameterInfo& info, link::Address from, const link::ParamSet& asked,
                 const Parameters& values, Standing boat) {
   const float value = asked.param_value;
@@ -91,7 +91,7 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
   if (info.kind == ParameterKind::kMode) {
     return {SetResult::What::kAskMode, &info, static_cast<std::uint8_t>(value)};
   }
-  // Also while armed: a client that repeats itself asks for nothing new.
+  // Allowed while armed: a client's retransmission changes nothing.
   if (value == values.*info.member) return {SetResult::What::kUnchanged, &info};
   if (boat.armed && info.change != ParameterChange::kAnytime) {
     return refusal(info, mav::kParamPermissionDenied, value, "only while disarmed");
@@ -127,13 +127,13 @@ Sentence& Sentence::add_digits(std::uint32_t digits, int point) {
   return *this << std::string_view(text.data() + begin, text.size() - begin);
 }
 
-/// Six digits of it. Not std::to_chars: its tables are larger than a microcontroller's program.
+/// Six significant digits. Not std::to_chars: its tables exceed a microcontroller's flash.
 Sentence& Sentence::operator<<(float number) {
   if (std::isnan(number)) return *this << "nan";
   if (number < 0) *this << "-";
   if (std::isinf(number)) return *this << "inf";
   double x = std::fabs(static_cast<double>(number));
-  int point = 0;  // digits behind it
+  int point = 0;  // digits after the decimal point
   for (const bool large = x >= 1e9; large && x >= 1e6; x /= 10) --point;
   for (; x > 0 && x * 10 < 1e6 && point < 9; x *= 10) ++point;
   auto digits = static_cast<std::uint32_t>(x + 0.5);
@@ -228,8 +228,7 @@ void ParameterService::refuse(std::size_t link, link::Address to, const Paramete
                               std::uint8_t error) {
   announce(info);
   const std::size_t index = index_of(info);
-  // MAVSDK, hearing the value first, would ask again instead of failing: the value waits for its
-  // error.
+  // A MAVSDK client that gets the value first retries instead of failing: send the error first.
   if (links_[link].errors.push(
           {static_cast<std::int16_t>(index), to, wire_name(info.name), error})) {
     links_[link].values.reset(index);
@@ -261,14 +260,14 @@ std::optional<link::Message> ParameterService::take_turn(Owed& owed, const Param
   if (turn == 0) {
     const auto error = owed.errors.pop();
     if (!error) return std::nullopt;
-    // Of a parameter that exists: its value in force goes right behind.
+    // For an existing parameter, its present value follows at once.
     const auto index = static_cast<std::size_t>(error->param_index);
     if (error->param_index >= 0 && index < kCount) owed.refused = index;
     return *error;
   }
   const auto index = turn == 1 ? owed.take_single() : owed.take_of_list();
   if (!index) return std::nullopt;
-  owed.values.reset(*index);  // one answer serves all who asked
+  owed.values.reset(*index);  // one answer serves all clients that asked
   return value_message(*index, values);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The MAVLink parameter protocol: every answer is owed until its link has room for it, and no queue
-// can overflow. What is still lost on the way, clients ask for again, one by one.
+// The MAVLink parameter protocol: each answer stays pending until its link has room, and no queue
+// can overflow. Clients re-request answers lost on the way, one by one.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace flotilla::app {
 
-/// A text of at most 120 characters; what exceeds them is cut off.
+/// A text of at most 120 characters; longer text is cut off.
 class Sentence {
  public:
   Sentence& operator<<(std::string_view text);
@@ -31,22 +31,22 @@ class Sentence {
   std::size_t size_ = 0;
 };
 
-/// What became of a PARAM_SET.
+/// Result of a PARAM_SET.
 struct SetResult {
   enum class What : std::uint8_t {
-    kSet,        ///< `values` has it now
-    kUnchanged,  ///< it was so already
-    kAskMode,    ///< nothing yet: the supervisor decides about `mode`
+    kSet,        ///< `values` has the new value
+    kUnchanged,  ///< `values` had that value already
+    kAskMode,    ///< pending: the supervisor decides about `mode`
     kRefused,
   };
   What what = What::kRefused;
-  const ParameterInfo* info = nullptr;  ///< none: nobody here knows that name
+  const ParameterInfo* info = nullptr;  ///< nullptr: unknown name
   std::uint8_t mode = 0;
   std::uint8_t error = 0;  ///< MAV_PARAM_ERROR of a refusal
   Sentence sentence{};     ///< for the operator: why a known parameter keeps its value
 };
 
-/// What of the boat decides about a PARAM_SET.
+/// The boat's state that decides about a PARAM_SET.
 struct Standing {
   Standing(bool is_armed, std::uint8_t own_system = 0) : armed(is_armed), system(own_system) {}
   bool armed;
@@ -57,7 +57,7 @@ class ParameterService {
  public:
   static constexpr std::size_t kCount = kParameterList.size();
 
-  /// PARAM_ERRORs in the order they came; one too many is left out, its asker will time out.
+  /// PARAM_ERRORs in order of arrival; when full, drops new ones: their clients time out.
   struct Errors {
     std::array<link::ParamError, 8> ring{};
     std::size_t first = 0, count = 0;
@@ -66,20 +66,20 @@ class ParameterService {
     std::optional<link::ParamError> pop();
   };
 
-  /// What a link is owed. Errors, single values and the list take turns.
+  /// Pending answers of a link. Errors, single values and the list take turns.
   struct Owed {
     Errors errors{};
     std::bitset<kCount> values{};
     std::size_t next_value = 0;            // where the search for the next one begins
-    std::size_t list_at = kCount;          // kCount: no list is asked for
-    std::optional<std::size_t> refused{};  // its error has just left, its value goes next
+    std::size_t list_at = kCount;          // kCount: no list is requested
+    std::optional<std::size_t> refused{};  // its error was just sent, its value is next
     int turn = 0;
 
     std::optional<std::size_t> take_single();
     std::optional<std::size_t> take_of_list();
   };
 
-  /// links: one each, outlives this.
+  /// links: one element for each link; must outlive this object.
   explicit ParameterService(std::span<Owed> links) : links_(links) {
     std::ranges::fill(links_, Owed{});
   }
@@ -87,26 +87,26 @@ class ParameterService {
   static bool knows(const link::ParamSet& asked);
   static bool asks_for_mode(const link::ParamSet& asked);
 
-  /// Every parameter, from the first one on; asked again, from the first one on again.
+  /// Sends every parameter; a repeated request starts again from the first.
   void list(std::size_t link);
 
   void read(std::size_t link, link::Address from, const link::ParamRequestRead& asked);
 
-  /// Carries it out where that is allowed, and answers every link with the value then in force.
-  /// A mode is left to the supervisor: announce() or refuse() it when the decision is known.
+  /// Applies the set if it is allowed, and answers on every link with the value in force. A mode is
+  /// left to the supervisor: call announce() or refuse() once it has decided.
   SetResult set(std::size_t link, link::Address from, const link::ParamSet& asked,
                 Parameters& values, Standing boat);
 
-  /// The value in force goes to every link.
+  /// Sends the value in force on every link.
   void announce(const ParameterInfo& info);
 
-  /// The same, and before it the error to who asked.
+  /// The same, preceded by an error to the client that asked.
   void refuse(std::size_t link, link::Address to, const ParameterInfo& info, std::uint8_t error);
 
-  /// Whether next() has something for that link.
+  /// Whether next() has a message for that link.
   bool owes(std::size_t link) const;
 
-  /// The next PARAM_ERROR or PARAM_VALUE due on that link, which counts as sent.
+  /// The next PARAM_ERROR or PARAM_VALUE for that link; it then counts as sent.
   std::optional<link::Message> next(std::size_t link, const Parameters& values);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which system is behind which link, so that what is addressed to it can be handed on.
+// Learns which system is behind which link, to forward messages addressed to it.
 #pragma once
 
 #include <algorithm>
@@ -13,20 +13,20 @@
 
 namespace flotilla::app {
 
-/// Only messages that name a system are handed on, unchanged. Broadcasts are not: a navigation
-/// unit's hundred states a second would drown a radio, and what others need of them the boat says
-/// itself. Nor is what its addressee hears anyway, on the link that the message came by: nothing
-/// circles where two links reach the same boats. Source: mavlink.io, routing.
+/// Forwards only messages that name a target system, unchanged. Broadcasts are not forwarded: a
+/// navigation unit's hundred states a second would saturate a radio, and the boat itself sends what
+/// others need of them. A message is not forwarded if its target is also on the link it came from,
+/// so nothing circulates where two links reach the same boats. Source: mavlink.io, routing.
 class Router {
  public:
   static constexpr std::size_t kPlaces = 32;
 
-  /// What is kept of one link: when each place's owner was heard last on it.
+  /// State of one link: when each known address was last heard on it.
   struct Link {
     std::array<std::int64_t, kPlaces> heard_us;
   };
 
-  /// links: one each, outlives this.
+  /// links: one element for each link; must outlive this object.
   explicit Router(std::span<Link> links) : links_(links) {}
 
   void heard(link::Address from, std::size_t link, std::int64_t now_us) {
@@ -40,13 +40,13 @@ class Router {
     links_[link].heard_us[place] = now_us;
   }
 
-  /// Links, a bit each, that a message from one link is to be handed on to.
+  /// Links, a bit each, that a message from `from_link` is forwarded to.
   std::uint8_t beyond(link::Address target, std::size_t from_link, std::int64_t now_us) const {
     const std::uint8_t links = links_to(target, now_us);
     return (links >> from_link & 1U) != 0 ? std::uint8_t{0} : links;
   }
 
-  /// Links, a bit each, on which that one was heard within ten seconds; component 0: any of it.
+  /// Links, a bit each, on which the target was heard within 10 s; component 0: any component.
   std::uint8_t links_to(link::Address target, std::int64_t now_us) const {
     if (target.system == 0) return 0;
     unsigned links = 0;
@@ -80,7 +80,7 @@ class Router {
   }
 
   std::size_t used_ = 0;
-  std::array<link::Address, kPlaces> who_{};  // the one unheard for longest gives way
+  std::array<link::Address, kPlaces> who_{};  // when full, replaces the one silent for longest
   std::span<Link> links_;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The memory that a boat works in. It is the owner's, who knows how many links there are: nothing in
-// a boat grows.
+// A boat's working memory, sized by its owner for the number of links. A boat allocates nothing.
 #pragma once
 
 #include <array>
@@ -16,7 +15,7 @@
 
 namespace flotilla::app {
 
-/// What a boat keeps of its links, and of those who sign what it hears.
+/// State of a boat's links, and of the senders of signed messages.
 template <std::size_t kLinks, std::size_t kSigningStreams>
 struct LinkRoom {
   std::array<MavlinkLinks::Link, kLinks> links;
@@ -26,14 +25,14 @@ struct LinkRoom {
   std::array<link::Signing::Stream, kSigningStreams> signing;
 };
 
-/// Where a boat puts what it says in a tick. Boats that tick one after another may share it.
+/// A boat's output of one tick. Boats that tick one after another may share it.
 template <std::size_t kLinks>
 struct Outbox {
   std::array<Datagram, kLinks> mavlink;
   CanOutput can;
 };
 
-/// Both, as a boat takes them; its owner keeps them for as long as the boat.
+/// Both, as passed to a boat; the owner keeps them for the boat's lifetime.
 struct Storage {
   template <std::size_t kLinks, std::size_t kSigningStreams>
   Storage(LinkRoom<kLinks, kSigningStreams>& room, Outbox<kLinks>& outbox)
@@ -54,7 +53,7 @@ struct Storage {
   CanOutput& can;
 };
 
-/// For whom memory is no matter: room for the most that there can be.
+/// For hosts with ample memory: room for the maximum of everything.
 struct AmpleStorage {
   LinkRoom<kMaxLinks, 255> room;
   Outbox<kMaxLinks> outbox;

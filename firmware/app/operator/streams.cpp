@@ -9,7 +9,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::int64_t kMinNews_us = 100'000;  // no root turns faster than that tells
+constexpr std::int64_t kMinNews_us = 100'000;  // enough for the fastest turns of a root
 
 }  // namespace
 
@@ -82,7 +82,7 @@ void Streams::hurry(std::uint16_t id) {
 }
 
 void Streams::radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us) {
-  constexpr std::uint8_t kCritical = 25, kLow = 35, kHalf = 50;  // as PX4 does it
+  constexpr std::uint8_t kCritical = 25, kLow = 35, kHalf = 50;  // PX4's thresholds
   if (percent > 100) return;
   links_[link].radio_us = now_us;
   const double factor = percent < kCritical ? 0.8 : percent < kLow ? 0.975 : 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which telemetry is sent on which link how often.
+// Decides which telemetry is sent on which link, and how often.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace flotilla::app {
 
 enum class Pace : std::uint8_t {
   kState,  ///< SR_STATE
-  kNews,  ///< twice SR_STATE, ten times a second at the most; where there is news half a turn early
-  kSlow,  ///< SR_SLOW
-  kFixed,  ///< as listed, or SR_SLOW where that is below 1
+  kNews,   ///< twice SR_STATE, at most 10 Hz; news is sent up to half an interval early
+  kSlow,   ///< SR_SLOW
+  kFixed,  ///< as listed, or SR_SLOW if that is below 1 Hz
   kOnRequest,
 };
 
-/// What has to do with what followers leave of a link.
+/// Paces that share the bandwidth left by the state streams.
 constexpr bool is_rest(Pace pace) { return pace != Pace::kState && pace != Pace::kNews; }
 
 struct StreamInfo {
@@ -32,10 +32,10 @@ struct StreamInfo {
   std::uint16_t bytes;  ///< on the wire, at most
   Pace pace;
   std::int64_t fixed_us;
-  bool companion;  ///< sent beside an autopilot too, whose states it would be mixed with otherwise
+  bool companion;  ///< sent beside an autopilot too: not confused with its states
 };
 
-/// In sending order: what followers steer by comes first.
+/// In sending order: what followers need comes first.
 inline constexpr std::array kStreams{
     StreamInfo{link::mav::kGpsGlobalOriginId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::mav::kAttitudeId, 40, Pace::kState, 0, false},
@@ -57,14 +57,14 @@ inline constexpr std::array kStreams{
 };
 
 constexpr std::size_t kOriginStream = 0;
-/// What followers steer by, at SR_STATE's pace.
+/// The state that followers need, at SR_STATE's pace.
 constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
 constexpr std::size_t kReferenceStream = 3;
 static_assert(kStreams[kReferenceStream].pace == Pace::kNews);
 static_assert(std::ranges::count(kStreams, Pace::kState, &StreamInfo::pace) == 2 &&
               kStreams[1].pace == Pace::kState && kStreams[2].pace == Pace::kState);
 
-/// Whether a companion, beside an autopilot, may send that message.
+/// Whether a companion of an autopilot may send that message.
 constexpr bool is_companions(std::uint16_t id) {
   for (const StreamInfo& info : kStreams) {
     if (info.id == id) return info.companion;
@@ -72,37 +72,36 @@ constexpr bool is_companions(std::uint16_t id) {
   return id != link::mav::kOdometryId;
 }
 
-/// Every link has intervals of its own, which a client may change.
+/// Each link has its own intervals, which a client may change.
 class Streams {
  public:
   struct Turn {
     std::int64_t desired_us = 0;
     Schedule schedule;
   };
-  /// What is kept of one link.
   struct Link {
     std::array<Turn, kStreams.size()> turns{};
-    std::int64_t radio_us = 0;  ///< when it complained last
+    std::int64_t radio_us = 0;  ///< last RADIO_STATUS
     double share = 1;           ///< of the full rate, as the radio allows
-    /// Before that none waits but those of the state; schedules that change are looked at anew.
+    /// No stream but the state's is due before this; 0: schedules have changed.
     std::int64_t quiet_until_us = 0;
   };
 
-  /// links: one each, outlives this.
+  /// links: one element for each link; must outlive this object.
   Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links);
 
-  /// The default rates have changed.
+  /// Applies changed default rates.
   void configure(const Parameters& p);
 
-  /// An interval of 0 is the default, −1 never; faster than the tick or than the link can carry
-  /// (bytes_per_s, 0: no limit) becomes the fastest that it can. Whether there is such a stream.
+  /// interval_us 0: the default, −1: never. An interval shorter than the tick, or than the link can
+  /// carry (bytes_per_s, 0: no limit), is lengthened to that. False if there is no such stream.
   bool set(std::size_t link, std::uint16_t id, std::int64_t interval_us, std::uint32_t bytes_per_s);
 
-  /// How often that comes which has an interval of its own: an SR_SLOW below 1 slows it too, so that
-  /// parameters alone make a fleet fit on a slow radio.
+  /// The effective interval of a fixed-pace stream: SR_SLOW below 1 Hz slows it too, so that
+  /// parameters alone fit a fleet to a slow radio.
   std::int64_t slowed_us(std::int64_t fixed_us) const;
 
-  /// As MESSAGE_INTERVAL says it: −1 where it is off, 0 where there is no such stream.
+  /// As in MESSAGE_INTERVAL: −1 if off, 0 if there is no such stream.
   std::int32_t interval_us(std::size_t link, std::uint16_t id) const;
 
   Schedule& schedule(std::size_t stream, std::size_t link) {
@@ -112,14 +111,14 @@ class Streams {
     return links_[link].turns[stream].schedule;
   }
 
-  /// Whether the turn of a stream has come on that link, but for those of the state.
+  /// Whether any stream but the state's is due on that link.
   bool any_waits(std::size_t link, std::int64_t now_us);
 
-  /// That message once more at once, on every link that has it.
+  /// Sends that message at once, on every link that carries it.
   void hurry(std::uint16_t id);
 
-  /// A radio says how much of its send buffer is free (%): slower while it fills, but no state
-  /// slower than followers can bear. One that says nothing more has no complaints.
+  /// The radio's free send buffer in percent: streams slow down while it fills, the state only as
+  /// far as followers can bear. After 5 s of silence the radio no longer limits.
   void radio_has_room(std::size_t link, std::uint8_t percent, std::int64_t now_us);
   void forget_silent_radios(std::int64_t now_us);
 

@@ -23,7 +23,7 @@ struct Mode {
   std::uint32_t properties;
   std::string_view name;
 };
-// FOLLOW is what clients call Rover's mode 6; the law's own word stands beside it.
+// Clients call Rover's mode 6 FOLLOW; the law calls it FORMATION.
 constexpr std::array<Mode, 3> kModes{{{mode::kManual, 0, "MANUAL"},
                                       {mode::kHold, 0, "HOLD"},
                                       {mode::kFormation, mav::kModePropertyAuto, "FOLLOW"}}};
@@ -91,7 +91,7 @@ std::optional<link::Message> available_mode(std::uint32_t turn) {
   return out;
 }
 
-/// ESCs come in groups of four; both propellers' are in one, or each in its own.
+/// MAVLink groups ESCs by four; both propellers may share a group.
 std::optional<std::uint8_t> esc_group(std::uint32_t turn, const Report& r) {
   const auto group_of = [](std::uint8_t index) { return static_cast<std::uint8_t>(index / 4 * 4); };
   const std::uint8_t port = group_of(r.escs[0].index), stbd = group_of(r.escs[1].index);
@@ -121,7 +121,7 @@ std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
   link::MavEscInfo out{};
   out.index = *group;
   out.time_usec = static_cast<std::uint64_t>(r.now_us);
-  // Clients ignore indices from here on.
+  // Clients ignore indices from count on.
   out.count = static_cast<std::uint8_t>(std::max(r.escs[0].index, r.escs[1].index) + 1);
   out.connection_type = kConnectionCan;
   out.temperature.fill(INT16_MAX);
@@ -135,7 +135,7 @@ std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
   return out;
 }
 
-/// Errors, what was wanted, what could not be given, ages, conditions, thrusts: one message each.
+/// Errors, desired values, missing wrench, ages, conditions, thrusts: one message each.
 std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   struct Value {
     std::string_view name;
@@ -181,7 +181,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   return std::nullopt;
 }
 
-/// What needs the own state.
+/// Messages that need the own state.
 std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own, const Report& r) {
   switch (id) {
     case mav::kAttitudeId:
@@ -228,7 +228,7 @@ bool can_compose(std::uint16_t id) {
 }
 
 std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const Report& r) {
-  switch (id) {  // those of several messages
+  switch (id) {  // ids with several messages
     case mav::kAvailableModesId:
       return available_mode(turn);
     case mav::kEscStatusId:

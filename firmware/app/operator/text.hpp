@@ -23,7 +23,7 @@ struct Complaint {
   std::string_view limit = {};  ///< the parameter that sets it
 };
 
-/// What is wrong where a condition is not met, the most important first.
+/// Texts for unmet conditions, the most important first.
 constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSoleController, "another controller on the CAN bus"},
     {core::kBusUp, "CAN bus is down"},
@@ -51,7 +51,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kCoastRunning, "FS_COAST_S is over", "FS_COAST_S"},
 }};
 
-/// Calls f(sentence) for every condition of the set, the most important first.
+/// Calls f(sentence) for each condition of the set, the most important first.
 template <class F>
 void for_each_complaint(core::Conditions unmet, F f) {
   for (const Complaint& complaint : kComplaints) {
@@ -59,7 +59,7 @@ void for_each_complaint(core::Conditions unmet, F f) {
   }
 }
 
-/// The most important of them, or nothing for none.
+/// The most important sentence; empty if the set is.
 inline std::string_view complaint_of(core::Conditions unmet) {
   for (const Complaint& complaint : kComplaints) {
     if ((unmet & complaint.condition) != 0) return complaint.sentence;
@@ -67,14 +67,14 @@ inline std::string_view complaint_of(core::Conditions unmet) {
   return {};
 }
 
-/// What fits of a text, the rest NUL.
+/// Copies as much of the text as fits; the rest is NUL.
 template <std::size_t N>
 void put_text(link::Text<N>& out, std::string_view text) {
   out = {};
   std::copy_n(text.begin(), std::min(text.size(), N), out.begin());
 }
 
-/// A number with a name of up to 10 characters, for plots.
+/// A named number for plots; names have up to 10 characters.
 inline link::NamedValueFloat value_of(std::string_view name, float value, std::uint32_t boot_ms) {
   link::NamedValueFloat message{boot_ms, value, {}};
   put_text(message.name, name);

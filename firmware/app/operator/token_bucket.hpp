@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a slow link has earned: its rate, shared so that nobody starves.
+// Token bucket of a slow link: shares its rate so that nothing starves.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace flotilla::app {
 
-/// Three fifths of the rate are for the state that followers steer by, two for everything else; what
-/// one leaves the other may have. Half a second's worth may be saved up, and as much be owed.
+/// Three fifths of the rate are reserved for the state that followers need, two for everything
+/// else; each may use what the other leaves. Credit and debt are limited to half a second's worth.
 class TokenBucket {
  public:
   /// Bytes per second; 0: no limit.
@@ -35,7 +35,7 @@ class TokenBucket {
 
   std::int64_t most() const { return std::int64_t{rate_Bps_} * kSecond_us / 2; }
 
-  /// What is over.
+  /// Returns the overflow of the bucket.
   static std::int64_t save(std::int64_t& bucket, std::int64_t earned, std::int64_t most) {
     const std::int64_t all = bucket + earned;
     bucket = std::min(all, most);

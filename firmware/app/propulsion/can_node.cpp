@@ -40,7 +40,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
     return receiver_.push(*route, type, data, now_us, counters);
   };
   if (is(link::RawCommand::kType) || is(link::ArmingStatus::kType)) {
-    foreign_us_ = now_us;  // whatever it says, and also under our own node id
+    foreign_us_ = now_us;  // whatever the content, even under our own node id
   } else if (is(link::Allocation::kType)) {
     const auto transfer = complete(link::Allocation::kType);
     const auto request = transfer ? link::read_allocation(transfer->payload) : std::nullopt;
@@ -92,7 +92,7 @@ void CanNode::take_esc_status(std::uint8_t node, const link::EscStatus& status,
   }
 }
 
-/// The sign of rpm is not looked at: many ESCs do not know it.
+/// Ignores the sign of rpm: many ESCs do not report it.
 void CanNode::judge(Esc& esc, std::int64_t since_us) {
   const auto more = [&](std::uint16_t ms) {
     return static_cast<std::uint16_t>(std::min<std::int64_t>(ms + since_us / 1000, kMinute_ms));
@@ -124,7 +124,7 @@ std::optional<link::EscStatus> CanNode::esc_status(std::uint8_t index, std::int6
 void CanNode::take_node_status(std::uint8_t node, const link::NodeStatus& status,
                                std::int64_t now_us) {
   Node& known = nodes_[node];
-  // Rebooted: it must see zeros before it is driven again, so an armed boat has to stop.
+  // A rebooted ESC must see zeros before it is driven again, so an armed boat has to stop.
   const bool rebooted = known.heard_us != kNever && status.uptime_sec < known.uptime_sec;
   const std::int64_t since_us = rebooted ? 0 : known.since_reboot_us + (now_us - known.heard_us);
   known.since_reboot_us = static_cast<std::uint32_t>(std::min(since_us, kLongAgo_us)) & 0x7FFFFFFFU;
@@ -187,7 +187,7 @@ void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now
   for (std::size_t i = 0; armed && i < command.count; ++i) {
     if (command.cmd[i] != 0) escs_[i].driven = true;
   }
-  // An ESC that is being armed shall know it before it gets its first command.
+  // An ESC must hear that it is armed before its first command.
   if (arming_due_.due(now_us) || armed != armed_) {
     armed_ = armed;
     const link::ArmingStatus arming{armed ? kFullyArmed : std::uint8_t{0}};

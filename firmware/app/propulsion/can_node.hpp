@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The boat's node on its CAN bus: what the ESCs report, what they are told.
+// The boat's node on its CAN bus: receives the ESCs' status, sends their commands.
 #pragma once
 
 #include <array>
@@ -23,10 +23,10 @@ class CanNode {
  public:
   struct Identity {
     std::uint8_t node;
-    std::uint8_t system;  ///< MAVLink system id, shown in the unique id
+    std::uint8_t system;  ///< MAVLink system id, part of the unique id
   };
 
-  /// early_us: half a control period, so that a loop's jitter does not skip a turn.
+  /// early_us: half a control period, so that jitter of the loop does not skip a turn.
   CanNode(Identity identity, std::int64_t early_us)
       : identity_(identity),
         node_ids_(identity.node),
@@ -36,20 +36,20 @@ class CanNode {
   void on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us,
                 link::Counters& counters);
 
-  /// That ESC's status came within the limit, from one node alone, which is operational and OK.
+  /// The ESC's status came within the limit, from a single node, which is operational and OK.
   bool esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t limit_us) const;
 
-  /// Neither of the two has driven its propeller for a moment though it was told to stand still, nor
-  /// has within the last second. A propeller that water turns is given time to come to rest.
+  /// Neither ESC drives its propeller while commanded to stop, nor has within the last second. A
+  /// windmilling propeller is given time to come to rest.
   bool escs_obey(std::uint8_t port, std::uint8_t stbd, std::int64_t now_us) const;
 
-  /// What that ESC said last; nothing where it has been silent for some seconds.
+  /// The ESC's last status; nothing after 3 s of silence.
   std::optional<link::EscStatus> esc_status(std::uint8_t index, std::int64_t now_us) const;
 
-  /// Another node commands or arms ESCs, or has within the last two seconds.
+  /// Another node has commanded or armed ESCs within the last two seconds.
   bool foreign_controller(std::int64_t now_us) const;
 
-  /// Who was given which node id; for the host to keep over a restart.
+  /// The node ids assigned; the host saves them across restarts.
   link::NodeIdServer& node_ids() { return node_ids_; }
 
   /// One control tick: both propellers in one RawCommand, ArmingStatus, NodeStatus, answers.
@@ -63,23 +63,22 @@ class CanNode {
 
   struct Esc {
     std::int64_t heard_us = kNever;
-    std::int64_t claimed_us = kNever;  ///< by a second node
+    std::int64_t claimed_us = kNever;  ///< last status from a second node
     link::EscStatus status{};
     std::uint8_t node = 0;
-    bool driven = false;  ///< told to turn since its last status
-    // How long in ms, at most kMinute_ms, as its last status found it:
-    std::uint16_t zeros_ms = 0;   ///< told to stand still
-    std::uint16_t drives_ms = 0;  ///< all the same
-    std::uint16_t turns_ms = 0;   ///< fast, all the same
+    bool driven = false;  ///< commanded to turn since its last status
+    // Durations up to its last status, ms, at most kMinute_ms:
+    std::uint16_t zeros_ms = 0;   ///< commanded to stop
+    std::uint16_t drives_ms = 0;  ///< driving although commanded to stop
+    std::uint16_t turns_ms = 0;   ///< turning fast although commanded to stop
     std::uint16_t obeyed_ms = kMinute_ms;
   };
-  /// Small: there is one for each of 128 ids.
+  /// Kept small: there are 128 of them.
   struct Node {
     std::int64_t heard_us = kNever;
     std::uint32_t uptime_sec = 0;
-    std::uint32_t since_reboot_us : 31 =
-        kLongAgo_us;                ///< when it was heard last, at most kLongAgo_us
-    std::uint32_t is_well : 1 = 0;  ///< operational and OK
+    std::uint32_t since_reboot_us : 31 = kLongAgo_us;  ///< at heard_us, at most kLongAgo_us
+    std::uint32_t is_well : 1 = 0;                     ///< operational and OK
   };
   struct Question {
     std::uint8_t node;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Thrusts to the ESCs' raw commands, and what the propellers are thereby given.
+// Converts thrusts to the ESCs' raw commands, and back to the wrench actually given.
 #pragma once
 
 #include <algorithm>
@@ -27,9 +27,9 @@ class Thrusters {
         port_{static_cast<std::uint8_t>(p.ESC_PORT), p.THR_PORT_DIR < 0},
         stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
 
-  /// Zeros at once unless `drive`; else towards the wanted thrusts at no more than the slew rate.
-  /// Where the thrust may not rise, no thrust and no command is greater than the greater one of the
-  /// last step: a propeller that turns the other way gives another thrust by the same command.
+  /// Zeros at once unless `drive`; else moves towards the desired thrusts at the slew rate at most.
+  /// If the thrust may not rise, neither thrust nor command exceeds the greater of the last step's
+  /// two: the same command gives different thrusts ahead and astern.
   Output step(bool drive, const core::Thrust<S>& desired, S dt, bool may_rise = true) {
     Output out;
     out.raw.count = static_cast<std::uint8_t>(std::max(port_.index, stbd_.index) + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A vessel's own clock, and when a periodic message is due by it.
+// A vessel's own clock, and schedules of periodic messages by it.
 #pragma once
 
 #include <cmath>
@@ -7,12 +7,12 @@
 
 namespace flotilla::fleet {
 
-/// Runs `offset_us` ahead of the world's time and gains `drift_ppm` on it.
+/// Runs `offset_us` ahead of the world's time, with a drift of `drift_ppm`.
 struct Clock {
   std::int64_t offset_us = 0;
   double drift_ppm = 0;
 
-  /// Its reading at the world's time, µs; halves of the gain go to the even one.
+  /// Its reading at the world's time, µs; the drift is rounded to whole µs, halves to even.
   std::int64_t at(std::int64_t t_us) const {
     if (drift_ppm == 0) return t_us + offset_us;
     const double gained = std::nearbyint(static_cast<double>(t_us) * drift_ppm * 1e-6);
@@ -20,8 +20,8 @@ struct Clock {
   }
 };
 
-/// A grid of instants, `hz` times a second, anchored at the first question. One that comes late is
-/// answered once and the grid stays; two periods late, or before the grid, it is anchored anew.
+/// A grid of instants, `hz` times a second, anchored at the first call. A late call counts once and
+/// keeps the grid; two periods late, or before the grid, restarts it.
 class Rate {
  public:
   explicit Rate(double hz)

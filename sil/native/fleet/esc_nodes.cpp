@@ -30,11 +30,11 @@ constexpr std::uint32_t subject(const link::DataType& type, std::uint8_t destina
   return std::uint32_t{type.id} << 16U | 0x8000U | std::uint32_t{destination} << 8U | 0x80U;
 }
 
-/// What does not change of esc.Status: no errors, a battery of 24 V, current and temperature NaN.
+/// The constant part of esc.Status: no errors, a battery of 24 V, current and temperature NaN.
 constexpr std::array<std::uint8_t, 10> kStatusHead{0, 0, 0, 0, 0x00, 0x4E, 0x00, 0x7E, 0x00, 0x7E};
 constexpr std::uint16_t kStatusHeadCrc = link::crc16(link::EscStatus::kType.crc_seed, kStatusHead);
 
-/// A publisher's transfer id; the one after it is next.
+/// Returns a publisher's transfer id and advances it.
 std::uint8_t next(std::uint8_t& id) {
   return std::exchange(id, static_cast<std::uint8_t>((id + 1U) & kTransferId));
 }
@@ -46,7 +46,7 @@ std::uint32_t uptime_s(std::int64_t boot_us, std::int64_t now_us) {
 
 std::uint8_t low_byte(unsigned bits) { return static_cast<std::uint8_t>(bits & 0xFFU); }
 
-/// rpm, 18 bits signed; power 7 bits; index 5 bits.
+/// rpm: 18 bits, signed; power: 7 bits; index: 5 bits.
 std::array<std::uint8_t, 4> status_tail(double rpm, double power_pct, unsigned index) {
   const double whole = std::isnan(rpm) ? 0.0 : std::clamp(std::nearbyint(rpm), -131072.0, 131071.0);
   const auto bits = static_cast<unsigned>(static_cast<std::int32_t>(whole));
@@ -65,7 +65,7 @@ EscNodes::EscNodes(std::array<std::uint8_t, kEscs> esc_indices)
 void EscNodes::on_can(std::uint32_t can_id, std::span<const std::uint8_t> data,
                       std::int64_t now_us) {
   const auto source = static_cast<std::uint8_t>(can_id & 0x7FU);
-  if (source == 0) return;  // no message that is read here may be anonymous
+  if (source == 0) return;  // messages read here are never anonymous
   const std::uint32_t about = can_id & 0xFFFF80U;
   if (about == subject(link::RawCommand::kType)) {
     if (const auto transfer = receiver_.push(can_id, data, kRawCommandSeed, now_us)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A boat's two motor controllers: thrust only while armed, after a zero command, and while commands
-// keep coming, as AM32 firmware does. What sil/wire/esc_node.py is in the live SIL; both are on one
-// bus, so what they hear is decoded once.
+// A boat's two ESCs: thrust only while armed, after a zero command, and while commands keep coming,
+// as in AM32 firmware. Counterpart of sil/wire/esc_node.py in the live SIL. Both share a bus, so
+// its frames are decoded once.
 #pragma once
 
 #include <array>
@@ -17,26 +17,25 @@
 
 namespace flotilla::fleet {
 
-/// Port, starboard. Times are their vessel's clock, µs.
+/// Port, starboard. Times are by the vessel's clock, µs.
 class EscNodes {
  public:
   static constexpr std::size_t kEscs = 2;
 
   explicit EscNodes(std::array<std::uint8_t, kEscs> esc_indices);
 
-  /// Takes one frame from the bus.
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data, std::int64_t now_us);
 
-  /// What a motor is told now, full reverse −1 to full forward 1.
+  /// A motor's present command, from full reverse −1 to full forward 1.
   double command(std::size_t esc, std::int64_t now_us) const;
 
-  /// Of both where `esc` is none.
+  /// For both if `esc` is none.
   void set_fault(const Fault& fault, std::int64_t now_us);
   void clear_fault(FaultKind kind, std::optional<std::size_t> esc);
 
   using Frames = std::vector<link::CanFrame>;
 
-  /// Appends the frames that are due, in order, to `out`; rpm (1/min) of the two shafts.
+  /// Appends the frames due, in order, to `out`; rpm (1/min) of the two shafts.
   void tick(std::int64_t now_us, const double* rpm, Frames& out);
 
  private:
@@ -46,10 +45,10 @@ class EscNodes {
     bool zero_seen = false;
     std::int64_t raw_us = kNever_us, armed_us = kNever_us, boot_us = kNever_us;
     std::uint8_t node_status_id = 0, esc_status_id = 0;
-    // what is wrong with it
+    // active faults
     bool silent = false, reversed = false, off = false;
-    std::optional<double> stuck{};     // there
-    std::optional<float> voltage_V{};  // it says
+    std::optional<double> stuck{};     // at this command
+    std::optional<float> voltage_V{};  // as reported
   };
   struct Question {
     std::size_t esc;

@@ -72,7 +72,7 @@ std::optional<EscReceiver::Transfer> EscReceiver::push(std::uint32_t can_id,
     if (s.size > kMaxPayload) s.restart(transfer_id + 1);
     return std::nullopt;
   }
-  // A transfer too short for a checksum ends as a bad one does.
+  // A transfer too short for a checksum is discarded like a bad one.
   const bool good = s.size >= kChecksum && s.crc == s.crc_told;
   const std::size_t size = s.size - kChecksum;
   s.restart(transfer_id + 1);

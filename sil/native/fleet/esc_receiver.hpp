@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// DroneCAN transfers as ESCs take them: every frame in its order, of any number of senders.
-// What sil/wire/dronecan_transfer.py's Receiver is in the live SIL.
+// Reassembles DroneCAN transfers as ESCs do: every frame in order, from any number of senders.
+// Counterpart of Receiver in sil/wire/dronecan_transfer.py in the live SIL.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@ namespace flotilla::fleet {
 
 class EscReceiver {
  public:
-  /// A whole transfer. Only its first bytes are kept: no message that an ESC reads is longer.
+  /// A complete transfer. Only its first bytes are kept: no message that an ESC reads is longer.
   struct Transfer {
     std::size_t size;
     std::span<const std::uint8_t> first;  ///< valid until the next call
   };
 
-  /// Takes a frame of a subject that is read here, not anonymous; `crc_seed` is its data type's.
+  /// Takes a frame of a type read here, not anonymous; `crc_seed`: of its data type.
   std::optional<Transfer> push(std::uint32_t can_id, std::span<const std::uint8_t> data,
                                std::uint16_t crc_seed, std::int64_t now_us);
 

@@ -71,7 +71,7 @@ void Fleet<S>::tick(std::int64_t t_us, const TickArrays& arrays) {
   try {
     profiles_ ? tick_all<true>(t_us, arrays) : tick_all<false>(t_us, arrays);
   } catch (...) {
-    // What was said in the tick that failed is gone, and so is the memory it was in.
+    // After an exception the tick's output is gone, and so is the memory it was in.
     for (RadioLink& link : links_) link.forget();
     throw;
   }
@@ -84,7 +84,7 @@ void Fleet<S>::tick_all(std::int64_t t_us, const TickArrays& arrays) {
   for (Station& leader : leaders_) tick_leader(leader, t_us, arrays);
   watch.lap(Stage::kUnits);
   for (std::size_t i = 0; i < boats(); ++i) tick_boat(i, t_us, arrays, watch);
-  // What was said without delay is heard at the same instant.
+  // Output without delay is received at the same instant.
   for (Station& leader : leaders_) listen(leader, t_us);
   for (std::size_t i = 0; i < boats(); ++i) listen(boats_[i], t_us);
   watch.lap(Stage::kDecode);
@@ -99,7 +99,7 @@ Sensed Fleet<S>::sensed(const TickArrays& a, std::size_t agent) {
   return {a.eta + 3 * agent, a.nu + 3 * agent, degE7};
 }
 
-/// Whatever its unit says now.
+/// The navigation unit's output, with its faults.
 template <class S>
 void Fleet<S>::measure(Station& s, const TickArrays& arrays, std::vector<std::uint8_t>& out) {
   const Sensed truth = sensed(arrays, s.agent);
@@ -185,7 +185,7 @@ void Fleet<S>::pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std:
   } else if (!s.faults->has(FaultKind::kOwnSilent)) {
     s.unit.on_mavlink(out.links->bytes(kNavigation), s.now_us + s.faults->unit_ahead_us());
   }
-  // What it says it may say in the next tick's place; the others hear it until then.
+  // The boat may reuse its output buffer in the next tick, but the others read this until then.
   const auto radio = out.links->bytes(kRadio);
   s.said.assign(radio.begin(), radio.end());
 }

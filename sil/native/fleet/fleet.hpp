@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Everything that is on a wire in lockstep runs, many at once: navigation units, the boats, ESCs,
-// radio links, clocks. Knows no physics: it is told what the sensors measure and tells what the
-// motors are told. Its oracle is tests/loop/vessel.py, byte for byte.
+// The simulated devices and wires of many lockstep runs: navigation units, boats, ESCs, radio
+// links, clocks. No physics: the caller supplies the sensors' measurements and reads the motors'
+// commands. Its test oracle is tests/loop/vessel.py, byte for byte.
 #pragma once
 
 #include <cstddef>
@@ -29,8 +29,8 @@ namespace flotilla::fleet {
 
 constexpr std::size_t kNavigation = 0, kRadio = 1, kLinks = 2;
 
-/// What the sensors measure at a tick, and where the ESCs' commands go: arrays of `agents` × 3,
-/// × 3, × 2 (nullptr where no unit tells degrees), and of `boats` × 2, × 2.
+/// The sensors' measurements at a tick, and the output for the ESCs' commands. eta, nu: `agents` ×
+/// 3; degE7: `agents` × 2, nullptr if no unit sends degrees; rpm, command: `boats` × 2.
 struct TickArrays {
   const double* eta;
   const double* nu;
@@ -52,19 +52,19 @@ struct Run {
   FrameWriter ground_station{{255, 190}};
 };
 
-/// An agent broke that rule.
+/// An agent broke this rule.
 struct Violation {
   std::size_t agent;
   std::int64_t t_us;
   std::string_view rule;
 };
 
-/// S: scalar of the boats' law. Agents and links are counted from 0 in order of adding; whoever
-/// calls has checked that they exist. Times are the world's, µs.
+/// S: scalar of the boats' law. Agents and links are numbered from 0 in order of adding; callers
+/// check that they exist. Times are the world's, µs.
 template <class S>
 class Fleet {
  public:
-  /// injects: MAV_CMD_INJECT_FAILURE is obeyed.
+  /// injects: boats obey MAV_CMD_INJECT_FAILURE.
   Fleet(bool records, bool profiles, bool injects)
       : records_(records), profiles_(profiles), injects_(injects) {}
 
@@ -75,22 +75,22 @@ class Fleet {
   std::size_t connect(std::size_t sender, std::size_t receiver, const LinkQuality& quality,
                       std::uint64_t seed);
 
-  /// One control tick of all: leaders' units, then the boats, then whatever has come at once.
+  /// One control tick of all: leaders' units, then the boats, then reception of undelayed messages.
   void tick(std::int64_t t_us, const TickArrays& arrays);
 
-  /// Bytes into a boat's link; a frame on its bus, which its firmware and its ESCs hear.
+  /// Delivers bytes on a boat's link, or a frame on its bus to firmware and ESCs.
   void hear(std::size_t boat, std::span<const std::uint8_t> data, std::int64_t t_us,
             std::size_t link);
   void on_can(std::size_t boat, std::uint32_t can_id, std::span<const std::uint8_t> data,
               std::int64_t t_us);
   void command(std::size_t boat, const Order& order, std::int64_t t_us);
-  /// The ground station's.
+  /// From the ground station.
   void heartbeat(std::size_t boat, std::int64_t t_us);
 
-  /// From the next tick on; one of the kind takes the place of the last one. std::invalid_argument
-  /// where a clock would go back before 0.
+  /// In force from the next tick on; replaces an active fault of the same kind. Throws
+  /// std::invalid_argument if a clock would go back before 0.
   void set_fault(std::size_t agent, const Fault& fault, std::int64_t t_us);
-  /// Of its kind, and of its ESC; where there is none, nothing happens.
+  /// Ends the fault of that kind and ESC; does nothing if there is none.
   void clear_fault(std::size_t agent, const Fault& fault, std::int64_t t_us);
 
   std::size_t agents() const { return agents_.size(); }
@@ -99,24 +99,24 @@ class Fleet {
   bool records() const { return records_; }
   bool tells_degrees() const { return tells_degrees_; }
 
-  /// Which boat an agent is; nothing of a leader.
+  /// An agent's number among the boats; nothing for a leader.
   std::optional<std::size_t> boat_of(std::size_t agent) const;
   const app::Boat<S>& boat(std::size_t boat) const { return boats_[boat].firmware; }
   RadioLink& link(std::size_t link) { return links_[link]; }
-  /// nullptr where no agent was ever added to it
+  /// nullptr if no agent was added to it
   Run* run(std::int64_t run);
 
-  /// What an agent said over the radio in the last tick.
+  /// An agent's radio output of the last tick.
   std::span<const std::uint8_t> sent(std::size_t agent) const;
 
-  /// What rule each boat has broken first, in the order of time.
+  /// Each boat's first violation, in order of time.
   const std::vector<Violation>& violations() const { return violations_; }
 
   /// Seconds by stage since the last call.
   Seconds take_profile() { return std::exchange(profile_, Seconds{}); }
 
  private:
-  /// A leader, or what a boat has in common with it.
+  /// A leader, or the part of a boat that a leader has too.
   struct Station {
     Clock clock;
     NavigationUnit unit;
@@ -125,17 +125,17 @@ class Fleet {
     std::size_t number;  // in the run
     std::uint8_t system;
     std::vector<std::uint32_t> inbox{}, outbox{};
-    std::int64_t now_us = 0;           // its clock, at the tick
-    std::int64_t jumped_us = 0;        // how far its clock has; not its ESCs', which have their own
-    std::vector<std::uint8_t> said{};  // over the radio in the last tick
-    std::unique_ptr<VesselFaults> faults{};  // none where there is none
+    std::int64_t now_us = 0;                 // its clock at the tick
+    std::int64_t jumped_us = 0;              // jump of its clock; the ESCs have their own
+    std::vector<std::uint8_t> said{};        // radio output of the last tick
+    std::unique_ptr<VesselFaults> faults{};  // nullptr: none active
 
     bool has(FaultKind kind) const { return faults && faults->has(kind); }
   };
   using Outbox = app::Outbox<kLinks>;
   struct Vessel {
     Vessel(Station place, const app::Parameters& p, Outbox& outbox);
-    Vessel(const Vessel&) = delete;  // the firmware works in this one's room
+    Vessel(const Vessel&) = delete;  // the firmware holds references to this room
     Vessel& operator=(const Vessel&) = delete;
 
     Station station;
@@ -179,12 +179,12 @@ class Fleet {
   bool tells_degrees_ = false;
   std::vector<Agent> agents_;
   std::deque<Station> leaders_;
-  Outbox outbox_;  // of the boat whose turn it is
+  Outbox outbox_;  // shared: used by one boat at a time
   HugePageList<Vessel> boats_;
   std::vector<RadioLink> links_;
   std::map<std::int64_t, Run> runs_;
-  std::vector<std::uint8_t> chunk_;  // of the unit whose turn it is
-  EscNodes::Frames frames_;          // of the ESCs whose turn it is
+  std::vector<std::uint8_t> chunk_;  // of the current unit
+  EscNodes::Frames frames_;          // of the current ESCs
   Seconds profile_{};
   std::vector<Violation> violations_;
 };

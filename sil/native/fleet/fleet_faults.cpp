@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fleet, the part that lets things go wrong.
+// Fleet: sets and clears faults.
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -83,11 +83,11 @@ void Fleet<S>::report_bus(Vessel& v, std::int64_t t_us) {
   if (records_) s.run->records.host(t_us, s.number, HostEvent::kBus, report.bus_up ? 1 : 0);
 }
 
-/// The new one is there at once, and is neither heard nor ticked until the fault is over.
+/// The new process exists at once, but is neither fed nor ticked until the fault ends.
 template <class S>
 void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
   app::Parameters kept = v.firmware.parameters();
-  kept.MODE = app::mode::kHold;  // every start is in it
+  kept.MODE = app::mode::kHold;  // every start is in HOLD
   std::destroy_at(&v.firmware);
   std::construct_at(&v.firmware, kept, kLinks, app::Storage(v.room, outbox_));
   if (injects_) v.firmware.let_failures_be_injected(&judge);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// MAVLink 2 frames of one sender from the fields of their messages. The firmware's own encoder says
-// of every ODOMETRY that an autopilot estimated it.
+// Writes one sender's MAVLink 2 frames from their messages' fields. The firmware's own encoder
+// marks every ODOMETRY as an autopilot's estimate, so it does not serve here.
 // Source: mavlink.io, packet serialization.
 #pragma once
 
@@ -27,7 +27,7 @@ class FrameWriter {
  public:
   explicit FrameWriter(link::Address self) : self_(self) {}
 
-  /// Appends a frame to `out`; `fields` in the order of the wire. Zeros at the end are cut off.
+  /// Appends a frame to `out`; `fields` in wire order. Trailing zeros are cut off.
   template <class... Fields>
   void write(std::vector<std::uint8_t>& out, MessageType type, const Fields&... fields) {
     static_assert(std::endian::native == std::endian::little);

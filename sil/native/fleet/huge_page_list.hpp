@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Large objects side by side in huge pages. A boat's tick touches some dozen places all over it;
-// with 1,000 boats in small pages, looking their pages up takes a tenth of the time.
+// Large objects side by side in huge pages. A boat's tick touches dozens of places all over it;
+// with 1,000 boats in small pages, address translation takes a tenth of the time.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace flotilla::fleet {
 
-/// Grows at its end; nothing that is in it ever moves.
+/// Grows at its end; its elements never move.
 template <class T>
 class HugePageList {
  public:
@@ -52,7 +52,7 @@ class HugePageList {
     Page page(std::aligned_alloc(kPageBytes, kPageBytes));
     if (!page) throw std::bad_alloc();
 #ifdef __linux__
-    madvise(page.get(), kPageBytes, MADV_HUGEPAGE);  // a wish: small pages do, too
+    madvise(page.get(), kPageBytes, MADV_HUGEPAGE);  // optional: small pages work, too
 #endif
     return page;
   }

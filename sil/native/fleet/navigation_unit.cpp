@@ -47,13 +47,13 @@ NorthEast velocity(const Sensed& s) {
   return {c * s.nu[0] - n * s.nu[1], n * s.nu[0] + c * s.nu[1]};
 }
 
-/// 0 for NaN: of a body that is nowhere.
+/// NaN, a body without a velocity, gives 0.
 std::int16_t cm_per_s(double mps) {
   if (std::isnan(mps)) return 0;
   return static_cast<std::int16_t>(std::clamp(std::nearbyint(100.0 * mps), -32768.0, 32767.0));
 }
 
-/// What a state's covariance is where nobody knows it.
+/// MAVLink's encoding of an unknown covariance.
 std::array<float, 21> unknown_covariance() { return {std::numeric_limits<float>::quiet_NaN()}; }
 
 }  // namespace
@@ -80,7 +80,7 @@ void NavigationUnit::tick(std::int64_t now_us, const Sensed& sensed, Out& out) {
   if (slow_rate_.due(now_us)) tell_slowly(now_us, next.frames);
   tell_due(now_us, sensed, next.frames);
   answer(out);
-  // A clock that went back makes nothing wait longer.
+  // A clock that went back delays nothing further.
   const auto waits = [&](std::int64_t since_us) {
     return since_us <= now_us && now_us - since_us < delay_us_;
   };
@@ -92,13 +92,13 @@ void NavigationUnit::tick(std::int64_t now_us, const Sensed& sensed, Out& out) {
 
 void NavigationUnit::answer(Out& out) {
   for (const Request& request : requests_) {
-    // The instant of reading, not of answering: a requester bounds our clock by it.
+    // The instant of reading, not of answering: the requester bounds our clock by it.
     writer_.write(out, kTimesync, 1000 * request.arrived_us, request.ts1_ns);
   }
   requests_.clear();
 }
 
-/// The state, where it is due; in a drop-out nothing.
+/// Sends the state if due; nothing during a drop-out.
 void NavigationUnit::tell_due(std::int64_t now_us, const Sensed& sensed, Out& out) {
   const bool attitude_due = attitude_rate_ && attitude_rate_->due(now_us);
   const bool state_due = state_rate_.due(now_us);
@@ -167,8 +167,8 @@ void NavigationUnit::follow_target(std::int64_t now_us, const Sensed& s, Out& ou
                 static_cast<std::uint8_t>(kFollowPosition | kFollowVelocity | kFollowAttitude));
 }
 
-// By the frames' length bytes. Where something else than a frame begins, the lengths that follow
-// are not trusted: any start sign may begin a frame, and garbage hides none behind it.
+// Splits by the frames' length bytes. After bytes that are no frame, lengths are not trusted: any
+// start byte may begin a frame, so garbage hides none behind it.
 void NavigationUnit::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us) {
   constexpr std::uint8_t kMagic = 0xFD, kSigned = 1;
   const auto next = [&](std::size_t from) {
@@ -199,7 +199,7 @@ void NavigationUnit::take_timesync(std::span<const std::uint8_t> frame, std::int
   if (frame[kHeader + length] != (crc & 0xFFU) || frame[kHeader + length + 1] != crc >> 8U) return;
   struct {
     std::int64_t tc1, ts1;
-    std::uint8_t system, component;  // of an answer or a request to one only; upstream's extension
+    std::uint8_t system, component;  // the target, 0: all; an extension of upstream
   } asked{};
   std::memcpy(&asked, frame.data() + kHeader, std::min<std::size_t>(length, 18));
   const bool for_us = (asked.system == 0 || asked.system == self_.system) &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A navigation unit's MAVLink side: sends a state, its origin and heartbeats, answers TIMESYNC.
-// What sil/wire/navigation_unit.py is in the live SIL, byte for byte.
+// Counterpart of sil/wire/navigation_unit.py in the live SIL, byte for byte.
 #pragma once
 
 #include <array>
@@ -22,28 +22,28 @@ struct UnitSettings {
   StateMessage message;
   double attitude_rate_hz;             ///< 0: with every position
   std::array<std::int32_t, 3> origin;  ///< latitude, longitude (degE7), altitude (mm)
-  double delay_s = 0;                  ///< before what it says of itself leaves
-  bool timesync = true;                ///< it answers it, at once
-  double dropout_every_s = 0;          ///< of its clock; 0: never
-  double dropout_s = 0;                ///< without a state
+  double delay_s = 0;                  ///< latency of its own messages
+  bool timesync = true;                ///< answers TIMESYNC, without that latency
+  double dropout_every_s = 0;          ///< period by its clock; 0: never
+  double dropout_s = 0;                ///< duration without a state
 };
 
-/// What a unit measured, in the frame that it tells: x y ψ (m, rad), u v r (m/s, rad/s); degE7.
+/// A unit's measurement, in the frame that it reports: x y ψ (m, rad), u v r (m/s, rad/s); degE7.
 struct Sensed {
   const double* eta;
   const double* nu;
   std::array<std::int32_t, 2> degE7;
 };
 
-/// Times are its own clock's, µs.
+/// Times are by its own clock, µs.
 class NavigationUnit {
  public:
   NavigationUnit(link::Address self, const UnitSettings& settings);
 
-  /// Appends what is due now to `out`.
+  /// Appends the messages due to `out`.
   void tick(std::int64_t now_us, const Sensed& sensed, std::vector<std::uint8_t>& out);
 
-  /// Takes any bytes; TIMESYNC requests to this unit are answered by the next tick.
+  /// Takes any bytes; the next tick answers TIMESYNC requests to this unit.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us);
 
   bool tells_degrees() const { return settings_.message >= StateMessage::kGlobal; }

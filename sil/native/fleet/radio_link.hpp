@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A one-way link that carries chunks: delay, jitter, loss, bandwidth. What sil/wire/link.py is in
-// the live SIL.
+// A one-way link that carries chunks, with delay, jitter, loss and bandwidth. Counterpart of
+// sil/wire/link.py in the live SIL.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,13 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-/// delay_s, a uniform jitter in [0, jitter_s), share of chunks that are lost, bytes per second
-/// (0: unlimited).
+/// Delay, uniform jitter in [0, jitter_s), share of lost chunks, bytes per second (0: unlimited).
 struct LinkQuality {
   double delay_s = 0, jitter_s = 0, loss = 0, rate_Bps = 0;
   bool operator==(const LinkQuality&) const = default;
 };
 
-/// What an imperfect link holds; times are the world's, µs.
+/// State of an imperfect link; times are the world's, µs.
 class Channel {
  public:
   explicit Channel(std::uint64_t seed) : random_(seed) {}
@@ -37,10 +36,10 @@ class Channel {
   void set(const LinkQuality& quality) { quality_ = quality; }
   void corrupt(std::size_t bit) { bit_ = bit; }
 
-  /// The chunk as it arrives at once; what takes its time, or is lost, is empty.
+  /// The chunk if it arrives at once; empty if it is delayed or lost.
   std::span<const std::uint8_t> send(std::span<const std::uint8_t> data, std::int64_t now_us);
 
-  /// Whether a chunk has arrived; take() takes the first of them, valid until the next call.
+  /// Whether a chunk has arrived; take() returns the first one, valid until the next call.
   bool has_arrived(std::int64_t now_us) const {
     return !in_flight_.empty() && in_flight_.front().arrival_us <= now_us;
   }
@@ -72,21 +71,21 @@ class RadioLink {
  public:
   explicit RadioLink(std::uint64_t seed) : seed_(seed) {}
 
-  /// From now on; chunks in flight arrive as they would have.
+  /// Applies from now on; chunks in flight arrive as they would have.
   void set(const LinkQuality& quality);
 
-  /// Flips a bit, counted modulo its length, of the next chunk that is sent.
+  /// Flips one bit of the next chunk sent, counted modulo its length.
   void corrupt(std::size_t bit) { channel().corrupt(bit); }
 
-  /// Sends a chunk that has to stay where it is until it was received.
+  /// Sends a chunk; its memory must stay valid until it is received.
   void send(std::span<const std::uint8_t> data, std::int64_t now_us) {
     waiting_ = channel_ ? channel_->send(data, now_us) : data;
   }
 
-  /// What was sent and not received; not what is in flight.
+  /// Forgets undelayed chunks not yet received; chunks in flight stay.
   void forget() { waiting_ = {}; }
 
-  /// Hands the chunks that have arrived to `take`, in order of arrival.
+  /// Passes arrived chunks to `take`, in order of arrival.
   template <class Take>
   void receive(std::int64_t now_us, Take take) {
     if (!waiting_.empty()) {

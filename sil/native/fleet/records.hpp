@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What went over a run's wires, in the layout of sil/recording.py.
+// A recording of a run's wires, in the layout of sil/recording.py.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace flotilla::fleet {
 
-/// Which of an agent's wires, and which way: MAVLink's are counted on by link.
+/// An agent's wire and direction; the link's number is added to MAVLink's.
 enum class Wire : std::uint8_t {
   kMavlinkIn = 0,
   kCanIn = 8,
@@ -23,10 +23,10 @@ enum class Wire : std::uint8_t {
   kHost = 32
 };
 
-/// What a boat's host tells it, or does to it.
+/// Events of a boat's host.
 enum class HostEvent : std::uint8_t {
-  kBus,      ///< the CAN interface is up, 1, or down, 0
-  kClock,    ///< the boat's clock is so far ahead of the world's from now on, µs
+  kBus,      ///< the CAN interface is up (1) or down (0)
+  kClock,    ///< new offset of the boat's clock from the world's, µs
   kRestart,  ///< a new process
 };
 
@@ -34,7 +34,7 @@ class Records {
  public:
   static constexpr std::size_t kMaxAgents = 256;
 
-  /// Appends a record: a chunk, or a CAN frame by its identifier and its data.
+  /// Appends a record: a chunk, or a CAN frame by its identifier and data.
   void chunk(std::int64_t t_us, std::size_t agent, Wire wire, std::size_t link,
              std::span<const std::uint8_t> data) {
     head(t_us, agent, static_cast<std::size_t>(wire) + link, data.size());
@@ -53,7 +53,7 @@ class Records {
     put(bytes_of(value));
   }
 
-  /// All since the last call.
+  /// All records since the last call.
   std::vector<std::uint8_t> take() { return std::exchange(bytes_, {}); }
 
  private:

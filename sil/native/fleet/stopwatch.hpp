@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the time of a tick goes.
+// Profiles a tick by stage.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ enum class Stage : std::size_t { kUnits, kDecode, kTick, kCan, kLinks };
 constexpr std::size_t kStages = 5;
 using Seconds = std::array<double, kStages>;
 
-/// Adds what has passed since the last lap to a stage; one that is off reads no clock.
+/// Adds the time since the last lap to a stage; reads no clock if off.
 template <bool kOn>
 class Stopwatch {
  public:

@@ -16,7 +16,7 @@
 
 namespace flotilla::fleet {
 
-/// Times are the world's, or the vessel's clock where they are called now_us; µs.
+/// Times in µs: the vessel's clock if named now_us, else the world's.
 class VesselFaults {
  public:
   using Bytes = std::vector<std::uint8_t>;
@@ -27,23 +27,23 @@ class VesselFaults {
   bool has(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)]; }
   double value(FaultKind kind) const { return value_[static_cast<std::size_t>(kind)]; }
 
-  /// The unit that pretends to be the vessel's.
+  /// The unit that impersonates the vessel's.
   void set_impostor(NavigationUnit&& unit) { impostor_.emplace(std::move(unit)); }
 
-  /// What the unit measures of the truth; valid until the next call.
+  /// The unit's measurement of the truth; valid until the next call.
   Sensed measured(const Sensed& truth);
 
-  /// How far the unit's clock is ahead of the vessel's.
+  /// Offset of the unit's clock from the vessel's.
   std::int64_t unit_ahead_us() const;
 
-  /// Whether the next frame, of either way, gets over the bus.
+  /// Whether the next frame, in either direction, passes the bus.
   bool passes_bus();
 
-  /// What is on the air where the vessel says `said`; valid until the next call.
+  /// The radio signal when the vessel sends `said`; valid until the next call.
   std::span<const std::uint8_t> aired(std::span<const std::uint8_t> said, std::int64_t t_us,
                                       std::int64_t now_us);
 
-  /// What the vessel hears of a chunk: nothing, or bytes that are valid until the next call.
+  /// A chunk as the vessel receives it: empty, or valid until the next call.
   std::span<const std::uint8_t> heard(std::span<const std::uint8_t> chunk);
 
  private:

@@ -3,5 +3,5 @@
 
 #include <nanobind/nanobind.h>
 
-/// flotilla.Fleet: everything that is on a wire in many lockstep runs; flotilla.STATES.
+/// Binds flotilla.Fleet, the wires of many lockstep runs, and flotilla.STATES.
 void bind_fleet(nanobind::module_& m);

@@ -84,7 +84,7 @@ UnitSettings unit_from(const nb::tuple& unit) {
   if (unit.size() < 3 || unit.size() > 5) throw nb::type_error(kDesired);
   const double rate_hz = item<double>(unit, 0, kDesired);
   const double attitude_rate_hz = item<double>(unit, 2, kDesired);
-  // A period is counted in whole microseconds.
+  // A period is at least one microsecond.
   if (!within(rate_hz, 1e-3, 1e6)) refuse("unit: rate_hz from 0.001 to 1000000");
   if (attitude_rate_hz != 0 && !within(attitude_rate_hz, 1e-3, 1e6)) {
     refuse("unit: attitude_rate_hz is 0 or from 0.001 to 1000000");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What Fleet is told from Python, checked: TypeError or ValueError says what was wanted.
+// Converts and checks Fleet's arguments from Python; TypeError or ValueError states what is
+// allowed.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -14,23 +15,23 @@
 
 namespace flotilla::fleet {
 
-/// (rate_hz, message, attitude_rate_hz) and, where not the default, origin.
+/// (rate_hz, message, attitude_rate_hz), optionally with origin and faults.
 UnitSettings unit_from(const nanobind::tuple& unit);
 /// (offset_us, drift_ppm)
 Clock clock_from(const nanobind::tuple& clock);
 LinkQuality quality_from(double delay_s, double jitter_s, double loss, double rate_Bps);
 /// COMMAND_LONG with up to seven parameters; the others are 0.
 Order order_from(int command, const nanobind::sequence& params);
-/// `esc` port, stbd or none; `value` as the kind has it.
+/// `esc`: port, stbd or none; `value`: in the kind's unit.
 Fault fault_from(const std::string& kind, double value, const nanobind::object& esc,
                  std::uint64_t seed);
 std::int64_t time_from(std::int64_t t_us);
 
-/// `text` as what() of a ValueError.
+/// Throws a ValueError with `text`.
 [[noreturn]] void refuse(const std::string& text);
 
-/// An array's elements; TypeError or ValueError where it is not C-contiguous, of T and of this shape,
-/// with `name` for the argument's. T is const where it is only read. Keeps the array alive.
+/// An array's elements. TypeError or ValueError, with the argument's `name`, unless it is
+/// C-contiguous, of T and of this shape. T is const for read-only arrays. Keeps the array alive.
 template <class T>
 class Elements {
  public:

@@ -21,8 +21,8 @@ using namespace flotilla;
 
 namespace {
 
-/// The boat's own code between its messages and its commands, in double precision: fixes and the
-/// leader's motion in, thrusts out; positions in metres, north-east.
+/// The boat's code between messages and commands, in double precision: takes fixes and the leader's
+/// motion, gives thrusts; positions in metres, north-east.
 class Helm {
  public:
   using State = std::array<double, 22>;
@@ -69,8 +69,8 @@ class Helm {
   }
 
   /// x, y, ψ, u, v, r; unknown accelerations of the three; current north, east; v*, u* and r* held;
-  /// sway of the slot, its speed and slip with their rates; approach: 1 bow first, −1 stern first, 0
-  /// none; wrench given.
+  /// sway of the slot, its speed and slip with their rates; approach: 1 bow first, −1 stern first,
+  /// 0 none; wrench given.
   State state() const {
     const auto& m = own_.motion;
     return {anchor_.x + m.moved_n.x,
@@ -150,7 +150,7 @@ class Helm {
 template <int N, class T = const double>
 using Rows = nb::ndarray<T, nb::shape<-1, N>, nb::c_contig, nb::device::cpu>;
 
-/// Copies of a Helm that step together, a row each.
+/// Copies of a Helm that step together, one row each.
 class Helms {
  public:
   static constexpr int kState = std::tuple_size_v<Helm::State>;

@@ -3,5 +3,5 @@
 
 #include <nanobind/nanobind.h>
 
-/// flotilla.Helm: the boat's observer and law alone.
+/// Binds flotilla.Helm: the boat's observer and law alone.
 void bind_helm(nanobind::module_& m);

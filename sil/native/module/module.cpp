@@ -42,7 +42,7 @@ std::span<const std::uint8_t> span_of(const nb::bytes& data) {
   return {static_cast<const std::uint8_t*>(data.data()), data.size()};
 }
 
-/// A boat of any scalar behind one Python type.
+/// One Python type for boats of any scalar.
 class PyBoat {
  public:
   PyBoat(const nb::dict& values, int links, const std::string& scalar)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a boat lets others see, as Python's dictionaries.
+// A boat's snapshot and parameters as Python dictionaries.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -3,5 +3,5 @@
 
 #include <nanobind/nanobind.h>
 
-/// The supervisor's table, its conditions, and what it decides, for the pages that show them.
+/// Binds the supervisor's table, conditions and decisions, for the documentation.
 void bind_supervisor(nanobind::module_& m);

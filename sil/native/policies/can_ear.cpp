@@ -24,7 +24,7 @@ std::int16_t command_at(std::span<const std::uint8_t> payload, std::size_t i) {
   return static_cast<std::int16_t>(static_cast<int>(value ^ 0x2000U) - 0x2000);
 }
 
-/// The checksum's beginning of what a boat sends in several frames; 0 for a type that it does not.
+/// Seed of a multi-frame transfer's checksum; 0 for a type that a boat does not send.
 std::uint16_t seed_of(const link::Route& route) {
   for (const link::DataType& type : {link::RawCommand::kType, link::Allocation::kType,
                                      link::NodeInfo::kResponse, link::NodeStatus::kType}) {
@@ -50,7 +50,7 @@ void CanEar::hear(std::uint32_t can_id, std::span<const std::uint8_t> data,
   }
 }
 
-/// The last frame of three is enough: it has the index.
+/// The last of three frames suffices: it has the index.
 void CanEar::hear_esc(std::uint8_t node, std::span<const std::uint8_t> data,
                       const app::Parameters& p, Heard& heard) {
   if (data.size() != 3 || (data[2] & kEnd) == 0) return;
@@ -105,7 +105,7 @@ void CanEar::read(std::span<const link::CanFrame> frames, const app::Parameters&
   n.bus.whole = n.bus.whole && part.size == 0;
 }
 
-/// Whether the frame goes on where the one before it left off.
+/// Whether the frame continues the transfer.
 bool CanEar::join(const link::CanFrame& frame, Part& part) const {
   const std::size_t size = frame.size - 1U;
   const std::uint8_t tail = frame.data[size];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Listens on a boat's CAN bus: to what the boat hears there, and to what it says.
+// Listens on a boat's CAN bus, to received and sent frames.
 #pragma once
 
 #include <array>
@@ -16,21 +16,20 @@ class CanEar {
  public:
   explicit CanEar(std::uint8_t node) : node_(node) {}
 
-  /// A frame that the boat hears.
+  /// A frame that the boat receives.
   void hear(std::uint32_t can_id, std::span<const std::uint8_t> data, const app::Parameters& p,
             Heard& heard);
 
-  /// All that the boat says in a tick, into n.bus and what lasts longer.
+  /// All frames that the boat sends in a tick, into n.bus and longer-lived fields.
   void read(std::span<const link::CanFrame> frames, const app::Parameters& p, Moment& n);
 
  private:
-  /// One of the two ESCs.
   struct Esc {
     std::uint8_t node = 0;
     bool counts = false;  ///< its uptime is known
     std::uint32_t uptime_s = 0;
   };
-  /// A transfer of several frames, of which some were there.
+  /// An incomplete multi-frame transfer.
   struct Part {
     std::uint32_t id = 0;
     std::uint8_t tail = 0;

@@ -14,7 +14,7 @@ namespace mav = link::mav;
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
-// Of messages that link::mav has no name for.
+// Messages without a name in link::mav.
 constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kParamSetId = 23,
                         kManualControlId = 69, kCommandIntId = 75, kCommandLongId = 76,
                         kCommandAckId = 77, kTimesyncId = 111, kStatustextId = 253;
@@ -30,7 +30,7 @@ T field(Bytes payload, std::size_t at) {
   return value;
 }
 
-/// The frame at the beginning of these bytes, where there is all of one.
+/// The frame at the beginning of these bytes, if complete.
 inline Frame frame_at(Bytes b) {
   if (b.size() < 8) return {};
   const std::uint8_t length = b[1];
@@ -44,7 +44,7 @@ inline Frame frame_at(Bytes b) {
   return {8U + length, {b[3], b[4]}, b[2], b[5], b.subspan(6, length)};
 }
 
-/// Ids of what asks for something.
+/// Ids of requests.
 constexpr std::array<bool, 128> kQuestions = [] {
   std::array<bool, 128> are{};
   for (const auto id : {kSetModeId, kParamSetId, kManualControlId, kCommandIntId, kCommandLongId}) {
@@ -53,17 +53,16 @@ constexpr std::array<bool, 128> kQuestions = [] {
   return are;
 }();
 
-/// What a message has that rules are about.
+/// The parts of a message that rules check.
 enum class Kind : std::uint8_t { kOther, kBeat, kPlace, kTimesync, kAck, kText };
 struct Contents {
   Kind kind = Kind::kOther;
-  bool has_time = false;   ///< since boot, ms, at its beginning
-  std::uint8_t first = 0;  ///< where floating-point numbers begin
-  std::uint8_t count = 0;  ///< one behind the other
+  bool has_time = false;   ///< begins with time since boot, ms
+  std::uint8_t first = 0;  ///< offset of the floating-point numbers
+  std::uint8_t count = 0;  ///< how many there are
 };
 
-/// What an ESC does not know is NaN by its protocol, and told as such: its currents are no number
-/// of ours.
+/// Excludes ESC messages: unknown values are NaN in the ESCs' protocol, and are passed on as such.
 constexpr std::size_t kIds = 512;
 constexpr std::array<Contents, kIds> kContents = [] {
   std::array<Contents, kIds> of{};
@@ -83,8 +82,8 @@ constexpr std::array<Contents, kIds> kContents = [] {
   return of;
 }();
 
-/// One that is cut off ends in zeros, and is finite. Two at a time: 1 more than an exponent of ones
-/// is where the sign was.
+/// A truncated number ends in zeros and is finite. Checks two at a time: an exponent of ones plus 1
+/// carries into the sign's bit.
 inline bool finite(Bytes payload, const Contents& contents) {
   constexpr std::uint64_t kExponents = 0x7F80'0000'7F80'0000, kOnes = 0x0080'0000'0080'0000,
                           kSigns = 0x8000'0000'8000'0000;
@@ -187,7 +186,7 @@ void MavlinkEar::read_own(const Frame& frame, Link& link, Moment& n) {
   const Bytes m = frame.payload;
   if (frame.id >= kIds) return;
   const Contents& contents = kContents[frame.id];
-  // What was requested is made of the report of the tick before.
+  // An answer to a request is made from the report of the previous tick.
   if (contents.has_time) {
     const auto told_ms = field<std::uint32_t>(m, 0);
     n.links.punctual &= told_ms == n.now_ms || told_ms == n.before_ms;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Listens on a boat's MAVLink links: to what the boat hears there, and to what it says. Reads
-// headers and what rules need; checksums are the decoder's, whose counters say where one was bad.
+// Listens on a boat's MAVLink links, to received and sent messages. Reads headers and the fields
+// that rules need; checksums are left to the decoder, whose counters report bad ones.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace flotilla::policies {
 
-/// A message within bytes; the payload's cut-off end reads as zeros.
+/// A message within bytes; the payload's truncated end reads as zeros.
 struct Frame {
   std::size_t size = 0;  ///< with checksum and signature; 0: none
   link::Address from;
@@ -25,13 +25,13 @@ class MavlinkEar {
  public:
   explicit MavlinkEar(const app::Parameters& p);
 
-  /// Bytes that the boat hears. Whether they are whole frames.
+  /// Bytes that the boat receives; returns whether they are complete frames.
   bool hear(std::span<const std::uint8_t> bytes, const app::Parameters& p, Moment& n);
 
-  /// All that the boat says on one link in a tick.
+  /// All bytes that the boat sends on one link in a tick.
   void read(std::span<const std::uint8_t> bytes, std::size_t link, Moment& n);
 
-  /// After read() of all links: what is longest ago among them.
+  /// After read() of all links: notes the oldest times among them.
   void note_times(std::size_t links, Moment& n) const;
 
  private:
@@ -42,7 +42,6 @@ class MavlinkEar {
     std::int64_t beat_us = 0, timesync_us = 0;
   };
 
-  /// A command and its first parameter.
   struct Order {
     std::uint16_t command;
     float first;

@@ -12,7 +12,7 @@ namespace {
 
 using core::State;
 
-/// The same as to ask each rule, but for the calls: this is most of what a tick costs.
+/// Equivalent to calling each rule, without the calls: the rules take most of the monitor's time.
 bool all_hold(const Seen& b, const Moment& n) {
   using namespace rules;
 #define POLICY(group, name, condition) \
@@ -93,15 +93,15 @@ void Monitor<S>::note_change(const app::Parameters& now) {
     now_.in_range = now_.in_range && app::is_valid(info, value);
     now_.locked_change = now_.locked_change || (locked && value != known_.*info.member);
   }
-  // Whoever was not allowed to command when he did, may have been when he was answered.
+  // A sender not allowed to command at reception may have been allowed at the answer.
   if (now.MAV_GCS_SYSID != known_.MAV_GCS_SYSID) {
     now_.asked[Ask::kArmAllowed] = now_.asked[Ask::kArm];
   }
   known_ = now;
 }
 
-/// Of a damaged message the decoder may find another part to be one, and what follows it may be
-/// late by 0.3 s; what is signed wrongly does not count at all.
+/// In damaged bytes the decoder may find a different message, and later messages may be delayed by
+/// 0.3 s; wrongly signed messages do not count at all.
 template <class S>
 void Monitor<S>::note_damage(const link::Counters& c) {
   const std::uint32_t damage = c.mavlink_skipped_bytes + c.mavlink_unknown + c.mavlink_forged +
@@ -116,8 +116,8 @@ void Monitor<S>::note_damage(const link::Counters& c) {
 template <class S>
 void Monitor<S>::note_times() {
   const Heard& heard = now_.heard;
-  // What makes a thing fresh has come by now at the latest, what forbids one at the tick before at
-  // the earliest.
+  // Input that keeps something fresh counts as received now, input that forbids something as
+  // received at the previous tick: the boat gets the benefit of the doubt.
   if (heard.own) now_.own_us = now_.now_us;
   if (heard.leader) now_.leader_us = now_.now_us;
   if (heard.sticks) now_.sticks_us = now_.now_us;
@@ -131,7 +131,7 @@ void Monitor<S>::note_times() {
   if (now_.armed() && !before_.armed()) now_.armed_us = now_.now_us;
 }
 
-/// What the boat did that it has to be asked for.
+/// Counts the boat's actions that need a request.
 template <class S>
 void Monitor<S>::note_deeds() {
   const State was = before_.state;
@@ -140,7 +140,7 @@ void Monitor<S>::note_deeds() {
   if (now_.state != was) {
     const bool lost = core::law_drives(was) && !now_.has(core::kFollows | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
-    // Lost in the tick in which it was asked for, it may be COAST already.
+    // If lost in the tick of the request, it may be COAST already.
     if (core::law_drives(now_.state) && !core::law_drives(was)) ++done[Ask::kFormation];
     if (now_.in(State::kTest)) ++done[Ask::kTest];
     if (now_.in(State::kFault) && was == State::kDisarmed) ++done[Ask::kTerminate];

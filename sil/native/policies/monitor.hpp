@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Watches a boat tick by tick: what it hears, what it says; which rule it breaks first.
+// Watches a boat tick by tick: its input, its output, and the first rule that it breaks.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ namespace flotilla::policies {
 
 struct Violation {
   std::string_view name;
-  std::int64_t now_us;  ///< the host's, as ticked() was told
+  std::int64_t now_us;  ///< by the host's clock, as passed to ticked()
 };
 
-/// The first of the rules that does not hold; nothing where all do.
+/// The first rule that does not hold; nothing if all do.
 std::optional<std::string_view> first_broken(const Seen& before, const Moment& now);
 
-/// To be told all that its boat is told, in the same order, and each tick:
+/// Pass it all input of its boat, in the same order, and each tick:
 ///
 ///   boat.on_mavlink(bytes, now_us, link);    monitor.heard(bytes);
 ///   boat.on_can(id, data, now_us);           monitor.on_can(id, data);
@@ -30,7 +30,7 @@ std::optional<std::string_view> first_broken(const Seen& before, const Moment& n
 template <class S>
 class Monitor {
  public:
-  /// Those that the boat was made of.
+  /// p: the boat's initial parameters.
   explicit Monitor(const app::Parameters& p);
 
   void heard(std::span<const std::uint8_t> bytes);
@@ -38,12 +38,11 @@ class Monitor {
     can_.hear(can_id, data, known_, now_.heard);
   }
 
-  /// `out` as tick(now_us) has returned it. What broke just now, nothing where that is nothing or
-  /// something broke before.
+  /// `out`: result of tick(now_us). Returns a violation at this tick, if it is the boat's first.
   std::optional<Violation> ticked(const app::Boat<S>& boat,
                                   const typename app::Boat<S>::Output& out, std::int64_t now_us);
 
-  /// What broke first.
+  /// The first violation.
   const std::optional<Violation>& broken() const { return broken_; }
 
  private:

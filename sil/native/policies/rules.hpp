@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The rules, each with a name that is a sentence; rules.def is the list.
+// The rules, each named by a sentence; rules.def is the list.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace flotilla::policies {
 
-/// Plain: holds(before, now).
+/// A pure function: holds(before, now).
 struct Rule {
   std::string_view group;
   std::string_view name;
@@ -27,7 +27,7 @@ namespace mav = link::mav;
 
 inline std::int64_t us(float seconds) { return static_cast<std::int64_t>(double{seconds} * 1e6); }
 
-/// The longest from one TIMESYNC request to the next.
+/// Longest time between TIMESYNC requests.
 inline double asks_s(const Moment& n) {
   const double slow_Hz = double{n.p->SR_SLOW};
   return 0.1 + (0 < slow_Hz && slow_Hz < 1 ? 1 / slow_Hz : 1);
@@ -37,7 +37,7 @@ inline float greatest_N(const Moment& n) {
   return n.p->THR_FWD_MAX < n.p->THR_REV_MAX ? n.p->THR_REV_MAX : n.p->THR_FWD_MAX;
 }
 
-/// By which one unit of RawCommand may change a thrust, where the curve is steepest.
+/// Greatest change of thrust by one unit of RawCommand, where the curve is steepest.
 inline float step_N(const Moment& n) { return 2.0F / 8191.0F * greatest_N(n); }
 
 inline bool at_most(float thrust_N, const Moment& n) {
@@ -45,8 +45,8 @@ inline bool at_most(float thrust_N, const Moment& n) {
   return thrust_N <= kRounded * n.p->THR_FWD_MAX && thrust_N >= -kRounded * n.p->THR_REV_MAX;
 }
 
-/// A command has its thrust's sign, and there is no thrust without a command. What is under the
-/// 16 µN of a scalar in fixed point, on the flattest curve, is none.
+/// A command and its thrust have the same sign, and neither is zero without the other. Less than
+/// Q16's resolution of 16 µN, on the flattest curve, counts as none.
 inline bool agrees(std::int16_t command, float thrust_N, float direction, float most_N) {
   const float ahead = static_cast<float>(command) * direction / 8191.0F;
   if (thrust_N == 0) return most_N * ahead * ahead < 16e-6F;
@@ -60,14 +60,13 @@ inline bool slewed(std::int16_t before, std::int16_t now, const Moment& n) {
   return std::abs(static_cast<float>(now) - static_cast<float>(before)) <= most;
 }
 
-/// ArduPilot Rover's numbers, as heartbeats tell them.
+/// ArduPilot Rover's mode numbers, as in heartbeats.
 constexpr std::uint8_t mode_of(State state) {
   if (state == State::kManual) return app::mode::kManual;
   return core::law_drives(state) ? app::mode::kFormation : app::mode::kHold;
 }
 
-/// A state that was not known, or one that is younger than the last that was known. An age that
-/// stands at zero is that of a stamp from the future.
+/// A state became known, or a newer one arrived. An age that stays 0 means a stamp in the future.
 inline bool moved(const std::optional<double>& before_s, const std::optional<double>& now_s,
                   const Moment& n) {
   constexpr double kRounded_s = 1e-4;
