@@ -79,7 +79,9 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
   }
 }
 
-/// Advances by h seconds. Callers reset the state on entering FORMATION and on a new slot or leader.
+/// Advances by h seconds. The caller resets the state on entering FORMATION and when slot or leader
+/// change.
+/// leader.
 template <class S>
 void station_forward(const StationParams<S>& params, StationState<S>& state,
                      const StationInput<S>& in, S h) {
