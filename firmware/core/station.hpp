@@ -79,9 +79,7 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
   }
 }
 
-/// Advances by h seconds. The caller resets the state on entering FORMATION and when slot or leader
-/// change.
-/// leader.
+/// Advances by h seconds. The caller resets the state when FORMATION, slot or leader is new.
 template <class S>
 void station_forward(const StationParams<S>& params, StationState<S>& state,
                      const StationInput<S>& in, S h) {
