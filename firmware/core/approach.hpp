@@ -85,8 +85,7 @@ bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   return S(0.15) * near < way.closing || S(0.2) * params.epsilon < way.drift;
 }
 
-/// θ and θ̇. Changes ends only with hysteresis; keeps the heading where q is too small to have a
-/// direction.
+/// θ and θ̇. Changes ends with hysteresis; keeps the heading where q is too small for a direction.
 template <class S>
 LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState& state,
                             const SlotWay<S>& way, S e_psi, S r_S) {

@@ -113,8 +113,8 @@ Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& 
   return kept;
 }
 
-/// One control step; dt: time since the previous step, s, 0 in the first; traffic: nullptr switches
-/// separation off.
+/// One control step; dt: s since the previous step, 0 in the first; traffic: nullptr for no
+/// separation from other vessels.
 template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
                                     const ControllerInput<S>& in, S dt,

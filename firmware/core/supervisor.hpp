@@ -106,8 +106,7 @@ struct Row {
 constexpr std::array<Row, 28> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
-    // Automatic transitions. Only disarming leaves FAULT, only a request HOLD; COAST ends by
-    // itself.
+    // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
     {kArmed, Request::kNone, 0, kSound, State::kFault},
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},

@@ -19,7 +19,7 @@
 //
 // Not in paper. Position, heading and velocity with the same latency are consistent with each
 // other; only the delay after the applied thrust reveals it. A constant moment, straight ahead or
-// at rest, reveals nothing. The law's response to noise suffices; no turn is made on purpose.
+// at rest, reveals nothing. The law's response to noise excites enough; no turn is made for it.
 // Propeller lag counts as latency, and predicting over it does no harm. Each filter estimates γ and
 // b, so that a model error of one half does not look like latency.
 #pragma once

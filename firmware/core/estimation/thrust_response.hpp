@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Whether the boat responds to its propellers: how much of the applied wrench appears in its
-// momentum.
+// Whether the boat responds to its propellers: how much of the wrench appears in its momentum.
 //
 //   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / X₀        observed wrench, in units of X₀
-//   g = ⟨X⟩ / X₀                                          applied wrench, equally delayed
+//   g = ⟨X⟩ / X₀                                          applied wrench, equally smoothed
 //   d = μ (|m11 (u − ū) / T| + ⟨|d11 u| + |m22 v r|⟩) / X₀     uncertainty of the model
 //   P ← P + (h / (W + h)) (ŵ g + d |g| − P)     Q ← Q + (h / (W + h)) (g² − Q)
 //   no response where Q > 1, P < ε Q and ⟨X⟩ (⟨u*⟩ − ū) > |⟨X⟩| δ for 0.75 s; likewise in yaw
@@ -105,8 +104,7 @@ bool fails(const ThrustResponseAxis<S>& axis, S share, S near) {
   return lacks && S(1) < axis.Q && axis.P < share * axis.Q;
 }
 
-/// Advances by h seconds; nu: last measured velocity; given: the wrench applied since, to reach
-/// `desired`.
+/// Advances by h seconds; nu: last measured velocity; given: wrench applied to reach `desired`.
 template <class S>
 void thrust_response_forward(const ThrustResponseParams<S>& params, ThrustResponse<S>& state,
                              const Nu<S>& nu, const Nu<S>& desired, const Tau<S>& given, S h) {

@@ -70,8 +70,7 @@ class Q16 {
     return quotient(n, fixed::magnitude(b.raw_), (a.raw_ < 0) != (b.raw_ < 0));
   }
 
-  // A sum of two products that fits stays some 2³¹ below the end, so that rounding cannot wrap
-  // either.
+  // A sum of two products that fits stays some 2³¹ below the end: rounding cannot wrap either.
   [[gnu::always_inline]] friend constexpr Q16 sum_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
     const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
     std::int64_t sum = 0;

@@ -25,8 +25,7 @@ namespace flotilla::link {
 ///   }
 class MavlinkDecoder {
  public:
-  /// Takes the bytes that fit, at least one after next() has returned nothing; returns their
-  /// number.
+  /// Takes the bytes that fit, at least one once next() has returned nothing; returns how many.
   std::size_t fill(std::span<const std::uint8_t> bytes);
 
   /// The next whole message with a good checksum and, with `signing`, no bad signature. Without
@@ -57,7 +56,7 @@ class MavlinkDecoder {
   std::uint32_t whole_ = 0;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-  std::size_t frame_size_ = 0;  ///< of the message that ends at begin_
+  std::size_t frame_size_ = 0;  ///< size of the message that ends at begin_
 };
 
 }  // namespace flotilla::link

@@ -54,8 +54,7 @@ class FtpServer {
   /// True if no packet is due for any link.
   bool is_idle() const { return idle_; }
 
-  /// The next packet due for that link, from its clients in turn, if any. Call it while there is
-  /// room.
+  /// The next packet due for that link, its clients in turn, if any. Call it while there is room.
   std::optional<FileTransferProtocol> next(std::size_t link);
 
  private:

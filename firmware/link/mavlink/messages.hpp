@@ -91,7 +91,7 @@ struct FollowTarget {
 /// 1/1024 m/s²; heading 1/8192 rad, r 1/4096 rad/s, its derivatives 1/1024 rad/s² and rad/s³.
 struct ReferenceMotion {
   std::int32_t latitude, longitude;        ///< degE7, origin of the plane of the next two
-  std::int32_t north, east;                ///< from there
+  std::int32_t north, east;                ///< from that origin
   std::int16_t heading;                    ///< clockwise from that plane's north
   std::array<std::int16_t, 3> nu, nu_dot;  ///< u v r over ground, their rates of change
   std::int16_t r_ddot;                     ///< rate of change of ṙ
@@ -345,7 +345,7 @@ struct Received {
   Address from;
   Message message;
   Address target{};      ///< where the message names one, else 0, 0
-  std::uint32_t id = 0;  ///< of the message
+  std::uint32_t id = 0;  ///< message id
   std::uint8_t sequence = 0;
   bool is_signed = false;  ///< with a good signature; forged messages are dropped before
 };

@@ -44,8 +44,7 @@ class Signing {
   /// room: storage for received streams, must outlive this object; sending needs none.
   explicit Signing(std::span<Stream> room = {}) : room_(room) {}
 
-  /// Forgets all streams. clock: as for set_clock(); stored: an earlier run's last timestamp(), or
-  /// 0.
+  /// Forgets all streams. clock: as for set_clock(); stored: an earlier run's timestamp(), or 0.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
