@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Shares a wrench between the two propellers; what does not fit is taken from surge first.
+// Allocates a wrench to the two propellers; at a limit, yaw has priority over surge.
 //
 //   D = clamp(N / 2a, ±(F + R)/2)     m = clamp(X / 2, −R + |D|, F − |D|)
 //   T_port = m + D                    T_stbd = m − D
@@ -10,7 +10,7 @@
 //  F, R    forward and reverse maximum of one propeller   N      0.1 … 500
 //  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
 //
-// Not in paper, which has no limits.
+// Not in paper, which has no thrust limits.
 //
 // Q16.16: tested within ±1,000 (F + R, N)
 #pragma once
@@ -55,7 +55,7 @@ Allocation<S> allocate(const AllocationParams<S>& params, const Tau<S>& tau) {
   const S m_asked = S(0.5) * tau.X;
   const S m = clamp(m_asked, abs(D) - params.R, params.F - abs(D));
   Allocation<S> out;
-  // The clamps bound m ± D up to rounding; a propeller's limit is not to be passed by that either.
+  // m ± D may exceed a limit by rounding: clamp again.
   out.thrust = {clamp(m + D, -params.R, params.F), clamp(m - D, -params.R, params.F)};
   out.given = wrench_of(params, out.thrust);
   out.missing = {tau.X - out.given.X, tau.N - out.given.N};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The way to a slot that cannot be sailed along: it makes no way, or more than the boat may.
+// Approach: steers the boat to a slot that it cannot follow, as the slot is at rest or too fast.
 //
-//   w = ŵ_S − k_x [e_s e_c]ᵀ        ŵ_S: [u_S v_S]ᵀ, no longer than u_max; nor is w
-//   q = w − c                       the same through the water
+//   w = ŵ_S − k_x [e_s e_c]ᵀ        ŵ_S: [u_S v_S]ᵀ; |ŵ_S|, |w| ≤ u_max
+//   q = w − c                       w through the water
 //   θ = arg q, or arg q + π stern first
 //   θ̇ = (q × q̇) / (|q| k_x max(|e|, Δ)),  q̇ ≈ −k_x [ė_s ė_c]ᵀ
 //   u* = n·ŵ_S − k_x e_x            n: the bow, in the slot's axes
@@ -10,18 +10,18 @@
 //   begins where |q_s| < ε or |w_S| > u_max, and k_x |e| + |ŵ_S − c| > 1.5 k_x Δ
 //   ends   where |q_s| > 1.5 ε and |w_S| < 0.95 u_max, or |e| < 0.15 Δ and |ŵ_S − c| < 0.2 ε
 //
-//  symbol    meaning                                           frame  unit   tested range
-//  e_s, e_c  behind and beside the slot, along its heading     slot   m      ±1000
-//  w_S, q_s  the slot's velocity, over ground; its pace               m/s    ±20
-//  c         current                                           slot   m/s    ±2
-//  Δ, ε      look-ahead, and speed under which there is no course     m, m/s  0: never; 0.15
-//  θ         turn of the bow from the slot's heading                  rad    ±π
+//  symbol    meaning                                            frame  unit   tested range
+//  e_s, e_c  offset from the slot along and across its heading  slot   m      ±1000
+//  w_S, q_s  slot's velocity over ground, speed through the water      m/s    ±20
+//  c         current                                            slot   m/s    ±2
+//  Δ, ε      look-ahead, slot's speed below which it has no course     m, m/s  0: never; 0.15
+//  θ         turn of the bow from the slot's heading                   rad    ±π
 //
-// Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. The bow points
-// to the slot; the stern where that is the smaller turn by 0.8 rad, until the other one is by as much.
-// Within 0.15 Δ the boat turns to its slot's heading again, and within 1.5 Δ it is left alone. It meets
-// a known current with bow or stern, since it could not stay with that abeam. Behind a slot that is too
-// fast it goes where that goes, and closes up as far as u_max allows.
+// Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. Bow or
+// stern points to the slot; the boat changes ends where that makes the turn smaller by 0.8 rad. An
+// approach begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's heading.
+// The boat heads into or along a known current, since it cannot hold its place with the current
+// abeam. It follows a slot that is too fast, and closes up as far as u_max allows.
 //
 // Q16.16: tested within ±2,000 (closing speed, m/s)
 #pragma once
@@ -40,10 +40,10 @@ struct ApproachParams {
 
 struct ApproachState {
   bool on = false;
-  bool astern = false;  ///< the stern goes first
+  bool astern = false;  ///< stern first
 };
 
-/// Where the boat is to go, in the slot's axes.
+/// Desired motion, in the slot's axes.
 template <class S>
 struct SlotWay {
   Vec2<S> slot{};  ///< ŵ_S
@@ -68,7 +68,7 @@ SlotWay<S> slot_way(const ApproachParams<S>& params, const Slot<S>& slot,
           {-params.k_x * e_dot.x, -params.k_x * e_dot.y}};
 }
 
-/// Whether the slot makes no way, or more than the boat may; on: the boat approaches already.
+/// Whether the slot has no course or is faster than u_max; on: the boat approaches (hysteresis).
 template <class S>
 bool cannot_be_sailed(const ApproachParams<S>& params, const Slot<S>& slot, bool on) {
   if (!(S(0) < params.k_x * params.Delta)) return false;
@@ -77,7 +77,7 @@ bool cannot_be_sailed(const ApproachParams<S>& params, const Slot<S>& slot, bool
   return S(0) < most && most < hypot(slot.nu.u, slot.nu.v);
 }
 
-/// Whether it is so far that the boat has to approach.
+/// Whether the slot is far enough for an approach; on: as above.
 template <class S>
 bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   const S near = params.k_x * params.Delta;
@@ -85,8 +85,7 @@ bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   return S(0.15) * near < way.closing || S(0.2) * params.epsilon < way.drift;
 }
 
-/// θ and θ̇. The end of the boat that goes first is kept, and so is the heading where q is too small to
-/// have a direction.
+/// θ and θ̇. Changes ends with hysteresis; keeps the heading where q is too small for a direction.
 template <class S>
 LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState& state,
                             const SlotWay<S>& way, S e_psi, S r_S) {

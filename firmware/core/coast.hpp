@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// COAST: a leader that is not heard is carried forward on its circle, slower and slower, and the
-// propellers are never driven harder than before.
+// COAST: dead-reckons a silent leader along its circle at decreasing speed, and limits the thrusts
+// to those of the previous step.
 //
 //   f(t) = 1 − (t/T)², 0 after T    s = ∫ f dt = t − ⅓ t³/T², over a step
 //   ψ_L ← ψ_L + r_0 s              p_L ← p_L + s R(ψ_L + r_0 s/2) [u_0 v_0]ᵀ
@@ -8,13 +8,12 @@
 //   d ← clamp(d, ±c)               m ← clamp(m, ±(c − |d|))          port = m + d, stbd = m − d
 //
 //  symbol   meaning                                         frame  unit       tested range
-//  t, T     time in COAST, and how long it lasts                   s          0 … 60
+//  t, T     time in COAST, and its duration                        s          0 … 60
 //  nu_0     leader's velocity when COAST began              body   m/s, rad/s ±20, ±4
-//  c        the larger of both |thrusts| of the step before        N          0 … 50
-//  m, d     thrusts' mean and half their difference                N          ±50
+//  c        larger |thrust| of the previous step                   N          0 … 50
+//  m, d     mean of the thrusts, half their difference             N          ±50
 //
-// Not in paper: there the leader is always heard. It slows down late at first: a silence that is soon
-// over shall cost nothing.
+// Not in paper: there the leader is always heard. f falls slowly at first, for short silences.
 //
 // Q16.16: tested within ±500 (the leader's way, propellers' thrusts)
 #pragma once
@@ -36,7 +35,7 @@ CoastState<S> coast_start(const Motion<S>& leader) {
   return {leader, leader.nu, S(0)};
 }
 
-/// Carries the leader over the next h seconds.
+/// Advances the leader by h seconds.
 template <class S>
 void coast_forward(S T, CoastState<S>& state, S h) {
   Motion<S>& leader = state.leader;
@@ -54,7 +53,7 @@ void coast_forward(S T, CoastState<S>& state, S h) {
   leader.nu_dot = x < S(1) ? plus(Nu<S>{}, S(-2) * x / T, state.nu_0) : Nu<S>{};
 }
 
-/// Neither of them beyond ±most: what turns the boat is kept, as in allocation.
+/// Limits both thrusts to ±most; yaw has priority, as in allocate().
 template <class S>
 Thrust<S> limited(const Thrust<S>& asked, S most) {
   const S port = S(0.5) * asked.port;

@@ -2,9 +2,9 @@
 // The formation law: own and leader's motion in, two thrusts out.
 //
 // Source: B. Wang, A. Loría, Leader-Follower Formation and Tracking Control of Underactuated
-// Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control). Not in paper, each of no
-// effect where its parameters are zero: a slot that steers its own course, the line of sight and the
-// approach, limits of ν*, other vessels, and a current and an unknown wrench that are not zero.
+// Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control). Not in paper, and without
+// effect where their parameters are zero: a slot with its own course, line of sight, approach,
+// limits of ν*, separation from other vessels, current, unknown wrench.
 //
 // Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
@@ -45,7 +45,7 @@ struct ControllerOutput {
   Separation<S> separation{};
   Tau<S> tau{};
   Allocation<S> allocation{};
-  bool astern = false;  ///< the slot, on the inside of a turn
+  bool astern = false;  ///< the slot goes astern, on the inside of a turn
 };
 
 /// v*(0) = v_L(0): call when FORMATION is entered and when the leader changes.
@@ -57,14 +57,14 @@ ControllerState<S> controller_start(const ControllerInput<S>& in) {
   return state;
 }
 
-/// A slot as the boat sails it, and where the bow points for its sake.
+/// The slot motion to follow, and the bow's turn from the slot's heading.
 template <class S>
 struct Course {
   Slot<S> slot{};
   LineOfSight<S> sight{};
 };
 
-/// Along the slot's way, or to the slot.
+/// Follows the slot's path, or approaches the slot.
 template <class S>
 Course<S> course(const ControllerParams<S>& params, ApproachState& state,
                  const ControllerInput<S>& in, const Slot<S>& slot,
@@ -87,7 +87,7 @@ Course<S> course(const ControllerParams<S>& params, ApproachState& state,
   return {slot, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
 
-/// ν* through the water, which PD+ and v* are about; c_b: current in the boat's axes.
+/// ν* through the water, as PD+ and v* need it; c_b: current in the boat's axes.
 template <class S>
 VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b, S r) {
   desired.nu_star.u = desired.nu_star.u - c_b.x;
@@ -95,7 +95,7 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b,
   return desired;
 }
 
-/// ν* for a boat among others.
+/// Changes ν* to keep clear of other vessels.
 template <class S>
 Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& state,
                          const ControllerInput<S>& in, const Traffic<S>& traffic,
@@ -106,15 +106,15 @@ Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& 
   const S k = params.outer.k_x;
   const Intent<S> intent =
       intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
-  const S a = params.propellers.R / params.vessel.m11;  // half of what both give
+  const S a = params.propellers.R / params.vessel.m11;  // half the full-astern deceleration
   const auto kept =
       separate(params.separation, a, state.separation, traffic, in.psi, intent, desired);
   state.outer.r_star_held = desired.nu_star.r;
   return kept;
 }
 
-/// One control step; dt: time since the step before, s, 0 in the first; traffic: nullptr where
-/// nobody is looked for.
+/// One control step; dt: s since the previous step, 0 in the first; traffic: nullptr for no
+/// separation from other vessels.
 template <class S>
 ControllerOutput<S> controller_step(const ControllerParams<S>& params, ControllerState<S>& state,
                                     const ControllerInput<S>& in, S dt,
@@ -130,7 +130,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
     separation = keep_clear(params, state, in, *traffic, slot, error, desired);
   }
   const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
-  state.outer.u_star_held = desired_w.nu_star.u;  // v* is of the water too
+  state.outer.u_star_held = desired_w.nu_star.u;  // v* is through the water too
   const Tau<S> needed = pd_plus(params.inner, params.vessel, desired_w,
                                 Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
   const Tau<S> tau = {needed.X - in.unknown.X, needed.N - in.unknown.N};

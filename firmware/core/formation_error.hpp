@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the boat is, seen from its slot in the formation, in its own axes.
+// The boat's offset from its slot in the formation, in its own axes.
 //
 //   [e_x e_y]ᵀ = R(ψ)ᵀ ( p − p_L − d )                  e_ψ = wrap(ψ − ψ_S)
 //   ė_x =  r e_y + u − u_S cos e_ψ − v_S sin e_ψ
@@ -7,7 +7,7 @@
 //
 //  symbol      meaning                                frame  unit      tested range
 //  separation  p − p_L, own minus leader's position   n      m         ±1000
-//  d           slot, seen from the leader             n      m         ±1000
+//  d           slot, relative to the leader           n      m         ±1000
 //  psi, psi_S  headings, own and the slot's           n      rad       ±π
 //  nu, nu_S    velocities                             body   m/s, rad/s
 //

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: MIT
-// The bow's angle towards the slot's course: what closes the lateral error where nothing turns.
+// Line of sight: turns the bow towards the slot's course, to close the lateral error.
 //
-//   [e_s e_c]ᵀ = R(e_ψ) [e_x e_y]ᵀ          behind and beside the slot, along its heading
+//   [e_s e_c]ᵀ = R(e_ψ) [e_x e_y]ᵀ          offset from the slot, along and across its heading
 //   θ = −σ e_c / Q,   Q = √(Δ² + e_s² + e_c²),   σ = U |U| / (U² + ε²)
 //   θ̇, θ̈ from  ė_s = u cos e_ψ − v sin e_ψ − u_S + r_S e_c
 //              ė_c = u sin e_ψ + v cos e_ψ − v_S − r_S e_s,   ë_c ≈ U cos e_ψ ė_ψ
 //
 //  symbol  meaning                                         unit   tested range
-//  Δ       look-ahead; 0: no such angle                    m      0.1 … 100
-//  θ       wanted turn of the bow from the slot's heading  rad    ±1
-//  U       speed through the water that a turned bow leads aside  m/s
-//  ε       speed under which it fades out                  m/s
+//  Δ       look-ahead; 0: off                              m      0.1 … 100
+//  θ       desired turn of the bow from slot's heading     rad    ±1
+//  U       speed through the water, see below              m/s
+//  ε       speed below which θ fades out                   m/s
 //
-// U is the smaller of the slot's speed through the water and the speed that is wanted; 0 where they
-// disagree about ahead and astern. An unknown force is no part of it: a tail wind pushes like a
-// following current, but a bow that is turned before the wind leads aside all the same. Of a current,
-// sway tells. σ̇ is left out: it is small, and full of noise.
+// U is the smaller of the slot's speed and the desired speed, both through the water; 0 where one
+// is ahead and the other astern. U ignores the unknown force: a tail wind pushes like a following
+// current, but under it a turned bow still moves the boat sideways. Sway reveals a current. σ̇ is
+// omitted: it is small and noisy.
 //
-// Not in paper, which has no feedback of e_y: it needs a leader that keeps turning. Seen from far
-// behind, the bow points at the slot; a slot that stands still is not circled, U is zero there.
+// Not in paper, which has no feedback of e_y and so needs a leader that keeps turning. From far
+// behind, the bow points at the slot; the boat does not circle a slot at rest, since U is zero.
 //
 // Q16.16: tested within ±200 (distances from the slot, m)
 #pragma once
@@ -40,8 +40,7 @@ struct LineOfSight {
   S theta_ddot{};
 };
 
-/// U, of the slot's pace and of the speed that is wanted, through the water: the one that is nearer
-/// to zero; 0 where they disagree about their sign.
+/// U: of two speeds the one nearer to zero; 0 where their signs differ.
 template <class S>
 S agreed(S a, S b) {
   if (S(0) < a && S(0) < b) return min(a, b);
@@ -49,7 +48,7 @@ S agreed(S a, S b) {
   return S(0);
 }
 
-/// Where the boat is, seen from its slot, along and across the slot's heading, with the rates.
+/// The boat's offset from its slot along and across the slot's heading, and its rate.
 template <class S>
 struct BesideSlot {
   Vec2<S> e{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the sticks ask of the two propellers, and what a motor test asks of one.
+// The wrench that the sticks command, and the thrust of one propeller in a motor test.
 //
 //   X = 2 F s (2 R s astern)          N = a (F + R) n
 //   T = F q   (R q astern)            of the tested propeller; the other stands still
@@ -9,8 +9,8 @@
 //  q       share of the propeller's maximum; clamped to ±q_max       1     ±10
 //  a, F, R, X, N, T                                      as in allocation.hpp
 //
-// Not in paper, which has no operator. A full stick is all that the propellers can give that way
-// alone; of both together allocate() takes yaw first, as for the law.
+// Not in paper, which has no operator. A full stick commands the maximum of that axis alone; where
+// both axes do not fit, allocate() gives yaw priority, as for the law.
 //
 // Q16.16: tested within ±5,000 (N, N m, at the greatest a, F, R; no scenario has an operator)
 #pragma once

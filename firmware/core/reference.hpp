@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The motion that a whole formation follows, carried forward once by each boat, and what a boat adds
-// to its slot of it.
+// The root's motion, which the whole formation follows: each boat predicts it once, and shifts its
+// own slot a little.
 //
 //   m = min(h, 2 s)     δ = m (ν̇ + ½ m ν̈)     c = min(1, δ_max/|δ|)
 //   ν(h) = ν + c δ      ν̇(h) = c (ν̇ + m ν̈), 0 after 2 s
 //   ∫δ = ½ m² (ν̇ + ⅓ m ν̈) + (h − m) δ                 ψ(h) = ψ + Δψ     Δψ = r h + c ∫δ_r
 //   Δp(h) = (1 − Δψ²/24) R(ψ + ½ r h + ⅓ c ∫δ_r) [u h + c ∫δ_u   v h + c ∫δ_v]ᵀ
 //   s ← s + h/(T + h) (k e_L − s), or (0 − s) where k |e_L| > s_max      shift of the slot
-//   b = b_0 x² (3 − 2x)     x = 1 − t/(5 s), until it is 0     what is left of a step of the slot
+//   b = b_0 x² (3 − 2x)     x = 1 − t/(5 s), until it is 0     remaining step of the slot
 //
 //  symbol   meaning                                             frame    unit        tested range
-//  psi, nu, nu_dot, r_ddot  the root's motion when it was true  n, body  rad, m/s, rad/s  ±π, ±32, ±8
-//  h        age of that; or a step of time                               s           0 … 10
-//  δ_max    what no velocity is foreseen to change by                    m/s, rad/s
-//  e_L      how far the leader is from its slot of the root     n        m           ±5000
+//  psi, nu, nu_dot, r_ddot  root's motion at its timestamp    n, body  rad, m/s, rad/s  ±π, ±32, ±8
+//  h        age of that motion, or a time step                           s           0 … 10
+//  δ_max    largest predicted change of a velocity                       m/s, rad/s
+//  e_L      leader's offset from its own slot                   n        m           ±5000
 //  k        gain from boat to boat
 //
-// Not in paper: there each boat differentiates its own leader's motion and carries it forward; so
-// a chain amplifies what the first boat does, by as much in each boat. Here that happens once, whatever
-// the depth. A predictor's gain cannot be at most one at every frequency: H(0) = 1, |H| ≤ 1 and a lead,
-// H'(0) > 0, contradict each other, for |H| is greatest on the edge of the right half plane. The
-// maker's slower track and δ_max keep it small; from boat to boat goes only the shift, by k < 1.
+// Not in paper: there each boat differentiates and predicts its own leader's motion, so that every
+// boat of a chain amplifies the first one's motion again. Here that happens once, at any depth. A
+// predictor's gain must exceed one at some frequency: H(0) = 1, |H| ≤ 1 and a lead, H'(0) > 0,
+// contradict each other, for |H| is greatest on the edge of the right half plane. The maker's
+// slower track and δ_max keep the gain small; only the shift passes from boat to boat, with k < 1.
 //
 // Q16.16: tested within ±5,000 (e_L, m)
 #pragma once
@@ -61,7 +61,7 @@ Foresight<S> foresight(S h, S rate, S rate_dot, S most) {
   return {share * change, h < S(2) ? share * (rate + m * rate_dot) : S(0), share * way};
 }
 
-/// Where the root is h seconds after the motion was true.
+/// The root's motion h seconds after the timestamp of `at`.
 template <class S>
 Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMotion<S>& at, S h) {
   const auto u = foresight(h, at.nu_dot.u, S(0), limits.speed);
@@ -77,8 +77,8 @@ Motion<S> reference_forward(const ForesightLimits<S>& limits, const ReferenceMot
           {u.rate, v.rate, r.rate}};
 }
 
-/// The maker's track of the root, slower than that by which a boat follows its own leader: its rates
-/// are carried on for longer, and by many.
+/// The maker's track of the root. It is slower than a boat's track of its own leader, because many
+/// boats extrapolate its rates, and for longer.
 template <class S>
 TrackParams<S> reference_track() {
   return {.T = S(0.2)};
@@ -91,8 +91,8 @@ struct ShiftParams {
   S T = S(20);
 };
 
-/// The shift h seconds later: slowly to where the leader really is, no farther than `most`. Nobody makes
-/// way for a leader that is farther from its slot: it is still closing up, or has left it.
+/// The shift h seconds later: follows k e_L slowly. Where k |e_L| > `most` it returns to zero: such
+/// a leader is still closing up, or has left its slot.
 template <class S>
 Vec2<S> shift_forward(const ShiftParams<S>& params, const Vec2<S>& shift, const Vec2<S>& e_L, S h) {
   const S gain = params.most < params.k * hypot(e_L.x, e_L.y) ? S(0) : params.k;
@@ -100,11 +100,11 @@ Vec2<S> shift_forward(const ShiftParams<S>& params, const Vec2<S>& shift, const 
   return {shift.x + share * (gain * e_L.x - shift.x), shift.y + share * (gain * e_L.y - shift.y)};
 }
 
-/// A step that another reference makes in the slot, undone and then let go.
+/// The step of the slot at a change of reference: cancelled at first, then blended in.
 template <class S>
 struct Blend {
   Vec2<S> step{};
-  S left{};  ///< s
+  S left{};  ///< time left, s
 };
 template <class S>
 Blend<S> blend_start(const Vec2<S>& step) {

@@ -16,7 +16,7 @@
 
 namespace flotilla::core {
 
-/// R(ψ), of a heading that more than one vector is turned by.
+/// R(ψ), computed once for several vectors.
 template <class S>
 struct Rotation {
   S c = S(1);

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: MIT
-// Keeps clear of other vessels: how ν* changes where the law would lead too near to one.
+// Keeps clear of other vessels: changes ν* where the law would lead too near to one.
 //
 //   D(w)    = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
-//   D(w) < 1.4 D_min for a vessel that has the way, w: wanted now, or straight to the slot
-//           ⇒ w ← least of |w − w_0|/U + ½ (1 − |w − w_S|/U) + 0.3 |w − w_before|/U + 10 s(w)
-//             among standing still, w_0, w_S, the last choice and 16 courses at U and at U/2
-//   s(w)    : shortfall of d² under (1.4 D_min + m)², of (that)², at 8 times up to T, the sooner the
-//             heavier; the boat turns bow or stern to its course first, on the spot
+//   D(w) < 1.4 D_min for a vessel with right of way, w: desired now, or straight to the slot
+//           ⇒ w ← argmin of |w − w_0|/U + ½ (1 − |w − w_S|/U) + 0.3 |w − w_before|/U + 10 s(w)
+//             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2
+//   s(w)    : relative shortfall of d² below (1.4 D_min + m)², summed over 8 times up to T, sooner
+//             ones weighted more; the boat first turns bow or stern to its course, on the spot
 //   u* n ≤ L((|p| − m − 1.1 D_min)/2) + 0.8 max(0, vᵀ p/|p|)           n = cos of the bearing
-//   L(g)    = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                  what still stops in g
+//   L(g)    = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                  speed that stops within g
 //
 //  symbol  meaning                                            unit   tested range
-//  p, v    other vessel's place seen from us, its velocity    m, m/s ±100, ±5
-//  m       how far it may be from there                       m      0 … 5
-//  D_min   distance to be kept; 0: nobody is looked for       m      0.5 … 20
+//  p, v    other vessel's position relative to us, velocity   m, m/s ±100, ±5
+//  m       uncertainty of that position                       m      0 … 5
+//  D_min   distance to keep; 0: off                           m      0.5 … 20
 //  T       horizon                                            s
 //  w_S     the slot's velocity                                m/s
 //  w_0     velocity that leads straight to the slot           m/s
-//  U       LAW_U_MAX; without, D_min a second, a tenth more than |w_S| at least   m/s
-//  a, t_r  half of what astern gives; until it does           m/s², s
+//  U       LAW_U_MAX; if that is 0, max(D_min / 1 s, 1.1 |w_S|)   m/s
+//  a, t_r  half the full-astern deceleration; reaction time   m/s², s
 //
-// The choice is the yielding boat's; the last line binds every boat, that with the right of way too:
-// where both obey it nobody comes nearer than 1.1 D_min, and as the other one makes room up to 1.4 D_min
-// the way is free again. Slots must be farther apart than that.
+// Only the yielding boat chooses w. The limit of u* binds every boat, also one with right of way:
+// where both obey it, they stay 1.1 D_min apart, and the way is free again once the yielding boat
+// has made room up to 1.4 D_min. Slots must be farther apart than that.
 //
 // Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
 // using velocity obstacles, IJRR 17 (1998).
@@ -38,13 +38,13 @@
 
 namespace flotilla::core {
 
-/// Another vessel, now.
+/// Another vessel at this instant.
 template <class S>
 struct OtherVessel {
-  Vec2<S> p_n{};   ///< from us
+  Vec2<S> p_n{};   ///< relative to us
   Vec2<S> v_n{};   ///< over ground
-  S margin{};      ///< how far it may be from there
-  bool has_way{};  ///< we yield to it
+  S margin{};      ///< uncertainty of p_n, m
+  bool has_way{};  ///< right of way: we yield
 };
 
 constexpr std::size_t kMaxVessels = 8;
@@ -71,17 +71,17 @@ struct SeparationState {
 template <class S>
 struct Separation {
   bool yielding = false;  ///< ν* was changed
-  bool known = false;     ///< there is a vessel at all
-  S predicted{};          ///< least distance within the horizon, had ν* not been changed
+  bool known = false;     ///< at least one vessel is known
+  S predicted{};          ///< least distance within the horizon under the unchanged ν*
 };
 
-/// Where a boat wants to go, north-east, and what it can.
+/// Desired velocities, north-east, and the boat's limits.
 template <class S>
 struct Intent {
   Vec2<S> slot_n{};      ///< w_S
   Vec2<S> straight_n{};  ///< w_0
   S fastest{};           ///< U
-  S turning{};           ///< yaw rate
+  S turning{};           ///< greatest yaw rate
 };
 
 template <class S>
@@ -106,13 +106,14 @@ S predicted_distance(S horizon, const OtherVessel<S>& other, const Vec2<S>& w) {
   const S speed = length(q);
   S t = S(0);
   if (S(0) < speed) {
-    const S way = -dot(other.p_n, Vec2<S>{q.x / speed, q.y / speed});  // to the nearest place
+    const S way =
+        -dot(other.p_n, Vec2<S>{q.x / speed, q.y / speed});  // to the closest point of approach
     if (S(0) < way) t = way < horizon * speed ? way / speed : horizon;
   }
   return length(Vec2<S>{other.p_n.x + t * q.x, other.p_n.y + t * q.y}) - other.margin;
 }
 
-/// Speed from which the boat still stops within the gap.
+/// Speed from which the boat stops within the gap.
 template <class S>
 S stopping_speed(S a, S reaction, S gap) {
   if (!(S(0) < gap)) return S(0);
@@ -120,11 +121,11 @@ S stopping_speed(S a, S reaction, S gap) {
   return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
-/// How a boat gets onto a course: turned by delta, bow or stern first.
+/// Turn and surge that bring a boat onto a course, bow or stern first.
 template <class S>
 struct Way {
   S delta{};
-  S u{};  ///< ahead, while the boat turns too
+  S u{};  ///< also during the turn
 };
 
 template <class S>
@@ -135,7 +136,7 @@ Way<S> way_to(S psi, const Vec2<S>& w_n) {
   return {atan2(w.x < S(0) ? -w.y : w.y, abs(w.x)), w.x * abs(w.x) / speed};
 }
 
-/// 1 − (|p|/keep)², 0 beyond; p may be far.
+/// 1 − (|p|/keep)², 0 beyond; does not overflow for a distant p.
 template <class S>
 S lacking(const Vec2<S>& p, S keep) {
   if (!(abs(p.x) < keep && abs(p.y) < keep)) return S(0);
@@ -173,7 +174,7 @@ S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
   return cost;
 }
 
-/// The velocity to yield with; the first of the best.
+/// The velocity of least cost; of equals the first.
 template <class S>
 Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
                const Intent<S>& intent, const Traffic<S>& traffic, S psi) {
@@ -188,7 +189,7 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
   consider(intent.straight_n);
   consider(intent.slot_n);
   if (state.yielding) consider(state.w_n);
-  const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // of π/8
+  const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // cos, sin of π/8
   Vec2<S> course = {intent.fastest, S(0)};
   for (int k = 0; k < 16; ++k) {
     consider(course);
@@ -198,7 +199,7 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
   return best;
 }
 
-/// Whether the boat has to yield, and what is predicted of the nearest.
+/// Whether the boat must yield; `out` gets the least predicted distance.
 template <class S>
 bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
              const Intent<S>& intent, const Traffic<S>& traffic, const Vec2<S>& w,
@@ -216,7 +217,7 @@ bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
   return yield;
 }
 
-/// The last line: u within what every vessel leaves.
+/// Limits u so that u* n stays within its bound for every vessel.
 template <class S>
 S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S psi, S u) {
   for (std::size_t i = 0; i < traffic.count; ++i) {
@@ -231,7 +232,7 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
   return u;
 }
 
-/// w_S and w_0 no longer than U.
+/// Limits w_S and w_0 to U.
 template <class S>
 Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
                     const Vec2<S>& to_slot_n) {
@@ -240,7 +241,7 @@ Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<
           S(0) < limits.r_max ? limits.r_max : S(1)};
 }
 
-/// Changes ν* where that is needed; a: m/s², see above.
+/// Changes ν* where necessary; a: m/s², see above.
 template <class S>
 Separation<S> separate(const SeparationParams<S>& params, S a, SeparationState<S>& state,
                        const Traffic<S>& traffic, S psi, const Intent<S>& intent,

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The boat's slot as a vessel of its own: where it is, and how a boat sails its path.
+// The slot's position and motion, as of a vessel that sails along the slot's path.
 //
 //   frame 0: d north and east of the leader          frame 1: d ahead and to starboard, turning
 //   w = [u_L − r_L d_y  v_L + r_L d_x]               velocity of the slot, leader's axes (frame 1)
-//   q = w − R(ψ_L)ᵀ c                                the same through the water
+//   q = w − R(ψ_L)ᵀ c                                velocity through the water
 //   q_s, n ← q_x, q_y − v_w                          smoothed, with their rates: two poles at ω_n
-//   δ = atan( n q_s³ / (q_s² + ε²)² )                a bow turned by δ leaves just v_w for sway
+//   δ = atan( n q_s³ / (q_s² + ε²)² )                with the bow turned by δ, sway is v_w
 //   ψ_S = ψ_L + δ      [u_S v_S]ᵀ = R(δ)ᵀ w      r_S = r_L + δ̇
 //   m22 v̇_w = −m11 q_s r_S − d22 v_w                 sway of this boat on the slot's course
 //
-//  symbol       meaning                              frame  unit        tested range
-//  psi_L, nu_L  leader's heading, velocity           n, body  rad, m/s, rad/s
-//  d            slot, seen from the leader           n or leader's axes  m  ±1000
-//  c            current                              n      m/s         ±2
-//  v_w          sway through the water               body   m/s         ±20
-//  ε            speed under which there is no course        m/s
-//  ω_n          faster than any boat turns, slower than noise    rad/s
+//  symbol       meaning                                    frame  unit        tested range
+//  psi_L, nu_L  leader's heading, velocity                 n, body  rad, m/s, rad/s
+//  d            slot, relative to the leader               n or leader's axes  m  ±1000
+//  c            current                                    n      m/s         ±2
+//  v_w          sway through the water                     body   m/s         ±20
+//  ε            speed below which there is no course              m/s
+//  ω_n          bandwidth: above any turns, below noise           rad/s
 //
-// Not in paper: there the slot has its leader's heading and velocity, which is right where all hulls
-// are alike and the water stands still, and it does not turn. A boat sails where its course goes, not
-// where its bow points: in a current, on the leader's outside, behind a leader with another hull.
-// u̇_L and v̇_L, full of noise, enter δ̇ through the smoothing alone; ṙ_S is ṙ_L.
+// Not in paper: there the slot does not turn with its leader and has its heading and velocity,
+// which is right for equal hulls in still water. Course and heading of a boat differ in a current,
+// on the leader's outside, and behind a leader with another hull. The noisy u̇_L and v̇_L enter δ̇
+// through the smoothing only; ṙ_S is ṙ_L.
 //
 // Q16.16: tested within ±500 (inertia, kg)
 #pragma once
@@ -31,7 +31,7 @@
 
 namespace flotilla::core {
 
-/// What the boat knows of itself, of its leader and of the water, at one instant.
+/// Estimates of the boat, its leader and the water at one instant.
 template <class S>
 struct ControllerInput {
   Vec2<S> separation_n{};  ///< p − p_L
@@ -48,12 +48,12 @@ template <class S>
 struct SlotParams {
   Vec2<S> d{};
   bool turns = false;   ///< frame 1
-  bool steers = false;  ///< along its own course: in frame 1, or where a current is known
+  bool steers = false;  ///< has its own course: in frame 1, or where a current is known
   S epsilon = S(0.05);
   S omega_n = S(2);
 };
 
-/// A number and its rate of change, smoothed.
+/// A smoothed value and its rate of change.
 template <class S>
 struct Smooth {
   S value{};
@@ -71,20 +71,20 @@ struct SlotState {
 
 template <class S>
 struct Slot {
-  Vec2<S> d_n{};  ///< from the leader
+  Vec2<S> d_n{};  ///< relative to the leader
   S psi{};
   Nu<S> nu{};
   Nu<S> nu_dot{};
   S pace{};  ///< q_s
 };
 
-/// A slot that goes as its leader goes.
+/// A slot with its leader's heading and velocity.
 template <class S>
 Slot<S> slot_beside(const ControllerInput<S>& in, const Vec2<S>& d_n) {
   return {d_n, in.psi_L, in.nu_L, in.nu_L_dot, in.nu_L.u};
 }
 
-/// Velocity in the leader's axes, over ground with its rate of change there, and through the water.
+/// Velocity in the leader's axes: over ground, its rate of change, and through the water.
 template <class S>
 struct SlotVelocity {
   Vec2<S> w{};
@@ -102,7 +102,7 @@ SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const ControllerInput
   return {w, {a.u - a.r * d.y, a.v + a.r * d.x}, {w.x - c.x, w.y - c.y}};
 }
 
-/// A step of such a tracker: of second order, without lag behind a steady change.
+/// Step and gains of a second-order tracker, which follows a ramp without lag.
 template <class S>
 struct Smoothing {
   S h{};
@@ -125,7 +125,7 @@ void smooth(const Smoothing<S>& by, Smooth<S>& state, S value) {
   state.rate = state.rate + state.rate_rest.take(by.of_rate, off);
 }
 
-/// How the slot moves; carries its state over the h seconds since the step before.
+/// The slot's motion; advances its state by the h seconds since the previous step.
 template <class S>
 Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<S>& state,
                      const ControllerInput<S>& in, S h) {
@@ -143,7 +143,7 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   const S q_s_dot = state.q_s.rate;
   const S qq = q_s * q_s;
   const S D = qq + params.epsilon * params.epsilon;
-  const S share = qq / D;  // 1 where the slot makes way
+  const S share = qq / D;  // → 1 for |q_s| ≫ ε
   const S per_q = share * q_s / D;
   const S z = state.n.value * per_q;
   const S z_dot =
@@ -164,13 +164,13 @@ Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<
   return slot;
 }
 
-/// A slot on the inside of its leader's turn that has to go astern, which no hull holds.
+/// Whether the slot goes astern on the inside of its leader's turn, where no hull can follow.
 template <class S>
 bool goes_astern(const SlotParams<S>& params, const ControllerInput<S>& in, const Slot<S>& slot) {
   return params.turns && S(0) < in.nu_L.u && slot.nu.u < S(-0.05);
 }
 
-/// The leader's sway through the water: as if the boat had sailed beside it before.
+/// The leader's sway through the water: the start value of a boat that sailed beside it.
 template <class S>
 S sway_beside(const ControllerInput<S>& in) {
   return in.nu_L.v - to_body(in.psi_L, in.current_n).y;

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Whether a boat that the law drives keeps its station: it is in its slot, or comes nearer to it.
+// Whether a boat under the law keeps its station: it is in its slot or gets nearer to it.
 //
 //   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, once
-//   b ← n while in, else the nearest since, where that is nearer by 0.1 m
-//   t ← 0 while in or where b has become less, else t + w h,   w = 2 at a limit, else 1
-//   left   kept and |e| > D for 1 s                  spins   |r| > 1.2 r_max for 2 s in all, less 0.3 of the time between
-//   stuck  t > 60 s                                  well    again: in, and |r| ≤ r_max, for 1 s
+//   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more
+//   t ← 0 while in or where b decreases, else t + w h,   w = 2 at a limit, else 1
+//   left   kept and |e| > D for 1 s         spins   |r| > 1.2 r_max for 2 s, less 0.3 of other time
+//   stuck  t > 60 s                         well    in and |r| ≤ r_max for 1 s; ends these three
 //
 //  symbol  meaning                                            unit     tested range
 //  e       distance from the slot                             m        0 … 1000
-//  D       FS_SLOT_M; 0: nothing of all this is judged        m        0.5 … 100
-//  n       so near is in the slot: D/5; 1.6 Δ, where that is more, beside a slot at rest    m
-//  Δ       look-ahead: so near to a slot at rest a boat is left alone     m
-//  r_max   greatest yaw rate that the law asks for; 0: any    rad/s    0 … 4
+//  D       FS_SLOT_M; 0: off                                  m        0.5 … 100
+//  n       radius of the slot: D/5; max(D/5, 1.6 Δ) at rest   m
+//  Δ       look-ahead, as in approach.hpp                     m
+//  r_max   limit of the desired yaw rate; 0: none             rad/s    0 … 4
 //  h       control step                                       s        0 … 1
 //
-// Not in paper. A boat that still closes up is judged by its progress, not by its distance: it may be
-// far. At a limit of speed, yaw rate or thrust, progress must be seen in half the time. One that makes
-// way for another vessel is not stuck.
+// Not in paper. A boat that still closes up may be far away, so its progress counts, not its
+// distance. At a limit of speed, yaw rate or thrust it must make progress in half the time. While
+// it yields to another vessel, t stands still.
 //
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once
@@ -55,12 +55,12 @@ template <class S>
 struct StationInput {
   S distance{};  ///< |e|
   S r{};
-  bool limited = false;  ///< speed, yaw rate or thrust
+  bool limited = false;  ///< at a limit of speed, yaw rate or thrust
   bool yields = false;   ///< to another vessel
-  bool at_rest = false;  ///< the slot
+  bool at_rest = false;  ///< the slot is at rest
 };
 
-/// A time that goes on while something is so, and begins anew.
+/// Counts h while `so`, up to 1000 s; otherwise resets.
 template <class S>
 void count_while(S& time, bool so, S h) {
   time = so ? min(time + h, S(1000)) : S(0);
@@ -79,7 +79,7 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
   }
 }
 
-/// h seconds later; the state begins anew where FORMATION is entered and where slot or leader change.
+/// Advances by h seconds. The caller resets the state when FORMATION, slot or leader is new.
 template <class S>
 void station_forward(const StationParams<S>& params, StationState<S>& state,
                      const StationInput<S>& in, S h) {

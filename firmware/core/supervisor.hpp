@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// When the boat may push: condition bits and an operator's request → one ordered table → state.
+// Decides when the boat may drive: conditions and an operator's request → ordered table → state.
 //
-// The first row that fits wins. A row fits when the state is one of `from`, the request is the
-// row's, every condition in `needs` is met and, where `lacks` is not empty, one of those is not.
+// The first matching row wins. A row matches when the state is one of `from`, the request is the
+// row's, every condition in `needs` is met and, unless `lacks` is empty, one in `lacks` is not.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 namespace flotilla::core {
 
 enum class State : std::uint8_t {
-  kDisarmed,   ///< no thrust, ESCs told to stay disarmed
+  kDisarmed,   ///< no thrust, ESCs commanded to stay disarmed
   kHold,       ///< armed, no thrust
   kManual,     ///< armed, the sticks drive
   kFormation,  ///< armed, the law drives
-  kCoast,      ///< armed, the law drives behind a leader carried forward, slower and slower
-  kTest,       ///< armed, one propeller turns: bounded, for seconds
-  kFault,      ///< no thrust, ESCs told to disarm; left by disarming only
+  kCoast,      ///< armed, the law follows a dead-reckoned leader that slows down
+  kTest,       ///< armed, one propeller turns, with limited thrust, for seconds
+  kFault,      ///< no thrust, ESCs commanded to disarm; only disarming leaves it
 };
 constexpr std::size_t kStates = 7;
 
@@ -34,59 +34,59 @@ enum class Request : std::uint8_t {
 };
 constexpr std::size_t kRequests = 8;
 
-/// A set of conditions; each is true when all is well.
+/// A set of conditions; a set bit means that all is well.
 using Conditions = std::uint32_t;
 constexpr Conditions kOwnFresh = 1U << 0U;         ///< own state is younger than its limit
-constexpr Conditions kLeaderFresh = 1U << 1U;      ///< leader's is, and both origins are known
-constexpr Conditions kEscsOnline = 1U << 2U;       ///< both ESCs report, healthy
+constexpr Conditions kLeaderFresh = 1U << 1U;      ///< so is the leader's; both origins are known
+constexpr Conditions kEscsOnline = 1U << 2U;       ///< both ESCs report good health
 constexpr Conditions kBusUp = 1U << 3U;            ///< the CAN interface is up and not bus-off
-constexpr Conditions kSoleController = 1U << 4U;   ///< nobody else commands or arms ESCs
-constexpr Conditions kParametersSaved = 1U << 5U;  ///< the operator's, not a fall to defaults
+constexpr Conditions kSoleController = 1U << 4U;   ///< no other node commands or arms ESCs
+constexpr Conditions kParametersSaved = 1U << 5U;  ///< stored parameters were read, or saved since
 constexpr Conditions kSticksFresh = 1U << 6U;      ///< MANUAL_CONTROL is younger than 0.5 s
-constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was asked for, is not over
-constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not the same again and again
-constexpr Conditions kOwnSteady = 1U << 9U;        ///< it does not jump as no vessel can
-constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not the same for ever
-constexpr Conditions kLeaderSteady = 1U << 11U;    ///< it does not jump
-constexpr Conditions kBoatAnswers = 1U << 12U;     ///< the boat moves as its thrust would have it
-constexpr Conditions kEscsObey = 1U << 13U;        ///< no ESC drives that was told to stand still
-constexpr Conditions kGcsHeard = 1U << 14U;        ///< a ground station, or none is required
-constexpr Conditions kBatteryGood = 1U << 15U;     ///< ESCs' voltage, or no limit is set
+constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was requested, is not over
+constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
+constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump implausibly
+constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
+constexpr Conditions kLeaderSteady = 1U << 11U;    ///< leader's state does not jump implausibly
+constexpr Conditions kBoatAnswers = 1U << 12U;     ///< the boat responds to its thrust
+constexpr Conditions kEscsObey = 1U << 13U;        ///< no ESC spins while commanded to stop
+constexpr Conditions kGcsHeard = 1U << 14U;        ///< a ground station is heard, or not required
+constexpr Conditions kBatteryGood = 1U << 15U;     ///< ESC voltage above its limit, or none is set
 constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or no limit is set
 constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
 constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
-constexpr Conditions kInRange = 1U << 19U;         ///< no number was out of the scalar's range
-constexpr Conditions kOnStation = 1U << 20U;       ///< in the slot or closing up, or not by the law
-constexpr Conditions kOwnPrompt = 1U << 21U;       ///< own state is not later than the law bears
-constexpr Conditions kLeadersEnd = 1U << 22U;      ///< no leader of the leaders follows this boat
-constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, and ahead in every turn
-constexpr unsigned kConditionCount = 24;           ///< without the choices
-// What the operator has chosen, FS_LEADER_ACT and FS_GCS_ACT; neither of two: MANUAL, else HOLD.
+constexpr Conditions kInRange = 1U << 19U;         ///< the scalar has not overflowed
+constexpr Conditions kOnStation = 1U << 20U;       ///< in slot, closing up, or not under the law
+constexpr Conditions kOwnPrompt = 1U << 21U;       ///< own state's latency is tolerable for the law
+constexpr Conditions kLeadersEnd = 1U << 22U;      ///< the chain of leaders does not lead back here
+constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, and does not go astern
+constexpr unsigned kConditionCount = 24;           ///< without the operator's choices
+// The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
 constexpr Conditions kGcsLossHolds = kLeaderLossHolds << 2U;
 constexpr Conditions kGcsLossCoasts = kLeaderLossHolds << 3U;
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
-/// Without them the boat is not sure to do what is meant, and a look at it is needed.
+/// Without these the boat may not obey commands and needs an inspection.
 constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
 constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
-/// A boat that leaves its slot has lost its leader as well as one that hears nothing of it.
+/// A boat that leaves its slot counts as one that has lost its leader.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
-/// Without them the boat has no place in the tree that it could sail to.
+/// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
 constexpr Conditions kByLaw = kOwn | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
-// No own state: a boat that lost its navigation can be driven home.
+// Needs no own state, so that a boat that has lost its navigation can be driven home.
 constexpr Conditions kManualDrive = kSticksFresh | kSound;
 constexpr Conditions kArming = kOwn | kSound | kLimits | kGcsHeard | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kSound;
 constexpr Conditions kAllConditions = (1U << kConditionCount) - 1U;
 
-/// The set of those states.
+/// The set of these states.
 template <class... States>
 constexpr std::uint8_t in(States... states) {
   return static_cast<std::uint8_t>(((1U << static_cast<unsigned>(states)) | ...));
@@ -106,12 +106,12 @@ struct Row {
 constexpr std::array<Row, 28> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
-    // What is lost by itself. FAULT is left by disarming, HOLD by the operator, COAST by itself.
+    // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
     {kArmed, Request::kNone, 0, kSound, State::kFault},
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
     {kLawDrives, Request::kNone, 0, kByLaw, State::kHold},
-    // Of two losses the more careful choice counts, also of one that comes later, in COAST.
+    // After two losses the more careful choice counts, also if the second comes later, in COAST.
     {kLawDrives, Request::kNone, kLeaderLossHolds, kFollows, State::kHold},
     {kLawDrives, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
     {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kFollows, State::kCoast},
@@ -120,13 +120,13 @@ constexpr std::array<Row, 28> kTable{{
     {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
     {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
     {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
-    // What is asked for.
+    // Requests.
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
     {in(State::kHold) | kLawDrives, Request::kManual, kManualDrive, 0, State::kManual},
     {in(State::kHold, State::kManual), Request::kFormation, kDrive | kClear, 0, State::kFormation},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
-    // Asking for what already is: granted, because commands are repeated when an answer is lost.
+    // Requests for the present state: granted, as senders repeat a command whose answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
     {in(State::kHold), Request::kArm, 0, 0, State::kHold},
     {in(State::kManual), Request::kArm, 0, 0, State::kManual},
@@ -140,9 +140,9 @@ constexpr std::array<Row, 28> kTable{{
 
 struct Verdict {
   State state;
-  bool granted;  ///< a row fitted; for Request::kNone: the boat changed its state by itself
-  /// Refused for want of these, none where the state itself forbids it; or what was lost, where the
-  /// boat changed its state by itself.
+  bool granted;  ///< a row matched; for Request::kNone: an automatic transition
+  /// Of a refused request: the unmet conditions, none if no row allows it in this state. Of an
+  /// automatic transition: the conditions whose loss caused it.
   Conditions missing;
 };
 
@@ -161,7 +161,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
 constexpr bool armed(State state) { return (kArmed & in(state)) != 0; }
 constexpr bool law_drives(State state) { return (kLawDrives & in(state)) != 0; }
 
-/// Whether thrust is allowed; the propellers' path asks again, after allocation.
+/// Whether thrust is allowed; checked again after allocation.
 constexpr bool may_drive(State state, Conditions met) {
   const auto all_of = [met](Conditions desired) { return (met & desired) == desired; };
   return (state == State::kManual && all_of(kManualDrive)) ||

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 // One propeller: thrust from command and command from thrust, each direction with its own maximum.
 //
-//   T / T_max = (1 − ε) c + ε c |c|            T_max = F ahead, R astern; c of 1, not of full
+//   T / T_max = (1 − ε) c + ε c |c|            T_max = F ahead, R astern; here c = −1 … 1
 //   c = ± 2 t / ((1 − ε) + √((1 − ε)² + 4 ε t)),  t = |T| / T_max         the exact inverse
 //
 //  symbol   meaning                              unit  tested range
-//  c        command, −full … full: a propeller's counts keep what its thrust has of bits
+//  c        command, −full … full; full in ESC counts preserves the resolution of T
 //  T        thrust                               N     −R … F
 //  epsilon  0 linear … 1 quadratic               1     0 … 1
-//  dead     a smaller thrust is not asked for    N     0 … F
+//  dead     a smaller |T| gives command 0        N     0 … F
 //
-// Not in paper. The inverse is written with the root in the denominator: it needs no case for ε =
-// 0.
+// Not in paper. The inverse has the root in its denominator, so that ε = 0 needs no special case.
 //
 // Q16.16: tested within ±8,192 (commands in a propeller's counts)
 #pragma once
@@ -29,7 +28,7 @@ struct ThrustCurveParams {
   S full = S(1);
 };
 
-/// N, from a command within ±full.
+/// Thrust, N, of a command within ±full.
 template <class S>
 S thrust_from_command(const ThrustCurveParams<S>& params, S c) {
   const S T_max = c < S(0) ? params.R : params.F;
@@ -52,13 +51,12 @@ S command_from_thrust(const ThrustCurveParams<S>& params, S T) {
   return astern ? -c : c;
 }
 
-/// The command after dt seconds on its way to `wanted`; rate in full scale per second, 0 = no
-/// limit.
+/// Slew rate limit: the command after dt seconds; rate in full scale per second, 0: no limit.
 template <class S>
 S limit_slew(S previous, S desired, S rate, S dt, S full = S(1)) {
   if (!(S(0) < rate)) return desired;
   const S half = S(0.5) * full * min(rate * dt, S(2));
-  const S way = S(0.5) * desired - S(0.5) * previous;  // halves: the whole may be 2 full
+  const S way = S(0.5) * desired - S(0.5) * previous;  // halves: the difference may be 2 full
   if (abs(way) <= half) return desired;
   return way < S(0) ? previous - half - half : previous + half + half;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the law knows of its boat: M ν̇ + C(ν) ν + D ν = [X 0 N]ᵀ with diagonal M and D.
+// The law's model of its boat: M ν̇ + C(ν) ν + D ν = [X 0 N]ᵀ with diagonal M and D.
 //
 //  symbol         meaning                                    unit           tested range
 //  m11, m22, m33  inertia with added mass: surge, sway, yaw  kg, kg, kg m²  0.1 … 500
@@ -13,13 +13,13 @@
 
 namespace flotilla::core {
 
-/// 0 where there is no vessel yet.
+/// a / b; 0 for b ≤ 0, as in a default vessel.
 template <class S>
 constexpr S quotient_of(S a, S b) {
   return S(0) < b ? a / b : S(0);
 }
 
-/// Made whole, of its six numbers, and never changed after: the quotients are of those.
+/// Do not change a member after construction: the quotients would no longer match.
 template <class S>
 struct Vessel {
   constexpr Vessel() = default;

@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: MIT
-// The velocity that the boat ought to have, ν*, and its derivative.
+// The desired velocity ν* and its derivative.
 //
 //   u* = u_S − k_x e_x               u̇* = u̇_S − k_x ė_x                           (eq:49a)
 //   r* = r_S − k_ψ tanh e_ψ          ṙ* = ṙ_S − k_ψ (1 − tanh² e_ψ) ė_ψ            (eq:49b)
 //   v̇* = −(m11/m22) u* r* − (d22/m22) v*,  v*(0) = v_L(0) (eq:mas-constraint)
 //
-// with e_ψ − θ for e_ψ, and θ̇, θ̈ added, where there is a line of sight; then |u*| ≤ u_max, |r*| ≤ r_max.
-// v* over a step h in which u*, r* are held, exactly:
+// A line of sight replaces e_ψ by e_ψ − θ and adds θ̇, θ̈; then |u*| ≤ u_max, |r*| ≤ r_max.
+// v* over a step h with constant u*, r*, exactly:
 //   v* ← e^{−bh} v* − (m11/d22)(1 − e^{−bh}) u* r*,   b = d22/m22
 //
 //  symbol        meaning                         unit        tested range
 //  k_x, k_psi    gains                           1/s         0 … 2
-//  u_max, r_max  greatest speed and yaw rate     m/s, rad/s  0: any
+//  u_max, r_max  greatest speed and yaw rate     m/s, rad/s  0: no limit
 //  v_star        sway that follows from u*, r*   m/s         ±20
 //  h             control step                    s           0 … 0.2
 //
-// Not in paper: θ and the limits. Both are over ground, whatever the slot does: in a current the same
-// ν* is another one through the water, by as much as the current. A slot that needs more is too fast,
-// |w_S| > u_max or |r_S| > r_max, and is told so. At a limit ν* is constant, and nothing is integrated
-// from what could not be reached.
+// Not in paper: θ and the limits. Both limits apply over ground; through the water ν* differs by
+// the current. A slot with |w_S| > u_max or |r_S| > r_max is reported as too fast. At a limit the
+// derivative is 0, and v* follows from the limited u*, r*.
 //
 // Q16.16: tested within ±500 (damping, kg/s)
 #pragma once
@@ -51,7 +50,7 @@ struct VirtualVelocity {
   bool r_limited = false;
 };
 
-/// Carries v* over the h seconds since the step before, in which its u* and r* were held.
+/// Advances v* by the h seconds since the previous step, over which u* and r* were constant.
 template <class S>
 void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& state, S h) {
   const S decay = exp(-vessel.d22_m22 * h);
@@ -59,8 +58,8 @@ void virtual_sway_forward(const Vessel<S>& vessel, VirtualVelocityState<S>& stat
                  vessel.m11_d22 * (S(1) - decay) * state.u_star_held * state.r_star_held;
 }
 
-/// Keeps a wanted velocity within ±most, 0: no limit, and tells whether that changed it; where it is
-/// held, it has no derivative.
+/// Limits a desired velocity to ±most (0: no limit) and sets its derivative to 0 where it does so;
+/// returns whether it did.
 template <class S>
 bool keep_within(S most, S& desired, S& desired_dot) {
   if (!(S(0) < most && most < abs(desired))) return false;
@@ -69,7 +68,7 @@ bool keep_within(S most, S& desired, S& desired_dot) {
   return true;
 }
 
-/// A velocity no greater than most, 0: any.
+/// v, no longer than most; 0: no limit.
 template <class S>
 Vec2<S> shortened(const Vec2<S>& v, S most) {
   const S speed = hypot(v.x, v.y);
@@ -77,8 +76,7 @@ Vec2<S> shortened(const Vec2<S>& v, S most) {
   return {scaled(v.x, most, speed), scaled(v.y, most, speed)};
 }
 
-/// By which of a boat's limits its slot is too fast: what it needs, m/s and rad/s, 0 where that is
-/// within the limit.
+/// Speed and yaw rate that the slot needs beyond the boat's limits, m/s and rad/s; 0 where within.
 template <class S>
 struct TooFast {
   S u{};
@@ -91,7 +89,7 @@ TooFast<S> too_fast(const VirtualVelocityParams<S>& params, const Slot<S>& slot)
   return {beyond(params.u_max, hypot(slot.nu.u, slot.nu.v)), beyond(params.r_max, abs(slot.nu.r))};
 }
 
-/// The speed that is wanted, before its limit.
+/// u* before its limit.
 template <class S>
 S desired_surge(const VirtualVelocityParams<S>& params, const Slot<S>& slot,
                 const FormationError<S>& error) {

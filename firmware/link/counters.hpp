@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What was received, sent and thrown away. Counters wrap; nobody acts on them, people read them.
+// Counters of received, sent and discarded data. They wrap; they inform people, and decide nothing.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@ struct Counters {
   std::uint32_t mavlink_bad_value = 0;      ///< not finite, out of range, quaternion of zeros
   std::uint32_t mavlink_bad_frame = 0;      ///< coordinate frame that is not north-aligned
   std::uint32_t mavlink_old_stamp = 0;      ///< repeated, late, or from a clock that went back
-  std::uint32_t mavlink_jump = 0;           ///< state that its vessel cannot have come to
-  std::uint32_t mavlink_no_heading = 0;     ///< position without an ATTITUDE of about its time
+  std::uint32_t mavlink_jump = 0;           ///< implausible jump of a vessel's state
+  std::uint32_t mavlink_no_heading = 0;     ///< position without an ATTITUDE of about the same time
   std::uint32_t reference_refused = 0;      ///< FORMATION_REFERENCE: too old, a jump, impossible
-  std::uint32_t mavlink_unknown = 0;        ///< whole frames of messages that our dialect lacks
-  std::uint32_t mavlink_not_sent = 0;       ///< message that found no room in this tick's buffer
-  std::uint32_t requests_dropped = 0;       ///< more of them in one tick than the inbox holds
+  std::uint32_t mavlink_unknown = 0;        ///< whole frames of messages not in our dialect
+  std::uint32_t mavlink_not_sent = 0;       ///< message dropped: this tick's buffer was full
+  std::uint32_t requests_dropped = 0;       ///< requests beyond the inbox's capacity in one tick
   std::uint32_t can_received = 0;           ///< whole transfers
-  std::uint32_t can_bad_frame = 0;          ///< no tail, wrong order, lost part, nonsense id
+  std::uint32_t can_bad_frame = 0;          ///< no tail byte, wrong order, lost frame, invalid id
   std::uint32_t can_bad_checksum = 0;       ///< multi-frame transfer whose CRC is wrong
   std::uint32_t can_bad_value = 0;          ///< transfer too short for its type
-  std::uint32_t can_not_sent = 0;           ///< transfer that found no room in this tick's buffer
-  std::uint32_t clock_went_back = 0;        ///< calls with a time before that of the call before
+  std::uint32_t can_not_sent = 0;           ///< transfer dropped: this tick's buffer was full
+  std::uint32_t clock_went_back = 0;        ///< calls with a time earlier than the previous call's
 
   std::uint32_t mavlink_signed = 0;            ///< messages whose signature is good
   std::uint32_t mavlink_forged = 0;            ///< signed with another key, or changed on the way
   std::uint32_t mavlink_replayed = 0;          ///< signed, but not new: heard before, or too old
   std::uint32_t mavlink_future_stamp = 0;      ///< signed more than a minute ahead of our clock
-  std::uint32_t mavlink_streams_full = 0;      ///< signed, by more senders than there is room for
+  std::uint32_t mavlink_streams_full = 0;      ///< signed, by a sender beyond the table's capacity
   std::uint32_t mavlink_unsigned_refused = 0;  ///< unsigned on a link that requires signatures
 };
 

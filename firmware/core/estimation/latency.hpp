@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
-// How late the fixes of a navigation unit are whose clock nobody knows, by the turns that the boat makes
-// under the moments that it was given.
+// Estimates the latency of a navigation unit whose clock is unknown, from the yaw response to the
+// applied moment.
 //
-//   each hypothesis τ_i = i h of how late they are has a Kalman filter of x = [r  b  γ]ᵀ at the fixes:
+//   each hypothesis τ_i = i h of the latency has a Kalman filter of x = [r  b  γ]ᵀ at the fixes:
 //   ṙ = γ n(t − τ_i) − δ r + b     ḃ, γ̇ = white     z = r + white     n = N/m33, δ = d33/m33
-//   J_i ← λ J_i + (z − r̂)² / (P_rr + R)             what it foresaw badly
-//   τ̂: the vertex of the parabola through the least of them and its neighbours; A = J_{i−1} − 2 J_i + J_{i+1}
-//   known, where A > A_min J / Σλ and J_none − J_i > D_min J / Σλ, J = max(J_i, J_min Σλ)         σ_τ = h √(2 J / (A Σλ)) < h √(2 / A_min)
+//   J_i ← λ J_i + (z − r̂)² / (P_rr + R)             normalized squared innovations
+//   τ̂: vertex of the parabola at the least J_i and its neighbours; A = J_{i−1} − 2 J_i + J_{i+1}
+//   known where A > A_min J / Σλ and J_none − J_i > D_min J / Σλ, J = max(J_i, J_min Σλ):
+//   σ_τ = h √(2 J / (A Σλ)) < h √(2 / A_min)
 //
 //  symbol  meaning                                     frame  unit         tested range
-//  r, z    yaw rate, and as a fix tells it                    rad/s        ±4
-//  n       moment given, over inertia                         rad/s²       ±100
+//  r, z    yaw rate, its measurement in a fix                 rad/s        ±4
+//  n       applied moment over inertia                        rad/s²       ±100
 //  b       unknown moment over inertia                        rad/s²
-//  γ       share of the moment that there is                               0.2 … 3
-//  age     of the fix, were it not late                       s            0 … 0.5
-//  dt      since the fix before it                            s            0 … 0.5
+//  γ       effective share of the applied moment                           0.2 … 3
+//  age     age of the fix without the latency                 s            0 … 0.5
+//  dt      time since the previous fix                        s            0 … 0.5
 //
-// Not in paper. Position, heading and velocity that are all late by the same time agree with each
-// other: a late boat is seen to do what it does, but later than its propellers say. Hence it is not seen while the
-// moment is the same for long: straight on, at rest. The law's answer to noise is enough, no
-// turn is made for it. The lag of the propellers is seen as latency too, and predicting over
-// it does no harm. A gain and an unknown moment of its own keep a hull that is half off its model from
-// looking late.
+// Not in paper. Position, heading and velocity with the same latency are consistent with each
+// other; only the delay after the applied thrust reveals it. A constant moment, straight ahead or
+// at rest, reveals nothing. The law's response to noise excites enough; no turn is made for it.
+// Propeller lag counts as latency, and predicting over it does no harm. Each filter estimates γ and
+// b, so that a model error of one half does not look like latency.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,7 +41,7 @@ struct LatencyParams {
   S gamma_min = S(0.2);
   S A_min = S(60);
   S D_min = S(60);
-  S J_min = S(0.1);  ///< no unit is better than that, of J / Σλ: what is left is the model's error
+  S J_min = S(0.1);  ///< floor of J / Σλ, for the model's error
 };
 
 template <class S>
@@ -55,10 +55,10 @@ struct Latency {
     S J{};
   };
   Hypothesis hypotheses[kHypotheses];
-  Hypothesis none = unmoved();  ///< the boat does not answer to its moments, γ = 0
-  S impulse[kLength]{};         ///< ∫n dt of the last bins of time, a ring
-  int last = 0;                 ///< the bin that is being filled
-  S filled{};                   ///< of it, s
+  Hypothesis none = unmoved();  ///< the boat does not respond to moments, γ = 0
+  S impulse[kLength]{};         ///< ∫n dt of the last bins, a ring buffer
+  int last = 0;                 ///< the bin being filled
+  S filled{};                   ///< time in that bin, s
   S weight{};                   ///< Σλ
 
   static Hypothesis unmoved() {
@@ -69,14 +69,14 @@ struct Latency {
   }
 };
 
-/// Nothing where it cannot be seen, as in a boat that hardly answers to its moments.
+/// Not known where it is unobservable, as in a boat that hardly responds to its moments.
 template <class S>
 struct Late {
   S tau{};
   bool known = false;
 };
 
-/// The moment over inertia that was given for `time`.
+/// Records the moment over inertia applied for `time`, s.
 template <class S>
 void latency_forward(Latency<S>& state, S n, S time) {
   while (S(0) < time) {
@@ -109,13 +109,13 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
   return sum;
 }
 
-/// From a fix to the next one, `count` steps of h.
+/// Integration from one fix to the next, in `count` steps of h.
 template <class S>
 struct LatencySteps {
   int count;
   S h;
-  S kept_r;  ///< of the yaw rate, by one step's damping
-  S kept_n;  ///< of what the moment makes of it in the step
+  S kept_r;  ///< share of the yaw rate left by one step's damping
+  S kept_n;  ///< share of the step's change of it left
 };
 template <class S>
 LatencySteps<S> latency_steps(const LatencyParams<S>& params, S dt) {
@@ -125,13 +125,13 @@ LatencySteps<S> latency_steps(const LatencyParams<S>& params, S dt) {
   return {count, h, (S(1) - half) / (S(1) + half), S(1) / (S(1) + half)};
 }
 
-/// One hypothesis, carried to `to` ago and set right by the yaw rate that is told.
+/// Predicts one hypothesis to `to` seconds ago and corrects it by the measured yaw rate z.
 template <class S>
 void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
                         const LatencySteps<S>& steps, typename Latency<S>::Hypothesis& one, S to,
                         S z, S kept) {
   const auto& [count, h, kept_r, kept_n] = steps;
-  Eigen::Matrix<S, 1, 3> F{S(1), S(0), S(0)};  // its first row; the others are the identity's
+  Eigen::Matrix<S, 1, 3> F{S(1), S(0), S(0)};  // first row; the others are the identity's
   for (int left = count; left > 0; --left) {
     const S end = to + S(left - 1) * h;
     const Eigen::Matrix<S, 1, 3> pushed{S(0), kept_n * h,
@@ -155,7 +155,7 @@ void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
   one.P -= gain * row;
 }
 
-/// A fix has told the yaw rate.
+/// Corrects all hypotheses by a fix with the yaw rate z.
 template <class S>
 void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
   const S kept = S(1) - dt / params.memory;

@@ -1,29 +1,28 @@
 // SPDX-License-Identifier: MIT
-// The boat's own motion at its fixes and between them, the forces that its model does not know, and
-// the current of the water.
+// Estimates the boat's own motion at and between its fixes, the unmodelled forces, and the current.
 //
 //   ν_w = ν − c_b,  c_b = R(ψ)ᵀ c                            through the water
 //   m11 u̇ = X + m22 v_w r − d11 u_w + m11 (b_u + r c_y)
 //   m22 v̇ = −m11 u_w r − d22 v_w + m22 (b_v − r c_x)
 //   m33 ṙ = N − (m22 − m11) u_w v_w − d33 r + m33 b_r
 //   ν₊ from there with damping at the step's end      ψ₊ = ψ + h r̄      p₊ = p + h R(ψ̄) [ū v̄]ᵀ
-//   at a fix, carried forward to now under the wrenches given since, with k = Δt / (Δt + T):
+//   at a fix, predicted to now under the wrenches applied since, with k = Δt / (Δt + T):
 //   η ← η̂ + k (η − η̂)     ν ← ν̂ + k (ν − ν̂)     b ← b + k ω (ν − ν̂) / (1 + ω Δt)
 //   c ← c + ω_c Δt R(ψ) [0  (m22/d22) b_v]ᵀ
 //
 //  symbol  meaning                                     frame  unit         tested range
 //  nu      velocity over ground                        body   m/s, rad/s   ±20, ±4
-//  tau     wrench given, held over the step            body   N, N m       ±1000
+//  tau     applied wrench, constant over the step      body   N, N m       ±1000
 //  b       unknown force over mass                     body   m/s², rad/s²
 //  c       current                                     n      m/s          ±2
-//  ω, ω_c  bandwidth of b, of c; 0: none is known             rad/s        0 … 5, 0 … 1
+//  ω, ω_c  bandwidth of b, of c; 0: off                       rad/s        0 … 5, 0 … 1
 //  h       step                                               s            0 … 1
-//  x̄, x̂   mean of a step's beginning and end; what was expected
+//  x̄, x̂   mean of a step's beginning and end; prediction
 //
-// Source: paper (eq:1b). Not in paper, which has states at every instant: with k_dr = 10 the yaw
-// loop needs the yaw rate more than 27 times a second, and many navigation units give it 5 times.
-// Fed with the wrench that was given, b does not wind up where the propellers saturate. The current
-// is what keeps sway from going where the model says, whichever way the boat heads.
+// Source: paper (eq:1b). Not in paper, which knows the state at every instant: with k_dr = 10 the
+// yaw loop needs the yaw rate more than 27 times a second, but many navigation units give it 5
+// times. The observer uses the applied wrench, so that b does not wind up where the propellers
+// saturate. The current is the sway error that keeps its direction over ground on every heading.
 //
 // Q16.16: tested within ±500 (wrench given, N)
 #pragma once
@@ -39,11 +38,11 @@ struct ObserverParams {
   S omega{};    ///< ω
   S omega_c{};  ///< ω_c
   Nu<S> b_max{};
-  S T = S(0.1);  ///< time over which the noise of fixes is averaged; 0 where ω is 0
+  S T = S(0.1);  ///< averaging time for the noise of fixes; not used where ω is 0
   S c_max = S(2);
 };
 
-/// Wrenches of the last moments, those of steps under 10 ms taken together; the newest at `last`.
+/// The latest applied wrenches, the newest at `last`; short steps are averaged, up to 10 ms.
 template <class S>
 struct WrenchHistory {
   static constexpr int kLength = 64;
@@ -63,10 +62,10 @@ struct Observer {
   Carry<S> psi_rest{};
 };
 
-/// A fix: heading and velocity `age` ago, `dt` after the fix before it, 0 for the first.
+/// A fix: heading and velocity `age` ago, `dt` after the previous fix; dt = 0 for the first.
 template <class S>
 struct Fix {
-  Vec2<S> expected_n{};  ///< where the boat was thought to be now, seen from this fix
+  Vec2<S> expected_n{};  ///< predicted position now, relative to this fix
   S psi{};
   Nu<S> nu{};
   S age{};
@@ -96,13 +95,13 @@ Motion<S> observer_step(const Vessel<S>& m, const Observer<S>& now, const Tau<S>
           {a_u - m.d11_m11 * next.u, a_v - m.d22_m22 * next.v, a_r - m.d33_m33 * next.r}};
 }
 
-/// Within the reach of any boat: what is greater is no motion but an arithmetic that ran away.
+/// Limits each component to ±most; beyond any boat's reach, the arithmetic has diverged.
 template <class S>
 Nu<S> bounded(const Nu<S>& nu, const Nu<S>& most) {
   return {clamp(nu.u, -most.u, most.u), clamp(nu.v, -most.v, most.v), clamp(nu.r, -most.r, most.r)};
 }
 
-/// Carries the motion on by `time` seconds, in steps of at most 20 ms; by no more than 2 s.
+/// Predicts the motion over `time` seconds, at most 2 s, in steps of at most 20 ms.
 template <class S>
 void observer_carry(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& tau, S time) {
   S left = min(time, S(2));
@@ -114,7 +113,7 @@ void observer_carry(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& t
   }
 }
 
-/// The same under the wrench that was given, which is kept for fixes that come late.
+/// The same under the applied wrench, which is recorded for late fixes.
 template <class S>
 void observer_forward(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>& tau, S time) {
   if (!(S(0) < time)) return;
@@ -133,13 +132,13 @@ void observer_forward(const Vessel<S>& vessel, Observer<S>& state, const Tau<S>&
   given.time[given.last] = time;
 }
 
-/// Carries a fix that is `age` old on to now, under what was given since.
+/// Predicts from a fix `age` ago to now, under the wrenches applied since.
 template <class S>
 void observer_replay(const Vessel<S>& vessel, Observer<S>& state, S age) {
   const WrenchHistory<S>& given = state.given;
   constexpr int n = WrenchHistory<S>::kLength;
   int back = 0;
-  S later = S(0);  // what was given after this one
+  S later = S(0);  // duration of the wrenches after this one
   while (later + given.time[(given.last + n - back) % n] < age && back + 1 < n) {
     later = later + given.time[(given.last + n - back) % n];
     ++back;
@@ -154,22 +153,21 @@ void observer_replay(const Vessel<S>& vessel, Observer<S>& state, S age) {
   }
 }
 
-/// k: what is believed of a fix that came dt after the one before it.
+/// k: the weight of a fix that came dt after the previous one.
 template <class S>
 S share_of_fix(const ObserverParams<S>& params, S dt) {
   return S(0) < params.omega ? dt / (dt + params.T) : S(1);
 }
 
-/// What the fix says beyond what was expected, times its gain, becomes unknown force and current; k:
-/// its share.
+/// Integrates the innovation of a fix into the unknown force and the current; k: the fix's weight.
 template <class S>
 void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observer<S>& state,
                     const Nu<S>& innovation, S k, S dt) {
   const auto gain_of = [&](S omega) { return k * omega / (S(1) + omega * dt); };
   const auto learnt_of = [](S omega, S gain, S b, S off, Carry<S>& rest) {
-    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // switched off, none is known
+    return S(0) < omega ? b + rest.take(gain, off) : S(0);  // off: none is known
   };
-  // The current needs the sway that it causes well before it has taken that over.
+  // The current integrates b_v, which must therefore be much faster.
   const S omega_v = max(params.omega, S(10) * params.omega_c);
   const S gain = gain_of(params.omega), gain_v = gain_of(omega_v);
   const Nu<S> b = {learnt_of(params.omega, gain, state.b.u, innovation.u, state.b_rest.u),
@@ -188,8 +186,8 @@ void observer_learn(const ObserverParams<S>& params, const Vessel<S>& m, Observe
                within(state.c_n.y + state.c_rest.y.take(share, off_n.y))};
 }
 
-/// Takes a fix; the state must have been carried forward to now before. The first one, or one after
-/// a gap (dt = 0), is believed as it is.
+/// Takes a fix; the caller has predicted the state to now. The first fix, or one after a gap
+/// (dt = 0), is taken as it is.
 template <class S>
 void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, Observer<S>& state,
                       const Fix<S>& fix) {
@@ -218,13 +216,13 @@ void observer_correct(const ObserverParams<S>& params, const Vessel<S>& vessel, 
   observer_learn(params, vessel, state, innovation, k, fix.dt);
 }
 
-/// The wrench that b stands for.
+/// The wrench equivalent to b.
 template <class S>
 Tau<S> unknown_wrench(const Vessel<S>& m, const Observer<S>& state) {
   return {m.m11 * state.b.u, m.m33 * state.b.r};
 }
 
-/// The motion a moment, a millisecond or so, before.
+/// The motion `moment` seconds earlier, a millisecond or so.
 template <class S>
 Motion<S> moment_before(Motion<S> motion, S moment) {
   const Vec2<S> way =

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Whether a vessel can have gone from one told state to the next, and how far it is from that.
+// Whether a vessel can have moved from one reported state to the next, and the size of the error.
 //
 //   w = min(a h, V)          w_r = min(a_r h, R)
 //   |Δp − ½ λ h (v₀ + v₁)| ≤ p_0 + 8 s + ½ h w            |Δψ − ½ λ h (r₀ + r₁)| ≤ ψ_0 + ½ h w_r
 //   |v₁ − Λ v₀| ≤ v_0 + w + 4 h |v₀ r₀|                   |r₁ − λ r₀| ≤ r_0 + w_r + 10 h v₀²
 //
 //  symbol    meaning                                              frame  unit        tested range
-//  Δp, Δψ    way and turn from one state to the next              n      m, rad      ±15000, ±π
+//  Δp, Δψ    displacement and turn between the states             n      m, rad      ±15000, ±π
 //  v, r      velocity over ground, yaw rate, of both states       n      m/s, rad/s  ±50, ±20
 //  h         time between them                                           s           0 … 60
-//  a, a_r    what the propellers can do in no time                       m/s², rad/s²  0 … 500
-//  V, R      and what in any time                                        m/s, rad/s  0 … 200
-//  p_0 ψ_0 v_0 r_0  that much two states may differ by their errors alone
-//  λ, Λ      the best of all numbers from 0 to 1; of three, one for each of the vessel's axes
-//  s         by how much the places of this source commonly differ       m
+//  a, a_r    greatest acceleration by the propellers                     m/s², rad/s²  0 … 500
+//  V, R      greatest change of v, r by the propellers                   m/s, rad/s  0 … 200
+//  p_0 ψ_0 v_0 r_0  allowance for the errors of two states
+//  λ, Λ      the best value in 0 … 1; Λ has one for each of the vessel's axes
+//  s         usual scatter of this source's positions                    m
 //
-// Not in paper. A vessel may be held; it may stop as fast as it likes, by a quay or by its drag, which differs from
-// axis to axis: hence Λ. The last terms are what the hull does to itself at speed, by its added mass:
-// (m22/m11) v r, and Munk's moment (m22 − m11) u v / m33, generously; after 40 m nobody knows any more.
+// Not in paper. A vessel may be held or stop at any deceleration, by a quay or by its drag, which
+// differs between the axes: hence Λ. The last terms bound generously the effects of added mass at
+// speed: (m22/m11) v r, and Munk's moment (m22 − m11) u v / m33; they stop growing after 40 m.
 //
 // Q16.16: tested within ±2,000 (a_r h, rad/s)
 #pragma once
@@ -38,7 +38,7 @@ struct PlausibilityLimits {
   S R{};
 };
 
-/// From one told state to the next.
+/// From one reported state to the next, h seconds later.
 template <class S>
 struct Leg {
   Vec2<S> moved_n{};
@@ -49,11 +49,11 @@ struct Leg {
 
 template <class S>
 struct Innovation {
-  S off{};    ///< m, of the place
-  S share{};  ///< of the limit that is nearest, or passed: over 1 it is a jump
+  S off{};    ///< position error, m
+  S share{};  ///< greatest error over its limit; above 1 it is a jump
 };
 
-/// How far b is from all that lies between nothing and a.
+/// Distance of b from the segment between 0 and a.
 template <class S>
 S beyond(S a, S b) {
   return abs(b - clamp(b, min(a, S(0)), max(a, S(0))));
@@ -76,7 +76,7 @@ Innovation<S> innovation_of(const PlausibilityLimits<S>& limits, const Leg<S>& l
   const Vec2<S> before = to_north_east(leg.psi_from, Vec2<S>{leg.from.u, leg.from.v});
   const Vec2<S> after = to_north_east(leg.psi_to, Vec2<S>{leg.to.u, leg.to.v});
   const Vec2<S> way = {half * (before.x + after.x), half * (before.y + after.y)};
-  const auto far = [](S x) { return clamp(x, S(-15000), S(15000)); };  // is as good as anywhere
+  const auto far = [](S x) { return clamp(x, S(-15000), S(15000)); };  // a jump in any case
   const S off = beyond(way, {far(leg.moved_n.x), far(leg.moved_n.y)});
   const S speed = hypot(leg.from.u, leg.from.v);
   const S sailed = min(leg.h * speed, S(40));
@@ -95,7 +95,7 @@ Innovation<S> innovation_of(const PlausibilityLimits<S>& limits, const Leg<S>& l
   return {off, max(max(place, heading), max(velocity, yaw_rate))};
 }
 
-/// What hardly moves: so little changes that it is no matter what was expected.
+/// Changes so small that they are plausible whatever was expected.
 template <class S>
 struct SmallMove {
   S place{};
@@ -107,12 +107,12 @@ struct SmallMove {
 
 template <class S>
 SmallMove<S> small_move(const PlausibilityLimits<S>& limits) {
-  const S change = S(0.25) * limits.speed;  // as much again is what 0.1 rad make of ten times that
+  const S change = S(0.25) * limits.speed;  // a turn by 0.1 rad at `speed` adds as much again
   return {S(0.5) * limits.position, min(S(0.1), limits.heading), change, S(10) * change,
           limits.yaw_rate};
 }
 
-/// No jump for sure, and far less work.
+/// Certainly no jump; far cheaper than innovation_of().
 template <class S>
 bool hardly_moves(const SmallMove<S>& most, const Leg<S>& leg) {
   const auto within = [](S x, S limit) { return -limit < x && x < limit; };

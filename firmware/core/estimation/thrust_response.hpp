@@ -1,28 +1,27 @@
 // SPDX-License-Identifier: MIT
-// Whether the boat moves as its propellers would have it: how much of the wrench that was given is
-// seen in its momentum.
+// Whether the boat responds to its propellers: how much of the wrench appears in its momentum.
 //
-//   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / X₀        the wrench seen, in units of X₀
-//   g = ⟨X⟩ / X₀                                          the wrench given, as slow
-//   d = μ (|m11 (u − ū) / T| + ⟨|d11 u| + |m22 v r|⟩) / X₀     as much the model may be wrong
+//   ŵ = (m11 (u − ū) / T + ⟨d11 u − m22 v r⟩) / X₀        observed wrench, in units of X₀
+//   g = ⟨X⟩ / X₀                                          applied wrench, equally smoothed
+//   d = μ (|m11 (u − ū) / T| + ⟨|d11 u| + |m22 v r|⟩) / X₀     uncertainty of the model
 //   P ← P + (h / (W + h)) (ŵ g + d |g| − P)     Q ← Q + (h / (W + h)) (g² − Q)
-//   it does not answer where Q > 1, P < ε Q and ⟨X⟩ (⟨u*⟩ − ū) > |⟨X⟩| δ for a while; likewise in yaw
+//   no response where Q > 1, P < ε Q and ⟨X⟩ (⟨u*⟩ − ū) > |⟨X⟩| δ for 0.75 s; likewise in yaw
 //
 //  symbol    meaning                                            unit         tested range
-//  X, N      wrench given                                       N, N m       ±1000
-//  u, v, r   velocity over ground, as it is told                m/s, rad/s   ±20, ±4
+//  X, N      applied wrench                                     N, N m       ±1000
+//  u, v, r   measured velocity over ground                      m/s, rad/s   ±20, ±4
 //  ⟨·⟩, ū    means over the last T                              s            0.5
-//  u*, r*    velocity that is wanted; δ: how near to it is as good    m/s, rad/s   0.15, 0.15
-//  W         time over which it is judged                       s            1
-//  X₀, N₀    a smaller wrench says nothing                      N, N m
+//  u*, r*    desired velocity; δ: tolerance of it               m/s, rad/s   0.15, 0.15
+//  W         averaging time of P, Q                             s            1
+//  X₀, N₀    smaller wrenches are not judged                    N, N m
 //  μ         error of each of the model's parameters            1            0.5
-//  ε         share of it that must be seen                      1
+//  ε         least share of the wrench to be observed           1
 //  h         step                                               s            0 … 1
 //
-// Not in paper. It needs no derivative and no observer, which would take a propeller that gives
-// nothing for an unknown force. Without disturbances P ≥ Q for every boat whose parameters are wrong
-// by no more than μ; in yaw, where they are greater, less is asked for. A boat that has the velocity
-// that is wanted does answer, whatever else acts: in a stream it takes thrust to stand still.
+// Not in paper. It needs no derivative and no observer; an observer would take a dead propeller for
+// an unknown force. Without disturbances P ≥ Q for every boat whose parameters are wrong by no more
+// than μ; in yaw, where disturbances are greater, ε is smaller. A boat at its desired velocity
+// responds, whatever else acts: in a stream it takes thrust to stand still.
 //
 // Q16.16: tested within ±500 (wrench given, N)
 #pragma once
@@ -39,22 +38,22 @@ struct ThrustResponseParams {
   S T = S(0.5);
   S W = S(1);
   S patience = S(0.75);
-  Nu<S> least{S(0.25), S(0), S(1.3)};  ///< the wrench that holds less against drag says nothing
-  S least_share = S(0.01);             ///< nor does less of all that the propellers can give
+  Nu<S> least{S(0.25), S(0), S(1.3)};  ///< X₀, N₀: at least the drag at this velocity
+  S least_share = S(0.01);             ///< and at least this share of the greatest wrench
   S mismatch = S(0.5);
   S surge = S(0.3);  ///< ε
   S yaw = S(0.1);
   S near = S(0.15);  ///< δ
 };
 
-/// One axis: means over T of velocity, of the wrench given and of that which the hull takes.
+/// One axis: means over T of the velocity, the applied wrench and the hull's resistance.
 template <class S>
 struct ThrustResponseAxis {
   S rate{};
   S desired{};
   S given{};
   S resisted{};
-  S weight{};  ///< the same without regard to signs
+  S weight{};  ///< resistance, the sum of its terms' magnitudes
   S P{};
   S Q{};
 };
@@ -63,7 +62,7 @@ template <class S>
 struct ThrustResponse {
   ThrustResponseAxis<S> surge{};
   ThrustResponseAxis<S> yaw{};
-  S failing{};  ///< for how long it has not answered
+  S failing{};  ///< time without response, s
   bool started = false;
 };
 
@@ -105,8 +104,7 @@ bool fails(const ThrustResponseAxis<S>& axis, S share, S near) {
   return lacks && S(1) < axis.Q && axis.P < share * axis.Q;
 }
 
-/// The velocity was last told to be nu, and over the last h seconds the wrench was given, for the
-/// sake of that wanted.
+/// Advances by h seconds; nu: last measured velocity; given: wrench applied to reach `desired`.
 template <class S>
 void thrust_response_forward(const ThrustResponseParams<S>& params, ThrustResponse<S>& state,
                              const Nu<S>& nu, const Nu<S>& desired, const Tau<S>& given, S h) {

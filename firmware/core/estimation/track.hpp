@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A vessel's motion between its messages: heading, velocity and its two derivatives, smoothed over the
-// last messages, and where they lead after a given age.
+// Tracks a vessel between its messages: smooths heading, velocity and its two derivatives, and
+// predicts the motion at a given age.
 //
-//   ν̂, ψ̂: what the old state says after Δt     p = Δt / (T + Δt)     q = Δt / (T_j + Δt)
+//   ν̂, ψ̂: the old state's prediction after Δt     p = Δt / (T + Δt)     q = Δt / (T_j + Δt)
 //   α = 1 − (1 − p)² (1 − q)     β = p (p + 2q − 1.5 p q)     γ = p² q
 //   ν ← ν̂ + α (ν − ν̂)      ν̇ ← ν̇̂ + β/Δt (ν − ν̂)      ν̈ ← ν̈ + γ/Δt² (ν − ν̂)      ψ ← ψ̂ + α (ψ − ψ̂)
-//   ν(h) = ν + ν̇ h + ½ ν̈ h²,  ψ(h) = ψ + ∫ r,  ν̈ for no more than a second
+//   ν(h) = ν + ν̇ h + ½ ν̈ h²,  ψ(h) = ψ + ∫ r,  ν̈ for at most 1 s
 //   Δp(h) = h R(ψ(h/2)) [u v]ᵀ(h/2)
 //   σ(h) = |[u v]| t + ½ a h²       a ← a + p ( |[u−û v−v̂]|/(Δt + T) + |u (r − r̂)| − a )
 //
@@ -15,15 +15,15 @@
 //  nu_dot, nu_ddot  rates of change of the numbers in nu      m/s², rad/s², m/s³, rad/s³
 //  dt       time between two messages                         s           0 … 10
 //  h, age   time since the last message                       s           0 … 10
-//  t        how far the sender's clock may be off             s
-//  a        acceleration that is not foreseen                 m/s²
-//  σ        how far the vessel may be from there              m
+//  t        error of the sender's clock                       s
+//  a        unpredicted acceleration                          m/s²
+//  σ        uncertainty of the position                       m
 //
-// Not in paper: there the leader's u̇_L and ṙ_L are known, and the law answers an error of r_L with one
-// of heading that is 1/k_ψ times as large. The three poles of the tracker lie at 1 − p, 1 − p, 1 − q for any
-// spacing of messages; it has no lag behind a steady jerk. T is twice the last two spacings, within
-// limits: a leader that speaks often is followed at once when it jerks into motion, and two stamps
-// that lie close together say nothing of its acceleration.
+// Not in paper: there the leader's u̇_L and ṙ_L are known, and the law turns an error of r_L into a
+// heading error 1/k_ψ times as large. The three poles of the tracker lie at 1 − p, 1 − p, 1 − q for
+// any interval of messages; it has no lag at constant jerk. T is twice the sum of the last two
+// intervals, within limits: frequent messages track a sudden start at once, and two timestamps
+// close together do not disturb the acceleration.
 //
 // Q16.16: tested within ±200 (rates of change of nu)
 #pragma once
@@ -34,11 +34,11 @@ namespace flotilla::core {
 
 template <class S>
 struct TrackParams {
-  S T = S(0.12);  ///< two spacings of messages, but within these two
+  S T = S(0.12);  ///< upper and lower limit of T
   S T_min = S(0.02);
   S T_j = S(1);
-  S gap = S(2);       ///< after a longer silence the old acceleration says nothing
-  S a_min = S(0.05);  ///< any vessel may begin to speed up as much unforeseen
+  S gap = S(2);       ///< the track restarts after a longer silence
+  S a_min = S(0.05);  ///< least a: any vessel may accelerate unpredicted
 };
 
 template <class S>
@@ -102,14 +102,14 @@ Motion<S> track_forward(const TrackState<S>& state, S age) {
           track_acceleration(state, age)};
 }
 
-/// How far the vessel may be from where track_forward() says; t: uncertainty of its clock, s.
+/// Uncertainty of track_forward()'s position, m; t: error of the sender's clock, s.
 template <class S>
 S track_uncertainty(const TrackState<S>& state, S age, S t) {
   const S speed = hypot(state.nu.u, state.nu.v);
   return speed * t + S(0.5) * state.a * age * age;
 }
 
-/// Takes a message that is dt seconds younger than the one before it.
+/// Takes a message that is dt seconds newer than the previous one.
 template <class S>
 void track_update(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
   const auto& [psi, nu, dt] = in;
@@ -140,8 +140,8 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
   state.a = max(state.a + p * (unforeseen - state.a), params.a_min);
 }
 
-/// Takes a message of another source, whose state was true dt seconds after the last one's. What the
-/// two say differs by their errors, which is no acceleration: the old ones are kept.
+/// Takes a message of another source, dt seconds newer than the last one. The two sources differ by
+/// their errors, not by an acceleration, so that the old derivatives are kept.
 template <class S>
 void track_resume(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
   const bool near = state.started && S(0) < in.dt && in.dt < params.gap;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What an integrator adds: x ← x + a b, where a b may be far below one LSB of the scalar.
+// The increment of an integrator, x ← x + a b, where a b may be far below one LSB of the scalar.
 //
 //   Carry<S>     a b
-//   Carry<Q16>   a b to the nearest LSB; what that leaves is added the next time, so that
+//   Carry<Q16>   a b to the nearest LSB; the remainder goes into the next call, so that
 //                0.1 m/s × 0.01 s is exact in the long run
 //
 // Q16.16: tested within ±1 (what is taken at once)
@@ -32,8 +32,7 @@ class Carry<Q16> {
   }
 
  private:
-  std::int32_t rest_ =
-      0;  // at most half an LSB, in 2⁻³²; where a product was out of range, anything
+  std::int32_t rest_ = 0;  // in 2⁻³², at most half an LSB; arbitrary after an overflow
 };
 
 }  // namespace flotilla::core

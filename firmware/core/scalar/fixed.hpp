@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A scalar of 32 bits, 16 of them behind the binary point: the same bits on every machine, and no
-// floating-point instruction.
+// A 32-bit fixed-point scalar with 16 fraction bits: the same bits on every machine, without
+// floating-point instructions.
 //
 //   value = raw / 2¹⁶      −32768 … 32767.99998      one LSB = 1.5e-5
 //
 // +, −, ×, / are correctly rounded, to nearest, ties to even, so that a boat and its mirror image
-// sail alike. What is beyond the range is its nearest end, and raises overflow(), which stays up
-// until somebody lowers it: a saturated number is wrong, but has the right sign and never wraps.
+// sail alike. Results beyond the range saturate and set q16_overflow until take_overflow() clears
+// it: a saturated number is wrong, but has the right sign and never wraps.
 #pragma once
 
 #include <bit>
@@ -20,8 +20,8 @@
 
 namespace flotilla::core {
 
-/// Of this thread: some result since it was last lowered was out of range. The microcontroller has
-/// one thread, and no place for others' flags.
+/// Whether a result of this thread has saturated since the flag was last cleared. A microcontroller
+/// has only one thread.
 #ifdef __linux__
 inline thread_local bool q16_overflow = false;
 #else
@@ -37,7 +37,7 @@ class Q16 {
     if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = end(std::cmp_less(whole, 0));
   }
 
-  /// Literals only, when the program is built: one that is out of range does not compile.
+  /// Compile-time literals only; one that is out of range does not compile.
   template <std::floating_point T>
   consteval explicit Q16(T literal) : raw_(nearest(literal)) {}
 
@@ -64,13 +64,13 @@ class Q16 {
   [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
     return rounded(std::int64_t{a.raw_} * b.raw_);
   }
-  /// By zero: the end of the range that a has the sign of; 0 / 0 = 0. Both raise overflow.
+  /// Division by zero saturates with the sign of a; 0 / 0 = 0. Both set q16_overflow.
   friend constexpr Q16 operator/(Q16 a, Q16 b) {
     const std::uint64_t n = std::uint64_t{fixed::magnitude(a.raw_)} << 16;
     return quotient(n, fixed::magnitude(b.raw_), (a.raw_ < 0) != (b.raw_ < 0));
   }
 
-  // Of two products that can be added some 2³¹ are left up to the end: rounding cannot wrap either.
+  // A sum of two products that fits stays some 2³¹ below the end: rounding cannot wrap either.
   [[gnu::always_inline]] friend constexpr Q16 sum_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
     const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
     std::int64_t sum = 0;
@@ -97,12 +97,12 @@ class Q16 {
     return whole + ((rest + odd + (1U << (n - 1)) - 1) >> n);
   }
 
-  /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶: of any product, it cannot wrap.
+  /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶, as any product is; does not wrap.
   [[gnu::always_inline]] static constexpr Q16 rounded(std::int64_t x) {
     return of_raw(saturated((x + 0x7FFF + (x >> 16 & 1)) >> 16));
   }
 
-  /// The nearest that a raw value can be.
+  /// The nearest raw value in range.
   static constexpr std::int32_t saturated(std::int64_t raw) {
     const auto same = static_cast<std::int32_t>(raw);
     return same == raw ? same : end(raw < 0);
@@ -115,11 +115,11 @@ class Q16 {
       const std::int32_t most = end(negative);
       return of_raw(n == 0 ? 0 : most);
     }
-    const bool is_short = n >> 32 == 0;  // |a| < 1: one division will do
+    const bool is_short = n >> 32 == 0;  // |a| < 1: one division suffices
     const int zeros = is_short ? 0 : std::countl_zero(d);
     const auto [whole, rest] = is_short ? fixed::divided(static_cast<std::uint32_t>(n), d)
                                         : fixed::divided(n << zeros, d << zeros);
-    // rest < d: rest > d − rest is 2 rest > d, which may wrap
+    // rest > d − rest instead of 2 rest > d, which may wrap
     const std::uint32_t other = (d << zeros) - rest;
     const std::uint32_t up = rest > other || (rest == other && (whole & 1) != 0) ? 1 : 0;
     const std::uint32_t rounded = whole + up;
@@ -143,31 +143,31 @@ class Q16 {
   template <std::floating_point T>
   static consteval std::int32_t nearest(T literal) {
     const double twice = double{literal} * 131072;
-    // A conversion that is out of range is no constant expression: that is the error wanted here.
+    // An out-of-range conversion is not a constant expression, so that it does not compile.
     return static_cast<std::int32_t>((twice + (twice < 0 ? -1 : 1)) / 2);
   }
 
   std::int32_t raw_ = 0;
 };
 
-/// Angles in rad; results within one LSB of the true value of the argument as it is.
+/// Angles in rad; results within one LSB of the true value for the given argument.
 constexpr Q16 sin(Q16 x);
 constexpr Q16 cos(Q16 x);
 constexpr SinCos<Q16> sin_cos(Q16 x);
 constexpr Q16 atan(Q16 x);
 constexpr Q16 atan2(Q16 y, Q16 x);
 constexpr Q16 tanh(Q16 x);
-constexpr Q16 exp(Q16 x);   ///< above ln 32768 it overflows
-constexpr Q16 sqrt(Q16 x);  ///< of a negative number: 0, and overflow
+constexpr Q16 exp(Q16 x);   ///< overflows above ln 32768
+constexpr Q16 sqrt(Q16 x);  ///< negative numbers give 0 and overflow
 constexpr Q16 abs(Q16 x) { return x < Q16{} ? -x : x; }
-/// Of a number over 32767 it overflows.
+/// Overflows above 32767.
 constexpr Q16 ceil(Q16 x) {
   return Q16::of_raw(Q16::saturated(((std::int64_t{x.raw()} + 65535) >> 16) * 65536));
 }
-/// √(x² + y²), √(x² + y² + z²), rounded once; squares may be out of range.
+/// √(x² + y²), √(x² + y² + z²), rounded once; the squares may be out of range.
 constexpr Q16 hypot(Q16 x, Q16 y);
 constexpr Q16 hypot(Q16 x, Q16 y, Q16 z);
-/// a b / c, rounded once; c = 0 as of the division.
+/// a b / c, rounded once; c = 0 as in a division.
 constexpr Q16 scaled(Q16 a, Q16 b, Q16 c);
 
 }  // namespace flotilla::core

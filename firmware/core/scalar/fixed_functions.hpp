@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The elementary functions of fixed.hpp, in integers; tools/fixed proves their errors.
 //
-// Each reduces its argument to where a polynomial of few terms is within 2⁻²⁷ of it, and rounds
-// once. Polynomials are near minimax (Lawson's iteration); their terms alternate in sign or are
-// all positive, so that unsigned products do. Odd functions are computed of |x|.
+// Each reduces its argument to an interval where a short polynomial is within 2⁻²⁷ of the function,
+// and rounds once. Polynomials are near minimax (Lawson's iteration); their terms alternate in sign
+// or are all positive, so that unsigned products suffice. Odd functions are computed from |x|.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ constexpr Q16 signed_as(Q16 x, std::uint32_t raw) {
   return Q16::of_raw(x.raw() < 0 ? -positive : positive);
 }
 
-/// |x| in quarter turns of 2³⁰, modulo a turn: |x| 2⁴⁸ / 2π, of which 2⁻³² are left away.
+/// |x| in quarter turns of 2³⁰, modulo a turn: |raw| 2⁴⁸ / 2π without its low 32 bits.
 constexpr std::uint32_t phase(Q16 x) {
   return static_cast<std::uint32_t>((magnitude(x.raw()) * 44798133900177U) >> 32);
 }
@@ -69,7 +69,7 @@ inline constexpr std::array<std::uint64_t, 16> kSixteenths = {
     0x5A827999FCEF3242, 0x5E8451CFAC061B5F, 0x62B39508AA836D6F, 0x6712460A8FC24072,
     0x6BA27E656B4EB57A, 0x70666F76154A7089, 0x75606373EE921C97, 0x7A92BE8A92436616};
 
-/// e to the power raw / 2¹⁶, relatively within 2⁻³⁴, for |raw| < 2²².
+/// e to the power raw / 2¹⁶ with a relative error within 2⁻³⁴, for |raw| < 2²².
 constexpr Power exponential(std::int32_t raw) {
   // x log₂e = n + i/16 + r/16, r in 2⁻³²
   const std::int64_t binary = raw * std::int64_t{1586259972792};
@@ -130,7 +130,7 @@ constexpr Q16 exp(Q16 x) {
   return Q16::of_raw(Q16::saturated(static_cast<std::int64_t>((e.m + half) >> places)));
 }
 
-/// (1 − e) / (1 + e), e = exp(−2 |x|); 1 from 7 on, where it is within ⅛ LSB.
+/// (1 − e) / (1 + e), e = exp(−2 |x|); 1 from |x| = 7 on, an error within ⅛ LSB.
 constexpr Q16 tanh(Q16 x) {
   const std::uint32_t a = fixed::magnitude(x.raw());
   if (a == 0) return x;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What fixed.hpp and fixed_functions.hpp need of integers, cheap where 32 × 32 → 64 bits is one
-// instruction and a division of 64 bits is a long function.
+// Integer arithmetic for fixed.hpp and fixed_functions.hpp, cheap where 32 × 32 → 64 bits is one
+// instruction and a 64-bit division is a long function.
 #pragma once
 
 #include <bit>
@@ -22,7 +22,7 @@ struct Quotient {
   std::uint32_t whole, rest;
 };
 
-/// n / d, in one instruction and a product.
+/// n / d, with one division and one product.
 constexpr Quotient divided(std::uint32_t n, std::uint32_t d) { return {n / d, n % d}; }
 
 /// One digit of base 2¹⁶ of n / d, n < 2¹⁶ d, d ≥ 2³¹. Schoolbook: the estimate from the leading
@@ -49,8 +49,8 @@ constexpr std::uint32_t root(std::uint64_t n) {
   if (n == 0) return 0;
   const int doublings = std::countl_zero(n) / 2;
   const std::uint64_t m = n << (2 * doublings);
-  // 1/√f of f = m / 2⁶⁴ in [¼, 1): a parabola within 2.5 %, then Newton's y (3 − f y²) / 2 twice. f in
-  // 2⁻³², y in 2⁻³⁰.
+  // 1/√f of f = m / 2⁶⁴ in [¼, 1): a parabola within 2.5 %, then Newton's y (3 − f y²) / 2 twice. f
+  // in 2⁻³², y in 2⁻³⁰.
   const auto f = static_cast<std::uint32_t>(m >> 32);
   std::uint32_t y = 2867836833U - high_product(f, 3527762216U - high_product(f, 1759486127U));
   for (int i = 0; i < 2; ++i) {

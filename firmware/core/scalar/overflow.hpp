@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether the arithmetic has left its range: what came out of it then is saturated, and wrong.
+// Whether the arithmetic has overflowed: results are then saturated, and wrong.
 #pragma once
 
 #include <utility>
@@ -8,8 +8,8 @@
 
 namespace flotilla::core {
 
-/// Some result of this thread was out of the scalar's range since the last call. Never of float and
-/// double: theirs is wider than any number of a boat.
+/// Whether a result of this thread has saturated since the last call. Always false for float and
+/// double: their range is wider than any quantity of a boat.
 template <class S>
 bool take_overflow() {
   return false;

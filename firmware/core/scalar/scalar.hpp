@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The arithmetic that the law is written in: any ordered field with sin, cos, atan, atan2, tanh, exp,
-// sqrt, ceil. What may be great is not squared: a scalar may end at ±32768.
+// The arithmetic of the law: any ordered field with sin, cos, atan, atan2, tanh, exp, sqrt, ceil.
+// Large values must not be squared: a scalar's range may end at ±32768.
 //
 // A literal enters only as S(0.5): the build rejects every other floating literal in this folder.
 //
@@ -31,7 +31,7 @@ constexpr S clamp(S x, S low, S high) {
 inline constexpr auto min = []<class S>(S a, S b) -> S { return b < a ? b : a; };
 inline constexpr auto max = []<class S>(S a, S b) -> S { return a < b ? b : a; };
 
-/// √(x² + y²), √(x² + y² + z²); a scalar whose squares may be out of range has its own.
+/// √(x² + y²), √(x² + y² + z²); a scalar whose squares may overflow has its own.
 template <class S>
 S hypot(S x, S y) {
   return sqrt(x * x + y * y);
@@ -41,7 +41,7 @@ S hypot(S x, S y, S z) {
   return sqrt(x * x + y * y + z * z);
 }
 
-/// a b ± c d; a scalar of few bits rounds them once.
+/// a b ± c d; Q16 rounds once.
 template <class S>
 constexpr S sum_of_products(S a, S b, S c, S d) {
   return a * b + c * d;
@@ -60,13 +60,13 @@ SinCos<S> sin_cos(S angle) {
   return {sin(angle), cos(angle)};
 }
 
-/// a b/c; a scalar of few bits keeps those of b/c that its product with a needs.
+/// a b/c; Q16 rounds once, so that b/c keeps the bits that the product needs.
 template <class S>
 S scaled(S a, S b, S c) {
   return a * (b / c);
 }
 
-/// a/b within ±most, also where a/b would be out of range; b > 0.
+/// a/b limited to ±most, also where a/b would overflow; b > 0.
 template <class S>
 S ratio_within(S a, S b, S most) {
   if (abs(a) / most < b) return clamp(a / b, -most, most);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// DroneCAN's bit packing: a field's bytes little-endian, each byte's bits most significant first,
-// a last partial byte by its low bits.
+// DroneCAN's bit packing: a field's bytes are little-endian, each byte's most significant bit comes
+// first, and a last partial byte consists of its low bits.
 // Source: DroneCAN specification, chapter 3.5.
 #pragma once
 
@@ -11,8 +11,7 @@
 
 namespace flotilla::link {
 
-/// Writes fields one after the other, and zeros to the end of the last byte; the caller sees to it
-/// that they fit.
+/// Writes fields in sequence and pads the last byte with zeros; the caller ensures that they fit.
 class BitWriter {
  public:
   explicit BitWriter(std::span<std::uint8_t> out) : out_(out) {}
@@ -46,7 +45,7 @@ class BitWriter {
   std::size_t position_ = 0;
 };
 
-/// Takes fields off; beyond the end they read as zero, left() tells beforehand.
+/// Reads fields in sequence, beyond the end as zero; left() gives the bits that remain.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::uint8_t> in) : in_(in) {}

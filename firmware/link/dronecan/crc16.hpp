@@ -20,7 +20,7 @@ inline constexpr std::array<std::uint16_t, 256> kCrc16Table = [] {
   return table;
 }();
 
-/// The CRC of what `crc` covers and the bytes after it.
+/// Continues `crc` over further bytes.
 constexpr std::uint16_t crc16(std::uint16_t crc, std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>((crc << 8U) ^ kCrc16Table[(crc >> 8U) ^ byte]);

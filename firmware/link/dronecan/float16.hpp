@@ -8,8 +8,7 @@
 
 namespace flotilla::link {
 
-/// Rounds to nearest even; beyond ±65504 saturates, infinity too (as "saturated float16" is); NaN
-/// stays.
+/// Rounds to nearest even; saturates at ±65504, infinity too ("saturated float16"); NaN stays.
 inline std::uint16_t float16_from(float x) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
   const auto sign = static_cast<std::uint16_t>((bits >> 16U) & 0x8000U);
@@ -18,7 +17,7 @@ inline std::uint16_t float16_from(float x) {
   const float magnitude = std::bit_cast<float>(bits & 0x7FFFFFFFU);
   if (magnitude >= 65504.0F) return signed_(0x7BFF);
   if (magnitude < 6.103515625e-5F) {   // subnormal: multiples of 2⁻²⁴
-    constexpr float kWhole = 8388608;  // sums with 2²³ are rounded to whole numbers
+    constexpr float kWhole = 8388608;  // adding 2²³ rounds to whole numbers
     return signed_(std::bit_cast<std::uint32_t>(magnitude * 16777216.0F + kWhole) -
                    std::bit_cast<std::uint32_t>(kWhole));
   }

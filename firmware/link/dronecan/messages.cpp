@@ -32,7 +32,7 @@ float take_float16(BitReader& bits) {
 
 std::size_t write_payload(const RawCommand& m, Payload& out) {
   BitWriter bits(out);
-  // Tail array optimisation: no length field, the payload's end is the array's.
+  // Tail array optimization: no length field, the array ends with the payload.
   for (std::size_t i = 0; i < std::min<std::size_t>(m.count, m.cmd.size()); ++i) {
     put_signed(bits, m.cmd[i], kInt14Min, kInt14Max, 14);
   }
@@ -70,7 +70,7 @@ std::size_t write_payload(const NodeInfo& m, Payload& out) {
   bits.put(m.software_minor, 8);
   bits.put(m.vcs_commit != 0 ? kVcsCommitKnown : 0, 8);
   bits.put(m.vcs_commit, 32);
-  bits.put(0, 64);  // image CRC: not known
+  bits.put(0, 64);  // image CRC: unknown
   bits.put(m.hardware_major, 8);
   bits.put(m.hardware_minor, 8);
   for (const std::uint8_t byte : m.unique_id) bits.put(byte, 8);

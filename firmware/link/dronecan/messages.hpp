@@ -37,7 +37,7 @@ struct NodeStatus {
   std::uint16_t vendor_specific_status_code = 0;
 };
 
-/// uavcan.equipment.esc.Status; what an ESC does not know is NaN.
+/// uavcan.equipment.esc.Status; values unknown to the ESC are NaN.
 struct EscStatus {
   static constexpr DataType kType{TransferKind::kMessage, 1034, 0xA9AF28AEA2FBB254ULL};
   std::uint32_t error_count = 0;
@@ -49,12 +49,12 @@ struct EscStatus {
   std::uint8_t esc_index = 0;
 };
 
-/// uavcan.protocol.dynamic_node_id.Allocation: in requests node_id is the wish, 0 any.
+/// uavcan.protocol.dynamic_node_id.Allocation: in requests node_id is the preference, 0: any.
 struct Allocation {
   static constexpr DataType kType{TransferKind::kMessage, 1, 0x0B2A812620A11D40ULL};
   std::uint8_t node_id = 0;
   bool first_part = false;
-  std::uint8_t size = 0;  ///< bytes of unique_id that are here
+  std::uint8_t size = 0;  ///< bytes of unique_id in this message
   std::array<std::uint8_t, 16> unique_id{};
 };
 
@@ -65,7 +65,7 @@ struct NodeInfo {
   NodeStatus status;
   std::uint8_t software_major = 0;
   std::uint8_t software_minor = 0;
-  std::uint32_t vcs_commit = 0;  ///< 0: not known
+  std::uint32_t vcs_commit = 0;  ///< 0: unknown
   std::uint8_t hardware_major = 0;
   std::uint8_t hardware_minor = 0;
   std::array<std::uint8_t, 16> unique_id{};

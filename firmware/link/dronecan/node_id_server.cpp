@@ -6,7 +6,7 @@
 namespace flotilla::link {
 namespace {
 
-// 126 and 127 are for tools that people plug in.
+// 126 and 127 are reserved for diagnostic tools.
 constexpr unsigned kHighestNode = 125;
 
 }  // namespace
@@ -30,7 +30,7 @@ std::uint8_t NodeIdServer::node_for(const UniqueId& unique_id, std::uint8_t pref
   for (const Entry& entry : table()) {
     if (entry.unique_id == unique_id) return entry.node;
   }
-  // From the wish upwards, then downwards; without a wish from the top.
+  // From the preferred id upwards, then downwards; without a preference from the top.
   const unsigned wish = preferred == 0 ? kHighestNode : preferred;
   for (unsigned node = wish; node <= kHighestNode; ++node) {
     if (restore({unique_id, static_cast<std::uint8_t>(node)})) return table_[count_ - 1].node;
@@ -42,7 +42,7 @@ std::uint8_t NodeIdServer::node_for(const UniqueId& unique_id, std::uint8_t pref
 }
 
 std::optional<Allocation> NodeIdServer::answer(const Allocation& request, std::int64_t now_us) {
-  // A node tells its unique id in three parts, 6 + 6 + 4 bytes; each answer repeats all so far.
+  // A node sends its unique id in three parts, 6 + 6 + 4 bytes; each answer repeats all so far.
   constexpr std::array<std::size_t, 3> kParts{6, 6, 4};
   if (request.first_part) {
     heard_size_ = 0;

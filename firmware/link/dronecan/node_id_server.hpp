@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gives a node id to DroneCAN nodes that have none: common ESCs ship like that.
+// Allocates node ids to DroneCAN nodes without one, as common ESCs are shipped.
 // Source: DroneCAN specification, chapter 6 "Dynamic node ID allocation", a single allocator.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace flotilla::link {
 
-/// The allocator and its table. A node that comes back gets the id it had.
+/// The allocator and its table. A returning node gets its previous id.
 class NodeIdServer {
  public:
   using UniqueId = std::array<std::uint8_t, 16>;
@@ -24,15 +24,15 @@ class NodeIdServer {
 
   explicit NodeIdServer(std::uint8_t own_node) { occupied(own_node); }
 
-  /// A node is on the bus with this id, whoever gave it.
+  /// Marks an id as in use on the bus, whoever allocated it.
   void occupied(std::uint8_t node) { occupied_[node & 0x7FU] = true; }
 
-  /// An anonymous node's request; what to send, or nothing (out of turn, table full).
+  /// The answer to an anonymous node's request; nothing if it is out of turn or the table is full.
   std::optional<Allocation> answer(const Allocation& request, std::int64_t now_us);
 
   std::span<const Entry> table() const { return {table_.data(), count_}; }
 
-  /// Puts an entry of an earlier run back; false where it cannot be (full, id taken or unusable).
+  /// Restores an entry of an earlier run; false if impossible (table full, id taken or unusable).
   bool restore(const Entry& entry);
 
  private:

@@ -104,11 +104,11 @@ std::optional<TransferReceiver::Transfer> TransferReceiver::push(
   const auto tid = static_cast<std::uint8_t>(tail & kTransferIdMask);
   const auto payload = frame.first(frame.size() - 1);
   if ((tail & (kStart | kEnd | kToggle)) == (kStart | kEnd)) {
-    // Whole in itself. What is repeated here says the same again; what is not, needs no memory.
+    // Single-frame transfer: needs no session, and a repetition does no harm.
     ++counters.can_received;
     return Transfer{route, tid, payload};
   }
-  // The priority is no part of a sender's identity; bit 29 tells a used key from a free one.
+  // The priority is not part of a sender's identity; bit 29 marks the key as used.
   const std::uint32_t key = (can_id_of(route) & 0xFFFFFFU) | 1U << 29U;
 
   Session& s = session_of(key);

@@ -17,14 +17,14 @@ namespace flotilla::link {
 
 enum class TransferKind : std::uint8_t { kMessage, kRequest, kResponse };
 
-/// The checksum that covers a data type's signature, its bytes little-endian.
+/// The CRC of a data type's signature, little-endian.
 constexpr std::uint16_t crc_of_signature(std::uint64_t signature) {
   std::array<std::uint8_t, 8> bytes{};
   for (unsigned i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(signature >> (8U * i));
   return crc16(kCrc16Start, bytes);
 }
 
-/// A data type's place on the wire. The signature seeds the checksum of multi-frame transfers.
+/// A data type's id and CRC seed. The signature seeds the CRC of multi-frame transfers.
 struct DataType {
   TransferKind kind;
   std::uint16_t id;
@@ -32,7 +32,7 @@ struct DataType {
   std::uint16_t crc_seed = crc_of_signature(signature);
 };
 
-/// Who sends what to whom; destination 0 for messages, source 0 for anonymous ones.
+/// Sender, data type and receiver; destination 0 for messages, source 0 for anonymous ones.
 struct Route {
   std::uint8_t priority;  ///< 0 highest … 31
   TransferKind kind;
@@ -43,14 +43,14 @@ struct Route {
 
 std::uint32_t can_id_of(const Route& route);
 
-/// Nothing for an id above 29 bits, a service from or to node 0.
+/// Nothing for an id above 29 bits or a service from or to node 0.
 std::optional<Route> route_of(std::uint32_t can_id);
 
-/// Splits a payload into frames; how many, or 0 (and nothing to send) where `out` is too short.
+/// Splits a payload into frames; returns their number, or 0 where `out` is too short.
 std::size_t split_transfer(const Route& route, const DataType& type, std::uint8_t transfer_id,
                            std::span<const std::uint8_t> payload, std::span<CanFrame> out);
 
-/// Reassembles transfers of any number of senders; the one silent for longest gives up its place.
+/// Reassembles transfers of any number of senders; when full, drops the one silent for longest.
 class TransferReceiver {
  public:
   struct Transfer {
@@ -59,7 +59,7 @@ class TransferReceiver {
     std::span<const std::uint8_t> payload;  ///< valid until the next call
   };
 
-  /// The transfer that this frame completes. `type` is that of the frame's route.
+  /// The transfer that this frame completes, if any. `type` belongs to the frame's route.
   std::optional<Transfer> push(const Route& route, const DataType& type,
                                std::span<const std::uint8_t> frame, std::int64_t now_us,
                                Counters& counters);
@@ -71,7 +71,7 @@ class TransferReceiver {
     bool toggle = false;
     std::uint8_t size = 0;
     std::int64_t last_us = 0;
-    std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; longer transfers are not for us
+    std::array<std::uint8_t, 64> buffer{};  ///< CRC and payload; no longer transfer concerns us
   };
 
   Session& session_of(std::uint32_t key);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. By tables,
-// eight bytes at a time: the generated crc_calculate() goes bit by bit, and was half of the time of
-// decoding. Source: M. E. Kounavis, F. L. Berry, A Systematic Approach to Building High Performance
-// Software-based CRC Generators ("slicing by 8").
+// eight bytes at a time: the generated crc_calculate() works bit by bit and took half of the
+// decoding time. Source: M. E. Kounavis, F. L. Berry, A Systematic Approach to Building High
+// Performance Software-based CRC Generators ("slicing by 8").
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace flotilla::link {
 
-/// Row k: what a byte leaves behind when k zeros follow it.
+/// Row k: the CRC of a byte followed by k zeros, from initial value 0.
 inline constexpr std::array<std::array<std::uint16_t, 256>, 8> kMavlinkCrcTables = [] {
   std::array<std::array<std::uint16_t, 256>, 8> tables{};
   for (unsigned byte = 0; byte < 256; ++byte) {
@@ -29,7 +29,7 @@ inline constexpr std::array<std::array<std::uint16_t, 256>, 8> kMavlinkCrcTables
   return tables;
 }();
 
-/// The checksum of a frame: of its bytes without the start sign, then the message's own seed.
+/// The checksum of a frame's bytes after the start byte, followed by the message's seed crc_extra.
 constexpr std::uint16_t mavlink_crc(std::span<const std::uint8_t> bytes, std::uint8_t crc_extra) {
   const auto& t = kMavlinkCrcTables;
   unsigned crc = 0xFFFF;

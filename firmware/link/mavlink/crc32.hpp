@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// CRC-32, reflected polynomial 0xEDB88320. What surrounds it differs: MAVLink starts with 0 and
-// takes the result as it is; IEEE 802.3 (zlib, files) starts with ~0 and inverts the result.
+// CRC-32, reflected polynomial 0xEDB88320. Initial and final values differ: MAVLink starts with 0
+// and uses the result unchanged; IEEE 802.3 (zlib, files) starts with ~0 and inverts the result.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ inline constexpr std::array<std::uint32_t, 256> kCrc32Table = [] {
 
 constexpr std::uint32_t kMavlinkCrc32Start = 0;
 
-/// The CRC of what `crc` covers and the bytes after it.
+/// Continues `crc` over further bytes.
 constexpr std::uint32_t crc32(std::uint32_t crc, std::string_view bytes) {
   for (const char c : bytes) {
     crc = (crc >> 8U) ^ kCrc32Table[(crc ^ static_cast<std::uint8_t>(c)) & 0xFFU];

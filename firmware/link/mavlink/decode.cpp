@@ -25,7 +25,7 @@ struct Header {
   bool has_signature;
 };
 
-/// Reads a frame's header; nothing while it is not whole.
+/// Reads a frame's header; nothing while it is incomplete.
 std::optional<Header> read_header(std::span<const std::uint8_t> b) {
   if (b[0] == MAVLINK_STX && b.size() >= 10) {
     const bool has_signature = (b[2] & MAVLINK_IFLAG_SIGNED) != 0;
@@ -40,15 +40,15 @@ std::optional<Header> read_header(std::span<const std::uint8_t> b) {
   return std::nullopt;
 }
 
-/// Whether such a frame can exist; what cannot is noise: waiting for its end would delay others.
+/// Whether such a frame can exist; if not, it is noise: waiting for its end would delay others.
 bool plausible(std::span<const std::uint8_t> b, const Header& h, const mavlink_msg_entry_t* entry) {
   const bool v1 = b[0] == MAVLINK_STX_MAVLINK1;
   return v1 ? entry != nullptr && h.payload_bytes == entry->min_msg_len
             : h.payload_bytes > 0 && (b[2] & ~MAVLINK_IFLAG_SIGNED) == 0;
 }
 
-/// A message that our dialect lacks cannot be checked. Where another frame follows it, or nothing,
-/// it is taken for whole, so that nobody looks for messages among its contents.
+/// The checksum of a message not in our dialect is unknown. Where another frame or nothing follows,
+/// it counts as whole, so that its contents are not searched for messages.
 bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
   return b.size() == frame_bytes || b[frame_bytes] == MAVLINK_STX ||
          b[frame_bytes] == MAVLINK_STX_MAVLINK1;
@@ -60,7 +60,7 @@ bool checksum_is_good(std::span<const std::uint8_t> b, const Header& h, std::uin
   return b[covered] == (crc & 0xFFU) && b[covered + 1] == crc >> 8U;
 }
 
-/// Whom a message names: its table entry says where, except for two that the table does not know.
+/// The addressee of a message, at its table entry's offset; two messages lack that in the table.
 Address target_of(std::span<const std::uint8_t> payload, const mavlink_msg_entry_t& entry) {
   const auto byte = [&](std::size_t at) { return at < payload.size() ? payload[at] : kEverybody; };
   switch (entry.msgid) {

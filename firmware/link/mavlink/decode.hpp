@@ -14,10 +14,10 @@
 
 namespace flotilla::link {
 
-/// One link's receiver. Takes bytes in any chunks and finds its way back after any damage: a frame
-/// that turns out false costs its first byte only, so it takes no good one down with it (the
-/// generated parser swallows what follows a stray start byte); but for one that looks like a whole
-/// message which our dialect lacks: that cannot be checked.
+/// One link's receiver. Takes bytes in any chunks and resynchronizes after any damage: a false
+/// frame costs only its first byte, so no good frame is lost with it (the generated parser discards
+/// the bytes after a stray start byte). Exception: a false frame that looks like a whole message
+/// not in our dialect, whose checksum cannot be verified.
 ///
 ///   while (!bytes.empty()) {
 ///     bytes = bytes.subspan(decoder.fill(bytes));
@@ -25,29 +25,29 @@ namespace flotilla::link {
 ///   }
 class MavlinkDecoder {
  public:
-  /// Takes as many bytes as there is room for, at least one after next() has returned nothing.
+  /// Takes the bytes that fit, at least one once next() has returned nothing; returns how many.
   std::size_t fill(std::span<const std::uint8_t> bytes);
 
-  /// The next whole message with a good checksum, and, with `signing`, no bad signature. Without,
-  /// signatures are not looked at, and no message counts as signed.
+  /// The next whole message with a good checksum and, with `signing`, no bad signature. Without
+  /// `signing`, signatures are ignored, and no message counts as signed.
   std::optional<Received> next(Counters& counters, Signing* signing = nullptr);
 
-  /// The same into `out`, which is as large as the largest message; false where there is none.
+  /// The same into `out`, which is as large as the largest message; false if there is no message.
   bool next(Received& out, Counters& counters, Signing* signing = nullptr);
 
-  /// The bytes of the message that next() returned last, to be passed on unchanged; empty where it
+  /// The bytes of the message that next() returned last, for forwarding unchanged; empty where it
   /// returned nothing. Valid until the next call of next() or fill().
   std::span<const std::uint8_t> frame() const {
     return std::span(buffer_).subspan(begin_ - frame_size_, frame_size_);
   }
 
-  /// Bytes are kept that may be the beginning of a message.
+  /// Whether the buffer holds a possible beginning of a message.
   bool waits() const { return begin_ < end_; }
 
-  /// How many whole messages there have been, those included that were not returned.
+  /// Number of whole messages, including those that were not returned.
   std::uint32_t whole() const { return whole_; }
 
-  /// What is waited for will not come: the next call of next() looks behind that beginning.
+  /// Drops the first byte of an incomplete message, so that next() searches the bytes after it.
   void give_up(Counters& counters);
 
  private:
@@ -56,7 +56,7 @@ class MavlinkDecoder {
   std::uint32_t whole_ = 0;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-  std::size_t frame_size_ = 0;  ///< of the message that ends at begin_
+  std::size_t frame_size_ = 0;  ///< size of the message that ends at begin_
 };
 
 }  // namespace flotilla::link

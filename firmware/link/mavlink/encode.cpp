@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = MAVLINK_NUM_HEADER_BYTES, kChecksumBytes = 2;
 
-/// Zeros at the end are not sent, but for the first byte.
+/// Trailing zeros are not sent; the first byte always is.
 std::size_t trimmed_size(std::span<const std::uint8_t> payload) {
   std::size_t size = payload.size();
   while (size > 1 && payload[size - 1] == 0) --size;

@@ -11,21 +11,21 @@
 
 namespace flotilla::link {
 
-/// One link's sender: its frames carry one running sequence number.
+/// One link's sender, which numbers its frames in sequence.
 class MavlinkEncoder {
  public:
   MavlinkEncoder() = default;
   explicit MavlinkEncoder(Address self) : self_(self) {}
 
-  /// Writes one frame; its length, or 0 (and nothing written, no number used) where `out` is
-  /// too short or the message is std::monostate. With `signing` it is signed, as from `link_id`.
+  /// Writes one frame, with `signing` signed as `link_id`; returns its length, or 0 (and uses no
+  /// sequence number) where `out` is too short or the message is std::monostate.
   std::size_t encode(const Message& message, std::span<std::uint8_t> out,
                      Signing* signing = nullptr, std::uint8_t link_id = 0);
 
-  /// Under other ids from now on.
+  /// Changes the ids of later frames.
   void rename(Address self) { self_ = self; }
 
-  /// The sequence number of the frame written last.
+  /// The sequence number of the last frame.
   std::uint8_t last_sequence() const { return static_cast<std::uint8_t>(sequence_ - 1U); }
 
  private:

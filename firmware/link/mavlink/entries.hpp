@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The generated table of messages: sizes, checksum seeds, where targets lie. Found at once: the
-// generated search takes eight steps a message.
+// The generated table of messages (sizes, checksum seeds, offsets of targets) with direct lookup:
+// the generated search takes eight steps a message.
 #pragma once
 
 #include <flotilla/mavlink.h>
@@ -15,8 +15,7 @@ namespace flotilla::link {
 
 inline constexpr auto kMavlinkEntries = std::to_array<mavlink_msg_entry_t>(MAVLINK_MESSAGE_CRCS);
 
-/// Where the low ids, which nearly all messages have, stand in the table; its size where they do
-/// not.
+/// Index in the table of each low id, which nearly all messages have; the table's size if absent.
 inline constexpr std::array<std::uint16_t, 512> kMavlinkPlaces = [] {
   std::array<std::uint16_t, 512> places{};
   places.fill(kMavlinkEntries.size());
@@ -27,7 +26,7 @@ inline constexpr std::array<std::uint16_t, 512> kMavlinkPlaces = [] {
   return places;
 }();
 
-/// Nothing for a message that our dialect lacks.
+/// nullptr for a message that is not in our dialect.
 constexpr const mavlink_msg_entry_t* mavlink_entry(std::uint32_t id) {
   const auto* const end = kMavlinkEntries.data() + kMavlinkEntries.size();
   const auto* const found = id < kMavlinkPlaces.size()
@@ -38,7 +37,7 @@ constexpr const mavlink_msg_entry_t* mavlink_entry(std::uint32_t id) {
   return found != end && found->msgid == id ? found : nullptr;
 }
 
-/// Bytes of a payload in full, which the generated struct begins with: `Wire` has no holes.
+/// Bytes of a full payload, which the generated struct `Wire` begins with, without inner padding.
 template <std::uint32_t kId, class Wire>
 constexpr std::size_t mavlink_size() {
   constexpr std::size_t size = mavlink_entry(kId)->max_msg_len;

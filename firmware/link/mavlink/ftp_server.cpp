@@ -31,7 +31,7 @@ enum Error : std::uint8_t {
   kFileNotFound = 10,
 };
 
-// Places in the payload
+// Offsets in the payload
 constexpr std::size_t kSeq = 0, kSession = 2, kOpcode = 3, kSize = 4, kRequestOpcode = 5,
                       kBurstComplete = 6, kOffset = 8, kData = 12;
 constexpr std::uint8_t kMaxData = 239;
@@ -52,7 +52,7 @@ void put_number(std::span<std::uint8_t> out, std::uint32_t number) {
   }
 }
 
-/// The path in the data, without the "/" before and the NUL after it that only some clients send.
+/// The path in the data, without the leading "/" and the trailing NUL that only some clients send.
 std::string_view path_in(const Payload& payload) {
   std::string_view path(reinterpret_cast<const char*>(payload.data()) + kData, payload[kSize]);
   path = path.substr(0, path.find('\0'));
@@ -60,7 +60,7 @@ std::string_view path_in(const Payload& payload) {
   return path;
 }
 
-/// Bytes of the text that fit are copied; their number.
+/// Copies the bytes of the text that fit; returns their number.
 std::uint8_t put_text(std::span<std::uint8_t> out, std::string_view text) {
   const std::size_t n = std::min(out.size(), text.size());
   std::copy_n(text.begin(), n, out.begin());
@@ -87,7 +87,7 @@ FtpRequest FtpServer::read(const FileTransferProtocol& message) const {
 
 void FtpServer::request(std::size_t link, Address from, const FtpRequest& request,
                         std::int64_t now_us) {
-  // two servers would answer each other for ever
+  // or two servers would answer each other endlessly
   if (request.opcode == kAck || request.opcode == kNak) return;
   const Peer peer{static_cast<std::uint8_t>(link), from};
   Client& client = client_of(peer, now_us);
@@ -136,7 +136,7 @@ FtpServer::Client& FtpServer::client_of(const Peer& peer, std::int64_t now_us) {
     });
     *place = Client{};
     place->peer = peer;
-    place->served = served_;  // a newcomer waits its turn
+    place->served = served_;  // a new client waits its turn
   }
   place->used_us = now_us;
   return *place;
@@ -161,7 +161,7 @@ std::uint8_t FtpServer::carry_out(Answer& answer, const FtpRequest& request, con
   switch (answer.asked) {
     case kNone:
       return kNoError;
-    case kTerminateSession:  // of one that is closed already too: its first answer was lost
+    case kTerminateSession:  // succeeds for a closed session: its first answer was lost
       if (Session* session = session_of(peer, answer.session)) *session = Session{};
       return kNoError;
     case kResetSessions:

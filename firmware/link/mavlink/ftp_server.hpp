@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MAVLink FTP, read only: clients list and download a fixed set of files, all in the root.
-// Source: mavlink.io, services, File Transfer Protocol; where it leaves a choice, what clients do.
+// Source: mavlink.io, services, File Transfer Protocol; where that is silent, clients' practice.
 #pragma once
 
 #include <array>
@@ -20,48 +20,46 @@ struct FtpFile {
   std::string_view content;
 };
 
-/// What a packet asks, its path looked up.
+/// A parsed request with its path resolved.
 struct FtpRequest {
   static constexpr std::uint8_t kNoFile = 255;
   std::uint16_t seq = 0;
   std::uint8_t session = 0;
   std::uint8_t opcode = 0;
-  std::uint8_t size = 0;        ///< of the data asked for, or of the path
-  std::uint8_t file = kNoFile;  ///< which one the path names
+  std::uint8_t size = 0;        ///< of the requested data, or of the path
+  std::uint8_t file = kNoFile;  ///< index of the file at the path
   bool root = false;            ///< the path names the root
   std::uint32_t offset = 0;
 };
 
-/// Answers are bounded by what clients ask: one packet a request, but for a burst. A request that
-/// comes again (its answer was lost) is answered alike, for no answer depends on earlier ones.
-/// Clients are told apart by link and address; where there are too many of them or of their
-/// sessions, what was unused longest gives way, and its client starts again.
+/// Each request causes at most one packet, except a burst. A repeated request (its answer was lost)
+/// gets the same answer, since no answer depends on earlier ones. Link and address identify a
+/// client. With too many clients or sessions, the least recently used is dropped and must restart.
 class FtpServer {
  public:
   /// At most 255 files, which must outlive the server.
   explicit FtpServer(std::span<const FtpFile> files) : files_(files) {}
 
-  /// Takes a request; the answer, if any, is queued. It ends the client's burst,
-  /// unless it is a read: some clients ask for what they missed while the rest is on its way.
+  /// Takes a request and queues the answer, if any. Every request but a read ends the client's
+  /// burst: some clients read missing parts while the burst goes on.
   void request(std::size_t link, Address from, const FtpRequest& request, std::int64_t now_us);
   void request(std::size_t link, Address from, const FileTransferProtocol& message,
                std::int64_t now_us) {
     request(link, from, read(message), now_us);
   }
 
-  /// What may be kept of a packet, to be asked later.
+  /// Parses a packet, which request() may take later.
   FtpRequest read(const FileTransferProtocol& message) const;
 
-  /// No packet is due for any link.
+  /// True if no packet is due for any link.
   bool is_idle() const { return idle_; }
 
-  /// The next packet that is due for that link, in turn among its clients; nothing when there is
-  /// none. To be called while there is room.
+  /// The next packet due for that link, its clients in turn, if any. Call it while there is room.
   std::optional<FileTransferProtocol> next(std::size_t link);
 
  private:
   static constexpr std::size_t kClients = 8;
-  static constexpr std::size_t kAnswers = 8;  // of a client that asks for all its gaps at once
+  static constexpr std::size_t kAnswers = 8;  // a client may request all its gaps at once
   static constexpr std::size_t kSessions = 8;
   static constexpr std::ptrdiff_t kSessionsPerClient = 2;
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
@@ -72,7 +70,7 @@ class FtpServer {
     bool operator==(const Peer&) const = default;
   };
 
-  /// A file that a client has open under a number of its own choice.
+  /// A file that a client has opened under a session number of its own choice.
   struct Session {
     Peer peer{};
     std::uint8_t number = 0;
@@ -80,13 +78,13 @@ class FtpServer {
     std::int64_t used_us = kNever;
   };
 
-  /// What is to be sent; its data are filled in when it is.
+  /// A queued answer; its data are filled in when it is sent.
   struct Answer {
     std::uint16_t seq = 0;
     std::uint8_t session = 0;
     std::uint8_t asked = 0;  ///< opcode of the request
     std::uint8_t error = 0;  ///< 0: none
-    std::uint8_t size = 0;   ///< of the data asked for
+    std::uint8_t size = 0;   ///< of the requested data
     std::uint8_t file = FtpRequest::kNoFile;
     std::uint32_t offset = 0;
   };
@@ -94,7 +92,7 @@ class FtpServer {
   struct Client {
     Peer peer{};
     std::int64_t used_us = kNever;
-    std::uint64_t served = 0;  ///< number of the packet that it got last
+    std::uint64_t served = 0;  ///< serial number of its latest packet
     std::array<Answer, kAnswers> answers{};
     std::uint8_t first = 0, count = 0;
     std::optional<Answer> burst{};

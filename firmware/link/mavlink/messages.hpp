@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// MAVLink messages as plain structs: the protocol's names, units and order; nothing is decided
-// here. Source: mavlink.io common message set; only fields that somebody in this firmware reads or
-// sends. Texts are NUL-padded; one that fills its array has no NUL.
+// MAVLink messages as plain structs with the protocol's names, units and order. Source: mavlink.io
+// common message set; only fields that this firmware reads or sends. Texts are NUL-padded; one that
+// fills its array has no NUL.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace flotilla::link {
 
-/// Who sent a message, or whom it is for; 0 is everybody.
+/// Sender or addressee of a message; 0 is everybody.
 struct Address {
   std::uint8_t system = 0;
   std::uint8_t component = 0;
@@ -22,7 +22,7 @@ struct Address {
 template <std::size_t N>
 using Text = std::array<char, N>;
 
-// Vessels tell where they are.
+// Vessels report their motion.
 
 struct Heartbeat {
   std::uint32_t custom_mode;
@@ -52,8 +52,8 @@ struct Odometry {
   float rollspeed, pitchspeed, yawspeed;
   std::uint8_t frame_id;
   std::uint8_t child_frame_id;
-  std::uint8_t reset_counter = 0;  ///< another number: the estimate has jumped
-  std::int8_t quality = 0;         ///< %, 0: unknown, below 0: the estimator has failed
+  std::uint8_t reset_counter = 0;  ///< changes when the estimate jumps
+  std::int8_t quality = 0;         ///< %, 0: unknown, negative: the estimator has failed
 };
 
 struct GpsGlobalOrigin {
@@ -66,7 +66,7 @@ struct GpsGlobalOrigin {
 struct Timesync {
   std::int64_t tc1;  ///< ns, 0 in a request
   std::int64_t ts1;  ///< ns, returned unchanged
-  Address target{};  ///< of an answer; 0, 0 where the sender knows no targets
+  Address target{};  ///< in answers; 0, 0 from a sender without targets
 };
 
 struct GlobalPositionInt {
@@ -78,30 +78,30 @@ struct GlobalPositionInt {
 };
 
 struct FollowTarget {
-  std::uint64_t timestamp;        ///< ms of no certain epoch
+  std::uint64_t timestamp;        ///< ms, epoch unspecified
   std::int32_t lat, lon;          ///< degE7
   float alt;                      ///< m above mean sea level
   std::array<float, 3> vel, acc;  ///< m/s, m/s², north east down
   std::array<float, 4> q;         ///< w x y z, body to north east down
   std::array<float, 3> rates;     ///< body rates, rad/s
-  std::uint8_t est_capabilities;  ///< mav::kFollow… bits: what is known
+  std::uint8_t est_capabilities;  ///< mav::kFollow… bits: known fields
 };
 
-/// Where a vessel is and how it moves. Lengths are in 1/1024 m, velocities and accelerations in as
-/// much a second or second²; heading in 1/8192 rad, r in 1/4096 rad/s, its rates in 1/1024.
+/// A vessel's position and motion. Units: lengths 1/1024 m, velocities 1/1024 m/s, accelerations
+/// 1/1024 m/s²; heading 1/8192 rad, r 1/4096 rad/s, its derivatives 1/1024 rad/s² and rad/s³.
 struct ReferenceMotion {
   std::int32_t latitude, longitude;        ///< degE7, origin of the plane of the next two
-  std::int32_t north, east;                ///< from there
+  std::int32_t north, east;                ///< from that origin
   std::int16_t heading;                    ///< clockwise from that plane's north
   std::array<std::int16_t, 3> nu, nu_dot;  ///< u v r over ground, their rates of change
-  std::int16_t r_ddot;                     ///< and that of ṙ
+  std::int16_t r_ddot;                     ///< rate of change of ṙ
 };
 
 struct FormationReference {
-  std::uint32_t time_boot_ms;            ///< as the message leaves
-  std::uint16_t age_ms;                  ///< how long before that the motion was true
-  std::uint16_t sequence;                ///< of the maker
-  std::uint8_t root, maker;              ///< system ids: whose motion it is, who told it first
+  std::uint32_t time_boot_ms;            ///< when the message is sent
+  std::uint16_t age_ms;                  ///< age of the motion at time_boot_ms
+  std::uint16_t sequence;                ///< the maker's sequence number
+  std::uint8_t root, maker;              ///< system ids: whose motion it is, who first sent it
   std::uint8_t flags;                    ///< mav::kReference… bits
   ReferenceMotion motion;                ///< of the root
   std::array<std::int32_t, 2> offset_n;  ///< sender's slot: the part that keeps its bearing
@@ -122,7 +122,7 @@ struct HomePosition {
   std::uint64_t time_usec;
 };
 
-// Operators ask.
+// Operators' requests.
 
 struct CommandLong {
   std::uint16_t command;
@@ -153,7 +153,7 @@ struct SetMode {
 };
 
 struct ManualControl {
-  std::int16_t x, y, z, r;  ///< −1000 … 1000, 32767: that axis is not used
+  std::int16_t x, y, z, r;  ///< −1000 … 1000, 32767: axis not used
   std::uint16_t buttons;
   std::uint8_t target_system;
 };
@@ -231,12 +231,12 @@ struct RadioStatus {
   std::uint8_t txbuf;  ///< free share of the radio's send buffer, %
 };
 
-// The boat answers and tells how it is.
+// The boat's answers and its health.
 
 struct Statustext {
   std::uint8_t severity;
   Text<50> text;
-  std::uint16_t id = 0;  ///< the same in all chunks of a longer text, else 0
+  std::uint16_t id = 0;  ///< equal in all chunks of a longer text, else 0
   std::uint8_t chunk_seq = 0;
 };
 
@@ -316,7 +316,7 @@ struct NavControllerOutput {
 struct PositionTargetLocalNed {
   std::uint32_t time_boot_ms;
   std::uint8_t coordinate_frame;
-  std::uint16_t type_mask;  ///< set bits: not to be looked at
+  std::uint16_t type_mask;  ///< set bits: fields to ignore
   float x, y, z, vx, vy, vz, yaw, yaw_rate;
 };
 
@@ -340,14 +340,14 @@ using Message =
                  AvailableModes, CurrentMode, MavEscInfo, MavEscStatus, NavControllerOutput,
                  PositionTargetLocalNed, BatteryStatus, ExtendedSysState>;
 
-/// A message as it came. std::monostate is one that nobody here reads.
+/// A received message. std::monostate is one that this firmware does not read.
 struct Received {
   Address from;
   Message message;
-  Address target{};      ///< of messages that name one, else 0, 0
-  std::uint32_t id = 0;  ///< of the message
+  Address target{};      ///< where the message names one, else 0, 0
+  std::uint32_t id = 0;  ///< message id
   std::uint8_t sequence = 0;
-  bool is_signed = false;  ///< and the signature is good; a forged message never gets this far
+  bool is_signed = false;  ///< with a good signature; forged messages are dropped before
 };
 
 }  // namespace flotilla::link

@@ -10,7 +10,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// What the frame leaves out is zero.
+/// Bytes that the frame leaves out are zero.
 template <class Wire, std::uint32_t kId>
 Wire decoded(Bytes payload) {
   constexpr std::size_t kSize = mavlink_size<kId, Wire>();
@@ -25,7 +25,7 @@ Wire decoded(Bytes payload) {
   return wire;
 }
 
-/// A text or an array of numbers, byte for byte. The generated structs are packed: no reference
+/// Copies a text or an array of numbers. The generated structs are packed: no reference
 /// may be bound to their members.
 template <class Array>
 Array copy_of(const void* wire) {

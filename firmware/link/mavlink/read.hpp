@@ -9,12 +9,12 @@
 
 namespace flotilla::link {
 
-/// At most 255 bytes; what the frame leaves out is zero. std::monostate for a message that a boat
-/// does not read. Numbers are as they came: whoever uses one checks it.
+/// payload: at most 255 bytes; bytes that the frame leaves out are zero. `out` is std::monostate
+/// for a message that a boat does not read. Values are not validated: their user checks them.
 void read_payload(std::span<const std::uint8_t> payload, std::uint32_t id, Message& out);
 
-/// Whom a TIMESYNC is for. The two bytes came later than the generated code, which does not know
-/// them; a sender that does not know them either leaves them out.
+/// The addressee of a TIMESYNC, or everybody where an older sender omits its two bytes. The
+/// generated code is older and lacks them too.
 Address timesync_target(std::span<const std::uint8_t> payload);
 
 }  // namespace flotilla::link

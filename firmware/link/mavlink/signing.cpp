@@ -8,7 +8,7 @@
 namespace flotilla::link {
 namespace {
 
-constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01 since 1970
+constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
 constexpr std::uint64_t kMinute = 6'000'000, kDay = 24 * 60 * kMinute;
 constexpr std::size_t kHeaderBytes = 10, kChecksumBytes = 2;
@@ -36,7 +36,7 @@ std::array<std::uint8_t, kDigestBytes> digest(const SigningKey& key,
   return result;
 }
 
-/// Takes as long wherever the first difference is.
+/// Takes constant time, wherever the first difference is.
 bool equal(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
   unsigned difference = 0;
   for (std::size_t i = 0; i < kDigestBytes; ++i) difference |= unsigned{a[i]} ^ unsigned { b[i] };
@@ -56,7 +56,7 @@ void Signing::start(const SigningKey& key, std::uint64_t clock, std::uint64_t st
   used_ = 0;
   timestamp_ = std::min(stored, kLatest);
   set_clock(clock);
-  // A clock that comes up a little behind, as without a battery, must not make old messages new.
+  // A clock that starts a little behind, as without a battery, must not make old messages valid.
   floor_ = stored > clock_ && stored - clock_ < kDay ? stored : 0;
 }
 

@@ -2,9 +2,9 @@
 // MAVLink 2 message signing, one for all links of a component.
 //
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
-// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: timestamps are
-// judged by our clock alone, a minute either way. There a received timestamp drags the receiver's
-// along, and one from the future shuts out everybody whose clock is right.
+// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: only our own clock
+// judges timestamps, with a minute of tolerance either way. There a received timestamp advances the
+// receiver's own, so that one from the future shuts out every sender with a correct clock.
 #pragma once
 
 #include <array>
@@ -20,47 +20,46 @@ using SigningKey = std::array<std::uint8_t, 32>;
 
 constexpr std::size_t kSignatureBlockBytes = 13;  ///< link id, timestamp, signature
 
-/// The timestamp of a time in µs since 1970; the nearest there is.
+/// The timestamp of a time in µs since 1970; saturates.
 std::uint64_t signing_time(std::int64_t unix_us);
 
 enum class SignatureVerdict : std::uint8_t {
   kGood,
-  kForged,    ///< another key, or a bit was changed
-  kReplayed,  ///< not newer than what this stream has brought already
+  kForged,    ///< another key, or altered data
+  kReplayed,  ///< not newer than this stream's latest timestamp
   kStale,     ///< a new stream, more than a minute behind our clock
   kFuture,    ///< more than a minute ahead of our clock
-  kNoRoom,    ///< a new stream, and there is no room for another
+  kNoRoom,    ///< a new stream, but no room for it
 };
 
 class Signing {
  public:
-  /// What one (system, component, link id) sends.
+  /// The messages of one (system, component, link id).
   struct Stream {
     Address from;
     std::uint8_t link_id;
     std::uint64_t timestamp;
   };
 
-  /// room: for the streams it hears, outlives it; what it sends needs none.
+  /// room: storage for received streams, must outlive this object; sending needs none.
   explicit Signing(std::span<Stream> room = {}) : room_(room) {}
 
-  /// clock: as for set_clock(); stored: the last timestamp() of an earlier run, or 0. Forgets all
-  /// streams.
+  /// Forgets all streams. clock: as for set_clock(); stored: an earlier run's timestamp(), or 0.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
 
-  /// The host's clock, by which received timestamps are judged; what we send never goes back.
+  /// The host's clock, which judges received timestamps; sent timestamps never go back.
   void set_clock(std::uint64_t now);
 
-  /// Of what we sent last. To be stored for the next start, at least once a minute.
+  /// Our last sent timestamp. Store it at least once a minute for the next start.
   std::uint64_t timestamp() const { return timestamp_; }
 
-  /// Judges a whole signed frame of MAVLink 2. Only a good one leaves a trace in here.
+  /// Verifies a whole signed MAVLink 2 frame. Only a good one changes the state.
   SignatureVerdict check(std::span<const std::uint8_t> frame);
 
-  /// The block behind a frame that says it is signed and ends with its checksum. No two blocks have
-  /// the same timestamp, whatever their links.
+  /// Writes the signature block of a frame, which has its signed flag set and ends with its
+  /// checksum. Timestamps are unique across all links.
   void sign(std::span<const std::uint8_t> frame, std::uint8_t link_id,
             std::span<std::uint8_t, kSignatureBlockBytes> block);
 
@@ -70,8 +69,8 @@ class Signing {
   SigningKey key_{};
   bool has_key_ = false;
   std::uint64_t clock_ = 0;      // the host's
-  std::uint64_t timestamp_ = 0;  // of what was sent last
-  std::uint64_t floor_ = 0;      // the clock has been there before
+  std::uint64_t timestamp_ = 0;  // sent last
+  std::uint64_t floor_ = 0;      // an earlier run's time: new streams must not be older
   std::size_t used_ = 0;
   std::span<Stream> room_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Messages to MAVLink 2 frames. The generated structs say where each field lies; frames are put
-// together here, for the generated code copies every payload thrice and goes bit by bit over it.
-// Fields that our structs lack are zero, or what the protocol calls unknown.
+// Messages to MAVLink 2 frames. The generated structs define the layout; frames are assembled here,
+// since the generated code copies every payload three times and computes its CRC bit by bit. Fields
+// that our structs lack are zero, or the protocol's value for unknown.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@
 
 namespace flotilla::link {
 
-/// An array into a field that has as many elements of the same type, or it does not compile.
+/// Copies an array into a field of the same type and length; others do not compile.
 template <class T, std::size_t kCount>
 void copy(T (&field)[kCount], const std::array<T, kCount>& from) {
   std::copy(from.begin(), from.end(), field);
 }
 
-/// Writes a message as a frame, as a visitor of link::Message; each returns the frame's length,
+/// A visitor of link::Message that writes it as a frame. Each call returns the frame's length
 /// without the signature block, or 0 where `out` is too short for both.
 struct MavlinkWriter {
   Address self;
@@ -40,7 +40,7 @@ struct MavlinkWriter {
 
   std::size_t operator()(std::monostate) const { return 0; }
 
-  // mavlink_write_state.cpp
+  // write_state.cpp
   std::size_t operator()(const Heartbeat& x) const;
   std::size_t operator()(const Attitude& x) const;
   std::size_t operator()(const LocalPositionNed& x) const;
@@ -56,7 +56,7 @@ struct MavlinkWriter {
   std::size_t operator()(const PositionTargetLocalNed& x) const;
   std::size_t operator()(const ExtendedSysState& x) const;
 
-  // mavlink_write_requests.cpp
+  // write_requests.cpp
   std::size_t operator()(const CommandLong& x) const;
   std::size_t operator()(const CommandInt& x) const;
   std::size_t operator()(const CommandAck& x) const;
@@ -75,7 +75,7 @@ struct MavlinkWriter {
   std::size_t operator()(const MissionAck& x) const;
   std::size_t operator()(const FileTransferProtocol& x) const;
 
-  // mavlink_write_health.cpp
+  // write_health.cpp
   std::size_t operator()(const RadioStatus& x) const;
   std::size_t operator()(const Statustext& x) const;
   std::size_t operator()(const NamedValueFloat& x) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a boat is, what it can do and how it is.
+// Messages about a boat's identity, capabilities and health.
 #include <cstring>
 #include <limits>
 
@@ -127,8 +127,8 @@ std::size_t MavlinkWriter::operator()(const BatteryStatus& x) const {
   w.current_consumed = -1;
   w.energy_consumed = -1;
   w.temperature = std::numeric_limits<std::int16_t>::max();
-  std::memset(w.voltages, 0xFF, sizeof w.voltages);  // cells are not measured one by one
-  w.voltages[0] = x.voltage_mV;                      // of all of them
+  std::memset(w.voltages, 0xFF, sizeof w.voltages);  // no measurement of single cells
+  w.voltages[0] = x.voltage_mV;                      // all cells together
   w.current_battery = x.current_cA;
   w.battery_remaining = -1;
   return put<MAVLINK_MSG_ID_BATTERY_STATUS>(w);

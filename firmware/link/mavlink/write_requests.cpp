@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What operators ask for, and what they get as an answer.
+// Operators' requests and their answers.
 #include "link/mavlink/write.hpp"
 
 namespace flotilla::link {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a vessel tells about its motion.
+// Messages about a vessel's motion.
 #include <cstring>
 #include <limits>
 
@@ -61,7 +61,7 @@ std::size_t MavlinkWriter::operator()(const GpsGlobalOrigin& x) const {
 
 std::size_t MavlinkWriter::operator()(const Timesync& x) const {
   const mavlink_timesync_t w{x.tc1, x.ts1};
-  // the target's two bytes came later than the generated code
+  // the generated code lacks the target's two bytes
   std::array<std::uint8_t, sizeof w + 2> payload{};
   std::memcpy(payload.data(), &w, sizeof w);
   payload[sizeof w] = x.target.system;
@@ -119,7 +119,7 @@ std::size_t MavlinkWriter::operator()(const HomePosition& x) const {
   w.altitude = x.altitude;
   w.x = x.x, w.y = x.y, w.z = x.z;
   static_assert(sizeof w.q == sizeof x.q);
-  std::memcpy(w.q, x.q.data(), sizeof w.q);  // packed: nothing may refer to it
+  std::memcpy(w.q, x.q.data(), sizeof w.q);  // packed: no reference may bind to it
   w.time_usec = x.time_usec;
   return put<MAVLINK_MSG_ID_HOME_POSITION>(w);
 }
