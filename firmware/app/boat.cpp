@@ -335,7 +335,7 @@ void Boat<S>::complain_of_station() {
     if (astray_ == core::Astray::kLeft) {
       why << "boat left its slot: " << off_m << " m off, FS_SLOT_M is " << p.FS_SLOT_M;
     } else {
-      why << "boat comes no nearer to its slot: " << off_m << " m off";
+      why << "boat does not approach its slot: " << off_m << " m off";
     }
   }
   vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);

@@ -11,7 +11,7 @@ using core::Q16;
 using core::State;
 using testing::Harbour;
 
-constexpr auto kSentence = "a number is out of the scalar's range";
+constexpr auto kSentence = "numeric overflow in the control law";
 
 /// Gains of a ship, and 30 m to go: more newtons are asked for than Q16 has.
 Parameters eager() {

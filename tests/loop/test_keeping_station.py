@@ -30,7 +30,7 @@ def test_slot_inside_a_turn_stops_its_boat_and_no_other_comes_near(sail: Sail) -
 @pytest.mark.parametrize(
     ("how", "why"),
     [
-        ("boat.1.parameters.FORM_LEADER=4", "leaders follow each other in a ring"),
+        ("boat.1.parameters.FORM_LEADER=4", "leaders form a cycle"),
         ("boat.3.offset_m=[0, 0]", "boat 3: Refused: slot is taken"),
     ],
 )

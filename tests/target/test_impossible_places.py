@@ -65,8 +65,8 @@ def assert_refused(sea: Sea, why: str) -> None:
     assert sea.state == "HOLD"
 
 
-RING = "leaders follow each other in a ring"
-TAKEN = "slot is taken, or astern in the turn"
+RING = "leaders form a cycle"
+TAKEN = "slot is taken, or needs sailing astern"
 
 
 def test_leader_that_follows_this_boat_is_not_followed() -> None:

@@ -39,7 +39,7 @@ def test_of_a_prompt_unit_or_a_known_latency_not_a_word_is_said(law: dict[str, f
 def test_a_unit_that_is_too_late_leads_to_hold_and_formation_is_refused_with_the_reason() -> None:
     sea = sailing(0.42, {})
     assert sea.state == "HOLD"
-    assert any("navigation unit is too late" in text for text in words(sea))
+    assert any("navigation latency is too high" in text for text in words(sea))
 
 
 def test_the_known_latency_counts_as_age() -> None:

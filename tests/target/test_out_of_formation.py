@@ -36,7 +36,7 @@ def test_leader_that_sails_away_is_followed_no_farther_than_the_limit() -> None:
     assert not sea.condition("on_station")
     said = texts(sea.ticks)
     assert any(t.startswith("boat left its slot: ") and "FS_SLOT_M is 5" in t for t in said), said
-    assert "COAST: boat does not keep its slot" in said
+    assert "COAST: boat is out of formation" in said
     sea.run_until("HOLD", 5.1)
     assert not any(sea.commands)
     sea.run(1.0)
@@ -58,7 +58,7 @@ def test_boat_that_comes_no_nearer_is_out_of_formation_after_half_a_minute() -> 
     sea.run(20.0)
     assert sea.state == "FORMATION"
     sea.run_until("COAST", 30.0)
-    assert any(t.startswith("boat comes no nearer to its slot: ") for t in texts(sea.ticks))
+    assert any(t.startswith("boat does not approach its slot: ") for t in texts(sea.ticks))
 
 
 def test_boat_that_swings_to_and_fro_faster_than_it_may_turn_is_out_of_formation() -> None:

@@ -52,7 +52,7 @@ TEST_CASE("a unit of any rate, whatever the hull: its latency is found to a fift
         Turning boat{.tau_s = tau_s, .period_s = period_s, .share = share, .damping = damping};
         boat.sail(20);
         CHECK(boat.late().known);
-        CHECK(std::abs(boat.late().tau - tau_s) < 0.02);
+        CHECK(std::abs(double{boat.late().tau} - tau_s) < 0.02);
       }
     }
   }
