@@ -14,7 +14,7 @@ from tests.target.operator_words import sticks
 from tests.target.sea import PAPER, Sea, at_sea, texts
 from tests.target.stations import FORMATION
 
-LOW, FAR = "battery is below FS_BATT_V, or unknown", "position is outside FS_FENCE_M, or unknown"
+LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside FS_FENCE_M, or place unknown"
 GEOFENCE, BATTERY, PREARM = 1 << 20, 1 << 25, 1 << 28
 MANUAL = 0
 

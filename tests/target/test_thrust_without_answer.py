@@ -47,7 +47,7 @@ def test_a_propeller_that_turns_the_other_way_is_seen_within_three_seconds(
     sea.shares = shares
     assert stops_after(sea) < 3.0
     assert sea.state == "HOLD" and sea.commands == (0, 0)
-    assert any("does not answer" in text for text in texts(sea.ticks))
+    assert any("does not respond" in text for text in texts(sea.ticks))
 
 
 @LAWS

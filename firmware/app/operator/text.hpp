@@ -42,7 +42,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSlotSound, "slot is taken, or needs sailing astern"},
     {core::kOnStation, "boat is out of formation", "FS_SLOT_M"},
     {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
-    {core::kInsideFence, "position is outside FS_FENCE_M, or unknown", "FS_FENCE_M"},
+    {core::kInsideFence, "outside FS_FENCE_M, or place unknown", "FS_FENCE_M"},
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
     {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
     {core::kParametersSaved, "parameters are not saved"},
