@@ -35,6 +35,7 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kOnStation, "on_station"},
                      {flotilla::core::kLeadersEnd, "leaders_end"},
                      {flotilla::core::kSlotSound, "slot_sound"}}};
+static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);
 
