@@ -84,7 +84,7 @@ def scenario_of(job: Job) -> Scenario:
 
 
 def outcome(job: Job, run: Run) -> Outcome:
-    """What is left of a job's run."""
+    """The result of a job's run."""
     trace, bounds = run.trace, CLAIMS[job.scenario].bounds
     step = max(1, trace["t_s"].size // _SAMPLES)
     return Outcome(

@@ -68,6 +68,8 @@ class Boat {
   Boat(const Parameters& parameters, std::size_t links)
       : Boat(parameters, links, std::make_unique<AmpleStorage>()) {}
 
+  Boat(Boat&&) = delete;  // Vehicle refers to its supervisor
+
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);

@@ -103,7 +103,7 @@ def draw(number: int, folder: Path) -> Scenario:
 
 
 def end_of(run: Run, one: Scenario) -> End:
-    """Who stopped has no thrust."""
+    """A boat without thrust in the last 10 s counts as held."""
     last = run.trace["t_s"] > run.trace["t_s"][-1] - 10.0
     driven = run.trace["thrust"][last].any(axis=(0, 2))
     off_m = metrics.distances(run.trace["error"])[last].max(axis=0)

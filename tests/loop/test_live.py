@@ -57,7 +57,7 @@ def test_live_boats_are_where_the_lockstep_has_them(live: Path, diamond: tuple[R
 
 
 def states_after_release(boat: dict[str, Any]) -> list[str]:
-    """Without a HOLD of the first 0.1 s: what was sent just before the release still says so."""
+    """States told, without a HOLD in the first 0.1 s: that message was sent before the release."""
     states = boat["states"]
     if len(states) > 1 and states[0][1] == "HOLD" and states[1][0] < 0.1:
         states = states[1:]

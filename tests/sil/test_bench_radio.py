@@ -20,7 +20,7 @@ NOW_S, EPOCH_S = 1_790_000_000, 1_420_070_400  # MAVLink counts from 2015
 
 
 def frames_of(recording: Recording, signs: bool) -> list[bytes]:
-    """What boat 2 says over the radio where it hears what it heard in the recording."""
+    """Frames that boat 2 sends by radio when it is fed the recording's inputs."""
     header = recording.header["boats"][BOAT - 1]
     boat = flotilla.Boat(header["parameters"], header["links"], header["scalar"])
     if signs:

@@ -73,10 +73,11 @@ def test_file_keeps_its_range_or_does_not(
 
 def test_greatest_of_all_lines_and_runs_is_kept_and_other_folders_are_passed_over() -> None:
     text = (
-        "rooms/core/core/slot.hpp:7 65536\nrooms/core/core/slot.hpp:9 131072\nrooms/app/a.hpp:1 9\n"
+        "seen/core/core/slot.hpp:7 65536\nseen/core/core/slot.hpp:9 131072\nseen/app/a.hpp:1 9\n"
+        "seen/core/core/estimation/track.hpp:3 65536\n"
     )
     first, second = ranges.seen(text, "one"), ranges.seen("x/core/core/slot.hpp:8 98304\n", "two")
-    expected = {"slot.hpp": Most(2.0, 9, "one")}
+    expected = {"slot.hpp": Most(2.0, 9, "one"), "track.hpp": Most(1.0, 3, "one")}
     assert ranges.merged(first, second) == ranges.merged(second, first) == expected
 
 

@@ -20,7 +20,7 @@ constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
 constexpr std::size_t kSentenceRoom = 200;  // of two chunks
 
 /// What of it is for the tick to answer, if anything.
-struct QuestionOf {
+struct RequestOf {
   const link::FtpServer& ftp;
 
   template <class Message>
@@ -110,8 +110,8 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
     if (!identity_.addressed(out.target)) continue;
     if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
       take_sticks(out, *sticks, now_us, counters);
-    } else if (const auto question = std::visit(QuestionOf{ftp_}, out.message)) {
-      inbox_.push({now_us, *question, out.from, out.target, static_cast<std::uint8_t>(link)},
+    } else if (const auto request = std::visit(RequestOf{ftp_}, out.message)) {
+      inbox_.push({now_us, *request, out.from, out.target, static_cast<std::uint8_t>(link)},
                   counters);
     } else {
       return true;

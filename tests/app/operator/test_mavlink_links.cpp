@@ -36,7 +36,8 @@ Bytes any_bytes(std::size_t size, std::uint8_t first) {
   return out;
 }
 
-TEST_CASE("each link has a limit of its own, and the state and the rest have purses of their own") {
+TEST_CASE(
+    "each link has a limit of its own, and the state and the rest have buckets of their own") {
   Ship s;
   s.links.bucket(1).limit(1000);
   CHECK(s.links.bucket(0).limit() == 0);
