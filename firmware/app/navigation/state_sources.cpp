@@ -55,15 +55,27 @@ bool StateSources::better(Source source, std::int64_t now_us, bool origin_known)
   return true;
 }
 
-bool StateSources::change_to(Source source) {
-  in_use_ = source;
-  Heard& in = heard(source);
-  const bool rebooted = std::exchange(in.went_back, false);
-  if (rebooted) in.newest_us = in.stamp_us;
-  return rebooted;
+void StateSources::change_to(std::uint8_t component) {
+  component_ = component;
+  heard_ = {};
+  odometry_resets_.reset();
 }
 
-void StateSources::rebooted(std::int64_t stamp_us) {
+void StateSources::change_to(Source source) {
+  in_use_ = source;
+  Heard& in = heard(source);
+  if (std::exchange(in.went_back, false)) in.newest_us = in.stamp_us;
+}
+
+bool StateSources::is_reset(std::uint8_t resets, std::int64_t stamp_us) const {
+  const Heard& in = heard(Source::kOdometry);
+  const bool is_news = in.in_a_row == 0 || stamp_us > in.stamp_us;
+  const auto next = static_cast<std::uint8_t>(odometry_resets_.value_or(resets) + 1);
+  return is_news && in_use_ == Source::kOdometry && resets == next;
+}
+
+void StateSources::reboot(std::int64_t stamp_us) {
+  reset_clock();
   heard(in_use_).newest_us = stamp_us;
   heard(in_use_).went_back = false;
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Chooses which of the messages that report one vessel's state are used.
+// Chooses which component's and which kind of the messages that report one vessel's state are used.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "app/navigation/clock_offset.hpp"
 
@@ -13,42 +14,48 @@ namespace flotilla::app {
 /// The most precise first.
 enum class Source : std::uint8_t { kOdometry, kLocalPosition, kFollowTarget, kGlobalPosition };
 
-/// The most precise source that is received wins; a local one without a known origin ranks last.
-/// The one in use is replaced after `patience_us` of silence, or by a better one received five
-/// times in a row. Each has its own clock: the stamps of two need not count from the same instant.
+/// The lowest component that sends whole states wins; another one once it is silent. Of its sources
+/// the most precise one that is received wins; a local one without a known origin ranks last. The
+/// one in use is replaced after `patience_us` of silence, or by a better one received five times in
+/// a row. Each has its own clock: the stamps of two need not count from the same instant.
 class StateSources {
  public:
   explicit StateSources(std::int64_t patience_us) : patience_us_(patience_us) {}
 
+  std::uint8_t component() const { return component_; }  ///< 0: none yet
   Source in_use() const { return in_use_; }
   ClockOffset& clock() { return heard(in_use_).clock; }
   const ClockOffset& clock() const { return heard(in_use_).clock; }
 
-  /// A message was received; `accepted`: the source in use has given a state, which sets its clock.
+  /// Whether this component should replace the one in use; silent: that one sends nothing.
+  bool better(std::uint8_t component, bool silent) const {
+    return component_ == 0 || component < component_ || (component != component_ && silent);
+  }
+  void change_to(std::uint8_t component);
+
+  /// A message of the component in use was received; `accepted`: the source in use has given a
+  /// state, which sets its clock.
   void hear(Source source, std::int64_t stamp_us, std::int64_t now_us, bool accepted);
 
   /// Whether `source` should replace the one in use.
   bool better(Source source, std::int64_t now_us, bool origin_known) const;
 
-  /// Changes the source. Returns whether its stamps went back since it was last in use: then the
-  /// vessel rebooted, and its local frame may have another origin.
-  bool change_to(Source source);
+  /// Its stamps went back since it was last in use: the vessel rebooted, and its local frame may
+  /// have another origin.
+  bool went_back(Source source) const { return heard(source).went_back; }
+  void change_to(Source source);
 
-  /// Resets the clock of the source in use.
-  void restart() { clock().reset(); }
-  void rebooted(std::int64_t stamp_us);
+  /// The estimator behind ODOMETRY was reset. Only an increment by one counts; another number may
+  /// be another vessel's.
+  bool is_reset(std::uint8_t resets, std::int64_t stamp_us) const;
+  void note_resets(std::uint8_t resets) { odometry_resets_ = resets; }
+
+  /// The clock of the source in use was set, or restarted with the vessel at this stamp.
+  void reset_clock() { clock().reset(); }
+  void reboot(std::int64_t stamp_us);
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
   void answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us);
-
-  /// The stamp is later than this source's last one.
-  bool is_news(Source source, std::int64_t stamp_us) const {
-    const Heard& in = heard(source);
-    return in.in_a_row == 0 || stamp_us > in.stamp_us;
-  }
-
-  /// Another component is used from now on.
-  void forget() { heard_ = {}; }
 
  private:
   static constexpr std::size_t kSources = 4;
@@ -66,8 +73,10 @@ class StateSources {
   const Heard& heard(Source source) const { return heard_[static_cast<std::size_t>(source)]; }
 
   std::int64_t patience_us_;
+  std::uint8_t component_ = 0;
   Source in_use_ = Source::kGlobalPosition;
   std::array<Heard, kSources> heard_{};
+  std::optional<std::uint8_t> odometry_resets_;  ///< of the last state accepted
 };
 
 }  // namespace flotilla::app

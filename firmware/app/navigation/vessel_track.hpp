@@ -7,19 +7,20 @@
 #include <utility>
 
 #include "app/convert/convert.hpp"
+#include "app/navigation/headings.hpp"
 #include "app/navigation/jump_guard.hpp"
 #include "app/navigation/liveness.hpp"
+#include "app/navigation/motion_filter.hpp"
+#include "app/navigation/origins.hpp"
+#include "app/navigation/stamp_filter.hpp"
 #include "app/navigation/state_sources.hpp"
 #include "link/counters.hpp"
 
 namespace flotilla::app {
 
-/// Follows one system id, and its lowest component that sends whole states: ODOMETRY,
-/// LOCAL_POSITION_NED + ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE, as StateSources
-/// chooses. A message with a stamp not newer than the last is refused, unless nothing newer has
-/// come for 1 s while the old stamps advance: then the vessel has rebooted. An implausible jump is
-/// ignored until reported consistently for 1 s, except after a reboot, a reset of the estimate, or
-/// a change of source or origin.
+/// Follows one system id by the states that StateSources chooses: ODOMETRY, LOCAL_POSITION_NED +
+/// ATTITUDE, FOLLOW_TARGET or GLOBAL_POSITION_INT + ATTITUDE. StampFilter refuses late ones,
+/// JumpGuard implausible ones, except after an event that ends the track's motion.
 template <class S>
 class VesselTrack {
  public:
@@ -48,14 +49,14 @@ class VesselTrack {
 
   /// Latency of its states before arrival, used if TIMESYNC does not bound its clock.
   void set_lag(std::int64_t lag_us) { lag_us_ = lag_us; }
-  bool bounded() const { return clock().was_answered(); }
+  bool bounded() const { return sources_.clock().was_answered(); }
 
   /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
 
   /// Smoothing is for motion(); off if another estimator knows the motion between messages better:
   /// then each message is believed as it is.
-  void set_smoothing(bool smooths);
+  void set_smoothing(bool smooths) { filter_.set_smoothing(smooths); }
 
   /// Change of velocity that the propellers alone would have caused since the last call, m/s.
   void push(S change_mps) { liveness_.push(change_mps); }
@@ -71,7 +72,8 @@ class VesselTrack {
 
   /// Takes any message; ignores those of other vessels and unused types.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
-    if (mine(received.from)) take_mine(received, now_us, counters);
+    if (mine(received.from))
+      take_mine(received.message, {received.from.component, now_us, counters});
   }
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
@@ -86,13 +88,10 @@ class VesselTrack {
 
   /// Position at the last sample, from the origin of the sender's local frame, or, if it sends only
   /// global positions, from its first one.
-  convert::Position position() const { return position_; }
+  const convert::Position& position() const { return origins_.position(); }
 
   /// The position can be compared with other vessels'.
-  bool has_origin() const { return component_ != 0 && (anchored_ || origin_known()); }
-
-  /// The motion at the last sample.
-  const core::TrackState<S>& track() const { return track_; }
+  bool has_origin() const { return component() != 0 && origins_.knows(component()); }
 
   /// Motion extrapolated from the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
@@ -101,82 +100,86 @@ class VesselTrack {
   std::optional<double> uncertainty_m(std::int64_t now_us) const;
 
   /// The last message unless already taken; dt: since the last one taken, 0 if no motion led to it.
-  std::optional<core::TrackMessage<S>> take_fix() { return std::exchange(fix_, std::nullopt); }
-
-  /// Number of messages accepted.
-  std::uint32_t messages() const { return messages_; }
+  std::optional<core::TrackMessage<S>> take_fix() { return filter_.take_fix(); }
 
   /// An ODOMETRY in a frame without north was refused since the last call.
-  bool take_frame_complaint();
+  bool take_frame_complaint() { return std::exchange(frame_complaint_, false); }
 
  private:
-  static constexpr std::int64_t kSilent_us = 1'000'000, kLeap_us = 600'000'000;
+  using Heading = typename Headings<S>::Heading;
 
-  struct Heading {
-    std::uint8_t component = 0;
-    convert::HeadingSample<S> sample{};
-    std::int64_t arrived_us = 0;
+  /// A message's, and where it is counted.
+  struct Arrival {
+    std::uint8_t component;
+    std::int64_t now_us;
+    link::Counters& counters;
+  };
+
+  /// A state as received, from one message or joined with a heading.
+  struct State {
+    Source source;
+    convert::Sample<S> sample;
+    std::optional<std::uint8_t> resets{};  ///< of the estimator
+    const Heading* heading = nullptr;
+    std::int64_t heading_older_us = 0;
+    std::optional<std::int64_t> resumed_us{};  ///< our time of the old source's state
   };
 
   bool mine(link::Address from) const {
     return from.system == identity_.system && from.component != identity_.ignored_component &&
            from.component != 0;
   }
-  bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
-  bool origin_known() const { return origin_component_ == component_; }
-  void take_mine(const link::Received& received, std::int64_t now_us, link::Counters& counters);
-  void take(const link::Odometry& message, std::uint8_t component, std::int64_t now_us,
-            link::Counters& counters);
-  void take(const link::Attitude& message, std::uint8_t component, std::int64_t now_us,
-            link::Counters& counters);
-  void take(const link::FollowTarget& message, std::uint8_t component, std::int64_t now_us,
-            link::Counters& counters);
-  template <class Message>
-  void take_joined(Source source, const Message& message, std::uint8_t component,
-                   std::int64_t now_us, link::Counters& counters);
-  void take(const link::GpsGlobalOrigin& message, std::uint8_t component, link::Counters& counters);
-  bool chosen(std::uint8_t component, std::int64_t now_us);
-  bool preferred(Source source, std::int64_t stamp_us, std::int64_t now_us);
-  void change_to(Source source, std::int64_t now_us);
-  bool accept(const convert::Sample<S>& sample, std::int64_t now_us, link::Counters& counters);
-  bool is_late(const convert::Sample<S>& sample, std::int64_t now_us);
-  void moved(std::int64_t stamp_us, std::int64_t now_us);
-  void update(const convert::Sample<S>& sample, std::int64_t now_us);
-  convert::Sample<S> here(const convert::Sample<S>& sample) const;
-  void anchor(const convert::Sample<S>& sample);
-  void rebooted(std::int64_t stamp_us);
-  void jumped();
-  void restart();
-
+  std::uint8_t component() const { return sources_.component(); }
   std::int64_t lag_us() const { return bounded() ? 0 : lag_us_; }
-  ClockOffset& clock() { return sources_.clock(); }
-  const ClockOffset& clock() const { return sources_.clock(); }
+
+  void take_mine(const link::Message& message, const Arrival& arrival);
+  void take(const link::Odometry& message, const Arrival& arrival);
+  void take(const link::Attitude& message, const Arrival& arrival);
+  void take(const link::FollowTarget& message, const Arrival& arrival);
+  void take(const link::GpsGlobalOrigin& message, const Arrival& arrival);
+  template <class Message>
+  void take_joined(Source source, const Message& message, const Arrival& arrival);
+  void choose(State state, const Arrival& arrival);
+  void accept(const State& state, const Arrival& arrival);
+  void update(const State& state, const convert::Sample<S>& placed, std::int64_t now_us);
+
+  // The events that end a track or part of it; nothing else resets anything.
+  void component_changed(std::uint8_t component, const Heading* heading) {
+    motion_ended();
+    sources_.change_to(component);
+    origins_.release();
+    if (heading != nullptr) headings_.use(*heading);
+  }
+  /// The motion goes on, with the new source's stamps and clock.
+  void source_changed(Source source) {
+    guard_.forget();
+    stamps_.forget();
+    if (sources_.went_back(source)) origins_.forget();
+    sources_.change_to(source);
+  }
+  void rebooted(std::int64_t stamp_us) {
+    motion_ended();
+    sources_.reboot(stamp_us);
+    origins_.forget();
+  }
+  void origin_changed() { clock_set(); }
+  void clock_set() { motion_ended(), sources_.reset_clock(); }
+  void estimator_reset() { motion_ended(); }
+  void moved() { motion_ended(); }  ///< a jump was believed
+  /// No motion leads to the next state, which is accepted without comparison.
+  void motion_ended() { guard_.forget(), stamps_.forget(), filter_.forget(); }
 
   Identity identity_;
   Antenna antenna_;
   std::int64_t lag_us_ = 0;
-  std::uint8_t component_ = 0;
   StateSources sources_;
+  StampFilter stamps_;
+  Origins origins_;
+  Headings<S> headings_;
   JumpGuard<S> guard_;
   Liveness<S> liveness_;
-  Heading heading_;        // of the chosen component
-  Heading other_heading_;  // of another, which is chosen once its position comes too
-  std::optional<std::uint8_t> odometry_resets_;
-  std::optional<std::int64_t> stamp_us_;
-  std::optional<std::int64_t> refused_stamp_us_;
-  std::optional<std::int64_t> other_source_us_;  // our time of the previous source's state
-  std::int64_t heading_older_us_ = 0;            // age of the heading at the position's stamp
-  std::int64_t arrived_us_ = 0;
-  int refused_in_a_row_ = 0;
-  std::uint32_t messages_ = 0;
-  convert::Position position_;
-  bool anchored_ = false;  // position_.origin was chosen for global positions
-  link::GpsGlobalOrigin origin_{};
-  std::uint8_t origin_component_ = 0;  // 0: no origin received
+  MotionFilter<S> filter_;
   bool frame_complaint_ = false;
-  bool smooths_ = true;
-  core::TrackState<S> track_;
-  std::optional<core::TrackMessage<S>> fix_;
 };
 
 }  // namespace flotilla::app

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Filters one vessel's states by their stamps: repeated, late, or of a clock that was restarted.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+
+namespace flotilla::app {
+
+class StampFilter {
+ public:
+  enum class Verdict : std::uint8_t {
+    kNext,       ///< newer than the last one, or the first
+    kSet,        ///< newer, but not by the time that has passed: within 1 s
+    kWrapped,    ///< 10 min too new: a 32-bit clock that restarts appears to leap ahead
+    kLate,       ///< not newer
+    kRestarted,  ///< not newer, but nothing newer has come for 1 s while the old stamps advance
+  };
+
+  Verdict judge(std::int64_t stamp_us, std::int64_t now_us) const {
+    if (!last_us_) return Verdict::kNext;
+    if (stamp_us <= *last_us_) {
+      const bool restarted = silent(now_us) && advances(stamp_us) && stamp_us != *last_us_;
+      return restarted ? Verdict::kRestarted : Verdict::kLate;
+    }
+    const std::int64_t off_us = stamp_us - *last_us_ - (now_us - arrived_us_);
+    if (off_us > kLeap_us) return Verdict::kWrapped;
+    return std::abs(off_us) > kSilent_us ? Verdict::kSet : Verdict::kNext;
+  }
+
+  /// A late state was not used.
+  void refuse(std::int64_t stamp_us) {
+    refused_in_a_row_ = advances(stamp_us) ? refused_in_a_row_ + 1 : 1;
+    refused_us_ = stamp_us;
+  }
+
+  /// A state is used from now on, whose heading is older by so much.
+  void accept(std::int64_t stamp_us, std::int64_t heading_older_us, std::int64_t now_us) {
+    forget();
+    last_us_ = stamp_us;
+    heading_older_us_ = heading_older_us;
+    arrived_us_ = now_us;
+  }
+
+  /// The next stamp is not compared with those before it.
+  void forget() {
+    last_us_.reset();
+    refused_us_.reset();
+    refused_in_a_row_ = 0;
+  }
+
+  /// Of the last state accepted; nothing if the next one does not follow it.
+  const std::optional<std::int64_t>& last_us() const { return last_us_; }
+  std::int64_t heading_older_us() const { return heading_older_us_; }
+  std::int64_t arrived_us() const { return arrived_us_; }
+
+  /// Nothing has been accepted for 1 s.
+  bool silent(std::int64_t now_us) const { return now_us - arrived_us_ > kSilent_us; }
+
+  /// States come in order, but late: the clock was set back, or one stamp ran ahead.
+  bool regularly_late() const { return refused_in_a_row_ >= 3; }
+
+ private:
+  static constexpr std::int64_t kSilent_us = 1'000'000, kLeap_us = 600'000'000;
+
+  bool advances(std::int64_t stamp_us) const { return refused_us_ && stamp_us > *refused_us_; }
+
+  std::optional<std::int64_t> last_us_, refused_us_;
+  std::int64_t heading_older_us_ = 0, arrived_us_ = 0;
+  int refused_in_a_row_ = 0;
+};
+
+}  // namespace flotilla::app
