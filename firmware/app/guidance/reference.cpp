@@ -49,7 +49,7 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   const auto root = convert::root_state_of<S>(m->motion, own->origin.altitude);
   if (!root) {
     ++counters.mavlink_bad_value;
-  } else if (now_us - valid_us > kOldestFollowed_us || !is_believed(*root, valid_us, now_us)) {
+  } else if (now_us - valid_us > kOldestFollowed_us || !believe(*root, valid_us, now_us)) {
     ++counters.reference_refused;
   } else {
     hold({*branch, m->sequence, m->motion, *root, valid_us, convert::near(*own, root->position)});
@@ -65,17 +65,17 @@ bool Reference<S>::is_newer(const link::FormationReference& m, const Branch& bra
   return ahead > 0 || (ahead < 0 && valid_us - held_->valid_us > kRestart_us);
 }
 
-/// Whether it is plausible after the previous state.
+/// Believes a state that is plausible after the previous one; false if it is not.
 template <class S>
-bool Reference<S>::is_believed(const convert::RootState<S>& root, std::int64_t valid_us,
-                               std::int64_t now_us) {
+bool Reference<S>::believe(const convert::RootState<S>& root, std::int64_t valid_us,
+                           std::int64_t now_us) {
   const auto& [position, motion] = root;
   const typename JumpGuard<S>::Seen seen{position.north_m, position.east_m, motion.psi,
                                          motion.nu,        valid_us,        now_us};
   const link::GpsGlobalOrigin& origin = position.origin;
   const bool far = held_ && (held_->told.latitude != origin.latitude ||
                              held_->told.longitude != origin.longitude);
-  if (guard_.judge(seen, far) == JumpGuard<S>::Verdict::kRefused) return false;
+  if (guard_.take(seen, far) == JumpGuard<S>::Verdict::kRefused) return false;
   guard_.believe(seen);
   return true;
 }

@@ -54,8 +54,9 @@ class JumpGuard {
     next_.reset();
   }
 
-  /// Judges a state given in the plane of the last one; `far`: too far away for that plane.
-  Verdict judge(const Seen& state, bool far) {
+  /// Takes a state given in the plane of the last one; `far`: too far away for that plane. Unless it
+  /// is refused, it is to be believed next.
+  Verdict take(const Seen& state, bool far) {
     if (!last_) return Verdict::kGoesOn;
     const core::Leg<S> way = leg(*last_, state);
     if (!far && core::hardly_moves(small_, way)) {

@@ -32,21 +32,16 @@ template <class S>
 struct PlaceOf {
   static constexpr convert::HeadingSample<S> kNorth{};
 
-  std::optional<convert::Sample<S>> operator()(const link::GlobalPositionInt& m) const {
-    return convert::sample_of(m, kNorth);
-  }
-  std::optional<convert::Sample<S>> operator()(const link::LocalPositionNed& m) const {
-    return convert::sample_of(m, kNorth);
-  }
-  std::optional<convert::Sample<S>> operator()(const link::FollowTarget& m) const {
-    return convert::sample_of(m, kNorth);
-  }
   std::optional<convert::Sample<S>> operator()(const link::Odometry& m) const {
     return convert::sample_of<S>(m).sample;
   }
   template <class Message>
-  std::optional<convert::Sample<S>> operator()(const Message&) const {
-    return std::nullopt;
+  std::optional<convert::Sample<S>> operator()(const Message& m) const {
+    if constexpr (requires { convert::sample_of(m, kNorth); }) {
+      return convert::sample_of(m, kNorth);
+    } else {
+      return std::nullopt;
+    }
   }
 };
 

@@ -157,7 +157,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   }
   if (stamp == Stamp::kRestarted) rebooted(stamp_us);
   const bool far = origins_.is_far(state.sample);
-  const Jump jump = guard_.judge(guard_.seen(placed, now_us), far);
+  const Jump jump = guard_.take(guard_.seen(placed, now_us), far);
   if (jump == Jump::kRefused) {
     ++counters.mavlink_jump;
     return;
@@ -195,13 +195,6 @@ void VesselTrack<S>::update(const State& state, const convert::Sample<S>& placed
   origins_.put(sample.north_m, sample.east_m);
   stamps_.accept(stamp_us, state.heading_older_us, now_us);
   if (state.resets) sources_.note_resets(*state.resets);
-}
-
-template <class S>
-void VesselTrack<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
-                              std::int64_t now_us) {
-  if (!mine(from) || from.component != component()) return;
-  sources_.answered(sent_us, read_us, now_us);
 }
 
 template <class S>

@@ -78,7 +78,9 @@ class VesselTrack {
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
-                std::int64_t now_us);
+                std::int64_t now_us) {
+    if (mine(from) && from.component == component()) sources_.answered(sent_us, read_us, now_us);
+  }
 
   /// Time since the state was true, not since its arrival; nothing if unknown.
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
