@@ -46,30 +46,6 @@ TEST_CASE_TEMPLATE("a vessel is carried forward from its last message, hours apa
   }
 }
 
-TEST_CASE_TEMPLATE("not smoothed, a vessel goes on as its last message says, and fixes come alike",
-                   S, float, double) {
-  Watch<S> smooth, raw;
-  raw.track.set_smoothing(false);
-  const auto faster = [](int k) { return at(k * 100'000, 0.2F * float(k), 0.1F * float(k)); };
-  for (int k = 0; k <= 10; ++k) {
-    smooth.hear(faster(k), k * 100'000);
-    raw.hear(faster(k), k * 100'000);
-    const auto fix = raw.track.take_fix(), same = smooth.track.take_fix();
-    REQUIRE((fix && same));
-    CHECK(fix->dt == same->dt);
-    CHECK(fix->nu.u == same->nu.u);
-    const core::Motion<S> now = raw.track.motion(k * 100'000);
-    CHECK(now.nu.u == fix->nu.u);
-    CHECK(now.nu_dot.u == S(0));
-  }
-  CHECK(smooth.track.motion(1'000'000).nu_dot.u > S(0.5));
-  raw.track.set_smoothing(true);
-  for (int k = 11; k <= 30; ++k) raw.hear(faster(k), k * 100'000);
-  CHECK(double(raw.track.motion(3'000'000).nu_dot.u) == doctest::Approx(1).epsilon(0.05));
-  raw.track.set_smoothing(false);  // a later stretch does not begin with what was long ago
-  CHECK(raw.track.motion(3'000'000).nu_dot.u == S(0));
-}
-
 TEST_CASE_TEMPLATE(
     "not smoothed, no fix leads over a gap, and another vessel is not smoothed either", S, float,
     double) {
@@ -267,20 +243,6 @@ TEST_CASE_TEMPLATE("position and attitude apart make a state; ODOMETRY is prefer
   CHECK(w.track.position().north_m == 8);
 }
 
-TEST_CASE_TEMPLATE(
-    "of two components that send state the lower is heard, the other when it is gone", S, float,
-    double) {
-  Watch<S> w;
-  w.hear(at(1'000'000, 2), 1'000'000, {5, 2});
-  CHECK(w.track.position().north_m == 2);
-  w.hear(at(1'100'000, 1), 1'100'000, {5, 1});
-  CHECK(w.track.position().north_m == 1);
-  w.hear(at(1'200'000, 2), 1'200'000, {5, 2});
-  CHECK(w.track.position().north_m == 1);
-  w.hear(at(2'300'000, 2), 2'300'000, {5, 2});
-  CHECK(w.track.position().north_m == 2);
-}
-
 TEST_CASE_TEMPLATE("a lower component with an attitude but no position silences nobody", S, float,
                    double) {
   Watch<S> w;
@@ -404,73 +366,6 @@ TEST_CASE_TEMPLATE("the most precise source that comes is believed", S, float, d
   CHECK(w.counters.mavlink_bad_value + w.counters.mavlink_no_heading == 0);
 }
 
-TEST_CASE_TEMPLATE("a source gives way after half a second, to the next best that comes", S, float,
-                   double) {
-  FourSources<S> w;
-  w.odometry = w.local = w.follow = w.global = true;
-  w.sail(1);
-  w.odometry = false;
-  w.sail(0.5);  // the last of it is exactly half a second later
-  CHECK(w.believes(kOdometryEast));
-  w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
-  w.hear(global_at(w.now_us, kGlobalEast), w.now_us);
-  w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
-  CHECK(w.believes(kOdometryEast));  // a better one is about to come
-  w.hear(local_at(w.now_us, kLocalEast), w.now_us);
-  CHECK(w.believes(kLocalEast));
-}
-
-TEST_CASE_TEMPLATE("a better source is believed again at its fifth message without a gap", S, float,
-                   double) {
-  FourSources<S> w;
-  w.global = true;
-  w.sail(1);
-  const auto better = [&](int messages) {
-    for (int k = 0; k < messages; ++k) {
-      w.follow = true;
-      w.sail(0.1);
-      w.follow = false;
-    }
-  };
-  better(4);
-  CHECK(w.believes(kGlobalEast));
-  w.sail(0.5);  // a gap
-  better(4);
-  CHECK(w.believes(kGlobalEast));
-  w.sail(0.3);  // none: the messages before count
-  better(1);
-  CHECK(w.believes(kFollowEast));
-}
-
-TEST_CASE_TEMPLATE("a source that repeats an old message is silent, and never comes back", S, float,
-                   double) {
-  FourSources<S> w;
-  w.global = w.follow = true;
-  w.sail(1);
-  w.follow = false;
-  const auto frozen = follow_target_at(w.now_us - kPeriod_us, kFollowEast);
-  for (int k = 0; k < 50; ++k) {
-    w.hear(frozen, w.now_us);
-    w.sail(0.1);
-    if (k > 6) REQUIRE(w.believes(kGlobalEast));
-    REQUIRE(w.track.fresh(w.now_us, 800'000));
-  }
-}
-
-TEST_CASE_TEMPLATE("messages that come twice, over two radios, climb like those that come once", S,
-                   float, double) {
-  FourSources<S> w;
-  w.global = true;
-  w.sail(1);
-  for (int k = 0; k < 6; ++k) {
-    w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
-    w.hear(follow_target_at(w.now_us - kPeriod_us, kFollowEast), w.now_us);
-    w.hear(follow_target_at(w.now_us, kFollowEast), w.now_us);
-    w.sail(0.1);
-  }
-  CHECK(w.believes(kFollowEast));
-}
-
 TEST_CASE_TEMPLATE("a local position of no known origin comes after every global one", S, float,
                    double) {
   FourSources<S> w;
@@ -487,30 +382,6 @@ TEST_CASE_TEMPLATE("a local position of no known origin comes after every global
   w.sail(1);
   CHECK(w.believes(kOdometryEast));
   CHECK(w.track.position().origin.longitude == kOrigin.longitude);
-}
-
-TEST_CASE_TEMPLATE("global positions need no origin, and the one that they get stays", S, float,
-                   double) {
-  for (const bool follow : {false, true}) {
-    FourSources<S> w;
-    w.origin = false;
-    w.follow = follow;
-    w.global = !follow;
-    w.sail(0.1);
-    CHECK(w.track.has_origin());
-    const auto first = w.track.position().origin;
-    CHECK(std::abs(convert::number(w.track.position().east_m)) < 1e-6);
-    const double east_m = follow ? kFollowEast : kGlobalEast;
-    for (int k = 0; k < 11; ++k, w.now_us += kPeriod_us) {  // a second until it is believed
-      w.hear(link::Attitude{convert::boot_ms(w.now_us), 0, 0, 0, 0, 0, 0}, w.now_us);
-      if (follow) w.hear(follow_target_at(w.now_us, east_m + 2500), w.now_us);
-      if (!follow) w.hear(global_at(w.now_us, east_m + 2500), w.now_us);
-    }
-    CHECK(w.track.position().origin.longitude == first.longitude);
-    CHECK(std::abs(convert::number(w.track.position().east_m) - 2500) < 0.01);
-    w.hear(kOrigin, w.now_us);
-    CHECK(w.track.position().origin.longitude == first.longitude);
-  }
 }
 
 TEST_CASE_TEMPLATE("a fix on the other side of the globe is not seen below the old one", S, float,
@@ -658,21 +529,6 @@ TEST_CASE_TEMPLATE("an antenna that was moved is taken out from the next message
   CHECK(w.track.position().north_m == 10);
   w.hear(at(1'100'000, 10), 1'100'000);
   CHECK(convert::number(w.track.position().north_m) == doctest::Approx(8.5));
-}
-
-TEST_CASE_TEMPLATE(
-    "of several fixes between two ticks the last one is taken, after the time of all", S, float,
-    double) {
-  Watch<S> w;
-  CHECK_FALSE(w.track.take_fix());
-  w.hear(at(1'000'000, 10), 1'000'000);
-  CHECK(double(w.track.take_fix().value().dt) == 0);  // nothing led to the first
-  CHECK_FALSE(w.track.take_fix());
-  for (const std::int64_t t : {1'100'000, 1'250'000, 1'300'000}) w.hear(at(t, 10), t);
-  CHECK(double(w.track.take_fix().value().dt) == doctest::Approx(0.3));
-  w.hear(at(9'000'000, 10), 9'000'000);  // a gap, and one more at once
-  w.hear(at(9'010'000, 10), 9'010'000);
-  CHECK(double(w.track.take_fix().value().dt) == 0);
 }
 
 TEST_CASE_TEMPLATE(

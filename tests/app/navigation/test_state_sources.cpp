@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include "app/navigation/state_sources.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::int64_t kPeriod_us = 100'000;
+
+/// A vessel that sends ten rounds a second of the sources that it has.
+struct Rounds {
+  StateSources sources{500'000};
+  std::int64_t now_us = 1'000'000;
+  bool origin_known = true;
+
+  void hear(Source source, std::int64_t stamp_us) {
+    sources.hear(source, stamp_us, now_us, true);
+    if (source == sources.in_use() || !sources.better(source, now_us, origin_known)) return;
+    sources.change_to(source);
+  }
+  void sail(int rounds, std::initializer_list<Source> of) {
+    for (int k = 0; k < rounds; ++k, now_us += kPeriod_us) {
+      for (const Source source : of) hear(source, now_us);
+    }
+  }
+};
+
+constexpr Source kOdometry = Source::kOdometry, kLocal = Source::kLocalPosition,
+                 kFollow = Source::kFollowTarget, kGlobal = Source::kGlobalPosition;
+
+TEST_CASE("a source gives way after half a second, to the next best that comes") {
+  Rounds r;
+  r.sail(10, {kGlobal, kFollow, kLocal, kOdometry});
+  CHECK(r.sources.in_use() == kOdometry);
+  r.sail(5, {kGlobal, kFollow, kLocal});  // the last of it is exactly half a second later
+  CHECK(r.sources.in_use() == kOdometry);
+  r.hear(kGlobal, r.now_us);
+  r.hear(kFollow, r.now_us);
+  CHECK(r.sources.in_use() == kOdometry);  // a better one is about to come
+  r.hear(kLocal, r.now_us);
+  CHECK(r.sources.in_use() == kLocal);
+}
+
+TEST_CASE("a better source is used again at its fifth message without a gap") {
+  Rounds r;
+  r.sail(10, {kGlobal});
+  r.sail(4, {kGlobal, kFollow});
+  CHECK(r.sources.in_use() == kGlobal);
+  r.sail(5, {kGlobal});  // a gap
+  r.sail(4, {kGlobal, kFollow});
+  CHECK(r.sources.in_use() == kGlobal);
+  r.sail(3, {kGlobal});  // none: the messages before count
+  r.sail(1, {kGlobal, kFollow});
+  CHECK(r.sources.in_use() == kFollow);
+}
+
+TEST_CASE("a source that repeats an old message is silent, and never comes back") {
+  Rounds r;
+  r.sail(10, {kGlobal, kFollow});
+  const std::int64_t frozen_us = r.now_us - kPeriod_us;
+  for (int k = 0; k < 50; ++k) {
+    r.hear(kFollow, frozen_us);
+    r.sail(1, {kGlobal});
+    if (k > 6) REQUIRE(r.sources.in_use() == kGlobal);
+  }
+}
+
+TEST_CASE("messages that come twice, over two radios, climb like those that come once") {
+  Rounds r;
+  r.sail(10, {kGlobal});
+  for (int k = 0; k < 6; ++k) {
+    r.hear(kFollow, r.now_us);
+    r.hear(kFollow, r.now_us - kPeriod_us);
+    r.hear(kFollow, r.now_us);
+    r.sail(1, {kGlobal});
+  }
+  CHECK(r.sources.in_use() == kFollow);
+}
+
+TEST_CASE("a local position of no known origin comes after every global one") {
+  Rounds r;
+  r.origin_known = false;
+  r.sail(10, {kOdometry});
+  CHECK(r.sources.in_use() == kOdometry);  // better than nothing
+  r.sail(10, {kOdometry, kGlobal});
+  CHECK(r.sources.in_use() == kGlobal);
+  r.origin_known = true;
+  r.sail(10, {kOdometry, kGlobal});
+  CHECK(r.sources.in_use() == kOdometry);
+}
+
+TEST_CASE("the lowest component is better, another one only while that is silent") {
+  StateSources sources(500'000);
+  CHECK(sources.better(2, false));
+  sources.change_to(2);
+  CHECK_FALSE(sources.better(2, true));
+  CHECK_FALSE(sources.better(3, false));
+  CHECK(sources.better(3, true));
+  CHECK(sources.better(1, false));
+}
+
+TEST_CASE("a source whose stamps went back while another was used tells of a reboot, once") {
+  Rounds r;
+  r.sail(10, {kGlobal, kFollow});
+  r.sail(10, {kGlobal});
+  CHECK(r.sources.in_use() == kGlobal);
+  r.hear(kFollow, 5);
+  CHECK(r.sources.went_back(kFollow));
+  r.sources.change_to(kFollow);
+  CHECK_FALSE(r.sources.went_back(kFollow));
+  CHECK_FALSE(r.sources.went_back(kGlobal));
+}
+
+TEST_CASE("an estimator was reset where ODOMETRY counts one more, in a new message") {
+  Rounds r;
+  CHECK_FALSE(r.sources.is_reset(1, r.now_us));
+  r.sail(5, {kOdometry});
+  r.sources.note_resets(255);
+  CHECK_FALSE(r.sources.is_reset(255, r.now_us));
+  CHECK_FALSE(r.sources.is_reset(1, r.now_us));  // perhaps another vessel's number
+  CHECK(r.sources.is_reset(0, r.now_us));
+  CHECK_FALSE(r.sources.is_reset(0, r.now_us - kPeriod_us));  // came late, over another radio
+  r.sources.change_to(kGlobal);
+  CHECK_FALSE(r.sources.is_reset(0, r.now_us));
+}
+
+}  // namespace
+}  // namespace flotilla::app
