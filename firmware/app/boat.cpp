@@ -33,9 +33,10 @@ Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
 template <class S>
 Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
     : can_output_(storage.can),
-      vehicle_(p, supervisor_, links, storage),
-      tick_rate_Hz_(p.CTL_RATE),
+      links_(Identity(p).self(), storage.links.first(links), storage.mavlink, storage.signing),
       pilot_(p),
+      vehicle_(p, supervisor_, links_, pilot_.time_requests(), storage),
+      tick_rate_Hz_(p.CTL_RATE),
       thrusters_(p),
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
       complaint_due_(10 * kSecond_us),
@@ -65,7 +66,7 @@ void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, s
   const std::int64_t now_us = monotonic(now);
   core::take_overflow<S>();
   while (!data.empty()) {
-    data = data.subspan(vehicle_.links().decoder(link).fill(data));
+    data = data.subspan(links_.fill(link, data));
     take_all(link, now_us);
   }
   note_range();
@@ -86,28 +87,16 @@ void Boat<S>::note_range() {
 
 template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
-  const link::MavlinkDecoder& decoder = vehicle_.links().decoder(link);
-  const std::uint32_t before = decoder.whole();
-  while (decoder.waits() && vehicle_.next(link, received_, now_us, counters_)) {
-    if (const auto* timesync = std::get_if<link::Timesync>(&received_.message)) {
-      if (const auto sent_us = vehicle_.sent_us(*timesync)) {
-        pilot_.answered(received_.from, *sent_us, timesync->tc1 / 1000, now_us);
-      }
-    } else {
-      pilot_.take(received_, now_us, counters_);
-    }
+  while (links_.next(link, received_, now_us, counters_)) {
+    const bool operators = vehicle_.take(link, received_, now_us, counters_);
+    if (!operators) pilot_.take(received_, now_us, counters_);
   }
-  vehicle_.links().note_waiting(link, decoder.whole() != before, now_us);
 }
 
 /// Nothing more of the message that is waited for will come; another may be hidden behind it.
 template <class S>
 void Boat<S>::give_up(std::size_t link, std::int64_t now_us) {
-  link::MavlinkDecoder& decoder = vehicle_.links().decoder(link);
-  while (decoder.waits()) {
-    decoder.give_up(counters_);
-    take_all(link, now_us);
-  }
+  while (links_.give_up(link, counters_)) take_all(link, now_us);
 }
 
 template <class S>
@@ -122,8 +111,8 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   vehicle_.begin(now_us, last_tick_us_ ? now_us - *last_tick_us_ : 0);
   can_output_.count = 0;
   idle_ticks_ = last_tick_us_ == now_us ? idle_ticks_ + 1 : 0;
-  for (std::size_t link = 0; link < vehicle_.links().count(); ++link) {
-    if (vehicle_.links().waits_in_vain(link, now_us)) give_up(link, now_us);
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (links_.waits_in_vain(link, now_us)) give_up(link, now_us);
   }
   note_range();
   in_range_ = fits_ && !std::exchange(overflow_, false);
@@ -136,7 +125,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   tell(now_us);
   note_range();
   last_tick_us_ = now_us;
-  return {&vehicle_.links(), std::span(can_output_.frames).first(can_output_.count)};
+  return {&links_, std::span(can_output_.frames).first(can_output_.count)};
 }
 
 template <class S>

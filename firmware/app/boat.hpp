@@ -68,7 +68,7 @@ class Boat {
   Boat(const Parameters& parameters, std::size_t links)
       : Boat(parameters, links, std::make_unique<AmpleStorage>()) {}
 
-  Boat(Boat&&) = delete;  // Vehicle refers to its supervisor
+  Boat(Boat&&) = delete;  // its vehicle refers to its other parts
 
   /// Any bytes, in any chunks. Times are this boat's own monotonic clock, from 0 on. One that goes
   /// back is counted and stands still; one that stays behind for a second is followed from there.
@@ -87,7 +87,7 @@ class Boat {
   void on_host(const HostReport& report) {
     host_ = report;
     if (report.unix_us > 0) {
-      vehicle_.links().signing().set_clock(link::signing_time(report.unix_us));
+      links_.signing().set_clock(link::signing_time(report.unix_us));
     }
   }
 
@@ -95,18 +95,16 @@ class Boat {
   /// units of link::signing_time(). Links sign and look at signatures as their policy says, kOff at
   /// first.
   void secure(const link::SigningKey& key, std::uint64_t clock, std::uint64_t stored) {
-    vehicle_.links().signing().start(key, clock, stored);
+    links_.signing().start(key, clock, stored);
   }
-  void set_policy(std::size_t link, SigningPolicy policy) {
-    vehicle_.links().set_policy(link, policy);
-  }
+  void set_policy(std::size_t link, SigningPolicy policy) { links_.set_policy(link, policy); }
 
   /// To be kept over a restart, at least once a minute.
-  std::uint64_t signing_timestamp() const { return vehicle_.links().signing().timestamp(); }
+  std::uint64_t signing_timestamp() const { return links_.signing().timestamp(); }
 
   /// Telemetry on that link keeps to so many bytes a second; 0: no limit.
   void limit_link(std::size_t link, std::uint32_t bytes_per_s) {
-    vehicle_.links().bucket(link).limit(bytes_per_s);
+    links_.bucket(link).limit(bytes_per_s);
   }
 
   /// What was asked since the last call of the parameters on the disk.
@@ -175,6 +173,8 @@ class Boat {
   std::unique_ptr<AmpleStorage> own_storage_;  // none where it was given some
   CanOutput& can_output_;
   Supervisor supervisor_;
+  MavlinkLinks links_;
+  Pilot<S> pilot_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   core::ControllerOutput<S> law_output_{};
@@ -186,7 +186,6 @@ class Boat {
   bool in_range_ = true;
   Limits limits_;
 
-  Pilot<S> pilot_;
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;

@@ -95,6 +95,10 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
 
 template <class S>
 void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
+  if (const auto* answer = std::get_if<link::Timesync>(&received.message)) {
+    take_time(received.from, *answer, now_us);
+    return;
+  }
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
   const convert::Position place = own_.position();
@@ -106,11 +110,13 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
 }
 
 template <class S>
-void Pilot<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
-                        std::int64_t now_us) {
-  own_.answered(from, sent_us, read_us, now_us);
-  leader_.answered(from, sent_us, read_us, now_us);
-  reference_.answered(from, sent_us, read_us, now_us);
+void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us) {
+  const auto sent_us = time_.sent_us(answer);
+  if (!sent_us) return;
+  const std::int64_t read_us = answer.tc1 / 1000;
+  own_.answered(from, *sent_us, read_us, now_us);
+  leader_.answered(from, *sent_us, read_us, now_us);
+  reference_.answered(from, *sent_us, read_us, now_us);
 }
 
 template <class S>

@@ -9,6 +9,7 @@
 #include "app/guidance/reference.hpp"
 #include "app/guidance/slot_claims.hpp"
 #include "app/navigation/neighbours.hpp"
+#include "app/navigation/time_requests.hpp"
 #include "app/navigation/vessel_track.hpp"
 #include "core/coast.hpp"
 #include "core/estimation/latency.hpp"
@@ -35,9 +36,8 @@ class Pilot {
   /// Takes any message; ignores those of unrelated vessels.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
 
-  /// A vessel answered the TIMESYNC request that we sent at `sent_us`.
-  void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
-                std::int64_t now_us);
+  /// Whoever sends TIMESYNC requests asks here; the answers are messages to take().
+  TimeRequests& time_requests() { return time_; }
 
   /// The conditions that depend on states: fresh, plausible, near each other, clear of other
   /// vessels. sails: the law drives.
@@ -130,6 +130,7 @@ class Pilot {
   void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error,
                     S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
+  void take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us);
   void set_limits(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
   void find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us);
@@ -172,6 +173,7 @@ class Pilot {
   core::Nu<S> desired_{};     // as the law desires; without it, of the last fix
   convert::Position anchor_;  // origin of motion_.motion.moved_n
   bool starting_ = false;
+  TimeRequests time_;
   VesselTrack<S> own_;
   VesselTrack<S> leader_;
   Neighbours neighbours_;

@@ -50,6 +50,7 @@ class MavlinkLinks {
     std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of our last heartbeats
     std::size_t next_beat = 0;
     std::optional<std::int64_t> waiting_us;  // since when a message has been incomplete
+    std::uint32_t whole = 0;                 // messages until then
     SigningPolicy policy = SigningPolicy::kOff;
     TokenBucket bucket;
   };
@@ -65,17 +66,36 @@ class MavlinkLinks {
 
   std::size_t count() const { return links_.size(); }
 
-  link::MavlinkDecoder& decoder(std::size_t link) { return links_[link].decoder; }
+  /// Takes bytes that have come on this link, at least one once next() has returned false; returns
+  /// how many.
+  std::size_t fill(std::size_t link, std::span<const std::uint8_t> bytes) {
+    return links_[link].decoder.fill(bytes);
+  }
 
-  /// Call when next() has returned nothing. Bytes behind a complete message arrived with it or
-  /// later; bytes behind a false start of a message may be as old as that.
-  void note_waiting(std::size_t link, bool heard, std::int64_t now_us) {
+  /// The next message that this link's policy accepts, into `out`; false if there is none.
+  bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters) {
     Link& l = links_[link];
-    if (!l.decoder.waits()) {
-      l.waiting_us.reset();
-    } else if (heard || !l.waiting_us) {
-      l.waiting_us = now_us;
+    while (l.decoder.waits() && l.decoder.next(out, counters, signing_of(l))) {
+      const bool radio = std::holds_alternative<link::RadioStatus>(out.message);
+      if (l.policy != SigningPolicy::kRequired || out.is_signed || radio) return true;
+      ++counters.mavlink_unsigned_refused;
     }
+    note_waiting(l, now_us);
+    return false;
+  }
+
+  /// The bytes of the message that next() returned last.
+  std::span<const std::uint8_t> frame(std::size_t link) const {
+    return links_[link].decoder.frame();
+  }
+
+  /// The rest of an incomplete message will not come; next() searches the bytes behind its first
+  /// one. False if there is none.
+  bool give_up(std::size_t link, link::Counters& counters) {
+    link::MavlinkDecoder& decoder = links_[link].decoder;
+    if (!decoder.waits()) return false;
+    decoder.give_up(counters);
+    return true;
   }
 
   /// A message has been incomplete for so long that the rest will not come.
@@ -89,24 +109,6 @@ class MavlinkLinks {
 
   /// Without a key in signing(), no message counts as signed.
   void set_policy(std::size_t link, SigningPolicy policy) { links_[link].policy = policy; }
-
-  /// The next message that this link's policy accepts.
-  std::optional<link::Received> next(std::size_t link, link::Counters& counters) {
-    std::optional<link::Received> received(std::in_place);
-    if (!next(link, *received, counters)) received.reset();
-    return received;
-  }
-
-  /// The same into `out`; false if there is none.
-  bool next(std::size_t link, link::Received& out, link::Counters& counters) {
-    Link& l = links_[link];
-    while (l.decoder.next(out, counters, signing_of(l))) {
-      const bool radio = std::holds_alternative<link::RadioStatus>(out.message);
-      if (l.policy != SigningPolicy::kRequired || out.is_signed || radio) return true;
-      ++counters.mavlink_unsigned_refused;
-    }
-    return false;
-  }
 
   TokenBucket& bucket(std::size_t link) { return links_[link].bucket; }
   const TokenBucket& bucket(std::size_t link) const { return links_[link].bucket; }
@@ -188,6 +190,17 @@ class MavlinkLinks {
 
  private:
   static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
+
+  /// Bytes behind a complete message arrived with it or later; bytes behind a false start of a
+  /// message may be as old as that.
+  static void note_waiting(Link& l, std::int64_t now_us) {
+    const bool heard = std::exchange(l.whole, l.decoder.whole()) != l.decoder.whole();
+    if (!l.decoder.waits()) {
+      l.waiting_us.reset();
+    } else if (heard || !l.waiting_us) {
+      l.waiting_us = now_us;
+    }
+  }
 
   /// Size of the encoded message; 0 if there was no room.
   std::size_t put(std::size_t link, const link::Message& message, link::Counters& counters) {

@@ -63,17 +63,18 @@ bool asks_for_message(const PendingRequest& pending) {
 
 }  // namespace
 
-Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, std::size_t links,
-                 const Storage& storage)
+Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& links,
+                 TimeRequests& time, const Storage& storage)
     : supervisor_(supervisor),
       parameters_(p),
       identity_(p),
-      links_(identity_.self(), storage.links.first(links), storage.mavlink, storage.signing),
-      router_(storage.routes.first(links)),
-      parameter_service_(storage.parameters.first(links)),
+      links_(links),
+      time_(time),
+      router_(storage.routes.first(links.count())),
+      parameter_service_(storage.parameters.first(links.count())),
       ftp_(metadata_files()),
       streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE),
-               storage.streams.first(links)),
+               storage.streams.first(links.count())),
       heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
       separation_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
@@ -91,33 +92,31 @@ void Vehicle::freshen() {
   report_.intended_mode = supervisor_.intended_mode();
 }
 
-bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
+bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_t now_us,
                    link::Counters& counters) {
-  while (links_.next(link, out, counters)) {
-    const auto* beat = std::get_if<link::Heartbeat>(&out.message);
-    if (out.from == self()) {
-      double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(out));
-      continue;
-    }
-    // A radio's word comes unsigned on any link, under any name: it counts for nothing else.
-    if (const auto* radio = std::get_if<link::RadioStatus>(&out.message)) {
-      streams_.radio_has_room(link, radio->txbuf, now_us);
-      continue;
-    }
-    router_.heard(out.from, link, now_us);
-    if (beat != nullptr) take_beat(out.from, *beat, now_us);
-    if (out.target.system != 0) hand_on(link, out, now_us, counters);
-    if (!identity_.addressed(out.target)) continue;
-    if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
-      take_sticks(out, *sticks, now_us, counters);
-    } else if (const auto request = std::visit(RequestOf{ftp_}, out.message)) {
-      inbox_.push({now_us, *request, out.from, out.target, static_cast<std::uint8_t>(link)},
-                  counters);
-    } else {
-      return true;
-    }
+  const auto* beat = std::get_if<link::Heartbeat>(&received.message);
+  if (received.from == self()) {
+    double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(received));
+    return true;
   }
-  return false;
+  // A radio's word comes unsigned on any link, under any name: it counts for nothing else.
+  if (const auto* radio = std::get_if<link::RadioStatus>(&received.message)) {
+    streams_.radio_has_room(link, radio->txbuf, now_us);
+    return true;
+  }
+  router_.heard(received.from, link, now_us);
+  if (beat != nullptr) take_beat(received.from, *beat, now_us);
+  if (received.target.system != 0) hand_on(link, received, now_us, counters);
+  if (!identity_.addressed(received.target)) return true;
+  if (const auto* sticks = std::get_if<link::ManualControl>(&received.message)) {
+    take_sticks(received, *sticks, now_us, counters);
+    return true;
+  }
+  const auto request = std::visit(RequestOf{ftp_}, received.message);
+  if (!request) return false;
+  inbox_.push({now_us, *request, received.from, received.target, static_cast<std::uint8_t>(link)},
+              counters);
+  return true;
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
@@ -131,7 +130,7 @@ void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int
   const std::uint8_t beyond = router_.beyond(received.target, link, now_us);
   for (std::size_t other = 0; other < links_.count(); ++other) {
     if ((beyond >> other & 1U) != 0) {
-      links_.forward(other, links_.decoder(link).frame(), counters);
+      links_.forward(other, links_.frame(link), counters);
     }
   }
 }

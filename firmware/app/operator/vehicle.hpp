@@ -34,28 +34,14 @@ enum class SaveRequest : std::uint8_t {
 
 class Vehicle {
  public:
-  /// links: 1 … as many as there is storage for.
-  Vehicle(const Parameters& parameters, Supervisor& supervisor, std::size_t links,
-          const Storage& storage);
+  /// Speaks on `links`, and asks for the time with `time`; both outlive the vehicle.
+  Vehicle(const Parameters& parameters, Supervisor& supervisor, MavlinkLinks& links,
+          TimeRequests& time, const Storage& storage);
 
-  MavlinkLinks& links() { return links_; }
-  const MavlinkLinks& links() const { return links_; }
-
-  /// The next message that has come on this link, into `out`; false where there is none. Requests are
-  /// kept for the tick; what is meant for others is handed on; all that a boat may make use of
-  /// besides is returned.
-  bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters);
-  std::optional<link::Received> next(std::size_t link, std::int64_t now_us,
-                                     link::Counters& counters) {
-    std::optional<link::Received> received(std::in_place);
-    if (!next(link, *received, now_us, counters)) received.reset();
-    return received;
-  }
-
-  /// When we sent the TIMESYNC request that this answers, µs.
-  std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
-    return time_.sent_us(answer);
-  }
+  /// Takes a message that has come on this link: keeps a request for the tick, hands on a message
+  /// for others. False if it is for navigation.
+  bool take(std::size_t link, const link::Received& received, std::int64_t now_us,
+            link::Counters& counters);
 
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t now_us, std::int64_t dt_us);
@@ -152,13 +138,13 @@ class Vehicle {
   Supervisor& supervisor_;
   Parameters parameters_;
   Identity identity_;
-  MavlinkLinks links_;
+  MavlinkLinks& links_;
+  TimeRequests& time_;
   Router router_;
   Inbox inbox_;
   ParameterService parameter_service_;
   link::FtpServer ftp_;
   Streams streams_;
-  TimeRequests time_;
   Report report_;  // the last one, and the mode of now
 
   std::optional<std::int64_t> gcs_us_;  // when one that may command was heard

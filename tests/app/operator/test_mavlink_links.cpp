@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "app/operator/mavlink_links.hpp"
@@ -28,6 +29,15 @@ struct Ship {
     return {out.begin(), out.end()};
   }
   void send(std::size_t link, const link::Message& m) { links.send(link, m, counters); }
+
+  /// How many messages these bytes complete.
+  int come(std::span<const std::uint8_t> in, std::int64_t now_us) {
+    CHECK(links.fill(0, in) == in.size());
+    link::Received received;
+    int found = 0;
+    while (links.next(0, received, now_us, counters)) ++found;
+    return found;
+  }
 };
 
 Bytes any_bytes(std::size_t size, std::uint8_t first) {
@@ -243,6 +253,25 @@ TEST_CASE("under a new id every link goes on counting where it was") {
 
 // A message that breaks off.
 
+TEST_CASE("behind the false start of a message that is given up, another one is found") {
+  link::MavlinkEncoder encoder({255, 190});
+  Bytes stream{0xFD, 200, 0, 0};
+  const Bytes frame = testing::frame_of(encoder, kAttitude);
+  stream.insert(stream.end(), frame.begin(), frame.end());
+  Ship s;
+  CHECK(s.come(stream, 0) == 0);
+  link::Received received;
+  int given_up = 0, found = 0;
+  while (s.links.give_up(0, s.counters)) {
+    ++given_up;
+    while (s.links.next(0, received, 0, s.counters)) ++found;
+  }
+  CHECK(found == 1);
+  CHECK(given_up >= 1);
+  CHECK(s.counters.mavlink_skipped_bytes == 4);
+  CHECK(std::ranges::equal(s.links.frame(0), frame));
+}
+
 TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, and no longer") {
   const Bytes frame = [] {
     link::MavlinkEncoder encoder({255, 190});
@@ -251,22 +280,15 @@ TEST_CASE("the rest of a message is waited for 0.3 s, however it trickles in, an
   for (std::size_t cut = 1; cut < frame.size(); ++cut) {
     Ship s;
     CHECK_FALSE(s.links.waits_in_vain(0, kSecond_us));
-    const auto come = [&](std::span<const std::uint8_t> bytes, std::int64_t now_us) {
-      s.links.decoder(0).fill(bytes);
-      int found = 0;
-      while (s.links.next(0, s.counters)) ++found;
-      s.links.note_waiting(0, found > 0, now_us);
-      return found;
-    };
     const auto all = std::span(frame);
-    CHECK(come(all.first(1), 0) == 0);
+    CHECK(s.come(all.first(1), 0) == 0);
     for (std::size_t k = 1; k < cut; ++k) {
-      CHECK(come(all.subspan(k, 1), static_cast<std::int64_t>(k) * 7000) == 0);
+      CHECK(s.come(all.subspan(k, 1), static_cast<std::int64_t>(k) * 7000) == 0);
     }
     CHECK_FALSE(s.links.waits_in_vain(0, 300'000));
     CHECK(s.links.waits_in_vain(0, 300'001));
     CHECK_FALSE(s.links.waits_in_vain(1, 300'001));
-    CHECK(come(all.subspan(cut), 300'001) == 1);  // still whole where nobody gave it up
+    CHECK(s.come(all.subspan(cut), 300'001) == 1);  // still whole where nobody gave it up
     CHECK_FALSE(s.links.waits_in_vain(0, 3600 * kSecond_us));
   }
 }
@@ -282,10 +304,7 @@ TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
   std::int64_t now_us = 0;
   int found = 0;
   for (const std::uint8_t byte : stream) {  // 200 B/s: a message in 0.2 s
-    s.links.decoder(0).fill(std::span(&byte, 1));
-    const int before = found;
-    while (s.links.next(0, s.counters)) ++found;
-    s.links.note_waiting(0, found > before, now_us += 5000);
+    found += s.come(std::span(&byte, 1), now_us += 5000);
     REQUIRE_FALSE(s.links.waits_in_vain(0, now_us));
   }
   CHECK(found == static_cast<int>(stream.size() / 40));
@@ -315,9 +334,10 @@ std::optional<link::Received> let_in(SigningPolicy policy, bool key, Mark mark,
   if (key) links.signing().start({1, 2, 3}, kNow, 0);
   links.set_policy(1, policy);
   const Bytes bytes = incoming(mark, message);
-  CHECK(links.decoder(1).fill(bytes) == bytes.size());
-  CHECK_FALSE(links.next(0, counters).has_value());
-  return links.next(1, counters);
+  CHECK(links.fill(1, bytes) == bytes.size());
+  link::Received received;
+  CHECK_FALSE(links.next(0, received, 0, counters));
+  return links.next(1, received, 0, counters) ? std::optional(received) : std::nullopt;
 }
 
 TEST_CASE("what a link takes: by its policy, by key, by signature") {

@@ -42,14 +42,18 @@ link::Text<N> text(std::string_view from) {
 
 /// A vehicle with two links; an operator and a stranger are behind the first one.
 struct Ship {
-  explicit Ship(const Parameters& p = Parameters{}, std::size_t links = 2)
-      : vehicle(std::make_unique<Vehicle>(p, supervisor, links,
+  explicit Ship(const Parameters& p = Parameters{}, std::size_t count = 2)
+      : links(Identity(p).self(), std::span(storage->room.links).first(count),
+              storage->outbox.mavlink, storage->room.signing),
+        vehicle(std::make_unique<Vehicle>(p, supervisor, links, time,
                                           Storage(storage->room, storage->outbox))),
-        heard(links),
-        decoders(links) {}
+        heard(count),
+        decoders(count) {}
 
   std::unique_ptr<AmpleStorage> storage = std::make_unique<AmpleStorage>();
   Supervisor supervisor;
+  MavlinkLinks links;
+  TimeRequests time;
   std::unique_ptr<Vehicle> vehicle;
   link::Counters counters;
   link::MavlinkEncoder operator_{{255, 190}}, stranger{{99, 1}};
@@ -65,8 +69,14 @@ struct Ship {
     const testing::Bytes frame = frame_of(who, message);
     std::span<const std::uint8_t> bytes = frame;
     while (!bytes.empty()) {
-      bytes = bytes.subspan(vehicle->links().decoder(link).fill(bytes));
-      while (const auto r = vehicle->next(link, now_us, counters)) left_over.push_back(*r);
+      bytes = bytes.subspan(links.fill(link, bytes));
+      take_all(link);
+    }
+  }
+  void take_all(std::size_t link) {
+    link::Received received;
+    while (links.next(link, received, now_us, counters)) {
+      if (!vehicle->take(link, received, now_us, counters)) left_over.push_back(received);
     }
   }
   void ask(const link::Message& message, std::size_t link = 0) { hear(operator_, message, link); }
@@ -107,7 +117,7 @@ struct Ship {
     if (vehicle->waits_for_reference(news)) vehicle->tell_reference(news, reference, counters);
     for (std::size_t link = 0; link < heard.size(); ++link) {
       link::Counters ignored;
-      heard[link] = received_from(decoders[link], vehicle->links().bytes(link), ignored);
+      heard[link] = received_from(decoders[link], links.bytes(link), ignored);
     }
     now_us += kTick_us;
   }
@@ -138,7 +148,7 @@ struct Ship {
   }
   std::vector<link::ParamValue> values(std::string_view name, std::size_t link = 0) const {
     std::vector<link::ParamValue> out;  // read by hand: the boat's decoder has no use for it
-    const auto bytes = vehicle->links().bytes(link);
+    const auto bytes = links.bytes(link);
     for (std::size_t at = 0; at < bytes.size(); at += 12U + bytes[at + 1]) {
       if (bytes[at + 7] + 256U * bytes[at + 8] != 22) continue;
       link::ParamValue value{};
@@ -186,7 +196,7 @@ TEST_CASE("every message that is asked for comes after its one ACK, in the same 
     s.tick();
     CAPTURE(id);
     CHECK(s.result() == mav::kAccepted);
-    const auto bytes = s.vehicle->links().bytes(0);
+    const auto bytes = s.links.bytes(0);
     std::vector<std::uint32_t> ids;
     for (std::size_t at = 0; at < bytes.size(); at += 12U + bytes[at + 1]) {
       ids.push_back(bytes[at + 7] + 256U * bytes[at + 8]);
@@ -281,13 +291,13 @@ TEST_CASE("what was set is in force before anything that was asked behind it") {
   s.vehicle->apply_conditions(s.world, s.counters);
   CHECK(s.vehicle->answer(s.counters));  // there is more, but first:
   CHECK(s.vehicle->parameters().MAV_GCS_SYSID == 99);
-  CHECK(s.vehicle->links().bytes(0).empty());
+  CHECK(s.links.bytes(0).empty());
   CHECK(s.take_change());
   CHECK_FALSE(s.vehicle->answer(s.counters));
   CHECK_FALSE(s.take_change());
   CHECK(s.state() == State::kDisarmed);
   s.vehicle->tell(s.counters);
-  const auto heard = received_from(s.decoders[0], s.vehicle->links().bytes(0), s.counters);
+  const auto heard = received_from(s.decoders[0], s.links.bytes(0), s.counters);
   const auto ack = std::find_if(heard.begin(), heard.end(), [](const link::Received& r) {
     return std::holds_alternative<link::CommandAck>(r.message);
   });
@@ -349,12 +359,12 @@ TEST_CASE("modes are listed all for 0, and one by one for their index") {
   s.tick();
   s.command(mav::kCmdRequestMessage, mav::kAvailableModesId, 0);
   s.tick();
-  CHECK(s.vehicle->links().bytes(0).size() > 3 * 20);
+  CHECK(s.links.bytes(0).size() > 3 * 20);
   for (const float index : {1.0F, 2.0F, 3.0F}) {
     s.command(mav::kCmdRequestMessage, mav::kAvailableModesId, index);
     s.tick();
     CHECK(s.result() == mav::kAccepted);
-    const auto bytes = s.vehicle->links().bytes(0);
+    const auto bytes = s.links.bytes(0);
     std::vector<unsigned> indices;
     for (std::size_t at = 0; at < bytes.size(); at += 12U + bytes[at + 1]) {
       if (bytes[at + 7] + 256U * bytes[at + 8] == 435) indices.push_back(bytes[at + 10 + 9]);
@@ -368,7 +378,7 @@ std::int32_t told_interval(Ship& s, std::uint16_t id) {
   s.command(mav::kCmdGetMessageInterval, id);
   s.tick();
   CHECK(s.result() == mav::kAccepted);
-  const auto bytes = s.vehicle->links().bytes(0);
+  const auto bytes = s.links.bytes(0);
   for (std::size_t at = 0; at < bytes.size(); at += 12U + bytes[at + 1]) {
     if (bytes[at + 7] + 256U * bytes[at + 8] != 244) continue;
     std::array<std::uint8_t, 6> payload{};
@@ -417,7 +427,7 @@ TEST_CASE("who asks before the first tick is told the same as later") {
     CHECK(s->result() == mav::kAccepted);
   }
   const auto version = [](const Ship& s) {
-    const auto bytes = s.vehicle->links().bytes(0);
+    const auto bytes = s.links.bytes(0);
     for (std::size_t at = 0; at < bytes.size(); at += 12U + bytes[at + 1]) {
       if (bytes[at + 7] != 148) continue;
       const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at) + 10;
@@ -721,8 +731,8 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
 TEST_CASE("a refusal with every reason there is leaves the heartbeat its room") {
   Ship s;
   s.world = 0;
-  s.vehicle->links().signing().start({1, 2, 3}, 1, 0);
-  s.vehicle->links().set_policy(0, SigningPolicy::kAccept);
+  s.links.signing().start({1, 2, 3}, 1, 0);
+  s.links.set_policy(0, SigningPolicy::kAccept);
   for (std::uint32_t k = 0; k < 23; ++k) s.ask(link::Ping{k, k, {}});
   s.command(mav::kCmdComponentArmDisarm, 1);
   s.tick();
@@ -960,8 +970,7 @@ TEST_CASE(
     s.vehicle->send_statustext(
         5, {sentence.substr(0, cut), "", std::string_view(sentence).substr(cut)}, s.counters);
     for (std::size_t link = 0; link < 3; ++link) {
-      const auto heard =
-          received_from(s.decoders[link], s.vehicle->links().bytes(link), s.counters);
+      const auto heard = received_from(s.decoders[link], s.links.bytes(link), s.counters);
       std::string whole;
       bool ended = false;
       std::uint16_t id = 0;
@@ -993,7 +1002,7 @@ TEST_CASE("an endless sentence is cut off, not a crash") {
   s.vehicle->begin(s.now_us, kTick_us);
   s.vehicle->send_statustext(5, {std::string(500, 'x'), std::string(500, 'y')}, s.counters);
   std::string whole;
-  for (const auto& r : received_from(s.decoders[0], s.vehicle->links().bytes(0), s.counters)) {
+  for (const auto& r : received_from(s.decoders[0], s.links.bytes(0), s.counters)) {
     whole += text_of(std::get<link::Statustext>(r.message));
   }
   CHECK(whole == std::string(200, 'x'));
@@ -1026,12 +1035,11 @@ TEST_CASE("another sender under our ids is reported every ten seconds; our own e
   for (int k = 0; k < 2500; ++k) {  // what link 0 sends comes back on link 1
     s.tick();
     count();
-    const auto out = s.vehicle->links().bytes(0);
+    const auto out = s.links.bytes(0);
     std::span<const std::uint8_t> bytes = out;
     while (!bytes.empty()) {
-      bytes = bytes.subspan(s.vehicle->links().decoder(1).fill(bytes));
-      while (s.vehicle->next(1, s.now_us, s.counters)) {
-      }
+      bytes = bytes.subspan(s.links.fill(1, bytes));
+      s.take_all(1);
     }
   }
   CHECK(reports == 0);
@@ -1049,14 +1057,13 @@ TEST_CASE("what names another is handed on unchanged to where he was heard") {
   s.hear(sister, link::Heartbeat{4, 11, 3, 1, 3}, 1);
   s.tick();
   const auto frame = testing::frame_of(s.operator_, link::CommandLong{400, {1}, {2, 1}, 0});
-  CHECK(s.vehicle->links().decoder(0).fill(frame) == frame.size());
-  while (s.vehicle->next(0, s.now_us, s.counters)) {
-  }
+  CHECK(s.links.fill(0, frame) == frame.size());
+  s.take_all(0);
   s.tick();
-  const auto on_1 = s.vehicle->links().bytes(1);
+  const auto on_1 = s.links.bytes(1);
   CHECK(std::search(on_1.begin(), on_1.end(), frame.begin(), frame.end()) != on_1.end());
   for (const std::size_t other : {0U, 2U}) {
-    const auto bytes = s.vehicle->links().bytes(other);
+    const auto bytes = s.links.bytes(other);
     CHECK(std::search(bytes.begin(), bytes.end(), frame.begin(), frame.end()) == bytes.end());
   }
   CHECK(s.all<link::CommandAck>().empty());
@@ -1080,12 +1087,12 @@ TEST_CASE("what is no request and nothing of the vehicle's is left to the boat")
 
 TEST_CASE("a limited link hears the state before all else, and keeps to its limit") {
   Ship s;
-  s.vehicle->links().bucket(0).limit(1500);
+  s.links.bucket(0).limit(1500);
   s.pass(1);
   std::size_t bytes = 0, states = 0;
   for (int k = 0; k < 3000; ++k) {
     s.tick();
-    bytes += s.vehicle->links().bytes(0).size();
+    bytes += s.links.bytes(0).size();
     states += s.all<link::LocalPositionNed>().size();
     CHECK(s.all<link::LocalPositionNed>().size() == s.all<link::Attitude>().size());
   }
