@@ -22,24 +22,27 @@ NO_TARGET = 255  # an offset that no payload reaches
 TARGET = ["target_system", "target_component"]
 
 
+Place = tuple[int, str]  # offset in the payload, C++ expression
+
+
 class Member(NamedTuple):
-    """A member of a struct; `places`: offset in the payload and expression of each of its parts."""
+    """A member of a struct; `places`: where on the wire it, or each of its parts, is."""
 
     type: str
     name: str
-    places: list[tuple[int, str]]
+    places: list[Place]
     extension: bool
     unit: str
 
 
 class Message(NamedTuple):
-    """A message of the list: the dialect's definition, its struct, and `constants` that are sent."""
+    """A line of the list: the dialect's message, the struct, and the `constants` that are sent."""
 
     wire: Any
     struct: str
     is_read: bool
     members: list[Member]
-    constants: list[tuple[int, str]]
+    constants: list[Place]
 
 
 def dialect(path: Path = HERE / "flotilla.xml") -> dict[str, Any]:
@@ -59,94 +62,83 @@ def dialect(path: Path = HERE / "flotilla.xml") -> dict[str, Any]:
     return messages
 
 
-def cpp_type(field: Any) -> str:
-    """The type of one element."""
+def _element(field: Any) -> str:
     return field.type if field.type in {"char", "float", "double"} else f"std::{field.type}"
 
 
-def array_of(field: Any, count: int) -> str:
-    return f"Text<{count}>" if field.type == "char" else f"std::array<{cpp_type(field)}, {count}>"
-
-
-def member(wire: Any, name: str, fields: list[Any]) -> Member:
-    first = fields[0]
-    if name == "target" and len(fields) > 1:
+def _member(wire: Any, name: str, fields: list[Any]) -> Member:
+    first, element = fields[0], _element(fields[0])
+    parts = [f.name for f in fields]
+    if parts == TARGET:
         type_ = "Address"
-        parts = ["target.system", "target.component"]
-        places = [(f.wire_offset, part) for f, part in zip(fields, parts, strict=True)]
+        places = [(f.wire_offset, f"target.{f.name.removeprefix('target_')}") for f in fields]
     else:
-        offsets = [first.wire_offset + k * first.wire_length for k in range(len(fields))]
-        if offsets != [f.wire_offset for f in fields] or len({f.type for f in fields}) > 1:
-            sys.exit(f"{wire.name}: {name}: only neighbours of one type make an array")
-        count = first.array_length or (len(fields) if len(fields) > 1 else 0)
-        type_ = array_of(first, count) if count else cpp_type(first)
+        neighbours = [first.wire_offset + k * first.wire_length for k in range(len(fields))]
+        if neighbours != [f.wire_offset for f in fields] or len({f.type for f in fields}) > 1:
+            raise ValueError(f"{wire.name}: only neighbours of one type make an array: {parts}")
+        count = first.array_length or len(fields)
+        many = f"Text<{count}>" if element == "char" else f"std::array<{element}, {count}>"
+        type_ = many if first.array_length or len(fields) > 1 else element
         places = [(first.wire_offset, name)]
     extension = wire.fields.index(first) >= wire.base_fields()
     return Member(type_, name, places, extension, first.units.strip("[]"))
 
 
-def constant(field: Any, value: str) -> tuple[int, str]:
-    number = "std::numeric_limits<float>::quiet_NaN()" if value == "nan" else value
-    return field.wire_offset, f"{cpp_type(field)}{{{number}}}"
-
-
-def message(line: str, messages: dict[str, Any]) -> Message:
-    """One line of the list."""
-    name, direction, *items = line.split()
-    name, _, struct = name.partition(":")
-    if name not in messages or direction not in {"read", "send"}:
-        sys.exit(f"{line}: no such message, or neither read nor send")
-    wire = messages[name]
+def _message(line: str, dialect: dict[str, Any]) -> Message:
+    head, direction, *items = line.split()
+    name, _, struct = head.partition(":")
+    if name not in dialect or direction not in {"read", "send"}:
+        raise ValueError(f"{line}: no such message, or neither read nor send")
+    wire = dialect[name]
     fields = {field.name: field for field in wire.fields}
-    if not items:
-        items = ["target" if f == TARGET[0] else f for f in fields if f != TARGET[1]]
-    if "target" not in fields:
-        items = ["target=" + ",".join(TARGET) if item == "target" else item for item in items]
+    items = items or ["target" if f == TARGET[0] else f for f in fields if f != TARGET[1]]
     members, constants = [], []
     for item in items:
         own, _, source = item.partition("=")
         parts = (source or own).split(",")
+        if item == "target" and "target" not in fields:
+            parts = TARGET
         if all(part in fields for part in parts):
-            members.append(member(wire, own, [fields[part] for part in parts]))
+            members.append(_member(wire, own, [fields[part] for part in parts]))
         elif source and own in fields:
-            constants.append(constant(fields[own], source))
+            number = "std::numeric_limits<float>::quiet_NaN()" if source == "nan" else source
+            constants.append((fields[own].wire_offset, f"{_element(fields[own])}{{{number}}}"))
         else:
-            sys.exit(f"{name}: it has no field {item}")
+            raise ValueError(f"{name}: it has no field {item}")
     struct = struct or "".join(word.capitalize() for word in name.split("_"))
     return Message(wire, struct, direction == "read", members, constants)
 
 
-def listed(messages: dict[str, Any], text: str) -> list[Message]:
-    lines = [line for line in text.replace("\n ", " ").splitlines() if line.strip()]
-    return [message(line, messages) for line in lines if not line.startswith("#")]
+def listed(text: str, dialect: dict[str, Any]) -> list[Message]:
+    """The messages of a list; ValueError where a line is wrong."""
+    lines = text.replace("\n ", " ").splitlines()
+    return [_message(line, dialect) for line in lines if line.strip() and line[0] != "#"]
 
 
-def calls(function: str, places: list[tuple[int, str]]) -> str:
+def _calls(function: str, places: list[Place]) -> str:
     return "".join(f"    {function}({offset}, {expression});\n" for offset, expression in places)
 
 
-def struct_of(m: Message) -> str:
+def _struct(m: Message) -> str:
     members = "".join(
-        f"  {x.type} {x.name}{'{}' if x.extension else ''};"
-        + (f"  ///< {x.unit}\n" if x.unit else "\n")
+        f"  {x.type} {x.name}{'{}' * x.extension};{f'  ///< {x.unit}' if x.unit else ''}\n"
         for x in m.members
     )
-    out = (
+    places = [(offset, f"x.{part}") for x in m.members for offset, part in x.places]
+    constants = f"  static void constants(auto put) {{\n{_calls('put', m.constants)}  }}\n"
+    return (
         f"struct {m.struct} {{\n{members}\n"
         f"  static constexpr std::uint16_t kId{{{m.wire.id}}};\n"
-        f"  static constexpr std::uint8_t kCrcExtra = {m.wire.crc_extra};\n"
-        f"  static constexpr std::size_t kBytes = {m.wire.wire_length};\n"
-        f"  static constexpr bool kIsRead = {str(m.is_read).lower()};\n"
-        "  static void fields(auto& x, auto field) {\n"
-        + calls("field", [(offset, "x." + part) for y in m.members for offset, part in y.places])
-        + "  }\n"
+        f"  static constexpr std::uint8_t kCrcExtra{{{m.wire.crc_extra}}};\n"
+        f"  static constexpr std::size_t kBytes{{{m.wire.wire_length}}};\n"
+        f"  static constexpr bool kIsRead{{{str(m.is_read).lower()}}};\n"
+        f"  static void fields(auto& x, auto field) {{\n{_calls('field', places)}  }}\n"
+        f"{constants if m.constants else ''}}};\n\n"
     )
-    if m.constants:
-        out += "  static void constants(auto put) {\n" + calls("put", m.constants) + "  }\n"
-    return out + "};\n\n"
 
 
 def messages_hpp(messages: list[Message]) -> str:
+    """The structs; each tells where its members are on the wire, and what else is sent."""
     kinds = ", ".join(["std::monostate", *(m.struct for m in messages)])
     cases = "".join(
         f"    case {m.wire.id}:\n      return read.template operator()<{m.struct}>();\n"
@@ -157,34 +149,33 @@ def messages_hpp(messages: list[Message]) -> str:
         "// Generated by firmware/link/mavlink/generate.py\n#pragma once\n\n"
         "#include <array>\n#include <cstddef>\n#include <cstdint>\n#include <limits>\n"
         '#include <variant>\n\n#include "link/mavlink/address.hpp"\n\n'
-        f"namespace flotilla::link {{\n\n{''.join(map(struct_of, messages))}"
+        f"namespace flotilla::link {{\n\n{''.join(map(_struct, messages))}"
         f"using Message = std::variant<{kinds}>;\n\n"
-        "/// Calls read<Struct>() of the message with this id; of std::monostate if boats read none.\n"
-        "decltype(auto) with_struct(std::uint32_t id, auto read) {\n"
+        "/// Calls read<Struct>() of the message with this id, or of std::monostate.\n"
+        "void with_struct(std::uint32_t id, auto read) {\n"
         f"  switch (id) {{\n{cases}"
         "    default:\n      return read.template operator()<std::monostate>();\n  }\n}\n\n"
         "}  // namespace flotilla::link\n"
     )
 
 
-def entry(wire: Any) -> str:
-    offsets = {field.name: field.wire_offset for field in wire.fields}
-    if wire.name == "MANUAL_CONTROL":
-        offsets[TARGET[0]] = offsets["target"]
-    targets = [offsets.get(name, NO_TARGET) for name in TARGET]
-    numbers = [wire.id, wire.crc_extra, wire.wire_min_length, *targets]
-    return f"{{{', '.join(map(str, numbers))}}},\n"
-
-
-def table_inc(wires: list[Any]) -> str:
+def table_inc(dialect: dict[str, Any]) -> str:
     """A MavlinkEntry of every message of the dialect, by rising id."""
-    return "".join(map(entry, sorted(wires, key=lambda wire: wire.id)))
+    out = ""
+    for wire in sorted(dialect.values(), key=lambda wire: wire.id):
+        offsets = {field.name: field.wire_offset for field in wire.fields}
+        if wire.name == "MANUAL_CONTROL":
+            offsets[TARGET[0]] = offsets["target"]
+        targets = [offsets.get(name, NO_TARGET) for name in TARGET]
+        numbers = [wire.id, wire.crc_extra, wire.wire_min_length, *targets]
+        out += f"{{{', '.join(map(str, numbers))}}},\n"
+    return out
 
 
 if __name__ == "__main__":
-    wires = dialect()
-    messages = listed(wires, (HERE / "messages.txt").read_text(encoding="utf-8"))
+    known = dialect()
+    messages = listed((HERE / "messages.txt").read_text(encoding="utf-8"), known)
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "messages.hpp").write_text(messages_hpp(messages), encoding="utf-8")
-    (folder / "table.inc").write_text(table_inc(list(wires.values())), encoding="utf-8")
+    (folder / "table.inc").write_text(table_inc(known), encoding="utf-8")
