@@ -96,7 +96,9 @@ link::FormationReference reference_at(std::int64_t t_us, float x) {
   m.maker = kLeader;
   m.flags = link::mav::kReferenceFollowed;
   const auto place = static_cast<std::int32_t>(1024 * x);
-  m.motion = {487, 22, place, place, 6554, {579, 0, 0}, {}, 0};
+  m.latitude = 487, m.longitude = 22;
+  m.north = m.east = place;
+  m.heading = 6554, m.nu = {579, 0, 0};
   m.path[0] = m.root;
   return m;
 }

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cortex_m/sha256.hpp"
 
-#include <flotilla/mavlink.h>
+#include <cstdint>
+#include <cstring>
+// After them: it relies on both.
+#define MAVLINK_HELPER static inline
+#include <mavlink_sha256.h>
 
 namespace flotilla::target {
 namespace {

@@ -11,12 +11,10 @@ from typing import Any, NamedTuple
 
 from fastcrc import crc16
 
+from sil.wire.mavlink_frames import HEADER, MAGIC_2, end_of
 from sil.wire.mavlink_messages import LAYOUTS, SEEDS
 
 _BEGIN = re.compile(rb"[\xfd\xfe]")
-_MAGIC_2, _MAGIC_1 = 0xFD, 0xFE
-_HEADER = {_MAGIC_2: 10, _MAGIC_1: 6}
-_CRC, _SIGNATURE, _SIGNED = 2, 13, 1
 
 
 class Message(NamedTuple):
@@ -51,7 +49,7 @@ class Ear:
         data, self._rest = self._rest + chunk, b""
         at, size = 0, len(data)
         while at < size:
-            end = _end(data, at)
+            end = end_of(data, at)
             if end > size:
                 if self._stream:
                     self._rest = data[at:]
@@ -73,22 +71,9 @@ class Ear:
         self._rest = b""
 
 
-def _end(data: bytes, at: int) -> int:
-    """Where the message that may begin at `at` ends, at the earliest; 0: there is none."""
-    header = _HEADER.get(data[at])
-    if header is None:
-        return 0
-    if at + header > len(data):
-        return at + header + _CRC
-    flags = data[at + 2] if header == _HEADER[_MAGIC_2] else 0
-    if flags & ~_SIGNED:
-        return 0
-    return at + header + data[at + 1] + _CRC + (_SIGNATURE if flags else 0)
-
-
 def _message(data: bytes, at: int, end: int) -> Message | None:
     """The message data[at:end], where its checksum and its length are right."""
-    if data[at] == _MAGIC_2:
+    if data[at] == MAGIC_2:
         number = data[at + 7] | data[at + 8] << 8 | data[at + 9] << 16
         system, component, begin = data[at + 5], data[at + 6], at + 10
     else:
@@ -97,7 +82,7 @@ def _message(data: bytes, at: int, end: int) -> Message | None:
     seed = SEEDS.get(number)
     if seed is None:
         # Nobody can check it; what follows has to be a beginning.
-        follows = end == len(data) or data[end] in _HEADER
+        follows = end == len(data) or data[end] in HEADER
         return Message(number, system, component, None) if follows else None
     crc: int = crc16.mcrf4xx(data[at + 1 : stop] + bytes((seed,)))
     if crc != data[stop] | data[stop + 1] << 8:

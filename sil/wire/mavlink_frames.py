@@ -1,29 +1,44 @@
 # SPDX-License-Identifier: MIT
-"""Walks the MAVLink 2 frames of a chunk by their length bytes, without decoding them."""
+"""Where MAVLink frames begin and end, by their length bytes, without decoding them.
+
+Source: mavlink.io, packet serialization.
+"""
 
 from collections.abc import Iterator
 
-_MAGIC = 0xFD
-_HEADER, _CRC, _SIGNATURE = 10, 2, 13
+MAGIC_2, MAGIC_1 = 0xFD, 0xFE
+HEADER = {MAGIC_2: 10, MAGIC_1: 6}
+_CRC, _SIGNATURE = 2, 13
 _SIGNED = 1
 
 
+def end_of(data: bytes, at: int) -> int:
+    """Where the frame that may begin at `at` ends, at the earliest; 0: there is none."""
+    header = HEADER.get(data[at])
+    if header is None:
+        return 0
+    if at + header > len(data):
+        return at + header + _CRC
+    flags = data[at + 2] if data[at] == MAGIC_2 else 0
+    if flags & ~_SIGNED:
+        return 0
+    return at + header + data[at + 1] + _CRC + (_SIGNATURE if flags else 0)
+
+
 def frames(data: bytes) -> Iterator[tuple[int, int, int, bytes]]:
-    """Yields (message id, system id, component id, frame) in order, for whole frames only.
+    """Yields (message id, system id, component id, frame) of whole MAVLink 2 frames, in order.
 
     CRCs are not checked: who decodes a frame does that. Where something else than a frame begins,
     the lengths that follow are not trusted to skip what they cover, and every 0xFD that may begin
-    a frame is yielded: garbage hides no frame behind it. Source: MAVLink 2 packet format.
+    a frame is yielded: garbage hides no frame behind it.
     """
-    size = len(data)
-    at = data.find(_MAGIC)
+    at = data.find(MAGIC_2)
     clean = at == 0
-    while 0 <= at <= size - _HEADER - _CRC:
-        flags = data[at + 2]
-        end = at + _HEADER + data[at + 1] + _CRC + (_SIGNATURE if flags & _SIGNED else 0)
-        whole = end <= size and not flags & ~_SIGNED
+    while at >= 0:
+        end = end_of(data, at)
+        whole = 0 < end <= len(data)
         if whole:
             message_id = int.from_bytes(data[at + 7 : at + 10], "little")
             yield message_id, data[at + 5], data[at + 6], data[at:end]
-        clean = clean and whole and (end == size or data[end] == _MAGIC)
-        at = data.find(_MAGIC, end if clean else at + 1)
+        clean = clean and whole and (end == len(data) or data[end] == MAGIC_2)
+        at = data.find(MAGIC_2, end if clean else at + 1)

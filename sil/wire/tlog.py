@@ -4,8 +4,9 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from sil.wire.mavlink_frames import HEADER, MAGIC_2, end_of
+
 _TIME = 8
-_V1, _V2 = 0xFE, 0xFD
 _LATEST_US = 4_102_444_800_000_000  # the year 2100: a time after that is none
 
 
@@ -26,7 +27,7 @@ class Packet(NamedTuple):
     @property
     def payload(self) -> bytes:
         """Without header, checksum and signature."""
-        begin = 10 if self.frame[0] == _V2 else 6
+        begin = HEADER[self.frame[0]]
         return self.frame[begin : begin + self.frame[1]]
 
 
@@ -62,22 +63,20 @@ def _end(content: bytes, at: int) -> int | None:
 def _begins(content: bytes, at: int) -> bool:
     begin = at + _TIME
     time_us = int.from_bytes(content[at:begin], "big")
-    return begin < len(content) and content[begin] in (_V1, _V2) and time_us < _LATEST_US
+    return begin < len(content) and content[begin] in HEADER and time_us < _LATEST_US
 
 
 def _whole(content: bytes, at: int) -> int | None:
     begin = at + _TIME
-    if not _begins(content, at) or begin + 3 > len(content):
+    if not _begins(content, at):
         return None
-    second = content[begin] == _V2
-    overhead = 12 + (13 if content[begin + 2] & 1 else 0) if second else 8
-    end = begin + content[begin + 1] + overhead
-    return end if end <= len(content) else None
+    end = end_of(content, begin)
+    return end if 0 < end <= len(content) else None
 
 
 def _packet(content: bytes, at: int, end: int) -> Packet:
     frame = content[at + _TIME : end]
     t_us = int.from_bytes(content[at : at + _TIME], "big")
-    if frame[0] == _V2:
+    if frame[0] == MAGIC_2:
         return Packet(t_us, frame[5], frame[6], int.from_bytes(frame[7:10], "little"), frame)
     return Packet(t_us, frame[3], frame[4], frame[5], frame)

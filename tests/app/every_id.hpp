@@ -6,34 +6,34 @@
 #include <array>
 #include <cstdint>
 
-#include "link/mavlink/mav.hpp"
+#include "link/mavlink/messages.hpp"
 
 namespace flotilla::testing {
 
-inline constexpr std::array<std::uint16_t, 25> kEveryId{link::mav::kHeartbeatId,
-                                                        link::mav::kSysStatusId,
-                                                        link::mav::kSystemTimeId,
-                                                        link::mav::kAttitudeId,
-                                                        link::mav::kLocalPositionNedId,
-                                                        link::mav::kGlobalPositionIntId,
-                                                        link::mav::kGpsGlobalOriginId,
-                                                        link::mav::kNavControllerOutputId,
-                                                        link::mav::kPositionTargetLocalNedId,
-                                                        link::mav::kFollowTargetId,
-                                                        link::mav::kFormationReferenceId,
-                                                        link::mav::kBatteryStatusId,
-                                                        link::mav::kAutopilotVersionId,
-                                                        link::mav::kHomePositionId,
-                                                        link::mav::kMessageIntervalId,
-                                                        link::mav::kExtendedSysStateId,
-                                                        link::mav::kNamedValueFloatId,
-                                                        link::mav::kEscInfoId,
-                                                        link::mav::kEscStatusId,
-                                                        link::mav::kProtocolVersionId,
-                                                        link::mav::kOdometryId,
-                                                        link::mav::kComponentInformationBasicId,
-                                                        link::mav::kComponentMetadataId,
-                                                        link::mav::kAvailableModesId,
-                                                        link::mav::kCurrentModeId};
+inline constexpr std::array<std::uint16_t, 25> kEveryId{link::Heartbeat::kId,
+                                                        link::SysStatus::kId,
+                                                        link::SystemTime::kId,
+                                                        link::Attitude::kId,
+                                                        link::LocalPositionNed::kId,
+                                                        link::GlobalPositionInt::kId,
+                                                        link::GpsGlobalOrigin::kId,
+                                                        link::NavControllerOutput::kId,
+                                                        link::PositionTargetLocalNed::kId,
+                                                        link::FollowTarget::kId,
+                                                        link::FormationReference::kId,
+                                                        link::BatteryStatus::kId,
+                                                        link::AutopilotVersion::kId,
+                                                        link::HomePosition::kId,
+                                                        link::MessageInterval::kId,
+                                                        link::ExtendedSysState::kId,
+                                                        link::NamedValueFloat::kId,
+                                                        link::MavEscInfo::kId,
+                                                        link::MavEscStatus::kId,
+                                                        link::ProtocolVersion::kId,
+                                                        link::Odometry::kId,
+                                                        link::ComponentInformationBasic::kId,
+                                                        link::ComponentMetadata::kId,
+                                                        link::AvailableModes::kId,
+                                                        link::CurrentMode::kId};
 
 }  // namespace flotilla::testing

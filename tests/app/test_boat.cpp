@@ -459,10 +459,10 @@ TEST_CASE_TEMPLATE("CURRENT_MODE tells the mode that is, and the one that was as
   Harbour<S> h;
   /// mode, and 100 times the intended one
   const auto current_mode = [&]() -> int {
-    h.command(mav::kCmdRequestMessage, mav::kCurrentModeId);
+    h.command(mav::kCmdRequestMessage, link::CurrentMode::kId);
     const auto out = h.boat.tick(h.now_us += Harbour<S>::kTick_us).links->bytes(0);
     for (std::size_t at = 0; at < out.size(); at += 12U + out[at + 1]) {
-      if (out[at + 7] + 256U * out[at + 8] != mav::kCurrentModeId) continue;
+      if (out[at + 7] + 256U * out[at + 8] != link::CurrentMode::kId) continue;
       std::array<std::uint8_t, 9> payload{};  // custom mode, intended one, standard one
       std::copy_n(&out[at + 10], std::min<std::size_t>(9, out[at + 1]), payload.begin());
       return payload[0] + 100 * payload[4];
@@ -552,7 +552,7 @@ TEST_CASE("a boat in the storage of one that has been knows nothing of that one'
     first.limit_link(1, 100);
     hears(link::ParamRequestList{{1, 1}}, 0);
     hears(link::RadioStatus{5}, 0);
-    hears(link::CommandLong{mav::kCmdSetMessageInterval, {mav::kAttitudeId, -1}, {1, 1}, 0}, 0);
+    hears(link::CommandLong{mav::kCmdSetMessageInterval, {link::Attitude::kId, -1}, {1, 1}, 0}, 0);
     const std::array<std::uint8_t, 3> begun{0xFD, 200, 0};
     first.on_mavlink(begun, 0, 0);
     for (std::int64_t now_us = 0; now_us < 50'000; now_us += 10'000) first.tick(now_us);

@@ -229,7 +229,7 @@ void History<S>::talk() {
   if ((talk_ & kTalkOther) != 0) tell(t, kOther, other_);
   if ((talk_ & kTalkImpostor) != 0) tell(t, kImpostor, other_);
   if ((talk_ & kTalkSticks) != 0) {
-    sticks_.target_system = boat_->boat().self().system;
+    sticks_.target = boat_->boat().self().system;
     t.tell(T::kOperator, sticks_, now_us_);
   }
   if ((talk_ & kTalkOperator) != 0 && now_us_ >= second_due_us_) {

@@ -14,37 +14,22 @@
 #include "fuzz/wire_numbers.hpp"
 #include "link/mavlink/crc.hpp"
 #include "link/mavlink/entries.hpp"
+#include "link/mavlink/frame.hpp"
 
 namespace flotilla::fuzz {
 namespace {
 
-constexpr std::size_t kChecksumBytes = 2;
-
-/// What a frame's header says; no entry: nothing that is known, or not whole.
 struct Frame {
-  const mavlink_msg_entry_t* entry = nullptr;
-  std::size_t header = 0, payload = 0, block = 0;
-  std::size_t covered() const { return header + payload; }
-  std::size_t size() const { return covered() + kChecksumBytes + block; }
+  link::FrameHeader header;
+  std::uint8_t crc_extra;
 };
 
-Frame read(std::span<const std::uint8_t> b) {
-  Frame out;
-  if (b.size() >= 10 && b[0] == MAVLINK_STX) {
-    const bool has_signature = (b[2] & MAVLINK_IFLAG_SIGNED) != 0;
-    const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
-    out = {link::mavlink_entry(id), 10, b[1], has_signature ? link::kSignatureBlockBytes : 0};
-  } else if (b.size() >= 6 && b[0] == MAVLINK_STX_MAVLINK1) {
-    out = {link::mavlink_entry(b[5]), 6, b[1]};
-  }
-  if (b.size() < out.size()) out.entry = nullptr;
-  return out;
-}
-
-std::array<std::uint8_t, kChecksumBytes> checksum(std::span<const std::uint8_t> b,
-                                                  const Frame& frame) {
-  const auto crc = link::mavlink_crc(b.first(frame.covered()).subspan(1), frame.entry->crc_extra);
-  return {static_cast<std::uint8_t>(crc & 0xFFU), static_cast<std::uint8_t>(crc >> 8U)};
+/// Nothing unless a frame of the dialect begins here and is whole.
+std::optional<Frame> read(std::span<const std::uint8_t> b) {
+  const auto header = link::read_header(b);
+  const auto* entry = header ? link::mavlink_entry(header->id) : nullptr;
+  if (entry == nullptr || b.size() < header->frame_bytes()) return std::nullopt;
+  return Frame{*header, entry->crc_extra};
 }
 
 /// NaN is what the protocol calls unknown there, or what an ESC said of itself.
@@ -56,29 +41,28 @@ bool may_be_unknown(std::string_view field) {
 }  // namespace
 
 std::size_t frame_size(std::span<const std::uint8_t> bytes) {
-  const Frame frame = read(bytes);
-  if (frame.entry == nullptr) return 0;
-  const auto sum = checksum(bytes, frame);
-  const auto there = bytes.subspan(frame.covered());
-  return there[0] == sum[0] && there[1] == sum[1] ? frame.size() : 0;
+  const auto frame = read(bytes);
+  const bool good = frame && link::checksum_is_good(bytes, frame->header, frame->crc_extra);
+  return good ? frame->header.frame_bytes() : 0;
 }
 
 void repair(std::span<std::uint8_t> bytes, link::Signing& signing, std::uint8_t link_id) {
-  const Frame frame = read(bytes);
-  if (frame.entry == nullptr) return;
-  const auto sum = checksum(bytes, frame);
-  bytes[frame.covered()] = sum[0];
-  bytes[frame.covered() + 1] = sum[1];
-  if (frame.block == 0) return;
-  const std::size_t end = frame.covered() + kChecksumBytes;
+  const auto frame = read(bytes);
+  if (!frame) return;
+  const std::size_t covered = frame->header.covered();
+  const auto crc = link::mavlink_crc(bytes.first(covered).subspan(1), frame->crc_extra);
+  bytes[covered] = static_cast<std::uint8_t>(crc & 0xFFU);
+  bytes[covered + 1] = static_cast<std::uint8_t>(crc >> 8U);
+  if (!frame->header.is_signed()) return;
+  const std::size_t end = covered + link::kChecksumBytes;
   signing.sign(bytes.first(end), link_id, bytes.subspan(end).first<link::kSignatureBlockBytes>());
 }
 
 const char* unsound_number(std::span<const std::uint8_t> b) {
-  const Frame frame = read(b);
+  const auto header = link::read_header(b);
   std::array<std::uint8_t, 256> payload{};  // zeros at its end are not sent
-  std::memcpy(payload.data(), b.data() + frame.header, frame.payload);
-  const auto* const info = mavlink_get_message_info_by_id(frame.entry->msgid);
+  std::memcpy(payload.data(), b.data() + header->header_bytes, header->payload_bytes);
+  const auto* const info = mavlink_get_message_info_by_id(header->id);
   for (unsigned i = 0; info != nullptr && i < info->num_fields; ++i) {
     const mavlink_field_info_t& field = info->fields[i];
     if (field.type != MAVLINK_TYPE_FLOAT || may_be_unknown(field.name)) continue;

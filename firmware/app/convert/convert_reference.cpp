@@ -75,7 +75,7 @@ core::Vec2<S> offset_of(const WireOffset& offset) {
 }
 
 template <class S>
-std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& m,
+std::optional<RootState<S>> root_state_of(const link::FormationReference& m,
                                           std::int32_t altitude_mm) {
   const link::GpsGlobalOrigin origin{m.latitude, m.longitude, altitude_mm, 0};
   const bool turns_once = std::abs(int{m.heading}) <= 4 * kHeadingParts;
@@ -89,7 +89,7 @@ std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& m,
 }
 
 template <class S>
-std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& root) {
+std::optional<link::FormationReference> reference_of(const RootState<S>& root) {
   const auto& [psi, nu, nu_dot, r_ddot] = root.motion;
   const auto heading = parts_of(core::wrap_pi(psi), kHeadingParts);
   const auto velocity = wire_of(nu, kTurnParts), rates = wire_of(nu_dot, kParts);
@@ -101,14 +101,16 @@ std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& roo
     return std::nullopt;
   }
   const link::GpsGlobalOrigin& origin = root.position.origin;
-  return link::ReferenceMotion{origin.latitude,
-                               origin.longitude,
-                               static_cast<std::int32_t>(north),
-                               static_cast<std::int32_t>(east),
-                               *heading,
-                               *velocity,
-                               *rates,
-                               *jerk};
+  link::FormationReference out{};
+  out.latitude = origin.latitude;
+  out.longitude = origin.longitude;
+  out.north = static_cast<std::int32_t>(north);
+  out.east = static_cast<std::int32_t>(east);
+  out.heading = *heading;
+  out.nu = *velocity;
+  out.nu_dot = *rates;
+  out.r_ddot = *jerk;
+  return out;
 }
 
 template <class S>
@@ -118,12 +120,12 @@ core::ForesightLimits<S> foresight_limits(const Parameters& p) {
           scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
 }
 
-#define FLOTILLA_INSTANTIATE(S)                                                       \
-  template core::ForesightLimits<S> foresight_limits<S>(const Parameters&);           \
-  template core::Vec2<S> offset_of<S>(const WireOffset&);                             \
-  template std::optional<RootState<S>> root_state_of<S>(const link::ReferenceMotion&, \
-                                                        std::int32_t);                \
-  template std::optional<link::ReferenceMotion> reference_motion_of<S>(const RootState<S>&);
+#define FLOTILLA_INSTANTIATE(S)                                                          \
+  template core::ForesightLimits<S> foresight_limits<S>(const Parameters&);              \
+  template core::Vec2<S> offset_of<S>(const WireOffset&);                                \
+  template std::optional<RootState<S>> root_state_of<S>(const link::FormationReference&, \
+                                                        std::int32_t);                   \
+  template std::optional<link::FormationReference> reference_of<S>(const RootState<S>&);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
 FLOTILLA_INSTANTIATE(core::Q16)

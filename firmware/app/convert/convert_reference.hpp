@@ -32,12 +32,12 @@ struct RootState {
 
 /// Nothing if no vessel can have this state; altitude_mm: of the water.
 template <class S>
-std::optional<RootState<S>> root_state_of(const link::ReferenceMotion& message,
+std::optional<RootState<S>> root_state_of(const link::FormationReference& message,
                                           std::int32_t altitude_mm);
 
-/// Nothing if a value exceeds the message's range.
+/// A message with this motion and zeros else; nothing if a value exceeds the message's range.
 template <class S>
-std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& root);
+std::optional<link::FormationReference> reference_of(const RootState<S>& root);
 
 /// The shares of LAW_U_MAX and LAW_R_MAX with which the boat itself approaches its slot.
 template <class S>

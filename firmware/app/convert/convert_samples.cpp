@@ -194,8 +194,9 @@ bool is_usable(const link::FollowTarget& m) {
   const bool attitude = (m.est_capabilities & mav::kFollowAttitude) != 0;
   return (m.est_capabilities & kNeeded) == kNeeded && is_fix(m.lat, m.lon) &&
          within(kFastest_mps, {m.vel[0], m.vel[1], m.vel[2]}) && m.timestamp <= kLatest_ms &&
-         (!attitude || (within(10, {m.q[0], m.q[1], m.q[2], m.q[3]}) &&
-                        within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})));
+         (!attitude ||
+          (within(10, {m.attitude_q[0], m.attitude_q[1], m.attitude_q[2], m.attitude_q[3]}) &&
+           within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})));
 }
 
 template <class S>
@@ -204,7 +205,7 @@ std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& m) {
       !within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})) {
     return std::nullopt;
   }
-  const auto q = normalised<S>(m.q);
+  const auto q = normalised<S>(m.attitude_q);
   if (!q) return std::nullopt;
   const auto turning = turning_of(false, *q, m.rates[1], m.rates[2]);
   if (!turning) return std::nullopt;

@@ -138,7 +138,9 @@ link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<do
 
 link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
                                const std::optional<link::EscStatus>& stbd) {
-  link::BatteryStatus out{UINT16_MAX, -1};
+  link::BatteryStatus out{};
+  out.voltages.fill(UINT16_MAX);  // of single cells; the first is all of them together
+  out.current_battery = -1;
   double current_A = 0;
   int currents = 0;
   for (const auto* esc : {&port, &stbd}) {
@@ -146,7 +148,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
     const double voltage_V = double{(*esc)->voltage}, amperes = double{(*esc)->current};
     if (voltage_V >= 0 && voltage_V < 65.5) {
       const auto mV = static_cast<std::uint16_t>(portable::nearest(voltage_V * 1000));
-      out.voltage_mV = std::min(out.voltage_mV, mV);
+      out.voltages[0] = std::min(out.voltages[0], mV);
     }
     if (std::abs(amperes) < 150) {  // false for NaN
       current_A += amperes;
@@ -154,7 +156,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
     }
   }
   if (currents == 2 && current_A >= 0) {  // one ESC's current alone would mislead
-    out.current_cA = static_cast<std::int16_t>(portable::nearest(current_A * 100));
+    out.current_battery = static_cast<std::int16_t>(portable::nearest(current_A * 100));
   }
   return out;
 }

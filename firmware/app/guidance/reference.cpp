@@ -46,13 +46,13 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   if (own == nullptr || branch != Branch{m->root, m->maker}) return;
   if (!is_newer(*m, *branch, valid_us)) return;
   if (held_ && held_->branch != *branch) guard_.forget();
-  const auto root = convert::root_state_of<S>(m->motion, own->origin.altitude);
+  const auto root = convert::root_state_of<S>(*m, own->origin.altitude);
   if (!root) {
     ++counters.mavlink_bad_value;
   } else if (now_us - valid_us > kOldestFollowed_us || !believe(*root, valid_us, now_us)) {
     ++counters.reference_refused;
   } else {
-    hold({*branch, m->sequence, m->motion, *root, valid_us, convert::near(*own, root->position)});
+    hold({*branch, m->sequence, *m, *root, valid_us, convert::near(*own, root->position)});
   }
 }
 
@@ -94,7 +94,7 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   }
   const convert::RootState<S> root{leader.position(),
                                    {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
-  if (const auto told = convert::reference_motion_of(root)) {
+  if (const auto told = convert::reference_of(root)) {
     hold({mine, ++made_, *told, root, now_us - *age_us, true});
   }
 }
@@ -133,16 +133,17 @@ std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_u
   if (held == nullptr || !offset || place_.too_deep(now_us)) return std::nullopt;
   const std::int64_t age_us = convert::us_of_ms(now_us) - held->valid_us;
   const auto age_ms = static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
-  return link::FormationReference{convert::boot_ms(now_us),
-                                  age_ms,
-                                  held->sequence,
-                                  held->branch.root,
-                                  held->branch.maker,
-                                  followed ? link::mav::kReferenceFollowed : std::uint8_t{0},
-                                  held->told,
-                                  offset->n,
-                                  place_.path(now_us),
-                                  offset->b};
+  link::FormationReference out = held->told;
+  out.time_boot_ms = convert::boot_ms(now_us);
+  out.age_ms = age_ms;
+  out.sequence = held->sequence;
+  out.root = held->branch.root;
+  out.maker = held->branch.maker;
+  out.flags = followed ? link::mav::kReferenceFollowed : std::uint8_t{0};
+  out.offset_n = offset->n;
+  out.path = place_.path(now_us);
+  out.offset_b = offset->b;
+  return out;
 }
 
 template <class S>

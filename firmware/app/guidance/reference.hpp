@@ -59,7 +59,7 @@ class Reference {
   struct Held {
     Branch branch;
     std::uint16_t sequence = 0;
-    link::ReferenceMotion told;
+    link::FormationReference told;  ///< the motion in it
     convert::RootState<S> root;
     std::int64_t valid_us = 0;
     bool near = false;

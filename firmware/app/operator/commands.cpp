@@ -153,11 +153,11 @@ Asked meaning_of(const Command& c) {
     case mav::kCmdRequestMessage:
       return message(c.param[0], c.param[1]);
     case mav::kCmdGetMessageInterval:
-      return whole(c.param[0], 65535) ? message(mav::kMessageIntervalId, c.param[0]) : denied();
+      return whole(c.param[0], 65535) ? message(link::MessageInterval::kId, c.param[0]) : denied();
     case mav::kCmdRequestAutopilotCapabilities:
-      return message(mav::kAutopilotVersionId, 0);
+      return message(link::AutopilotVersion::kId, 0);
     case mav::kCmdRequestProtocolVersion:
-      return message(mav::kProtocolVersionId, 0);
+      return message(link::ProtocolVersion::kId, 0);
     case mav::kCmdSetMessageInterval:
       return message_rate(c);
     case mav::kCmdInjectFailure:

@@ -53,7 +53,7 @@ std::int64_t Streams::slowed_us(std::int64_t fixed_us) const {
 }
 
 std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
-  if (id == link::mav::kHeartbeatId) return 1'000'000;
+  if (id == link::Heartbeat::kId) return 1'000'000;
   const std::size_t stream = find(id);
   if (stream == kNone) return 0;
   const std::int64_t interval_us = plain_interval_us(stream, link);

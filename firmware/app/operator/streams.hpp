@@ -37,23 +37,23 @@ struct StreamInfo {
 
 /// In sending order: what followers need comes first.
 inline constexpr std::array kStreams{
-    StreamInfo{link::mav::kGpsGlobalOriginId, 32, Pace::kFixed, 1'000'000, false},
-    StreamInfo{link::mav::kAttitudeId, 40, Pace::kState, 0, false},
-    StreamInfo{link::mav::kLocalPositionNedId, 40, Pace::kState, 0, false},
-    StreamInfo{link::mav::kFormationReferenceId, 106, Pace::kNews, 0, true},
-    StreamInfo{link::mav::kFollowTargetId, 105, Pace::kOnRequest, 0, false},
-    StreamInfo{link::mav::kGlobalPositionIntId, 40, Pace::kFixed, 500'000, false},
-    StreamInfo{link::mav::kSysStatusId, 43, Pace::kFixed, 1'000'000, false},
-    StreamInfo{link::mav::kSystemTimeId, 24, Pace::kFixed, 1'000'000, false},
-    StreamInfo{link::mav::kCurrentModeId, 21, Pace::kFixed, 2'000'000, true},
-    StreamInfo{link::mav::kHomePositionId, 72, Pace::kFixed, 2'000'000, false},
-    StreamInfo{link::mav::kNavControllerOutputId, 38, Pace::kSlow, 0, false},
-    StreamInfo{link::mav::kPositionTargetLocalNedId, 63, Pace::kSlow, 0, false},
-    StreamInfo{link::mav::kEscStatusId, 138, Pace::kSlow, 0, true},
-    StreamInfo{link::mav::kEscInfoId, 116, Pace::kFixed, 5'000'000, true},
-    StreamInfo{link::mav::kBatteryStatusId, 66, Pace::kFixed, 5'000'000, false},
-    StreamInfo{link::mav::kNamedValueFloatId, 660, Pace::kSlow, 0, true},
-    StreamInfo{link::mav::kExtendedSysStateId, 14, Pace::kOnRequest, 0, false},
+    StreamInfo{link::GpsGlobalOrigin::kId, 32, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::Attitude::kId, 40, Pace::kState, 0, false},
+    StreamInfo{link::LocalPositionNed::kId, 40, Pace::kState, 0, false},
+    StreamInfo{link::FormationReference::kId, 106, Pace::kNews, 0, true},
+    StreamInfo{link::FollowTarget::kId, 105, Pace::kOnRequest, 0, false},
+    StreamInfo{link::GlobalPositionInt::kId, 40, Pace::kFixed, 500'000, false},
+    StreamInfo{link::SysStatus::kId, 43, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::SystemTime::kId, 24, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::CurrentMode::kId, 21, Pace::kFixed, 2'000'000, true},
+    StreamInfo{link::HomePosition::kId, 72, Pace::kFixed, 2'000'000, false},
+    StreamInfo{link::NavControllerOutput::kId, 38, Pace::kSlow, 0, false},
+    StreamInfo{link::PositionTargetLocalNed::kId, 63, Pace::kSlow, 0, false},
+    StreamInfo{link::MavEscStatus::kId, 138, Pace::kSlow, 0, true},
+    StreamInfo{link::MavEscInfo::kId, 116, Pace::kFixed, 5'000'000, true},
+    StreamInfo{link::BatteryStatus::kId, 66, Pace::kFixed, 5'000'000, false},
+    StreamInfo{link::NamedValueFloat::kId, 660, Pace::kSlow, 0, true},
+    StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
 };
 
 constexpr std::size_t kOriginStream = 0;
@@ -69,7 +69,7 @@ constexpr bool is_companions(std::uint16_t id) {
   for (const StreamInfo& info : kStreams) {
     if (info.id == id) return info.companion;
   }
-  return id != link::mav::kOdometryId;
+  return id != link::Odometry::kId;
 }
 
 /// Each link has its own intervals, which a client may change.

@@ -37,7 +37,7 @@ link::SysStatus sys_status(const Report& r) {
   constexpr std::uint32_t kMotors = mav::kSensorMotors | mav::kSensorPropulsion;
   const auto met = [&r](core::Conditions all) { return (r.conditions & all) == all; };
   const auto battery = convert::battery_of(r.escs[0].status, r.escs[1].status);
-  const bool measured = battery.voltage_mV != UINT16_MAX;
+  const bool measured = battery.voltages[0] != UINT16_MAX;
   std::uint32_t present = kSensors | kMotors | mav::kSensorPrearm;
   if (r.fenced) present |= mav::kSensorGeofence;
   if (measured || r.battery_limited) present |= mav::kSensorBattery;
@@ -47,7 +47,7 @@ link::SysStatus sys_status(const Report& r) {
   if (met(core::kArming)) health |= mav::kSensorPrearm;
   if (!r.fenced || met(core::kInsideFence)) health |= mav::kSensorGeofence;
   if (measured && met(core::kBatteryGood)) health |= mav::kSensorBattery;
-  return {present, present, health, 0, battery.voltage_mV, battery.current_cA, -1};
+  return {present, present, health, 0, battery.voltages[0], battery.current_battery, -1};
 }
 
 link::AutopilotVersion autopilot_version(const Report& r) {
@@ -184,17 +184,17 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
 /// Messages that need the own state.
 std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own, const Report& r) {
   switch (id) {
-    case mav::kAttitudeId:
+    case link::Attitude::kId:
       return convert::attitude_of(own.state, own.time_boot_ms);
-    case mav::kLocalPositionNedId:
+    case link::LocalPositionNed::kId:
       if (!own.adrift) return convert::local_position_of(own.state, own.time_boot_ms);
       break;
-    case mav::kOdometryId:
+    case link::Odometry::kId:
       return convert::odometry_of(own.state, own.time_boot_ms);
-    case mav::kNavControllerOutputId:
+    case link::NavControllerOutput::kId:
       if (r.formation) return convert::nav_controller_output_of(own.state, r.formation->error);
       break;
-    case mav::kPositionTargetLocalNedId:
+    case link::PositionTargetLocalNed::kId:
       if (r.formation) return convert::slot_of(own.state, r.formation->error, own.time_boot_ms);
       break;
     default:
@@ -202,14 +202,14 @@ std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own,
   }
   if (!own.located) return std::nullopt;
   switch (id) {
-    case mav::kGpsGlobalOriginId: {
+    case link::GpsGlobalOrigin::kId: {
       link::GpsGlobalOrigin origin = own.state.origin;
       origin.time_usec = static_cast<std::uint64_t>(r.now_us);
       return origin;
     }
-    case mav::kGlobalPositionIntId:
+    case link::GlobalPositionInt::kId:
       return convert::global_position_of(own.state, own.time_boot_ms);
-    case mav::kFollowTargetId:
+    case link::FollowTarget::kId:
       return convert::follow_target_of(own.state, own.time_boot_ms);
     default:
       return std::nullopt;
@@ -219,9 +219,12 @@ std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own,
 }  // namespace
 
 bool can_compose(std::uint16_t id) {
-  constexpr std::array kOnceOnly{
-      mav::kAutopilotVersionId,  mav::kProtocolVersionId, mav::kComponentInformationBasicId,
-      mav::kComponentMetadataId, mav::kAvailableModesId,  mav::kOdometryId};
+  constexpr std::array kOnceOnly{link::AutopilotVersion::kId,
+                                 link::ProtocolVersion::kId,
+                                 link::ComponentInformationBasic::kId,
+                                 link::ComponentMetadata::kId,
+                                 link::AvailableModes::kId,
+                                 link::Odometry::kId};
   return std::find(kOnceOnly.begin(), kOnceOnly.end(), id) != kOnceOnly.end() ||
          std::any_of(kStreams.begin(), kStreams.end(),
                      [&](const StreamInfo& info) { return info.id == id; });
@@ -229,24 +232,24 @@ bool can_compose(std::uint16_t id) {
 
 std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const Report& r) {
   switch (id) {  // ids with several messages
-    case mav::kAvailableModesId:
+    case link::AvailableModes::kId:
       return available_mode(turn);
-    case mav::kEscStatusId:
+    case link::MavEscStatus::kId:
       return esc_status(turn, r);
-    case mav::kEscInfoId:
+    case link::MavEscInfo::kId:
       return esc_info(turn, r);
-    case mav::kNamedValueFloatId:
+    case link::NamedValueFloat::kId:
       return named_value(turn, r);
     default:
       break;
   }
   if (turn > 0) return std::nullopt;
   switch (id) {
-    case mav::kSysStatusId:
+    case link::SysStatus::kId:
       return sys_status(r);
-    case mav::kSystemTimeId:
+    case link::SystemTime::kId:
       return link::SystemTime{static_cast<std::uint64_t>(r.unix_us), boot_ms(r)};
-    case mav::kHomePositionId:
+    case link::HomePosition::kId:
       if (!r.home) return std::nullopt;
       return link::HomePosition{r.home->latitude,
                                 r.home->longitude,
@@ -256,22 +259,22 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
                                 0,
                                 {1, 0, 0, 0},
                                 static_cast<std::uint64_t>(r.now_us)};
-    case mav::kAutopilotVersionId:
+    case link::AutopilotVersion::kId:
       return autopilot_version(r);
-    case mav::kProtocolVersionId:
+    case link::ProtocolVersion::kId:
       return link::ProtocolVersion{200, 100, 200};
-    case mav::kComponentInformationBasicId:
+    case link::ComponentInformationBasic::kId:
       return component_information(r);
-    case mav::kComponentMetadataId:
+    case link::ComponentMetadata::kId:
       return component_metadata(r);
-    case mav::kCurrentModeId:
+    case link::CurrentMode::kId:
       return link::CurrentMode{0, r.mode, r.intended_mode};
-    case mav::kFormationReferenceId:
+    case link::FormationReference::kId:
       if (!r.reference) return std::nullopt;
       return *r.reference;
-    case mav::kBatteryStatusId:
+    case link::BatteryStatus::kId:
       return convert::battery_of(r.escs[0].status, r.escs[1].status);
-    case mav::kExtendedSysStateId:
+    case link::ExtendedSysState::kId:
       return link::ExtendedSysState{0, 0};
     default:
       return r.own ? compose_own(id, *r.own, r) : std::nullopt;

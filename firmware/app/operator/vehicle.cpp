@@ -245,7 +245,7 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
                                                              : mav::kSeverityInfo;
   send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
-  streams_.hurry(mav::kCurrentModeId);
+  streams_.hurry(link::CurrentMode::kId);
   if (parameters_.MODE == supervisor_.mode()) return;
   parameters_.MODE = supervisor_.mode();
   parameter_service_.announce(*find_parameter("MODE"));

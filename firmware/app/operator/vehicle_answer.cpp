@@ -73,7 +73,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (asked.request != Request::kNone) decision = ask(asked);
   if (asked.rate &&
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
-    asked.result = asked.rate->id == mav::kHeartbeatId ? mav::kDenied : mav::kUnsupported;
+    asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.message) {
     freshen();
@@ -102,16 +102,16 @@ void Vehicle::explain(std::uint16_t command, link::Counters& counters) {
 std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageRequest& request,
                                                 std::uint32_t turn) const {
   const bool first = turn == 0;
-  if (request.id == mav::kHeartbeatId) {
+  if (request.id == link::Heartbeat::kId) {
     return first ? std::optional<link::Message>(heartbeat()) : std::nullopt;
   }
-  if (request.id == mav::kMessageIntervalId) {
+  if (request.id == link::MessageInterval::kId) {
     const auto id = static_cast<std::uint16_t>(request.index);
     const link::MessageInterval interval{streams_.interval_us(link, id), id};
     return first ? std::optional<link::Message>(interval) : std::nullopt;
   }
   if (identity_.companion() && !is_companions(request.id)) return std::nullopt;
-  if (request.id != mav::kAvailableModesId || request.index == 0) {
+  if (request.id != link::AvailableModes::kId || request.index == 0) {
     return compose(request.id, turn, report_);
   }
   return first ? compose(request.id, request.index - 1, report_) : std::nullopt;
@@ -120,7 +120,7 @@ std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageR
 std::uint8_t Vehicle::answer_of(std::size_t link, const MessageRequest& request) const {
   if (requested(link, request, 0)) return mav::kAccepted;
   const bool companion = identity_.companion() && !is_companions(request.id);
-  const bool no_such_mode = request.id == mav::kAvailableModesId;
+  const bool no_such_mode = request.id == link::AvailableModes::kId;
   const bool later = can_compose(request.id) && !companion && !no_such_mode;
   return later ? mav::kTemporarilyRejected : mav::kUnsupported;
 }

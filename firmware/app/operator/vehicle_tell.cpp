@@ -48,7 +48,7 @@ void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
   if (told_origin_ == here) return;
   told_origin_ = here;
   origin_moved_ = true;
-  streams_.hurry(mav::kGpsGlobalOriginId);
+  streams_.hurry(link::GpsGlobalOrigin::kId);
 }
 
 bool Vehicle::tells_report() {

@@ -48,17 +48,6 @@ constexpr std::uint32_t kSensorGyro = 1, kSensorAccel = 2, kSensorMag = 4, kSens
 constexpr std::uint8_t kSeverityCritical = 2, kSeverityError = 3, kSeverityWarning = 4,
                        kSeverityInfo = 6;
 
-/// Message ids that commands name.
-constexpr std::uint16_t kHeartbeatId = 0, kSysStatusId = 1, kSystemTimeId = 2, kAttitudeId = 30,
-                        kLocalPositionNedId = 32, kGlobalPositionIntId = 33,
-                        kGpsGlobalOriginId = 49, kNavControllerOutputId = 62,
-                        kPositionTargetLocalNedId = 85, kFollowTargetId = 144,
-                        kBatteryStatusId = 147, kAutopilotVersionId = 148, kHomePositionId = 242,
-                        kMessageIntervalId = 244, kExtendedSysStateId = 245,
-                        kNamedValueFloatId = 251, kEscInfoId = 290, kEscStatusId = 291,
-                        kSetupSigningId = 256, kProtocolVersionId = 300, kOdometryId = 331,
-                        kComponentInformationBasicId = 396, kComponentMetadataId = 397,
-                        kAvailableModesId = 435, kCurrentModeId = 436,
-                        kFormationReferenceId = 53100;
+constexpr std::uint32_t kSetupSigningId = 256;
 
 }  // namespace flotilla::link::mav

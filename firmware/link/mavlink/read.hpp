@@ -13,8 +13,4 @@ namespace flotilla::link {
 /// for a message that a boat does not read. Values are not validated: their user checks them.
 void read_payload(std::span<const std::uint8_t> payload, std::uint32_t id, Message& out);
 
-/// The addressee of a TIMESYNC, or everybody where an older sender omits its two bytes. The
-/// generated code is older and lacks them too.
-Address timesync_target(std::span<const std::uint8_t> payload);
-
 }  // namespace flotilla::link

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "link/mavlink/signing.hpp"
 
-#include <flotilla/mavlink.h>
+#include <cstdint>
+#include <cstring>
+// After them: it relies on both.
+#define MAVLINK_HELPER static inline
+#include <mavlink_sha256.h>
 
 #include <algorithm>
 
@@ -11,7 +15,6 @@ namespace {
 constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
 constexpr std::uint64_t kMinute = 6'000'000, kDay = 24 * 60 * kMinute;
-constexpr std::size_t kHeaderBytes = 10, kChecksumBytes = 2;
 constexpr std::size_t kTimestampBytes = 6, kDigestBytes = 6;
 
 std::uint64_t read_timestamp(std::span<const std::uint8_t> bytes) {
@@ -74,7 +77,7 @@ Signing::Stream* Signing::find(Address from, std::uint8_t link_id) {
 
 SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
   using enum SignatureVerdict;
-  if (!has_key_ || frame.size() < kHeaderBytes + kChecksumBytes + kSignatureBlockBytes)
+  if (!has_key_ || frame.size() < kHeaderBytes2 + kChecksumBytes + kSignatureBlockBytes)
     return kForged;
   const auto block = frame.last(kSignatureBlockBytes);
   const auto expected = digest(key_, frame.first(frame.size() - kSignatureBlockBytes),

@@ -12,13 +12,12 @@
 #include <cstdint>
 #include <span>
 
-#include "link/mavlink/messages.hpp"
+#include "link/mavlink/address.hpp"
+#include "link/mavlink/frame.hpp"
 
 namespace flotilla::link {
 
 using SigningKey = std::array<std::uint8_t, 32>;
-
-constexpr std::size_t kSignatureBlockBytes = 13;  ///< link id, timestamp, signature
 
 /// The timestamp of a time in µs since 1970; saturates.
 std::uint64_t signing_time(std::int64_t unix_us);

@@ -9,11 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <span>
 #include <vector>
 
-#include "link/mavlink/crc.hpp"
-#include "link/mavlink/messages.hpp"
+#include "link/mavlink/frame.hpp"
 
 namespace flotilla::fleet {
 
@@ -33,30 +31,16 @@ class FrameWriter {
     static_assert(std::endian::native == std::endian::little);
     constexpr std::size_t kPayload = (sizeof(Fields) + ...);
     static_assert(kPayload <= 255);
-    std::array<std::uint8_t, kHeader + kPayload + kChecksum> frame;
-    std::uint8_t* at = frame.data() + kHeader;
+    std::array<std::uint8_t, kPayload> payload;
+    std::uint8_t* at = payload.data();
     ((std::memcpy(at, &fields, sizeof fields), at += sizeof fields), ...);
-    std::size_t length = kPayload;
-    while (length > 1 && frame[kHeader + length - 1] == 0) --length;
-    const std::array<std::uint8_t, kHeader> header{0xFD,
-                                                   static_cast<std::uint8_t>(length),
-                                                   0,
-                                                   0,
-                                                   sequence_++,
-                                                   self_.system,
-                                                   self_.component,
-                                                   static_cast<std::uint8_t>(type.id),
-                                                   static_cast<std::uint8_t>(type.id >> 8U),
-                                                   static_cast<std::uint8_t>(type.id >> 16U)};
-    std::memcpy(frame.data(), header.data(), kHeader);
-    const std::span covered(frame.data() + 1, kHeader - 1 + length);
-    const std::uint16_t crc = link::mavlink_crc(covered, type.crc_extra);
-    std::memcpy(frame.data() + kHeader + length, &crc, kChecksum);
-    out.insert(out.end(), frame.data(), frame.data() + kHeader + length + kChecksum);
+    std::array<std::uint8_t, link::kHeaderBytes2 + kPayload + link::kChecksumBytes> frame;
+    const std::size_t length =
+        link::write_frame({type.id, type.crc_extra, self_, sequence_++, false}, payload, frame);
+    out.insert(out.end(), frame.data(), frame.data() + length);
   }
 
  private:
-  static constexpr std::size_t kHeader = 10, kChecksum = 2;
   link::Address self_;
   std::uint8_t sequence_ = 0;
 };

@@ -16,7 +16,6 @@ constexpr MessageType kHeartbeat{0, 50}, kAttitude{30, 39}, kLocalPositionNed{32
     kFollowTarget{144, 127}, kOdometry{331, 91};
 constexpr std::uint8_t kTypeGeneric = 0, kEstimatorGpsIns = 5, kMavlinkVersion = 3;
 constexpr std::uint16_t kUnknownHeading = 65535;
-constexpr std::size_t kHeader = 10, kChecksum = 2, kSignature = 13;
 
 std::int64_t whole_us(double s) { return static_cast<std::int64_t>(std::nearbyint(1e6 * s)); }
 
@@ -170,38 +169,32 @@ void NavigationUnit::follow_target(std::int64_t now_us, const Sensed& s, Out& ou
 // Splits by the frames' length bytes. After bytes that are no frame, lengths are not trusted: any
 // start byte may begin a frame, so garbage hides none behind it.
 void NavigationUnit::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us) {
-  constexpr std::uint8_t kMagic = 0xFD, kSigned = 1;
   const auto next = [&](std::size_t from) {
-    if (from < data.size() && data[from] == kMagic) return from;
+    if (from < data.size() && data[from] == link::kStart2) return from;
     const auto begin = data.begin() + static_cast<std::ptrdiff_t>(std::min(from, data.size()));
-    return static_cast<std::size_t>(std::find(begin, data.end(), kMagic) - data.begin());
+    return static_cast<std::size_t>(std::find(begin, data.end(), link::kStart2) - data.begin());
   };
   std::size_t at = next(0);
   bool clean = at == 0;
-  while (at + kHeader + kChecksum <= data.size()) {
-    const std::uint8_t flags = data[at + 2];
-    const std::size_t end =
-        at + kHeader + data[at + 1] + kChecksum + ((flags & kSigned) != 0 ? kSignature : 0);
-    const bool whole = end <= data.size() && (flags & ~kSigned) == 0;
-    const std::uint32_t id =
-        data[at + 7] | std::uint32_t{data[at + 8]} << 8U | std::uint32_t{data[at + 9]} << 16U;
-    if (whole && id == kTimesync.id && settings_.timesync)
-      take_timesync(data.subspan(at, end - at), now_us);
-    clean = clean && whole && (end == data.size() || data[end] == kMagic);
+  while (const auto header = link::read_header(data.subspan(at))) {
+    const std::size_t end = at + header->frame_bytes();
+    const bool whole = end <= data.size() && header->is_known();
+    if (whole && header->id == kTimesync.id && settings_.timesync)
+      take_timesync(data.subspan(at, end - at), *header, now_us);
+    clean = clean && whole && (end == data.size() || data[end] == link::kStart2);
     at = next(clean ? end : at + 1);
   }
 }
 
-void NavigationUnit::take_timesync(std::span<const std::uint8_t> frame, std::int64_t now_us) {
-  const std::size_t length = frame[1];
-  const auto covered = frame.subspan(1, kHeader - 1 + length);
-  const std::uint16_t crc = link::mavlink_crc(covered, kTimesync.crc_extra);
-  if (frame[kHeader + length] != (crc & 0xFFU) || frame[kHeader + length + 1] != crc >> 8U) return;
+void NavigationUnit::take_timesync(std::span<const std::uint8_t> frame,
+                                   const link::FrameHeader& header, std::int64_t now_us) {
+  if (!link::checksum_is_good(frame, header, kTimesync.crc_extra)) return;
   struct {
     std::int64_t tc1, ts1;
     std::uint8_t system, component;  // the target, 0: all; an extension of upstream
   } asked{};
-  std::memcpy(&asked, frame.data() + kHeader, std::min<std::size_t>(length, 18));
+  std::memcpy(&asked, frame.data() + header.header_bytes,
+              std::min<std::size_t>(header.payload_bytes, 18));
   const bool for_us = (asked.system == 0 || asked.system == self_.system) &&
                       (asked.component == 0 || asked.component == self_.component);
   if (asked.tc1 == 0 && for_us) requests_.push_back({asked.ts1, now_us});

@@ -70,7 +70,8 @@ class NavigationUnit {
   void odometry(std::int64_t now_us, const Sensed& sensed, Out& out);
   void global(std::int64_t now_us, const Sensed& sensed, Out& out);
   void follow_target(std::int64_t now_us, const Sensed& sensed, Out& out);
-  void take_timesync(std::span<const std::uint8_t> frame, std::int64_t now_us);
+  void take_timesync(std::span<const std::uint8_t> frame, const link::FrameHeader& header,
+                     std::int64_t now_us);
 
   link::Address self_;
   UnitSettings settings_;

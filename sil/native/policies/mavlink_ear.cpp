@@ -66,18 +66,18 @@ struct Contents {
 constexpr std::size_t kIds = 512;
 constexpr std::array<Contents, kIds> kContents = [] {
   std::array<Contents, kIds> of{};
-  of[mav::kHeartbeatId].kind = Kind::kBeat;
+  of[link::Heartbeat::kId].kind = Kind::kBeat;
   of[kTimesyncId].kind = Kind::kTimesync;
   of[kCommandAckId].kind = Kind::kAck;
   of[kStatustextId].kind = Kind::kText;
-  of[mav::kAttitudeId] = of[mav::kLocalPositionNedId] = {Kind::kPlace, true, 4, 6};
-  of[mav::kGlobalPositionIntId] = {Kind::kPlace, true};
-  of[mav::kFollowTargetId] = {Kind::kPlace, false, 24, 14};
-  of[mav::kOdometryId] = {Kind::kPlace, false, 8, 13};
-  of[mav::kPositionTargetLocalNedId] = {Kind::kOther, true, 4, 11};
-  of[mav::kNamedValueFloatId] = {Kind::kOther, true, 4, 1};
-  of[mav::kNavControllerOutputId] = {Kind::kOther, false, 0, 5};
-  of[mav::kHomePositionId] = {Kind::kOther, false, 12, 10};
+  of[link::Attitude::kId] = of[link::LocalPositionNed::kId] = {Kind::kPlace, true, 4, 6};
+  of[link::GlobalPositionInt::kId] = {Kind::kPlace, true};
+  of[link::FollowTarget::kId] = {Kind::kPlace, false, 24, 14};
+  of[link::Odometry::kId] = {Kind::kPlace, false, 8, 13};
+  of[link::PositionTargetLocalNed::kId] = {Kind::kOther, true, 4, 11};
+  of[link::NamedValueFloat::kId] = {Kind::kOther, true, 4, 1};
+  of[link::NavControllerOutput::kId] = {Kind::kOther, false, 0, 5};
+  of[link::HomePosition::kId] = {Kind::kOther, false, 12, 10};
   of[kParamValueId] = {Kind::kOther, false, 0, 1};
   return of;
 }();

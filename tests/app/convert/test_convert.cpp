@@ -178,7 +178,7 @@ link::FollowTarget follow_target() {
   m.vel = {2, 0, 0};
   m.acc = {kNaN, kNaN, kNaN};  // unknown, and not used
   const Quaternion q = from_euler(0.1, -0.2, 1.5);
-  for (std::size_t i = 0; i < 4; ++i) m.q[i] = static_cast<float>(q[i]);
+  for (std::size_t i = 0; i < 4; ++i) m.attitude_q[i] = static_cast<float>(q[i]);
   m.rates = {0, 0.1F, 0.4F};
   m.est_capabilities = 1 | 2 | 8;
   return m;
@@ -228,12 +228,12 @@ TEST_CASE("FOLLOW_TARGET with attitude: a whole state, psi's own rate when rolli
 TEST_CASE("FOLLOW_TARGET whose attitude is unknown takes that of ATTITUDE") {
   const HeadingSample attitude{900'000, 1.0, 0.5};
   link::FollowTarget m = follow_target();
-  m.q = {0, 0, 0, 0};
+  m.attitude_q = {0, 0, 0, 0};
   CHECK(is_usable(m));
   CHECK_FALSE(own_heading_of(m));
   m = follow_target();
   m.est_capabilities = 1 | 2;
-  m.q = {kNaN, kNaN, kNaN, kNaN};
+  m.attitude_q = {kNaN, kNaN, kNaN, kNaN};
   CHECK(is_usable(m));
   CHECK_FALSE(own_heading_of(m));
   CHECK(sample_of(m, attitude)->psi_rad == doctest::Approx(1.05));
@@ -254,7 +254,7 @@ TEST_CASE("FOLLOW_TARGET without position, velocity or a fix, or with absurd num
   for (const float bad : {kNaN, HUGE_VALF, -HUGE_VALF, 1e30F}) {
     for (std::size_t i = 0; i < 4; ++i) {
       CAPTURE(i);
-      CHECK(refused([&](auto& m) { m.q[i] = bad; }));
+      CHECK(refused([&](auto& m) { m.attitude_q[i] = bad; }));
       if (i == 3) continue;
       CHECK(refused([&](auto& m) { m.vel[i] = bad; }));
       CHECK(refused([&](auto& m) { m.rates[i] = bad; }));

@@ -12,8 +12,12 @@ namespace {
 
 constexpr double kLsb_m = 1.0 / 1024;
 
-link::ReferenceMotion some_motion() {
-  return {487'000'000, 22'950'000, 5 * 1024, -7 * 1024, 8192, {512, 10, 1024}, {100, -20, 300}, 33};
+link::FormationReference some_motion() {
+  link::FormationReference m{};
+  m.latitude = 487'000'000, m.longitude = 22'950'000;
+  m.north = 5 * 1024, m.east = -7 * 1024, m.heading = 8192;
+  m.nu = {512, 10, 1024}, m.nu_dot = {100, -20, 300}, m.r_ddot = 33;
+  return m;
 }
 
 TEST_CASE_TEMPLATE("a root's motion comes back as it was told, to the last part of each unit", S,
@@ -27,17 +31,13 @@ TEST_CASE_TEMPLATE("a root's motion comes back as it was told, to the last part 
   core::take_overflow<S>();
   for (int k = 0; k < 2000; ++k) {
     const auto far = [&] { return std::uniform_int_distribution(-1'000'000, 1'000'000)(random); };
-    const link::ReferenceMotion told{487'000'000,
-                                     22'950'000,
-                                     far(),
-                                     far(),
-                                     any(25'735),
-                                     {any(32'766), any(32'766), any(32'766)},
-                                     {any(32'766), any(32'766), any(32'766)},
-                                     any(32'766)};
+    link::FormationReference told = some_motion();
+    told.north = far(), told.east = far(), told.heading = any(25'735);
+    told.nu = {any(32'766), any(32'766), any(32'766)};
+    told.nu_dot = {any(32'766), any(32'766), any(32'766)}, told.r_ddot = any(32'766);
     const auto root = root_state_of<S>(told, 0);
     REQUIRE(root);
-    const auto again = reference_motion_of(*root);
+    const auto again = reference_of(*root);
     REQUIRE(again);
     CHECK(again->north == told.north);
     CHECK(again->east == told.east);
@@ -68,7 +68,7 @@ TEST_CASE("units are those of the message's definition") {
 TEST_CASE("a place is told to half a thousandth of a metre") {
   for (double north_m = -3; north_m < 3; north_m += 0.0037) {
     RootState<double> root{{north_m, 0, {487'000'000, 22'950'000, 0, 0}}, {}};
-    const auto told = reference_motion_of(root);
+    const auto told = reference_of(root);
     REQUIRE(told);
     CHECK(std::abs(told->north * kLsb_m - north_m) <= 0.51 * kLsb_m);
   }
@@ -76,7 +76,7 @@ TEST_CASE("a place is told to half a thousandth of a metre") {
 
 TEST_CASE("where no vessel can be is no reference") {
   const auto refused = [](auto change) {
-    link::ReferenceMotion m = some_motion();
+    link::FormationReference m = some_motion();
     change(m);
     return !root_state_of<double>(m, 0).has_value();
   };
@@ -95,7 +95,7 @@ TEST_CASE_TEMPLATE("a motion beyond the message's numbers is not told, and overf
   core::take_overflow<S>();
   const auto told = [](core::Nu<S> nu, core::Nu<S> nu_dot) {
     const RootState<S> root{{0, 0, {487'000'000, 22'950'000, 0, 0}}, {S(0), nu, nu_dot, S(0)}};
-    return reference_motion_of(root).has_value();
+    return reference_of(root).has_value();
   };
   CHECK(told({S(31), S(-31), S(7)}, {S(-31), S(31), S(31)}));
   CHECK_FALSE(told({S(33), S(0), S(0)}, {}));

@@ -33,23 +33,23 @@ std::optional<link::EscStatus> esc(float voltage, float current) {
 
 TEST_CASE("the battery has the lower of two voltages and gives both currents") {
   const auto battery = battery_of(esc(12.6F, 3), esc(12.4F, 4.5F));
-  CHECK(battery.voltage_mV == 12'400);
-  CHECK(battery.current_cA == 750);
+  CHECK(battery.voltages[0] == 12'400);
+  CHECK(battery.current_battery == 750);
   const auto one = battery_of(std::nullopt, esc(11.1F, 2));
-  CHECK(one.voltage_mV == 11'100);
-  CHECK(one.current_cA == -1);  // half of it would be no figure
+  CHECK(one.voltages[0] == 11'100);
+  CHECK(one.current_battery == -1);  // half of it would be no figure
   const auto none = battery_of(std::nullopt, std::nullopt);
-  CHECK(none.voltage_mV == UINT16_MAX);
-  CHECK(none.current_cA == -1);
+  CHECK(none.voltages[0] == UINT16_MAX);
+  CHECK(none.current_battery == -1);
 }
 
 TEST_CASE("what no battery has is unknown: NaN, infinity, negative volts, a flow into it") {
   for (const float volts : {NAN, INFINITY, -INFINITY, -0.1F, 66.0F, 1e38F}) {
-    CHECK(battery_of(esc(volts, 1), std::nullopt).voltage_mV == UINT16_MAX);
-    CHECK(battery_of(esc(volts, 1), esc(12, 1)).voltage_mV == 12'000);
+    CHECK(battery_of(esc(volts, 1), std::nullopt).voltages[0] == UINT16_MAX);
+    CHECK(battery_of(esc(volts, 1), esc(12, 1)).voltages[0] == 12'000);
   }
   for (const float amperes : {NAN, INFINITY, -INFINITY, 1e38F, -1e38F, -1.0F}) {
-    CHECK(battery_of(esc(12, amperes), std::nullopt).current_cA == -1);
+    CHECK(battery_of(esc(12, amperes), std::nullopt).current_battery == -1);
   }
   // never the numbers that mean unknown, or a negative one, by rounding
   constexpr std::uint32_t kSeed = 3;
@@ -60,10 +60,10 @@ TEST_CASE("what no battery has is unknown: NaN, infinity, negative volts, a flow
     const float a0 = any_float(random), a1 = any_float(random);
     const auto out = battery_of(esc(v0, a0), esc(v1, a1));
     const auto volts_known = [](float v) { return v >= 0 && v < 65.5F; };
-    REQUIRE((out.voltage_mV == UINT16_MAX) == !(volts_known(v0) || volts_known(v1)));
-    if (out.voltage_mV != UINT16_MAX) REQUIRE(out.voltage_mV <= 65'500);
-    REQUIRE(out.current_cA >= -1);
-    REQUIRE(out.current_cA <= 30'000);
+    REQUIRE((out.voltages[0] == UINT16_MAX) == !(volts_known(v0) || volts_known(v1)));
+    if (out.voltages[0] != UINT16_MAX) REQUIRE(out.voltages[0] <= 65'500);
+    REQUIRE(out.current_battery >= -1);
+    REQUIRE(out.current_battery <= 30'000);
   }
 }
 

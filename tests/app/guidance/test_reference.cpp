@@ -209,13 +209,12 @@ struct Follower {
     const convert::RootState<double> root{
         {Circle::north(us), Circle::east(us), kOrigin},
         {core::wrap_pi(Circle::psi(us)), {Circle::kU, 0, Circle::kR}, {}, 0}};
-    link::FormationReference m{};
+    link::FormationReference m = *convert::reference_of(root);
     m.time_boot_ms = static_cast<std::uint32_t>(us / 1000);
     m.sequence = sequence;
     m.root = kRoot;
     m.maker = 1;
     m.flags = link::mav::kReferenceFollowed;
-    m.motion = *convert::reference_motion_of(root);
     m.path[0] = kRoot;
     return m;
   }
@@ -296,7 +295,7 @@ TEST_CASE("what is too old when it comes is refused, and so is a root where none
   f.hear(old, 2'060'000, 9);
   CHECK(f.refused() == 1);
   auto nowhere = Follower::reference(2'050'000, ++f.sequence);
-  nowhere.motion.latitude = nowhere.motion.longitude = 0;
+  nowhere.latitude = nowhere.longitude = 0;
   f.hear(nowhere, 2'060'000);
   CHECK(f.boat.counters.mavlink_bad_value == 1);
   CHECK(f.news() == news);
@@ -309,7 +308,7 @@ TEST_CASE("a root that jumps is not followed until it has been there for a secon
     const std::uint32_t news = f.news();
     for (std::int64_t us = 3 * kSecond_us; us < 3'900'000; us += 100'000) {
       auto m = Follower::reference(us, ++f.sequence);
-      m.motion.east += 20 * 1024;
+      m.east += 20 * 1024;
       f.hear(m, us, liar);
     }
     CHECK(f.news() == news);
@@ -317,7 +316,7 @@ TEST_CASE("a root that jumps is not followed until it has been there for a secon
     CHECK(off_m(f.boat, 3'900'000) < 0.02);
     for (std::int64_t us = 3'900'000; us < 4'400'000; us += 100'000) {
       auto m = Follower::reference(us, ++f.sequence);
-      m.motion.east += 20 * 1024;
+      m.east += 20 * 1024;
       f.hear(m, us, liar);
     }
     CHECK(f.news() > news);
@@ -328,10 +327,10 @@ TEST_CASE("what is refused is not handed on") {
   Follower f;
   f.hear_until(kSecond_us, 3 * kSecond_us);
   auto jump = Follower::reference(3 * kSecond_us, ++f.sequence);
-  const auto good = f.boat.tell(3 * kSecond_us)->motion.north;
-  jump.motion.north += 50 * 1024;
+  const auto good = f.boat.tell(3 * kSecond_us)->north;
+  jump.north += 50 * 1024;
   f.hear(jump, 3 * kSecond_us);
-  CHECK(f.boat.tell(3 * kSecond_us)->motion.north == good);
+  CHECK(f.boat.tell(3 * kSecond_us)->north == good);
 }
 
 TEST_CASE("a root whose plane begins elsewhere is not followed at once either") {
@@ -339,7 +338,7 @@ TEST_CASE("a root whose plane begins elsewhere is not followed at once either") 
   f.hear_until(kSecond_us, 3 * kSecond_us);
   const std::uint32_t news = f.news();
   auto m = Follower::reference(3 * kSecond_us, ++f.sequence);
-  m.motion.latitude += 100'000;
+  m.latitude += 100'000;
   f.hear(m, 3 * kSecond_us);
   CHECK(f.news() == news);
   CHECK(f.refused() == 1);
@@ -349,7 +348,7 @@ TEST_CASE("a root that is too far away is not followed") {
   Follower f;
   for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += 100'000) {
     auto m = Follower::reference(us, ++f.sequence);
-    m.motion.north += 6000 * 1024;
+    m.north += 6000 * 1024;
     f.hear(m, us);
   }
   CHECK_FALSE(f.boat.aim(2 * kSecond_us));

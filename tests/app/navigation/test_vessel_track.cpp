@@ -307,7 +307,7 @@ link::FollowTarget follow_target_at(std::int64_t us, double east_m) {
   m.timestamp = static_cast<std::uint64_t>(us / 1000);
   m.lat = at.latitude, m.lon = at.longitude;
   m.vel = {2, 0, 0};
-  m.q = {1, 0, 0, 0};
+  m.attitude_q = {1, 0, 0, 0};
   m.est_capabilities = 1 | 2 | 8;
   return m;
 }

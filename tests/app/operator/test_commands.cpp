@@ -111,7 +111,7 @@ TEST_CASE("a message is asked for by its number, directly or by the older comman
     REQUIRE(asked.reads_only());
     const Asked interval = meaning(mav::kCmdGetMessageInterval, static_cast<float>(id), NAN);
     REQUIRE(interval.message);
-    REQUIRE(interval.message->id == mav::kMessageIntervalId);
+    REQUIRE(interval.message->id == link::MessageInterval::kId);
     REQUIRE(interval.message->index == id);
   }
   CHECK(meaning(mav::kCmdRequestMessage, 435, 2).message->index == 2);

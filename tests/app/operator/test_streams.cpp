@@ -46,24 +46,25 @@ std::int64_t sent(Streams& streams, std::size_t stream, std::size_t link, std::i
 }
 
 TEST_CASE("a link nobody has asked for anything hears the defaults") {
-  const std::map<std::uint16_t, std::int32_t> kDefaults{{mav::kAttitudeId, 100'000},
-                                                        {mav::kLocalPositionNedId, 100'000},
-                                                        {mav::kFormationReferenceId, 100'000},
-                                                        {mav::kFollowTargetId, -1},
-                                                        {mav::kGpsGlobalOriginId, 1'000'000},
-                                                        {mav::kGlobalPositionIntId, 500'000},
-                                                        {mav::kSysStatusId, 1'000'000},
-                                                        {mav::kSystemTimeId, 1'000'000},
-                                                        {mav::kCurrentModeId, 2'000'000},
-                                                        {mav::kHomePositionId, 2'000'000},
-                                                        {mav::kNavControllerOutputId, 1'000'000},
-                                                        {mav::kPositionTargetLocalNedId, 1'000'000},
-                                                        {mav::kEscStatusId, 1'000'000},
-                                                        {mav::kEscInfoId, 5'000'000},
-                                                        {mav::kBatteryStatusId, 5'000'000},
-                                                        {mav::kNamedValueFloatId, 1'000'000},
-                                                        {mav::kExtendedSysStateId, -1},
-                                                        {mav::kHeartbeatId, 1'000'000}};
+  const std::map<std::uint16_t, std::int32_t> kDefaults{
+      {link::Attitude::kId, 100'000},
+      {link::LocalPositionNed::kId, 100'000},
+      {link::FormationReference::kId, 100'000},
+      {link::FollowTarget::kId, -1},
+      {link::GpsGlobalOrigin::kId, 1'000'000},
+      {link::GlobalPositionInt::kId, 500'000},
+      {link::SysStatus::kId, 1'000'000},
+      {link::SystemTime::kId, 1'000'000},
+      {link::CurrentMode::kId, 2'000'000},
+      {link::HomePosition::kId, 2'000'000},
+      {link::NavControllerOutput::kId, 1'000'000},
+      {link::PositionTargetLocalNed::kId, 1'000'000},
+      {link::MavEscStatus::kId, 1'000'000},
+      {link::MavEscInfo::kId, 5'000'000},
+      {link::BatteryStatus::kId, 5'000'000},
+      {link::NamedValueFloat::kId, 1'000'000},
+      {link::ExtendedSysState::kId, -1},
+      {link::Heartbeat::kId, 1'000'000}};
   RoomyStreams streams(Parameters{}, false, kTick_us);
   for (std::size_t link = 0; link < kLinks; ++link) {
     for (unsigned id = 0; id <= UINT16_MAX; ++id) {
@@ -83,9 +84,9 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
   RoomyStreams streams(Parameters{}, true, kTick_us);
   for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
     const std::uint16_t id = kStreams[stream].id;
-    const bool may = id == mav::kCurrentModeId || id == mav::kEscStatusId ||
-                     id == mav::kEscInfoId || id == mav::kNamedValueFloatId ||
-                     id == mav::kFormationReferenceId;
+    const bool may = id == link::CurrentMode::kId || id == link::MavEscStatus::kId ||
+                     id == link::MavEscInfo::kId || id == link::NamedValueFloat::kId ||
+                     id == link::FormationReference::kId;
     CAPTURE(id);
     CHECK(is_companions(id) == may);
     CHECK((streams.interval_us(0, id) != 0) == may);
@@ -93,8 +94,8 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
     CHECK(streams.set(1, id, kSecond_us, 0) == may);
     CHECK((sent(streams, stream, 1, 0, 10 * kSecond_us) > 0) == may);
   }
-  CHECK_FALSE(is_companions(mav::kOdometryId));
-  CHECK(is_companions(mav::kAvailableModesId));
+  CHECK_FALSE(is_companions(link::Odometry::kId));
+  CHECK(is_companions(link::AvailableModes::kId));
 }
 
 TEST_CASE("an interval is each link's own: −1 none, 0 the default, else as asked") {
@@ -121,8 +122,8 @@ TEST_CASE("there is no stream of ODOMETRY, of HEARTBEAT, or of what nobody strea
     for (const StreamInfo& info : kStreams) is_stream = is_stream || info.id == id;
     REQUIRE(streams.set(0, static_cast<std::uint16_t>(id), kSecond_us, 0) == is_stream);
   }
-  CHECK(streams.interval_us(0, mav::kHeartbeatId) == 1'000'000);
-  CHECK(streams.interval_us(0, mav::kOdometryId) == 0);
+  CHECK(streams.interval_us(0, link::Heartbeat::kId) == 1'000'000);
+  CHECK(streams.interval_us(0, link::Odometry::kId) == 0);
 }
 
 TEST_CASE("faster than the tick or than the link carries becomes the fastest that it can") {
@@ -162,9 +163,9 @@ TEST_CASE("whatever the tick, as many leave as the interval says, and never two 
     const std::int64_t tick_us = any(1000, 20'000);
     const std::int64_t interval_us = tick_us + any(0, 500'000);
     RoomyStreams streams(Parameters{}, false, tick_us);
-    REQUIRE(streams.set(2, mav::kAttitudeId, interval_us, 0));
+    REQUIRE(streams.set(2, link::Attitude::kId, interval_us, 0));
     const auto count =
-        sent(streams, index_of(mav::kAttitudeId), 2, any(0, 1000), 30 * kSecond_us, tick_us);
+        sent(streams, index_of(link::Attitude::kId), 2, any(0, 1000), 30 * kSecond_us, tick_us);
     CAPTURE(tick_us);
     CAPTURE(interval_us);
     CHECK(std::abs(double(count) - 30e6 / double(interval_us)) < 2);  // the first, half a tick
@@ -174,25 +175,25 @@ TEST_CASE("whatever the tick, as many leave as the interval says, and never two 
 TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a client chose") {
   Parameters p;
   RoomyStreams streams(p, false, kTick_us);
-  REQUIRE(streams.set(1, mav::kAttitudeId, 40'000, 0));
-  REQUIRE(streams.set(1, mav::kEscStatusId, -1, 0));
+  REQUIRE(streams.set(1, link::Attitude::kId, 40'000, 0));
+  REQUIRE(streams.set(1, link::MavEscStatus::kId, -1, 0));
   p.SR_STATE = 50;
   p.SR_SLOW = 4;
   streams.configure(p);
-  CHECK(streams.interval_us(0, mav::kAttitudeId) == 20'000);
-  CHECK(streams.interval_us(0, mav::kLocalPositionNedId) == 20'000);
-  CHECK(streams.interval_us(0, mav::kEscStatusId) == 250'000);
-  CHECK(streams.interval_us(0, mav::kNamedValueFloatId) == 250'000);
-  CHECK(streams.interval_us(0, mav::kSysStatusId) == 1'000'000);
-  CHECK(streams.interval_us(0, mav::kFollowTargetId) == -1);
-  CHECK(streams.interval_us(1, mav::kAttitudeId) == 40'000);
-  CHECK(streams.interval_us(1, mav::kEscStatusId) == -1);
-  CHECK(sent(streams, index_of(mav::kAttitudeId), 0, 0, kSecond_us) == 50);
+  CHECK(streams.interval_us(0, link::Attitude::kId) == 20'000);
+  CHECK(streams.interval_us(0, link::LocalPositionNed::kId) == 20'000);
+  CHECK(streams.interval_us(0, link::MavEscStatus::kId) == 250'000);
+  CHECK(streams.interval_us(0, link::NamedValueFloat::kId) == 250'000);
+  CHECK(streams.interval_us(0, link::SysStatus::kId) == 1'000'000);
+  CHECK(streams.interval_us(0, link::FollowTarget::kId) == -1);
+  CHECK(streams.interval_us(1, link::Attitude::kId) == 40'000);
+  CHECK(streams.interval_us(1, link::MavEscStatus::kId) == -1);
+  CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 50);
   p.SR_STATE = p.SR_SLOW = 0;
   streams.configure(p);
-  CHECK(streams.interval_us(0, mav::kAttitudeId) == -1);
-  CHECK(streams.interval_us(0, mav::kEscStatusId) == -1);
-  CHECK(sent(streams, index_of(mav::kAttitudeId), 0, 0, kSecond_us) == 0);
+  CHECK(streams.interval_us(0, link::Attitude::kId) == -1);
+  CHECK(streams.interval_us(0, link::MavEscStatus::kId) == -1);
+  CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 0);
 }
 
 TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW does") {
@@ -220,7 +221,7 @@ TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW
 
 TEST_CASE("parameters set to what they are shift no stream's grid") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
-  const std::size_t battery = index_of(mav::kBatteryStatusId);
+  const std::size_t battery = index_of(link::BatteryStatus::kId);
   CHECK(sent(streams, battery, 0, 0, kTick_us) == 1);
   for (std::int64_t now = kTick_us; now < 5 * kSecond_us - kTick_us; now += kTick_us) {
     streams.configure(Parameters{});
@@ -233,7 +234,7 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
     Parameters p;
     p.SR_SLOW = rate_Hz;
     RoomyStreams streams(p, false, kTick_us);
-    const double told_us = streams.interval_us(0, mav::kEscStatusId);
+    const double told_us = streams.interval_us(0, link::MavEscStatus::kId);
     CAPTURE(rate_Hz);
     CHECK((told_us == -1 || told_us >= std::min(0.99e6 / double{rate_Hz}, double{INT32_MAX})));
   }
@@ -241,10 +242,10 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
 
 TEST_CASE("that which is hurried leaves at once on every link that has it, and on its grid again") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
-  const std::size_t mode = index_of(mav::kCurrentModeId);
-  REQUIRE(streams.set(3, mav::kCurrentModeId, -1, 0));
+  const std::size_t mode = index_of(link::CurrentMode::kId);
+  REQUIRE(streams.set(3, link::CurrentMode::kId, -1, 0));
   for (std::size_t link = 0; link < kLinks; ++link) sent(streams, mode, link, 0, kSecond_us);
-  streams.hurry(mav::kCurrentModeId);
+  streams.hurry(link::CurrentMode::kId);
   for (std::size_t link = 0; link < 3; ++link) {
     CHECK(streams.schedule(mode, link).due(kSecond_us));
     CHECK_FALSE(streams.schedule(mode, link).due(kSecond_us + kTick_us));
@@ -270,7 +271,7 @@ struct Rates {
 };
 
 TEST_CASE("a radio whose buffer fills slows its link's telemetry down to a twentieth, and back") {
-  constexpr std::uint16_t kSlow = mav::kEscStatusId;
+  constexpr std::uint16_t kSlow = link::MavEscStatus::kId;
   Rates rates;
   for (const std::size_t link : {0U, 1U}) REQUIRE(rates.streams.set(link, kSlow, 100'000, 0));
   CHECK(rates.of(kSlow, 1) == doctest::Approx(1).epsilon(0.01));
@@ -300,8 +301,8 @@ TEST_CASE("a radio whose buffer fills slows its link's telemetry down to a twent
 TEST_CASE("however full a radio, followers hear the state twice a second, or as rarely as asked") {
   Rates rates;
   for (int k = 0; k < 40; ++k) rates.hear(0);
-  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
-  for (const std::uint16_t id : {mav::kAttitudeId, mav::kLocalPositionNedId}) {
+  CHECK(rates.of(link::SysStatus::kId, 1) == doctest::Approx(0.005).epsilon(0.02));
+  for (const std::uint16_t id : {link::Attitude::kId, link::LocalPositionNed::kId}) {
     CHECK(rates.of(id, 1) == doctest::Approx(0.2).epsilon(0.02));
     CHECK(rates.of(id, 0) == doctest::Approx(1).epsilon(0.02));
     REQUIRE(rates.streams.set(1, id, 20'000, 0));
@@ -320,18 +321,18 @@ TEST_CASE("a radio that says nothing for more than five seconds has no complaint
   for (int k = 0; k < 40; ++k) rates.hear(0);
   rates.hear(40, 2);  // neither full nor empty
   rates.streams.forget_silent_radios(rates.now_us + 5 * kSecond_us);
-  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
+  CHECK(rates.of(link::SysStatus::kId, 1) == doctest::Approx(0.005).epsilon(0.02));
   rates.hear(40);  // as full as before
   const std::int64_t heard_us = rates.now_us;
   rates.streams.forget_silent_radios(heard_us + 5 * kSecond_us);
   rates.streams.radio_has_room(1, 101, heard_us + 4 * kSecond_us);  // no percentage: not heard
-  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.005).epsilon(0.02));
+  CHECK(rates.of(link::SysStatus::kId, 1) == doctest::Approx(0.005).epsilon(0.02));
   rates.streams.forget_silent_radios(heard_us + 5 * kSecond_us + 1);
-  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.1).epsilon(0.02));
-  CHECK(rates.of(mav::kAttitudeId, 1) == doctest::Approx(1).epsilon(0.02));
+  CHECK(rates.of(link::SysStatus::kId, 1) == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(rates.of(link::Attitude::kId, 1) == doctest::Approx(1).epsilon(0.02));
   rates.hear(0);
-  CHECK(rates.of(mav::kSysStatusId, 1) == doctest::Approx(0.08).epsilon(0.02));
-  CHECK(rates.of(mav::kSysStatusId, 2) == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(rates.of(link::SysStatus::kId, 1) == doctest::Approx(0.08).epsilon(0.02));
+  CHECK(rates.of(link::SysStatus::kId, 2) == doctest::Approx(0.1).epsilon(0.02));
 }
 
 TEST_CASE("a link is quiet while no stream but the state's waits, whatever was changed between") {

@@ -102,7 +102,7 @@ TEST_CASE("all that is streamed or asked for is told while everything is known, 
     CAPTURE(id);
     const auto messages = all(id, full());
     // These two are the vehicle's own to say.
-    const bool elsewhere = id == mav::kHeartbeatId || id == mav::kMessageIntervalId;
+    const bool elsewhere = id == link::Heartbeat::kId || id == link::MessageInterval::kId;
     CHECK(messages.empty() == elsewhere);
     for (const link::Message& m : messages) CHECK(id_on_the_wire(m) == id);
   }
@@ -153,23 +153,24 @@ TEST_CASE("what tells the own state is silent without it, what needs the globe w
   Report blind = full(), lost = full();
   blind.own.reset();
   lost.own->located = false;
-  for (const std::uint16_t id : {mav::kAttitudeId, mav::kLocalPositionNedId, mav::kOdometryId,
-                                 mav::kNavControllerOutputId, mav::kPositionTargetLocalNedId}) {
+  for (const std::uint16_t id :
+       {link::Attitude::kId, link::LocalPositionNed::kId, link::Odometry::kId,
+        link::NavControllerOutput::kId, link::PositionTargetLocalNed::kId}) {
     CHECK(all(id, blind).empty());
     CHECK(all(id, lost).size() == 1);
   }
   for (const std::uint16_t id :
-       {mav::kGlobalPositionIntId, mav::kFollowTargetId, mav::kGpsGlobalOriginId}) {
+       {link::GlobalPositionInt::kId, link::FollowTarget::kId, link::GpsGlobalOrigin::kId}) {
     CHECK(all(id, blind).empty());
     CHECK(all(id, lost).empty());
   }
   Report alone = full();
   alone.formation.reset();
-  CHECK(all(mav::kNavControllerOutputId, alone).empty());
-  CHECK(all(mav::kPositionTargetLocalNedId, alone).empty());
+  CHECK(all(link::NavControllerOutput::kId, alone).empty());
+  CHECK(all(link::PositionTargetLocalNed::kId, alone).empty());
   Report new_here = full();
   new_here.home.reset();
-  CHECK(all(mav::kHomePositionId, new_here).empty());
+  CHECK(all(link::HomePosition::kId, new_here).empty());
 }
 
 TEST_CASE(
@@ -177,9 +178,9 @@ TEST_CASE(
   Report r = full();
   r.own->located = false;
   r.own->adrift = true;
-  CHECK(all(mav::kLocalPositionNedId, r).empty());
-  CHECK(all(mav::kGlobalPositionIntId, r).empty());
-  CHECK(all(mav::kAttitudeId, r).size() == 1);
+  CHECK(all(link::LocalPositionNed::kId, r).empty());
+  CHECK(all(link::GlobalPositionInt::kId, r).empty());
+  CHECK(all(link::Attitude::kId, r).size() == 1);
 }
 
 TEST_CASE("whether there is such a message at all does not depend on what is known") {
@@ -191,7 +192,7 @@ TEST_CASE("whether there is such a message at all does not depend on what is kno
 }
 
 TEST_CASE("modes are listed from 1 on, each once, MANUAL, HOLD and FOLLOW") {
-  const auto modes = all_as<link::AvailableModes>(mav::kAvailableModesId, full());
+  const auto modes = all_as<link::AvailableModes>(link::AvailableModes::kId, full());
   REQUIRE(modes.size() == 3);
   const std::array<std::uint32_t, 3> numbers{0, 4, 6};
   const std::array<std::string, 3> names{"MANUAL", "HOLD", "FOLLOW"};
@@ -216,8 +217,8 @@ TEST_CASE("both propellers' ESCs are where their indices say, in one group of fo
       b.rpm = -2000, b.voltage = 11, b.current = 4, b.error_count = 6, b.temperature = 310;
       r.escs = {EscReport{port, a}, EscReport{stbd, b}};
       const bool together = port / 4 == stbd / 4;
-      const auto status = all_as<link::MavEscStatus>(mav::kEscStatusId, r);
-      const auto info = all_as<link::MavEscInfo>(mav::kEscInfoId, r);
+      const auto status = all_as<link::MavEscStatus>(link::MavEscStatus::kId, r);
+      const auto info = all_as<link::MavEscInfo>(link::MavEscInfo::kId, r);
       REQUIRE(status.size() == (together ? 1 : 2));
       REQUIRE(info.size() == status.size());
       CHECK(status[0].index == port / 4 * 4);
@@ -250,19 +251,19 @@ TEST_CASE("both propellers' ESCs are where their indices say, in one group of fo
 TEST_CASE("an ESC that is not heard is offline and has no numbers") {
   Report r = full();
   r.escs[1].status.reset();
-  const auto info = all_as<link::MavEscInfo>(mav::kEscInfoId, r);
+  const auto info = all_as<link::MavEscInfo>(link::MavEscInfo::kId, r);
   REQUIRE(info.size() == 1);
   CHECK(info[0].info == 1);
   CHECK(info[0].temperature[1] == INT16_MAX);
   r.escs[0].status.reset();
-  CHECK(all_as<link::MavEscInfo>(mav::kEscInfoId, r)[0].info == 0);
-  CHECK(all_as<link::SysStatus>(mav::kSysStatusId, r)[0].voltage_battery == UINT16_MAX);
+  CHECK(all_as<link::MavEscInfo>(link::MavEscInfo::kId, r)[0].info == 0);
+  CHECK(all_as<link::SysStatus>(link::SysStatus::kId, r)[0].voltage_battery == UINT16_MAX);
 }
 
 TEST_CASE("named values are those that are known, each once, all by names of up to ten letters") {
   const auto names = [](const Report& r) {
     std::string out;
-    for (const auto& v : all_as<link::NamedValueFloat>(mav::kNamedValueFloatId, r)) {
+    for (const auto& v : all_as<link::NamedValueFloat>(link::NamedValueFloat::kId, r)) {
       CHECK(v.time_boot_ms == 12'345);
       out += std::string(v.name.data(), ::strnlen(v.name.data(), v.name.size())) + " ";
     }
@@ -273,7 +274,7 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
         "E_X E_Y E_PSI IN_SLOT U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N "
         "CUR_N CUR_E "
         "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
-  const auto values = all_as<link::NamedValueFloat>(mav::kNamedValueFloatId, r);
+  const auto values = all_as<link::NamedValueFloat>(link::NamedValueFloat::kId, r);
   const std::array expected{1.0F,        2.0F, 0.1F,  1.0F,  1.0F,   0.2F, 0.5F,  0.25F,
                             0.1F,        0.2F, 0.3F,  -1.5F, 0.75F,  0.1F, -0.2F, 100.0F,
                             16777215.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
@@ -296,7 +297,7 @@ TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whateve
       Report r = full();
       r.conditions = core::kAllConditions & ~(1U << one | 1U << other);
       const auto has = [&](core::Conditions all) { return (r.conditions & all) == all; };
-      const auto s = all_as<link::SysStatus>(mav::kSysStatusId, r)[0];
+      const auto s = all_as<link::SysStatus>(link::SysStatus::kId, r)[0];
       REQUIRE((s.sensors_health & kSensors) == (has(core::kOwn) ? kSensors : 0));
       REQUIRE((s.sensors_health & kMotors) == (has(core::kPropulsion) ? kMotors : 0));
       REQUIRE(((s.sensors_health & mav::kSensorPrearm) != 0) == has(core::kArming));
@@ -309,7 +310,7 @@ TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whateve
 
 TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they are") {
   const auto status_of = [](const Report& r, std::uint32_t bit) {
-    const auto s = all_as<link::SysStatus>(mav::kSysStatusId, r)[0];
+    const auto s = all_as<link::SysStatus>(link::SysStatus::kId, r)[0];
     CHECK((s.sensors_enabled & bit) == (s.sensors_present & bit));
     return std::pair((s.sensors_present & bit) != 0, (s.sensors_health & bit) != 0);
   };
@@ -331,25 +332,25 @@ TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they
 }
 
 TEST_CASE("the boat says what it can, who made it and where its description is") {
-  const auto version = all_as<link::AutopilotVersion>(mav::kAutopilotVersionId, full())[0];
+  const auto version = all_as<link::AutopilotVersion>(link::AutopilotVersion::kId, full())[0];
   CHECK(version.capabilities == (8192 | 8 | 16 | 32));
   CHECK(version.uid != 0);
   Report sister = full();
   sister.self.system = 8;
-  CHECK(all_as<link::AutopilotVersion>(mav::kAutopilotVersionId, sister)[0].uid != version.uid);
-  const auto metadata = all_as<link::ComponentMetadata>(mav::kComponentMetadataId, full())[0];
+  CHECK(all_as<link::AutopilotVersion>(link::AutopilotVersion::kId, sister)[0].uid != version.uid);
+  const auto metadata = all_as<link::ComponentMetadata>(link::ComponentMetadata::kId, full())[0];
   CHECK(std::string(metadata.uri.data()) == "mftp:///general.json");
   CHECK(metadata.file_crc != 0);
-  const auto protocol = all_as<link::ProtocolVersion>(mav::kProtocolVersionId, full())[0];
+  const auto protocol = all_as<link::ProtocolVersion>(link::ProtocolVersion::kId, full())[0];
   CHECK(protocol.version == 200);
-  const auto mode = all_as<link::CurrentMode>(mav::kCurrentModeId, full())[0];
+  const auto mode = all_as<link::CurrentMode>(link::CurrentMode::kId, full())[0];
   CHECK(mode.custom_mode == 6);
-  const auto time = all_as<link::SystemTime>(mav::kSystemTimeId, full())[0];
+  const auto time = all_as<link::SystemTime>(link::SystemTime::kId, full())[0];
   CHECK(time.time_unix_usec == 1'700'000'000'000'000);
   CHECK(time.time_boot_ms == 12'345);
-  const auto origin = all_as<link::GpsGlobalOrigin>(mav::kGpsGlobalOriginId, full())[0];
+  const auto origin = all_as<link::GpsGlobalOrigin>(link::GpsGlobalOrigin::kId, full())[0];
   CHECK(origin.latitude == kOrigin.latitude);
-  const auto home = all_as<link::HomePosition>(mav::kHomePositionId, full())[0];
+  const auto home = all_as<link::HomePosition>(link::HomePosition::kId, full())[0];
   CHECK(home.latitude == 410'000'100);
 }
 

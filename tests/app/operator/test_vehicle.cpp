@@ -220,15 +220,15 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
     return s.result();
   };
   for (const std::uint16_t id :
-       {mav::kAttitudeId, mav::kLocalPositionNedId, mav::kOdometryId, mav::kHomePositionId,
-        mav::kGpsGlobalOriginId, mav::kFormationReferenceId}) {
+       {link::Attitude::kId, link::LocalPositionNed::kId, link::Odometry::kId,
+        link::HomePosition::kId, link::GpsGlobalOrigin::kId, link::FormationReference::kId}) {
     CAPTURE(id);
     CHECK(answer_to(id) == mav::kTemporarilyRejected);
   }
   for (const std::uint16_t id :
        {std::uint16_t{24}, std::uint16_t{147 + 1000}, std::uint16_t{65535}})
     CHECK(answer_to(id) == mav::kUnsupported);
-  s.command(mav::kCmdRequestMessage, mav::kAvailableModesId, 4);
+  s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 4);
   s.tick();
   CHECK(s.result() == mav::kUnsupported);
   CHECK(s.all<link::AvailableModes>().empty());
@@ -333,7 +333,7 @@ TEST_CASE("a disarm behind any flood of requests is answered with the next tick"
       for (auto n = random() % 80; n > 0; --n) {
         switch (random() % 4) {
           case 0:
-            s.command(mav::kCmdRequestMessage, mav::kAutopilotVersionId);
+            s.command(mav::kCmdRequestMessage, link::AutopilotVersion::kId);
             break;
           case 1:
             s.set("LAW_KX", 0.25F + 0.125F * float(random() % 4));
@@ -357,11 +357,11 @@ TEST_CASE("a disarm behind any flood of requests is answered with the next tick"
 TEST_CASE("modes are listed all for 0, and one by one for their index") {
   Ship s;
   s.tick();
-  s.command(mav::kCmdRequestMessage, mav::kAvailableModesId, 0);
+  s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 0);
   s.tick();
   CHECK(s.links.bytes(0).size() > 3 * 20);
   for (const float index : {1.0F, 2.0F, 3.0F}) {
-    s.command(mav::kCmdRequestMessage, mav::kAvailableModesId, index);
+    s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, index);
     s.tick();
     CHECK(s.result() == mav::kAccepted);
     const auto bytes = s.links.bytes(0);
@@ -397,21 +397,21 @@ TEST_CASE("an interval that was accepted is told as it is, however long") {
   Ship s;
   s.tick();
   for (const float us : {1e5F, 1e6F, 6e7F, 1e9F, 2.1e9F, 2.2e9F, 3e9F, 3.6e9F}) {
-    s.command(mav::kCmdSetMessageInterval, mav::kAttitudeId, us);
+    s.command(mav::kCmdSetMessageInterval, link::Attitude::kId, us);
     s.tick();
     if (s.result() != mav::kAccepted) continue;
     CAPTURE(us);
-    CHECK(told_interval(s, mav::kAttitudeId) >= static_cast<double>(std::min(us, 2.14e9F)));
+    CHECK(told_interval(s, link::Attitude::kId) >= static_cast<double>(std::min(us, 2.14e9F)));
   }
-  s.command(mav::kCmdSetMessageInterval, mav::kAttitudeId, -1);
+  s.command(mav::kCmdSetMessageInterval, link::Attitude::kId, -1);
   s.tick();
-  CHECK(told_interval(s, mav::kAttitudeId) == -1);
+  CHECK(told_interval(s, link::Attitude::kId) == -1);
   CHECK(told_interval(s, 24) == 0);
-  s.command(mav::kCmdSetMessageInterval, mav::kHeartbeatId, 1e5F);
+  s.command(mav::kCmdSetMessageInterval, link::Heartbeat::kId, 1e5F);
   s.tick();
   CHECK(s.result() == mav::kDenied);
-  CHECK(told_interval(s, mav::kHeartbeatId) == 1'000'000);
-  for (const std::uint16_t id : {mav::kOdometryId, std::uint16_t{24}}) {
+  CHECK(told_interval(s, link::Heartbeat::kId) == 1'000'000);
+  for (const std::uint16_t id : {link::Odometry::kId, std::uint16_t{24}}) {
     s.command(mav::kCmdSetMessageInterval, id, 1e5F);
     s.tick();
     CHECK(s.result() == mav::kUnsupported);
@@ -422,7 +422,7 @@ TEST_CASE("who asks before the first tick is told the same as later") {
   Ship early, late;
   late.tick();
   for (Ship* s : {&early, &late}) {
-    s->command(mav::kCmdRequestMessage, mav::kAutopilotVersionId);
+    s->command(mav::kCmdRequestMessage, link::AutopilotVersion::kId);
     s->tick();
     CHECK(s->result() == mav::kAccepted);
   }
@@ -525,7 +525,7 @@ TEST_CASE("every state has its heartbeat") {
   for (const State state : kEveryState) {
     Ship s;
     s.bring_to(state);
-    s.command(mav::kCmdRequestMessage, mav::kHeartbeatId);
+    s.command(mav::kCmdRequestMessage, link::Heartbeat::kId);
     s.tick();
     REQUIRE(s.all<link::Heartbeat>().size() >= 1);
     const auto beat_now = s.all<link::Heartbeat>()[0];

@@ -33,11 +33,7 @@ struct Print {
 };
 
 void print_fields(const link::Message& message) {
-  std::visit(
-      []<class M>(const M& m) {
-        if constexpr (!std::is_same_v<M, std::monostate>) each_field(m, Print{});
-      },
-      message);
+  std::visit([](const auto& m) { each_field(m, Print{}); }, message);
   std::printf("\n");
 }
 
