@@ -11,11 +11,11 @@
 
 #include "fuzz/stream.hpp"
 #include "fuzz/watched_boat.hpp"
-#include "linux/config_values.hpp"
-#include "linux/durable_file.hpp"
-#include "linux/node_table.hpp"
-#include "linux/parameter_file.hpp"
-#include "linux/signing_time.hpp"
+#include "linux/config/config_values.hpp"
+#include "linux/files/durable_file.hpp"
+#include "linux/files/node_table.hpp"
+#include "linux/files/parameter_file.hpp"
+#include "linux/files/signing_time.hpp"
 
 namespace flotilla::fuzz {
 namespace {
