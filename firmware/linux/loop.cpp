@@ -66,8 +66,8 @@ FileDescriptor catch_signals() {
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGHUP);  // the terminal has closed
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
+  ::signal(SIGHUP, SIG_IGN);   // the terminal has closed, or somebody wants a reload: we sail on
   ::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may end; we go on
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
@@ -84,7 +84,6 @@ std::filesystem::path prepared(std::filesystem::path file) {
 
 /// The parameters in force: the saved ones, overridden by the configuration.
 app::Parameters in_force(const Config& config, const SavedParameters& saved) {
-  for (const std::string& note : saved.notes()) print_line(note);
   app::Parameters values = saved.values();
   apply(config.param, values);
   if (const auto sentence = app::contradiction(values)) {
@@ -114,6 +113,7 @@ Loop::Loop(const Config& config)
   }
   if (!config.signing_key.empty()) secure();
   node_table_.load(boat_->node_ids());
+  for (const std::string& note : parameters_.notes()) print_line(note);
 }
 
 void Loop::secure() {

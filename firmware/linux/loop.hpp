@@ -27,7 +27,7 @@ class Loop {
   /// Opens everything. Throws std::runtime_error that names the mistake in the configuration.
   explicit Loop(const Config& config);
 
-  /// Ticks until SIGTERM, SIGINT or SIGHUP, stops the propellers, saves; returns the exit status.
+  /// Ticks until SIGTERM or SIGINT, stops the propellers, saves; returns the exit status.
   int run();
 
  private:

@@ -29,7 +29,8 @@ CAN buses:
   mcast:N[:ADDRESS]      DroneCAN over UDP multicast, bus N; stays on this machine without ADDRESS
 
 MAVLink links, each with options behind it:
-  ,rate=BYTES            telemetry keeps to so many bytes per second; 0 or nothing: no limit
+  ,rate=BYTES            telemetry keeps to so many bytes per second; 0: no limit. Without it four
+                         fifths of a serial port's baud rate; elsewhere no limit
   ,signing=POLICY        off: no signatures; accept: signs, takes unsigned messages too; required:
                          takes signed ones only. accept where there is a signing-key, else off
 and these addresses:

@@ -18,8 +18,9 @@
 namespace flotilla::target {
 
 struct MavlinkLinkConfig {
-  std::string address;            ///< in open_mavlink_endpoint()'s format
-  std::uint32_t bytes_per_s = 0;  ///< limit for telemetry; 0: none
+  std::string address;  ///< in open_mavlink_endpoint()'s format
+  std::uint32_t bytes_per_s =
+      0;  ///< limit for telemetry; 0: none (serial lines have one by default)
   std::optional<app::SigningPolicy> signing = std::nullopt;  ///< see Config::policy()
   bool operator==(const MavlinkLinkConfig&) const = default;
 };

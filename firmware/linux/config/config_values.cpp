@@ -31,6 +31,14 @@ void require_scheme(std::string_view address, std::initializer_list<std::string_
                    " (allowed: " + allowed + "…)");
 }
 
+/// Four fifths of what a serial line carries, 8N1: a full line delays all that follows. Else 0.
+std::uint32_t default_rate(std::string_view address) {
+  if (!address.starts_with("serial:")) return 0;
+  constexpr std::uint32_t kBitsPerByte = 10;
+  const auto baud = number<std::uint32_t>(address.substr(address.rfind(':') + 1));
+  return baud.value_or(0) / kBitsPerByte * 4 / 5;
+}
+
 /// Reads one option of a link, with its leading comma.
 void read_link_option(std::string_view option, MavlinkLinkConfig& link) {
   constexpr std::string_view kRate = ",rate=", kSigning = ",signing=";
@@ -58,7 +66,7 @@ std::string can_address(std::string_view address) {
 MavlinkLinkConfig mavlink_link(std::string_view text) {
   const std::string_view address = text.substr(0, text.find(','));
   require_scheme(address, {"udpin:", "udpout:", "udpbcast:", "serial:"}, "MAVLink link");
-  MavlinkLinkConfig link{std::string(address)};
+  MavlinkLinkConfig link{std::string(address), default_rate(address)};
   for (text.remove_prefix(address.size()); !text.empty();) {
     const std::string_view option = text.substr(0, text.find(',', 1));
     read_link_option(option, link);

@@ -128,6 +128,17 @@ param = {MAV_SYSID = 2, LAW_KX = 0.25}
   CHECK_FALSE(config.lock_memory);
 }
 
+TEST_CASE("telemetry leaves a serial line room unless its rate is given") {
+  const Config config = good({"--mavlink", "serial:/dev/ttyUSB0:9600", "--mavlink",
+                              "serial:/dev/ttyUSB1:115200,signing=off", "--mavlink",
+                              "serial:/dev/ttyUSB2:9600,rate=0", "--mavlink", "udpin:14550"});
+  REQUIRE(config.mavlink.size() == 4);
+  CHECK(config.mavlink[0].bytes_per_s == 768);
+  CHECK(config.mavlink[1].bytes_per_s == 9216);
+  CHECK(config.mavlink[2].bytes_per_s == 0);
+  CHECK(config.mavlink[3].bytes_per_s == 0);
+}
+
 TEST_CASE("several links on the command line keep their order") {
   const Config config = good({"--mavlink", "udpin:127.0.0.1:1", "--mavlink",
                               "udpout:127.0.0.1:2,rate=10", "--lock-memory"});

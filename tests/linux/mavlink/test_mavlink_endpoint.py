@@ -166,6 +166,44 @@ def test_telemetry_keeps_to_the_rate_of_a_slow_radio(sea: RealSea) -> None:
     assert len(sea.named("HEARTBEAT", 1)) > 1
 
 
+class Line(Serial):
+    """Carries no more than its baud rate allows."""
+
+    def __init__(self, device: Path, baud: int) -> None:
+        super().__init__(device, baud)
+        self._bytes_per_us = baud / 10 * 1e-6
+        self._read_us = now_us()
+
+    def receive(self) -> list[bytes]:
+        room = int((now_us() - self._read_us) * self._bytes_per_us)
+        if room == 0:
+            return []
+        self._read_us = now_us()
+        with suppress(BlockingIOError):
+            return [os.read(self._master, room)]
+        return []
+
+
+def test_a_slow_serial_line_brings_no_old_attitudes(sea: RealSea, tmp_path: Path) -> None:
+    sea.connect(Udp(), Line(tmp_path / "ttyUSB0", 9600), Udp())
+    sea.start()
+    sea.enter_formation()
+    sea.run(3.0)
+    sea.messages[1].clear()
+    ages_ms: list[int] = []
+
+    def told() -> bool:
+        while sea.messages[1]:
+            message = sea.messages[1].pop(0)
+            if message.get_type() == "ATTITUDE":
+                ages_ms.append(sea.named("ATTITUDE")[-1].time_boot_ms - message.time_boot_ms)
+        return len(ages_ms) > 10
+
+    sea.until(told)
+    print(f"ATTITUDE on 9600 Bd: oldest {max(ages_ms)} ms")
+    assert max(ages_ms) < 1000
+
+
 def test_a_serial_port_that_vanishes_does_not_stop_the_boat_and_is_opened_again(
     sea: RealSea, tmp_path: Path
 ) -> None:
@@ -193,7 +231,7 @@ def test_a_serial_port_that_nobody_reads_does_not_hold_the_boat_up(
 ) -> None:
     deaf = Serial(tmp_path / "ttyS0")
     opened.callback(deaf.close)
-    sea.start(f"--mavlink={deaf.option}", param=PATIENT | {"SR_STATE": 100})
+    sea.start(f"--mavlink={deaf.option},rate=0", param=PATIENT | {"SR_STATE": 100})
     sea.enter_formation()
     sea.run(1.0)  # 8 kB: its buffer is full
     commanded = len(sea.raw_commands())
