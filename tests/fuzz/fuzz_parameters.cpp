@@ -80,8 +80,9 @@ void parameters(Stream& in, unsigned kind) {
 
   const target::LoadedParameters loaded = target::load_parameters(path);
   check_usable(loaded.values);
-  require(loaded.source != ParameterSource::kDefaults || loaded.must_be_confirmed,
-          "defaults that replace what was lost must be confirmed");
+  const bool defaults =
+      loaded.source == ParameterSource::kDefaults || loaded.source == ParameterSource::kFirstStart;
+  require(!defaults || loaded.must_be_confirmed, "defaults must be confirmed");
   require(loaded.source != ParameterSource::kPrevious || (kind & 12U) != 0,
           "the version before is taken where there is one");
   require(!target::save_parameters(path, loaded.values, loaded.unknown), "a disk takes them");

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::string_view kTitle = "flotilla-parameters ";
 constexpr std::string_view kFirstLine = "flotilla-parameters 1";
+constexpr std::string_view kAllDefaults =
+    "ALL PARAMETERS ARE DEFAULTS: look at them and save before arming";
 
 /// The shortest text that reads back as the same number.
 std::string number_text(float value) {
@@ -149,7 +151,12 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   }
   const auto previous_path = beside(path, ".previous");
   const Found previous = read_version(previous_path, loaded);
-  if (file == Found::kAbsent && previous == Found::kAbsent) return loaded;
+  if (file == Found::kAbsent && previous == Found::kAbsent) {
+    loaded.must_be_confirmed = true;
+    loaded.notes.push_back("no " + path.string() + ": never set up, or lost");
+    loaded.notes.emplace_back(kAllDefaults);
+    return loaded;
+  }
   if (file == Found::kAbsent) loaded.notes.push_back(path.filename().string() + " is missing");
   if (previous == Found::kGood) {
     loaded.source = ParameterSource::kPrevious;
@@ -158,7 +165,7 @@ LoadedParameters load_parameters(const std::filesystem::path& path) {
   }
   loaded.source = ParameterSource::kDefaults;
   loaded.must_be_confirmed = true;
-  loaded.notes.emplace_back("ALL PARAMETERS ARE DEFAULTS: look at them and save before arming");
+  loaded.notes.emplace_back(kAllDefaults);
   return loaded;
 }
 

@@ -29,13 +29,13 @@ enum class ParameterSource : std::uint8_t {
   kFile,
   kPrevious,    ///< the file is damaged or missing, the previous version is intact
   kDefaults,    ///< both are damaged, or one is damaged and the other absent
-  kFirstStart,  ///< neither exists: defaults, as expected
+  kFirstStart,  ///< neither exists: a boat that was never set up, or lost its files; defaults
 };
 
 struct LoadedParameters {
   app::Parameters values;  ///< each valid, without contradictions
   ParameterSource source = ParameterSource::kFirstStart;
-  /// A value was replaced by its default: no arming until an operator has checked and saved. The
+  /// Values are defaults that nobody chose: no arming until an operator has checked and saved. The
   /// program must not save by itself before (at exit, say), or the next start would not ask again.
   bool must_be_confirmed = false;
   std::vector<std::string> unknown;  ///< unknown lines, kept for the next save

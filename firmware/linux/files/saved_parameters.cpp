@@ -36,7 +36,7 @@ std::vector<std::string> SavedParameters::finish(app::SaveRequest request,
   saver_.finish();
   add(outcome());
   note_changes(request, in_force);
-  if (!must_be_confirmed() || to_save_ == app::SaveRequest::kConfirmed) {
+  if (!must_be_confirmed() || may_save()) {
     add(saved("at exit", save_parameters(file_, loaded_.values, loaded_.unknown)));
   }
   return all;
@@ -57,14 +57,20 @@ void SavedParameters::note_changes(app::SaveRequest request, const app::Paramete
 
 void SavedParameters::save_changes(std::int64_t now_us) {
   using app::SaveRequest;
-  if (to_save_ == SaveRequest::kNone) return;
-  // After a fall-back to defaults, an operator must confirm them before they are saved.
+  if (!may_save()) return;
   const bool unasked = to_save_ == SaveRequest::kChanged;
-  if (unasked && must_be_confirmed()) return;
   if ((unasked || save_failed_) && now_us - saved_us_ < kSaveEvery_us) return;
   if (!saver_.save(loaded_.values, to_save_)) return;
   to_save_ = SaveRequest::kNone;
   saved_us_ = now_us;
+}
+
+/// Changes alone must not replace damaged files, whose values an operator may still read.
+bool SavedParameters::may_save() const {
+  const bool nothing_to_lose =
+      !must_be_confirmed() || loaded_.source == ParameterSource::kFirstStart;
+  return to_save_ == app::SaveRequest::kConfirmed ||
+         (to_save_ == app::SaveRequest::kChanged && nothing_to_lose);
 }
 
 std::optional<std::string> SavedParameters::outcome() {

@@ -42,6 +42,7 @@ class SavedParameters {
  private:
   void note_changes(app::SaveRequest request, const app::Parameters& in_force);
   void save_changes(std::int64_t now_us);
+  bool may_save() const;
   std::optional<std::string> outcome();
   std::optional<std::string> saved(std::string_view why, const std::optional<std::string>& fault);
 

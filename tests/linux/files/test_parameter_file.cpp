@@ -54,12 +54,13 @@ TEST_CASE("the checksum is the CRC-32 that everybody knows") {
   CHECK(link::ieee_crc32("") == 0);
 }
 
-TEST_CASE("a boat that was never tuned starts with the defaults, and there is nothing to say") {
+TEST_CASE("a boat that was never set up has the defaults, which somebody has to confirm") {
   Scratch folder;
   const auto loaded = load_parameters(folder / "parameters.txt");
   CHECK(loaded.source == ParameterSource::kFirstStart);
-  CHECK_FALSE(loaded.must_be_confirmed);
-  CHECK(loaded.notes.empty());
+  CHECK(loaded.must_be_confirmed);
+  REQUIRE(loaded.notes.size() == 2);
+  CHECK(loaded.notes[0].ends_with("parameters.txt: never set up, or lost"));
   CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
 }
 

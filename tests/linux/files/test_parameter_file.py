@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from sil.parameter_file import parameter_text
 from tests.linux.process import PATIENT, STORAGE, RealSea, now_us
 from tests.target.stations import ACCEPTED, ARM, command_long
 
@@ -15,10 +16,7 @@ NOT_SAVED = "PreArm: parameters are not saved"
 
 
 def text(*lines: str, **values: float) -> str:
-    """A whole parameter file, by another implementation of its checksum."""
-    named = [f"{name} = {value:g}" for name, value in (PATIENT | values).items()]
-    body = "\n".join(["flotilla-parameters 1", *named, *lines]) + "\n"
-    return body + f"crc32 = {zlib.crc32(body.encode()):08X}\n"
+    return parameter_text(PATIENT | values, *lines)
 
 
 def is_whole(content: str) -> bool:
@@ -36,7 +34,35 @@ def previous(file: Path) -> Path:
     return file.with_name("parameters.txt.previous")
 
 
-def test_a_first_start_is_no_complaint_and_arms(sea: RealSea) -> None:
+def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: RealSea) -> None:
+    sea.set_up = False
+    sea.start()
+    sea.insist(lambda: NOT_SAVED in sea.texts(), ARM, 1.0)
+    assert "parameters are defaults: look at them and save" in sea.texts()
+    assert f"no {sea.state_dir}/parameters.txt: never set up, or lost" in sea.process.words
+    assert "ALL PARAMETERS ARE DEFAULTS" in sea.process.words
+    assert not sea.armed
+    assert sea.end() == 0
+    assert not (sea.state_dir / "parameters.txt").exists()  # nor at the next start
+
+    sea.start()
+    sea.save_parameters()
+    sea.arm()
+
+
+def test_who_sets_a_parameter_of_a_new_boat_has_set_it_up(sea: RealSea) -> None:
+    sea.set_up = False
+    sea.start()
+    sea.until(sea.ready)
+    sea.set_parameter("LAW_KX", 0.25)
+    sea.until(lambda: "saved (changed)" in sea.process.words)
+    sea.arm()
+
+
+def test_a_boat_that_was_set_up_starts_without_a_complaint_and_arms(sea: RealSea) -> None:
+    sea.start()
+    sea.save_parameters()  # all of them
+    assert sea.end() == 0
     sea.start()
     sea.arm()
     assert sea.process.words.splitlines() == [f"flotillad: ready: boat 2 on mcast:{sea.bus}"]
