@@ -12,6 +12,7 @@ import can
 
 from sil.clock import Clock
 from sil.ordinary_user import ordinary_user
+from sil.parameter_file import set_up
 from sil.scenario import Scenario
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
@@ -105,6 +106,7 @@ class LiveBoat:
         """Starts the flotillad, with `more` options; its words go to `folder`/flotillad.log."""
         folder.mkdir(parents=True, exist_ok=True)
         self._words = folder / "flotillad.log"
+        set_up(folder / "state", self._parameters)
         options = [f"--can={self.bus}", f"--state-dir={folder / 'state'}"]
         options += [f"--mavlink={link.address}" for link in (self.navigation, self.radio)]
         options += [f"--param={name}={value!r}" for name, value in self._parameters.items()]

@@ -31,7 +31,7 @@ OF_BUILDS = (
     "tests/package",
     "tests/cortex_m",
     "tests/link/mavlink/test_oracle.py",
-    "tests/linux/test_logs.py",
+    "tests/linux/logs/test_logs.py",
 )
 
 

@@ -41,7 +41,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
       complaint_due_(10 * kSecond_us),
       slot_complaint_due_(10 * kSecond_us),
-      place_complaint_due_(10 * kSecond_us) {
+      place_complaint_due_(10 * kSecond_us),
+      unsaved_complaint_due_(30 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -265,6 +266,10 @@ void Boat<S>::complain(std::int64_t now_us) {
   if (pilot_.take_frame_complaint() && complaint_due_.due(now_us)) {
     vehicle_.send_statustext(link::mav::kSeverityWarning,
                              {"ODOMETRY refused: frame is not north-aligned"}, counters_);
+  }
+  if (!host_.parameters_saved && unsaved_complaint_due_.due(now_us)) {
+    vehicle_.send_statustext(link::mav::kSeverityWarning,
+                             {"parameters are defaults: look at them and save"}, counters_);
   }
   if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
     vehicle_.send_statustext(link::mav::kSeverityError,

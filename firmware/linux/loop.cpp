@@ -7,7 +7,6 @@
 #include <sys/signalfd.h>
 #include <sys/timerfd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -18,15 +17,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "linux/signing_key.hpp"
+#include "linux/files/signing_key.hpp"
 
 namespace flotilla::target {
 namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
-// Minimum interval of saves: not every step of a slider goes to the disk.
-constexpr std::int64_t kSaveEvery_us = kSecond_us;
 constexpr int kFarewellTicks = 10;
 // A stored signing timestamp further ahead of the clock than this is reported.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
@@ -69,28 +66,25 @@ FileDescriptor catch_signals() {
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGHUP);  // the terminal has closed
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
+  ::signal(SIGHUP, SIG_IGN);   // the terminal has closed, or somebody wants a reload: we sail on
   ::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may end; we go on
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
 
-void make_directory(const std::filesystem::path& path) {
+/// The file of the saved parameters, in a directory that is there.
+std::filesystem::path prepared(std::filesystem::path file) {
   std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) throw std::runtime_error("state-dir " + path.string() + ": " + error.message());
-}
-
-LoadedParameters load(const Config& config) {
-  make_directory(config.state_dir);
-  LoadedParameters loaded = load_parameters(config.parameter_file());
-  for (const std::string& note : loaded.notes) print_line(note);
-  return loaded;
+  std::filesystem::create_directories(file.parent_path(), error);
+  if (error) {
+    throw std::runtime_error("state-dir " + file.parent_path().string() + ": " + error.message());
+  }
+  return file;
 }
 
 /// The parameters in force: the saved ones, overridden by the configuration.
-app::Parameters in_force(const Config& config, const LoadedParameters& loaded) {
-  app::Parameters values = loaded.values;
+app::Parameters in_force(const Config& config, const SavedParameters& saved) {
+  app::Parameters values = saved.values();
   apply(config.param, values);
   if (const auto sentence = app::contradiction(values)) {
     throw std::runtime_error(std::string(*sentence));
@@ -102,17 +96,16 @@ app::Parameters in_force(const Config& config, const LoadedParameters& loaded) {
 
 Loop::Loop(const Config& config)
     : config_(config),
-      parameters_(load(config)),
+      parameters_(prepared(config.parameter_file())),
       boat_(std::make_unique<app::Boat<Scalar>>(in_force(config, parameters_),
                                                 config.mavlink.size())),
-      noted_(boat_->parameters()),
-      saver_(config.parameter_file(), parameters_.unknown),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
       node_table_(config.node_id_file()),
       logs_({config.log, candump_name(config.can)}),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       signals_(catch_signals()),
       period_us_(static_cast<std::int64_t>(1e6 / double{boat_->parameters().CTL_RATE} + 0.5)) {
+  parameters_.begin(boat_->parameters());
   for (std::size_t i = 0; i < config.mavlink.size(); ++i) {
     links_.push_back(open_mavlink_endpoint(config.mavlink[i].address));
     boat_->limit_link(i, config.mavlink[i].bytes_per_s);
@@ -120,6 +113,7 @@ Loop::Loop(const Config& config)
   }
   if (!config.signing_key.empty()) secure();
   node_table_.load(boat_->node_ids());
+  for (const std::string& note : parameters_.notes()) print_line(note);
 }
 
 void Loop::secure() {
@@ -167,8 +161,8 @@ void Loop::wait() {
   if (::read(timer_.get(), &expirations, sizeof expirations) > 0) {
     timer_fired_ = true;
     deadline_us_ += static_cast<std::int64_t>(expirations - 1) * period_us_;
-    overruns_ += static_cast<std::uint32_t>(expirations - 1);
-    lateness_.add(woken_us - deadline_us_);
+    statistics_.overruns += static_cast<std::uint32_t>(expirations - 1);
+    statistics_.lateness.add(woken_us - deadline_us_);
     deadline_us_ += period_us_;
   }
   // Nothing was read during missed ticks: the boat must judge the age of its data before the
@@ -212,8 +206,8 @@ void Loop::read_links(std::int64_t now_us) {
 void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
-  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed, overruns_,
-                  clock_us(CLOCK_REALTIME), save_failed_});
+  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed(), statistics_.overruns,
+                  clock_us(CLOCK_REALTIME), parameters_.save_failed()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);
@@ -223,8 +217,8 @@ void Loop::tick() {
 void Loop::send(const app::Boat<Scalar>::Output& out, std::int64_t now_us) {
   bus_->send(out.can);
   const std::int64_t sent_us = now();
-  processing_.add(sent_us - now_us);
-  if (heard_us_ != 0) response_.add(sent_us - heard_us_);
+  statistics_.processing.add(sent_us - now_us);
+  if (heard_us_ != 0) statistics_.response.add(sent_us - heard_us_);
   heard_us_ = 0;
   const std::int64_t unix_us = clock_us(CLOCK_REALTIME);
   for (const link::CanFrame& frame : out.can) logs_.can(frame, unix_us);
@@ -247,59 +241,15 @@ void Loop::keep_house(std::int64_t now_us) {
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
     print_line(*complaint);
   }
-  report_outcome();
-  note_changes();
-  save_changes(now_us);
+  if (const auto news =
+          parameters_.maintain(boat_->take_save_request(), boat_->parameters(), now_us)) {
+    print_line(*news);
+  }
   // Disk writes may block, so an armed boat does not start them.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     print_line(error);
   }
-}
-
-/// Marks the operator's changes since the last call for saving. Overrides by the configuration are
-/// not saved unless the operator asks to save all parameters in force.
-void Loop::note_changes() {
-  const app::SaveRequest request = boat_->take_save_request();
-  if (request == app::SaveRequest::kNone) return;
-  const app::Parameters& values = boat_->parameters();
-  app::Parameters& saved = parameters_.values;
-  for (const app::ParameterInfo& info : app::kParameterList) {
-    if (values.*info.member != noted_.*info.member) saved.*info.member = values.*info.member;
-  }
-  if (request == app::SaveRequest::kConfirmed || app::contradiction(saved)) saved = values;
-  noted_ = values;
-  to_save_ = std::max(to_save_, request);
-}
-
-void Loop::save_changes(std::int64_t now_us) {
-  using app::SaveRequest;
-  if (to_save_ == SaveRequest::kNone) return;
-  // After a fall-back to defaults, an operator must confirm them before they are saved.
-  const bool unasked = to_save_ == SaveRequest::kChanged;
-  if (unasked && parameters_.must_be_confirmed) return;
-  if ((unasked || save_failed_) && now_us - saved_us_ < kSaveEvery_us) return;
-  if (!saver_.save(parameters_.values, to_save_)) return;
-  to_save_ = SaveRequest::kNone;
-  saved_us_ = now_us;
-}
-
-void Loop::report_outcome() {
-  const auto saved = saver_.outcome();
-  if (!saved) return;
-  if (saved->fault) to_save_ = std::max(to_save_, saved->why);  // to be retried
-  const bool asked = saved->why == app::SaveRequest::kConfirmed;
-  report_saved(asked ? "asked for" : "changed", saved->fault);
-}
-
-void Loop::report_saved(std::string_view why, const std::optional<std::string>& fault) {
-  const bool failed_before = std::exchange(save_failed_, fault.has_value());
-  if (fault) {
-    if (!failed_before) print_line(*fault);
-    return;
-  }
-  parameters_.must_be_confirmed = false;
-  print_line("parameters saved (" + std::string(why) + ")");
 }
 
 void Loop::shut_down() {
@@ -312,62 +262,19 @@ void Loop::shut_down() {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
   service_manager_.notify("STOPPING=1");
-  saver_.finish();
-  report_outcome();
-  note_changes();
-  if (!parameters_.must_be_confirmed || to_save_ == app::SaveRequest::kConfirmed) {
-    report_saved("at exit", save_parameters(config_.parameter_file(), parameters_.values,
-                                            parameters_.unknown));
+  for (const std::string& news :
+       parameters_.finish(boat_->take_save_request(), boat_->parameters())) {
+    print_line(news);
   }
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     print_line(error);
   }
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
-  write_stats();
-}
-
-void Loop::write_stats() const {
   if (config_.stats.empty()) return;
-  std::FILE* file = std::fopen(config_.stats.c_str(), "w");
-  if (file == nullptr) {
-    print_line("stats " + config_.stats.string() + ": " + std::strerror(errno));
-    return;
+  if (const auto fault = write_statistics(config_.stats, statistics_, boat_->snapshot().counters,
+                                          bus_->counters())) {
+    print_line(*fault);
   }
-  const auto put = [&](const char* name, const Latency& latency) {
-    std::fprintf(file,
-                 "  \"%s_us\": {\"p50\": %lld, \"p99\": %lld, \"p99.9\": %lld, \"max\": %lld},\n",
-                 name, static_cast<long long>(latency.percentile_us(0.5)),
-                 static_cast<long long>(latency.percentile_us(0.99)),
-                 static_cast<long long>(latency.percentile_us(0.999)),
-                 static_cast<long long>(latency.greatest_us()));
-  };
-  const CanBusCounters& can = bus_->counters();
-  std::fprintf(file, "{\n");
-  put("lateness", lateness_);
-  put("processing", processing_);
-  put("response", response_);
-  std::fprintf(file, "  \"ticks\": %llu, \"overruns\": %u,\n",
-               static_cast<unsigned long long>(lateness_.count()), overruns_);
-  const link::Counters mavlink = boat_->snapshot().counters;
-  std::fprintf(file,
-               "  \"mavlink\": {\"received\": %u, \"bad_checksum\": %u, \"signed\": %u, "
-               "\"forged\": %u, \"replayed\": %u, \"future_stamp\": %u, "
-               "\"unsigned_refused\": %u},\n",
-               mavlink.mavlink_received, mavlink.mavlink_bad_checksum, mavlink.mavlink_signed,
-               mavlink.mavlink_forged, mavlink.mavlink_replayed, mavlink.mavlink_future_stamp,
-               mavlink.mavlink_unsigned_refused);
-  std::fprintf(
-      file,
-      "  \"can\": {\"sent\": %llu, \"received\": %llu, \"transfers_dropped\": %llu, "
-      "\"receive_overflows\": %llu, \"error_frames\": %llu, \"bus_off\": %llu, "
-      "\"reopened\": %llu, \"bad_packets\": %llu}\n}\n",
-      static_cast<unsigned long long>(can.sent), static_cast<unsigned long long>(can.received),
-      static_cast<unsigned long long>(can.transfers_dropped),
-      static_cast<unsigned long long>(can.receive_overflows),
-      static_cast<unsigned long long>(can.error_frames),
-      static_cast<unsigned long long>(can.bus_off), static_cast<unsigned long long>(can.reopened),
-      static_cast<unsigned long long>(can.bad_packets));
-  std::fclose(file);
 }
 
 }  // namespace flotilla::target

@@ -5,23 +5,20 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "app/boat.hpp"
 #include "app/law_scalar.hpp"
-#include "linux/can_bus.hpp"
-#include "linux/config.hpp"
-#include "linux/file_descriptor.hpp"
-#include "linux/latency.hpp"
-#include "linux/logs.hpp"
-#include "linux/mavlink_endpoint.hpp"
-#include "linux/node_table.hpp"
-#include "linux/parameter_file.hpp"
-#include "linux/parameter_saver.hpp"
+#include "linux/can/can_bus.hpp"
+#include "linux/config/config.hpp"
+#include "linux/files/node_table.hpp"
+#include "linux/files/saved_parameters.hpp"
+#include "linux/files/signing_time.hpp"
+#include "linux/logs/logs.hpp"
+#include "linux/mavlink/mavlink_endpoint.hpp"
 #include "linux/service_manager.hpp"
-#include "linux/signing_time.hpp"
+#include "linux/statistics.hpp"
+#include "linux/system/file_descriptor.hpp"
 
 namespace flotilla::target {
 
@@ -30,7 +27,7 @@ class Loop {
   /// Opens everything. Throws std::runtime_error that names the mistake in the configuration.
   explicit Loop(const Config& config);
 
-  /// Ticks until SIGTERM, SIGINT or SIGHUP, stops the propellers, saves; returns the exit status.
+  /// Ticks until SIGTERM or SIGINT, stops the propellers, saves; returns the exit status.
   int run();
 
  private:
@@ -41,21 +38,11 @@ class Loop {
   void tick();
   void send(const app::Boat<Scalar>::Output& out, std::int64_t now_us);
   void keep_house(std::int64_t now_us);
-  void note_changes();
-  void save_changes(std::int64_t now_us);
-  void report_outcome();
-  void report_saved(std::string_view why, const std::optional<std::string>& fault);
   void shut_down();
-  void write_stats() const;
 
   Config config_;
-  LoadedParameters parameters_;  // as they should be on the disk
+  SavedParameters parameters_;
   std::unique_ptr<app::Boat<Scalar>> boat_;
-  app::Parameters noted_;  // the boat's, at the last note_changes()
-  app::SaveRequest to_save_ = app::SaveRequest::kNone;
-  std::int64_t saved_us_ = 0;  // start of the last save
-  bool save_failed_ = false;   // the last save failed, which was reported
-  ParameterSaver saver_;
   std::unique_ptr<CanBus> bus_;
   bool bus_usable_ = true;  // as last reported
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
@@ -70,13 +57,10 @@ class Loop {
   std::int64_t deadline_us_ = 0;
   bool timer_fired_ = false;
   bool stopping_ = false;
-  std::uint32_t overruns_ = 0;
   std::int64_t house_kept_us_ = 0;
 
   std::int64_t heard_us_ = 0;  // first bytes since the last tick; 0: none
-  Latency lateness_;           // of the wake-up
-  Latency processing_;         // from the tick's start until the command is sent
-  Latency response_;           // from the first bytes received until the command is sent
+  Statistics statistics_;
 };
 
 }  // namespace flotilla::target

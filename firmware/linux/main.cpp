@@ -7,7 +7,7 @@
 #include <span>
 #include <variant>
 
-#include "linux/config.hpp"
+#include "linux/config/config.hpp"
 #include "linux/loop.hpp"
 
 int main(int argc, char** argv) {

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "linux/file_descriptor.hpp"
+#include "linux/system/file_descriptor.hpp"
 
 namespace flotilla::target {
 

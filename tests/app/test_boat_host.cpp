@@ -40,6 +40,8 @@ TEST_CASE_TEMPLATE("a boat whose parameters fell to defaults is armed by nobody 
                    float, double) {
   Harbour<S> h;
   h.boat.on_host({.parameters_saved = false});
+  h.step();
+  CHECK(h.says("parameters are defaults: look at them and save"));
   h.sail(2);
   h.arm();
   h.step();

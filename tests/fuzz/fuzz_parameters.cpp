@@ -11,11 +11,11 @@
 
 #include "fuzz/stream.hpp"
 #include "fuzz/watched_boat.hpp"
-#include "linux/config_values.hpp"
-#include "linux/durable_file.hpp"
-#include "linux/node_table.hpp"
-#include "linux/parameter_file.hpp"
-#include "linux/signing_time.hpp"
+#include "linux/config/config_values.hpp"
+#include "linux/files/durable_file.hpp"
+#include "linux/files/node_table.hpp"
+#include "linux/files/parameter_file.hpp"
+#include "linux/files/signing_time.hpp"
 
 namespace flotilla::fuzz {
 namespace {
@@ -80,8 +80,9 @@ void parameters(Stream& in, unsigned kind) {
 
   const target::LoadedParameters loaded = target::load_parameters(path);
   check_usable(loaded.values);
-  require(loaded.source != ParameterSource::kDefaults || loaded.must_be_confirmed,
-          "defaults that replace what was lost must be confirmed");
+  const bool defaults =
+      loaded.source == ParameterSource::kDefaults || loaded.source == ParameterSource::kFirstStart;
+  require(!defaults || loaded.must_be_confirmed, "defaults must be confirmed");
   require(loaded.source != ParameterSource::kPrevious || (kind & 12U) != 0,
           "the version before is taken where there is one");
   require(!target::save_parameters(path, loaded.values, loaded.unknown), "a disk takes them");

@@ -24,6 +24,7 @@ import can
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.ordinary_user import ordinary_user
+from sil.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
 from tests.dialect import dialect
@@ -214,6 +215,7 @@ class RealSea:
         self.folder = folder
         self.program = PROGRAM
         self.state_dir = folder / "state"
+        self.set_up = True  # parameters were saved before the first start
         self.boat: Flotillad | None = None
         self.can = can.Bus(interface="mcast", channel=str(bus))
         self.own = Agent(Station(BOAT, NAVIGATION), Course(1.0, 2.0, 0.3), 50_000, beats=False)
@@ -262,6 +264,8 @@ class RealSea:
         """Starts a flotillad, ended if it was running. `param` instead of PATIENT."""
         if self.boat is not None:
             self.boat.close()
+        if self.set_up:
+            set_up(self.state_dir, {})
         self._listen()
         self.forget()
         given = [f"--can=mcast:{self.bus}", f"--state-dir={self.state_dir}"]

@@ -92,6 +92,7 @@ def test_the_shipped_configuration_finds_its_folders() -> None:
 def test_a_boat_that_hangs_or_dies_is_started_anew_for_ever_and_runs_as_nobody_special() -> None:
     unit = settings()
     assert unit["Type"] == ["notify"] and unit["WatchdogSec"] == ["1"]
-    assert unit["Restart"] == ["on-failure"] and unit["StartLimitIntervalSec"] == ["0"]
+    assert unit["Restart"] == ["always"] and unit["StartLimitIntervalSec"] == ["0"]
     assert unit["User"] not in (["root"], ["0"])
+    assert unit["OOMScoreAdjust"] == ["-900"]
     assert unit["CapabilityBoundingSet"] == [""] and "AmbientCapabilities" not in unit

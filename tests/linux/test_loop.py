@@ -107,7 +107,7 @@ def test_a_heartbeat_comes_on_every_link_each_with_sequence_numbers_of_its_own(
         }
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_who_asks_a_driving_boat_to_leave_sees_zeros_and_a_disarmed_boat(
     sea: RealSea, number: signal.Signals
 ) -> None:
@@ -124,6 +124,16 @@ def test_who_asks_a_driving_boat_to_leave_sees_zeros_and_a_disarmed_boat(
     assert not sea.driven()
     parameters = (sea.state_dir / "parameters.txt").read_text()
     assert parameters.startswith("flotilla-parameters 1\n")
+
+
+def test_a_boat_whose_terminal_closes_sails_on(sea: RealSea) -> None:
+    sea.start()
+    sea.enter_formation()
+    sea.process.signal(signal.SIGHUP)
+    sea.forget()
+    sea.until(lambda: len(sea.raw_commands()) > 50 and sea.state == "FORMATION")
+    assert sea.driven()
+    assert sea.end() == 0
 
 
 def test_an_operator_who_arms_while_the_boat_leaves_is_late(sea: RealSea) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.linux.config.test_config import mistake
 from tests.linux.process import LOOPBACK, RealSea, Udp
-from tests.linux.test_config import mistake
 from tests.target.stations import Station, command_long
 
 KEY = bytes(range(7, 39))

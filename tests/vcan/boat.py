@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from sil.ordinary_user import ordinary_user
+from sil.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
 from tests.linux.process import PATIENT
@@ -112,6 +113,7 @@ class Boat:
     def start(self) -> None:
         """A new process, and waits until it talks."""
         self._peer = None
+        set_up(self._folder / "state", PATIENT)
         self.process = subprocess.Popen(
             [
                 *ordinary_user(),

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # The Debian package flotillad, by CPack: tools/package runs it, the presets deb-ARCH ask for it.
-set(HERE ${CMAKE_CURRENT_SOURCE_DIR}/linux)
+set(HERE ${CMAKE_CURRENT_SOURCE_DIR})
 set(MADE ${CMAKE_CURRENT_BINARY_DIR}/package)
 
 # 0.1+20261121020214.619cf70a: a later commit is a later version, and says which it is.

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""Writes a boat's component metadata, JSON files made of parameters.def, as a C++ header.
+
+make_metadata.py PARAMETERS_DEF HEADER
+"""
+
+import json
+import re
+import sys
+import zlib
+from pathlib import Path
+
+TEXT = r'"([^"\\]*)", '
+PARAMETER = re.compile(
+    rf"FLOTILLA_PARAMETER\({TEXT}(\w+), {TEXT}(\S+), (\S+), (\S+), (\w+), (\w+), " r'"([^"\\]*)"\)'
+)
+WHOLE: dict[str, object] = {"decimalPlaces": 0}
+KINDS = {"Real": {"decimalPlaces": 4}, "Whole": WHOLE | {"increment": 1}} | {
+    kind: WHOLE
+    | {"values": [{"value": number, "description": text} for number, text in values.items()]}
+    for kind, values in {
+        "Sign": {-1: "reversed", 1: "normal"},
+        "Mode": {0: "MANUAL", 4: "HOLD", 6: "FOLLOW (FORMATION)"},
+        "Identity": {0: "vehicle", 1: "companion"},
+        "Frame": {0: "north-east", 1: "ahead-starboard"},
+        "Switch": {0: "off", 1: "on"},
+        "Action": {0: "HOLD", 1: "COAST, then HOLD", 2: "MANUAL with fresh sticks"},
+    }.items()
+}
+CHANGES = {
+    "Anytime": {"rebootRequired": False},
+    "Disarmed": {"rebootRequired": False},
+    "Restart": {"rebootRequired": True},
+    "Mode": {"rebootRequired": False, "volatile": True},
+}
+
+
+def described(line: str) -> dict[str, object]:
+    """One parameter, as in version 1 of the schema, which QGroundControl requires."""
+    parts = PARAMETER.fullmatch(line)
+    if parts is None:
+        sys.exit(f"parameters.def: not one whole parameter without escapes: {line}")
+    group, name, unit, value, least, greatest, kind, change, sentence = parts.groups()
+    return {
+        "name": name,
+        "type": "Float",
+        "shortDesc": sentence,
+        "units": unit,
+        "default": json.loads(value),
+        "min": json.loads(least),
+        "max": json.loads(greatest),
+        **KINDS[kind],
+        **CHANGES[change],
+        "group": group,
+        "category": "Standard",
+    }
+
+
+def crc(text: str) -> int:
+    """CRC-32 as MAVLink uses it: begins with 0, not inverted at the end."""
+    return zlib.crc32(text.encode(), 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def compact(document: object) -> str:
+    """JSON without blanks."""
+    return json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+
+
+lines = Path(sys.argv[1]).read_text(encoding="utf-8").splitlines()
+entries = [described(line) for line in lines if line and not line.startswith("//")]
+parameters = compact({"version": 1, "parameters": entries})
+file = {"type": 1, "uri": "mftp:///parameters.json", "fileCrc": crc(parameters)}
+general = compact({"version": 1, "metadataTypes": [file]})
+Path(sys.argv[2]).write_text(
+    "// Made by make_metadata.py\n#pragma once\n\n#include <string_view>\n\n"
+    "namespace flotilla::app {\n"
+    f'constexpr std::string_view kGeneralJson = R"json({general})json";\n'
+    f'constexpr std::string_view kParametersJson = R"json({parameters})json";\n'
+    "}  // namespace flotilla::app\n",
+    encoding="utf-8",
+)

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// A CAN interface of Linux, through a raw socket.
+// Source: Linux, Documentation/networking/can.rst, chapters 4.1 "RAW protocol sockets" and 6.
+#pragma once
+
+#include <string>
+
+#include "linux/can/can_bus.hpp"
+#include "linux/system/file_descriptor.hpp"
+
+struct can_frame;
+
+namespace flotilla::target {
+
+/// Other programs on this machine receive the frames it sends (candump works); it does not itself.
+///
+/// After a bus-off nothing is sent until the kernel has sent or dropped all our frames, so no new
+/// command queues behind old ones. The socket stays open: the kernel would keep a closed socket's
+/// frames and deliver them to a new one as another node's.
+class SocketCanBus final : public CanBus {
+ public:
+  /// Throws std::system_error if there is no AF_CAN or the interface is of another kind.
+  SocketCanBus(std::string interface, std::uint8_t node);
+
+  void send(std::span<const link::CanFrame> frames) override;
+  bool receive(link::CanFrame& frame) override;
+  int descriptor() const override { return socket_.get(); }
+  void maintain() override;
+  bool usable() const override;
+
+ private:
+  /// A recovery counts from the next maintain() on. Frames that the controller received before its
+  /// bus-off may arrive after the report of it, so a frame shows recovery only after the next
+  /// maintain().
+  enum class Controller { kOn, kOff, kStillOff, kRecovered };
+
+  int open();  ///< 0 or errno
+  void close();
+  bool running(bool before);
+  bool write(const link::CanFrame& frame);
+  bool flushed();
+  void on_error_frame(const ::can_frame& frame);
+  void on_failure(int error);
+
+  std::string interface_;
+  std::uint8_t node_;
+  FileDescriptor socket_;
+  bool running_ = false;   ///< the interface is up and its controller active
+  bool flushing_ = false;  ///< the kernel may still hold frames from before a bus-off
+  Controller controller_ = Controller::kOn;
+};
+
+}  // namespace flotilla::target

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "linux/files/signing_time.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <exception>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "linux/files/durable_file.hpp"
+#include "linux/system/background_thread.hpp"
+
+namespace flotilla::target {
+namespace {
+
+constexpr std::string_view kTitle = "flotilla-signing-time 1 ";
+
+std::string text_of(std::uint64_t timestamp) {
+  const std::string body = std::string(kTitle) + std::to_string(timestamp) + "\n";
+  return body + checksum_line(body);
+}
+
+}  // namespace
+
+StoredSigningTime load_signing_time(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const FileContent content = read_file(path);
+  if (content.error == ENOENT) return {};
+  if (content.error != 0) {
+    return {0, name + " cannot be read: " + std::strerror(content.error) + "; not used"};
+  }
+  std::uint64_t timestamp = 0;
+  if (content.text.starts_with(kTitle)) {
+    const char* end = content.text.data() + content.text.size();
+    std::from_chars(content.text.data() + kTitle.size(), end, timestamp);
+  }
+  if (content.text != text_of(timestamp)) return {0, name + " is damaged; not used"};
+  return {timestamp, {}};
+}
+
+SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp,
+                         std::chrono::milliseconds every)
+    : path_(std::move(path)),
+      timestamp_(timestamp),
+      every_(every),
+      stop_(::eventfd(0, EFD_CLOEXEC)) {
+  if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of signing-time");
+  writer_ = start_background_thread(&SigningTime::run, this, "signing-time");
+}
+
+SigningTime::~SigningTime() {
+  ::eventfd_write(stop_.get(), 1);
+  pthread_join(writer_, nullptr);
+}
+
+void* SigningTime::run(void* self) {
+  static_cast<SigningTime*>(self)->write_until_stopped();
+  return nullptr;
+}
+
+void SigningTime::write_until_stopped() {
+  for (bool stopped = false; !stopped;) {
+    write();
+    pollfd stop{stop_.get(), POLLIN, 0};
+    stopped = ::poll(&stop, 1, static_cast<int>(every_.count())) > 0;
+  }
+  write();
+}
+
+void SigningTime::write() {
+  try {
+    const std::string text = text_of(timestamp_.load(std::memory_order_relaxed));
+    if (const auto fault = replace_file(path_, text)) complaint_.put(*fault);
+  } catch (const std::exception& error) {  // out of memory: retried as well
+    complaint_.put(error.what());
+  }
+}
+
+}  // namespace flotilla::target

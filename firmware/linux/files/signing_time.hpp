@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Saves the timestamp of MAVLink 2 signing across restarts: it must not go back even if the clock
+// does, or old messages would pass for new.
+//
+//   flotilla-signing-time 1 37500000000000
+//   crc32 = 89ABCDEF
+#pragma once
+
+#include <pthread.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "linux/system/file_descriptor.hpp"
+#include "linux/system/first_complaint.hpp"
+
+namespace flotilla::target {
+
+struct StoredSigningTime {
+  std::uint64_t timestamp = 0;  ///< as link::Signing::timestamp(); 0: none
+  std::string note;             ///< for the operator, or empty
+};
+
+/// Never throws for the content of the disk.
+StoredSigningTime load_signing_time(const std::filesystem::path& path);
+
+/// Writes at once, at an interval and at the end, in its own thread: an armed boat must not wait
+/// for the disk. put() and complaint() are for the control loop; they never block, throw or
+/// allocate.
+class SigningTime {
+ public:
+  /// Throws std::system_error if the thread cannot be started.
+  SigningTime(std::filesystem::path path, std::uint64_t timestamp,
+              std::chrono::milliseconds every = std::chrono::seconds(30));
+  ~SigningTime();
+  SigningTime(const SigningTime&) = delete;
+  SigningTime& operator=(const SigningTime&) = delete;
+
+  void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
+
+  /// The first error with the file, once. Writing is retried.
+  std::optional<std::string> complaint() { return complaint_.take(); }
+
+ private:
+  static void* run(void* self);
+  void write_until_stopped();
+  void write();
+
+  std::filesystem::path path_;
+  std::atomic<std::uint64_t> timestamp_;
+  std::chrono::milliseconds every_;
+  FirstComplaint complaint_;
+
+  FileDescriptor stop_;
+  pthread_t writer_{};
+};
+
+}  // namespace flotilla::target

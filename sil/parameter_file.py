@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: MIT
+"""The file in which a flotillad keeps its parameters: who has none is not armed."""
+
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import flotilla
+
+
+def parameter_text(values: Mapping[str, float], *lines: str) -> str:
+    """A whole file, with other `lines` before its checksum."""
+    named = [f"{name} = {value:.9g}" for name, value in values.items()]
+    body = "\n".join(["flotilla-parameters 1", *named, *lines]) + "\n"
+    return body + f"crc32 = {zlib.crc32(body.encode()):08X}\n"
+
+
+def set_up(state_dir: Path, values: Mapping[str, float]) -> None:
+    """Saves every parameter, these values and else the defaults, unless some were saved before."""
+    file = state_dir / "parameters.txt"
+    if file.exists() or file.with_name("parameters.txt.previous").exists():
+        return
+    state_dir.mkdir(parents=True, exist_ok=True)
+    saved = {
+        each["name"]: values.get(each["name"], each["default"])
+        for each in flotilla.parameter_list()
+        if each["change"] != "mode"
+    }
+    file.write_text(parameter_text(saved), encoding="utf-8")

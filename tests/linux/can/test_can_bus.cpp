@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+#include <linux/can.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+#include "linux/can/can_bus.hpp"
+#include "linux/system/file_descriptor.hpp"
+
+namespace flotilla::target {
+namespace {
+
+std::string refusal(std::string_view address, std::uint8_t node = 20) {
+  try {
+    open_can_bus(address, node);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "opened";
+}
+
+TEST_CASE("an address that names no bus is refused, and the refusal says what is wrong with it") {
+  const auto says = [](std::string_view address, const std::string& why) {
+    CHECK(refusal(address) == "CAN bus \"" + std::string(address) + "\": " + why);
+  };
+  for (const char* address : {"", "can0", "slcan:can0", "socketcan", "MCAST:0"}) {
+    CAPTURE(address);
+    CHECK(refusal(address).find("CAN bus \"") == 0);
+  }
+  says("can0", "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
+  says("mcast", "\"\" is no bus number from 0 to 9");
+  says("mcast:", "\"\" is no bus number from 0 to 9");
+  says("mcast:10", "\"10\" is no bus number from 0 to 9");
+  says("mcast:-1", "\"-1\" is no bus number from 0 to 9");
+  says("mcast:x:127.0.0.1", "\"x\" is no bus number from 0 to 9");
+  says("mcast:0:", "\"\" is no IPv4 address");
+  says("mcast:0:eth0", "\"eth0\" is no IPv4 address");
+  says("mcast:0:127.1", "\"127.1\" is no IPv4 address");
+  says("mcast:0:127.0.0.1:5", "\"127.0.0.1:5\" is no IPv4 address");
+  says("mcast:0:0.0.0.0", "0.0.0.0 is no address of an interface");
+  says("mcast:0:239.65.82.0", "239.65.82.0 is no address of an interface");
+  says("mcast:0:255.255.255.255", "255.255.255.255 is no address of an interface");
+  says("mcast:0:203.0.113.77",
+       "no interface of this machine has that address: Cannot assign requested address");
+  says("socketcan:", "\"\" is no name of an interface");
+  says("socketcan:a/b", "\"a/b\" is no name of an interface");
+  says("socketcan:sixteen_letters_", "\"sixteen_letters_\" is no name of an interface");
+}
+
+TEST_CASE("a node id that no DroneCAN node may have is refused") {
+  for (const std::uint8_t node : std::array<std::uint8_t, 3>{0, 128, 255}) {
+    CHECK(refusal("mcast:9", node) ==
+          "CAN bus \"mcast:9\": " + std::to_string(node) + " is no node id from 1 to 127");
+  }
+  CHECK(refusal("mcast:9", 1) == "opened");
+  CHECK(refusal("mcast:9", 127) == "opened");
+}
+
+TEST_CASE("a kernel without CAN: the refusal says so") {
+  const FileDescriptor probe(::socket(PF_CAN, SOCK_RAW, CAN_RAW));
+  if (probe) {
+    MESSAGE("this kernel has AF_CAN: nothing to see here");
+    return;
+  }
+  CHECK(refusal("socketcan:can0").find("this kernel has no AF_CAN") != std::string::npos);
+}
+
+TEST_CASE("frames are taken transfer by transfer, as their tail bytes say") {
+  const auto frame = [](std::uint8_t tail) { return link::CanFrame{0x10040A15, 2, {0x55, tail}}; };
+  const link::CanFrame empty{1, 0, {}};
+  const std::array frames{frame(0xC0), frame(0x80), frame(0x20), frame(0x40),
+                          empty,       frame(0x80), frame(0x20)};
+  std::span<const link::CanFrame> rest(frames);
+  for (const std::size_t expected : {1U, 3U, 1U, 2U}) {  // the last one was never finished
+    const auto transfer = first_transfer(rest);
+    CHECK(transfer.data() == rest.data());
+    CHECK(transfer.size() == expected);
+    rest = rest.subspan(transfer.size());
+  }
+  CHECK(rest.empty());
+}
+
+}  // namespace
+}  // namespace flotilla::target

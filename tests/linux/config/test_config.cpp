@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include "app/version.hpp"
+#include "linux/config/config.hpp"
+#include "linux/scratch.hpp"
+
+namespace flotilla::target {
+namespace {
+
+std::variant<Config, Ending> read(std::vector<const char*> options, bool by_root = false) {
+  options.insert(options.begin(), "flotillad");
+  return read_config(options, by_root);
+}
+
+Config good(const std::vector<const char*>& options) {
+  const auto result = read(options);
+  if (const auto* ending = std::get_if<Ending>(&result)) FAIL(ending->text);
+  return std::get<Config>(result);
+}
+
+std::string mistake(const std::vector<const char*>& options) {
+  const auto result = read(options);
+  REQUIRE(std::holds_alternative<Ending>(result));
+  const auto& ending = std::get<Ending>(result);
+  CHECK(ending.status == 2);
+  CHECK(ending.text.starts_with("flotillad: "));
+  CHECK(ending.text.find('\n') == ending.text.size() - 1);
+  return ending.text;
+}
+
+/// boat.toml with that text.
+struct File {
+  Scratch folder;
+  std::string path = (folder / "boat.toml").string();
+  explicit File(const std::string& text) { put(path, text); }
+
+  Config good(std::vector<const char*> options = {}) const {
+    options.insert(options.begin(), {"--config", path.c_str()});
+    return target::good(options);
+  }
+  /// What the mistake says behind "flotillad: …/boat.toml".
+  std::string mistake() const {
+    const std::string text = target::mistake({"--config", path.c_str()});
+    const std::string start = "flotillad: " + path;
+    REQUIRE(text.starts_with(start));
+    return text.substr(start.size());
+  }
+};
+
+TEST_CASE("root is refused before any file is read, and told what it may do instead") {
+  const auto result = read({"--config", "/nowhere.toml"}, true);
+  REQUIRE(std::holds_alternative<Ending>(result));
+  const auto& ending = std::get<Ending>(result);
+  CHECK(ending.status == 2);
+  CHECK(ending.text.starts_with("flotillad: does not run as root"));
+  CHECK(ending.text.find("flotillad.service") != std::string::npos);
+  CHECK(ending.text.find("nowhere") == std::string::npos);
+  CHECK(std::get<Ending>(read({"--help"}, true)).status == 0);
+}
+
+TEST_CASE("one link is all a boat needs to be told") {
+  const Config config = good({"--mavlink", "udpin:0.0.0.0:14550"});
+  CHECK(config.can == "socketcan:can0");
+  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:0.0.0.0:14550", 0}});
+  CHECK(config.param.empty());
+  CHECK(config.state_dir == "/var/lib/flotilla");
+  CHECK(config.log.empty());
+  CHECK(config.priority == 0);
+  CHECK_FALSE(config.lock_memory);
+}
+
+TEST_CASE("every key of the file is read") {
+  const File file(R"(
+can = "mcast:3"
+mavlink = ["udpout:127.0.0.1:14550", "serial:/dev/ttyUSB0:57600,rate=3000"]
+state-dir = "/tmp/state"
+log = "/tmp/log"
+stats = "/tmp/stats.json"
+priority = 50
+lock-memory = true
+[param]
+MAV_SYSID = 2
+LAW_KX = 0.25
+THR_PORT_DIR = -1
+)");
+  const Config config = file.good();
+  CHECK(config.can == "mcast:3");
+  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpout:127.0.0.1:14550", 0},
+                                                         {"serial:/dev/ttyUSB0:57600", 3000}});
+  CHECK(config.state_dir == "/tmp/state");
+  CHECK(config.parameter_file() == "/tmp/state/parameters.txt");
+  CHECK(config.log == "/tmp/log");
+  CHECK(config.stats == "/tmp/stats.json");
+  CHECK(config.priority == 50);
+  CHECK(config.lock_memory);
+  CHECK(config.param ==
+        ParameterOverrides{{"LAW_KX", 0.25F}, {"MAV_SYSID", 2}, {"THR_PORT_DIR", -1}});
+  app::Parameters parameters;
+  apply(config.param, parameters);
+  CHECK(parameters.MAV_SYSID == 2);
+  CHECK(parameters.LAW_KX == 0.25F);
+  CHECK(parameters.LAW_KPSI == app::Parameters{}.LAW_KPSI);
+}
+
+TEST_CASE("the command line wins over the file: links as a list, parameters one by one") {
+  const File file(R"(
+can = "mcast:3"
+mavlink = ["udpout:127.0.0.1:14550", "udpin:127.0.0.1:14551"]
+log = "/tmp/log"
+priority = 50
+lock-memory = true
+param = {MAV_SYSID = 2, LAW_KX = 0.25}
+)");
+  const Config config =
+      file.good({"--can", "socketcan:vcan1", "--mavlink", "udpin:127.0.0.1:1,rate=0", "--param",
+                 "LAW_KX=0.5", "--param=THR_ARM=1e0", "--state-dir", "here",
+                 "--log=", "--priority=0", "--lock-memory=false"});
+  CHECK(config.can == "socketcan:vcan1");
+  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:127.0.0.1:1", 0}});
+  CHECK(config.param == ParameterOverrides{{"LAW_KX", 0.5F}, {"MAV_SYSID", 2}, {"THR_ARM", 1}});
+  CHECK(config.state_dir == "here");
+  CHECK(config.log.empty());
+  CHECK(config.priority == 0);
+  CHECK_FALSE(config.lock_memory);
+}
+
+TEST_CASE("telemetry leaves a serial line room unless its rate is given") {
+  const Config config = good({"--mavlink", "serial:/dev/ttyUSB0:9600", "--mavlink",
+                              "serial:/dev/ttyUSB1:115200,signing=off", "--mavlink",
+                              "serial:/dev/ttyUSB2:9600,rate=0", "--mavlink", "udpin:14550"});
+  REQUIRE(config.mavlink.size() == 4);
+  CHECK(config.mavlink[0].bytes_per_s == 768);
+  CHECK(config.mavlink[1].bytes_per_s == 9216);
+  CHECK(config.mavlink[2].bytes_per_s == 0);
+  CHECK(config.mavlink[3].bytes_per_s == 0);
+}
+
+TEST_CASE("several links on the command line keep their order") {
+  const Config config = good({"--mavlink", "udpin:127.0.0.1:1", "--mavlink",
+                              "udpout:127.0.0.1:2,rate=10", "--lock-memory"});
+  CHECK(config.mavlink ==
+        std::vector<MavlinkLinkConfig>{{"udpin:127.0.0.1:1", 0}, {"udpout:127.0.0.1:2", 10}});
+  CHECK(config.lock_memory);
+}
+
+TEST_CASE(
+    "a link says behind its address what its signatures are worth, before or after its rate") {
+  using enum app::SigningPolicy;
+  const File file(R"(
+signing-key = "/etc/flotilla/key"
+mavlink = ["udpin:a:1,signing=required,rate=9", "udpin:a:2,rate=9,signing=off",
+           "udpin:a:3,signing=accept", "udpin:a:4"]
+)");
+  const Config config = file.good();
+  CHECK(config.signing_key == "/etc/flotilla/key");
+  CHECK(config.signing_time_file() == config.state_dir / "signing_time.txt");
+  CHECK(config.mavlink == std::vector<MavlinkLinkConfig>{{"udpin:a:1", 9, kRequired},
+                                                         {"udpin:a:2", 9, kOff},
+                                                         {"udpin:a:3", 0, kAccept},
+                                                         {"udpin:a:4"}});
+  CHECK(config.policy(config.mavlink[0]) == kRequired);
+  CHECK(config.policy(config.mavlink[1]) == kOff);
+  CHECK(config.policy(config.mavlink[3]) == kAccept);
+}
+
+TEST_CASE("without a key no link signs, and none may be asked to") {
+  const Config config = good({"--mavlink=udpin:a:1", "--mavlink=udpin:a:2,signing=off"});
+  CHECK(config.mavlink.size() == 2);
+  for (const auto& link : config.mavlink) CHECK(config.policy(link) == app::SigningPolicy::kOff);
+  for (const std::string policy : {"accept", "required"}) {
+    const std::string link = "--mavlink=udpin:a:1,signing=" + policy;
+    CHECK(mistake({link.c_str()}) ==
+          "flotillad: mavlink: signing on udpin:a:1 needs a signing-key\n");
+    CHECK(good({link.c_str(), "--signing-key=key"}).signing_key == "key");
+  }
+  const File file("signing-key = \"key\"\nmavlink = [\"udpin:a:1,signing=required\"]\n");
+  CHECK(mistake({"--config", file.path.c_str(), "--signing-key="}).find("needs a signing-key") !=
+        std::string::npos);
+}
+
+TEST_CASE("the example that is delivered is a configuration") {
+  const Config config = good({"--config", FLOTILLA_SOURCE "/firmware/linux/boat.toml"});
+  CHECK(config.can == Config{}.can);
+  CHECK(config.state_dir == Config{}.state_dir);
+  CHECK(config.mavlink.size() == 1);
+}
+
+TEST_CASE("--help and --version print their text and end with status 0") {
+  const auto help = std::get<Ending>(read({"--help"}));
+  CHECK(help.status == 0);
+  for (const char* word :
+       {"--config", "--can", "--mavlink", "--param", "--state-dir", "--signing-key",
+        "signing=POLICY", "--log", "--priority", "--lock-memory", "--version", "socketcan:IF",
+        "udpbcast:HOST:PORT", "rate=BYTES"}) {
+    CAPTURE(word);
+    CHECK(help.text.find(word) != std::string::npos);
+  }
+  const auto version = std::get<Ending>(read({"--version"}));
+  CHECK(version.status == 0);
+  CHECK(version.text == "flotillad 0.1 (" + std::string(flotilla::app::source_revision()) + ")\n");
+}
+
+TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
+  struct {
+    const char* text;
+    const char* says;
+  } const cases[] = {
+      {"can = \"mcast:0\"\nspeed = 3\n",
+       ":2:1: unknown key \"speed\" (allowed: can, mavlink, state-dir, signing-key, log, stats, "
+       "priority, lock-memory, param)\n"},
+      {"can = 0\n", ":1:7: can: must be a string\n"},
+      {"can = \"can0\"\n", ":1:7: can: \"can0\" is no CAN bus (allowed: socketcan:, mcast:…)\n"},
+      {"can = \"socketcan:\"\n",
+       ":1:7: can: \"socketcan:\" is no CAN bus (allowed: socketcan:, mcast:…)\n"},
+      {"mavlink = \"udpin:0.0.0.0:1\"\n",
+       ":1:11: mavlink: must be a list of strings, such as [\"udpin:0.0.0.0:14550\"]\n"},
+      {"mavlink = [\n  \"udpin:0.0.0.0:1\",\n  7,\n]\n", ":3:3: mavlink: must be a string\n"},
+      {"mavlink = [\"tcp:1.2.3.4:5\"]\n",
+       ":1:12: mavlink: \"tcp:1.2.3.4:5\" is no MAVLink link (allowed: udpin:, udpout:, udpbcast:, "
+       "serial:…)\n"},
+      {"mavlink = [\"udpin:0.0.0.0:1,rate=fast\"]\n",
+       ":1:12: mavlink: \",rate=fast\" behind udpin:0.0.0.0:1 (allowed: ,rate=BYTES with whole "
+       "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
+      {"mavlink = [\"udpin:0.0.0.0:1,rate=1,signing=yes\"]\n",
+       ":1:12: mavlink: \",signing=yes\" behind udpin:0.0.0.0:1 (allowed: ,rate=BYTES with whole "
+       "bytes per second, 0: no limit; ,signing=off, accept or required)\n"},
+      {"signing-key = 7\n", ":1:15: signing-key: must be a string\n"},
+      {"mavlink = [\"udpin:a:1\", \"udpin:a:2\", \"udpin:a:3\", \"udpin:a:4\", \"udpin:a:5\"]\n",
+       ":1:11: mavlink: 5 links (allowed: 1 to 4)\n"},
+      {"priority = 100\n", ":1:12: priority: allowed: whole numbers from 0 (off) to 99\n"},
+      {"priority = 1.5\n", ":1:12: priority: must be a whole number\n"},
+      {"lock-memory = 1\n", ":1:15: lock-memory: must be true or false\n"},
+      {"param = 1\n", ":1:9: param: must be a table: [param] and NAME = VALUE lines\n"},
+      {"[param]\n\nLAW_K = 1\n",
+       ":3:9: param: no parameter is called \"LAW_K\" (allowed: those of firmware/README.md)\n"},
+      {"[param]\nLAW_KX = \"much\"\n", ":2:10: param: LAW_KX must be a number\n"},
+      {"[param]\nLAW_KX = true\n", ":2:10: param: LAW_KX must be a number\n"},
+      {"[param]\nLAW_KX = 3\n", ":2:10: param: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)\n"},
+      {"[param]\nLAW_KX = nan\n",
+       ":2:10: param: LAW_KX = nan (allowed: numbers from 0 to 2 1/s)\n"},
+      {"[param]\nLAW_KX = 1e300\n",
+       ":2:10: param: LAW_KX = 1e+300 (allowed: numbers from 0 to 2 1/s)\n"},
+      {"[param]\nMAV_SYSID = 1.5\n",
+       ":2:13: param: MAV_SYSID = 1.5 (allowed: whole numbers from 1 to 254)\n"},
+      {"[param]\nMODE = 4\n",
+       ":2:8: param: MODE cannot be given here: every start is in HOLD, a command changes it\n"},
+      {"[param]\nTHR_PORT_DIR = 0\n", ":2:16: param: THR_PORT_DIR = 0 (allowed: -1 or 1)\n"},
+  };
+  for (const auto& c : cases) {
+    CAPTURE(c.text);
+    CHECK(File(c.text).mistake() == c.says);
+  }
+}
+
+TEST_CASE("a file that is no TOML, or no file, is one line too") {
+  CHECK(File("can = \n").mistake().starts_with(":1:7: "));
+  CHECK(File("can = \"a\"\ncan = \"b\"\n").mistake().starts_with(":2:"));
+  CHECK(mistake({"--config", "/no/such/boat.toml"}).find("/no/such/boat.toml") !=
+        std::string::npos);
+  CHECK(mistake({"--config", "/tmp"}).find("/tmp") != std::string::npos);
+}
+
+TEST_CASE("a mistake on the command line names the option and what is allowed") {
+  const char* const link = "--mavlink=udpin:127.0.0.1:1";
+  CHECK(mistake({}) ==
+        "flotillad: no MAVLink link: give --mavlink, or --config FILE with the key mavlink\n");
+  CHECK(mistake({link, "--param", "LAW_KX"}) ==
+        "flotillad: --param: \"LAW_KX\" is not NAME=VALUE\n");
+  CHECK(mistake({link, "--param", "LAW_KX=3"}) ==
+        "flotillad: --param: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)\n");
+  CHECK(mistake({link, "--param", "LAW_KX=0.1x"}) ==
+        "flotillad: --param: LAW_KX = 0.1x (allowed: numbers from 0 to 2 1/s)\n");
+  CHECK(mistake({link, "--param", "MODE=6"}) ==
+        "flotillad: --param: MODE cannot be given here: every start is in HOLD, a command changes "
+        "it\n");
+  CHECK(mistake({link, "--param", "SPEED=3"}) ==
+        "flotillad: --param: no parameter is called \"SPEED\" (allowed: those of "
+        "firmware/README.md)\n");
+  CHECK(mistake({link, "--priority", "high"}) ==
+        "flotillad: --priority: allowed: whole numbers from 0 (off) to 99\n");
+  CHECK(mistake({link, "--can", "vcan0"}) ==
+        "flotillad: --can: \"vcan0\" is no CAN bus (allowed: socketcan:, mcast:…)\n");
+  CHECK(mistake({"--mavlink", "udp:1:1"}).find("--mavlink: \"udp:1:1\" is no MAVLink link") !=
+        std::string::npos);
+  CHECK(mistake({link, "--state-dir", ""}) ==
+        "flotillad: state-dir: must be the name of a directory\n");
+  CHECK(mistake({link, "--speed", "3"}).find("--speed") != std::string::npos);
+  CHECK(mistake({link, "surplus"}).find("surplus") != std::string::npos);
+  CHECK(mistake({link, "--priority"}).find("--priority") != std::string::npos);
+  CHECK(mistake({link, "--lock-memory=perhaps"}).find("perhaps") != std::string::npos);
+  CHECK(mistake({link, "--priority", "1", "--priority", "2"}).find("--priority") !=
+        std::string::npos);
+}
+
+}  // namespace
+}  // namespace flotilla::target

@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "link/mavlink/crc32.hpp"
+#include "linux/files/durable_file.hpp"
+#include "linux/files/parameter_file.hpp"
+#include "linux/scratch.hpp"
+
+namespace flotilla::target {
+namespace {
+
+using app::Parameters;
+
+Parameters with_kx(float kx) {
+  Parameters p;
+  p.LAW_KX = kx;
+  return p;
+}
+
+/// A boat's directory with two saves behind it: k_x 0.25, then 0.5.
+struct Boat {
+  Scratch folder;
+  std::filesystem::path file = folder / "parameters.txt";
+  std::filesystem::path previous = folder / "parameters.txt.previous";
+
+  Boat() {
+    REQUIRE_FALSE(save_parameters(file, with_kx(0.25F), {}));
+    REQUIRE_FALSE(save_parameters(file, with_kx(0.5F), {}));
+  }
+};
+
+bool said(const LoadedParameters& loaded, std::string_view words) {
+  for (const std::string& note : loaded.notes) {
+    if (note.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
+/// A file with these lines and a good checksum.
+std::string signed_text(const std::string& body) {
+  char line[32];
+  std::snprintf(line, sizeof line, "crc32 = %08X\n", static_cast<unsigned>(link::ieee_crc32(body)));
+  return body + line;
+}
+
+TEST_CASE("the checksum is the CRC-32 that everybody knows") {
+  CHECK(link::ieee_crc32("123456789") == 0xCBF43926U);
+  CHECK(link::ieee_crc32("") == 0);
+}
+
+TEST_CASE("a boat that was never set up has the defaults, which somebody has to confirm") {
+  Scratch folder;
+  const auto loaded = load_parameters(folder / "parameters.txt");
+  CHECK(loaded.source == ParameterSource::kFirstStart);
+  CHECK(loaded.must_be_confirmed);
+  REQUIRE(loaded.notes.size() == 2);
+  CHECK(loaded.notes[0].ends_with("parameters.txt: never set up, or lost"));
+  CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
+}
+
+TEST_CASE("every value comes back to the last bit") {
+  Scratch folder;
+  std::mt19937 random(7);
+  for (int round = 0; round < 50; ++round) {
+    Parameters p;
+    for (const auto& info : app::kParameterList) {
+      std::uniform_real_distribution<float> any(info.least, info.greatest);
+      const float value = any(random);
+      if (!info.whole() && app::is_valid(info, value)) p.*info.member = value;
+    }
+    if (app::contradiction(p)) continue;
+    REQUIRE_FALSE(save_parameters(folder / "p", p, {}));
+    const auto loaded = load_parameters(folder / "p");
+    CHECK(loaded.source == ParameterSource::kFile);
+    CHECK(loaded.notes.empty());
+    for (const auto& info : app::kParameterList) {
+      CAPTURE(info.name);
+      CHECK(loaded.values.*info.member == p.*info.member);
+    }
+  }
+}
+
+TEST_CASE("the file reads like a list and its directory is made where it is missing") {
+  Scratch folder;
+  const auto file = folder / "deep" / "down" / "parameters.txt";
+  REQUIRE_FALSE(save_parameters(file, with_kx(0.1F), {}));
+  const std::string text = content(file);
+  CHECK(text.starts_with("flotilla-parameters 1\n"));
+  CHECK(text.find("\nLAW_KX = 0.1\n") != std::string::npos);
+  CHECK(text.find("\nMAV_SYSID = 1\n") != std::string::npos);
+}
+
+TEST_CASE("file truncated at every byte: the previous version, and it is said") {
+  Boat boat;
+  const std::string whole = content(boat.file);
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    CAPTURE(size);
+    put(boat.file, whole.substr(0, size));
+    const auto loaded = load_parameters(boat.file);
+    CHECK(loaded.source == ParameterSource::kPrevious);
+    CHECK(loaded.values.LAW_KX == 0.25F);
+    CHECK(said(loaded, "parameters.txt "));
+    CHECK(said(loaded, "the parameters are those of parameters.txt.previous"));
+    CHECK_FALSE(loaded.must_be_confirmed);
+  }
+}
+
+TEST_CASE("any single bit of the file flipped: the previous version, and it is said") {
+  Boat boat;
+  const std::string whole = content(boat.file);
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    CAPTURE(bit);
+    std::string damaged = whole;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+    put(boat.file, damaged);
+    const auto loaded = load_parameters(boat.file);
+    CHECK(loaded.source == ParameterSource::kPrevious);
+    CHECK(loaded.values.LAW_KX == 0.25F);
+    CHECK(said(loaded, "checksum"));
+  }
+}
+
+TEST_CASE("both versions damaged, or one damaged and no other: defaults, to be confirmed") {
+  Boat boat;
+  const std::string whole = content(boat.file);
+  bool previous_is_gone = false;
+  SUBCASE("the previous one is damaged too") { put(boat.previous, whole.substr(0, 22)); }
+  SUBCASE("there is no previous one") {
+    previous_is_gone = std::filesystem::remove(boat.previous);
+    REQUIRE(previous_is_gone);
+  }
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    CAPTURE(size);
+    put(boat.file, whole.substr(0, size));
+    const auto loaded = load_parameters(boat.file);
+    CHECK(loaded.source == ParameterSource::kDefaults);
+    CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
+    CHECK(loaded.must_be_confirmed);
+    CHECK(said(loaded, "ALL PARAMETERS ARE DEFAULTS"));
+    CHECK(said(loaded, "parameters.txt.previous") == !previous_is_gone);
+  }
+}
+
+TEST_CASE("what is there instead of a parameter file is said, never fatal") {
+  Boat boat;
+  std::filesystem::remove(boat.previous);
+  std::filesystem::remove(boat.file);
+  std::string why;
+  SUBCASE("a directory") {
+    std::filesystem::create_directory(boat.file);
+    why = "cannot be read: Is a directory";
+  }
+  SUBCASE("something endless") {
+    std::filesystem::create_symlink("/dev/zero", boat.file);
+    why = "cannot be read";
+  }
+  SUBCASE("something huge") {
+    put(boat.file, std::string(2U << 20U, 'x'));
+    why = "cannot be read: File too large";
+  }
+  SUBCASE("a whole file of something else") {
+    put(boat.file, signed_text("shopping list\nbeer = 6\n"));
+    why = "is no parameter file";
+  }
+  SUBCASE("a format of the future") {
+    put(boat.file, signed_text("flotilla-parameters 2\nLAW_KX = 0.5\n"));
+    why = "has another format (\"flotilla-parameters 2\")";
+  }
+  SUBCASE("noise") {
+    std::mt19937 random(3);
+    std::string noise(500, '\0');
+    for (char& c : noise) c = static_cast<char>(random());
+    put(boat.file, noise);
+    why = "checksum";
+  }
+  const auto loaded = load_parameters(boat.file);
+  CHECK(loaded.source == ParameterSource::kDefaults);
+  CHECK(said(loaded, why));
+}
+
+TEST_CASE("a value that is not allowed keeps its default alone, and must be confirmed") {
+  Scratch folder;
+  for (const std::string bad :
+       {"nan", "inf", "-inf", "9", "-0.1", "1e39", "1e-50x", "", "0.5 ", "0x1"}) {
+    CAPTURE(bad);
+    put(folder / "p",
+        signed_text("flotilla-parameters 1\nLAW_KX = " + bad + "\nLAW_KPSI = 0.75\n"));
+    const auto loaded = load_parameters(folder / "p");
+    CHECK(loaded.source == ParameterSource::kFile);
+    CHECK(loaded.values.LAW_KX == Parameters{}.LAW_KX);
+    CHECK(loaded.values.LAW_KPSI == 0.75F);
+    CHECK(loaded.must_be_confirmed);
+    CHECK(said(loaded, "p: LAW_KX = " + bad + " is refused (allowed: 0 to 2); default 0.2"));
+  }
+}
+
+TEST_CASE("values that exclude each other are no boat: the previous version") {
+  Boat boat;
+  put(boat.file, signed_text("flotilla-parameters 1\nESC_PORT = 3\nESC_STBD = 3\n"));
+  const auto loaded = load_parameters(boat.file);
+  CHECK(loaded.source == ParameterSource::kPrevious);
+  CHECK(loaded.values.LAW_KX == 0.25F);
+  CHECK(loaded.values.ESC_PORT == 0);
+  CHECK(said(loaded, "contradicts itself: ESC_PORT and ESC_STBD are the same ESC"));
+}
+
+TEST_CASE("names of another version are kept over saves, word for word, and said") {
+  Scratch folder;
+  put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = 0.5\nLAW_MAGIC = 3.25\n"
+                                "no equals sign\nLAW_KPSI=1\n"));
+  auto loaded = load_parameters(folder / "p");
+  for (int save = 0; save < 3; ++save) {
+    CHECK(loaded.source == ParameterSource::kFile);
+    CHECK(loaded.values.LAW_KX == 0.5F + 0.125F * static_cast<float>(save));
+    REQUIRE(loaded.unknown.size() == 3);
+    CHECK(loaded.unknown[0] == "LAW_MAGIC = 3.25");
+    CHECK(loaded.unknown[1] == "no equals sign");
+    CHECK(loaded.unknown[2] == "LAW_KPSI=1");
+    CHECK(said(loaded, "p: \"LAW_MAGIC\" is unknown to this version and kept"));
+    CHECK_FALSE(loaded.must_be_confirmed);
+    loaded.values.LAW_KX += 0.125F;
+    REQUIRE_FALSE(save_parameters(folder / "p", loaded.values, loaded.unknown));
+    loaded = load_parameters(folder / "p");
+  }
+}
+
+TEST_CASE("a file of an older version has its values; what it lacks is default and said") {
+  Scratch folder;
+  put(folder / "p", signed_text("flotilla-parameters 1\nLAW_KX = 0.5\n"));
+  const auto loaded = load_parameters(folder / "p");
+  CHECK(loaded.source == ParameterSource::kFile);
+  CHECK(loaded.values.LAW_KX == 0.5F);
+  CHECK(loaded.values.LAW_KPSI == Parameters{}.LAW_KPSI);
+  CHECK_FALSE(loaded.must_be_confirmed);
+  REQUIRE(loaded.notes.size() == 1);
+  CHECK(loaded.notes[0].starts_with("p: not in it, so default: MAV_SYSID, "));
+}
+
+TEST_CASE("a mode is neither saved, nor read, nor missed: every start is in HOLD") {
+  Scratch folder;
+  Parameters sailing;
+  sailing.MODE = app::mode::kFormation;
+  REQUIRE_FALSE(save_parameters(folder / "p", sailing, {}));
+  CHECK(content(folder / "p").find("MODE") == std::string::npos);
+  CHECK(load_parameters(folder / "p").notes.empty());
+
+  put(folder / "p", signed_text("flotilla-parameters 1\nMODE = 6\nLAW_KX = 0.5\n"));
+  const auto loaded = load_parameters(folder / "p");
+  CHECK(loaded.source == ParameterSource::kFile);
+  CHECK(loaded.values.MODE == app::mode::kHold);
+  CHECK(loaded.values.LAW_KX == 0.5F);
+  CHECK(loaded.unknown.empty());
+  CHECK_FALSE(loaded.must_be_confirmed);
+  CHECK(said(loaded, "p: MODE = 6 is ignored: it is never saved"));
+}
+
+TEST_CASE("saving what is saved already leaves both versions alone") {
+  Boat boat;
+  REQUIRE_FALSE(save_parameters(boat.file, with_kx(0.5F), {}));
+  CHECK(load_parameters(boat.file).values.LAW_KX == 0.5F);
+  CHECK(load_parameters(boat.previous).values.LAW_KX == 0.25F);
+}
+
+TEST_CASE("a save over a damaged file keeps the whole previous version") {
+  Boat boat;
+  put(boat.file, content(boat.file).substr(0, 100));
+  REQUIRE_FALSE(save_parameters(boat.file, with_kx(0.75F), {}));
+  CHECK(load_parameters(boat.file).values.LAW_KX == 0.75F);
+  CHECK(load_parameters(boat.previous).values.LAW_KX == 0.25F);
+}
+
+/// The disk after each step of a save of k_x = 0.75 in a directory like Boat's, as replace_file()
+/// leaves it: the file beside half written, whole, renamed; first for the previous version, then
+/// for the file.
+std::vector<std::function<void(const Boat&)>> steps_of_a_save() {
+  const std::string old = parameter_text(with_kx(0.5F), {}),
+                    fresh = parameter_text(with_kx(0.75F), {});
+  std::vector<std::function<void(const Boat&)>> steps{[](const Boat&) {}};
+  const auto then = [&](std::function<void(const Boat&)> next) {
+    steps.push_back([before = steps.back(), next](const Boat& boat) {
+      before(boat);
+      next(boat);
+    });
+  };
+  for (const bool is_previous : {true, false}) {
+    const std::string text = is_previous ? old : fresh;
+    const auto target = [is_previous](const Boat& b) { return is_previous ? b.previous : b.file; };
+    for (std::size_t size = 0; size <= text.size(); size += is_previous ? 61 : 17) {
+      then([=](const Boat& b) { put(beside(target(b), ".new"), text.substr(0, size)); });
+    }
+    then([=](const Boat& b) { put(beside(target(b), ".new"), text); });
+    then([=](const Boat& b) { std::filesystem::rename(beside(target(b), ".new"), target(b)); });
+  }
+  return steps;
+}
+
+TEST_CASE(
+    "killed between any two steps of a save: the old values or the new, both versions whole") {
+  const auto steps = steps_of_a_save();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    CAPTURE(i);
+    Boat boat;
+    steps[i](boat);
+    const auto loaded = load_parameters(boat.file);
+    CHECK(loaded.source == ParameterSource::kFile);
+    CHECK(loaded.values.LAW_KX == (i + 1 == steps.size() ? 0.75F : 0.5F));
+    CHECK(loaded.notes.empty());
+    CHECK(load_parameters(boat.previous).source == ParameterSource::kFile);
+
+    // The disk loses the file on top of it: still no defaults.
+    std::filesystem::remove(boat.file);
+    const auto without = load_parameters(boat.file);
+    CHECK(without.source == ParameterSource::kPrevious);
+    CHECK(said(without, "parameters.txt is missing"));
+
+    // And the next save goes through over whatever was left.
+    REQUIRE_FALSE(save_parameters(boat.file, with_kx(1), {}));
+    CHECK(load_parameters(boat.file).values.LAW_KX == 1);
+    CHECK(load_parameters(boat.previous).source == ParameterSource::kFile);
+  }
+}
+
+TEST_CASE("the steps above are the ones a save makes") {
+  Boat real, simulated;
+  REQUIRE_FALSE(save_parameters(real.file, with_kx(0.75F), {}));
+  steps_of_a_save().back()(simulated);
+  CHECK(content(real.file) == content(simulated.file));
+  CHECK(content(real.previous) == content(simulated.previous));
+  CHECK_FALSE(std::filesystem::exists(beside(real.file, ".new")));
+  CHECK_FALSE(std::filesystem::exists(beside(real.previous, ".new")));
+}
+
+TEST_CASE("a save that cannot be made says why and leaves what there was") {
+  Boat boat;
+  std::filesystem::create_directory(beside(boat.file, ".new"));
+  const auto fault = save_parameters(boat.file, with_kx(0.75F), {});
+  REQUIRE(fault);
+  CHECK(fault->find("parameters.txt.new cannot be written: Is a directory") != std::string::npos);
+  CHECK(load_parameters(boat.file).values.LAW_KX == 0.5F);
+  CHECK(save_parameters("/dev/null/p", with_kx(0.75F), {}));
+}
+
+TEST_CASE("a full disk: the save says so, both versions stay") {
+  Boat boat;
+  std::filesystem::create_symlink("/dev/full", beside(boat.file, ".new"));
+  const auto fault = save_parameters(boat.file, with_kx(0.75F), {});
+  REQUIRE(fault);
+  CHECK(fault->find("No space left on device") != std::string::npos);
+  CHECK(load_parameters(boat.file).values.LAW_KX == 0.5F);
+}
+
+}  // namespace
+}  // namespace flotilla::target

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""The boat's logs, read by the programs that people read them with: pymavlink and python-can."""
+
+import os
+import subprocess
+import time
+from pathlib import Path
+
+import can
+import pytest
+from pymavlink import mavutil
+
+from tests.linux.process import RealSea
+from tests.target.bus import NODE
+from tests.target.stations import (
+    BOAT,
+    GCS,
+    GCS_COMPONENT,
+    LEADER,
+    LEADER_COMPONENT,
+    NAVIGATION,
+)
+
+ROOT = Path(__file__).parents[3]
+START_S = 1700000000.123456
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Ten seconds of a boat, written by tests/linux/logs/write_logs.cpp."""
+    build = Path(os.environ.get("FLOTILLA_BUILD", ROOT / "build" / "dev"))
+    writer = build / "tests" / "write_logs"
+    if not writer.exists():
+        pytest.skip(f"{writer} is not built: tools/build dev")
+    folder = tmp_path_factory.mktemp("logs")
+    subprocess.run([writer, folder], check=True)
+    return folder
+
+
+def messages(path: Path) -> list[mavutil.mavlink.MAVLink_message]:
+    log = mavutil.mavlogfile(str(path))
+    try:
+        return list(iter(log.recv_msg, None))
+    finally:
+        log.close()
+
+
+def test_pymavlink_reads_every_packet_of_the_tlog_with_its_time(logs: Path) -> None:
+    paths = sorted(logs.glob("mavlink-*.tlog"))
+    assert len(paths) > 1
+    everything = [m for path in paths for m in messages(path)]
+    assert [m.get_type() for m in everything] == [
+        "HEARTBEAT",
+        "ATTITUDE",
+        "LOCAL_POSITION_NED",
+    ] * 100
+    for i, (heartbeat, attitude, position) in enumerate(
+        zip(everything[::3], everything[1::3], everything[2::3], strict=True)
+    ):
+        assert (heartbeat.custom_mode, heartbeat.get_srcSystem()) == (i, 2)
+        assert heartbeat.get_seq() == 2 * i
+        assert attitude.yaw == pytest.approx(0.01 * i)
+        assert (position.x, position.get_srcSystem()) == (1.5, 1)
+        assert heartbeat._timestamp == pytest.approx(START_S + 0.1 * i, abs=1e-6)
+        # a packet has the time of its last byte
+        assert position._timestamp == pytest.approx(START_S + 0.1 * i + 20e-6, abs=1e-6)
+
+
+def test_mavlogdumps_entry_point_opens_the_tlog(logs: Path) -> None:
+    log = mavutil.mavlink_connection(str(min(logs.glob("mavlink-*.tlog"))))
+    first = log.recv_match(type="HEARTBEAT")
+    log.close()
+    assert first.type == mavutil.mavlink.MAV_TYPE_SURFACE_BOAT
+
+
+def test_python_can_reads_every_frame_of_the_candump_log_with_its_time(logs: Path) -> None:
+    everything: list[can.Message] = []
+    for path in sorted(logs.glob("can-*.log")):
+        with can.LogReader(path) as reader:
+            everything += list(reader)
+    assert len(everything) == 100
+    for i, message in enumerate(everything):
+        assert message.is_extended_id
+        assert (message.arbitration_id, message.channel) == (0x0704060A, "vcan0")
+        assert bytes(message.data) == bytes([0xFF, 0x7C, 0x02, 0x00, 0xC0 | i % 32])
+        assert message.timestamp == pytest.approx(START_S + 0.1 * i + 30e-6, abs=1e-6)
+
+
+def test_flotillads_own_logs_have_both_directions(sea: RealSea, tmp_path: Path) -> None:
+    sea.start(f"--log={tmp_path / 'log'}")
+    sea.enter_formation()
+    assert sea.end() == 0
+    (tlog,), (candump,) = ((tmp_path / "log").glob(kind) for kind in ("*.tlog", "*.log"))
+
+    log = mavutil.mavlink_connection(str(tlog))
+    everything = list(iter(log.recv_msg, None))
+    log.close()
+    assert not any(m.get_type() == "BAD_DATA" for m in everything)
+    said = {(m.get_srcSystem(), m.get_srcComponent(), m.get_type()) for m in everything}
+    assert {
+        (BOAT, 1, "HEARTBEAT"),
+        (BOAT, 1, "COMMAND_ACK"),
+        (BOAT, 1, "ATTITUDE"),
+        (BOAT, NAVIGATION, "ODOMETRY"),
+        (LEADER, LEADER_COMPONENT, "ODOMETRY"),
+        (GCS, GCS_COMPONENT, "COMMAND_LONG"),
+    } <= said
+
+    with can.LogReader(candump) as reader:
+        assert isinstance(reader, can.CanutilsLogReader)
+        frames = list(reader)
+    assert {frame.channel for frame in frames} == {f"mcast{sea.bus}"}
+    logged = [(frame.arbitration_id, bytes(frame.data)) for frame in frames]
+    sent = [frame for frame in logged if frame[0] & 0x7F == NODE]
+    assert sent[-len(sea.heard) :] == sea.frames()
+    assert {31, 32} <= {can_id & 0x7F for can_id, _ in logged}
+    times = [frame.timestamp for frame in frames]
+    assert times == sorted(times)
+    assert times[-1] == pytest.approx(time.time(), abs=60.0)

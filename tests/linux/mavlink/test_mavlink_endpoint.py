@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: MIT
+"""MAVLink links of every kind, as other programs have them at the other end."""
+
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
+from functools import partial
+from pathlib import Path
+
+import pytest
+from pymavlink import mavutil
+
+from tests.linux.process import (
+    LOOPBACK,
+    PATIENT,
+    RealSea,
+    Serial,
+    Udp,
+    broadcast_listener,
+    free_port,
+    now_us,
+)
+from tests.target.stations import BOAT, GCS, command_long
+from tests.turns import some
+
+RATE_BPS = 800
+
+
+@pytest.fixture
+def opened() -> Iterator[ExitStack]:
+    """Closes what a test has opened besides the links of the sea."""
+    with ExitStack() as stack:
+        yield stack
+
+
+def test_udpin_answers_everybody_who_has_talked_to_it_and_nobody_else(
+    sea: RealSea, opened: ExitStack
+) -> None:
+    port = free_port()
+    unheard = Udp(port)
+    opened.callback(unheard.close)
+    sea.connect(Udp(port), Udp(port))
+    sea.start()
+    sea.until(sea.ready)
+    sea.enter_formation()
+    for link in range(2):
+        assert sea.named("HEARTBEAT", link) and sea.named("ATTITUDE", link)
+    assert sea.acks(0) == sea.acks(1) != []
+    assert unheard.receive() == []
+
+
+def test_udpin_forgets_the_peer_that_was_silent_for_longest(
+    sea: RealSea, opened: ExitStack
+) -> None:
+    port = free_port()
+    sea.connect(Udp(port))
+    sea.start()
+    sea.until(sea.ready)
+    peers = [Udp(port) for _ in range(10)]
+    for peer in peers:
+        opened.callback(peer.close)
+        peer.send(sea.gcs.pack(command_long(0)))
+        heard = len(sea.acks())
+        sea.until(lambda heard=heard: len(sea.acks()) > heard)  # one after the other
+    for peer in peers:
+        peer.receive()
+    beats = len(sea.named("HEARTBEAT"))
+    sea.until(lambda: len(sea.named("HEARTBEAT")) > beats + 1)
+    answered = [bool(peer.receive()) for peer in peers]
+    assert answered == [False] * 3 + [True] * 7  # eight with the one that keeps talking
+
+
+def test_a_boat_sails_by_a_serial_port_alone(sea: RealSea, tmp_path: Path) -> None:
+    sea.connect(Serial(tmp_path / "ttyS0"))
+    sea.start()
+    sea.enter_formation()
+    assert not any(m.get_type() == "BAD_DATA" for m in sea.messages[0])
+
+
+def test_links_of_every_kind_work_at_once(sea: RealSea, tmp_path: Path) -> None:
+    sea.connect(Udp(free_port()), Udp(), Serial(tmp_path / "ttyS0"), broadcast_listener())
+    sea.start()
+    sea.enter_formation()  # the operator answers where the broadcast came from
+    for link in range(4):
+        assert sea.named("HEARTBEAT", link) and sea.named("ATTITUDE", link)
+        assert sea.named("STATUSTEXT", link)
+    assert sea.acks(3) and not any(sea.acks(link) for link in range(3))
+
+
+def addresses_of(pid: int) -> set[str]:
+    """Those of this machine that the process's UDP sockets are bound to: proc(5)."""
+    inodes = set()
+    for fd in Path(f"/proc/{pid}/fd").iterdir():
+        with suppress(FileNotFoundError):
+            inodes.add(os.readlink(fd).removeprefix("socket:[").removesuffix("]"))
+    lines = [line.split() for line in Path(f"/proc/{pid}/net/udp").read_text().splitlines()]
+    bound = [fields[1].partition(":")[0] for fields in lines[1:] if fields[9] in inodes]
+    return {socket.inet_ntoa(bytes.fromhex(address)[::-1]) for address in bound}
+
+
+@pytest.mark.parametrize(
+    ("host", "bound"), [("", LOOPBACK), ("127.0.0.2:", "127.0.0.2"), ("0.0.0.0:", "0.0.0.0")]
+)
+def test_a_boat_is_bound_where_its_configuration_says_and_nowhere_else(
+    sea: RealSea, host: str, bound: str
+) -> None:
+    sea.connect(Udp(free_port()), Udp(), broadcast_listener())
+    sea.start(f"--mavlink=udpin:{host}{free_port()}")
+    sea.until(lambda: sea.named("HEARTBEAT", 1))
+    group = f"239.65.82.{sea.bus}"
+    assert addresses_of(sea.process.pid) == {LOOPBACK, bound, group}
+
+
+def test_udpout_hears_nobody_but_whom_it_talks_to(sea: RealSea, opened: ExitStack) -> None:
+    stranger = Udp()
+    opened.callback(stranger.close)
+    sea.start()
+    sea.until(sea.ready)
+    end = sea.ends[0]
+    assert isinstance(end, Udp)
+    stranger.peer = end.peer
+    for _ in range(20):
+        stranger.send(sea.gcs.pack(command_long(0)))
+    sea.say(command_long(1))
+    sea.until(sea.acks)
+    assert {command for command, _ in sea.acks()} == {1}
+
+
+def test_pymavlinks_own_connection_arms_the_boat_and_names_its_mode(
+    sea: RealSea, opened: ExitStack
+) -> None:
+    port = free_port()
+    station = mavutil.mavlink_connection(f"udpin:{LOOPBACK}:{port}", source_system=GCS)
+    opened.callback(station.close)
+    sea.start(f"--mavlink=udpout:{LOOPBACK}:{port}")
+    sea.until(lambda: station.recv_match(type="HEARTBEAT"))
+    assert (station.target_system, station.flightmode) == (BOAT, "HOLD")
+
+    def order(mode: str) -> None:
+        station.arducopter_arm()
+        station.set_mode(mode)
+
+    def told(mode: str) -> bool:
+        while station.recv_match() is not None:
+            pass
+        return bool(station.motors_armed()) and station.flightmode == mode
+
+    for mode, state in (("FOLLOW", "FORMATION"), ("HOLD", "HOLD")):
+        sea.repeat(partial(order, mode), partial(told, mode))
+        sea.until(partial(lambda state: sea.state == state, state))
+
+
+def test_telemetry_keeps_to_the_rate_of_a_slow_radio(sea: RealSea) -> None:
+    sea.connect(Udp(), Udp())
+    sea.ends[1].option += f",rate={RATE_BPS}"
+    sea.start(param=PATIENT | {"SR_STATE": 50})
+    sea.until(lambda: sea.named("ATTITUDE", 1))
+    before, began_us = list(sea.bytes_heard), now_us()
+    sea.run(2.0)
+    seconds = 1e-6 * (now_us() - began_us)
+    fast, slow = (now - then for now, then in zip(sea.bytes_heard, before, strict=True))
+    saved_up = RATE_BPS / 2
+    assert 0.5 * RATE_BPS * seconds < slow < 1.2 * RATE_BPS * seconds + saved_up
+    assert fast > 2000 * seconds
+    assert len(sea.named("HEARTBEAT", 1)) > 1
+
+
+class Line(Serial):
+    """Carries no more than its baud rate allows."""
+
+    def __init__(self, device: Path, baud: int) -> None:
+        super().__init__(device, baud)
+        self._bytes_per_us = baud / 10 * 1e-6
+        self._read_us = now_us()
+
+    def receive(self) -> list[bytes]:
+        room = int((now_us() - self._read_us) * self._bytes_per_us)
+        if room == 0:
+            return []
+        self._read_us = now_us()
+        with suppress(BlockingIOError):
+            return [os.read(self._master, room)]
+        return []
+
+
+def test_a_slow_serial_line_brings_no_old_attitudes(sea: RealSea, tmp_path: Path) -> None:
+    sea.connect(Udp(), Line(tmp_path / "ttyUSB0", 9600), Udp())
+    sea.start()
+    sea.enter_formation()
+    sea.run(3.0)
+    sea.messages[1].clear()
+    ages_ms: list[int] = []
+
+    def told() -> bool:
+        while sea.messages[1]:
+            message = sea.messages[1].pop(0)
+            if message.get_type() == "ATTITUDE":
+                ages_ms.append(sea.named("ATTITUDE")[-1].time_boot_ms - message.time_boot_ms)
+        return len(ages_ms) > 10
+
+    sea.until(told)
+    print(f"ATTITUDE on 9600 Bd: oldest {max(ages_ms)} ms")
+    assert max(ages_ms) < 1000
+
+
+def test_a_serial_port_that_vanishes_does_not_stop_the_boat_and_is_opened_again(
+    sea: RealSea, tmp_path: Path
+) -> None:
+    serial = Serial(tmp_path / "ttyUSB0")
+    sea.connect(Udp(), serial, Udp())
+    sea.start()
+    sea.enter_formation()
+    serial.close()
+    sea.ends[1] = Udp()  # nobody
+    commanded = len(sea.raw_commands())
+    beats = len(sea.named("HEARTBEAT"))
+    sea.until(lambda: len(sea.named("HEARTBEAT")) > beats)
+    assert all(any(command) for command in some(sea.raw_commands()[commanded:]))
+    assert sea.driven() and sea.state == "FORMATION"
+
+    sea.ends[1].close()
+    sea.ends[1] = Serial(tmp_path / "ttyUSB0")
+    sea.messages[1].clear()
+    sea.until(lambda: sea.named("HEARTBEAT", 1) and sea.named("ATTITUDE", 1))
+    assert sea.driven()
+
+
+def test_a_serial_port_that_nobody_reads_does_not_hold_the_boat_up(
+    sea: RealSea, tmp_path: Path, opened: ExitStack
+) -> None:
+    deaf = Serial(tmp_path / "ttyS0")
+    opened.callback(deaf.close)
+    sea.start(f"--mavlink={deaf.option},rate=0", param=PATIENT | {"SR_STATE": 100})
+    sea.enter_formation()
+    sea.run(1.0)  # 8 kB: its buffer is full
+    commanded = len(sea.raw_commands())
+    sea.run(0.5)
+    assert len(sea.raw_commands()) > commanded + 25
+    assert sea.driven()
+
+
+def test_a_serial_port_that_is_absent_at_the_start_is_opened_when_it_comes(
+    sea: RealSea, tmp_path: Path, opened: ExitStack
+) -> None:
+    device = tmp_path / "ttyUSB0"
+    sea.start(f"--mavlink=serial:{device}:115200")
+    sea.enter_formation()
+    late = Serial(device)
+    opened.callback(late.close)
+    heard: list[bytes] = []
+
+    def chatter() -> bool:
+        heard.extend(late.receive())
+        return any(b"\xfd" in chunk for chunk in heard)
+
+    sea.until(chatter)
