@@ -8,11 +8,13 @@
 #include <span>
 
 #include "link/mavlink/address.hpp"
+#include "link/mavlink/crc.hpp"
 
 namespace flotilla::link {
 
 constexpr std::uint8_t kStart1 = 0xFE, kStart2 = 0xFD;
-constexpr std::size_t kHeaderBytes1 = 6, kHeaderBytes2 = 10, kChecksumBytes = 2;
+constexpr std::size_t kHeaderBytes1 = 6, kHeaderBytes2 = 10, kMaxPayloadBytes = 255,
+                      kChecksumBytes = 2;
 constexpr std::uint8_t kSignedFlag = 1;           ///< the only incompatibility flag
 constexpr std::size_t kSignatureBlockBytes = 13;  ///< link id, timestamp, signature
 
@@ -35,16 +37,32 @@ struct FrameHeader {
 };
 
 /// Nothing while it is incomplete, or where no frame begins.
-std::optional<FrameHeader> read_header(std::span<const std::uint8_t> bytes);
+inline std::optional<FrameHeader> read_header(std::span<const std::uint8_t> b) {
+  if (b.size() >= kHeaderBytes2 && b[0] == kStart2) {
+    const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
+    return FrameHeader{kHeaderBytes2, b[1], id, {b[5], b[6]}, b[4], b[2]};
+  }
+  if (b.size() >= kHeaderBytes1 && b[0] == kStart1) {
+    return FrameHeader{kHeaderBytes1, b[1], b[5], {b[3], b[4]}, b[2], 0};
+  }
+  return std::nullopt;
+}
 
-/// Whether the whole frame in `bytes` has a good checksum.
-bool checksum_is_good(std::span<const std::uint8_t> bytes, const FrameHeader& header,
-                      std::uint8_t crc_extra);
+/// Whether the whole frame in `b` has a good checksum.
+inline bool checksum_is_good(std::span<const std::uint8_t> b, const FrameHeader& h,
+                             std::uint8_t crc_extra) {
+  const std::uint16_t crc = mavlink_crc(b.first(h.covered()).subspan(1), crc_extra);
+  return b[h.covered()] == (crc & 0xFFU) && b[h.covered() + 1] == crc >> 8U;
+}
 
-/// How to write a frame.
+/// A message's id, its checksum's seed and its longest payload.
 struct FrameType {
-  std::uint32_t id;
+  std::uint16_t id;
   std::uint8_t crc_extra;
+  std::uint8_t payload_bytes;
+};
+
+struct FrameSender {
   Address self;
   std::uint8_t sequence;
   bool is_signed;
@@ -52,7 +70,7 @@ struct FrameType {
 
 /// Writes a MAVLink 2 frame without the zeros at the payload's end and without the signature block.
 /// Returns its length, or 0 where `out` is too short for frame and block.
-std::size_t write_frame(const FrameType& type, std::span<const std::uint8_t> payload,
+std::size_t write_frame(FrameType type, const std::uint8_t* payload, FrameSender sender,
                         std::span<std::uint8_t> out);
 
 }  // namespace flotilla::link

@@ -17,7 +17,7 @@ namespace flotilla::fleet {
 
 /// A message's number and the seed of its checksum.
 struct MessageType {
-  std::uint32_t id;
+  std::uint16_t id;
   std::uint8_t crc_extra;
 };
 
@@ -35,8 +35,8 @@ class FrameWriter {
     std::uint8_t* at = payload.data();
     ((std::memcpy(at, &fields, sizeof fields), at += sizeof fields), ...);
     std::array<std::uint8_t, link::kHeaderBytes2 + kPayload + link::kChecksumBytes> frame;
-    const std::size_t length =
-        link::write_frame({type.id, type.crc_extra, self_, sequence_++, false}, payload, frame);
+    const std::size_t length = link::write_frame(
+        {type.id, type.crc_extra, kPayload}, payload.data(), {self_, sequence_++, false}, frame);
     out.insert(out.end(), frame.data(), frame.data() + length);
   }
 
