@@ -111,15 +111,7 @@ std::optional<link::ReferenceMotion> reference_motion_of(const RootState<S>& roo
                                *jerk};
 }
 
-template <class S>
-core::ForesightLimits<S> foresight_limits(const Parameters& p) {
-  constexpr float kAny = 100;
-  return {scalar<S>(p.LAW_U_MAX > 0 ? p.LAW_U_MAX / 5 : kAny),
-          scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
-}
-
 #define FLOTILLA_INSTANTIATE(S)                                                       \
-  template core::ForesightLimits<S> foresight_limits<S>(const Parameters&);           \
   template core::Vec2<S> offset_of<S>(const WireOffset&);                             \
   template std::optional<RootState<S>> root_state_of<S>(const link::ReferenceMotion&, \
                                                         std::int32_t);                \

@@ -20,9 +20,16 @@ struct Room {
   std::array<Streams::Link, kLinks> links;
 };
 
+Configuration with_start(const Parameters& p, bool companion, std::int64_t tick_us) {
+  Configuration out = configuration_of(p);
+  out.start.companion = companion;
+  out.start.tick_us = tick_us;
+  return out;
+}
+
 struct RoomyStreams : Room, Streams {
   RoomyStreams(const Parameters& p, bool companion, std::int64_t tick_us)
-      : Streams(p, companion, tick_us, links) {}
+      : Streams(with_start(p, companion, tick_us), links) {}
   RoomyStreams(const RoomyStreams&) = delete;
   RoomyStreams& operator=(const RoomyStreams&) = delete;
 };
@@ -178,7 +185,7 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   REQUIRE(streams.set(1, mav::kEscStatusId, -1, 0));
   p.SR_STATE = 50;
   p.SR_SLOW = 4;
-  streams.configure(p);
+  streams.configure(configuration_of(p).operators);
   CHECK(streams.interval_us(0, mav::kAttitudeId) == 20'000);
   CHECK(streams.interval_us(0, mav::kLocalPositionNedId) == 20'000);
   CHECK(streams.interval_us(0, mav::kEscStatusId) == 250'000);
@@ -189,7 +196,7 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   CHECK(streams.interval_us(1, mav::kEscStatusId) == -1);
   CHECK(sent(streams, index_of(mav::kAttitudeId), 0, 0, kSecond_us) == 50);
   p.SR_STATE = p.SR_SLOW = 0;
-  streams.configure(p);
+  streams.configure(configuration_of(p).operators);
   CHECK(streams.interval_us(0, mav::kAttitudeId) == -1);
   CHECK(streams.interval_us(0, mav::kEscStatusId) == -1);
   CHECK(sent(streams, index_of(mav::kAttitudeId), 0, 0, kSecond_us) == 0);
@@ -200,7 +207,7 @@ TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW
   RoomyStreams streams(p, false, kTick_us);
   const auto interval_us = [&](float rate_Hz, std::uint16_t id) {
     p.SR_SLOW = rate_Hz;
-    streams.configure(p);
+    streams.configure(configuration_of(p).operators);
     return streams.interval_us(0, id);
   };
   for (const StreamInfo& info : kStreams) {
@@ -214,7 +221,7 @@ TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW
     CHECK(interval_us(0, info.id) == (slow ? -1 : own_us));
   }
   p.SR_SLOW = 0.25F;
-  streams.configure(p);
+  streams.configure(configuration_of(p).operators);
   CHECK(streams.slowed_us(kSecond_us) == 4 * kSecond_us);
 }
 
@@ -223,7 +230,7 @@ TEST_CASE("parameters set to what they are shift no stream's grid") {
   const std::size_t battery = index_of(mav::kBatteryStatusId);
   CHECK(sent(streams, battery, 0, 0, kTick_us) == 1);
   for (std::int64_t now = kTick_us; now < 5 * kSecond_us - kTick_us; now += kTick_us) {
-    streams.configure(Parameters{});
+    streams.configure(configuration_of({}).operators);
     REQUIRE_FALSE(streams.schedule(battery, 0).due(now));
   }
 }
