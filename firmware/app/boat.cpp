@@ -2,6 +2,7 @@
 #include "app/boat.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "app/convert/portable.hpp"
@@ -17,8 +18,6 @@ constexpr std::int64_t kShortCoast_us = 1'000'000;
 // 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
-std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
-
 float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
 
 /// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that it is more than the limit.
@@ -33,12 +32,14 @@ Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
 template <class S>
 Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
     : can_output_(storage.can),
-      links_(Identity(p).self(), storage.links.first(links), storage.mavlink, storage.signing),
-      pilot_(p),
+      links_(Identity(configuration_of(p).start).self(), storage.links.first(links),
+             storage.mavlink, storage.signing),
+      pilot_(configuration_of(p), convert::law_of<S>(p)),
       vehicle_(p, supervisor_, links_, pilot_.time_requests(), storage),
       tick_rate_Hz_(p.CTL_RATE),
-      thrusters_(p),
-      can_({byte_of(p.CAN_NODE), byte_of(p.MAV_SYSID)}, convert::half_period_us(p.CTL_RATE)),
+      thrusters_(configuration().propulsion, convert::law_of<S>(p)),
+      can_({configuration().start.can_node, configuration().start.system},
+           configuration().start.tick_us / 2),
       complaint_due_(10 * kSecond_us),
       slot_complaint_due_(10 * kSecond_us),
       place_complaint_due_(10 * kSecond_us),
@@ -160,21 +161,23 @@ void Boat<S>::note_state(std::int64_t now_us) {
 template <class S>
 void Boat<S>::configure() {
   note_range();
-  choices_ = choices_of(parameters());
-  pilot_.configure(parameters(), vehicle_.self().system);
-  if (!core::armed(state())) thrusters_ = Thrusters<S>(parameters());
+  max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
+  choices_ = choices_of(configuration().failsafes);
+  const auto law = convert::law_of<S>(parameters());
+  pilot_.configure(configuration(), law, vehicle_.self().system);
+  if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   fits_ = !core::take_overflow<S>();
   in_range_ = in_range_ && fits_;
 }
 
 template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
-  const Parameters& p = parameters();
   // Where time stands still nothing grows old, and nothing can be trusted.
-  if (idle_ticks_ > 0 && static_cast<float>(idle_ticks_) > p.FS_NAV_S * tick_rate_Hz_) return 0;
+  if (idle_ticks_ > max_idle_ticks_) return 0;
   core::Conditions met = supervisor_.conditions(now_us) | vehicle_.conditions(now_us) |
-                         pilot_.conditions(now_us, p, core::law_drives(state())) |
-                         propulsion_of(can_, p, now_us) | limits_.conditions() | choices_;
+                         pilot_.conditions(now_us, core::law_drives(state())) |
+                         propulsion_of(can_, configuration().propulsion, now_us) |
+                         limits_.conditions() | choices_;
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
@@ -188,22 +191,22 @@ template <class S>
 bool Boat<S>::coasts_on(std::int64_t now_us) const {
   const auto since_us = supervisor_.coasting_since_us();
   if (!since_us) return true;
-  const std::int64_t limit_us = convert::microseconds(parameters().FS_COAST_S);
-  return now_us - *since_us < limit_us && pilot_.can_coast();
+  return now_us - *since_us < configuration().failsafes.coast_us && pilot_.can_coast();
 }
 
 /// When this tick's place is known; the next one goes by it.
 template <class S>
 void Boat<S>::look_at_limits(std::int64_t now_us) {
-  const Parameters& p = parameters();
+  const auto& [failsafes, propulsion] =
+      std::tie(configuration().failsafes, configuration().propulsion);
   const bool armed = core::armed(state());
-  const bool placed =
-      limits_.asks_place(p, armed) && pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
-  limits_.look(p, {now_us,
-                   armed,
-                   placed ? std::optional(pilot_.place()) : std::nullopt,
-                   {can_.esc_status(byte_of(p.ESC_PORT), now_us),
-                    can_.esc_status(byte_of(p.ESC_STBD), now_us)}});
+  const bool placed = limits_.asks_place(failsafes, armed) && pilot_.located() &&
+                      (conditions_ & core::kOwnFresh) != 0;
+  limits_.look(failsafes, {now_us,
+                           armed,
+                           placed ? std::optional(pilot_.place()) : std::nullopt,
+                           {can_.esc_status(propulsion.port_esc, now_us),
+                            can_.esc_status(propulsion.stbd_esc, now_us)}});
 }
 
 template <class S>
@@ -252,7 +255,8 @@ void Boat<S>::steer(std::int64_t now_us) {
     law_output_.error = slot.error;
     law_output_.astern = slot.astern;
   }
-  slot_astern_.look(law_output_.astern && seen() && parameters().FS_SLOT_M > 0, now_us);
+  slot_astern_.look(law_output_.astern && seen() && configuration().formation.judges_station,
+                    now_us);
   // Asked once more, of conditions that are looked at anew.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
@@ -292,7 +296,7 @@ void Boat<S>::tell_latency() {
   Sentence late;
   late << "navigation unit is " << hundredths(portable::nearest(100 * *latency_s))
        << " s late (no TIMESYNC)";
-  const bool borne = (pilot_.conditions(now_us_, parameters(), false) & core::kOwnPrompt) != 0;
+  const bool borne = (pilot_.conditions(now_us_, false) & core::kOwnPrompt) != 0;
   vehicle_.send_statustext(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""},
                            counters_);
 }
@@ -355,12 +359,13 @@ void Boat<S>::complain_of_place(std::int64_t now_us) {
 /// As it is armed, or learns it then: so far down, no certificate says that the line stays calm.
 template <class S>
 void Boat<S>::complain_of_depth(std::int64_t now_us) {
-  const auto depth = static_cast<float>(pilot_.tree_place().depth(now_us));
-  const float most = parameters().FORM_DEPTH;
-  const bool deep = core::armed(state()) && 0 < most && most < depth;
+  const std::size_t depth = pilot_.tree_place().depth(now_us);
+  const auto most = configuration().formation.max_depth;
+  const bool deep = core::armed(state()) && most && *most < depth;
   if (std::exchange(deep_, deep) || !deep) return;
   Sentence why;
-  why << "boat is " << depth << " deep in the tree, FORM_DEPTH is " << most;
+  why << "boat is " << static_cast<float>(depth) << " deep in the tree, FORM_DEPTH is "
+      << parameters().FORM_DEPTH;
   vehicle_.send_statustext(link::mav::kSeverityWarning, {why.text()}, counters_);
 }
 
@@ -402,7 +407,8 @@ Report Boat<S>::report(std::int64_t now_us) {
   }
   out.home = limits_.home();
   if (seen()) {
-    const bool judged = state() == core::State::kFormation && parameters().FS_SLOT_M > 0;
+    const bool judged =
+        state() == core::State::kFormation && configuration().formation.judges_station;
     const auto told_in_slot = judged ? std::optional(in_slot()) : std::nullopt;
     out.formation = FormationReport{told_in_slot, convert::in_double(law_output_.error.e),
                                     convert::in_double(law_output_.desired.nu_star),
@@ -414,15 +420,18 @@ Report Boat<S>::report(std::int64_t now_us) {
   out.own_age_s = pilot_.own_age_s(now_us);
   out.leader_age_s = pilot_.leader_age_s(now_us);
   out.leader_uncertainty_m = pilot_.leader_uncertainty_m(now_us);
-  const Parameters& p = parameters();
+  const auto& [formation, propulsion, failsafes] =
+      std::tie(configuration().formation, configuration().propulsion, configuration().failsafes);
   out.thrust = {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)};
-  out.most_N = p.THR_FWD_MAX;
-  out.least_N = -p.THR_REV_MAX;
-  out.leader = byte_of(p.FORM_LEADER);
-  out.escs = {EscReport{byte_of(p.ESC_PORT), can_.esc_status(byte_of(p.ESC_PORT), now_us)},
-              EscReport{byte_of(p.ESC_STBD), can_.esc_status(byte_of(p.ESC_STBD), now_us)}};
-  out.fenced = p.FS_FENCE_M > 0;
-  out.battery_limited = p.FS_BATT_V > 0;
+  out.most_N = propulsion.ahead_N;
+  out.least_N = -propulsion.astern_N;
+  out.leader = formation.leader;
+  const auto esc = [&](std::uint8_t index) {
+    return EscReport{index, can_.esc_status(index, now_us)};
+  };
+  out.escs = {esc(propulsion.port_esc), esc(propulsion.stbd_esc)};
+  out.fenced = failsafes.fence_m.has_value();
+  out.battery_limited = failsafes.battery_V.has_value();
   out.overruns = host_.overruns;
   return out;
 }

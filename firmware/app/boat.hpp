@@ -142,6 +142,7 @@ class Boat {
     own_storage_ = std::move(own);
   }
 
+  const Configuration& configuration() const { return vehicle_.configuration(); }
   std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
   void give_up(std::size_t link, std::int64_t now_us);
@@ -177,6 +178,7 @@ class Boat {
   Pilot<S> pilot_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
+  int max_idle_ticks_ = 0;
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;

@@ -2,24 +2,23 @@
 #include "app/conditions.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace flotilla::app {
 
-core::Conditions choices_of(const Parameters& p) {
+core::Conditions choices_of(const Configuration::Failsafes& failsafes) {
   core::Conditions chosen = 0;
-  const int leader_act = static_cast<int>(p.FS_LEADER_ACT),
-            gcs_act = static_cast<int>(p.FS_GCS_ACT);
-  if (leader_act == 0) chosen |= core::kLeaderLossHolds;
-  if (leader_act == 1) chosen |= core::kLeaderLossCoasts;
-  if (gcs_act == 0) chosen |= core::kGcsLossHolds;
-  if (gcs_act == 1) chosen |= core::kGcsLossCoasts;
+  if (failsafes.leader_loss == LossAction::kHold) chosen |= core::kLeaderLossHolds;
+  if (failsafes.leader_loss == LossAction::kCoast) chosen |= core::kLeaderLossCoasts;
+  if (failsafes.gcs_loss == LossAction::kHold) chosen |= core::kGcsLossHolds;
+  if (failsafes.gcs_loss == LossAction::kCoast) chosen |= core::kGcsLossCoasts;
   return chosen;
 }
 
-core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int64_t now_us) {
-  const std::int64_t limit_us = convert::microseconds(p.FS_ESC_S);
-  const auto port = static_cast<std::uint8_t>(p.ESC_PORT);
-  const auto stbd = static_cast<std::uint8_t>(p.ESC_STBD);
+core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
+                               std::int64_t now_us) {
+  const auto& [port, stbd] = std::tie(propulsion.port_esc, propulsion.stbd_esc);
+  const std::int64_t limit_us = propulsion.esc_limit_us;
   core::Conditions met = 0;
   if (can.esc_online(port, now_us, limit_us) && can.esc_online(stbd, now_us, limit_us)) {
     met |= core::kEscsOnline;
@@ -29,7 +28,7 @@ core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int
   return met;
 }
 
-void Limits::look(const Parameters& p, const Seen& seen) {
+void Limits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
   const bool just_armed = seen.armed && !was_armed_;
   was_armed_ = seen.armed;
   if (seen.place && (!home_ || just_armed)) {
@@ -37,13 +36,14 @@ void Limits::look(const Parameters& p, const Seen& seen) {
     const auto at = convert::global_of(*seen.place);
     home_ = {at.latitude, at.longitude, seen.place->origin.altitude};
   }
-  const auto above = [&p](const std::optional<link::EscStatus>& esc) {
-    return esc && esc->voltage >= p.FS_BATT_V;  // false for NaN
+  const auto& [battery_V, fence_m] = std::tie(failsafes.battery_V, failsafes.fence_m);
+  const auto above = [least_V = battery_V.value_or(0.0F)](const auto& esc) {
+    return esc && esc->voltage >= least_V;  // false for NaN
   };
   battery_good_.look(std::ranges::all_of(seen.escs, above), seen.now_us);
   met_ = 0;
-  if (battery_good_.is() || p.FS_BATT_V == 0) met_ |= core::kBatteryGood;
-  if (p.FS_FENCE_M == 0 || inside(p.FS_FENCE_M, seen)) met_ |= core::kInsideFence;
+  if (battery_good_.is() || !battery_V) met_ |= core::kBatteryGood;
+  if (!fence_m || inside(*fence_m, seen)) met_ |= core::kInsideFence;
 }
 
 /// A boat that is not armed is at home: there it will be armed.

@@ -13,10 +13,11 @@
 namespace flotilla::app {
 
 /// FS_LEADER_ACT and FS_GCS_ACT.
-core::Conditions choices_of(const Parameters& p);
+core::Conditions choices_of(const Configuration::Failsafes& failsafes);
 
 /// What the bus tells of both propellers' ESCs, and of others that would drive them.
-core::Conditions propulsion_of(const CanNode& can, const Parameters& p, std::int64_t now_us);
+core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
+                               std::int64_t now_us);
 
 /// Becomes what it is told when that has been so for two seconds; false at first.
 class Settled {
@@ -50,12 +51,12 @@ class Limits {
   };
 
   /// Whether look() makes use of the place.
-  bool asks_place(const Parameters& p, bool armed) const {
-    return !home_ || (armed && !was_armed_) || p.FS_FENCE_M != 0;
+  bool asks_place(const Configuration::Failsafes& failsafes, bool armed) const {
+    return !home_ || (armed && !was_armed_) || failsafes.fence_m;
   }
 
   /// Once a tick.
-  void look(const Parameters& p, const Seen& seen);
+  void look(const Configuration::Failsafes& failsafes, const Seen& seen);
 
   core::Conditions conditions() const { return met_; }
 

@@ -30,7 +30,7 @@ struct Watch {
   void pass(double seconds) {
     for (int k = 0; k < std::lround(seconds * 100); ++k) {
       seen.now_us += kTick_us;
-      limits.look(p, seen);
+      limits.look(configuration_of(p).failsafes, seen);
     }
   }
   bool good() const { return has(limits.conditions(), core::kBatteryGood); }
@@ -164,13 +164,15 @@ TEST_CASE("each choice of action is one of three, for leader and ground station 
   Parameters p;
   p.FS_LEADER_ACT = 2;
   p.FS_GCS_ACT = 2;
-  CHECK(choices_of(p) == 0);
+  CHECK(choices_of(configuration_of(p).failsafes) == 0);
   p.FS_LEADER_ACT = 1;
   p.FS_GCS_ACT = 0;
-  CHECK(choices_of(p) == (core::kLeaderLossCoasts | core::kGcsLossHolds));
+  CHECK(choices_of(configuration_of(p).failsafes) ==
+        (core::kLeaderLossCoasts | core::kGcsLossHolds));
   p.FS_LEADER_ACT = 0;
   p.FS_GCS_ACT = 1;
-  CHECK(choices_of(p) == (core::kLeaderLossHolds | core::kGcsLossCoasts));
+  CHECK(choices_of(configuration_of(p).failsafes) ==
+        (core::kLeaderLossHolds | core::kGcsLossCoasts));
 }
 
 }  // namespace

@@ -108,70 +108,11 @@ double distance_m(const Position& a, const Position& b) {
                         : std::numeric_limits<double>::infinity();
 }
 
-template <class S>
-core::ControllerParams<S> controller_params(const Parameters& p) {
-  const bool turns = p.FORM_FRAME == 1.0F;
-  return {
-      {{scalar<S>(p.FORM_OFS_N), scalar<S>(p.FORM_OFS_E)}, turns, turns || p.LAW_CUR_BW > 0},
-      {scalar<S>(p.LAW_KX), scalar<S>(p.LAW_KPSI), scalar<S>(p.LAW_U_MAX), scalar<S>(p.LAW_R_MAX)},
-      {scalar<S>(p.LAW_KDU), scalar<S>(p.LAW_KDR)},
-      {scalar<S>(p.VES_M11), scalar<S>(p.VES_M22), scalar<S>(p.VES_M33), scalar<S>(p.VES_D11),
-       scalar<S>(p.VES_D22), scalar<S>(p.VES_D33)},
-      {scalar<S>(p.THR_ARM), scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX)},
-      {scalar<S>(p.LAW_XT_DIST)},
-      {scalar<S>(p.FS_SEP_M)}};
-}
-
-template <class S>
-core::StationParams<S> station_params(const Parameters& p) {
-  return {scalar<S>(p.FS_SLOT_M), scalar<S>(p.LAW_XT_DIST), scalar<S>(p.LAW_R_MAX)};
-}
-
-template <class S>
-core::ObserverParams<S> observer_params(const Parameters& p) {
-  const S most = S(0.5) * (scalar<S>(p.THR_FWD_MAX) + scalar<S>(p.THR_REV_MAX));  // half of both
-  return {scalar<S>(p.LAW_OBS_BW),
-          scalar<S>(p.LAW_CUR_BW),
-          {most / scalar<S>(p.VES_M11), most / scalar<S>(p.VES_M22),
-           scalar<S>(p.THR_ARM) * most / scalar<S>(p.VES_M33)}};
-}
-
-template <class S>
-core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
-  return {scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX), scalar<S>(p.THR_EXPO),
-          scalar<S>(p.THR_DEAD), S(kRawFull)};
-}
-
-template <class S>
-core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried) {
-  // Twice the model's values, which may be half wrong. A current of 2 m/s may begin at once.
-  const float thrust = 4 * std::max(p.THR_FWD_MAX, p.THR_REV_MAX);
-  const float moment = p.THR_ARM * thrust;
-  const auto within = [](float most, float x) { return scalar<S>(std::min(x, most)); };
-  constexpr float kAnyRate = 500, kAnySpeed = 150;  // above these no state is refused
-  const S current = S(2);
-  const core::PlausibilityLimits<S> afloat{S(1),
-                                           S(0.8),
-                                           current,
-                                           S(1.5),
-                                           within(kAnyRate, thrust / p.VES_M11),
-                                           within(kAnyRate, moment / p.VES_M33),
-                                           within(kAnySpeed, thrust / p.VES_D11) + current,
-                                           within(kAnySpeed, moment / p.VES_D33)};
-  if (!carried) return afloat;
-  return {S(20), S(4), S(20), S(20), afloat.a, afloat.a_r, afloat.V + S(20), afloat.R + S(20)};
-}
-
 #define FLOTILLA_INSTANTIATE(S)                                                          \
   template Separation<S> separation<S>(const Position&, const Position&);                \
   template core::ControllerInput<S> controller_input_of<S>(                              \
       const Position&, const core::Motion<S>&, const Position&, const core::Motion<S>&); \
-  template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);        \
-  template core::ControllerParams<S> controller_params<S>(const Parameters&);            \
-  template core::StationParams<S> station_params<S>(const Parameters&);                  \
-  template core::ObserverParams<S> observer_params<S>(const Parameters&);                \
-  template core::ThrustCurveParams<S> thrust_curve_params<S>(const Parameters&);         \
-  template core::PlausibilityLimits<S> plausibility_limits<S>(const Parameters&, bool);
+  template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
 FLOTILLA_INSTANTIATE(core::Q16)

@@ -2,19 +2,14 @@
 // The only place where units, frames and scalars change: the wire on one side, core on the other.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
 
 #include "app/convert/convert_scalar.hpp"
-#include "app/parameters.hpp"
-#include "core/controller.hpp"
-#include "core/estimation/observer.hpp"
-#include "core/estimation/plausibility.hpp"
+#include "app/convert/law.hpp"
+#include "app/convert/times.hpp"
 #include "core/estimation/track.hpp"
-#include "core/station.hpp"
-#include "core/thrust_curve.hpp"
 #include "link/mavlink/messages.hpp"
 
 namespace flotilla::app::convert {
@@ -128,14 +123,6 @@ core::Nu<S> nu_of(const Sample<S>& sample) {
   return {sample.u_mps, sample.v_mps, sample.r_radps};
 }
 
-/// µs, at most one hour; 0 for a rate of 0.
-inline std::int64_t period_us(float rate_Hz) {
-  if (!(rate_Hz > 0.0F)) return 0;
-  const double us = 1e6 / double{rate_Hz} + 0.5;
-  return static_cast<std::int64_t>(us < 3.6e9 ? us : 3.6e9);
-}
-inline std::int64_t half_period_us(float rate_Hz) { return period_us(rate_Hz) / 2; }
-
 /// The last whole millisecond, as MAVLink counts it (wraps after 49 days) and in µs.
 inline std::uint32_t boot_ms(std::int64_t us) { return static_cast<std::uint32_t>(us / 1000); }
 inline std::int64_t us_of_ms(std::int64_t us) { return us / 1000 * 1000; }
@@ -148,34 +135,6 @@ inline std::int64_t unwrapped_us(std::int64_t us, std::int64_t near_us) {
   const std::int64_t least = off > kTurn_us / 2 ? off - kTurn_us : off;
   return near_us + (least < -kTurn_us / 2 ? least + kTurn_us : least);
 }
-
-/// Whole microseconds of a non-negative time of at most 2²³ s. Integer arithmetic only, because
-/// every tick calls it.
-inline std::int64_t microseconds(float s) {
-  constexpr unsigned kFraction = 23, kBias = 127;
-  const auto bits = std::bit_cast<std::uint32_t>(s);
-  const unsigned right = kBias + kFraction - (bits >> kFraction);  // right of the binary point
-  if (right > 63) return 0;                                        // under 2⁻⁴⁰ s
-  const std::uint64_t units = (bits & ((1U << kFraction) - 1)) | 1U << kFraction;
-  return static_cast<std::int64_t>(units * 1'000'000U >> right);
-}
-
-/// Parameters as the law's structs.
-template <class S>
-core::ControllerParams<S> controller_params(const Parameters& p);
-template <class S>
-core::StationParams<S> station_params(const Parameters& p);
-template <class S>
-core::ObserverParams<S> observer_params(const Parameters& p);
-template <class S>
-core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p);
-
-/// Limits of the boat's motion from propellers and water; carried: by hand, or on a trailer.
-template <class S>
-core::PlausibilityLimits<S> plausibility_limits(const Parameters& p, bool carried);
-
-/// Full scale of RawCommand (AM32 and VESC divide by 8192).
-constexpr int kRawFull = 8191;
 
 /// Command in RawCommand counts, rounded, saturated at ±kRawFull; NaN gives 0.
 template <class S>

@@ -113,15 +113,7 @@ std::optional<link::FormationReference> reference_of(const RootState<S>& root) {
   return out;
 }
 
-template <class S>
-core::ForesightLimits<S> foresight_limits(const Parameters& p) {
-  constexpr float kAny = 100;
-  return {scalar<S>(p.LAW_U_MAX > 0 ? p.LAW_U_MAX / 5 : kAny),
-          scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
-}
-
 #define FLOTILLA_INSTANTIATE(S)                                                          \
-  template core::ForesightLimits<S> foresight_limits<S>(const Parameters&);              \
   template core::Vec2<S> offset_of<S>(const WireOffset&);                                \
   template std::optional<RootState<S>> root_state_of<S>(const link::FormationReference&, \
                                                         std::int32_t);                   \

@@ -39,8 +39,4 @@ std::optional<RootState<S>> root_state_of(const link::FormationReference& messag
 template <class S>
 std::optional<link::FormationReference> reference_of(const RootState<S>& root);
 
-/// The shares of LAW_U_MAX and LAW_R_MAX with which the boat itself approaches its slot.
-template <class S>
-core::ForesightLimits<S> foresight_limits(const Parameters& p);
-
 }  // namespace flotilla::app::convert

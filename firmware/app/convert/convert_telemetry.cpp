@@ -167,9 +167,9 @@ std::int16_t centidegrees_of_kelvin(float kelvin) {
   return static_cast<std::int16_t>(portable::nearest(celsius * 100));
 }
 
-bool is_dead(double share, const Parameters& p) {
-  const float most_N = share < 0 ? p.THR_REV_MAX : p.THR_FWD_MAX;
-  return std::abs(share) * double{most_N} < double{p.THR_DEAD};
+bool is_dead(double share, const Configuration::Propulsion& propulsion) {
+  const float most_N = share < 0 ? propulsion.astern_N : propulsion.ahead_N;
+  return std::abs(share) * double{most_N} < double{propulsion.dead_N};
 }
 
 std::optional<double> stick_of(std::int16_t axis) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/convert/convert.hpp"
+#include "app/parameters/configuration.hpp"
 #include "link/dronecan/messages.hpp"
 #include "link/mavlink/messages.hpp"
 
@@ -66,7 +67,7 @@ link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
 std::int16_t centidegrees_of_kelvin(float kelvin);
 
 /// The thrust is below THR_DEAD, so the propeller does not turn. share: of the greatest thrust.
-bool is_dead(double share, const Parameters& p);
+bool is_dead(double share, const Configuration::Propulsion& propulsion);
 
 /// A stick's −1000 … 1000 as −1 … 1; nothing for an unused axis or one out of range.
 std::optional<double> stick_of(std::int16_t axis);

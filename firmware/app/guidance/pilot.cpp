@@ -22,8 +22,6 @@ constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC's period of 1 s, and 
 constexpr float kSlewOfLag = 0.2F;             // s per s
 constexpr float kSeldom_s = 0.045F;            // fixes closer together add no information
 
-std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
-
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
   const auto age_us = track.age_us(now_us);
@@ -34,28 +32,25 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 }  // namespace
 
 template <class S>
-Pilot<S>::Pilot(const Parameters& p)
-    : law_(convert::controller_params<S>(p)),
-      keeping_(convert::station_params<S>(p)),
-      coast_s_(convert::scalar<S>(p.FS_COAST_S)),
-      observer_(convert::observer_params<S>(p)),
-      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
-           {convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)}),
-      leader_({byte_of(p.FORM_LEADER), 0}) {
-  set_limits(p);
-  set_latency(p);
-  neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
-  reference_.configure(p, own_.system());
-  claims_.configure(own_.system(), leader_.system(), 2 * p.THR_ARM);
+Pilot<S>::Pilot(const Configuration& c, const convert::Law<S>& law)
+    : own_({c.start.system, c.start.component, kOwnPatience_us, kOwnFrozen_us}),
+      leader_({c.formation.leader, 0}) {
+  configure(c, law, c.start.system);
 }
 
 template <class S>
-void Pilot<S>::set_latency(const Parameters& p) {
-  latency_params_.d = p.VES_D33 / p.VES_M33;
-  inertia_ = p.VES_M33;
-  if (known_lag_s_ != p.NAV_LAG_S) forget_latency();
-  known_lag_s_ = p.NAV_LAG_S;
+void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
+                         std::uint8_t own_system) {
+  law_ = law;
+  set_limits();
+  if (std::exchange(limits_, c.navigation).lag_s != c.navigation.lag_s) forget_latency();
   set_lag();
+  own_.set_antenna({law.antenna.x, law.antenna.y});
+  own_.follow(own_system);
+  leader_.follow(c.formation.leader);
+  neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
+  reference_.configure(c.formation, law.foresight, own_system);
+  claims_.configure(own_system, leader_.system(), c.formation.beam_m);
 }
 
 template <class S>
@@ -67,30 +62,7 @@ void Pilot<S>::forget_latency() {
 
 template <class S>
 void Pilot<S>::set_lag() {
-  own_.set_lag(convert::microseconds(known_lag_s_ + lag_s_));
-}
-
-template <class S>
-void Pilot<S>::set_limits(const Parameters& p) {
-  afloat_ = convert::plausibility_limits<S>(p, false);
-  carried_ = convert::plausibility_limits<S>(p, true);
-  own_.set_limits(armed_ ? afloat_ : carried_);
-}
-
-template <class S>
-void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
-  law_ = convert::controller_params<S>(p);
-  keeping_ = convert::station_params<S>(p);
-  coast_s_ = convert::scalar<S>(p.FS_COAST_S);
-  observer_ = convert::observer_params<S>(p);
-  set_limits(p);
-  set_latency(p);
-  own_.set_antenna({convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)});
-  own_.follow(own_system);
-  leader_.follow(byte_of(p.FORM_LEADER));
-  neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
-  reference_.configure(p, own_system);
-  claims_.configure(own_system, leader_.system(), 2 * p.THR_ARM);
+  own_.set_lag(convert::microseconds(limits_.lag_s + lag_s_));
 }
 
 template <class S>
@@ -120,12 +92,12 @@ void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::
 }
 
 template <class S>
-core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, bool sails) const {
+core::Conditions Pilot<S>::conditions(std::int64_t now_us, bool sails) const {
   core::Conditions met = 0;
-  if (own_.fresh(now_us, convert::microseconds(p.FS_NAV_S))) met |= core::kOwnFresh;
-  if (leader_.system() != own_.system() &&
-      leader_.fresh(now_us, convert::microseconds(p.FS_LEADER_S)) && leader_.has_origin() &&
-      own_.has_origin() && convert::near(own_.position(), leader_.position())) {
+  if (own_.fresh(now_us, limits_.own_limit_us)) met |= core::kOwnFresh;
+  if (leader_.system() != own_.system() && leader_.fresh(now_us, limits_.leader_limit_us) &&
+      leader_.has_origin() && own_.has_origin() &&
+      convert::near(own_.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
   if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
@@ -133,7 +105,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, 
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
   if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us, sails))
     met |= core::kSlotSound;
-  if (known_lag_s_ + found_.value_or(0) <= kMaxLate_s || own_.bounded()) met |= core::kOwnPrompt;
+  if (limits_.lag_s + found_.value_or(0) <= kMaxLate_s || own_.bounded()) met |= core::kOwnPrompt;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
@@ -146,10 +118,10 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   reference_.make(leader_, now_us);
   look_at_clock(now_us);
   if (armed != armed_) {
-    own_.set_limits(armed ? afloat_ : carried_);
+    armed_ = armed;
+    set_limits();
     own_.set_smoothing(!armed);  // the observer extrapolates from each message
   }
-  armed_ = armed;
   if (!armed) {
     motion_ = {};
     motion_.motion = own_.motion(now_us);
@@ -161,13 +133,14 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
     return;
   }
   if (finds_latency_) {
-    core::latency_forward(latency_, static_cast<float>(convert::number(given.N)) / inertia_,
+    core::latency_forward(latency_,
+                          static_cast<float>(convert::number(given.N)) / law_.yaw_inertia_kgm2,
                           static_cast<float>(convert::number(since)));
   }
   weigh(given, since);
-  own_.push(since *
-            core::max(core::abs(given.X) / law_.vessel.m11, core::abs(given.N) / law_.vessel.m33));
-  core::observer_forward(law_.vessel, motion_, given, since);
+  own_.push(since * core::max(core::abs(given.X) / law_.controller.vessel.m11,
+                              core::abs(given.N) / law_.controller.vessel.m33));
+  core::observer_forward(law_.controller.vessel, motion_, given, since);
   const convert::Position before = std::exchange(anchor_, own_.position());
   const auto fix = own_.take_fix();
   if (!fix) return;
@@ -178,7 +151,7 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   const core::Vec2<S>& moved = motion_.motion.moved_n;
   const core::ObserverParams<S> observer = careful_observer();
   core::observer_correct(
-      observer, law_.vessel, motion_,
+      observer, law_.controller.vessel, motion_,
       {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
 }
 
@@ -187,7 +160,7 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
 template <class S>
 void Pilot<S>::look_at_clock(std::int64_t now_us) {
   if (own_.bounded() || !own_.age_us(now_us) || unanswered_us_ == 0) unanswered_us_ = now_us;
-  finds_latency_ = S(0) < observer_.omega && now_us - unanswered_us_ > kAsked_us;
+  finds_latency_ = S(0) < law_.observer.omega && now_us - unanswered_us_ > kAsked_us;
   if (finds_latency_ || (!found_ && lag_s_ == 0)) return;
   forget_latency();
   set_lag();
@@ -206,9 +179,9 @@ void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_u
   const float dt = std::exchange(fix_s_, 0.0F);
   const float age =
       std::max(convert::seconds<float>(own_.age_us(now_us).value_or(0)) - lag_s_, 0.0F);
-  core::latency_correct(latency_params_, latency_, static_cast<float>(convert::number(fix.nu.r)),
-                        age, dt);
-  const auto late = core::latency_of(latency_params_, latency_);
+  core::latency_correct(law_.latency, latency_, static_cast<float>(convert::number(fix.nu.r)), age,
+                        dt);
+  const auto late = core::latency_of(law_.latency, latency_);
   if (late.known) found_ = late.tau;
   if (!found_) return;
   const float most = kSlewOfLag * dt;
@@ -220,7 +193,7 @@ void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_u
 /// once would keep correcting its own past turn.
 template <class S>
 core::ObserverParams<S> Pilot<S>::careful_observer() const {
-  core::ObserverParams<S> out = observer_;
+  core::ObserverParams<S> out = law_.observer;
   if (!finds_latency_) return out;
   const float unknown_s = found_ ? std::abs(*found_ - lag_s_) : kUnknown_s;
   out.T = out.T + convert::scalar<S>(1.5F * unknown_s);
@@ -239,7 +212,8 @@ void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
   pushed_ = {pushed_.X + since * given.X, pushed_.N + since * given.N};
   pushed_s_ = pushed_s_ + since;
   if (pushed_s_ < S(0.05)) return;
-  const core::ThrustResponseParams<S> params{.vessel = law_.vessel, .propellers = law_.propellers};
+  const core::ThrustResponseParams<S> params{.vessel = law_.controller.vessel,
+                                             .propellers = law_.controller.propellers};
   core::thrust_response_forward(params, answer_, told_, std::exchange(desired_, told_),
                                 {pushed_.X / pushed_s_, pushed_.N / pushed_s_},
                                 core::min(pushed_s_, S(1)));
@@ -253,9 +227,10 @@ template <class S>
 typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
   const auto aim = reference_.aim(now_us);
   if (!aim) {
-    return {leader_.system(), {}, leader_.position(), leader_.motion(now_us), {}, law_.slot};
+    return {leader_.system(),       {}, leader_.position(),
+            leader_.motion(now_us), {}, law_.controller.slot};
   }
-  core::SlotParams<S> slot = law_.slot;
+  core::SlotParams<S> slot = law_.controller.slot;
   slot.d = convert::offset_of<S>(aim->offset.b);
   slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
@@ -272,7 +247,7 @@ core::ControllerInput<S> Pilot<S>::controller_input(const Lead& lead) const {
   auto in = convert::controller_input_of<S>(anchor_, motion_.motion, lead.position, lead.motion);
   in.separation_n = {in.separation_n.x - lead.offset_n.x, in.separation_n.y - lead.offset_n.y};
   in.current_n = motion_.c_n;
-  in.unknown = core::unknown_wrench(law_.vessel, motion_);
+  in.unknown = core::unknown_wrench(law_.controller.vessel, motion_);
   return in;
 }
 
@@ -322,7 +297,7 @@ template <class S>
 core::ControllerOutput<S> Pilot<S>::step_among_others(const core::ControllerInput<S>& in,
                                                       std::int64_t now_us, S dt) {
   const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
-  return core::controller_step(law_, state_, in, dt, &traffic);
+  return core::controller_step(law_.controller, state_, in, dt, &traffic);
 }
 
 template <class S>
@@ -340,8 +315,8 @@ void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
   const auto& [desired, allocation] = std::tie(out.desired, out.allocation);
   const bool limited =
       desired.u_limited || desired.r_limited || allocation.surge_limited || allocation.yaw_limited;
-  const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.sight.epsilon;
-  core::station_forward(keeping_, station_,
+  const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.controller.sight.epsilon;
+  core::station_forward(law_.station, station_,
                         {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, limited,
                          out.separation.yielding, at_rest},
                         dt);
@@ -355,10 +330,11 @@ core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t n
                      in.separation_n.y - rest.y - shift_n_.y};
   if (starting_) state_ = core::controller_start(in);
   const S since = std::exchange(starting_, false) ? S(0) : dt;
-  const core::SlotParams<S> own_slot = std::exchange(law_.slot, lead.slot);
-  const auto out = neighbours_.watches() ? step_among_others(in, now_us, since)
-                                         : core::controller_step(law_, state_, in, since);
-  law_.slot = own_slot;
+  const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, lead.slot);
+  const auto out = neighbours_.watches()
+                       ? step_among_others(in, now_us, since)
+                       : core::controller_step(law_.controller, state_, in, since);
+  law_.controller.slot = own_slot;
   error_ = out.error;
   desired_ = out.desired.nu_star;
   return out;
@@ -383,7 +359,7 @@ core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
-  core::coast_forward(coast_s_, coast_, dt);
+  core::coast_forward(law_.coast_s, coast_, dt);
   lead_.motion = coast_.leader;
   const auto out = step_behind(lead_, now_us, dt);
   // A boat that coasts because it left its slot may return to it; no other is judged in COAST.
@@ -402,7 +378,7 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
   const core::ControllerInput<S> in = controller_input(lead);
   core::SlotState<S> state = core::slot_start(in);
   core::ControllerOutput<S> out;
-  out.slot = core::slot_forward(lead.slot, law_.vessel, state, in, S(0));
+  out.slot = core::slot_forward(lead.slot, law_.controller.vessel, state, in, S(0));
   out.error = core::formation_error(in, out.slot);
   out.astern = core::goes_astern(lead.slot, in, out.slot);
   return out;
@@ -410,7 +386,7 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
 
 template <class S>
 Estimates Pilot<S>::estimates() const {
-  return {convert::in_double(core::unknown_wrench(law_.vessel, motion_)),
+  return {convert::in_double(core::unknown_wrench(law_.controller.vessel, motion_)),
           {convert::number(motion_.c_n.x), convert::number(motion_.c_n.y)}};
 }
 

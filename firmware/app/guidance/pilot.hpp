@@ -28,10 +28,11 @@ struct Estimates {
 template <class S>
 class Pilot {
  public:
-  explicit Pilot(const Parameters& p);
+  Pilot(const Configuration& configuration, const convert::Law<S>& law);
 
   /// Applies changed parameters and the own system id.
-  void configure(const Parameters& p, std::uint8_t own_system);
+  void configure(const Configuration& configuration, const convert::Law<S>& law,
+                 std::uint8_t own_system);
 
   /// Takes any message; ignores those of unrelated vessels.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
@@ -41,7 +42,7 @@ class Pilot {
 
   /// The conditions that depend on states: fresh, plausible, near each other, clear of other
   /// vessels. sails: the law drives.
-  core::Conditions conditions(std::int64_t now_us, const Parameters& p, bool sails) const;
+  core::Conditions conditions(std::int64_t now_us, bool sails) const;
 
   /// Predicts the own motion over `since`, s, under the wrench given, and corrects it by a new fix.
   /// A disarmed boat may be carried about, so it is tracked like a leader.
@@ -73,7 +74,7 @@ class Pilot {
   /// The boat's error from its slot, without a step of the law.
   core::ControllerOutput<S> look(std::int64_t now_us) const;
 
-  const core::ControllerParams<S>& law() const { return law_; }
+  const core::ControllerParams<S>& law() const { return law_.controller; }
   Estimates estimates() const;
 
   /// The own state at the current whole millisecond.
@@ -131,17 +132,16 @@ class Pilot {
                     S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
   void take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us);
-  void set_limits(const Parameters& p);
+  void set_limits() { own_.set_limits(armed_ ? law_.afloat : law_.carried); }
   void weigh(const core::Tau<S>& given, S since);
   void find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us);
   void look_at_clock(std::int64_t now_us);
   core::ObserverParams<S> careful_observer() const;
-  void set_latency(const Parameters& p);
   void set_lag();
   void forget_latency();
 
-  core::ControllerParams<S> law_;
-  core::StationParams<S> keeping_;
+  convert::Law<S> law_;
+  Configuration::Navigation limits_;
   core::StationState<S> station_{};
   core::ControllerState<S> state_{};
   Lead lead_;                        // of the last step
@@ -150,20 +150,13 @@ class Pilot {
   core::Vec2<S> shift_n_{};          // of the slot, towards the leader's actual position
   S shift_s_{};                      // since shift_n_ was updated
   core::Blend<S> blend_{};           // fades out the step from a change of lead
-  S coast_s_;                        // how long COAST lasts
-  core::ObserverParams<S> observer_;
   core::Observer<S> motion_{};
-  // float for every S: products of its variances are below Q16's resolution.
-  core::LatencyParams<float> latency_params_;
   core::Latency<float> latency_{};
   std::int64_t unanswered_us_ = 0;  // since when TIMESYNC has not bounded its clock; 0: not checked
   float fix_s_ = 0;                 // since the last fix used for the latency
   bool finds_latency_ = false;
   std::optional<float> found_;  // latency beyond NAV_LAG_S, s
   float lag_s_ = 0;             // the compensated part of it
-  float known_lag_s_ = 0;       // NAV_LAG_S
-  float inertia_ = 1;           // VES_M33
-  core::PlausibilityLimits<S> afloat_, carried_;
   bool armed_ = false;
   core::ThrustResponse<S> answer_{};
   bool answers_ = true;

@@ -11,17 +11,16 @@ constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'00
 // A lower sequence number with a motion later by more than this means that the maker restarted.
 constexpr std::int64_t kRestart_us = 1'000'000;
 
-std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
-
 }  // namespace
 
 template <class S>
-void Reference<S>::configure(const Parameters& p, std::uint8_t own_system) {
-  on_ = p.LAW_REF == 1.0F;
-  limits_ = convert::foresight_limits<S>(p);
-  const TreePlace::Own own{own_system, byte_of(p.FORM_LEADER),
-                           convert::wire_offset_of(p.FORM_OFS_N, p.FORM_OFS_E),
-                           p.FORM_FRAME == 1.0F};
+void Reference<S>::configure(const Configuration::Formation& formation,
+                             const core::ForesightLimits<S>& limits, std::uint8_t own_system) {
+  on_ = formation.follows_root;
+  limits_ = limits;
+  const TreePlace::Own own{own_system, formation.leader,
+                           convert::wire_offset_of(formation.north_m, formation.east_m),
+                           formation.turns};
   if (own.leader != place_.own().leader || own.system != place_.own().system) {
     held_.reset();
     guard_.forget();

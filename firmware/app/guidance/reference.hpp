@@ -9,6 +9,7 @@
 #include "app/guidance/tree_place.hpp"
 #include "app/navigation/sender_clocks.hpp"
 #include "app/navigation/vessel_track.hpp"
+#include "app/parameters/configuration.hpp"
 #include "core/reference.hpp"
 
 namespace flotilla::app {
@@ -20,7 +21,8 @@ template <class S>
 class Reference {
  public:
   /// Applies changed parameters and the own system id.
-  void configure(const Parameters& p, std::uint8_t own_system);
+  void configure(const Configuration::Formation& formation, const core::ForesightLimits<S>& limits,
+                 std::uint8_t own_system);
 
   /// Any message; own: our position, nullptr if unknown.
   void take(const link::Received& received, const convert::Position* own, std::int64_t now_us,

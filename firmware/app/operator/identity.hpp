@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/parameters.hpp"
+#include "app/parameters/configuration.hpp"
 #include "link/mavlink/messages.hpp"
 
 namespace flotilla::app {
@@ -16,9 +16,8 @@ namespace flotilla::app {
 /// Source: mavlink.io, MAVLink ID assignment.
 class Identity {
  public:
-  explicit Identity(const Parameters& p)
-      : self_{static_cast<std::uint8_t>(p.MAV_SYSID), static_cast<std::uint8_t>(p.MAV_COMPID)},
-        companion_(p.MAV_IDENTITY == 1.0F) {}
+  explicit Identity(const Configuration::Start& start)
+      : self_{start.system, start.component}, companion_(start.companion) {}
 
   link::Address self() const { return self_; }
   bool companion() const { return companion_; }
@@ -32,10 +31,10 @@ class Identity {
   /// Requests to the whole system are for its autopilot; we are only the companion.
   bool is_autopilots(link::Address target) const { return companion_ && target.component == 0; }
 
-  void heard(link::Address from, const link::Heartbeat& heartbeat, float leader,
+  void heard(link::Address from, const link::Heartbeat& heartbeat, std::uint8_t leader,
              std::int64_t now_us) {
     if (!companion_ || latched_ || !is_autopilot(from, heartbeat)) return;
-    if (static_cast<float>(from.system) == leader) return;
+    if (from.system == leader) return;
     several_ = several_ || (first_us_ && from.system != autopilot_);
     autopilot_ = from.system;
     if (!first_us_) first_us_ = now_us;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 
 #include "app/convert/convert.hpp"
 
@@ -13,15 +14,16 @@ constexpr std::int64_t kMinNews_us = 100'000;  // enough for the fastest turns o
 
 }  // namespace
 
-Streams::Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links)
-    : companion_(companion), tick_us_(tick_us), links_(links) {
+Streams::Streams(const Configuration& configuration, std::span<Link> links)
+    : companion_(configuration.start.companion),
+      tick_us_(configuration.start.tick_us),
+      links_(links) {
   std::ranges::fill(links_, Link{});
-  configure(p);
+  configure(configuration.operators);
 }
 
-void Streams::configure(const Parameters& p) {
-  const std::int64_t state_us = convert::period_us(p.SR_STATE);
-  const std::int64_t slow_us = convert::period_us(p.SR_SLOW);
+void Streams::configure(const Configuration::Operators& operators) {
+  const auto& [state_us, slow_us] = std::tie(operators.state_us, operators.slow_us);
   if (configured_ && state_us == state_us_ && slow_us == slow_us_) return;
   configured_ = true;
   state_us_ = state_us;

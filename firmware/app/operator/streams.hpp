@@ -10,7 +10,7 @@
 #include <span>
 
 #include "app/operator/mavlink_links.hpp"
-#include "app/parameters.hpp"
+#include "app/parameters/configuration.hpp"
 #include "app/schedule.hpp"
 #include "link/mavlink/messages.hpp"
 
@@ -88,10 +88,10 @@ class Streams {
   };
 
   /// links: one element for each link; must outlive this object.
-  Streams(const Parameters& p, bool companion, std::int64_t tick_us, std::span<Link> links);
+  Streams(const Configuration& configuration, std::span<Link> links);
 
   /// Applies changed default rates.
-  void configure(const Parameters& p);
+  void configure(const Configuration::Operators& operators);
 
   /// interval_us 0: the default, −1: never. An interval shorter than the tick, or than the link can
   /// carry (bytes_per_s, 0: no limit), is lengthened to that. False if there is no such stream.

@@ -67,17 +67,17 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
                  TimeRequests& time, const Storage& storage)
     : supervisor_(supervisor),
       parameters_(p),
-      identity_(p),
+      configuration_(configuration_of(p)),
+      identity_(configuration_.start),
       links_(links),
       time_(time),
       router_(storage.routes.first(links.count())),
       parameter_service_(storage.parameters.first(links.count())),
       ftp_(metadata_files()),
-      streams_(p, identity_.companion(), convert::period_us(p.CTL_RATE),
-               storage.streams.first(links.count())),
-      heartbeat_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
-      timesync_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
-      separation_due_(kSecond_us, convert::half_period_us(p.CTL_RATE)),
+      streams_(configuration_, storage.streams.first(links.count())),
+      heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2),
+      timesync_due_(kSecond_us, configuration_.start.tick_us / 2),
+      separation_due_(kSecond_us, configuration_.start.tick_us / 2),
       arm_refusal_due_(kSecond_us / 2),
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),
@@ -120,7 +120,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
-  identity_.heard(from, beat, parameters_.FORM_LEADER, now_us);
+  identity_.heard(from, beat, configuration_.formation.leader, now_us);
   if (beat.type == mav::kTypeGcs && may_command(from)) gcs_us_ = now_us;
 }
 
@@ -150,8 +150,7 @@ void Vehicle::take_sticks(const link::Received& received, const link::ManualCont
 }
 
 bool Vehicle::may_command(link::Address from) const {
-  return parameters_.MAV_GCS_SYSID == 0.0F ||
-         static_cast<float>(from.system) == parameters_.MAV_GCS_SYSID;
+  return configuration_.operators.commander.value_or(from.system) == from.system;
 }
 
 void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
@@ -165,8 +164,8 @@ void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
 }
 
 core::Conditions Vehicle::conditions(std::int64_t now_us) const {
-  const std::int64_t silence_us = convert::microseconds(parameters_.FS_GCS_S);
-  const bool heard = silence_us == 0 || (gcs_us_ && now_us - *gcs_us_ < silence_us);
+  const auto limit_us = configuration_.operators.gcs_limit_us;
+  const bool heard = !limit_us || (gcs_us_ && now_us - *gcs_us_ < *limit_us);
   return heard ? core::kGcsHeard : core::Conditions{0};
 }
 
@@ -204,7 +203,7 @@ Supervisor::Decision Vehicle::ask(Asked& asked) {
     decision = supervisor_.request(asked.request, now_us_);
   } else if (supervisor_.is_repeated(*asked.motor_test, asked.repeated, now_us_)) {
     return decision;
-  } else if (convert::is_dead(asked.motor_test->share, parameters_)) {
+  } else if (convert::is_dead(asked.motor_test->share, configuration_.propulsion)) {
     asked.result = mav::kDenied;
     return {false, false, 0};
   } else {
@@ -246,8 +245,8 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
   send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(link::CurrentMode::kId);
-  if (parameters_.MODE == supervisor_.mode()) return;
-  parameters_.MODE = supervisor_.mode();
+  const float mode = supervisor_.mode();
+  if (std::exchange(parameters_.MODE, mode) == mode) return;
   parameter_service_.announce(*find_parameter("MODE"));
 }
 

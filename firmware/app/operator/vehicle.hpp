@@ -85,6 +85,7 @@ class Vehicle {
 
   link::Address self() const { return identity_.self(); }
   const Parameters& parameters() const { return parameters_; }
+  const Configuration& configuration() const { return configuration_; }
 
   /// Whether a parameter was set, or the identity found, since the last call.
   bool take_change() { return std::exchange(changed_, false); }
@@ -137,6 +138,7 @@ class Vehicle {
 
   Supervisor& supervisor_;
   Parameters parameters_;
+  Configuration configuration_;  // of these
   Identity identity_;
   MavlinkLinks& links_;
   TimeRequests& time_;

@@ -143,7 +143,8 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
     case SetResult::What::kSet: {
       changed_ = true;
       const std::int64_t asks_us = streams_.slowed_us(kSecond_us);
-      streams_.configure(parameters_);
+      configuration_ = configuration_of(parameters_);
+      streams_.configure(configuration_.operators);
       if (streams_.slowed_us(kSecond_us) != asks_us) timesync_due_.hurry();
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
@@ -168,7 +169,7 @@ void Vehicle::set_mode_parameter(const PendingRequest& pending, const SetResult&
   const auto request = request_of_mode(result.mode);
   Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
   const Supervisor::Decision decision = ask(asked);
-  if (!decision.granted && parameters_.MODE != static_cast<float>(result.mode)) {
+  if (!decision.granted && supervisor_.mode() != result.mode) {
     parameter_service_.refuse(link, pending.from, *result.info, mav::kParamPermissionDenied);
     refuse(asked.request, decision.missing, counters);
     return;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/convert/convert.hpp"
+#include "app/parameters/configuration.hpp"
 #include "core/coast.hpp"
 #include "link/dronecan/messages.hpp"
 
@@ -20,12 +21,12 @@ class Thrusters {
     link::RawCommand raw{};
   };
 
-  explicit Thrusters(const Parameters& p)
-      : curve_(convert::thrust_curve_params<S>(p)),
-        propellers_(convert::controller_params<S>(p).propellers),
-        slew_(convert::scalar<S>(p.THR_SLEW)),
-        port_{static_cast<std::uint8_t>(p.ESC_PORT), p.THR_PORT_DIR < 0},
-        stbd_{static_cast<std::uint8_t>(p.ESC_STBD), p.THR_STBD_DIR < 0} {}
+  Thrusters(const Configuration::Propulsion& propulsion, const convert::Law<S>& law)
+      : curve_(law.thrust_curve),
+        propellers_(law.controller.propellers),
+        slew_(law.slew),
+        port_{propulsion.port_esc, propulsion.port_reversed},
+        stbd_{propulsion.stbd_esc, propulsion.stbd_reversed} {}
 
   /// Zeros at once unless `drive`; else moves towards the desired thrusts at the slew rate at most.
   /// If the thrust may not rise, neither thrust nor command exceeds the greater of the last step's

@@ -14,7 +14,10 @@ namespace {
 constexpr std::uint8_t kComponentGps = 220;
 constexpr MessageType kHeartbeat{0, 50}, kCommandLong{76, 152};
 
-std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(parameter); }
+std::array<std::uint8_t, 2> esc_indices(const app::Parameters& p) {
+  const auto propulsion = app::configuration_of(p).propulsion;
+  return {propulsion.port_esc, propulsion.stbd_esc};
+}
 
 }  // namespace
 
@@ -35,7 +38,7 @@ typename Fleet<S>::Station Fleet<S>::station(std::int64_t run, link::Address sel
 template <class S>
 Fleet<S>::Vessel::Vessel(Station place, const app::Parameters& p, Outbox& outbox)
     : station(std::move(place)),
-      escs({byte_of(p.ESC_PORT), byte_of(p.ESC_STBD)}),
+      escs(esc_indices(p)),
       firmware(p, kLinks, {room, outbox}),
       monitor(p) {}
 
@@ -50,7 +53,7 @@ std::size_t Fleet<S>::add_leader(std::int64_t run, std::uint8_t system, const Un
 template <class S>
 std::size_t Fleet<S>::add_boat(std::int64_t run, const app::Parameters& p, const UnitSettings& unit,
                                const Clock& clock) {
-  const link::Address self{byte_of(p.MAV_SYSID), kComponentGps};
+  const link::Address self{app::configuration_of(p).start.system, kComponentGps};
   boats_.emplace_back(station(run, self, unit, clock, true), p, outbox_);
   if (injects_) boats_[boats() - 1].firmware.let_failures_be_injected(&judge);
   return agents() - 1;

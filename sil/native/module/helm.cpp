@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "app/convert/convert.hpp"
+#include "app/convert/law.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;
@@ -29,9 +29,9 @@ class Helm {
   using Leader = std::array<double, 9>;
 
   explicit Helm(const nb::dict& parameters) {
-    const app::Parameters p = parameters_from(parameters);
-    law_ = app::convert::controller_params<double>(p);
-    observer_ = app::convert::observer_params<double>(p);
+    const auto law = app::convert::law_of<double>(parameters_from(parameters));
+    law_ = law.controller;
+    observer_ = law.observer;
   }
 
   void fix(double x, double y, double psi, double u, double v, double r, double age, double dt) {

@@ -114,17 +114,17 @@ struct Scene {
 double turn_between(double a, double b) { return std::remainder(a - b, 2 * kPi); }
 
 TEST_CASE("a propeller's thrust is dead below THR_DEAD, of each direction's own greatest thrust") {
-  Parameters p;
-  p.THR_FWD_MAX = 50;
-  p.THR_REV_MAX = 20;
-  p.THR_DEAD = 5;
+  Configuration::Propulsion p;
+  p.ahead_N = 50;
+  p.astern_N = 20;
+  p.dead_N = 5;
   CHECK(is_dead(0, p));
   CHECK(is_dead(0.0999, p));
   CHECK_FALSE(is_dead(0.1, p));
   CHECK_FALSE(is_dead(1, p));
   CHECK(is_dead(-0.2499, p));
   CHECK_FALSE(is_dead(-0.25, p));
-  p.THR_DEAD = 0;
+  p.dead_N = 0;
   CHECK_FALSE(is_dead(0, p));  // an idle test is nothing that a dead band would hide
 }
 

@@ -23,6 +23,11 @@ Parameters parameters(std::uint8_t system, std::uint8_t leader) {
   return p;
 }
 
+template <class S>
+void configure(Reference<S>& reference, const Parameters& p, std::uint8_t system) {
+  reference.configure(configuration_of(p).formation, convert::law_of<S>(p).foresight, system);
+}
+
 /// The root: a circle to starboard of 0.3 rad/s at 0.6 m/s.
 struct Circle {
   static constexpr double kU = 0.6, kR = 0.3;
@@ -56,7 +61,7 @@ struct Boat {
 
   Boat(std::uint8_t system, std::uint8_t leader_system, std::int64_t clock_us)
       : leader({leader_system, 0}), ahead_us(clock_us), self{system, 1} {
-    reference.configure(parameters(system, leader_system), system);
+    configure(reference, parameters(system, leader_system), system);
   }
   void hear(link::Address from, const link::Message& message, std::int64_t us) {
     leader.take({from, message}, us + ahead_us, counters);
@@ -182,7 +187,7 @@ TEST_CASE("switched off a boat neither follows a reference nor tells one") {
   Line<double> line(3);
   auto p = parameters(2, 1);
   p.LAW_REF = 0;
-  line.boats[1].reference.configure(p, 2);
+  configure(line.boats[1].reference, p, 2);
   line.run(0, 6 * kSecond_us);
   CHECK_FALSE(line.boats[1].aim(6 * kSecond_us));
   CHECK_FALSE(line.boats[1].tell(6 * kSecond_us));
@@ -386,7 +391,7 @@ TEST_CASE("whoever listens to another leader forgets the reference of the one be
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);
   CHECK(f.boat.aim(2 * kSecond_us));
-  f.boat.reference.configure(parameters(2, 7), 2);
+  configure(f.boat.reference, parameters(2, 7), 2);
   CHECK_FALSE(f.boat.aim(2 * kSecond_us));
   CHECK_FALSE(f.boat.tell(2 * kSecond_us));
 }

@@ -9,14 +9,10 @@ namespace {
 namespace mav = link::mav;
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::uint8_t kArdupilot = 3;
-constexpr float kLeader = 100;
+constexpr std::uint8_t kLeader = 100;
 
 Identity identity(bool companion, std::uint8_t system, std::uint8_t component) {
-  Parameters p;
-  p.MAV_SYSID = system;
-  p.MAV_COMPID = component;
-  p.MAV_IDENTITY = companion ? 1 : 0;
-  return Identity(p);
+  return Identity({.system = system, .component = component, .companion = companion});
 }
 link::Heartbeat beat(std::uint8_t autopilot = kArdupilot) { return {0, 11, autopilot, 1, 4}; }
 

@@ -20,9 +20,16 @@ struct Room {
   std::array<Streams::Link, kLinks> links;
 };
 
+Configuration with_start(const Parameters& p, bool companion, std::int64_t tick_us) {
+  Configuration out = configuration_of(p);
+  out.start.companion = companion;
+  out.start.tick_us = tick_us;
+  return out;
+}
+
 struct RoomyStreams : Room, Streams {
   RoomyStreams(const Parameters& p, bool companion, std::int64_t tick_us)
-      : Streams(p, companion, tick_us, links) {}
+      : Streams(with_start(p, companion, tick_us), links) {}
   RoomyStreams(const RoomyStreams&) = delete;
   RoomyStreams& operator=(const RoomyStreams&) = delete;
 };
@@ -179,7 +186,7 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   REQUIRE(streams.set(1, link::MavEscStatus::kId, -1, 0));
   p.SR_STATE = 50;
   p.SR_SLOW = 4;
-  streams.configure(p);
+  streams.configure(configuration_of(p).operators);
   CHECK(streams.interval_us(0, link::Attitude::kId) == 20'000);
   CHECK(streams.interval_us(0, link::LocalPositionNed::kId) == 20'000);
   CHECK(streams.interval_us(0, link::MavEscStatus::kId) == 250'000);
@@ -190,7 +197,7 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   CHECK(streams.interval_us(1, link::MavEscStatus::kId) == -1);
   CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 50);
   p.SR_STATE = p.SR_SLOW = 0;
-  streams.configure(p);
+  streams.configure(configuration_of(p).operators);
   CHECK(streams.interval_us(0, link::Attitude::kId) == -1);
   CHECK(streams.interval_us(0, link::MavEscStatus::kId) == -1);
   CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 0);
@@ -201,7 +208,7 @@ TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW
   RoomyStreams streams(p, false, kTick_us);
   const auto interval_us = [&](float rate_Hz, std::uint16_t id) {
     p.SR_SLOW = rate_Hz;
-    streams.configure(p);
+    streams.configure(configuration_of(p).operators);
     return streams.interval_us(0, id);
   };
   for (const StreamInfo& info : kStreams) {
@@ -215,7 +222,7 @@ TEST_CASE("an SR_SLOW below 1 slows what has a rate of its own, no other SR_SLOW
     CHECK(interval_us(0, info.id) == (slow ? -1 : own_us));
   }
   p.SR_SLOW = 0.25F;
-  streams.configure(p);
+  streams.configure(configuration_of(p).operators);
   CHECK(streams.slowed_us(kSecond_us) == 4 * kSecond_us);
 }
 
@@ -224,7 +231,7 @@ TEST_CASE("parameters set to what they are shift no stream's grid") {
   const std::size_t battery = index_of(link::BatteryStatus::kId);
   CHECK(sent(streams, battery, 0, 0, kTick_us) == 1);
   for (std::int64_t now = kTick_us; now < 5 * kSecond_us - kTick_us; now += kTick_us) {
-    streams.configure(Parameters{});
+    streams.configure(configuration_of({}).operators);
     REQUIRE_FALSE(streams.schedule(battery, 0).due(now));
   }
 }

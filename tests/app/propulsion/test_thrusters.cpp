@@ -10,6 +10,11 @@
 namespace flotilla::app {
 namespace {
 
+template <class S>
+Thrusters<S> thrusters_of(const Parameters& p) {
+  return {configuration_of(p).propulsion, convert::law_of<S>(p)};
+}
+
 Parameters without_slew() {
   Parameters p;
   p.THR_SLEW = 0;
@@ -21,7 +26,7 @@ TEST_CASE_TEMPLATE("full thrust is 8191 in each propeller's own slot, the others
   Parameters p = without_slew();
   p.ESC_PORT = 3;
   p.ESC_STBD = 1;
-  Thrusters<S> thrusters(p);
+  auto thrusters = thrusters_of<S>(p);
   const auto out = thrusters.step(true, core::Thrust<S>{S(20), S(-20)}, S(0.01));
   REQUIRE(out.raw.count == 4);
   CHECK(out.raw.cmd[3] == 8191);
@@ -35,9 +40,9 @@ TEST_CASE_TEMPLATE("full thrust is 8191 in each propeller's own slot, the others
 TEST_CASE_TEMPLATE("a propeller that turns the other way gets the other sign and gives the same", S,
                    float, double) {
   Parameters p = without_slew();
-  const auto straight = Thrusters<S>(p).step(true, core::Thrust<S>{S(7), S(3)}, S(0.01));
+  const auto straight = thrusters_of<S>(p).step(true, core::Thrust<S>{S(7), S(3)}, S(0.01));
   p.THR_STBD_DIR = -1;
-  const auto reversed = Thrusters<S>(p).step(true, core::Thrust<S>{S(7), S(3)}, S(0.01));
+  const auto reversed = thrusters_of<S>(p).step(true, core::Thrust<S>{S(7), S(3)}, S(0.01));
   CHECK(reversed.raw.cmd[0] == straight.raw.cmd[0]);
   CHECK(reversed.raw.cmd[1] == -straight.raw.cmd[1]);
   CHECK(reversed.thrust.stbd == straight.thrust.stbd);
@@ -47,7 +52,7 @@ TEST_CASE_TEMPLATE("starting takes its time, stopping does not, and the next sta
                    float, double) {
   Parameters p;
   p.THR_SLEW = 5;
-  Thrusters<S> thrusters(p);
+  auto thrusters = thrusters_of<S>(p);
   const core::Thrust<S> full{S(20), S(20)};
   typename Thrusters<S>::Output out;
   for (int k = 1; k <= 20; ++k) {
@@ -76,7 +81,7 @@ TEST_CASE_TEMPLATE("what is given is what the commands as sent will give", S, fl
     p.THR_EXPO = static_cast<float>(part(random));
     p.THR_REV_MAX = 12;
     const core::Thrust<S> desired{S(thrust(random)), S(thrust(random))};
-    const auto out = Thrusters<S>(p).step(true, desired, S(0.01));
+    const auto out = thrusters_of<S>(p).step(true, desired, S(0.01));
     CHECK(std::abs(double(out.thrust.port) - std::clamp(double(desired.port), -12.0, 20.0)) < 0.01);
     CHECK(std::abs(double(out.thrust.stbd) - std::clamp(double(desired.stbd), -12.0, 20.0)) < 0.01);
     CHECK(double(out.given.X) == doctest::Approx(double(out.thrust.port + out.thrust.stbd)));
@@ -89,9 +94,9 @@ TEST_CASE_TEMPLATE(
     double) {
   Parameters p = without_slew();
   p.THR_EXPO = 1;
-  Thrusters<S> thrusters(p);
+  auto thrusters = thrusters_of<S>(p);
   for (S T = S(1); T > S(0); T = S(0.25) * T) {
-    const S c = core::command_from_thrust(convert::thrust_curve_params<S>(p), T);
+    const S c = core::command_from_thrust(convert::law_of<S>(p).thrust_curve, T);
     REQUIRE(std::isfinite(c));  // the cast of NaN to an integer would be undefined
     CHECK(thrusters.step(true, core::Thrust<S>{T, T}, S(0.01)).raw.cmd[0] >= 0);
   }
@@ -106,7 +111,7 @@ TEST_CASE_TEMPLATE(
   std::uniform_real_distribution<double> thrust(-25, 25);
   Parameters p;
   p.THR_REV_MAX = 12;  // the same thrust is a greater command astern
-  Thrusters<S> thrusters(p);
+  auto thrusters = thrusters_of<S>(p);
   const auto step = [&](bool may_rise) {
     const core::Thrust<S> desired{S(thrust(random)), S(thrust(random))};
     const auto out = thrusters.step(true, desired, S(0.01), may_rise);

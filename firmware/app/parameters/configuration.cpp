@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "app/parameters/configuration.hpp"
+
+#include "app/convert/times.hpp"
+
+namespace flotilla::app {
+namespace {
+
+template <class T>
+T whole(float parameter) {
+  return static_cast<T>(parameter);
+}
+
+template <class T>
+std::optional<T> unless_zero(T value) {
+  return value > T{} ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+Configuration configuration_of(const Parameters& p) {
+  using convert::microseconds, convert::period_us;
+  using Byte = std::uint8_t;
+  return {
+      .start = {.system = whole<Byte>(p.MAV_SYSID),
+                .component = whole<Byte>(p.MAV_COMPID),
+                .companion = p.MAV_IDENTITY > 0,
+                .can_node = whole<Byte>(p.CAN_NODE),
+                .tick_us = period_us(p.CTL_RATE)},
+      .formation = {.leader = whole<Byte>(p.FORM_LEADER),
+                    .north_m = p.FORM_OFS_N,
+                    .east_m = p.FORM_OFS_E,
+                    .turns = p.FORM_FRAME > 0,
+                    .follows_root = p.LAW_REF > 0,
+                    .max_depth = unless_zero(whole<std::size_t>(p.FORM_DEPTH)),
+                    .beam_m = 2 * p.THR_ARM,
+                    .separation_m = p.FS_SEP_M,
+                    .judges_station = p.FS_SLOT_M > 0},
+      .navigation = {.lag_s = p.NAV_LAG_S,
+                     .own_limit_us = microseconds(p.FS_NAV_S),
+                     .leader_limit_us = microseconds(p.FS_LEADER_S)},
+      .propulsion = {.port_esc = whole<Byte>(p.ESC_PORT),
+                     .stbd_esc = whole<Byte>(p.ESC_STBD),
+                     .port_reversed = p.THR_PORT_DIR < 0,
+                     .stbd_reversed = p.THR_STBD_DIR < 0,
+                     .ahead_N = p.THR_FWD_MAX,
+                     .astern_N = p.THR_REV_MAX,
+                     .dead_N = p.THR_DEAD,
+                     .esc_limit_us = microseconds(p.FS_ESC_S)},
+      .failsafes = {.leader_loss = whole<LossAction>(p.FS_LEADER_ACT),
+                    .gcs_loss = whole<LossAction>(p.FS_GCS_ACT),
+                    .coast_us = microseconds(p.FS_COAST_S),
+                    .battery_V = unless_zero(p.FS_BATT_V),
+                    .fence_m = unless_zero(p.FS_FENCE_M)},
+      .operators = {.commander = unless_zero(whole<Byte>(p.MAV_GCS_SYSID)),
+                    .gcs_limit_us = unless_zero(microseconds(p.FS_GCS_S)),
+                    .state_us = period_us(p.SR_STATE),
+                    .slow_us = period_us(p.SR_SLOW)},
+  };
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Parameters in the units and types of their consumers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "app/parameters.hpp"
+
+namespace flotilla::app {
+
+/// FS_LEADER_ACT, FS_GCS_ACT.
+enum class LossAction : std::uint8_t { kHold, kCoast, kManual };
+
+/// Made anew after each change of a parameter, so that no tick converts one. The law's numbers, in
+/// its scalar, are in convert::Law. Nothing: the parameter is 0, which switches that limit off.
+struct Configuration {
+  /// In force from the next start on.
+  struct Start {
+    std::uint8_t system = 0, component = 0;
+    bool companion = false;
+    std::uint8_t can_node = 0;
+    std::int64_t tick_us = 0;
+  };
+
+  struct Formation {
+    std::uint8_t leader = 0;
+    float north_m = 0, east_m = 0;  ///< the slot
+    bool turns = false;             ///< FORM_FRAME 1
+    bool follows_root = false;      ///< LAW_REF
+    std::optional<std::size_t> max_depth;
+    float beam_m = 0;        ///< slots that are closer than this are one
+    float separation_m = 0;  ///< FS_SEP_M
+    bool judges_station = false;
+  };
+
+  struct Navigation {
+    float lag_s = 0;
+    std::int64_t own_limit_us = 0, leader_limit_us = 0;  ///< ages at which states are too old
+  };
+
+  struct Propulsion {
+    std::uint8_t port_esc = 0, stbd_esc = 0;
+    bool port_reversed = false, stbd_reversed = false;
+    float ahead_N = 0, astern_N = 0;  ///< greatest thrust of one propeller
+    float dead_N = 0;
+    std::int64_t esc_limit_us = 0;  ///< silence after which an ESC is offline
+  };
+
+  struct Failsafes {
+    LossAction leader_loss = LossAction::kHold, gcs_loss = LossAction::kHold;
+    std::int64_t coast_us = 0;
+    std::optional<float> battery_V, fence_m;
+  };
+
+  struct Operators {
+    std::optional<std::uint8_t> commander;     ///< the only system id that may command
+    std::optional<std::int64_t> gcs_limit_us;  ///< silence after which ground stations are lost
+    std::int64_t state_us = 0, slow_us = 0;    ///< intervals, 0: not sent
+  };
+
+  Start start;
+  Formation formation;
+  Navigation navigation;
+  Propulsion propulsion;
+  Failsafes failsafes;
+  Operators operators;
+};
+
+/// Parameters must be valid.
+Configuration configuration_of(const Parameters& p);
+
+}  // namespace flotilla::app
