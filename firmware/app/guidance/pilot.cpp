@@ -73,12 +73,10 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
   }
   own_.take(received, now_us, counters);
   leader_.take(received, now_us, counters);
-  const convert::Position place = own_.position();
-  reference_.take(received, own_.has_origin() ? &place : nullptr, now_us, counters);
+  const convert::Position* place = own_.has_origin() ? &own_.position() : nullptr;
+  reference_.take(received, place, now_us, counters);
   claims_.hear(received, reference_.place(), now_us);
-  if (neighbours_.watches() && own_.has_origin()) {
-    neighbours_.take<S>(received, own_.position(), now_us);
-  }
+  if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
 }
 
 template <class S>

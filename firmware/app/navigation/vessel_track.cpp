@@ -157,7 +157,8 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   }
   if (stamp == Stamp::kRestarted) rebooted(stamp_us);
   const bool far = origins_.is_far(state.sample);
-  const Jump jump = guard_.take(guard_.seen(placed, now_us), far);
+  auto seen = guard_.seen(placed, now_us);
+  const Jump jump = guard_.take(seen, far);
   if (jump == Jump::kRefused) {
     ++counters.mavlink_jump;
     return;
@@ -172,7 +173,9 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   if (far || !origins_.is_of_kind(state.sample)) {
     origins_.anchor(state.sample, from);
     placed = origins_.in_plane(state.sample);
+    seen = guard_.seen(placed, now_us);
   }
+  guard_.believe(seen);
   update(state, placed, now_us);
 }
 
@@ -181,7 +184,6 @@ void VesselTrack<S>::update(const State& state, const convert::Sample<S>& placed
                             std::int64_t now_us) {
   const std::int64_t stamp_us = placed.stamp_us;
   const std::int64_t since_us = stamps_.last_us() ? stamp_us - *stamps_.last_us() : 0;
-  guard_.believe(guard_.seen(placed, now_us));
   liveness_.take(placed, convert::seconds<S>(std::min(since_us, kLongestRepeat_us)));
   ClockOffset& clock = sources_.clock();
   clock.heard(stamp_us, now_us);
@@ -195,6 +197,12 @@ void VesselTrack<S>::update(const State& state, const convert::Sample<S>& placed
   origins_.put(sample.north_m, sample.east_m);
   stamps_.accept(stamp_us, state.heading_older_us, now_us);
   if (state.resets) sources_.note_resets(*state.resets);
+}
+
+template <class S>
+void VesselTrack<S>::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
+                              std::int64_t now_us) {
+  if (mine(from) && from.component == component()) sources_.answered(sent_us, read_us, now_us);
 }
 
 template <class S>

@@ -78,9 +78,7 @@ class VesselTrack {
 
   /// The vessel answered a TIMESYNC request that we sent at `sent_us`.
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
-                std::int64_t now_us) {
-    if (mine(from) && from.component == component()) sources_.answered(sent_us, read_us, now_us);
-  }
+                std::int64_t now_us);
 
   /// Time since the state was true, not since its arrival; nothing if unknown.
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
@@ -120,7 +118,7 @@ class VesselTrack {
   /// A state as received, from one message or joined with a heading.
   struct State {
     Source source;
-    convert::Sample<S> sample;
+    const convert::Sample<S>& sample;
     std::optional<std::uint8_t> resets{};  ///< of the estimator
     const Heading* heading = nullptr;
     std::int64_t heading_older_us = 0;
