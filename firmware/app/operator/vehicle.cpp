@@ -104,6 +104,7 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
       streams_.radio_has_room(link, radio->txbuf, now_us);
       continue;
     }
+    heard_ = std::max(heard_, out.is_signed ? Heard::kSigned : Heard::kMessage);
     router_.heard(out.from, link, now_us);
     if (beat != nullptr) take_beat(out.from, *beat, now_us);
     if (out.target.system != 0) hand_on(link, out, now_us, counters);
