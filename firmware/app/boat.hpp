@@ -107,6 +107,9 @@ class Boat {
     links_.bucket(link).limit(bytes_per_s);
   }
 
+  /// Whether a message of somebody else was accepted since the last call: a host answers only those.
+  Heard take_heard() { return vehicle_.take_heard(); }
+
   /// What was asked since the last call of the parameters on the disk.
   SaveRequest take_save_request() { return vehicle_.take_save_request(); }
 

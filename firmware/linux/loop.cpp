@@ -198,6 +198,10 @@ void Loop::read_links(std::int64_t now_us) {
       logs_.mavlink(i, Direction::kReceived, bytes, clock_us(CLOCK_REALTIME));
       boat_->on_mavlink(bytes, now_us, i);
       if (links_[i]->datagrams()) boat_->end_of_datagram(now_us, i);
+      const app::Heard accepted = boat_->take_heard();
+      if (accepted != app::Heard::kNothing) {
+        links_[i]->accepted(accepted == app::Heard::kSigned, now_us);
+      }
       if (heard_us_ == 0) heard_us_ = now_us;
     }
   }
@@ -236,7 +240,7 @@ void Loop::keep_house(std::int64_t now_us) {
   if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
     print_line(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
   }
-  for (const auto& link : links_) link->maintain();
+  for (const auto& link : links_) link->maintain(now_us);
   if (const auto complaint = logs_.complaint()) print_line(*complaint);
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
     print_line(*complaint);

@@ -10,7 +10,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.linux.config.test_config import mistake
-from tests.linux.process import LOOPBACK, RealSea, Udp
+from tests.linux.process import LOOPBACK, RealSea, Udp, free_port
 from tests.target.stations import Station, command_long
 
 KEY = bytes(range(7, 39))
@@ -63,6 +63,24 @@ def start(sea: RealSea, key: Path, *options: str) -> None:
     sea.leader.on = False
     sea.start(f"--signing-key={key}", *options)
     secure(sea._parsers[-1], KEY)
+
+
+def test_strangers_without_the_key_are_sent_nothing(sea: RealSea, key: Path) -> None:
+    port = free_port()
+    operator = Udp(port)
+    operator.option += ",signing=required"
+    stranger = Udp(port)
+    sea.connect(Udp(), operator)
+    secure(sea.gcs.encoder, KEY)
+    sea.leader.on = False
+    sea.start(f"--signing-key={key}")
+    secure(sea._parsers[-1], KEY)
+    sea.repeat(lambda: order(sea), sea.acks)
+    for _ in range(10):
+        stranger.send(Station(77, 1).pack(command_long(UNKNOWN)))
+        sea.run(0.1)
+    assert stranger.receive() == []
+    stranger.close()
 
 
 def order(sea: RealSea) -> None:

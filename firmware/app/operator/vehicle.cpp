@@ -104,6 +104,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
     streams_.radio_has_room(link, radio->txbuf, now_us);
     return true;
   }
+  heard_ = std::max(heard_, received.is_signed ? Heard::kSigned : Heard::kMessage);
   router_.heard(received.from, link, now_us);
   if (beat != nullptr) take_beat(received.from, *beat, now_us);
   if (received.target.system != 0) hand_on(link, received, now_us, counters);

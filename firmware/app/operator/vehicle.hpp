@@ -25,6 +25,10 @@
 
 namespace flotilla::app {
 
+/// The best that was heard since the host asked last: a message of somebody else that the link's policy
+/// accepts, or one with a good signature.
+enum class Heard : std::uint8_t { kNothing, kMessage, kSigned };
+
 /// Why the host should save the parameters; the later reason counts.
 enum class SaveRequest : std::uint8_t {
   kNone,
@@ -89,6 +93,7 @@ class Vehicle {
 
   /// Whether a parameter was set, or the identity found, since the last call.
   bool take_change() { return std::exchange(changed_, false); }
+  Heard take_heard() { return std::exchange(heard_, Heard::kNothing); }
   SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
 
   /// What MAV_CMD_INJECT_FAILURE asks for is the host's to judge; without a judge: unsupported.
@@ -152,6 +157,7 @@ class Vehicle {
   std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
+  Heard heard_ = Heard::kNothing;
   FailureJudge failure_judge_ = nullptr;
   std::optional<Failure> failure_;
   bool disarm_ = false;

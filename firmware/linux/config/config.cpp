@@ -35,7 +35,7 @@ MAVLink links, each with options behind it:
                          takes signed ones only. accept where there is a signing-key, else off
 and these addresses:
   udpin:[HOST:]PORT      waits at that address of this machine, 127.0.0.1 without HOST; answers
-                         everybody who has talked to it
+                         everybody who has sent it a message
   udpout:HOST:PORT       talks to one, hears nobody else
   udpbcast:HOST:PORT     talks to a broadcast address
   serial:DEVICE:BAUD     a serial port, such as serial:/dev/ttyUSB0:57600,rate=3000

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "linux/mavlink/peers.hpp"
 #include "linux/system/file_descriptor.hpp"
 
 namespace flotilla::target {
@@ -55,10 +56,6 @@ unsigned number_of(std::string_view address, const std::string& text, unsigned g
   return value;
 }
 
-bool same(const sockaddr_in& a, const sockaddr_in& b) {
-  return a.sin_addr.s_addr == b.sin_addr.s_addr && a.sin_port == b.sin_port;
-}
-
 const sockaddr* generic(const sockaddr_in& address) {
   return reinterpret_cast<const sockaddr*>(&address);
 }
@@ -70,7 +67,7 @@ FileDescriptor udp_socket() {
   return socket;
 }
 
-/// UDP to a fixed peer (udpout, udpbcast), or to the peers that have written to us (udpin). Bound
+/// UDP to a fixed peer (udpout, udpbcast), or to those of whom a message was accepted (udpin). Bound
 /// to one address of this machine: the named one, or the source address of the route to the peer.
 class UdpEndpoint final : public MavlinkEndpoint {
  public:
@@ -87,36 +84,30 @@ class UdpEndpoint final : public MavlinkEndpoint {
       refuse(address, std::string("cannot listen there: ") + std::strerror(error));
     }
     if (lost_ && error != ENETUNREACH) refuse(address, std::strerror(error));
-    peers_.reserve(kMaxPeers);
-    if (!learns_) peers_.push_back({named_, 0});
   }
 
   void send(std::span<const std::uint8_t> messages) override {
-    for (const Peer& peer : peers_) {
-      const ssize_t sent = ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
-                                    generic(peer.address), sizeof peer.address);
-      // ECONNREFUSED: nobody listens there yet; MAVLink messages repeat.
-      if (sent >= 0 || errno == ECONNREFUSED) continue;
-      ++dropped_;
-      lost_ = errno != EAGAIN && errno != ENOBUFS;
-    }
+    if (!learns_) return send_to(named_, messages);
+    for (const Peers::Peer& peer : peers_.all()) send_to(peer.address, messages);
   }
 
   std::size_t receive(std::span<std::uint8_t> out) override {
-    sockaddr_in from{};
-    socklen_t length = sizeof from;
+    socklen_t length = sizeof from_;
     const ssize_t size = ::recvfrom(socket_.get(), out.data(), out.size(), 0,
-                                    reinterpret_cast<sockaddr*>(&from), &length);
-    if (size <= 0) return 0;
-    if (learns_) learn(from);
-    return static_cast<std::size_t>(size);
+                                    reinterpret_cast<sockaddr*>(&from_), &length);
+    return size > 0 ? static_cast<std::size_t>(size) : 0;
+  }
+
+  void accepted(bool is_signed, std::int64_t now_us) override {
+    if (learns_) peers_.accepted(from_, is_signed, now_us);
   }
 
   bool datagrams() const override { return true; }
   int descriptor() const override { return socket_.get(); }
 
   /// Reopens after the network came late, or this machine's address changed.
-  void maintain() override {
+  void maintain(std::int64_t now_us) override {
+    peers_.forget_silent(now_us);
     if (lost_ && !learns_) lost_ = open() != 0;
   }
 
@@ -141,33 +132,21 @@ class UdpEndpoint final : public MavlinkEndpoint {
     return 0;
   }
 
-  static constexpr std::size_t kMaxPeers = 8;
-  struct Peer {
-    sockaddr_in address;
-    std::uint64_t heard;
-  };
-
-  /// When full, replaces the peer silent for longest.
-  void learn(const sockaddr_in& from) {
-    const auto known = std::find_if(peers_.begin(), peers_.end(),
-                                    [&](const Peer& p) { return same(p.address, from); });
-    if (known != peers_.end()) {
-      known->heard = ++clock_;
-    } else if (peers_.size() < kMaxPeers) {
-      peers_.push_back({from, ++clock_});
-    } else {
-      *std::min_element(peers_.begin(), peers_.end(), [](const Peer& a, const Peer& b) {
-        return a.heard < b.heard;
-      }) = {from, ++clock_};
-    }
+  void send_to(const sockaddr_in& peer, std::span<const std::uint8_t> messages) {
+    const ssize_t sent = ::sendto(socket_.get(), messages.data(), messages.size(), MSG_NOSIGNAL,
+                                  generic(peer), sizeof peer);
+    // ECONNREFUSED: nobody listens there yet; MAVLink messages repeat.
+    if (sent >= 0 || errno == ECONNREFUSED) return;
+    ++dropped_;
+    lost_ = errno != EAGAIN && errno != ENOBUFS;
   }
 
   bool learns_, broadcasts_;
   bool lost_ = false;  // nothing can be sent until open() succeeds
   sockaddr_in named_{};
   FileDescriptor socket_;
-  std::vector<Peer> peers_;
-  std::uint64_t clock_ = 0;
+  Peers peers_;
+  sockaddr_in from_{};  // of the last datagram
 };
 
 struct Speed {
@@ -214,7 +193,7 @@ class SerialEndpoint final : public MavlinkEndpoint {
   bool datagrams() const override { return false; }
   int descriptor() const override { return port_.get(); }
 
-  void maintain() override {
+  void maintain(std::int64_t /*now_us*/) override {
     if (!port_) open();
     flush();
   }

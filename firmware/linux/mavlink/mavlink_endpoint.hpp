@@ -22,6 +22,9 @@ class MavlinkEndpoint {
   /// Copies received bytes; 0 if there are none.
   virtual std::size_t receive(std::span<std::uint8_t> out) = 0;
 
+  /// The boat has accepted a message among the bytes received last, signed with its key or not.
+  virtual void accepted(bool /*is_signed*/, std::int64_t /*now_us*/) {}
+
   /// Each receive() returns one datagram, with whole messages only.
   virtual bool datagrams() const = 0;
 
@@ -29,7 +32,7 @@ class MavlinkEndpoint {
   virtual int descriptor() const = 0;
 
   /// Reopens a device that vanished; call about ten times a second.
-  virtual void maintain() = 0;
+  virtual void maintain(std::int64_t now_us) = 0;
 
   std::uint64_t dropped() const { return dropped_; }
 
@@ -37,7 +40,7 @@ class MavlinkEndpoint {
   std::uint64_t dropped_ = 0;  ///< calls of send() with bytes that could not be sent
 };
 
-/// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; answers all who wrote to it
+/// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; answers whom the boat has accepted messages of, see Peers
 /// udpout:HOST:PORT    exchanges messages with one peer only
 /// udpbcast:HOST:PORT  sends to a broadcast address, receives from everybody who answers
 /// serial:DEVICE:BAUD  a serial port, 8N1, raw; an absent one is opened when it appears

@@ -3,6 +3,7 @@
 
 import os
 import socket
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from functools import partial
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from pymavlink import mavutil
+from pymavlink.dialects.v20 import common as mavlink
 
 from tests.linux.process import (
     LOOPBACK,
@@ -21,7 +23,7 @@ from tests.linux.process import (
     free_port,
     now_us,
 )
-from tests.target.stations import BOAT, GCS, command_long
+from tests.target.stations import BOAT, GCS, Station, command_long
 from tests.turns import some
 
 RATE_BPS = 800
@@ -50,25 +52,73 @@ def test_udpin_answers_everybody_who_has_talked_to_it_and_nobody_else(
     assert unheard.receive() == []
 
 
-def test_udpin_forgets_the_peer_that_was_silent_for_longest(
+def test_udpin_forgets_who_fell_silent_only_where_it_needs_the_place(
     sea: RealSea, opened: ExitStack
 ) -> None:
     port = free_port()
     sea.connect(Udp(port))
     sea.start()
     sea.until(sea.ready)
-    peers = [Udp(port) for _ in range(10)]
+    peers = [Udp(port) for _ in range(8)]
+
+    def answered() -> list[bool]:
+        for peer in peers:
+            peer.receive()
+        beats = len(sea.named("HEARTBEAT"))
+        sea.until(lambda: len(sea.named("HEARTBEAT")) > beats + 1)
+        return [bool(peer.receive()) for peer in peers]
+
+    def greet(peer: Udp) -> None:
+        heard = len(sea.acks())
+        peer.send(sea.gcs.pack(command_long(0)))
+        sea.until(lambda: len(sea.acks()) > heard)  # one after the other
+
     for peer in peers:
         opened.callback(peer.close)
-        peer.send(sea.gcs.pack(command_long(0)))
-        heard = len(sea.acks())
-        sea.until(lambda heard=heard: len(sea.acks()) > heard)  # one after the other
-    for peer in peers:
-        peer.receive()
-    beats = len(sea.named("HEARTBEAT"))
-    sea.until(lambda: len(sea.named("HEARTBEAT")) > beats + 1)
-    answered = [bool(peer.receive()) for peer in peers]
-    assert answered == [False] * 3 + [True] * 7  # eight with the one that keeps talking
+        greet(peer)
+    assert answered() == [True] * 7 + [False]  # eight with the one that keeps talking
+    sea.run(3.0)
+    greet(peers[-1])
+    assert answered() == [False] + [True] * 7
+
+
+@pytest.mark.parametrize("garbage", [True, False])
+def test_nine_strangers_take_nothing_from_an_operator(
+    sea: RealSea, opened: ExitStack, garbage: bool
+) -> None:
+    """`garbage`: one byte each, 20 times a second; else heartbeats of other boats."""
+    port = free_port()
+    operator = Udp(port)
+    sea.connect(Udp(), operator)
+    sea.start()
+    sea.until(sea.ready)
+
+    def flow() -> float:
+        sea.run(1.0)
+        before, began_us = sea.bytes_heard[1], now_us()
+        sea.run(4.0)
+        return (sea.bytes_heard[1] - before) / (1e-6 * (now_us() - began_us))
+
+    calm = flow()
+    strangers = [Udp(port) for _ in range(9)]
+    stop = threading.Event()
+
+    def shout() -> None:
+        while not stop.wait(0.05):
+            for number, stranger in enumerate(strangers):
+                beat = mavlink.MAVLink_heartbeat_message(11, 0, 0, 0, 4, 3)
+                stranger.send(b"x" if garbage else Station(100 + number, 1).pack(beat))
+
+    thread = threading.Thread(target=shout)
+    thread.start()
+    opened.callback(lambda: [stranger.close() for stranger in strangers])
+    opened.callback(thread.join)
+    opened.callback(stop.set)
+    flooded = flow()
+    print(f"operator hears {calm:.0f} B/s, beside nine strangers {flooded:.0f} B/s")
+    assert flooded > 0.8 * calm
+    if garbage:
+        assert not any(stranger.receive() for stranger in strangers)
 
 
 def test_a_boat_sails_by_a_serial_port_alone(sea: RealSea, tmp_path: Path) -> None:

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Who is answered on a UDP link that waits to be talked to: senders of accepted messages.
+//
+// A stranger, whose bytes the boat has not accepted, is sent nothing. A peer that falls silent is
+// forgotten. Where the table is full, a newcomer takes the place of the longest silent peer that has
+// not signed: at once if the newcomer has signed, else once that one has missed three heartbeats. A
+// peer that has signed gives way only to another that has, after the same silence.
+#pragma once
+
+#include <netinet/in.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace flotilla::target {
+
+/// Never allocates after construction.
+class Peers {
+ public:
+  static constexpr std::size_t kMost = 8;
+  static constexpr std::int64_t kSilent_us = 3'000'000, kForgotten_us = 30'000'000;
+
+  Peers() { peers_.reserve(kMost); }
+
+  /// A message from there was accepted. Only signed ones keep a place that was taken by signing.
+  void accepted(const sockaddr_in& from, bool is_signed, std::int64_t now_us);
+
+  void forget_silent(std::int64_t now_us);
+
+  struct Peer {
+    sockaddr_in address;
+    bool is_signed;
+    std::int64_t heard_us;
+  };
+  std::span<const Peer> all() const { return peers_; }
+
+ private:
+  std::vector<Peer> peers_;
+};
+
+}  // namespace flotilla::target
