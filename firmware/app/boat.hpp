@@ -31,12 +31,11 @@ struct Snapshot {
   core::Nu<double> nu_star;
   core::Tau<double> asked, given;
   core::Thrust<double> thrust_N;
-  bool surge_limited, yaw_limited, slew_limited;
-  bool speed_limited, yaw_rate_limited;  ///< by LAW_U_MAX, LAW_R_MAX
-  core::TooFast<double> slot_needs;      ///< beyond these two, 0: no more
-  bool yielding;                         ///< to another vessel
-  bool in_slot;                          ///< in FORMATION; else it closes up
-  std::optional<double> separation_m;    ///< predicted, of the nearest vessel
+  core::Limits limits;                 ///< that acted
+  core::TooFast<double> slot_needs;    ///< beyond LAW_U_MAX, LAW_R_MAX, 0: no more
+  bool yielding;                       ///< to another vessel
+  bool in_slot;                        ///< in FORMATION; else it closes up
+  std::optional<double> separation_m;  ///< predicted, of the nearest vessel
   link::Counters counters;
 };
 

@@ -37,9 +37,8 @@ template <class S>
 struct Allocation {
   Thrust<S> thrust{};
   Tau<S> given{};
-  Tau<S> missing{};  ///< asked − given
-  bool surge_limited = false;
-  bool yaw_limited = false;
+  Tau<S> missing{};   ///< asked − given
+  Limits limits = 0;  ///< kSurgeLimit, kYawLimit
 };
 
 template <class S>
@@ -59,8 +58,8 @@ Allocation<S> allocate(const AllocationParams<S>& params, const Tau<S>& tau) {
   out.thrust = {clamp(m + D, -params.R, params.F), clamp(m - D, -params.R, params.F)};
   out.given = wrench_of(params, out.thrust);
   out.missing = {tau.X - out.given.X, tau.N - out.given.N};
-  out.surge_limited = m < m_asked || m_asked < m;
-  out.yaw_limited = D < D_asked || D_asked < D;
+  if (m < m_asked || m_asked < m) out.limits |= kSurgeLimit;
+  if (D < D_asked || D_asked < D) out.limits |= kYawLimit;
   return out;
 }
 

@@ -46,6 +46,8 @@ struct ControllerOutput {
   Tau<S> tau{};
   Allocation<S> allocation{};
   bool astern = false;  ///< the slot goes astern, on the inside of a turn
+
+  Limits limits() const { return desired.limits | allocation.limits; }
 };
 
 /// v*(0) = v_L(0): call when FORMATION is entered and when the leader changes.
@@ -95,22 +97,16 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b,
   return desired;
 }
 
-/// Changes ν* to keep clear of other vessels.
+/// Among other vessels: the boat, and the velocities that lead it to its slot and along with it.
 template <class S>
-Separation<S> keep_clear(const ControllerParams<S>& params, ControllerState<S>& state,
-                         const ControllerInput<S>& in, const Traffic<S>& traffic,
-                         const Slot<S>& slot, const FormationError<S>& error,
-                         VirtualVelocity<S>& desired) {
+SeparationInput<S> separation_input(const ControllerParams<S>& params, S psi,
+                                    const Traffic<S>& traffic, const Slot<S>& slot,
+                                    const FormationError<S>& error) {
   const Vec2<S> v = to_north_east(slot.psi, Vec2<S>{slot.nu.u, slot.nu.v});
   const Vec2<S> e = to_north_east(error.R, Vec2<S>{error.e.x, error.e.y});
   const S k = params.outer.k_x;
-  const Intent<S> intent =
-      intent_of(params.outer, params.separation.least, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y});
-  const S a = params.propellers.R / params.vessel.m11;  // half the full-astern deceleration
-  const auto kept =
-      separate(params.separation, a, state.separation, traffic, in.psi, intent, desired);
-  state.outer.r_star_held = desired.nu_star.r;
-  return kept;
+  return {traffic, psi, params.propellers.R / params.vessel.m11,
+          intent_of(params.outer, params.separation, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y})};
 }
 
 /// One control step; dt: s since the previous step, 0 in the first; traffic: nullptr for no
@@ -127,10 +123,12 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
   if (traffic != nullptr) {
-    separation = keep_clear(params, state, in, *traffic, slot, error, desired);
+    separation = separate(params.separation, state.separation,
+                          separation_input(params, in.psi, *traffic, slot, error), desired);
   }
   const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
   state.outer.u_star_held = desired_w.nu_star.u;  // v* is through the water too
+  state.outer.r_star_held = desired_w.nu_star.r;
   const Tau<S> needed = pd_plus(params.inner, params.vessel, desired_w,
                                 Nu<S>{in.nu.u - c_b.x, in.nu.v - c_b.y, in.nu.r});
   const Tau<S> tau = {needed.X - in.unknown.X, needed.N - in.unknown.N};

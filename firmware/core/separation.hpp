@@ -2,12 +2,13 @@
 // Keeps clear of other vessels: changes ν* where the law would lead too near to one.
 //
 //   D(w)    = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
-//   D(w) < 1.4 D_min for a vessel with right of way, w: desired now, or straight to the slot
-//           ⇒ w ← argmin of |w − w_0|/U + ½ (1 − |w − w_S|/U) + 0.3 |w − w_before|/U + 10 s(w)
-//             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2
-//   s(w)    : relative shortfall of d² below (1.4 D_min + m)², summed over 8 times up to T, sooner
+//   D(w) < k_y D_min for a vessel with right of way, w: desired now, or straight to the slot
+//           ⇒ w ← argmin of |w − w_0|/U + c_s (1 − |w − w_S|/U) + c_b |w − w_before|/U + c_d s(w)
+//             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2;
+//             r* ← k_δ δ, δ: turn to that course;    ends at k_e D_min
+//   s(w)    : relative shortfall of d² below (k_y D_min + m)², summed over 8 times up to T, sooner
 //             ones weighted more; the boat first turns bow or stern to its course, on the spot
-//   u* n ≤ L((|p| − m − 1.1 D_min)/2) + 0.8 max(0, vᵀ p/|p|)           n = cos of the bearing
+//   u* n ≤ L((|p| − m − k_h D_min)/2) + k_v max(0, vᵀ p/|p|)           n = cos of the bearing
 //   L(g)    = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                  speed that stops within g
 //
 //  symbol  meaning                                            unit   tested range
@@ -17,12 +18,15 @@
 //  T       horizon                                            s
 //  w_S     the slot's velocity                                m/s
 //  w_0     velocity that leads straight to the slot           m/s
-//  U       LAW_U_MAX; if that is 0, max(D_min / 1 s, 1.1 |w_S|)   m/s
+//  U       LAW_U_MAX; if that is 0, max(D_min / 1 s, k_U |w_S|)   m/s
 //  a, t_r  half the full-astern deceleration; reaction time   m/s², s
 //
 // Only the yielding boat chooses w. The limit of u* binds every boat, also one with right of way:
-// where both obey it, they stay 1.1 D_min apart, and the way is free again once the yielding boat
-// has made room up to 1.4 D_min. Slots must be farther apart than that.
+// where both obey it, they stay k_h D_min apart, and the way is free again once the yielding boat
+// has made room up to k_y D_min. Slots must be farther apart than that.
+//
+// The factors k and c were chosen by hand. With them, boats in 200 chance meetings stay D_min apart
+// and all arrive, two boats bow to bow stop, and a vessel at rest is passed: test_separation.cpp.
 //
 // Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
 // using velocity obstacles, IJRR 17 (1998).
@@ -57,9 +61,24 @@ struct Traffic {
 
 template <class S>
 struct SeparationParams {
-  S least{};  ///< D_min
-  S horizon = S(4);
-  S reaction = S(0.4);
+  S least{};            ///< D_min, m
+  S horizon = S(4);     ///< T, s
+  S reaction = S(0.4);  ///< t_r, s
+
+  // Distances over D_min.
+  S hold = S(1.1);   ///< k_h: no boat goes nearer
+  S yield = S(1.4);  ///< k_y: a boat begins to yield; above k_h, or nobody had room to pass
+  S end = S(1.5);    ///< k_e: it ends; above k_y, or it would begin again at once
+
+  // Costs of a velocity: of a difference of U, and of s(w) = 1.
+  S settling = S(0.5);  ///< c_s: of sailing along with the slot, which passes nobody in formation
+  S change = S(0.3);    ///< c_b: of another choice than before
+  S danger = S(10);     ///< c_d: far above the others
+
+  S receding = S(0.8);  ///< k_v: share of another vessel's speed away from us that is relied on
+  S faster = S(1.1);    ///< k_U: over the slot's speed, to catch up with it
+  S turning = S(2);     ///< k_δ, 1/s
+  S any_rate = S(1);    ///< greatest yaw rate where LAW_R_MAX is 0, rad/s
 };
 
 template <class S>
@@ -82,6 +101,15 @@ struct Intent {
   Vec2<S> straight_n{};  ///< w_0
   S fastest{};           ///< U
   S turning{};           ///< greatest yaw rate
+};
+
+/// A boat among others at one instant.
+template <class S>
+struct SeparationInput {
+  const Traffic<S>& traffic;
+  S psi{};
+  S a{};  ///< m/s²
+  Intent<S> intent{};
 };
 
 template <class S>
@@ -148,7 +176,7 @@ S lacking(const Vec2<S>& p, S keep) {
 template <class S>
 S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, const Vec2<S>& w,
             S turning_s) {
-  const S keep = S(1.4) * params.least + other.margin;
+  const S keep = params.yield * params.least + other.margin;
   S sum = S(0);
   for (int k = 1; k <= 8; ++k) {
     const S t = params.horizon * S(k) / S(8);
@@ -162,14 +190,15 @@ S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, cons
 
 template <class S>
 S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
-          const Intent<S>& intent, const Traffic<S>& traffic, S psi, const Vec2<S>& w) {
-  const S turning_s = abs(way_to(psi, w).delta) / intent.turning;
+          const SeparationInput<S>& in, const Vec2<S>& w) {
+  const Intent<S>& intent = in.intent;
+  const S turning_s = abs(way_to(in.psi, w).delta) / intent.turning;
   S cost = length(minus(w, intent.straight_n)) / intent.fastest +
-           S(0.5) * (S(1) - length(minus(w, intent.slot_n)) / intent.fastest);
-  if (state.yielding) cost = cost + S(0.3) * length(minus(w, state.w_n)) / intent.fastest;
-  for (std::size_t i = 0; i < traffic.count; ++i) {
-    const OtherVessel<S>& other = traffic.vessels[i];
-    if (other.has_way) cost = cost + S(10) * shortfall(params, other, w, turning_s);
+           params.settling * (S(1) - length(minus(w, intent.slot_n)) / intent.fastest);
+  if (state.yielding) cost = cost + params.change * length(minus(w, state.w_n)) / intent.fastest;
+  for (std::size_t i = 0; i < in.traffic.count; ++i) {
+    const OtherVessel<S>& other = in.traffic.vessels[i];
+    if (other.has_way) cost = cost + params.danger * shortfall(params, other, w, turning_s);
   }
   return cost;
 }
@@ -177,20 +206,20 @@ S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
 /// The velocity of least cost; of equals the first.
 template <class S>
 Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
-               const Intent<S>& intent, const Traffic<S>& traffic, S psi) {
+               const SeparationInput<S>& in) {
   Vec2<S> best{};
-  S least = cost_of(params, state, intent, traffic, psi, best);
+  S least = cost_of(params, state, in, best);
   const auto consider = [&](const Vec2<S>& w) {
-    const S cost = cost_of(params, state, intent, traffic, psi, w);
+    const S cost = cost_of(params, state, in, w);
     if (!(cost < least)) return;
     least = cost;
     best = w;
   };
-  consider(intent.straight_n);
-  consider(intent.slot_n);
+  consider(in.intent.straight_n);
+  consider(in.intent.slot_n);
   if (state.yielding) consider(state.w_n);
   const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // cos, sin of π/8
-  Vec2<S> course = {intent.fastest, S(0)};
+  Vec2<S> course = {in.intent.fastest, S(0)};
   for (int k = 0; k < 16; ++k) {
     consider(course);
     consider({S(0.5) * course.x, S(0.5) * course.y});
@@ -199,34 +228,33 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
   return best;
 }
 
-/// Whether the boat must yield; `out` gets the least predicted distance.
+/// Whether the boat must yield that sails with w, and the least predicted distance.
 template <class S>
-bool foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
-             const Intent<S>& intent, const Traffic<S>& traffic, const Vec2<S>& w,
-             Separation<S>& out) {
-  const S keep = (state.yielding ? S(1.5) : S(1.4)) * params.least;
-  bool yield = false;
-  for (std::size_t i = 0; i < traffic.count; ++i) {
-    const OtherVessel<S>& other = traffic.vessels[i];
+Separation<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
+                      const SeparationInput<S>& in, const Vec2<S>& w) {
+  const S keep = (state.yielding ? params.end : params.yield) * params.least;
+  Separation<S> out;
+  for (std::size_t i = 0; i < in.traffic.count; ++i) {
+    const OtherVessel<S>& other = in.traffic.vessels[i];
     const S now = predicted_distance(params.horizon, other, w);
     out.predicted = out.known ? min(out.predicted, now) : now;
     out.known = true;
-    const S straight = predicted_distance(params.horizon, other, intent.straight_n);
-    yield = yield || (other.has_way && min(now, straight) < keep);
+    const S straight = predicted_distance(params.horizon, other, in.intent.straight_n);
+    out.yielding = out.yielding || (other.has_way && min(now, straight) < keep);
   }
-  return yield;
+  return out;
 }
 
 /// Limits u so that u* n stays within its bound for every vessel.
 template <class S>
-S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S psi, S u) {
-  for (std::size_t i = 0; i < traffic.count; ++i) {
-    const OtherVessel<S>& other = traffic.vessels[i];
+S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u) {
+  for (std::size_t i = 0; i < in.traffic.count; ++i) {
+    const OtherVessel<S>& other = in.traffic.vessels[i];
     const S d = max(length(other.p_n), S(0.001));
-    const S gap = S(0.5) * (d - other.margin - S(1.1) * params.least);
+    const S gap = S(0.5) * (d - other.margin - params.hold * params.least);
     const S receding = max(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
-    const S limit = stopping_speed(a, params.reaction, gap) + S(0.8) * receding;
-    const S n = to_body(psi, other.p_n).x / d;
+    const S limit = stopping_speed(in.a, params.reaction, gap) + params.receding * receding;
+    const S n = to_body(in.psi, other.p_n).x / d;
     if (limit < u * n) u = limit / n;
   }
   return u;
@@ -234,32 +262,30 @@ S held_back(const SeparationParams<S>& params, S a, const Traffic<S>& traffic, S
 
 /// Limits w_S and w_0 to U.
 template <class S>
-Intent<S> intent_of(const VirtualVelocityParams<S>& limits, S least, const Vec2<S>& slot_n,
-                    const Vec2<S>& to_slot_n) {
-  const S fastest = S(0) < limits.u_max ? limits.u_max : max(least, S(1.1) * length(slot_n));
+Intent<S> intent_of(const VirtualVelocityParams<S>& limits, const SeparationParams<S>& params,
+                    const Vec2<S>& slot_n, const Vec2<S>& to_slot_n) {
+  const S fastest =
+      S(0) < limits.u_max ? limits.u_max : max(params.least, params.faster * length(slot_n));
   return {shortened(slot_n, fastest), shortened(to_slot_n, fastest), fastest,
-          S(0) < limits.r_max ? limits.r_max : S(1)};
+          S(0) < limits.r_max ? limits.r_max : params.any_rate};
 }
 
-/// Changes ν* where necessary; a: m/s², see above.
+/// Changes ν* where necessary.
 template <class S>
-Separation<S> separate(const SeparationParams<S>& params, S a, SeparationState<S>& state,
-                       const Traffic<S>& traffic, S psi, const Intent<S>& intent,
-                       VirtualVelocity<S>& desired) {
-  Separation<S> out;
+Separation<S> separate(const SeparationParams<S>& params, SeparationState<S>& state,
+                       const SeparationInput<S>& in, VirtualVelocity<S>& desired) {
   Nu<S>& nu = desired.nu_star;
-  const Vec2<S> w = to_north_east(psi, Vec2<S>{nu.u, S(0)});
-  const bool yields = foresee(params, state, intent, traffic, w, out);
-  if (yields) {
-    state.w_n = choose(params, state, intent, traffic, psi);
-    const Way<S> way = way_to(psi, state.w_n);
+  Separation<S> out = foresee(params, state, in, to_north_east(in.psi, Vec2<S>{nu.u, S(0)}));
+  if (out.yielding) {
+    state.w_n = choose(params, state, in);
+    const Way<S> way = way_to(in.psi, state.w_n);
     nu.u = way.u;
-    nu.r = clamp(S(2) * way.delta, -intent.turning, intent.turning);
+    nu.r = clamp(params.turning * way.delta, -in.intent.turning, in.intent.turning);
     desired.r_star_dot = S(0);
   }
-  state.yielding = yields;
-  const S u = held_back(params, a, traffic, psi, nu.u);
-  out.yielding = yields || u < nu.u || nu.u < u;
+  state.yielding = out.yielding;
+  const S u = held_back(params, in, nu.u);
+  out.yielding = out.yielding || u < nu.u || nu.u < u;
   nu.u = u;
   if (out.yielding) desired.u_star_dot = S(0);
   return out;

@@ -35,4 +35,12 @@ struct Error {
   S psi{};
 };
 
+/// Which limits acted: none, or a sum of these.
+using Limits = unsigned;
+constexpr Limits kSurgeLimit = 1U << 0U;    ///< of the propellers' thrust
+constexpr Limits kYawLimit = 1U << 1U;      ///< of the propellers' moment
+constexpr Limits kSpeedLimit = 1U << 2U;    ///< u_max
+constexpr Limits kYawRateLimit = 1U << 3U;  ///< r_max
+constexpr Limits kSlewLimit = 1U << 4U;     ///< of a command's change
+
 }  // namespace flotilla::core

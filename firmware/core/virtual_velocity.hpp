@@ -34,6 +34,7 @@ struct VirtualVelocityParams {
   S r_max{};
 };
 
+/// controller_step() alone sets u* and r*, when nothing changes them any more.
 template <class S>
 struct VirtualVelocityState {
   S v_star{};
@@ -46,8 +47,7 @@ struct VirtualVelocity {
   Nu<S> nu_star{};
   S u_star_dot{};
   S r_star_dot{};
-  bool u_limited = false;
-  bool r_limited = false;
+  Limits limits = 0;  ///< kSpeedLimit, kYawRateLimit
 };
 
 /// Advances v* by the h seconds since the previous step, over which u* and r* were constant.
@@ -98,7 +98,7 @@ S desired_surge(const VirtualVelocityParams<S>& params, const Slot<S>& slot,
 
 template <class S>
 VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
-                                    VirtualVelocityState<S>& state, const Slot<S>& slot,
+                                    const VirtualVelocityState<S>& state, const Slot<S>& slot,
                                     const FormationError<S>& error, const LineOfSight<S>& sight) {
   const S t = tanh(wrap_pi(error.e.psi - sight.theta));
   VirtualVelocity<S> out;
@@ -109,10 +109,8 @@ VirtualVelocity<S> virtual_velocity(const VirtualVelocityParams<S>& params,
   out.r_star_dot = slot.nu_dot.r -
                    params.k_psi * (S(1) - t * t) * (error.e_dot.psi - sight.theta_dot) +
                    sight.theta_ddot;
-  out.u_limited = keep_within(params.u_max, out.nu_star.u, out.u_star_dot);
-  out.r_limited = keep_within(params.r_max, out.nu_star.r, out.r_star_dot);
-  state.u_star_held = out.nu_star.u;
-  state.r_star_held = out.nu_star.r;
+  if (keep_within(params.u_max, out.nu_star.u, out.u_star_dot)) out.limits |= kSpeedLimit;
+  if (keep_within(params.r_max, out.nu_star.r, out.r_star_dot)) out.limits |= kYawRateLimit;
   return out;
 }
 

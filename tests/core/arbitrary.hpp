@@ -105,7 +105,7 @@ core::FormationError<S> papers_error(const core::ControllerInput<S>& in, const c
 
 template <class S>
 core::VirtualVelocity<S> papers_velocity(const core::VirtualVelocityParams<S>& params,
-                                         core::VirtualVelocityState<S>& state,
+                                         const core::VirtualVelocityState<S>& state,
                                          const core::ControllerInput<S>& in,
                                          const core::Vec2<S>& d) {
   return core::virtual_velocity(params, state, core::slot_beside(in, d), papers_error(in, d), {});

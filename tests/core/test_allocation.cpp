@@ -37,8 +37,7 @@ TEST_CASE_TEMPLATE("what two propellers can give, they are asked for and nothing
     CHECK(out.thrust.stbd == approx(desired.stbd, 500));
     CHECK(out.missing.X == approx(S(0), 500));
     CHECK(out.missing.N == approx(S(0), 2500));
-    CHECK_FALSE(out.surge_limited);
-    CHECK_FALSE(out.yaw_limited);
+    CHECK(out.limits == 0);
   }
 }
 
@@ -66,8 +65,9 @@ TEST_CASE_TEMPLATE("whatever is asked, no propeller passes its limit and the boo
   }
 }
 
-TEST_CASE_TEMPLATE("yaw comes first: surge gets what yaw leaves, all of it, and the flags say so",
-                   S, float, double) {
+TEST_CASE_TEMPLATE(
+    "yaw comes first: surge gets what yaw leaves, all of it, and the limits that act are told", S,
+    float, double) {
   constexpr std::uint32_t kSeed = 16;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -83,8 +83,8 @@ TEST_CASE_TEMPLATE("yaw comes first: surge gets what yaw leaves, all of it, and 
     const Allocation<S> out = allocate(p, Tau<S>{S(X), S(N)});
     CHECK(out.given.N == approx(S(std::copysign(std::min(std::abs(N), N_max), N)), 5000));
     CHECK(out.given.X == approx(S(X_given), 1000));
-    CHECK(out.yaw_limited == !yaw_fits);
-    CHECK(out.surge_limited == (X < X_least || X > X_most));
+    CHECK((out.limits & kYawLimit) == (yaw_fits ? 0 : kYawLimit));
+    CHECK((out.limits & kSurgeLimit) == (X < X_least || X > X_most ? kSurgeLimit : 0));
   }
 }
 
@@ -92,8 +92,7 @@ TEST_CASE_TEMPLATE("nothing asked, nothing given", S, float, double) {
   const Allocation<S> out = allocate(AllocationParams<S>{S(0.25), S(30), S(10)}, Tau<S>{});
   CHECK(out.thrust.port == S(0));
   CHECK(out.thrust.stbd == S(0));
-  CHECK_FALSE(out.surge_limited);
-  CHECK_FALSE(out.yaw_limited);
+  CHECK(out.limits == 0);
 }
 
 }  // namespace

@@ -28,6 +28,31 @@ TEST_CASE_TEMPLATE("a step is error, virtual velocity, wrench and thrusts in thi
   CHECK(state.outer.r_star_held == desired.nu_star.r);
 }
 
+TEST_CASE(
+    "v* follows from what the step asked for in the end: limited, and clear of other vessels") {
+  constexpr std::uint32_t kSeed = 27;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  ControllerParams<double> params = testing::papers_controller<double>();
+  params.outer.u_max = params.outer.r_max = 0.5;
+  params.separation.least = 2;
+  int yields = 0, limited = 0;
+  for (int i = 0; i < 500; ++i) {
+    const auto in = testing::arbitrary_encounter<double>(random);
+    Traffic<double> traffic;
+    traffic.vessels[0] = {{random(-5, 5), random(-5, 5)}, {}, 0, true};
+    traffic.count = static_cast<std::size_t>(i % 2);
+    ControllerState<double> state = controller_start(in);
+    const auto out = controller_step(params, state, in, 0.0, &traffic);
+    REQUIRE(state.outer.u_star_held == out.desired.nu_star.u);
+    REQUIRE(state.outer.r_star_held == out.desired.nu_star.r);
+    yields += out.separation.yielding;
+    limited += out.limits() != 0;
+  }
+  CHECK(yields > 50);
+  CHECK(limited > 50);
+}
+
 TEST_CASE("in a current u* is wanted through the water, and its derivative is the slope of that") {
   constexpr std::uint32_t kSeed = 25;
   INFO("seed ", kSeed);

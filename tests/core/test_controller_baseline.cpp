@@ -126,7 +126,7 @@ TEST_CASE_TEMPLATE("with every extension at 0 a boat does what the paper says, t
       const S dt = S(k == 0 ? 0 : random(0, 0.2));
       const auto out = controller_step(params, state, in, dt);
       REQUIRE(different(said(out, state), paper.step(in, dt)) == 0);
-      const bool limited = out.allocation.surge_limited || out.allocation.yaw_limited;
+      const bool limited = out.allocation.limits != 0;
       (limited ? saturated : free) += 1;
       in = testing::arbitrary_encounter<S>(random);
     }

@@ -51,6 +51,7 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
     nu = {nu.u - c_b.x, nu.v - c_b.y, nu.r};
   }
   state.outer.u_star_held = through_the_water.nu_star.u;
+  state.outer.r_star_held = through_the_water.nu_star.r;
   out.tau = pd_plus(params.inner, params.vessel, through_the_water, nu);
   if (piece != Extension::kUnknown)
     out.tau = {out.tau.X - seen.unknown.X, out.tau.N - seen.unknown.N};

@@ -223,31 +223,32 @@ TEST_CASE("what is uncertain is kept away from farther") {
 
 TEST_CASE("a boat without limits of speed and yaw rate yields as fast as its distance a second") {
   const VirtualVelocityParams<double> none{0.2, 0.5, 0, 0}, some{0.2, 0.5, 0.9, 0.4};
+  const SeparationParams<double> apart{2};
   const Vec2<double> slot = {0.5, 0}, far = {0.5, 4}, near = {0.5, 0.1};
-  CHECK(intent_of(none, 2.0, slot, far).fastest == 2);
-  CHECK(intent_of(none, 2.0, slot, far).turning == 1);
-  CHECK(length(intent_of(none, 2.0, slot, far).straight_n) == doctest::Approx(2));
-  CHECK(intent_of(some, 2.0, slot, far).fastest == 0.9);
-  CHECK(intent_of(some, 2.0, slot, far).turning == 0.4);
-  CHECK(intent_of(some, 2.0, slot, near).straight_n.y == near.y);
+  CHECK(intent_of(none, apart, slot, far).fastest == 2);
+  CHECK(intent_of(none, apart, slot, far).turning == 1);
+  CHECK(length(intent_of(none, apart, slot, far).straight_n) == doctest::Approx(2));
+  CHECK(intent_of(some, apart, slot, far).fastest == 0.9);
+  CHECK(intent_of(some, apart, slot, far).turning == 0.4);
+  CHECK(intent_of(some, apart, slot, near).straight_n.y == near.y);
   // Where there is a limit no slot is faster.
   const Vec2<double> fast = {3, 0};
-  CHECK(intent_of(none, 2.0, fast, far).fastest == doctest::Approx(3.3));
-  CHECK(intent_of(some, 2.0, fast, far).fastest == 0.9);
-  CHECK(length(intent_of(some, 2.0, fast, far).slot_n) == doctest::Approx(0.9));
+  CHECK(intent_of(none, apart, fast, far).fastest == doctest::Approx(3.3));
+  CHECK(intent_of(some, apart, fast, far).fastest == 0.9);
+  CHECK(length(intent_of(some, apart, fast, far).slot_n) == doctest::Approx(0.9));
 }
 
 TEST_CASE("of several vessels those without the way change no course that is taken") {
   SeparationParams<double> params;
   params.least = kMin;
   const VirtualVelocityParams<double> limits{0.2, 0.5, 1.5, 0.8};
-  const auto intent = intent_of(limits, kMin, Vec2<double>{0.5, 0}, Vec2<double>{1, 0});
+  const auto intent = intent_of(limits, params, Vec2<double>{0.5, 0}, Vec2<double>{1, 0});
   const OtherVessel<double> ahead{{3, 0}, {}, 0, true}, aside{{3, 6}, {}, 0, false};
   const auto yields_to = [&](const Traffic<double>& traffic) {
     SeparationState<double> state{};
     VirtualVelocity<double> desired{};
     desired.nu_star.u = 1;
-    const auto out = separate(params, 10.0, state, traffic, 0.0, intent, desired);
+    const auto out = separate(params, state, {traffic, 0, 10, intent}, desired);
     CHECK((out.yielding && out.known && out.predicted == 0));
     return desired.nu_star;
   };
@@ -270,7 +271,7 @@ TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not
     desired.nu_star.u = -1;
     desired.u_star_dot = 1;
     const OtherVessel<double> behind{{-behind_m, 0}, {}, 0, false};
-    const auto out = separate(params, 10.0, state, only(behind), 0.0, intent, desired);
+    const auto out = separate(params, state, {only(behind), 0, 10, intent}, desired);
     CHECK((out.yielding && desired.u_star_dot == 0));
     CHECK((-0.5 < desired.nu_star.u && desired.nu_star.u <= 0));
   }

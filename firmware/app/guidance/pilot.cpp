@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 namespace flotilla::app {
@@ -310,12 +309,9 @@ bool Pilot<S>::same_slot(const Lead& a, const Lead& b) {
 template <class S>
 void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
                             const core::FormationError<S>& error, S dt) {
-  const auto& [desired, allocation] = std::tie(out.desired, out.allocation);
-  const bool limited =
-      desired.u_limited || desired.r_limited || allocation.surge_limited || allocation.yaw_limited;
   const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.controller.sight.epsilon;
   core::station_forward(law_.station, station_,
-                        {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, limited,
+                        {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, out.limits() != 0,
                          out.separation.yielding, at_rest},
                         dt);
 }

@@ -46,11 +46,11 @@ nb::dict snapshot_dict(const app::Snapshot& s) {
   nb::dict conditions;
   for (const auto& [bit, name] : kConditionNames) conditions[name] = (s.conditions & bit) != 0;
   nb::dict limited;
-  limited["surge"] = s.surge_limited;
-  limited["yaw"] = s.yaw_limited;
-  limited["slew"] = s.slew_limited;
-  limited["speed"] = s.speed_limited;
-  limited["yaw_rate"] = s.yaw_rate_limited;
+  limited["surge"] = (s.limits & core::kSurgeLimit) != 0;
+  limited["yaw"] = (s.limits & core::kYawLimit) != 0;
+  limited["slew"] = (s.limits & core::kSlewLimit) != 0;
+  limited["speed"] = (s.limits & core::kSpeedLimit) != 0;
+  limited["yaw_rate"] = (s.limits & core::kYawRateLimit) != 0;
   limited["yielding"] = s.yielding;
   nb::dict out;
   out["state"] = nb::str(app::name_of(s.state).data(), app::name_of(s.state).size());
