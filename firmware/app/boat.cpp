@@ -2,6 +2,7 @@
 #include "app/boat.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 #include <utility>
 
@@ -43,7 +44,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       complaint_due_(10 * kSecond_us),
       slot_complaint_due_(10 * kSecond_us),
       place_complaint_due_(10 * kSecond_us),
-      unsaved_complaint_due_(30 * kSecond_us) {
+      unsaved_complaint_due_(30 * kSecond_us),
+      closed_complaint_due_(30 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -274,6 +276,12 @@ void Boat<S>::complain(std::int64_t now_us) {
   if (!host_.parameters_saved && unsaved_complaint_due_.due(now_us)) {
     vehicle_.send_statustext(link::mav::kSeverityWarning,
                              {"parameters are defaults: look at them and save"}, counters_);
+  }
+  if (host_.closed_links != 0 && closed_complaint_due_.due(now_us)) {
+    Sentence closed;
+    closed << "MAVLink link " << static_cast<float>(std::countr_zero(host_.closed_links) + 1)
+           << " is not open";
+    vehicle_.send_statustext(link::mav::kSeverityWarning, {closed.text()}, counters_);
   }
   if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
     vehicle_.send_statustext(link::mav::kSeverityError,

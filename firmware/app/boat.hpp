@@ -41,11 +41,12 @@ struct Snapshot {
 
 /// What only the boat's host can know.
 struct HostReport {
-  bool bus_up = true;            ///< the CAN interface is up and not bus-off
-  bool parameters_saved = true;  ///< false while they are defaults that nobody saved
-  std::uint32_t overruns = 0;    ///< control ticks that came more than a period late, so far
-  std::int64_t unix_us = 0;      ///< now, µs since 1970; 0: unknown
-  bool save_failed = false;      ///< the last try to write the parameters
+  bool bus_up = true;             ///< the CAN interface is up and not bus-off
+  bool parameters_saved = true;   ///< false while they are defaults that nobody saved
+  std::uint32_t overruns = 0;     ///< control ticks that came more than a period late, so far
+  std::int64_t unix_us = 0;       ///< now, µs since 1970; 0: unknown
+  bool save_failed = false;       ///< the last try to write the parameters
+  std::uint8_t closed_links = 0;  ///< a bit for each MAVLink link whose device could not be opened
 };
 
 /// S: scalar of the law, float, double or core::Q16.
@@ -203,7 +204,8 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // in a row, in which time did not go on
-  Schedule complaint_due_, slot_complaint_due_, place_complaint_due_, unsaved_complaint_due_;
+  Schedule complaint_due_, slot_complaint_due_, place_complaint_due_;
+  Schedule unsaved_complaint_due_, closed_complaint_due_;
   Settled slot_too_fast_, slot_astern_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
   bool latency_told_ = false;

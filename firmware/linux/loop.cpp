@@ -9,11 +9,10 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -24,6 +23,7 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kHouse_us = 100'000;
+constexpr std::chrono::milliseconds kReopen{100};
 constexpr int kFarewellTicks = 10;
 // A stored signing timestamp further ahead of the clock than this is reported.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
@@ -39,27 +39,7 @@ std::int64_t clock_us(clockid_t clock) {
 
 std::int64_t now() { return clock_us(CLOCK_MONOTONIC); }
 
-void print_line(std::string_view text) {
-  std::fprintf(stderr, "flotillad: %.*s\n", static_cast<int>(text.size()), text.data());
-}
-
 timespec time_of(std::int64_t us) { return {us / kSecond_us, us % kSecond_us * 1000}; }
-
-/// Real-time priority and locked memory are optional: without them the boat sails and reports it.
-void ask_for_real_time(const Config& config) {
-  if (config.priority > 0) {
-    sched_param wish{};
-    wish.sched_priority = config.priority;
-    if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
-      print_line("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
-                 "): ordinary priority");
-    }
-  }
-  if (config.lock_memory && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-    print_line("locked memory refused (" + std::string(std::strerror(errno)) +
-               "): memory may be paged");
-  }
-}
 
 FileDescriptor catch_signals() {
   sigset_t set;
@@ -70,16 +50,6 @@ FileDescriptor catch_signals() {
   ::signal(SIGHUP, SIG_IGN);   // the terminal has closed, or somebody wants a reload: we sail on
   ::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may end; we go on
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
-}
-
-/// The file of the saved parameters, in a directory that is there.
-std::filesystem::path prepared(std::filesystem::path file) {
-  std::error_code error;
-  std::filesystem::create_directories(file.parent_path(), error);
-  if (error) {
-    throw std::runtime_error("state-dir " + file.parent_path().string() + ": " + error.message());
-  }
-  return file;
 }
 
 /// The parameters in force: the saved ones, overridden by the configuration.
@@ -96,7 +66,7 @@ app::Parameters in_force(const Config& config, const SavedParameters& saved) {
 
 Loop::Loop(const Config& config)
     : config_(config),
-      parameters_(prepared(config.parameter_file())),
+      parameters_(config.parameter_file()),
       boat_(std::make_unique<app::Boat<Scalar>>(in_force(config, parameters_),
                                                 config.mavlink.size())),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
@@ -113,31 +83,51 @@ Loop::Loop(const Config& config)
   }
   if (!config.signing_key.empty()) secure();
   node_table_.load(boat_->node_ids());
-  for (const std::string& note : parameters_.notes()) print_line(note);
+  openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
+  for (const auto& link : links_) {
+    openers_.emplace_back(kReopen, [&link] { link->reopen(); }, "a MAVLink link");
+  }
+  for (const std::string& note : parameters_.notes()) messages_.put(note);
 }
 
 void Loop::secure() {
   const link::SigningKey key = read_signing_key(config_.signing_key);
   const StoredSigningTime stored = load_signing_time(config_.signing_time_file());
-  if (!stored.note.empty()) print_line(stored.note);
+  if (!stored.note.empty()) messages_.put(stored.note);
   const std::uint64_t clock = link::signing_time(clock_us(CLOCK_REALTIME));
   if (stored.timestamp > clock + kWorthSaying) {
-    print_line("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
-               " s behind " + config_.signing_time_file().filename().string() +
-               ": who signs by another clock may be refused");
+    messages_.put("the clock is " + std::to_string((stored.timestamp - clock) / kStampsPerSecond) +
+                  " s behind " + config_.signing_time_file().filename().string() +
+                  ": who signs by another clock may be refused");
   }
   boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
 }
 
+/// Real-time priority and locked memory are optional: without them the boat sails and reports it.
+void Loop::ask_for_real_time() {
+  if (config_.priority > 0) {
+    sched_param wish{};
+    wish.sched_priority = config_.priority;
+    if (::sched_setscheduler(0, SCHED_FIFO, &wish) != 0) {
+      messages_.put("SCHED_FIFO refused (" + std::string(std::strerror(errno)) +
+                    "): ordinary priority");
+    }
+  }
+  if (config_.lock_memory && ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    messages_.put("locked memory refused (" + std::string(std::strerror(errno)) +
+                  "): memory may be paged");
+  }
+}
+
 int Loop::run() {
-  ask_for_real_time(config_);
+  ask_for_real_time();
   deadline_us_ = now() + period_us_;
   const itimerspec grid{time_of(period_us_), time_of(deadline_us_)};
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &grid, nullptr);
   service_manager_.notify("READY=1");
-  print_line("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) +
-             " on " + config_.can);
+  messages_.put("ready: boat " + std::to_string(static_cast<int>(boat_->parameters().MAV_SYSID)) +
+                " on " + config_.can);
   while (!stopping_) {
     wait();
     if (timer_fired_) tick();
@@ -211,7 +201,7 @@ void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed(), statistics_.overruns,
-                  clock_us(CLOCK_REALTIME), parameters_.save_failed()});
+                  clock_us(CLOCK_REALTIME), parameters_.save_failed(), closed_links_});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);
@@ -236,23 +226,39 @@ void Loop::send(const app::Boat<Scalar>::Output& out, std::int64_t now_us) {
 
 void Loop::keep_house(std::int64_t now_us) {
   house_kept_us_ = now_us;
-  bus_->maintain();
-  if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
-    print_line(config_.can + (bus_usable_ ? " is up" : " is down or not there"));
-  }
-  for (const auto& link : links_) link->maintain(now_us);
-  if (const auto complaint = logs_.complaint()) print_line(*complaint);
+  maintain_devices(now_us);
+  if (const auto complaint = logs_.complaint()) messages_.put(*complaint);
   if (const auto complaint = signing_time_ ? signing_time_->complaint() : std::nullopt) {
-    print_line(*complaint);
+    messages_.put(*complaint);
   }
   if (const auto news =
           parameters_.maintain(boat_->take_save_request(), boat_->parameters(), now_us)) {
-    print_line(*news);
+    messages_.put(*news);
   }
   // Disk writes may block, so an armed boat does not start them.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    print_line(error);
+    messages_.put(error);
+  }
+}
+
+void Loop::maintain_devices(std::int64_t now_us) {
+  bus_->maintain();
+  if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
+    const std::string fault = bus_->fault();
+    messages_.put(config_.can + (bus_usable_ ? " is up" : " is down or not there") +
+                  (fault.empty() ? "" : ": " + fault));
+  }
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    links_[i]->maintain(now_us);
+    const bool open = links_[i]->descriptor() >= 0;
+    const auto bit = static_cast<std::uint8_t>(1U << i);
+    if (open == ((closed_links_ & bit) == 0)) continue;
+    closed_links_ ^= bit;
+    const std::string& address = config_.mavlink[i].address;
+    const int error = links_[i]->error();
+    messages_.put(address + (open ? " is open" : " is not open") +
+                  (error == 0 ? std::string() : ": " + std::string(std::strerror(error))));
   }
 }
 
@@ -268,16 +274,16 @@ void Loop::shut_down() {
   service_manager_.notify("STOPPING=1");
   for (const std::string& news :
        parameters_.finish(boat_->take_save_request(), boat_->parameters())) {
-    print_line(news);
+    messages_.put(news);
   }
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
-    print_line(error);
+    messages_.put(error);
   }
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   if (config_.stats.empty()) return;
   if (const auto fault = write_statistics(config_.stats, statistics_, boat_->snapshot().counters,
                                           bus_->counters())) {
-    print_line(*fault);
+    messages_.put(*fault);
   }
 }
 

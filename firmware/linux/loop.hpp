@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,17 +15,20 @@
 #include "linux/files/node_table.hpp"
 #include "linux/files/saved_parameters.hpp"
 #include "linux/files/signing_time.hpp"
+#include "linux/logs/line_writer.hpp"
 #include "linux/logs/logs.hpp"
 #include "linux/mavlink/mavlink_endpoint.hpp"
 #include "linux/service_manager.hpp"
 #include "linux/statistics.hpp"
 #include "linux/system/file_descriptor.hpp"
+#include "linux/system/repeating_thread.hpp"
 
 namespace flotilla::target {
 
 class Loop {
  public:
-  /// Opens everything. Throws std::runtime_error that names the mistake in the configuration.
+  /// Opens what is there; the rest is retried. Throws std::runtime_error that names a mistake in the
+  /// configuration.
   explicit Loop(const Config& config);
 
   /// Ticks until SIGTERM or SIGINT, stops the propellers, saves; returns the exit status.
@@ -32,20 +36,24 @@ class Loop {
 
  private:
   void secure();
+  void ask_for_real_time();
   void wait();
   void read_links(std::int64_t now_us);
   void read_bus(std::int64_t now_us);
   void tick();
   void send(const app::Boat<Scalar>::Output& out, std::int64_t now_us);
   void keep_house(std::int64_t now_us);
+  void maintain_devices(std::int64_t now_us);
   void shut_down();
 
+  LineWriter messages_;
   Config config_;
   SavedParameters parameters_;
   std::unique_ptr<app::Boat<Scalar>> boat_;
   std::unique_ptr<CanBus> bus_;
   bool bus_usable_ = true;  // as last reported
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
+  std::uint8_t closed_links_ = 0;  // a bit each, as last reported
   NodeTable node_table_;
   Logs logs_;
   std::optional<SigningTime> signing_time_;  // only with a key
@@ -61,6 +69,7 @@ class Loop {
 
   std::int64_t heard_us_ = 0;  // first bytes since the last tick; 0: none
   Statistics statistics_;
+  std::list<RepeatingThread> openers_;  // one a device: none waits for another
 };
 
 }  // namespace flotilla::target

@@ -75,6 +75,13 @@ TEST_CASE_TEMPLATE("a disk that does not take the parameters is complained of on
   CHECK(h.says("could not be saved"));
 }
 
+TEST_CASE_TEMPLATE("a link whose device is not there is told on the others", S, float, double) {
+  Harbour<S> h;
+  h.boat.on_host({.closed_links = 0b100});
+  h.step();
+  CHECK(h.says("MAVLink link 3 is not open"));
+}
+
 TEST_CASE_TEMPLATE("told by its host to leave, a boat sends zeros and ArmingStatus 0", S, float,
                    double) {
   Harbour<S> h;

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -203,6 +204,20 @@ def test_a_boat_that_stood_still_for_long_is_in_fault(sea: RealSea) -> None:
     woken = [(can_id, data) for _, can_id, data in sea.heard[before:]]
     assert {commands([f]) for f in of_type(woken, RAW_COMMAND)} == {(0, 0)}
     assert {data[0] for _, data in of_type(woken, ARMING_STATUS)} == {0}
+
+
+def test_a_boat_whose_words_nobody_takes_sails_on(sea: RealSea) -> None:
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    with suppress(BlockingIOError):
+        while True:
+            os.write(writer, bytes(4096))
+    os.set_blocking(writer, True)
+    sea.start(mouth=writer)  # the first word would wait for ever
+    sea.enter_formation()
+    assert sea.end() == 0
+    os.close(writer)
+    os.close(reader)
 
 
 def test_a_boat_whose_words_nobody_reads_any_more_sails_on(sea: RealSea) -> None:

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include "linux/can/mcast_bus.hpp"
 #include "linux/can/socketcan_bus.hpp"
@@ -77,16 +76,12 @@ std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node
   const std::size_t colon = std::min(address.find(':'), address.size());
   const std::string_view scheme = address.substr(0, colon);
   const std::string_view rest = address.substr(std::min(colon + 1, address.size()));
-  try {
-    if (scheme == "mcast") return open_mcast(address, rest);
-    if (scheme != "socketcan") refuse(address, "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
-    if (!is_interface_name(rest)) {
-      refuse(address, "\"" + std::string(rest) + "\" is no name of an interface");
-    }
-    return std::make_unique<SocketCanBus>(std::string(rest), node);
-  } catch (const std::system_error& error) {
-    refuse(address, error.what());
+  if (scheme == "mcast") return open_mcast(address, rest);
+  if (scheme != "socketcan") refuse(address, "must be socketcan:INTERFACE or mcast:N[:ADDRESS]");
+  if (!is_interface_name(rest)) {
+    refuse(address, "\"" + std::string(rest) + "\" is no name of an interface");
   }
+  return std::make_unique<SocketCanBus>(std::string(rest), node);
 }
 
 }  // namespace flotilla::target

@@ -42,8 +42,14 @@ class CanBus {
   /// For poll(); −1 while the device is gone.
   virtual int descriptor() const = 0;
 
-  /// Reopens a vanished device and notices a recovered bus; call about ten times a second.
+  /// Opens the device where it is closed. May block: for another thread than all the rest.
+  virtual void reopen() = 0;
+
+  /// Takes over a device that was opened, notices a recovered bus; call about ten times a second.
   virtual void maintain() = 0;
+
+  /// Why the device could not be opened; empty if it was.
+  virtual std::string fault() const = 0;
 
   /// The interface is up and not bus-off. After a bus-off, however short, false from the receive()
   /// that read of it until the next maintain().
@@ -63,8 +69,8 @@ class CanBus {
 std::span<const link::CanFrame> first_transfer(std::span<const link::CanFrame> frames);
 
 /// `socketcan:can0` or `mcast:N[:ADDRESS]`. `node`: our DroneCAN node id, for the kernel's filter.
-/// Throws std::runtime_error if the address is wrong or the kernel has no AF_CAN. A CAN interface
-/// that is down or absent is no error: it is opened once it appears. ADDRESS is an IPv4 address of
+/// Throws std::runtime_error if the address makes no sense. What is down or absent is no error: it
+/// is opened by reopen() once it appears. ADDRESS is an IPv4 address of
 /// this machine; with it frames may leave the machine.
 std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node);
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <system_error>
+#include <cstring>
 #include <utility>
 
 #include "link/dronecan/crc16.hpp"
@@ -88,15 +88,20 @@ McastBus::McastBus(unsigned bus, std::optional<in_addr> interface)
   group_.sin_port = htons(kPort);
   group_.sin_addr.s_addr = htonl(kGroups | bus);
   interface_ = interface.value_or(in_addr{htonl(INADDR_LOOPBACK)});
-  const int error = open();
-  if (error != 0) {
-    throw std::system_error(error, std::generic_category(),
-                            error == EADDRNOTAVAIL ? "no interface of this machine has that address"
-                                                   : "cannot open it");
-  }
+  reopen();
+  sockets_.take();
 }
 
-int McastBus::open() {
+void McastBus::reopen() {
+  sockets_.reopen([this](Sockets& fresh) { return open(fresh); });
+}
+
+std::string McastBus::fault() const {
+  if (sockets_.error() == EADDRNOTAVAIL) return "no interface of this machine has that address";
+  return sockets_.error() == 0 ? std::string() : std::strerror(sockets_.error());
+}
+
+int McastBus::open(Sockets& fresh) const {
   // Bound to the group, not to INADDR_ANY: else the other buses, on the same port, arrive too.
   FileDescriptor in = udp_socket();
   FileDescriptor out = udp_socket();
@@ -104,7 +109,8 @@ int McastBus::open() {
   sockaddr_in from{};
   from.sin_family = AF_INET;
   from.sin_addr = interface_;
-  socklen_t size = sizeof own_;
+  sockaddr_in own{};
+  socklen_t size = sizeof own;
   const bool done = in && out &&
                     // `out` first: it checks that the interface's address is ours.
                     ::bind(out.get(), generic(from), sizeof from) == 0 &&
@@ -117,16 +123,16 @@ int McastBus::open() {
                     set_option(in, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
                     ::bind(in.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership) &&
-                    ::getsockname(out.get(), reinterpret_cast<sockaddr*>(&own_), &size) == 0;
+                    ::getsockname(out.get(), reinterpret_cast<sockaddr*>(&own), &size) == 0;
   if (!done) return errno;
-  in_ = std::move(in);
-  out_ = std::move(out);
-  overflows_seen_ = 0;
+  fresh = {std::move(in), std::move(out), own};
   return 0;
 }
 
 void McastBus::maintain() {
-  if (failed_ && open() == 0) ++counters_.reopened;
+  if (!sockets_.take()) return;
+  overflows_seen_ = 0;
+  ++counters_.reopened;
 }
 
 void McastBus::send(std::span<const link::CanFrame> frames) {
@@ -139,16 +145,17 @@ void McastBus::send(std::span<const link::CanFrame> frames) {
 }
 
 bool McastBus::write(const link::CanFrame& frame) {
+  if (!sockets_) return false;
   Packet packet{};
   const std::size_t size = pack(frame, packet);
-  const bool sent = ::send(out_.get(), packet.data(), size, 0) >= 0;
-  failed_ = !sent && errno != EAGAIN && errno != ENOBUFS;
+  const bool sent = ::send(sockets_->out.get(), packet.data(), size, 0) >= 0;
+  if (!sent && errno != EAGAIN && errno != ENOBUFS) sockets_.give_up();
   if (sent) ++counters_.sent;
   return sent;
 }
 
 bool McastBus::receive(link::CanFrame& frame) {
-  while (true) {
+  while (sockets_) {
     std::array<std::uint8_t, kLongest + 1> packet{};  // one more byte, to detect longer packets
     sockaddr_in from{};
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control{};
@@ -160,16 +167,19 @@ bool McastBus::receive(link::CanFrame& frame) {
     message.msg_iovlen = 1;
     message.msg_control = control.data();
     message.msg_controllen = control.size();
-    const ssize_t size = ::recvmsg(in_.get(), &message, MSG_DONTWAIT);
+    const ssize_t size = ::recvmsg(sockets_->in.get(), &message, MSG_DONTWAIT);
     if (size < 0) return false;
     count_overflows(message);
-    if (from.sin_port == own_.sin_port && from.sin_addr.s_addr == own_.sin_addr.s_addr) continue;
+    if (from.sin_port == sockets_->own.sin_port &&
+        from.sin_addr.s_addr == sockets_->own.sin_addr.s_addr)
+      continue;
     if (unpack(std::span(packet).first(static_cast<std::size_t>(size)), frame)) {
       ++counters_.received;
       return true;
     }
     ++counters_.bad_packets;
   }
+  return false;
 }
 
 }  // namespace flotilla::target

@@ -6,9 +6,11 @@
 #include <netinet/in.h>
 
 #include <optional>
+#include <string>
 
 #include "linux/can/can_bus.hpp"
 #include "linux/system/file_descriptor.hpp"
+#include "linux/system/reopened.hpp"
 
 namespace flotilla::target {
 
@@ -18,26 +20,30 @@ namespace flotilla::target {
 ///   u16 magic 0x2934 · u16 CRC-16-CCITT-FALSE of the rest · u16 flags · u32 id | 1 << 31 · data
 class McastBus final : public CanBus {
  public:
-  /// Without `interface` the frames stay on this machine (127.0.0.1, time to live 0). Throws
-  /// std::system_error, for example if no interface of this machine has that address.
+  /// Without `interface` the frames stay on this machine (127.0.0.1, time to live 0).
   McastBus(unsigned bus, std::optional<in_addr> interface);
 
   void send(std::span<const link::CanFrame> frames) override;
   bool receive(link::CanFrame& frame) override;
-  int descriptor() const override { return in_.get(); }
+  int descriptor() const override { return sockets_ ? sockets_->in.get() : -1; }
+  void reopen() override;
   void maintain() override;
-  bool usable() const override { return !failed_; }
+  bool usable() const override { return static_cast<bool>(sockets_); }
+  std::string fault() const override;
 
  private:
-  int open();  ///< 0 or errno
+  struct Sockets {
+    FileDescriptor in, out;
+    sockaddr_in own{};  ///< source address of our datagrams
+  };
+
+  int open(Sockets& fresh) const;  ///< 0 or errno
   bool write(const link::CanFrame& frame);
 
   sockaddr_in group_{};
   in_addr interface_{};
   int time_to_live_;
-  FileDescriptor in_, out_;
-  sockaddr_in own_{};    ///< source address of our datagrams
-  bool failed_ = false;  ///< the last datagram failed for a reason other than a full queue
+  Reopened<Sockets> sockets_;  ///< given up where a datagram fails by more than a full queue
 };
 
 }  // namespace flotilla::target

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <system_error>
+#include <cstring>
 #include <utility>
 
 #include "link/dronecan/messages.hpp"
@@ -72,8 +72,10 @@ std::string why(int error) {
       return "this kernel has no AF_CAN (modules can and can-raw; tools/with-vcan for tests)";
     case EMEDIUMTYPE:
       return "not a CAN interface";
+    case ENODEV:
+      return "no such interface";
     default:
-      return "cannot open it";
+      return error == 0 ? std::string() : std::strerror(error);
   }
 }
 
@@ -81,13 +83,17 @@ std::string why(int error) {
 
 SocketCanBus::SocketCanBus(std::string interface, std::uint8_t node)
     : interface_(std::move(interface)), node_(node) {
-  const int error = open();
-  if (error != 0 && error != ENODEV) {
-    throw std::system_error(error, std::generic_category(), why(error));
-  }
+  reopen();
+  take();
 }
 
-int SocketCanBus::open() {
+void SocketCanBus::reopen() {
+  socket_.reopen([this](FileDescriptor& fresh) { return open(fresh); });
+}
+
+std::string SocketCanBus::fault() const { return why(socket_.error()); }
+
+int SocketCanBus::open(FileDescriptor& fresh) const {
   FileDescriptor socket(::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
   if (!socket) return errno;
   ifreq request = request_about(interface_);
@@ -101,25 +107,30 @@ int SocketCanBus::open() {
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     return errno;
   }
-  socket_ = std::move(socket);
+  fresh = std::move(socket);
+  return 0;
+}
+
+bool SocketCanBus::take() {
+  if (!socket_.take()) return false;
   overflows_seen_ = 0;
   controller_ = Controller::kOn;
   flushing_ = false;
   running_ = running(false);
-  return 0;
+  return true;
 }
 
 void SocketCanBus::close() {
-  socket_ = FileDescriptor();
+  socket_.give_up();
   running_ = false;
 }
 
 /// As the kernel reports it (a bus-off controller has no carrier), or `before` if that fails.
 bool SocketCanBus::running(bool before) {
   ifreq request = request_about(interface_);
-  if (::ioctl(socket_.get(), SIOCGIFFLAGS, &request) != 0) {
+  if (::ioctl(socket_->get(), SIOCGIFFLAGS, &request) != 0) {
     on_failure(errno);
-    return before && socket_;
+    return before && static_cast<bool>(socket_);
   }
   constexpr int kBoth = IFF_UP | IFF_RUNNING;
   return (request.ifr_flags & kBoth) == kBoth;
@@ -127,7 +138,7 @@ bool SocketCanBus::running(bool before) {
 
 void SocketCanBus::maintain() {
   if (!socket_) {
-    if (open() == 0) ++counters_.reopened;
+    if (take()) ++counters_.reopened;
     return;
   }
   const bool ran = std::exchange(running_, running(running_));
@@ -157,7 +168,7 @@ bool SocketCanBus::flushed() {
   if (!flushing_) return true;
   std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
   socklen_t size = sizeof memory;
-  const int error = ::getsockopt(socket_.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size);
+  const int error = ::getsockopt(socket_->get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size);
   flushing_ = error == 0 && memory[SK_MEMINFO_WMEM_ALLOC] != 0;
   return !flushing_;
 }
@@ -168,7 +179,7 @@ bool SocketCanBus::write(const link::CanFrame& frame) {
   out.can_id = frame.id | CAN_EFF_FLAG;
   out.len = frame.size;
   std::ranges::copy(frame.bytes(), out.data);
-  if (::write(socket_.get(), &out, sizeof out) != sizeof out) {
+  if (::write(socket_->get(), &out, sizeof out) != sizeof out) {
     on_failure(errno);
     return false;
   }
@@ -186,7 +197,7 @@ bool SocketCanBus::receive(link::CanFrame& frame) {
     message.msg_iovlen = 1;
     message.msg_control = control.data();
     message.msg_controllen = control.size();
-    if (::recvmsg(socket_.get(), &message, MSG_DONTWAIT) < 0) {
+    if (::recvmsg(socket_->get(), &message, MSG_DONTWAIT) < 0) {
       on_failure(errno);
       return false;
     }

@@ -7,6 +7,7 @@
 
 #include "linux/can/can_bus.hpp"
 #include "linux/system/file_descriptor.hpp"
+#include "linux/system/reopened.hpp"
 
 struct can_frame;
 
@@ -19,14 +20,15 @@ namespace flotilla::target {
 /// frames and deliver them to a new one as another node's.
 class SocketCanBus final : public CanBus {
  public:
-  /// Throws std::system_error if there is no AF_CAN or the interface is of another kind.
   SocketCanBus(std::string interface, std::uint8_t node);
 
   void send(std::span<const link::CanFrame> frames) override;
   bool receive(link::CanFrame& frame) override;
-  int descriptor() const override { return socket_.get(); }
+  int descriptor() const override { return socket_ ? socket_->get() : -1; }
+  void reopen() override;
   void maintain() override;
   bool usable() const override;
+  std::string fault() const override;
 
  private:
   /// A recovery counts from the next maintain() on. Frames that the controller received before its
@@ -34,7 +36,8 @@ class SocketCanBus final : public CanBus {
   /// maintain().
   enum class Controller { kOn, kOff, kStillOff, kRecovered };
 
-  int open();  ///< 0 or errno
+  int open(FileDescriptor& fresh) const;  ///< 0 or errno
+  bool take();
   void close();
   bool running(bool before);
   bool write(const link::CanFrame& frame);
@@ -44,7 +47,7 @@ class SocketCanBus final : public CanBus {
 
   std::string interface_;
   std::uint8_t node_;
-  FileDescriptor socket_;
+  Reopened<FileDescriptor> socket_;
   bool running_ = false;   ///< the interface is up and its controller active
   bool flushing_ = false;  ///< the kernel may still hold frames from before a bus-off
   Controller controller_ = Controller::kOn;

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "linux/files/signing_time.hpp"
 
-#include <poll.h>
-#include <sys/eventfd.h>
-
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <exception>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "linux/files/durable_file.hpp"
-#include "linux/system/background_thread.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -47,30 +42,7 @@ SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp,
                          std::chrono::milliseconds every)
     : path_(std::move(path)),
       timestamp_(timestamp),
-      every_(every),
-      stop_(::eventfd(0, EFD_CLOEXEC)) {
-  if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of signing-time");
-  writer_ = start_background_thread(&SigningTime::run, this, "signing-time");
-}
-
-SigningTime::~SigningTime() {
-  ::eventfd_write(stop_.get(), 1);
-  pthread_join(writer_, nullptr);
-}
-
-void* SigningTime::run(void* self) {
-  static_cast<SigningTime*>(self)->write_until_stopped();
-  return nullptr;
-}
-
-void SigningTime::write_until_stopped() {
-  for (bool stopped = false; !stopped;) {
-    write();
-    pollfd stop{stop_.get(), POLLIN, 0};
-    stopped = ::poll(&stop, 1, static_cast<int>(every_.count())) > 0;
-  }
-  write();
-}
+      writer_(every, [this] { write(); }, "signing-time") {}
 
 void SigningTime::write() {
   try {

@@ -6,8 +6,6 @@
 //   crc32 = 89ABCDEF
 #pragma once
 
-#include <pthread.h>
-
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -15,8 +13,8 @@
 #include <optional>
 #include <string>
 
-#include "linux/system/file_descriptor.hpp"
 #include "linux/system/first_complaint.hpp"
+#include "linux/system/repeating_thread.hpp"
 
 namespace flotilla::target {
 
@@ -36,9 +34,6 @@ class SigningTime {
   /// Throws std::system_error if the thread cannot be started.
   SigningTime(std::filesystem::path path, std::uint64_t timestamp,
               std::chrono::milliseconds every = std::chrono::seconds(30));
-  ~SigningTime();
-  SigningTime(const SigningTime&) = delete;
-  SigningTime& operator=(const SigningTime&) = delete;
 
   void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
 
@@ -46,17 +41,12 @@ class SigningTime {
   std::optional<std::string> complaint() { return complaint_.take(); }
 
  private:
-  static void* run(void* self);
-  void write_until_stopped();
   void write();
 
   std::filesystem::path path_;
   std::atomic<std::uint64_t> timestamp_;
-  std::chrono::milliseconds every_;
   FirstComplaint complaint_;
-
-  FileDescriptor stop_;
-  pthread_t writer_{};
+  RepeatingThread writer_;
 };
 
 }  // namespace flotilla::target

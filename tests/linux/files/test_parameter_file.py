@@ -120,7 +120,7 @@ def test_names_of_another_version_are_said_and_kept(sea: RealSea, file: Path) ->
     file.write_text(text("LAW_MAGIC = 7", "a line of another age", LAW_KX=0.25))
     sea.start(param={})
     sea.until(sea.ready)
-    assert '"LAW_MAGIC" is unknown to this version and kept' in sea.process.words
+    sea.until(lambda: '"LAW_MAGIC" is unknown to this version and kept' in sea.process.words)
     sea.save_parameters()
     saved = file.read_text()
     assert is_whole(saved)

@@ -290,6 +290,36 @@ def test_a_serial_port_that_nobody_reads_does_not_hold_the_boat_up(
     assert sea.driven()
 
 
+@pytest.mark.parametrize(
+    ("absent", "why"),
+    [
+        ("udpin:203.0.113.77:14550", "Cannot assign requested address"),
+        ("serial:/dev/null:57600", "Inappropriate ioctl for device"),
+        ("serial:/dev/ttyNONE:57600", "No such file or directory"),
+    ],
+)
+def test_a_boat_without_one_of_its_links_sails_by_the_others_and_says_so(
+    sea: RealSea, absent: str, why: str
+) -> None:
+    sea.connect(Udp(), Udp())
+    sea.start(f"--mavlink={absent}")
+    sea.enter_formation()
+    assert f"flotillad: {absent} is not open: {why}" in sea.process.words.splitlines()
+    assert "MAVLink link 3 is not open" in sea.texts()
+
+
+def test_a_boat_whose_port_somebody_has_gets_it_when_it_is_free(sea: RealSea) -> None:
+    port = free_port()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind((LOOPBACK, port))
+        sea.connect(Udp(), Udp(port))
+        sea.start()
+        sea.until(lambda: "is not open: Address already in use" in sea.process.words)
+        assert sea.named("HEARTBEAT", 0) and not sea.named("HEARTBEAT", 1)
+    sea.until(lambda: sea.named("HEARTBEAT", 1))
+    sea.until(lambda: f"udpin:{LOOPBACK}:{port} is open" in sea.process.words)
+
+
 def test_a_serial_port_that_is_absent_at_the_start_is_opened_when_it_comes(
     sea: RealSea, tmp_path: Path, opened: ExitStack
 ) -> None:

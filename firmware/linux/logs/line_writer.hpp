@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Lines for stderr, written by a thread: whatever reads them, a disk or a terminal, may be slow.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "linux/logs/log_ring.hpp"
+#include "linux/system/repeating_thread.hpp"
+
+namespace flotilla::target {
+
+class LineWriter {
+ public:
+  LineWriter();
+
+  /// For one thread; never blocks. Lines without room are dropped, and counted in a later line. The
+  /// destructor writes what its reader takes at once.
+  void put(std::string_view line);
+
+ private:
+  void drain();
+  void write();
+
+  LogRing ring_;
+  std::atomic<std::uint32_t> dropped_{0};
+  std::string waiting_;  // for the thread only
+  RepeatingThread thread_;
+};
+
+}  // namespace flotilla::target

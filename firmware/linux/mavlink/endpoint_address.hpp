@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The parts of a link's address, and how a mistake in one is told.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace flotilla::target {
+
+struct EndpointAddress {
+  std::string whole, scheme, place, number;
+};
+
+/// Throws std::runtime_error that names the address and `why` it is wrong.
+[[noreturn]] void refuse(std::string_view address, const std::string& why);
+
+/// The last part as a number from 1 to `greatest`, else refuses.
+unsigned number_of(const EndpointAddress& address, unsigned greatest);
+
+}  // namespace flotilla::target

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// A device that the control loop uses, and another thread opens and closes, since both may block.
+#pragma once
+
+#include <atomic>
+
+namespace flotilla::target {
+
+/// `Device` is closed where it is default constructed. What it does not say otherwise is for the loop.
+template <class Device>
+class Reopened {
+ public:
+  explicit operator bool() const { return in_use_; }
+  Device* operator->() { return &device_; }
+  const Device* operator->() const { return &device_; }
+
+  /// Whether it has just taken over what the other thread has opened.
+  bool take() {
+    if (in_use_ || !ready_.load(std::memory_order_acquire)) return false;
+    return in_use_ = true;
+  }
+
+  /// The other thread closes it and opens it anew.
+  void give_up() {
+    if (!in_use_) return;
+    in_use_ = false;
+    ready_.store(false, std::memory_order_release);
+  }
+
+  /// For the other thread: opens it where it is closed, by `open(device)`, which returns 0 or errno.
+  template <class Open>
+  void reopen(Open open) {
+    if (ready_.load(std::memory_order_acquire)) return;
+    device_ = Device();
+    const int error = open(device_);
+    error_.store(error, std::memory_order_relaxed);
+    ready_.store(error == 0, std::memory_order_release);
+  }
+
+  /// errno of the last attempt.
+  int error() const { return error_.load(std::memory_order_relaxed); }
+
+ private:
+  Device device_;
+  bool in_use_ = false;
+  std::atomic<bool> ready_{false};  // true: the loop's, false: the other thread's
+  std::atomic<int> error_{0};
+};
+
+}  // namespace flotilla::target
