@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the generated messages are made of.
+// Parts of the generated messages.
 #pragma once
 
 #include <array>
