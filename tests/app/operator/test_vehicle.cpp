@@ -43,8 +43,9 @@ link::Text<N> text(std::string_view from) {
 /// A vehicle with two links; an operator and a stranger are behind the first one.
 struct Ship {
   explicit Ship(const Parameters& p = Parameters{}, std::size_t count = 2)
-      : links(Identity(configuration_of(p).start).self(), std::span(storage->room.links).first(count),
-              storage->outbox.mavlink, storage->room.signing),
+      : links(Identity(configuration_of(p).start).self(),
+              std::span(storage->room.links).first(count), storage->outbox.mavlink,
+              storage->room.signing),
         vehicle(std::make_unique<Vehicle>(p, supervisor, links, time,
                                           Storage(storage->room, storage->outbox))),
         heard(count),
