@@ -49,7 +49,6 @@ consteval bool is_json_number(std::string_view text) {
 #define FLOTILLA_KIND_Real "\"decimalPlaces\":4"
 #define FLOTILLA_KIND_Whole "\"decimalPlaces\":0,\"increment\":1"
 #define FLOTILLA_KIND_Sign "\"decimalPlaces\":0,\"values\":[" FLOTILLA_SIGNS "]"
-#define FLOTILLA_KIND_Mode "\"decimalPlaces\":0,\"values\":[" FLOTILLA_MODES "]"
 #define FLOTILLA_KIND_Identity "\"decimalPlaces\":0,\"values\":[" FLOTILLA_IDENTITIES "]"
 #define FLOTILLA_IDENTITIES FLOTILLA_VALUE(0, "vehicle") "," FLOTILLA_VALUE(1, "companion")
 #define FLOTILLA_KIND_Frame "\"decimalPlaces\":0,\"values\":[" FLOTILLA_FRAMES "]"
@@ -61,14 +60,9 @@ consteval bool is_json_number(std::string_view text) {
   FLOTILLA_VALUE(0, "HOLD") \
   "," FLOTILLA_VALUE(1, "COAST, then HOLD") "," FLOTILLA_VALUE(2, "MANUAL with fresh sticks")
 #define FLOTILLA_SIGNS FLOTILLA_VALUE(-1, "reversed") "," FLOTILLA_VALUE(1, "normal")
-#define FLOTILLA_MODES        \
-  FLOTILLA_VALUE(0, "MANUAL") \
-  "," FLOTILLA_VALUE(4, "HOLD") "," FLOTILLA_VALUE(6, "FOLLOW (FORMATION)")
-static_assert(mode::kManual == 0 && mode::kHold == 4 && mode::kFormation == 6);
 #define FLOTILLA_CHANGE_Anytime "\"rebootRequired\":false"
 #define FLOTILLA_CHANGE_Disarmed "\"rebootRequired\":false"
 #define FLOTILLA_CHANGE_Restart "\"rebootRequired\":true"
-#define FLOTILLA_CHANGE_Mode "\"rebootRequired\":false,\"volatile\":true"
 
 #define FLOTILLA_PARAMETER(group, name, unit, value, least, greatest, kind, change, sentence)    \
   ",{\"name\":\"" #name "\",\"type\":\"Float\",\"shortDesc\":\"" sentence "\",\"units\":\"" unit \

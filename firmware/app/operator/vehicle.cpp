@@ -48,12 +48,9 @@ bool holds(const PendingRequest& pending) {
   return command && meaning_of(*command).request == Request::kHold;
 }
 
-/// A mode may be asked for by a parameter too.
 bool undoes_stop(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
-  if (command) return meaning_of(*command).request != Request::kNone;
-  const auto* set = std::get_if<link::ParamSet>(&pending.message);
-  return set != nullptr && ParameterService::asks_for_mode(*set);
+  return command && meaning_of(*command).request != Request::kNone;
 }
 
 bool asks_for_message(const PendingRequest& pending) {
@@ -81,7 +78,6 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, std::size_t links,
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),
       double_due_(10 * kSecond_us) {
-  parameters_.MODE = mode::kHold;
   freshen();
 }
 
@@ -247,9 +243,6 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
   send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(link::CurrentMode::kId);
-  if (parameters_.MODE == supervisor_.mode()) return;
-  parameters_.MODE = supervisor_.mode();
-  parameter_service_.announce(*find_parameter("MODE"));
 }
 
 }  // namespace flotilla::app

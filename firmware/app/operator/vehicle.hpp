@@ -130,8 +130,6 @@ class Vehicle {
                                          std::uint32_t turn) const;
   void set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
                      link::Counters& counters);
-  void set_mode_parameter(const PendingRequest& pending, const SetResult& result,
-                          link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
   void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;

@@ -150,31 +150,12 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
     }
     case SetResult::What::kUnchanged:
       break;
-    case SetResult::What::kAskMode:
-      set_mode_parameter(pending, result, counters);
-      break;
     case SetResult::What::kRefused:
-      if (result.info != nullptr && parameter_refusal_due_.due(now_us_)) {
+      if (parameter_refusal_due_.due(now_us_)) {
         send_statustext(mav::kSeverityWarning, {result.sentence.text()}, counters);
       }
       break;
   }
-}
-
-void Vehicle::set_mode_parameter(const PendingRequest& pending, const SetResult& result,
-                                 link::Counters& counters) {
-  const std::size_t link = pending.link;
-  if (identity_.is_autopilots(pending.target)) return;
-  const auto request = request_of_mode(result.mode);
-  Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
-  const Supervisor::Decision decision = ask(asked);
-  if (!decision.granted && parameters_.MODE != static_cast<float>(result.mode)) {
-    parameter_service_.refuse(link, pending.from, *result.info, mav::kParamPermissionDenied);
-    refuse(asked.request, decision.missing, counters);
-    return;
-  }
-  if (decision.changed) announce_state(0, counters);
-  parameter_service_.announce(*result.info);
 }
 
 }  // namespace flotilla::app

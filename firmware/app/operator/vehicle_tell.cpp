@@ -36,8 +36,7 @@ std::uint8_t status_of(State state) {
 
 link::Heartbeat Vehicle::heartbeat() const {
   const bool companion = identity_.companion();
-  return {static_cast<std::uint32_t>(parameters_.MODE),
-          companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
+  return {supervisor_.mode(), companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
           companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric,
           base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
 }

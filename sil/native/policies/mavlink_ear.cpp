@@ -15,9 +15,9 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
 // Messages without a name in link::mav.
-constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kParamSetId = 23,
-                        kManualControlId = 69, kCommandIntId = 75, kCommandLongId = 76,
-                        kCommandAckId = 77, kTimesyncId = 111, kStatustextId = 253;
+constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kManualControlId = 69,
+                        kCommandIntId = 75, kCommandLongId = 76, kCommandAckId = 77,
+                        kTimesyncId = 111, kStatustextId = 253;
 
 template <class T>
 T field(Bytes payload, std::size_t at) {
@@ -47,7 +47,7 @@ inline Frame frame_at(Bytes b) {
 /// Ids of requests.
 constexpr std::array<bool, 128> kQuestions = [] {
   std::array<bool, 128> are{};
-  for (const auto id : {kSetModeId, kParamSetId, kManualControlId, kCommandIntId, kCommandLongId}) {
+  for (const auto id : {kSetModeId, kManualControlId, kCommandIntId, kCommandLongId}) {
     are[id] = true;
   }
   return are;
@@ -136,11 +136,6 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
       break;
     case kSetModeId:
       hear_mode(field<std::uint32_t>(m, 0), n);
-      break;
-    case kParamSetId:
-      if (std::memcmp(field<std::array<char, 5>>(m, 6).data(), "MODE", 5) == 0) {
-        hear_mode(double{field<float>(m, 0)}, n);
-      }
       break;
     case kCommandLongId:
     case kCommandIntId: {
