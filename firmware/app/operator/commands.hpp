@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "app/operator/failure.hpp"
@@ -58,13 +59,11 @@ struct Asked {
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
   std::optional<Failure> failure{};  ///< supported only by hosts that simulate
+  std::string_view why{};            ///< of a refusal, for the operator
 
   /// Changes nothing that others see, so anybody may send it.
   bool reads_only() const { return message.has_value(); }
 };
 Asked meaning_of(const Command& command);
-
-/// The supervisor's request for a mode number; nothing for an unknown mode.
-std::optional<core::Request> request_of_mode(double custom_mode);
 
 }  // namespace flotilla::app

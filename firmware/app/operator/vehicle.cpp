@@ -104,6 +104,7 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
     if (beat != nullptr) take_beat(out.from, *beat, now_us);
     if (out.target.system != 0) hand_on(link, out, now_us, counters);
     if (!identity_.addressed(out.target)) continue;
+    if (Setpoints::is_one(out.id)) setpoints_.heard(out.from, now_us);
     if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
       take_sticks(out, *sticks, now_us, counters);
     } else if (const auto request = std::visit(RequestOf{ftp_}, out.message)) {

@@ -17,6 +17,7 @@
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/parameter_service.hpp"
 #include "app/operator/router.hpp"
+#include "app/operator/setpoints.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/streams.hpp"
 #include "app/operator/telemetry.hpp"
@@ -120,7 +121,6 @@ class Vehicle {
 
   void answer(const PendingRequest& pending, link::Counters& counters);
   void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
-  void explain(std::uint16_t command, link::Counters& counters);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void freshen();
   Supervisor::Decision ask(Asked& asked);
@@ -156,6 +156,7 @@ class Vehicle {
   ParameterService parameter_service_;
   link::FtpServer ftp_;
   Streams streams_;
+  Setpoints setpoints_;
   TimeRequests time_;
   Report report_;  // the last one, and the mode of now
 

@@ -69,6 +69,10 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = failure_ ? mav::kTemporarilyRejected : failure_judge_(*asked.failure);
     if (asked.result == mav::kAccepted) failure_ = asked.failure;
   }
+  if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
+    asked = {mav::kDenied};
+    asked.why = "mode 6 after setpoints is OFFBOARD";
+  }
   Supervisor::Decision decision{true, false, 0};
   if (asked.request != Request::kNone) decision = ask(asked);
   if (asked.rate &&
@@ -87,16 +91,9 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   if (decision.changed) announce_state(0, counters);
   if (!decision.granted) refuse(asked.request, decision.missing, counters);
-  if (asked.result == mav::kDenied && may_command(pending.from)) explain(command.id, counters);
-}
-
-/// A denial says nothing by itself about what would be right.
-void Vehicle::explain(std::uint16_t command, link::Counters& counters) {
-  const auto* const why = command == mav::kCmdDoSetMode ? "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW"
-                          : command == mav::kCmdComponentArmDisarm ? "force overrides no check"
-                                                                   : nullptr;
-  if (why == nullptr || !refusal_due_.due(now_us_)) return;
-  send_statustext(mav::kSeverityWarning, {"Refused: ", why}, counters);
+  if (!asked.why.empty() && refusal_due_.due(now_us_)) {
+    send_statustext(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
+  }
 }
 
 std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageRequest& request,

@@ -105,6 +105,16 @@ inline bool finite(Bytes payload, const Contents& contents) {
   return (wrong & kSigns) == 0;
 }
 
+/// A mode in the form of ArduPilot Rover's clients, 1, mode and zeros: that of a PX4's client is
+/// another mode.
+bool is_rovers(Bytes command) {
+  if (field<float>(command, 0) != 1) return false;
+  for (std::size_t at = 8; at < 28; at += 4) {
+    if (field<float>(command, at) != 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 MavlinkEar::MavlinkEar(const app::Parameters& p)
@@ -142,7 +152,10 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
       const auto command = field<std::uint16_t>(m, 28);
       const link::Address target{field<std::uint8_t>(m, 30), field<std::uint8_t>(m, 31)};
       ++n.asked[Ask::kAck];
-      if (command == mav::kCmdDoSetMode) hear_mode(double{field<float>(m, 4)}, n);
+      const double mode{field<float>(m, 4)};
+      if (command == mav::kCmdDoSetMode && (mode != app::mode::kFormation || is_rovers(m))) {
+        hear_mode(mode, n);
+      }
       hear_command({command, field<float>(m, 0)}, from, target, p, n);
       break;
     }
