@@ -19,6 +19,8 @@ from mavsdk.plugins.component_metadata.component_metadata import MetadataType
 from mavsdk.plugins.follow_me import FollowMe
 from mavsdk.plugins.follow_me.follow_me import FollowMeResult
 from mavsdk.plugins.ftp.ftp import FtpResult
+from mavsdk.plugins.log_files import LogFiles
+from mavsdk.plugins.log_files.log_files import LogFilesError, LogFilesResult
 from mavsdk.plugins.mission import Mission
 from mavsdk.plugins.mission.mission import MissionResult
 from mavsdk.plugins.offboard import Offboard
@@ -311,6 +313,12 @@ def test_what_is_asked_of_a_px4_is_refused_and_changes_nothing(
 
 
 # -- files
+
+
+def test_there_are_no_logs_to_download(mavsdk: MavsdkClient) -> None:
+    with pytest.raises(LogFilesError) as refusal:
+        mavsdk.call(LogFiles(mavsdk.system).get_entries)
+    assert refusal.value.result == LogFilesResult.NO_LOGFILES
 
 
 def test_the_metadata_is_downloaded_and_is_the_firmwares(

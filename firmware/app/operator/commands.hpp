@@ -21,7 +21,8 @@ using RequestMessage =
     std::variant<std::monostate, link::CommandLong, link::CommandInt, link::SetMode,
                  link::ParamRequestList, link::ParamRequestRead, link::ParamSet, link::FtpRequest,
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
-                 link::MissionClearAll>;
+                 link::MissionClearAll, link::MissionRequest, link::MissionRequestInt,
+                 link::MissionItem, link::MissionItemInt, link::LogRequestList>;
 
 /// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. None of our commands has a position, so the
 /// frame of a COMMAND_INT is ignored.

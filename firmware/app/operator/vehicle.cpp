@@ -77,7 +77,8 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, std::size_t links,
       arm_refusal_due_(kSecond_us / 2),
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),
-      double_due_(10 * kSecond_us) {
+      double_due_(10 * kSecond_us),
+      unheeded_due_(10 * kSecond_us) {
   freshen();
 }
 
@@ -105,6 +106,9 @@ bool Vehicle::next(std::size_t link, link::Received& out, std::int64_t now_us,
     if (out.target.system != 0) hand_on(link, out, now_us, counters);
     if (!identity_.addressed(out.target)) continue;
     if (Setpoints::is_one(out.id)) setpoints_.heard(out.from, now_us);
+    if (out.target.system != 0 && !identity_.is_autopilots(out.target)) {
+      if (const auto why = refusal_of(out.id); !why.empty()) unheeded_ = why;
+    }
     if (const auto* sticks = std::get_if<link::ManualControl>(&out.message)) {
       take_sticks(out, *sticks, now_us, counters);
     } else if (const auto request = std::visit(RequestOf{ftp_}, out.message)) {

@@ -166,8 +166,9 @@ class Vehicle {
   FailureJudge failure_judge_ = nullptr;
   std::optional<Failure> failure_;
   bool disarm_ = false;
-  bool double_seen_ = false;  // another sender under our ids
-  bool announce_ = false;     // a heartbeat at once: the state has changed
+  std::string_view unheeded_{};  // in this tick: refusal_of() a message
+  bool double_seen_ = false;     // another sender under our ids
+  bool announce_ = false;        // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
@@ -188,6 +189,7 @@ class Vehicle {
   Schedule refusal_due_;
   Schedule parameter_refusal_due_;
   Schedule double_due_;
+  Schedule unheeded_due_;
 };
 
 }  // namespace flotilla::app

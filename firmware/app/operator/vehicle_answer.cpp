@@ -34,6 +34,8 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
     links_.send(link, TimeRequests::answer_to(*timesync, from, pending.read_us), counters);
   } else if (const auto* ping = std::get_if<link::Ping>(&pending.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
+  } else if (std::holds_alternative<link::LogRequestList>(pending.message)) {
+    if (!identity_.is_autopilots(pending.target)) links_.send(link, link::LogEntry{}, counters);
   } else if (!identity_.is_autopilots(pending.target)) {
     answer_mission(pending, counters);
   }
@@ -43,14 +45,23 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
   const link::Address from = pending.from;
   const RequestMessage& asked = pending.message;
+  const auto acknowledge = [&](std::uint8_t result, std::uint8_t type) {
+    links_.send(pending.link, link::MissionAck{from, result, type}, counters);
+  };
   if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
     links_.send(pending.link, link::MissionCount{0, from, list->mission_type}, counters);
   } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
-    const link::MissionAck no{from, mav::kMissionUnsupported, count->mission_type};
-    links_.send(pending.link, no, counters);
+    acknowledge(mav::kMissionUnsupported, count->mission_type);
   } else if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
-    const link::MissionAck yes{from, mav::kMissionAccepted, clear->mission_type};
-    links_.send(pending.link, yes, counters);
+    acknowledge(mav::kMissionAccepted, clear->mission_type);
+  } else if (const auto* old = std::get_if<link::MissionRequest>(&asked)) {
+    acknowledge(mav::kMissionInvalidSequence, old->mission_type);
+  } else if (const auto* item = std::get_if<link::MissionRequestInt>(&asked)) {
+    acknowledge(mav::kMissionInvalidSequence, item->mission_type);
+  } else if (const auto* given = std::get_if<link::MissionItem>(&asked)) {
+    acknowledge(mav::kMissionUnsupported, given->mission_type);
+  } else if (const auto* whole = std::get_if<link::MissionItemInt>(&asked)) {
+    acknowledge(mav::kMissionUnsupported, whole->mission_type);
   }
 }
 

@@ -487,6 +487,19 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   CHECK(times == 1);
   CHECK(s.all<link::Ping>(0).empty());
   CHECK(s.all<link::MissionCount>(0).empty());
+  s.ask(link::MissionRequest{{1, 1}, 0, 1}, 1);
+  s.ask(link::MissionRequestInt{{1, 1}, 0, 1}, 1);
+  s.ask(link::MissionItem{{1, 1}, 1}, 1);
+  s.ask(link::MissionItemInt{{1, 1}, 1}, 1);
+  s.ask(link::LogRequestList{{1, 1}}, 1);
+  s.ask(link::LogRequestList{{2, 1}}, 1);
+  const auto not_sent = s.counters.mavlink_not_sent;
+  s.tick();
+  CHECK(s.counters.mavlink_not_sent == not_sent);
+  // Of the answers, MISSION_ACK and LOG_ENTRY, boats read none.
+  const auto& told = s.heard[1];
+  CHECK(std::ranges::count(told, std::uint32_t{link::MissionAck::kId}, &link::Received::id) == 4);
+  CHECK(std::ranges::count(told, std::uint32_t{link::LogEntry::kId}, &link::Received::id) == 1);
 }
 
 // States.
