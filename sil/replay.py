@@ -12,7 +12,6 @@ import flotilla
 
 from sil.clock import Clock
 from sil.recording import BUS, CAN_IN, CAN_OUT, CLOCK, HOST, MAVLINK_OUT, RESTART, Recording
-from sil.wire.heartbeat import HOLD as HOLD_MODE
 
 Said = list[tuple[int, bytes]]
 
@@ -38,7 +37,7 @@ class _Twin:
         elif event == CLOCK:
             self._clock = replace(self._clock, offset_us=value)
         elif event == RESTART:
-            self._boat = self._boot({**self._boat.parameters(), "MODE": float(HOLD_MODE)})
+            self._boat = self._boot(self._boat.parameters())
 
     def take(self, t_us: int, channel: int, data: bytes) -> None:
         if channel >= HOST:

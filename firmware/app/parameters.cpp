@@ -25,8 +25,6 @@ bool is_valid(const ParameterInfo& info, float value) {
       return static_cast<float>(static_cast<std::int64_t>(value)) == value;
     case ParameterKind::kSign:
       return std::abs(value) == 1.0F;
-    case ParameterKind::kMode:
-      return value == mode::kManual || value == mode::kHold || value == mode::kFormation;
   }
   return false;
 }

@@ -26,13 +26,12 @@ enum class ParameterKind : std::uint8_t {
   kReal,
   kWhole,
   kSign,
-  kMode,
   kIdentity,
   kFrame,
   kSwitch,
   kAction
 };
-enum class ParameterChange : std::uint8_t { kAnytime, kDisarmed, kRestart, kMode };
+enum class ParameterChange : std::uint8_t { kAnytime, kDisarmed, kRestart };
 
 struct ParameterInfo {
   std::string_view group;
@@ -47,8 +46,6 @@ struct ParameterInfo {
   float Parameters::* member;
 
   bool whole() const { return kind != ParameterKind::kReal; }
-  /// Kept across restarts.
-  bool saved() const { return change != ParameterChange::kMode; }
 };
 
 inline constexpr std::array kParameterList{
@@ -70,7 +67,7 @@ inline constexpr std::array kParameterList{
 /// The entry with that name, or nullptr.
 const ParameterInfo* find_parameter(std::string_view name);
 
-/// Whether the value is finite, in range, and of the kind required: whole, ±1 or a mode.
+/// Whether the value is finite, in range, and of the kind required: whole or ±1.
 bool is_valid(const ParameterInfo& info, float value);
 
 /// A sentence on the first parameters that are valid alone but contradict each other.

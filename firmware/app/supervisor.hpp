@@ -34,7 +34,7 @@ class Supervisor {
 
   core::State state() const { return state_; }
 
-  /// MODE, one of `mode`: of the state, and as last requested.
+  /// One of `mode`: of the state, and as last requested.
   std::uint8_t mode() const;
   std::uint8_t intended_mode() const { return intended_mode_; }
 

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "linux/files/signing_key.hpp"
+#include "linux/mavlink/datagrams.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -219,7 +220,11 @@ void Loop::send(const app::Boat<Scalar>::Output& out, std::int64_t now_us) {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const auto bytes = out.links->bytes(i);
     if (bytes.empty()) continue;
-    links_[i]->send(bytes);
+    if (links_[i]->datagrams()) {
+      each_datagram(bytes, [&](std::span<const std::uint8_t> one) { links_[i]->send(one); });
+    } else {
+      links_[i]->send(bytes);
+    }
     logs_.mavlink(i, Direction::kSent, bytes, unix_us);
   }
 }

@@ -2,6 +2,7 @@
 """MAVProxy tunes, arms and steers a boat."""
 
 import re
+from pathlib import Path
 
 import flotilla
 import pytest
@@ -51,6 +52,47 @@ def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: M
     sea.until(lambda: sea.state == "HOLD")
     ready.tell("disarm", "DISARMED")
     sea.until(lambda: not sea.armed)
+
+
+@pytest.mark.parametrize("mode", ["FOLLOW", "HOLD", "MANUAL", "6", "GUIDED", "AUTO", "RTL"])
+def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy, mode: str) -> None:
+    sea.until(lambda: sea.armable)
+    ready.tell("arm throttle", "ARMED")
+    answer = {
+        "FOLLOW": "Mode FOLLOW",
+        "6": "Mode FOLLOW",
+        "HOLD": "COMMAND_ACK: DO_SET_MODE: ACCEPTED",
+        "MANUAL": "Refused: no sticks: MANUAL_CONTROL is silent",
+    }.get(mode, "Refused: modes: 0 MANUAL, 4 HOLD, 6 FOLLOW")
+    ready.tell(f"mode {mode}", answer)
+    formation = mode in {"FOLLOW", "6"}
+    sea.until(lambda: sea.state == ("FORMATION" if formation else "HOLD"))
+    if not formation:
+        sea.beat()
+        assert not sea.driven()
+
+
+def test_a_saved_parameter_file_starts_no_boat(sea: Sea, ready: MavProxy, tmp_path: Path) -> None:
+    """It is saved in FOLLOW, and loaded in HOLD; an old one names the mode."""
+    file = tmp_path / "boat.parm"
+    sea.until(lambda: sea.armable)
+    ready.tell("arm throttle", "ARMED")
+    ready.tell("mode FOLLOW", "Mode FOLLOW")
+    sea.until(lambda: sea.state == "FORMATION" and sea.driven())
+    ready.tell(f"param save {file}", "Saved")
+    ready.tell("mode HOLD", "Mode HOLD")
+    sea.until(lambda: sea.state == "HOLD" and not sea.driven())
+    ready.tell("param set LAW_KX 0.3")
+    sea.until(lambda: sea.asked("LAW_KX") == pytest.approx(0.3))
+    before = len(sea.raw_commands())
+    with file.open("a") as old:
+        old.write("MODE 6\n")
+    ready.tell(f"param load {file}", "Loaded")
+    sea.until(lambda: sea.asked("LAW_KX") == parameters()["LAW_KX"])
+    for _ in range(3):
+        sea.beat()
+        assert sea.state == "HOLD"
+    assert set(some(sea.raw_commands()[before:])) == {(0, 0)}
 
 
 @pytest.mark.usefixtures("escs_silent")

@@ -4,6 +4,7 @@
 import math
 import tomllib
 from collections.abc import Callable
+from enum import IntEnum
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
@@ -12,9 +13,18 @@ from typing import Any
 import flotilla
 import pytest
 from mavsdk import Autopilot
+from mavsdk.exceptions import MavsdkError
 from mavsdk.plugins.action.action import ActionError, ActionResult
 from mavsdk.plugins.component_metadata.component_metadata import MetadataType
+from mavsdk.plugins.follow_me import FollowMe
+from mavsdk.plugins.follow_me.follow_me import FollowMeResult
 from mavsdk.plugins.ftp.ftp import FtpResult
+from mavsdk.plugins.log_files import LogFiles
+from mavsdk.plugins.log_files.log_files import LogFilesError, LogFilesResult
+from mavsdk.plugins.mission import Mission
+from mavsdk.plugins.mission.mission import MissionResult
+from mavsdk.plugins.offboard import Offboard
+from mavsdk.plugins.offboard.offboard import OffboardResult, VelocityNedYaw
 from mavsdk.plugins.param.param import ParamError, ParamResult
 
 from tests.clients.boat import ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
@@ -266,7 +276,49 @@ def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient
     sea.until(lambda: modes[-1]["custom_mode"] == HOLD)
 
 
+def px4_calls(mavsdk: MavsdkClient) -> dict[str, tuple[Callable[..., Any], IntEnum]]:
+    """What MAVSDK asks of an autopilot that it takes for a PX4, and how it is to fail."""
+    action, system = mavsdk.action, mavsdk.system
+    offboard = Offboard(system)
+    mavsdk.call(offboard.set_velocity_ned, VelocityNedYaw(1.0, 0.0, 0.0, 0.0))
+    return {
+        "offboard": (offboard.start, OffboardResult.COMMAND_DENIED),
+        "goto": (lambda: action.goto_location(47.4, 8.5, 490.0, 0.0), ActionResult.UNSUPPORTED),
+        "takeoff": (action.takeoff, ActionResult.UNSUPPORTED),
+        "mission": (Mission(system).start_mission, MissionResult.DENIED),
+        "return": (action.return_to_launch, ActionResult.COMMAND_DENIED),
+        "follow": (FollowMe(system).start, FollowMeResult.COMMAND_DENIED),
+    }
+
+
+@pytest.mark.parametrize("state", ["HOLD", "FORMATION"])
+def test_what_is_asked_of_a_px4_is_refused_and_changes_nothing(
+    sea: Sea, mavsdk: MavsdkClient, state: str
+) -> None:
+    sea.until(lambda: sea.armable)
+    mavsdk.call(mavsdk.action.arm)
+    if state == "FORMATION":
+        assert mavsdk.command(SET_MODE, 1.0, FORMATION) == ACCEPTED
+        sea.until(lambda: sea.state == "FORMATION" and sea.driven())
+    before = len(sea.raw_commands())
+    for name, (ask, result) in px4_calls(mavsdk).items():
+        with pytest.raises(MavsdkError) as refusal:
+            mavsdk.call(ask)
+        assert refusal.value.result == result, name
+        sea.beat()
+        assert sea.state == state, name
+    assert "Refused: mode 6 of a PX4 client is OFFBOARD" in mavsdk.texts
+    if state == "HOLD":
+        assert set(some(sea.raw_commands()[before:])) == {(0, 0)}
+
+
 # -- files
+
+
+def test_there_are_no_logs_to_download(mavsdk: MavsdkClient) -> None:
+    with pytest.raises(LogFilesError) as refusal:
+        mavsdk.call(LogFiles(mavsdk.system).get_entries)
+    assert refusal.value.result == LogFilesResult.NO_LOGFILES
 
 
 def test_the_metadata_is_downloaded_and_is_the_firmwares(

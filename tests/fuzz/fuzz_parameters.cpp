@@ -60,7 +60,7 @@ void check_usable(const app::Parameters& values) {
 
 bool equal(const app::Parameters& a, const app::Parameters& b) {
   for (const app::ParameterInfo& info : app::kParameterList) {
-    if (info.saved() && a.*info.member != b.*info.member) return false;
+    if (a.*info.member != b.*info.member) return false;
   }
   return true;
 }

@@ -45,7 +45,7 @@ def can() -> Iterator[tuple[str, bytes]]:
 
 
 def parameters() -> Iterator[tuple[str, bytes]]:
-    lines = [f"{name} = {value}" for name, value in PARAMETERS if name != "MODE"]
+    lines = [f"{name} = {value}" for name, value in PARAMETERS]
     whole = "\n".join(lines) + "\n"
     texts = {
         "whole": whole,

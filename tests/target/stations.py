@@ -126,8 +126,9 @@ def heartbeat(kind: int = mavlink.MAV_TYPE_SURFACE_BOAT) -> Any:
 def command_long(
     command: int, *params: float, target: tuple[int, int] = (BOAT, 1), confirmation: int = 0
 ) -> Any:
-    """COMMAND_LONG whose unused parameters are NaN, as MAVSDK sends them."""
-    filled = [*params, *[math.nan] * (7 - len(params))]
+    """COMMAND_LONG whose unused parameters are NaN, as MAVSDK's; of a mode 0, as Rover clients'."""
+    unused = 0.0 if command == SET_MODE else math.nan
+    filled = [*params, *[unused] * (7 - len(params))]
     return mavlink.MAVLink_command_long_message(*target, command, confirmation, *filled)
 
 

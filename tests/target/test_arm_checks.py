@@ -97,11 +97,10 @@ def test_refusals_are_told_at_most_twice_a_second(sea: Sea) -> None:
     "before",
     [
         param_set("THR_FWD_MAX", -5.0),
-        param_set("MODE", 6.0),
         command_long(SET_MODE, 1.0, 6.0),
         command_long(MOTOR_TEST, 1.0, 0.0, 10.0, 1.0),
     ],
-    ids=["parameter", "MODE", "mode", "test"],
+    ids=["parameter", "mode", "test"],
 )
 def test_another_refusal_does_not_swallow_why_the_boat_does_not_arm(
     sea: Sea, before: Any, apart: bool

@@ -14,6 +14,7 @@ from tests.target.stations import (
     BOAT,
     DENIED,
     FORCE,
+    FORMATION,
     GCS,
     GCS_COMPONENT,
     LEADER,
@@ -91,8 +92,9 @@ def test_an_order_to_all_is_an_order_to_the_boat(sea: Sea, target: tuple[int, in
 def test_unused_parameters_may_be_nan_or_zero(sea: Sea, unused: float) -> None:
     sea.settle()
     assert acks(sea.order(ARM, 1.0, *[unused] * 6)) == [(ARM, ACCEPTED)]
-    assert acks(sea.order(SET_MODE, 1.0, 6.0, *[unused] * 5)) == [(SET_MODE, ACCEPTED)]
-    assert sea.state == "FORMATION"
+    sea.mode(FORMATION)
+    assert acks(sea.order(SET_MODE, 1.0, 4.0, *[unused] * 5)) == [(SET_MODE, ACCEPTED)]
+    assert sea.state == "HOLD"
 
 
 def test_a_repeated_order_is_answered_each_time_and_obeyed_once(sea: Sea) -> None:

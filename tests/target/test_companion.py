@@ -216,7 +216,7 @@ def test_a_companion_says_nothing_that_its_autopilot_says() -> None:
     sea.run(15.0)
     assert sea.state == "FORMATION" and any(sea.commands)
     said = {m.get_type() for m in messages(sea.ticks)}
-    assert said == SPOKEN | {"COMMAND_ACK", "PARAM_VALUE"}
+    assert said == SPOKEN | {"COMMAND_ACK"}
 
 
 @pytest.mark.parametrize("message", [1, 30, 32, 33, 144, 242, 331, 245])
@@ -263,8 +263,6 @@ def of_the_system(kind: str, target: tuple[int, int]) -> Any:
         "unknown command": command_long(31010, 1.0, target=target),
         "take off": command_int(22, 1.0, target=target),
         "unknown parameter": param_set("ARMING_CHECK", 1.0, target=target),
-        "MODE": param_set("MODE", 6.0, target=target),
-        "MODE HOLD": param_set("MODE", 4.0, target=target),
     }[kind]
 
 
@@ -279,8 +277,6 @@ LEFT_TO_THE_AUTOPILOT = [
     "unknown command",
     "take off",
     "unknown parameter",
-    "MODE",
-    "MODE HOLD",
 ]
 
 

@@ -265,7 +265,7 @@ def test_a_killed_boat_is_mute_and_a_new_one_has_its_parameters() -> None:
     sea.heal(1, "restart")
     sea.tick(100)
     assert sea.state(1) == "DISARMED" and sea.conditions(1)["own_fresh"]
-    assert sea.fleet.parameters(1) == {**before, "MODE": 4.0}
+    assert sea.fleet.parameters(1) == before
     sea.enter_formation([1])
     assert sea.state(1) == "FORMATION"
 

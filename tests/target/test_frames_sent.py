@@ -31,7 +31,6 @@ KINDS = {
     "NAMED_VALUE_FLOAT",
     "COMMAND_ACK",
     "STATUSTEXT",
-    "PARAM_VALUE",  # MODE, at each change
 }
 
 

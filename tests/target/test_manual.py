@@ -115,7 +115,6 @@ def test_manual_looks_manual_to_ground_stations(sea: Sea) -> None:
     enter_manual(sea)
     beat = named(drive(sea, 0, 0, 1.2), "HEARTBEAT")[-1]
     assert (beat.custom_mode, beat.base_mode, beat.system_status) == (0, 1 | 64 | 128, 4)
-    assert sea.boat.parameters()["MODE"] == MANUAL
 
 
 @pytest.mark.parametrize("x", [0, 700])

@@ -121,11 +121,6 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
             {"value": 0, "description": "off"},
             {"value": 1, "description": "on"},
         ],
-        "MODE": [
-            {"value": 0, "description": "MANUAL"},
-            {"value": 4, "description": "HOLD"},
-            {"value": 6, "description": "FOLLOW (FORMATION)"},
-        ],
         "THR_PORT_DIR": direction,
         "THR_STBD_DIR": direction,
     }
@@ -134,5 +129,3 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
 def test_what_takes_effect_at_the_next_start_says_so() -> None:
     restart = {entry["name"] for entry in DESCRIBED if entry["rebootRequired"]}
     assert {"MAV_SYSID", "MAV_COMPID", "MAV_IDENTITY", "CAN_NODE", "CTL_RATE"} == restart
-    volatile = {entry["name"] for entry in DESCRIBED if entry.get("volatile")}
-    assert volatile == {"MODE"}

@@ -10,11 +10,11 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
-from tests.target.sea import Sea, Tick, named
+from tests.target.sea import Sea, Tick, named, texts
 from tests.target.stations import BOAT, GCS, GCS_COMPONENT, Station, odometry
 from tests.target.test_fuzz_mavlink import frame
 
-UNSUPPORTED, MISSION_ACCEPTED = 3, 0
+UNSUPPORTED, MISSION_ACCEPTED, INVALID_SEQUENCE = 3, 0, 13
 EACH_TYPE = pytest.mark.parametrize("kind", [0, 1, 2])
 TARGETS = pytest.mark.parametrize("target", [(BOAT, 1), (BOAT, 0)])
 TIMESYNC = 111
@@ -79,17 +79,86 @@ def test_missions_of_others_are_not_ours(sea: Sea, target: tuple[int, int]) -> N
     assert not named(ticks, "MISSION_COUNT") and not named(ticks, "MISSION_ACK")
 
 
-def test_the_rest_of_the_mission_protocol_is_not_answered_and_does_no_harm(sea: Sea) -> None:
+ITEM = (0, 6, 16, 2, 1, 0.0, 0.0, 0.0, 0.0)  # current 2: MAVProxy's `guided`
+
+
+@pytest.mark.parametrize(
+    ("message", "result"),
+    [
+        (mavlink.MAVLink_mission_item_int_message(BOAT, 1, *ITEM, 1, 2, 3.0, 1), UNSUPPORTED),
+        (mavlink.MAVLink_mission_item_message(BOAT, 1, *ITEM, 1.0, 2.0, 3.0, 1), UNSUPPORTED),
+        (mavlink.MAVLink_mission_request_int_message(BOAT, 1, 0, 1), INVALID_SEQUENCE),
+        (mavlink.MAVLink_mission_request_message(BOAT, 1, 7, 1), INVALID_SEQUENCE),
+    ],
+    ids=lambda value: value.get_type() if hasattr(value, "get_type") else value,
+)
+def test_items_of_a_mission_are_neither_taken_nor_there(
+    sea: Sea, message: Any, result: int
+) -> None:
     sea.enter_formation()
-    sea.say(
-        mavlink.MAVLink_mission_item_int_message(BOAT, 1, 0, 6, 16, 1, 1, 0, 0, 0, 0, 1, 2, 3.0),
-        mavlink.MAVLink_mission_ack_message(BOAT, 1, 0, 0),
-        mavlink.MAVLink_mission_request_int_message(BOAT, 1, 0, 0),
-        mavlink.MAVLink_mission_set_current_message(BOAT, 1, 0),
-    )
+    sea.say(message)
     ticks = sea.run(0.5)
     assert sea.state == "FORMATION"
-    assert not named(ticks, "MISSION_ACK")
+    (ack,) = named(ticks, "MISSION_ACK")
+    assert (ack.type, ack.mission_type) == (result, 1) and the_askers(ack)
+
+
+def test_an_acknowledgement_is_not_acknowledged(sea: Sea) -> None:
+    sea.enter_formation()
+    sea.say(mavlink.MAVLink_mission_ack_message(BOAT, 1, 0, 0))
+    assert not named(sea.run(0.5), "MISSION_ACK") and sea.state == "FORMATION"
+
+
+# What a boat does not do.
+
+
+def test_there_are_no_logs_to_download(sea: Sea) -> None:
+    sea.settle()
+    sea.say(mavlink.MAVLink_log_request_list_message(BOAT, 1, 0, 0xFFFF))
+    (entry,) = named(sea.run(0.2), "LOG_ENTRY")
+    assert (entry.id, entry.num_logs, entry.last_log_num, entry.size) == (0, 0, 0, 0)
+
+
+NO_ONE = {
+    "Refused: boats follow no setpoints": [
+        mavlink.MAVLink_set_attitude_target_message(0, BOAT, 1, 0, [1.0, 0, 0, 0], 0, 0, 0, 0),
+        mavlink.MAVLink_set_position_target_local_ned_message(0, BOAT, 1, 1, 0, *(0.0,) * 11),
+        mavlink.MAVLink_set_position_target_global_int_message(0, BOAT, 1, 5, 0, 0, 0, *(0.0,) * 9),
+        mavlink.MAVLink_set_actuator_control_target_message(0, 0, BOAT, 1, [0.0] * 8),
+    ],
+    "Refused: boats have no missions": [mavlink.MAVLink_mission_set_current_message(BOAT, 1, 0)],
+    "Refused: RC override, send MANUAL_CONTROL": [
+        mavlink.MAVLink_rc_channels_override_message(BOAT, 1, *[1500] * 8)
+    ],
+    "Refused: origin and home are the boat's own": [
+        mavlink.MAVLink_set_gps_global_origin_message(BOAT, 1, 2, 3),
+        mavlink.MAVLink_set_home_position_message(BOAT, 1, 2, 3, 0, 0, 0, [1.0, 0, 0, 0], 0, 0, 0),
+    ],
+    "Refused: logs are on the boat's disk": [
+        mavlink.MAVLink_log_request_data_message(BOAT, 1, 0, 0, 90),
+        mavlink.MAVLink_log_erase_message(BOAT, 1),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [(words, message) for words, them in NO_ONE.items() for message in them],
+    ids=lambda value: value.get_type() if hasattr(value, "get_type") else "",
+)
+def test_what_a_boat_does_not_do_is_told_in_one_sentence_and_not_again_for_ten_seconds(
+    sea: Sea, words: str, message: Any
+) -> None:
+    sea.enter_formation()
+    said = []
+    for _ in range(109):  # of a client that asks ten times a second
+        sea.say(message)
+        said += texts(sea.run(0.1))
+    assert said == [words] * 2 and len(words) <= 50
+    assert sea.state == "FORMATION"
+    message.target_system = 3
+    sea.say(message)
+    assert not texts(sea.run(0.1))
 
 
 def test_only_the_askers_link_gets_the_answer() -> None:

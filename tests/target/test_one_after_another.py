@@ -110,7 +110,7 @@ def test_a_shorter_patience_is_in_force_for_arming(sea: Sea, chunks: int) -> Non
 
 
 @TOGETHER
-@pytest.mark.parametrize("how", ["command", "message", "parameter"])
+@pytest.mark.parametrize("how", ["command", "message"])
 def test_a_leader_that_nobody_has_heard_is_not_followed(chunks: int, how: str) -> None:
     sea = Sea(leader=TURN)
     sea.enter_hold()
@@ -119,7 +119,6 @@ def test_a_leader_that_nobody_has_heard_is_not_followed(chunks: int, how: str) -
     order = {
         "command": command_long(SET_MODE, 1.0, float(FORMATION)),
         "message": set_mode_message(FORMATION),
-        "parameter": param_set("MODE", float(FORMATION)),
     }[how]
     say(sea, chunks, param_set("FORM_LEADER", 50.0), order)
     tick = sea.step()

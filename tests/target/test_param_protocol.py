@@ -26,7 +26,7 @@ from tests.target.operator_words import (
     param_read,
     param_set,
 )
-from tests.target.sea import PAPER, TURN, Sea, Tick, acks, at_sea, messages, named, texts
+from tests.target.sea import PAPER, Sea, Tick, acks, at_sea, messages, named, texts
 from tests.target.stations import (
     ACCEPTED,
     BOAT,
@@ -34,7 +34,6 @@ from tests.target.stations import (
     FORMATION,
     GCS,
     GCS_COMPONENT,
-    HOLD,
     SET_MODE,
     TEMPORARILY_REJECTED,
     Station,
@@ -265,10 +264,6 @@ REFUSALS = [
     Refusal("ESC_PORT", 1.0, OUT_OF_RANGE),
     Refusal("THR_DEAD", 20.0, OUT_OF_RANGE),
     Refusal("MAV_IDENTITY", 1.0, OUT_OF_RANGE),
-    Refusal("MODE", 5.0, OUT_OF_RANGE),
-    Refusal("MODE", math.nan, OUT_OF_RANGE),
-    Refusal("MODE", 6.0, PERMISSION_DENIED),
-    Refusal("MODE", 0.0, PERMISSION_DENIED, state="HOLD"),
     Refusal("THR_FWD_MAX", 25.0, PERMISSION_DENIED, state="HOLD"),
     Refusal("THR_FWD_MAX", 25.0, PERMISSION_DENIED, state="FORMATION"),
     Refusal("ESC_PORT", 5.0, PERMISSION_DENIED, state="MANUAL"),
@@ -451,55 +446,19 @@ def test_a_new_system_id_is_in_force_at_the_next_start(sea: Sea) -> None:
     assert {m.get_srcSystem() for m in decode(chunks)} == {9}
 
 
-# MODE.
+# The mode.
 
 
-def mode_values(ticks: list[Tick], link: int = 0) -> list[float]:
-    return [v.param_value for v in values(ticks, link) if v.param_id == "MODE"]
-
-
-def test_mode_is_a_parameter_that_asks_the_boat() -> None:
-    sea = Sea(links=2, leader=TURN)
-    sea.enter_hold()
-    sea.ticks.clear()
-    ticks = set_it(sea, "MODE", 6.0)
-    assert sea.state == "FORMATION"
-    for link in (0, 1):
-        assert mode_values(ticks, link) == [6.0]
-        assert not named(ticks, "PARAM_ERROR", link)
-    assert mode_values(set_it(sea, "MODE", 6.0)) == [6.0]
-    assert mode_values(set_it(sea, "MODE", 4.0)) == [4.0] and sea.state == "HOLD"
-    drive(sea, 0, 0, 0.2)
-    assert mode_values(set_it(sea, "MODE", 0.0)) == [0.0] and sea.state == "MANUAL"
-    assert sea.boat.take_save_request() == "none"
-    assert texts(sea.ticks) == ["FORMATION", "HOLD", "MANUAL"]
-
-
-def test_mode_tells_what_others_have_set_and_what_the_boat_did_itself(sea: Sea) -> None:
-    sea.enter_hold()
-    tick = sea.mode(FORMATION)
-    assert mode_values([tick, *sea.run(0.1)]) == [6.0]
-    sea.leader.on = False
-    sea.run_until("HOLD", 7.0)
-    assert mode_values([sea.ticks[-1], *sea.run(0.1)]) == [4.0]
-    assert sea.boat.parameters()["MODE"] == 4.0
-
-
-def test_a_refused_mode_says_why_and_stays(sea: Sea) -> None:
-    sea.leader.on = False
-    sea.enter_hold()
-    ticks = set_it(sea, "MODE", 6.0)
-    assert [e.error for e in named(ticks, "PARAM_ERROR")] == [PERMISSION_DENIED]
-    assert mode_values(ticks) == [4.0]
-    assert any(t.startswith("Refused: ") and "leader" in t for t in texts(ticks))
-    assert sea.state == "HOLD"
-
-
-def test_hold_is_granted_to_a_disarmed_boat_as_a_parameter_too(sea: Sea) -> None:
-    sea.settle()
-    ticks = set_it(sea, "MODE", 4.0)
-    assert mode_values(ticks) == [4.0] and not named(ticks, "PARAM_ERROR")
-    assert sea.state == "DISARMED"
+@pytest.mark.parametrize("mode", [0.0, 4.0, 6.0])
+def test_an_old_parameter_file_starts_and_stops_no_boat(mode: float) -> None:
+    for state, start in (("HOLD", 4), ("FORMATION", FORMATION)):
+        sea = Sea()
+        sea.enter_hold()
+        sea.mode(start)
+        ticks = set_it(sea, "MODE", mode)
+        assert sea.state == state
+        assert [e.error for e in named(ticks, "PARAM_ERROR")] == [DOES_NOT_EXIST]
+        assert texts(ticks) == ["MODE is no parameter of this boat"]
 
 
 # Saving.
@@ -630,10 +589,3 @@ def test_the_rate_of_the_state_changes_at_once(sea: Sea) -> None:
         assert len(named(sea.run(2.0), "ATTITUDE")) in range(2 * rate - 1, 2 * rate + 2)
     set_it(sea, "SR_STATE", 0.0)
     assert not named(sea.run(2.0), "ATTITUDE")
-
-
-def test_hold_is_what_mode_tells_in_every_state_that_does_not_drive(sea: Sea) -> None:
-    for state in ("DISARMED", "HOLD", "TEST", "FAULT"):
-        boat = Sea()
-        ENTER[state](boat)
-        assert boat.boat.parameters()["MODE"] == HOLD

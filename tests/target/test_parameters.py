@@ -22,7 +22,6 @@ DESIGN_NAMES = [
     "MAV_SYSID",
     "MAV_COMPID",
     "MAV_IDENTITY",
-    "MODE",
     "MAV_GCS_SYSID",
     "FORM_LEADER",
     "FORM_OFS_N",
@@ -129,10 +128,9 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 @EACH
 def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
-    assert p["kind"] in ("real", "whole", "sign", "mode", "identity", "frame", "switch", "action")
+    assert p["kind"] in ("real", "whole", "sign", "identity", "frame", "switch", "action")
     assert p["integer"] == (p["kind"] != "real")
-    assert p["change"] in ("anytime", "disarmed", "restart", "mode")
-    assert (p["kind"] == "mode") == (p["change"] == "mode") == (p["name"] == "MODE")
+    assert p["change"] in ("anytime", "disarmed", "restart")
     assert (p["kind"] == "sign") == p["name"].endswith("_DIR")
     assert (p["kind"] == "action") == p["name"].endswith("_ACT")
     assert (p["kind"] == "frame") == (p["name"] == "FORM_FRAME")
@@ -192,9 +190,6 @@ def test_the_control_rate_is_at_least_50_hz() -> None:
 def test_both_ends_of_a_range_are_allowed(p: dict[str, Any], end: str) -> None:
     roomy = {"THR_FWD_MAX": 1e5, "THR_REV_MAX": 1e5} if p["name"] == "THR_DEAD" else {}
     given_values = roomy | other_names_kept_apart(p["name"], p[end])
-    if p["name"] == "MODE":
-        assert "HOLD" in refusal(given_values)
-        return
     boat = flotilla.Boat(given_values)
     assert boat.parameters()[p["name"]] == p[end]
 
@@ -231,16 +226,6 @@ def test_a_fraction_of_an_integer_is_refused_by_name(name: str) -> None:
 @pytest.mark.parametrize("name", [n for n in BY_NAME if n.endswith("_DIR")])
 def test_a_propeller_without_direction_is_refused(name: str) -> None:
     assert name in refusal({name: 0.0})
-
-
-@pytest.mark.parametrize("mode", range(8))
-def test_every_start_is_in_hold(mode: int) -> None:
-    if mode == HOLD:
-        assert flotilla.Boat({"MODE": mode}).parameters()["MODE"] == HOLD
-    else:
-        said = refusal({"MODE": mode})
-        assert "MODE" in said
-        assert ("every start is in HOLD" in said) == (mode in (0, 6))
 
 
 @pytest.mark.parametrize(
@@ -299,7 +284,7 @@ def test_whole_numbers_and_booleans_are_numbers() -> None:
 def test_parameters_come_back_as_they_were_given(fractions: list[float]) -> None:
     given_values = {p["name"]: a_valid_value(p, f) for p, f in zip(LIST, fractions, strict=True)}
     given_values |= {"ESC_PORT": 2.0, "ESC_STBD": 5.0, "MAV_SYSID": 9.0, "FORM_LEADER": 8.0}
-    given_values |= {"MODE": HOLD, "MAV_IDENTITY": 1.0, "MAV_COMPID": 191.0}
+    given_values |= {"MAV_IDENTITY": 1.0, "MAV_COMPID": 191.0}
     given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0, "THR_DEAD": 0.0625}
     boat = flotilla.Boat(given_values)
     assert boat.parameters() == given_values

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/operator/commands.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/convert/portable.hpp"
@@ -14,10 +15,15 @@ using core::Request;
 
 constexpr double kForce = 21196;
 constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
-constexpr double kThrottlePercent = 0;              // MOTOR_TEST_THROTTLE_PERCENT
+constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
+constexpr std::string_view kAllModes = "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW";
 constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
-Asked denied() { return {mav::kDenied}; }
+Asked denied(std::string_view why = {}) {
+  Asked asked{mav::kDenied};
+  asked.why = why;
+  return asked;
+}
 
 /// Unused parameters are 0 or NaN.
 bool unused(double param) { return std::isnan(param) || param == 0; }
@@ -34,14 +40,31 @@ Asked arm_or_disarm(const Command& c) {
   if (c.param[0] == 0) return {mav::kAccepted, Request::kDisarm};
   const bool force_is_legal = unused(c.param[1]) || c.param[1] == kForce;
   if (c.param[0] == 1 && force_is_legal) return {mav::kAccepted, Request::kArm};
-  return denied();
+  return denied("force overrides no check");
 }
 
+/// SET_MODE names an ArduPilot Rover mode beyond doubt: PX4's modes are multiples of 65536 there.
+/// MAV_CMD_DO_SET_MODE does not. (6, 0) is Rover's FOLLOW and PX4's OFFBOARD: it is FOLLOW in the
+/// form that Rover's clients give it only, 1, 6 and zeros. MAVSDK, which takes a GENERIC autopilot
+/// for a PX4, leaves the unused parameters NaN.
 Asked set_mode(const Command& c) {
+  constexpr double kLoiter = 3;  // PX4's AUTO.LOITER is a hold, and that stops the boat
+  constexpr std::uint32_t kTold = mav::kModeFlagCustom | mav::kModeFlagArmed;
   const auto base = whole(c.param[0], 255);
-  const auto request = request_of_mode(c.param[1]);
-  if (!base || (*base & mav::kModeFlagCustom) == 0 || !request) return denied();
-  return {mav::kAccepted, *request};
+  const double number = c.param[1], sub_mode = c.param[2];
+  if (!base || (*base & mav::kModeFlagCustom) == 0) return denied(kAllModes);
+  if (number == mode::kHold && (unused(sub_mode) || sub_mode == kLoiter)) {
+    return {mav::kAccepted, Request::kHold};
+  }
+  if (!unused(sub_mode)) return denied("no sub modes; 0 MANUAL, 4 HOLD, 6 FOLLOW");
+  const bool plain = !c.wants_ack || (*base & ~kTold) == 0;  // SET_MODE returns the heartbeat's
+  if (number == mode::kManual && plain) return {mav::kAccepted, Request::kManual};
+  if (number != mode::kFormation) return denied(kAllModes);
+  const bool rovers =
+      *base == mav::kModeFlagCustom &&
+      std::all_of(c.param.begin() + 2, c.param.end(), [](double x) { return x == 0; });
+  if (c.wants_ack && !rovers) return denied("mode 6 of a PX4 client is OFFBOARD");
+  return {mav::kAccepted, Request::kFormation};
 }
 
 /// One propeller, 1 port or 2 starboard, in percent of its greatest thrust, for a limited time.
@@ -129,13 +152,6 @@ bool is_disarm(const Command& c) { return c.id == mav::kCmdComponentArmDisarm &&
 
 bool is_stop(const Command& c) {
   return is_disarm(c) || (c.id == mav::kCmdDoFlightTermination && c.param[0] == 1);
-}
-
-std::optional<core::Request> request_of_mode(double custom_mode) {
-  if (custom_mode == mode::kManual) return Request::kManual;
-  if (custom_mode == mode::kHold) return Request::kHold;
-  if (custom_mode == mode::kFormation) return Request::kFormation;
-  return std::nullopt;
 }
 
 Asked meaning_of(const Command& c) {

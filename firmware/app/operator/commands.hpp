@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "app/operator/failure.hpp"
@@ -20,7 +21,8 @@ using RequestMessage =
     std::variant<std::monostate, link::CommandLong, link::CommandInt, link::SetMode,
                  link::ParamRequestList, link::ParamRequestRead, link::ParamSet, link::FtpRequest,
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
-                 link::MissionClearAll>;
+                 link::MissionClearAll, link::MissionRequest, link::MissionRequestInt,
+                 link::MissionItem, link::MissionItemInt, link::LogRequestList>;
 
 /// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. None of our commands has a position, so the
 /// frame of a COMMAND_INT is ignored.
@@ -58,13 +60,11 @@ struct Asked {
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
   std::optional<Failure> failure{};  ///< supported only by hosts that simulate
+  std::string_view why{};            ///< of a refusal, for the operator
 
   /// Changes nothing that others see, so anybody may send it.
   bool reads_only() const { return message.has_value(); }
 };
 Asked meaning_of(const Command& command);
-
-/// The supervisor's request for a mode number; nothing for an unknown mode.
-std::optional<core::Request> request_of_mode(double custom_mode);
 
 }  // namespace flotilla::app

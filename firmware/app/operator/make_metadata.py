@@ -20,7 +20,6 @@ KINDS = {"Real": {"decimalPlaces": 4}, "Whole": WHOLE | {"increment": 1}} | {
     | {"values": [{"value": number, "description": text} for number, text in values.items()]}
     for kind, values in {
         "Sign": {-1: "reversed", 1: "normal"},
-        "Mode": {0: "MANUAL", 4: "HOLD", 6: "FOLLOW (FORMATION)"},
         "Identity": {0: "vehicle", 1: "companion"},
         "Frame": {0: "north-east", 1: "ahead-starboard"},
         "Switch": {0: "off", 1: "on"},
@@ -31,7 +30,6 @@ CHANGES = {
     "Anytime": {"rebootRequired": False},
     "Disarmed": {"rebootRequired": False},
     "Restart": {"rebootRequired": True},
-    "Mode": {"rebootRequired": False, "volatile": True},
 }
 
 

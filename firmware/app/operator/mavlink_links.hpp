@@ -36,7 +36,7 @@ constexpr std::optional<SigningPolicy> signing_policy(std::string_view name) {
   return std::nullopt;
 }
 
-/// One link's output in a tick: small enough that no network fragments it.
+/// One link's output in a tick. Hosts with datagrams cut it between messages.
 using Datagram = std::array<std::uint8_t, 1400>;
 
 class MavlinkLinks {

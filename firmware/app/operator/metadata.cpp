@@ -10,9 +10,6 @@
 namespace flotilla::app {
 namespace {
 
-// as make_metadata.py names them
-static_assert(mode::kManual == 0 && mode::kHold == 4 && mode::kFormation == 6);
-
 constexpr std::array kFiles{link::FtpFile{"general.json", kGeneralJson},
                             link::FtpFile{"parameters.json", kParametersJson}};
 

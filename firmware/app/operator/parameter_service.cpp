@@ -38,10 +38,6 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
     case ParameterKind::kSign:
       sentence << "-1 or 1";
       return;
-    case ParameterKind::kMode:
-      sentence << float{mode::kManual} << ", " << float{mode::kHold} << " or "
-               << float{mode::kFormation};
-      return;
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
     case ParameterKind::kFrame:
@@ -57,7 +53,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
 }
 
 SetResult refusal(const ParameterInfo& info, std::uint8_t error, float value) {
-  SetResult result{SetResult::What::kRefused, &info, 0, error};
+  SetResult result{SetResult::What::kRefused, &info, error};
   result.sentence << info.name << " " << value << " refused: ";
   return result;
 }
@@ -87,9 +83,6 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
     SetResult result = refusal(info, mav::kParamOutOfRange, value);
     say_allowed(info, result.sentence);
     return result;
-  }
-  if (info.kind == ParameterKind::kMode) {
-    return {SetResult::What::kAskMode, &info, static_cast<std::uint8_t>(value)};
   }
   // Allowed while armed: a client's retransmission changes nothing.
   if (value == values.*info.member) return {SetResult::What::kUnchanged, &info};
@@ -174,11 +167,6 @@ bool ParameterService::knows(const link::ParamSet& asked) {
   return find_parameter(name_in(asked.param_id)) != nullptr;
 }
 
-bool ParameterService::asks_for_mode(const link::ParamSet& asked) {
-  const ParameterInfo* info = find_parameter(name_in(asked.param_id));
-  return info != nullptr && info->kind == ParameterKind::kMode;
-}
-
 void ParameterService::list(std::size_t link) { links_[link].list_at = 0; }
 
 void ParameterService::read(std::size_t link, link::Address from,
@@ -201,7 +189,9 @@ SetResult ParameterService::set(std::size_t link, link::Address from, const link
   const ParameterInfo* info = find_parameter(name_in(asked.param_id));
   if (info == nullptr) {
     links_[link].errors.push({-1, from, asked.param_id, mav::kParamDoesNotExist});
-    return {SetResult::What::kRefused, nullptr, 0, mav::kParamDoesNotExist};
+    SetResult result{SetResult::What::kRefused, nullptr, mav::kParamDoesNotExist};
+    result.sentence << name_in(asked.param_id) << " is no parameter of this boat";
+    return result;
   }
   SetResult result = judge(*info, from, asked, values, boat);
   switch (result.what) {
@@ -210,8 +200,6 @@ SetResult ParameterService::set(std::size_t link, link::Address from, const link
       [[fallthrough]];
     case SetResult::What::kUnchanged:
       announce(*info);
-      break;
-    case SetResult::What::kAskMode:
       break;
     case SetResult::What::kRefused:
       refuse(link, from, *info, result.error);

@@ -36,14 +36,12 @@ struct SetResult {
   enum class What : std::uint8_t {
     kSet,        ///< `values` has the new value
     kUnchanged,  ///< `values` had that value already
-    kAskMode,    ///< pending: the supervisor decides about `mode`
     kRefused,
   };
   What what = What::kRefused;
   const ParameterInfo* info = nullptr;  ///< nullptr: unknown name
-  std::uint8_t mode = 0;
-  std::uint8_t error = 0;  ///< MAV_PARAM_ERROR of a refusal
-  Sentence sentence{};     ///< for the operator: why a known parameter keeps its value
+  std::uint8_t error = 0;               ///< MAV_PARAM_ERROR of a refusal
+  Sentence sentence{};                  ///< for the operator: why nothing was set
 };
 
 /// The boat's state that decides about a PARAM_SET.
@@ -85,23 +83,15 @@ class ParameterService {
   }
 
   static bool knows(const link::ParamSet& asked);
-  static bool asks_for_mode(const link::ParamSet& asked);
 
   /// Sends every parameter; a repeated request starts again from the first.
   void list(std::size_t link);
 
   void read(std::size_t link, link::Address from, const link::ParamRequestRead& asked);
 
-  /// Applies the set if it is allowed, and answers on every link with the value in force. A mode is
-  /// left to the supervisor: call announce() or refuse() once it has decided.
+  /// Applies the set if it is allowed, and answers on every link with the value in force.
   SetResult set(std::size_t link, link::Address from, const link::ParamSet& asked,
                 Parameters& values, Standing boat);
-
-  /// Sends the value in force on every link.
-  void announce(const ParameterInfo& info);
-
-  /// The same, preceded by an error to the client that asked.
-  void refuse(std::size_t link, link::Address to, const ParameterInfo& info, std::uint8_t error);
 
   /// Whether next() has a message for that link.
   bool owes(std::size_t link) const;
@@ -110,6 +100,12 @@ class ParameterService {
   std::optional<link::Message> next(std::size_t link, const Parameters& values);
 
  private:
+  /// Sends the value in force on every link.
+  void announce(const ParameterInfo& info);
+
+  /// The same, preceded by an error to the client that asked.
+  void refuse(std::size_t link, link::Address to, const ParameterInfo& info, std::uint8_t error);
+
   static std::optional<link::Message> take_turn(Owed& owed, const Parameters& values);
 
   std::span<Owed> links_;

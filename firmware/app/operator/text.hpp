@@ -67,6 +67,30 @@ inline std::string_view complaint_of(core::Conditions unmet) {
   return {};
 }
 
+/// Why a boat does nothing about a message that is meant for it, and that no other message refuses;
+/// empty for all others.
+constexpr std::string_view refusal_of(std::uint32_t message_id) {
+  switch (message_id) {
+    case 82:   // SET_ATTITUDE_TARGET
+    case 84:   // SET_POSITION_TARGET_LOCAL_NED
+    case 86:   // SET_POSITION_TARGET_GLOBAL_INT
+    case 139:  // SET_ACTUATOR_CONTROL_TARGET
+      return "Refused: boats follow no setpoints";
+    case 41:  // MISSION_SET_CURRENT
+      return "Refused: boats have no missions";
+    case 70:  // RC_CHANNELS_OVERRIDE
+      return "Refused: RC override, send MANUAL_CONTROL";
+    case 48:   // SET_GPS_GLOBAL_ORIGIN
+    case 243:  // SET_HOME_POSITION
+      return "Refused: origin and home are the boat's own";
+    case 119:  // LOG_REQUEST_DATA
+    case 121:  // LOG_ERASE
+      return "Refused: logs are on the boat's disk";
+    default:
+      return {};
+  }
+}
+
 /// Copies as much of the text as fits; the rest is NUL.
 template <std::size_t N>
 void put_text(link::Text<N>& out, std::string_view text) {

@@ -48,12 +48,9 @@ bool holds(const PendingRequest& pending) {
   return command && meaning_of(*command).request == Request::kHold;
 }
 
-/// A mode may be asked for by a parameter too.
 bool undoes_stop(const PendingRequest& pending) {
   const auto command = command_of(pending.message);
-  if (command) return meaning_of(*command).request != Request::kNone;
-  const auto* set = std::get_if<link::ParamSet>(&pending.message);
-  return set != nullptr && ParameterService::asks_for_mode(*set);
+  return command && meaning_of(*command).request != Request::kNone;
 }
 
 bool asks_for_message(const PendingRequest& pending) {
@@ -81,8 +78,8 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       arm_refusal_due_(kSecond_us / 2),
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),
-      double_due_(10 * kSecond_us) {
-  parameters_.MODE = mode::kHold;
+      double_due_(10 * kSecond_us),
+      unheeded_due_(10 * kSecond_us) {
   freshen();
 }
 
@@ -109,6 +106,10 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   if (beat != nullptr) take_beat(received.from, *beat, now_us);
   if (received.target.system != 0) hand_on(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;
+  if (Setpoints::is_one(received.id)) setpoints_.heard(received.from, now_us);
+  if (received.target.system != 0 && !identity_.is_autopilots(received.target)) {
+    if (const auto why = refusal_of(received.id); !why.empty()) unheeded_ = why;
+  }
   if (const auto* sticks = std::get_if<link::ManualControl>(&received.message)) {
     take_sticks(received, *sticks, now_us, counters);
     return true;
@@ -246,9 +247,6 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
   send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
   announce_ = true;
   streams_.hurry(link::CurrentMode::kId);
-  const float mode = supervisor_.mode();
-  if (std::exchange(parameters_.MODE, mode) == mode) return;
-  parameter_service_.announce(*find_parameter("MODE"));
 }
 
 }  // namespace flotilla::app

@@ -17,6 +17,7 @@
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/parameter_service.hpp"
 #include "app/operator/router.hpp"
+#include "app/operator/setpoints.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/streams.hpp"
 #include "app/operator/telemetry.hpp"
@@ -112,7 +113,6 @@ class Vehicle {
 
   void answer(const PendingRequest& pending, link::Counters& counters);
   void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
-  void explain(std::uint16_t command, link::Counters& counters);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void freshen();
   Supervisor::Decision ask(Asked& asked);
@@ -122,8 +122,6 @@ class Vehicle {
                                          std::uint32_t turn) const;
   void set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
                      link::Counters& counters);
-  void set_mode_parameter(const PendingRequest& pending, const SetResult& result,
-                          link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
   void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
@@ -152,6 +150,7 @@ class Vehicle {
   ParameterService parameter_service_;
   link::FtpServer ftp_;
   Streams streams_;
+  Setpoints setpoints_;
   Report report_;  // the last one, and the mode of now
 
   std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
@@ -161,8 +160,9 @@ class Vehicle {
   FailureJudge failure_judge_ = nullptr;
   std::optional<Failure> failure_;
   bool disarm_ = false;
-  bool double_seen_ = false;  // another sender under our ids
-  bool announce_ = false;     // a heartbeat at once: the state has changed
+  std::string_view unheeded_{};  // in this tick: refusal_of() a message
+  bool double_seen_ = false;     // another sender under our ids
+  bool announce_ = false;        // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
@@ -183,6 +183,7 @@ class Vehicle {
   Schedule refusal_due_;
   Schedule parameter_refusal_due_;
   Schedule double_due_;
+  Schedule unheeded_due_;
 };
 
 }  // namespace flotilla::app

@@ -34,6 +34,8 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
     links_.send(link, TimeRequests::answer_to(*timesync, from, pending.read_us), counters);
   } else if (const auto* ping = std::get_if<link::Ping>(&pending.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
+  } else if (std::holds_alternative<link::LogRequestList>(pending.message)) {
+    if (!identity_.is_autopilots(pending.target)) links_.send(link, link::LogEntry{}, counters);
   } else if (!identity_.is_autopilots(pending.target)) {
     answer_mission(pending, counters);
   }
@@ -43,14 +45,23 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
   const link::Address from = pending.from;
   const RequestMessage& asked = pending.message;
+  const auto acknowledge = [&](std::uint8_t result, std::uint8_t type) {
+    links_.send(pending.link, link::MissionAck{from, result, type}, counters);
+  };
   if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
     links_.send(pending.link, link::MissionCount{0, from, list->mission_type}, counters);
   } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
-    const link::MissionAck no{from, mav::kMissionUnsupported, count->mission_type};
-    links_.send(pending.link, no, counters);
+    acknowledge(mav::kMissionUnsupported, count->mission_type);
   } else if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
-    const link::MissionAck yes{from, mav::kMissionAccepted, clear->mission_type};
-    links_.send(pending.link, yes, counters);
+    acknowledge(mav::kMissionAccepted, clear->mission_type);
+  } else if (const auto* old = std::get_if<link::MissionRequest>(&asked)) {
+    acknowledge(mav::kMissionInvalidSequence, old->mission_type);
+  } else if (const auto* item = std::get_if<link::MissionRequestInt>(&asked)) {
+    acknowledge(mav::kMissionInvalidSequence, item->mission_type);
+  } else if (const auto* given = std::get_if<link::MissionItem>(&asked)) {
+    acknowledge(mav::kMissionUnsupported, given->mission_type);
+  } else if (const auto* whole = std::get_if<link::MissionItemInt>(&asked)) {
+    acknowledge(mav::kMissionUnsupported, whole->mission_type);
   }
 }
 
@@ -68,6 +79,10 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (asked.failure && failure_judge_ != nullptr) {
     asked.result = failure_ ? mav::kTemporarilyRejected : failure_judge_(*asked.failure);
     if (asked.result == mav::kAccepted) failure_ = asked.failure;
+  }
+  if (asked.request == Request::kFormation && setpoints_.come_from(pending.from, now_us_)) {
+    asked = {mav::kDenied};
+    asked.why = "mode 6 after setpoints is OFFBOARD";
   }
   Supervisor::Decision decision{true, false, 0};
   if (asked.request != Request::kNone) decision = ask(asked);
@@ -87,16 +102,9 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   if (decision.changed) announce_state(0, counters);
   if (!decision.granted) refuse(asked.request, decision.missing, counters);
-  if (asked.result == mav::kDenied && may_command(pending.from)) explain(command.id, counters);
-}
-
-/// A denial says nothing by itself about what would be right.
-void Vehicle::explain(std::uint16_t command, link::Counters& counters) {
-  const auto* const why = command == mav::kCmdDoSetMode ? "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW"
-                          : command == mav::kCmdComponentArmDisarm ? "force overrides no check"
-                                                                   : nullptr;
-  if (why == nullptr || !refusal_due_.due(now_us_)) return;
-  send_statustext(mav::kSeverityWarning, {"Refused: ", why}, counters);
+  if (!asked.why.empty() && refusal_due_.due(now_us_)) {
+    send_statustext(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
+  }
 }
 
 std::optional<link::Message> Vehicle::requested(std::size_t link, const MessageRequest& request,
@@ -151,31 +159,12 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
     }
     case SetResult::What::kUnchanged:
       break;
-    case SetResult::What::kAskMode:
-      set_mode_parameter(pending, result, counters);
-      break;
     case SetResult::What::kRefused:
-      if (result.info != nullptr && parameter_refusal_due_.due(now_us_)) {
+      if (parameter_refusal_due_.due(now_us_)) {
         send_statustext(mav::kSeverityWarning, {result.sentence.text()}, counters);
       }
       break;
   }
-}
-
-void Vehicle::set_mode_parameter(const PendingRequest& pending, const SetResult& result,
-                                 link::Counters& counters) {
-  const std::size_t link = pending.link;
-  if (identity_.is_autopilots(pending.target)) return;
-  const auto request = request_of_mode(result.mode);
-  Asked asked{mav::kAccepted, request.value_or(Request::kNone)};
-  const Supervisor::Decision decision = ask(asked);
-  if (!decision.granted && supervisor_.mode() != result.mode) {
-    parameter_service_.refuse(link, pending.from, *result.info, mav::kParamPermissionDenied);
-    refuse(asked.request, decision.missing, counters);
-    return;
-  }
-  if (decision.changed) announce_state(0, counters);
-  parameter_service_.announce(*result.info);
 }
 
 }  // namespace flotilla::app

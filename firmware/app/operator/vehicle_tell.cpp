@@ -73,6 +73,9 @@ void Vehicle::tell(link::Counters& counters) {
     send_statustext(mav::kSeverityCritical,
                     {"another sender uses this boat's system and component id"}, counters);
   }
+  if (const auto why = std::exchange(unheeded_, {}); !why.empty() && unheeded_due_.due(now_us_)) {
+    send_statustext(mav::kSeverityWarning, {why}, counters);
+  }
   if (std::exchange(origin_moved_, false)) {  // before any position from there
     for (std::size_t link = 0; link < links_.count(); ++link) {
       tell_stream(kOriginStream, link, counters);

@@ -88,10 +88,6 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
     throw ValueError("no parameter is called \"" + std::string(name) +
                      "\" (allowed: those of firmware/README.md)");
   }
-  if (!info->saved()) {
-    throw ValueError(std::string(name) +
-                     " cannot be given here: every start is in HOLD, a command changes it");
-  }
   // A conversion beyond float's range would be undefined.
   const bool fits = value && std::abs(*value) <= double{std::numeric_limits<float>::max()};
   if (fits && app::is_valid(*info, static_cast<float>(*value))) return static_cast<float>(*value);

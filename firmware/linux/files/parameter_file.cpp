@@ -65,15 +65,16 @@ Checked check(std::string_view content) {
 void read_line(std::string_view line, const std::string& where, LoadedParameters& loaded,
                std::array<bool, app::kParameterList.size()>& seen) {
   const std::size_t equals = line.find(" = ");
+  if (line.starts_with("MODE = ")) {
+    loaded.notes.push_back(where + ": " + std::string(line) +
+                           " is dropped: a mode is asked for, it is no parameter any more");
+    return;
+  }
   const app::ParameterInfo* info = app::find_parameter(line.substr(0, equals));
   if (info == nullptr || equals == std::string_view::npos) {
     loaded.unknown.emplace_back(line);
     loaded.notes.push_back(where + ": \"" + std::string(line.substr(0, equals)) +
                            "\" is unknown to this version and kept");
-    return;
-  }
-  if (!info->saved()) {
-    loaded.notes.push_back(where + ": " + std::string(line) + " is ignored: it is never saved");
     return;
   }
   seen[static_cast<std::size_t>(info - app::kParameterList.data())] = true;
@@ -95,7 +96,7 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
                   const std::string& where, LoadedParameters& loaded) {
   std::string names;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] || !app::kParameterList[i].saved()) continue;
+    if (seen[i]) continue;
     names += (names.empty() ? "" : ", ") + std::string(app::kParameterList[i].name);
   }
   if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
@@ -135,8 +136,7 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
 std::string parameter_text(const app::Parameters& values, std::span<const std::string> unknown) {
   std::string text = std::string(kFirstLine) + '\n';
   for (const app::ParameterInfo& info : app::kParameterList) {
-    if (info.saved())
-      text += std::string(info.name) + " = " + number_text(values.*info.member) + '\n';
+    text += std::string(info.name) + " = " + number_text(values.*info.member) + '\n';
   }
   for (const std::string& line : unknown) text += line + '\n';
   return text + checksum_line(text);

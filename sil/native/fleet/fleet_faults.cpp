@@ -86,8 +86,7 @@ void Fleet<S>::report_bus(Vessel& v, std::int64_t t_us) {
 /// The new process exists at once, but is neither fed nor ticked until the fault ends.
 template <class S>
 void Fleet<S>::restart(Vessel& v, std::int64_t t_us) {
-  app::Parameters kept = v.firmware.parameters();
-  kept.MODE = app::mode::kHold;  // every start is in HOLD
+  const app::Parameters kept = v.firmware.parameters();
   std::destroy_at(&v.firmware);
   std::construct_at(&v.firmware, kept, kLinks, app::Storage(v.room, outbox_));
   if (injects_) v.firmware.let_failures_be_injected(&judge);

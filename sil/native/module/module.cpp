@@ -151,13 +151,12 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real",     "whole", "sign",   "mode",
-                              "identity", "frame", "switch", "action"};
+  constexpr std::array kNames{"real", "whole", "sign", "identity", "frame", "switch", "action"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 const char* name_of(app::ParameterChange change) {
-  constexpr std::array kNames{"anytime", "disarmed", "restart", "mode"};
+  constexpr std::array kNames{"anytime", "disarmed", "restart"};
   return kNames[static_cast<std::size_t>(change)];
 }
 

@@ -39,9 +39,6 @@ app::Parameters parameters_from(const nb::dict& values) {
                              (info->kind == app::ParameterKind::kSign ? ", not 0" : ""))
                                 .c_str());
     }
-    if (info->kind == app::ParameterKind::kMode && desired != double{app::mode::kHold}) {
-      throw nb::value_error((name + ": every start is in HOLD").c_str());
-    }
     parameters.*(info->member) = static_cast<float>(desired);
   }
   if (const auto sentence = app::contradiction(parameters)) {

@@ -15,9 +15,9 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
 // Messages without a name in link::mav.
-constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kParamSetId = 23,
-                        kManualControlId = 69, kCommandIntId = 75, kCommandLongId = 76,
-                        kCommandAckId = 77, kTimesyncId = 111, kStatustextId = 253;
+constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kManualControlId = 69,
+                        kCommandIntId = 75, kCommandLongId = 76, kCommandAckId = 77,
+                        kTimesyncId = 111, kStatustextId = 253;
 
 template <class T>
 T field(Bytes payload, std::size_t at) {
@@ -47,7 +47,7 @@ inline Frame frame_at(Bytes b) {
 /// Ids of requests.
 constexpr std::array<bool, 128> kQuestions = [] {
   std::array<bool, 128> are{};
-  for (const auto id : {kSetModeId, kParamSetId, kManualControlId, kCommandIntId, kCommandLongId}) {
+  for (const auto id : {kSetModeId, kManualControlId, kCommandIntId, kCommandLongId}) {
     are[id] = true;
   }
   return are;
@@ -105,6 +105,16 @@ inline bool finite(Bytes payload, const Contents& contents) {
   return (wrong & kSigns) == 0;
 }
 
+/// A mode in the form of ArduPilot Rover's clients, 1, mode and zeros: that of a PX4's client is
+/// another mode.
+bool is_rovers(Bytes command) {
+  if (field<float>(command, 0) != 1) return false;
+  for (std::size_t at = 8; at < 28; at += 4) {
+    if (field<float>(command, at) != 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 MavlinkEar::MavlinkEar(const app::Parameters& p)
@@ -137,17 +147,15 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
     case kSetModeId:
       hear_mode(field<std::uint32_t>(m, 0), n);
       break;
-    case kParamSetId:
-      if (std::memcmp(field<std::array<char, 5>>(m, 6).data(), "MODE", 5) == 0) {
-        hear_mode(double{field<float>(m, 0)}, n);
-      }
-      break;
     case kCommandLongId:
     case kCommandIntId: {
       const auto command = field<std::uint16_t>(m, 28);
       const link::Address target{field<std::uint8_t>(m, 30), field<std::uint8_t>(m, 31)};
       ++n.asked[Ask::kAck];
-      if (command == mav::kCmdDoSetMode) hear_mode(double{field<float>(m, 4)}, n);
+      const double mode{field<float>(m, 4)};
+      if (command == mav::kCmdDoSetMode && (mode != app::mode::kFormation || is_rovers(m))) {
+        hear_mode(mode, n);
+      }
       hear_command({command, field<float>(m, 0)}, from, target, p, n);
       break;
     }

@@ -33,9 +33,7 @@ std::optional<std::string_view> first_broken(const Seen& before, const Moment& n
 
 template <class S>
 Monitor<S>::Monitor(const app::Parameters& p)
-    : can_(static_cast<std::uint8_t>(p.CAN_NODE)), mavlink_(p), known_(p) {
-  known_.MODE = app::mode::kHold;  // never saved
-}
+    : can_(static_cast<std::uint8_t>(p.CAN_NODE)), mavlink_(p), known_(p) {}
 
 template <class S>
 void Monitor<S>::heard(std::span<const std::uint8_t> bytes) {

@@ -45,7 +45,6 @@ TEST_CASE("modes are MANUAL, HOLD and FORMATION by Rover's numbers; every other 
   CHECK(meaning(mav::kCmdDoSetMode, 1, 0).request == Request::kManual);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 4).request == Request::kHold);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 6).request == Request::kFormation);
-  CHECK(meaning(mav::kCmdDoSetMode, 129, 6).request == Request::kFormation);
   for (const float mode : {5.0F, 6.5F, 10.0F, -6.0F, NAN, 1e30F, INFINITY}) {
     CHECK(denied(meaning(mav::kCmdDoSetMode, 1, mode)));
   }
@@ -53,8 +52,71 @@ TEST_CASE("modes are MANUAL, HOLD and FORMATION by Rover's numbers; every other 
     CHECK(denied(meaning(mav::kCmdDoSetMode, base, 6)));
   }
   for (int mode = -300; mode < 300; ++mode) {
-    CHECK(request_of_mode(mode).has_value() == (mode == 0 || mode == 4 || mode == 6));
+    const bool known = mode == 0 || mode == 4 || mode == 6;
+    const Asked asked = meaning(mav::kCmdDoSetMode, 1, static_cast<float>(mode));
+    CHECK(denied(asked) != known);
+    CHECK(asked.why.empty() == known);
   }
+}
+
+TEST_CASE("mode 6 is FOLLOW as Rover's clients ask for it, and OFFBOARD in every other form") {
+  CHECK(meaning(mav::kCmdDoSetMode, {1, 6, 0, 0, 0, 0, 0}).request == Request::kFormation);
+  for (const float base : {129.0F, 29.0F, 33.0F, 217.0F}) {
+    CHECK(denied(meaning(mav::kCmdDoSetMode, {base, 6, 0, 0, 0, 0, 0})));
+  }
+  for (std::size_t unused = 2; unused < 7; ++unused) {
+    std::array<float, 7> param{1, 6, 0, 0, 0, 0, 0};
+    for (const float value : {NAN, 1.0F, -0.5F}) {
+      param[unused] = value;
+      CHECK(denied(meaning(mav::kCmdDoSetMode, param)));
+    }
+  }
+  for (const float base : {1.0F, 129.0F}) {  // MAVSDK's offboard.start(), disarmed and armed
+    CHECK(denied(meaning(mav::kCmdDoSetMode, {base, 6, 0, NAN, NAN, NAN, NAN})));
+  }
+}
+
+TEST_CASE("sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boat") {
+  for (const float base : {1.0F, 129.0F}) {
+    for (float main = 0; main < 10; ++main) {
+      for (float sub = 1; sub < 12; ++sub) {
+        const Asked asked = meaning(mav::kCmdDoSetMode, {base, main, sub, NAN, NAN, NAN, NAN});
+        const bool hold = main == 4 && sub == 3;
+        CHECK(asked.request == (hold ? Request::kHold : Request::kNone));
+        CHECK(denied(asked) != hold);
+        CHECK(asked.why.empty() == hold);
+        CHECK(asked.why.size() <= 41);  // "Refused: " before it, 50 in all
+      }
+    }
+  }
+}
+
+TEST_CASE("MANUAL is not asked for by a flag of the base mode, HOLD in any form") {
+  CHECK(denied(meaning(mav::kCmdDoSetMode, 33, 0)));  // pymavlink: set_mode_flag(HIL, True)
+  CHECK(denied(meaning(mav::kCmdDoSetMode, 192, 0)));
+  CHECK(meaning(mav::kCmdDoSetMode, 129, 0).request == Request::kManual);
+  for (const float base : {1.0F, 129.0F, 29.0F, 217.0F}) {
+    for (const float sub : {0.0F, 3.0F, NAN}) {
+      const Asked asked = meaning(mav::kCmdDoSetMode, {base, 4, sub, NAN, NAN, NAN, NAN});
+      CHECK(asked.request == Request::kHold);
+    }
+  }
+}
+
+TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that come back with it") {
+  const auto set_mode = [](std::uint8_t base, std::uint32_t mode) {
+    return meaning_of(*command_of(link::SetMode{mode, 1, base}));
+  };
+  for (const std::uint8_t base : std::initializer_list<std::uint8_t>{1, 129, 141, 193}) {
+    CHECK(set_mode(base, 0).request == Request::kManual);
+    CHECK(set_mode(base, 4).request == Request::kHold);
+    CHECK(set_mode(base, 6).request == Request::kFormation);
+    for (const std::uint32_t px4 : {6U << 16U, 4U << 16U | 3U << 24U, 4U << 16U | 5U << 24U}) {
+      CHECK(denied(set_mode(base, px4)));
+    }
+  }
+  for (const std::uint32_t mode : {0U, 1U, 6U})
+    CHECK(denied(set_mode(128, mode)));  // safety switch
 }
 
 TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {

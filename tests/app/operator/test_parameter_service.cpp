@@ -97,12 +97,9 @@ void check_answer_to_all(Boat& boat, const ParameterInfo& info) {
   }
 }
 
-bool is_mode(const ParameterInfo& info) { return info.kind == ParameterKind::kMode; }
-
 TEST_CASE("any value that is allowed by itself and beside the others is taken and told to all") {
   std::mt19937 random(7);
   for (const ParameterInfo& info : kParameterList) {
-    if (is_mode(info)) continue;
     CAPTURE(std::string(info.name));
     for (int round = 0; round < 40; ++round) {
       Boat boat;
@@ -141,7 +138,6 @@ TEST_CASE("a value that is no number, out of range or no whole one changes nothi
                            std::nextafter(info.greatest, 1e9F)};
     if (info.whole()) bad.push_back(info.least + 0.5F);
     if (info.kind == ParameterKind::kSign) bad.push_back(0);
-    if (is_mode(info)) bad.insert(bad.end(), {1, 2, 3, 5});
     for (const float value : bad) {
       CAPTURE(std::string(info.name));
       CAPTURE(value);
@@ -167,7 +163,7 @@ TEST_CASE("a refusal tells an operator what is allowed") {
   CHECK(said("SR_SLOW", -0.5F) == "SR_SLOW -0.5 refused: 0 to 50 Hz");
   CHECK(said("FORM_LEADER", 0) == "FORM_LEADER 0 refused: whole numbers, 1 to 255");
   CHECK(said("THR_PORT_DIR", 0) == "THR_PORT_DIR 0 refused: -1 or 1");
-  CHECK(said("MODE", 5) == "MODE 5 refused: 0, 4 or 6");
+  CHECK(said("MODE", 6) == "MODE is no parameter of this boat");
   CHECK(said("MAV_COMPID", NAN) == "MAV_COMPID nan refused: whole numbers, 1 to 250");
   CHECK(said("ESC_PORT", 1) == "ESC_PORT 1 refused: ESC_PORT and ESC_STBD are the same ESC");
   CHECK(said("MAV_IDENTITY", 1) ==
@@ -179,7 +175,6 @@ TEST_CASE("a refusal tells an operator what is allowed") {
 
 TEST_CASE("while armed only what may change at any time changes") {
   for (const ParameterInfo& info : kParameterList) {
-    if (is_mode(info)) continue;
     CAPTURE(std::string(info.name));
     Boat boat;
     // half way to an end, where there is room
@@ -250,30 +245,8 @@ TEST_CASE("a stranger sets nothing where one ground station alone may command") 
   boat.values.MAV_GCS_SYSID = 254;
   CHECK(boat.set("LAW_KX", 1).what == What::kRefused);
   check_refusal(boat, *find_parameter("LAW_KX"), mav::kParamPermissionDenied);
-  CHECK(boat.set("MODE", 6).what == What::kRefused);
   boat.values.MAV_GCS_SYSID = 255;
   CHECK(boat.set("LAW_KX", 1).what == What::kSet);
-}
-
-TEST_CASE("a mode is asked of the supervisor, and told to all when it has decided") {
-  Boat boat;
-  const ParameterInfo& mode = *find_parameter("MODE");
-  for (const std::uint8_t desired : {mode::kManual, mode::kHold, mode::kFormation}) {
-    for (const bool armed : {false, true}) {
-      boat.armed = armed;
-      const auto result = boat.set("MODE", desired);
-      CHECK(result.what == What::kAskMode);
-      CHECK(result.info == &mode);
-      CHECK(result.mode == desired);
-      CHECK(boat.values.MODE == mode::kHold);
-      CHECK(boat.heard(kHere).empty());
-    }
-  }
-  boat.service.refuse(kHere, kOperator, mode, mav::kParamPermissionDenied);
-  check_refusal(boat, mode, mav::kParamPermissionDenied);
-  boat.values.MODE = mode::kFormation;
-  boat.service.announce(mode);
-  check_answer_to_all(boat, mode);
 }
 
 TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {

@@ -498,6 +498,19 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   CHECK(times == 1);
   CHECK(s.all<link::Ping>(0).empty());
   CHECK(s.all<link::MissionCount>(0).empty());
+  s.ask(link::MissionRequest{{1, 1}, 0, 1}, 1);
+  s.ask(link::MissionRequestInt{{1, 1}, 0, 1}, 1);
+  s.ask(link::MissionItem{{1, 1}, 1}, 1);
+  s.ask(link::MissionItemInt{{1, 1}, 1}, 1);
+  s.ask(link::LogRequestList{{1, 1}}, 1);
+  s.ask(link::LogRequestList{{2, 1}}, 1);
+  const auto not_sent = s.counters.mavlink_not_sent;
+  s.tick();
+  CHECK(s.counters.mavlink_not_sent == not_sent);
+  // Of the answers, MISSION_ACK and LOG_ENTRY, boats read none.
+  const auto& told = s.heard[1];
+  CHECK(std::ranges::count(told, std::uint32_t{link::MissionAck::kId}, &link::Received::id) == 4);
+  CHECK(std::ranges::count(told, std::uint32_t{link::LogEntry::kId}, &link::Received::id) == 1);
 }
 
 // States.
@@ -557,7 +570,6 @@ TEST_CASE("termination leads to FAULT from every state, and only a disarm out of
     s.command(mav::kCmdComponentArmDisarm, 1, 21196);
     s.command(mav::kCmdDoFlightTermination, 0);
     s.test_port();
-    s.set("MODE", 6);
     s.tick();
     const auto acks = s.all<link::CommandAck>();
     CHECK(acks.size() == 6);
@@ -766,12 +778,11 @@ TEST_CASE("where one ground station commands, no other does; all may read and st
   CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
   s.hear(s.stranger, link::SetMode{4, 1, 1});
   s.hear(s.stranger, link::ParamSet{7, {1, 1}, text<16>("FORM_OFS_N"), mav::kParamReal32});
-  s.hear(s.stranger, link::ParamSet{4, {1, 1}, text<16>("MODE"), mav::kParamReal32});
   s.tick();
   CHECK(s.all<link::CommandAck>().empty());
   std::size_t errors = s.all<link::ParamError>().size();
   for (const auto& r : s.heard[0]) errors += std::holds_alternative<std::monostate>(r.message);
-  CHECK(errors >= 2);  // PARAM_ERROR is none of what we read
+  CHECK(errors >= 1);  // PARAM_ERROR is none of what we read
   CHECK(s.values("FORM_OFS_N").size() <= 1);
   CHECK(s.state() == State::kFormation);
   CHECK(s.vehicle->parameters().FORM_OFS_N == 0);
@@ -817,7 +828,6 @@ TEST_CASE("a companion leaves to the autopilot what is asked of the whole system
   CHECK(s.result() == mav::kAccepted);
   CHECK(s.state() == State::kHold);
   s.ask(link::SetMode{6, 1, 1});
-  s.ask(link::ParamSet{6, {1, 0}, text<16>("MODE"), mav::kParamReal32});
   s.ask(link::CommandLong{209, {1, 0, 5, 1, 0, 0, 0}, {1, 0}, 0});
   s.tick();
   CHECK(s.state() == State::kHold);
@@ -861,60 +871,22 @@ TEST_CASE(
 
 // Parameters.
 
-TEST_CASE("MODE follows the state, and every change of it is announced on every link") {
+TEST_CASE("no parameter changes the mode, whatever file a client loads") {
   Ship s;
-  const auto mode_now = [&] { return static_cast<int>(s.vehicle->parameters().MODE); };
-  s.pass(0.1);
-  const auto expect_announced = [&](int desired) {
-    CHECK(mode_now() == desired);
-    for (const std::size_t link : {0U, 1U}) {
-      const auto values = s.values("MODE", link);
-      CHECK(values.size() == 1);
-      if (!values.empty()) CHECK(values[0].param_value == static_cast<float>(desired));
-    }
-  };
-  CHECK(mode_now() == 4);
   s.command(mav::kCmdComponentArmDisarm, 1);
   s.tick();
-  CHECK(s.values("MODE").empty());  // HOLD before, HOLD now
-  s.command(mav::kCmdDoSetMode, 1, 6);
-  s.tick();
-  expect_announced(6);
-  s.sticks(0, 0);
-  s.ask(link::SetMode{0, 1, 1});
-  s.tick();
-  CHECK(s.all<link::CommandAck>().empty());
-  expect_announced(0);
-  s.set("MODE", 6);
-  s.tick();
-  expect_announced(6);
-  CHECK(s.state() == State::kFormation);
-  s.world &= static_cast<core::Conditions>(~core::kLeaderFresh);
-  s.tick();
-  expect_announced(4);
-  CHECK(s.says("HOLD: leader"));
-  s.set("MODE", 6);
-  s.tick();
-  CHECK(s.says("Refused: leader"));
-  expect_announced(4);
-  CHECK(s.values("MODE", 1).size() == 1);
-  s.set("MODE", 5);
-  s.tick();
-  CHECK(mode_now() == 4);
-  CHECK_FALSE(s.take_change());
-  CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
-}
-
-TEST_CASE("every start is in HOLD, whatever MODE the parameters bring along") {
-  for (const float mode : {0.0F, 4.0F, 6.0F}) {
-    Parameters p;
-    p.MODE = mode;
-    Ship s(p);
+  for (const float mode : {6.0F, 0.0F}) {
+    s.sticks(0, 0);
+    s.set("MODE", mode);
     s.tick();
-    CHECK(s.vehicle->parameters().MODE == 4);
-    REQUIRE(s.all<link::Heartbeat>().size() == 1);
-    CHECK(s.all<link::Heartbeat>()[0].custom_mode == 4);
+    CHECK(s.state() == State::kHold);
+    CHECK(s.values("MODE").empty());
+    s.pass(0.5);
   }
+  s.set("MODE", 6);
+  s.tick();
+  CHECK(s.says("MODE is no parameter of this boat"));
+  CHECK(s.vehicle->take_save_request() == SaveRequest::kNone);
 }
 
 TEST_CASE("a parameter that was set is a change once, and a request to save it, once") {

@@ -246,8 +246,6 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
        ":2:10: param: LAW_KX = 1e+300 (allowed: numbers from 0 to 2 1/s)\n"},
       {"[param]\nMAV_SYSID = 1.5\n",
        ":2:13: param: MAV_SYSID = 1.5 (allowed: whole numbers from 1 to 254)\n"},
-      {"[param]\nMODE = 4\n",
-       ":2:8: param: MODE cannot be given here: every start is in HOLD, a command changes it\n"},
       {"[param]\nTHR_PORT_DIR = 0\n", ":2:16: param: THR_PORT_DIR = 0 (allowed: -1 or 1)\n"},
   };
   for (const auto& c : cases) {
@@ -274,9 +272,6 @@ TEST_CASE("a mistake on the command line names the option and what is allowed") 
         "flotillad: --param: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)\n");
   CHECK(mistake({link, "--param", "LAW_KX=0.1x"}) ==
         "flotillad: --param: LAW_KX = 0.1x (allowed: numbers from 0 to 2 1/s)\n");
-  CHECK(mistake({link, "--param", "MODE=6"}) ==
-        "flotillad: --param: MODE cannot be given here: every start is in HOLD, a command changes "
-        "it\n");
   CHECK(mistake({link, "--param", "SPEED=3"}) ==
         "flotillad: --param: no parameter is called \"SPEED\" (allowed: those of "
         "firmware/README.md)\n");

@@ -242,22 +242,17 @@ TEST_CASE("a file of an older version has its values; what it lacks is default a
   CHECK(loaded.notes[0].starts_with("p: not in it, so default: MAV_SYSID, "));
 }
 
-TEST_CASE("a mode is neither saved, nor read, nor missed: every start is in HOLD") {
+TEST_CASE("an old file that names a mode is read with a sentence, and loses it when it is saved") {
   Scratch folder;
-  Parameters sailing;
-  sailing.MODE = app::mode::kFormation;
-  REQUIRE_FALSE(save_parameters(folder / "p", sailing, {}));
-  CHECK(content(folder / "p").find("MODE") == std::string::npos);
-  CHECK(load_parameters(folder / "p").notes.empty());
-
   put(folder / "p", signed_text("flotilla-parameters 1\nMODE = 6\nLAW_KX = 0.5\n"));
   const auto loaded = load_parameters(folder / "p");
   CHECK(loaded.source == ParameterSource::kFile);
-  CHECK(loaded.values.MODE == app::mode::kHold);
   CHECK(loaded.values.LAW_KX == 0.5F);
   CHECK(loaded.unknown.empty());
   CHECK_FALSE(loaded.must_be_confirmed);
-  CHECK(said(loaded, "p: MODE = 6 is ignored: it is never saved"));
+  CHECK(said(loaded, "p: MODE = 6 is dropped: a mode is asked for, it is no parameter any more"));
+  REQUIRE_FALSE(save_parameters(folder / "p", loaded.values, loaded.unknown));
+  CHECK(content(folder / "p").find("MODE") == std::string::npos);
 }
 
 TEST_CASE("saving what is saved already leaves both versions alone") {

@@ -152,7 +152,6 @@ def test_what_is_saved_while_armed_survives_a_power_cut(sea: RealSea, file: Path
     sea.end(signal.SIGKILL)
     saved = file.read_text()
     assert is_whole(saved) and "LAW_KX = 0.25\n" in saved
-    assert "MODE" not in saved
 
 
 def test_what_is_set_while_armed_survives_a_power_cut(sea: RealSea, file: Path) -> None:

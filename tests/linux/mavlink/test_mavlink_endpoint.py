@@ -9,6 +9,7 @@ from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 
+import flotilla
 import pytest
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
@@ -23,7 +24,7 @@ from tests.linux.process import (
     free_port,
     now_us,
 )
-from tests.target.stations import BOAT, GCS, Station, command_long
+from tests.target.stations import BOAT, GCS, Station, command_long, decode
 from tests.turns import some
 
 RATE_BPS = 800
@@ -175,6 +176,25 @@ def test_udpout_hears_nobody_but_whom_it_talks_to(sea: RealSea, opened: ExitStac
     sea.say(command_long(1))
     sea.until(sea.acks)
     assert {command for command, _ in sea.acks()} == {1}
+
+
+def test_no_datagram_is_longer_than_every_client_reads(sea: RealSea, opened: ExitStack) -> None:
+    """gomavlib reads 512 bytes of a datagram; all parameters at once make ticks of 1400."""
+    client = Udp()
+    opened.callback(client.close)
+    sea.start(f"--mavlink={client.option}")
+    heard: list[bytes] = []
+
+    def told() -> int:
+        heard.extend(client.receive())
+        return len([m for m in decode(heard) if m.get_type() == "PARAM_VALUE"])
+
+    sea.until(lambda: told() or heard)
+    client.send(sea.gcs.pack(mavlink.MAVLink_param_request_list_message(BOAT, 1)))
+    sea.until(lambda: told() >= len(flotilla.parameter_list()))
+    assert max(map(len, heard)) <= 500
+    assert max(map(len, heard)) > 300  # several messages in one
+    assert not [m for m in decode(heard) if m.get_type() == "BAD_DATA"]
 
 
 def test_pymavlinks_own_connection_arms_the_boat_and_names_its_mode(

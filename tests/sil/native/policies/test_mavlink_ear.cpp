@@ -49,14 +49,11 @@ TEST_CASE("what is asked is heard in every form that there is") {
   CHECK(e.n.asked[Ask::kArm] == 2);
   CHECK(e.n.asked[Ask::kAck] == 2);
   e.hear(e.gcs, command(mav::kCmdDoSetMode, 1, 6));
+  e.hear(e.gcs, command(mav::kCmdDoSetMode, 129, 6));  // OFFBOARD of a PX4's client
+  e.hear(e.gcs, link::CommandLong{mav::kCmdDoSetMode, {1, 6, 0, 0, 0, 0, NAN}, {1, 1}, 0});
   e.hear(e.gcs, link::SetMode{6, 1, 1});
-  link::ParamSet set{6, {1, 1}, {'M', 'O', 'D', 'E'}, 9};
-  e.hear(e.gcs, set);
-  CHECK(e.n.asked[Ask::kFormation] == 3);
-  set.param_value = 0;
-  e.hear(e.gcs, set);
-  set.param_id[4] = 'X';
-  e.hear(e.gcs, set);
+  CHECK(e.n.asked[Ask::kFormation] == 2);
+  e.hear(e.gcs, command(mav::kCmdDoSetMode, 1, 0));
   CHECK(e.n.asked[Ask::kManual] == 1);
   e.hear(e.gcs, command(mav::kCmdDoMotorTest, 1));
   e.hear(e.gcs, command(mav::kCmdDoFlightTermination, 1));

@@ -39,7 +39,6 @@ struct Pair {
     m.own_age_s = 0.05;
     m.leader_age_s = 0.1;
     m.p = &p;
-    p.MODE = rules::mode_of(state);
     m.heard.own = m.heard.leader = true;
     m.arming = core::armed(state) ? 255 : 0;
     m.bus.commands = m.bus.frames = 1;
@@ -71,7 +70,6 @@ auto from(State before, std::function<void(Pair&)> change = [](Pair&) {}) {
     const Moment now = q.n;
     q.set(q.b, before, q.b.now_us);
     q.n = now;
-    q.p.MODE = rules::mode_of(now.state);
     q.n.state_us = now.now_us;
     if (core::armed(now.state) && !core::armed(before)) {
       q.n.armed_us = now.now_us;
@@ -213,7 +211,6 @@ const std::vector<Mutation> kMavlink{
      from(kOff, [](Pair& q) { q.n.links.states_word = false; })},
     {"FAULT is told as an error or worse", kFault,
      from(kHold, [](Pair& q) { q.n.links.gravest = mav::kSeverityInfo; })},
-    {"the parameter MODE is the state's", kManual, [](Pair& q) { q.p.MODE = 4; }},
     {"TIMESYNC is asked at least every 1.1 s, or as an SR_SLOW below 1 says", kHold,
      [](Pair& q) { q.n.timesync_us -= 1'051'000; }},
     {"TIMESYNC is asked at least every 1.1 s, or as an SR_SLOW below 1 says", kHold,
