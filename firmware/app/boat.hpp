@@ -74,6 +74,9 @@ class Boat {
   /// back is counted and stands still; one that stays behind for a second is followed from there.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us, std::size_t link);
 
+  /// This link carries datagrams; others are serial lines, perhaps to a radio.
+  void set_datagrams(std::size_t link) { links_.set_datagrams(link); }
+
   /// For a host that hears datagrams: no message goes on in the next one. Elsewhere a message may
   /// come in pieces, but not for longer than 0.3 s.
   void end_of_datagram(std::int64_t now_us, std::size_t link);

@@ -80,6 +80,7 @@ Loop::Loop(const Config& config)
   for (std::size_t i = 0; i < config.mavlink.size(); ++i) {
     links_.push_back(open_mavlink_endpoint(config.mavlink[i].address));
     boat_->limit_link(i, config.mavlink[i].bytes_per_s);
+    if (links_.back()->datagrams()) boat_->set_datagrams(i);
     boat_->set_policy(i, config.policy(config.mavlink[i]));
   }
   if (!config.signing_key.empty()) secure();

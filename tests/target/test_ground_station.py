@@ -8,7 +8,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.operator_words import sticks
 from tests.target.sea import TURN, Sea, Tick, texts
-from tests.target.stations import ARM, FORMATION, GCS, Station, heartbeat
+from tests.target.stations import ARM, BOAT, FORMATION, GCS, Station, heartbeat
 
 TYPE_GCS = mavlink.MAV_TYPE_GCS
 LOST = "no ground station is heard"
@@ -118,6 +118,13 @@ def test_where_one_ground_station_commands_only_that_one_counts() -> None:
     assert sea.condition("gcs_heard")
     sea.order(ARM, 1.0)
     assert sea.state == "DISARMED"
+
+
+def test_a_ground_station_on_board_does_not_tell_that_the_operator_hears_the_boat() -> None:
+    sea = sailing()
+    sea.beats_as = Station(BOAT, 190)
+    sea.run(3.0)
+    assert sea.state == "HOLD"
 
 
 def test_any_link_will_do() -> None:

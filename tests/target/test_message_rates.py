@@ -13,7 +13,9 @@ from tests.target.operator_words import command_int, param_list, param_set
 from tests.target.sea import Sea, Tick, acks, messages, named
 from tests.target.stations import (
     ACCEPTED,
+    BOAT,
     DENIED,
+    GCS,
     HOLD,
     ORIGIN,
     UNSUPPORTED,
@@ -330,6 +332,14 @@ def test_a_radio_slows_its_own_link_only() -> None:
     ticks = complaining(sea, 10.0, link=1)
     assert len(named(ticks, "ATTITUDE", link=0)) == 100
     assert len(named(ticks, "ATTITUDE", link=1)) <= 21
+
+
+@pytest.mark.parametrize("station", [(51, 69), (GCS, 190), (BOAT, 197)], ids=str)
+def test_only_a_radio_slows_its_link(settled: Sea, station: tuple[int, int]) -> None:
+    for _ in range(50):
+        message = mavlink.MAVLink_radio_status_message(200, 200, 0, 40, 40, 0, 0)
+        settled.say(message, sender=Station(*station))
+    assert count(settled.run(10.0), ATTITUDE) == pytest.approx(100, abs=1)
 
 
 @pytest.mark.parametrize("txbuf", [101, 200, 255])

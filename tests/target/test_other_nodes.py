@@ -17,6 +17,11 @@ def raw_command(node: int, *values: int) -> Frames:
     return to_wire(Transfer(0, node, payload=payload, transfer_priority=7))
 
 
+def rpm_command(node: int, *values: int) -> Frames:
+    payload = dronecan.uavcan.equipment.esc.RPMCommand(rpm=list(values))
+    return to_wire(Transfer(0, node, payload=payload, transfer_priority=7))
+
+
 def arming_status(node: int, status: int) -> Frames:
     payload = dronecan.uavcan.equipment.safety.ArmingStatus(status=status)
     return to_wire(Transfer(0, node, payload=payload, transfer_priority=24))
@@ -25,6 +30,7 @@ def arming_status(node: int, status: int) -> Frames:
 FOREIGN = {
     "RawCommand": raw_command(STRANGER, 100, 100),
     "RawCommand of zeros": raw_command(STRANGER, 0, 0),
+    "RPMCommand": rpm_command(STRANGER, 1500, -1500),
     "ArmingStatus": arming_status(STRANGER, 255),
     "RawCommand under our own id": raw_command(NODE, 100, 100),
 }

@@ -129,6 +129,32 @@ def test_what_was_signed_stays_signed_where_links_ask_for_signatures(beyond: str
         assert refused not in sent(sea.step(), 1)
 
 
+@pytest.mark.parametrize("heard_on", ["off", "accept"])
+def test_nothing_unsigned_leaves_by_a_link_that_requires_signatures(heard_on: str) -> None:
+    """A camera's 40 kB/s over its cable, for the operator behind the radio."""
+    key, unix_s = bytes(range(32)), 1_800_000_000
+    sea = Sea(links=2)
+    sea.boat.secure(key, unix_s * 1_000_000)
+    sea.boat.set_signing(0, heard_on)
+    sea.boat.set_signing(1, "required")
+    station = Station(GCS, GCS_COMPONENT)
+    station.encoder.signing.secret_key = key
+    station.encoder.signing.sign_outgoing = True
+    station.encoder.signing.timestamp = (unix_s - 1_420_070_400) * 100_000
+    sea.say(heartbeat(), sender=station, link=1)
+    sea.step()
+    camera = Station(BOAT, 100)
+    handed_on = 0
+    for _ in range(100):
+        sea.say(
+            mavlink.MAVLink_file_transfer_protocol_message(0, GCS, 190, [1] * 251), sender=camera
+        )
+        handed_on += sum(m.get_srcComponent() == 100 for m in sea.step().messages(1))
+    assert handed_on == 0
+    assert sea.counter("mavlink_unsigned_refused") == 100
+    assert all(m.get_msgbuf()[2] & 1 for m in messages(sea.ticks, 1))
+
+
 def test_the_answer_finds_its_way_back() -> None:
     sea = two_links()
     answer = OTHER.pack(

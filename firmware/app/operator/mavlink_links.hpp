@@ -25,7 +25,7 @@ constexpr std::size_t kMaxLinks = 4;
 enum class SigningPolicy : std::uint8_t {
   kOff,       ///< sends unsigned, ignores signatures
   kAccept,    ///< sends signed; accepts unsigned messages, rejects wrong signatures
-  kRequired,  ///< sends signed; accepts nothing unsigned except RADIO_STATUS
+  kRequired,  ///< sends signed; accepts and hands on nothing unsigned but a radio's RADIO_STATUS
 };
 
 /// The policy with that name in a configuration.
@@ -52,6 +52,7 @@ class MavlinkLinks {
     std::optional<std::int64_t> waiting_us;  // since when a message has been incomplete
     std::uint32_t whole = 0;                 // messages until then
     SigningPolicy policy = SigningPolicy::kOff;
+    bool datagrams = false;  // no radio's serial line
     TokenBucket bucket;
   };
 
@@ -76,12 +77,18 @@ class MavlinkLinks {
   bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters) {
     Link& l = links_[link];
     while (l.decoder.waits() && l.decoder.next(out, counters, signing_of(l))) {
-      const bool radio = std::holds_alternative<link::RadioStatus>(out.message);
-      if (l.policy != SigningPolicy::kRequired || out.is_signed || radio) return true;
+      if (l.policy != SigningPolicy::kRequired || out.is_signed || is_radios(link, out))
+        return true;
       ++counters.mavlink_unsigned_refused;
     }
     note_waiting(l, now_us);
     return false;
+  }
+
+  /// A telemetry radio's RADIO_STATUS on the serial line that it is connected to.
+  bool is_radios(std::size_t link, const link::Received& received) const {
+    return std::holds_alternative<link::RadioStatus>(received.message) &&
+           received.from.component == link::mav::kComponentRadio && !links_[link].datagrams;
   }
 
   /// The bytes of the message that next() returned last.
@@ -109,6 +116,7 @@ class MavlinkLinks {
 
   /// Without a key in signing(), no message counts as signed.
   void set_policy(std::size_t link, SigningPolicy policy) { links_[link].policy = policy; }
+  void set_datagrams(std::size_t link) { links_[link].datagrams = true; }
 
   TokenBucket& bucket(std::size_t link) { return links_[link].bucket; }
   const TokenBucket& bucket(std::size_t link) const { return links_[link].bucket; }
@@ -137,9 +145,15 @@ class MavlinkLinks {
     for (std::size_t link = 0; link < count(); ++link) send(link, message, counters);
   }
 
-  /// Queues another sender's frame, unchanged, for the next tick.
-  void forward(std::size_t link, std::span<const std::uint8_t> frame, link::Counters& counters) {
+  /// Queues another sender's frame, unchanged, for the next tick, unless this link's policy demands
+  /// a signature: `is_signed`, with a good one.
+  void forward(std::size_t link, std::span<const std::uint8_t> frame, bool is_signed,
+               link::Counters& counters) {
     Link& l = links_[link];
+    if (l.policy == SigningPolicy::kRequired && !is_signed) {
+      ++counters.mavlink_unsigned_refused;
+      return;
+    }
     if (frame.size() > l.forwarded.size() - l.forwarded_size || !l.bucket.for_rest()) {
       ++counters.mavlink_not_sent;
       return;

@@ -96,9 +96,9 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
     double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(received));
     return true;
   }
-  // A radio's word comes unsigned on any link, under any name: it counts for nothing else.
+  // A radio's word comes unsigned, under any system id: it counts for nothing else.
   if (const auto* radio = std::get_if<link::RadioStatus>(&received.message)) {
-    streams_.radio_has_room(link, radio->txbuf, now_us);
+    if (links_.is_radios(link, received)) streams_.radio_has_room(link, radio->txbuf, now_us);
     return true;
   }
   heard_ = std::max(heard_, received.is_signed ? Heard::kSigned : Heard::kMessage);
@@ -123,7 +123,9 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
   identity_.heard(from, beat, configuration_.formation.leader, now_us);
-  if (beat.type == mav::kTypeGcs && may_command(from)) gcs_us_ = now_us;
+  // A ground station on board tells nothing of the operator's radio.
+  const bool ashore = from.system != self().system;
+  if (beat.type == mav::kTypeGcs && ashore && may_command(from)) gcs_us_ = now_us;
 }
 
 void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
@@ -132,7 +134,7 @@ void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int
   const std::uint8_t beyond = router_.beyond(received.target, link, now_us);
   for (std::size_t other = 0; other < links_.count(); ++other) {
     if ((beyond >> other & 1U) != 0) {
-      links_.forward(other, links_.frame(link), counters);
+      links_.forward(other, links_.frame(link), received.is_signed, counters);
     }
   }
 }

@@ -39,7 +39,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
   const auto complete = [&](const link::DataType& type) {
     return receiver_.push(*route, type, data, now_us, counters);
   };
-  if (is(link::RawCommand::kType) || is(link::ArmingStatus::kType)) {
+  if (is(link::RawCommand::kType) || is(link::RpmCommand::kType) || is(link::ArmingStatus::kType)) {
     foreign_us_ = now_us;  // whatever the content, even under our own node id
   } else if (is(link::Allocation::kType)) {
     const auto transfer = complete(link::Allocation::kType);

@@ -21,6 +21,11 @@ struct RawCommand {
   std::array<std::int16_t, 20> cmd{};
 };
 
+/// uavcan.equipment.esc.RPMCommand: no boat sends it.
+struct RpmCommand {
+  static constexpr DataType kType{TransferKind::kMessage, 1031, 0xCE0F9F621CF7E70BULL};
+};
+
 /// uavcan.equipment.safety.ArmingStatus: 0 disarmed, 255 fully armed.
 struct ArmingStatus {
   static constexpr DataType kType{TransferKind::kMessage, 1100, 0x8700F375556A8003ULL};

@@ -9,7 +9,7 @@ namespace flotilla::link::mav {
 constexpr std::uint8_t kTypeGeneric = 0, kTypeGcs = 6, kTypeSurfaceBoat = 11,
                        kTypeOnboardController = 18;
 constexpr std::uint8_t kAutopilotGeneric = 0, kAutopilotInvalid = 8;
-constexpr std::uint8_t kComponentAutopilot = 1;
+constexpr std::uint8_t kComponentAutopilot = 1, kComponentRadio = 68;
 constexpr std::uint8_t kModeFlagCustom = 1, kModeFlagTest = 2, kModeFlagAuto = 4,
                        kModeFlagGuided = 8, kModeFlagManual = 64, kModeFlagArmed = 128;
 constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateCritical = 5, kStateEmergency = 6;

@@ -34,10 +34,11 @@ can_filter message_filter(const link::DataType& type) {
 }
 
 /// Filters for the transfers that a boat reads.
-std::array<can_filter, 7> filters_of(std::uint8_t node) {
+std::array<can_filter, 8> filters_of(std::uint8_t node) {
   return {{message_filter(link::EscStatus::kType),
            message_filter(link::NodeStatus::kType),
            message_filter(link::RawCommand::kType),
+           message_filter(link::RpmCommand::kType),
            message_filter(link::ArmingStatus::kType),
            message_filter(link::Allocation::kType),
            {CAN_EFF_FLAG | canid_t{link::Allocation::kType.id} << 8U,

@@ -108,8 +108,8 @@ TEST_CASE("others' traffic on a slow link keeps to what is not the state's, whic
   const Bytes file = any_bytes(280, 1);
   std::size_t handed_on = 0, states = 0;
   for (int k = 0; k < 12'000; ++k) {  // two minutes of somebody's file
-    s.links.forward(0, file, s.counters);
-    s.links.forward(0, file, s.counters);
+    s.links.forward(0, file, false, s.counters);
+    s.links.forward(0, file, false, s.counters);
     s.links.begin(kTick_us);
     handed_on += s.links.bytes(0).size();
     if (k % 10 != 0) continue;
@@ -154,10 +154,10 @@ TEST_CASE("what is handed on leaves unchanged with the next tick, before our own
   Ship s;
   const Bytes first = any_bytes(280, 1), second = any_bytes(12, 200);
   s.links.begin(kTick_us);
-  s.links.forward(1, first, s.counters);
+  s.links.forward(1, first, false, s.counters);
   s.send(1, kBeat);
   CHECK(s.links.bytes(1).size() == 21);
-  s.links.forward(1, second, s.counters);
+  s.links.forward(1, second, false, s.counters);
   s.links.begin(kTick_us);
   Bytes both = first;
   both.insert(both.end(), second.begin(), second.end());
@@ -187,7 +187,7 @@ TEST_CASE(
       } else {
         ++refused;
       }
-      s.links.forward(0, frame, s.counters);
+      s.links.forward(0, frame, false, s.counters);
     }
     s.links.begin(kTick_us);
     REQUIRE(s.bytes(0) == expected);
@@ -314,26 +314,28 @@ TEST_CASE("each message has its own 0.3 s, though the link is never quiet") {
 
 enum class Mark { kNone, kGood, kForged };
 
-Bytes incoming(Mark mark, const link::Message& message) {
+Bytes incoming(Mark mark, const link::Message& message, std::uint8_t component) {
   link::Signing signing;
   link::SigningKey key{1, 2, 3};
   if (mark == Mark::kForged) key[0] = 99;
   signing.start(key, kNow, 0);
-  link::MavlinkEncoder encoder({255, 190});
+  link::MavlinkEncoder encoder({255, component});
   Bytes out(300);
   out.resize(encoder.encode(message, out, mark == Mark::kNone ? nullptr : &signing, 5));
   return out;
 }
 
 std::optional<link::Received> let_in(SigningPolicy policy, bool key, Mark mark,
-                                     const link::Message& message, link::Counters& counters) {
+                                     const link::Message& message, link::Counters& counters,
+                                     std::uint8_t component = 190, bool datagrams = false) {
   std::array<MavlinkLinks::Link, 2> room;
   std::array<Datagram, 2> out;
   std::array<link::Signing::Stream, 1> operators;
   MavlinkLinks links(kSelf, room, out, operators);
   if (key) links.signing().start({1, 2, 3}, kNow, 0);
   links.set_policy(1, policy);
-  const Bytes bytes = incoming(mark, message);
+  if (datagrams) links.set_datagrams(1);
+  const Bytes bytes = incoming(mark, message, component);
   CHECK(links.fill(1, bytes) == bytes.size());
   link::Received received;
   CHECK_FALSE(links.next(0, received, 0, counters));
@@ -370,9 +372,15 @@ TEST_CASE("what a link takes: by its policy, by key, by signature") {
 TEST_CASE("a radio may say how full its buffer is without a signature, but not with a false one") {
   link::Counters counters;
   const link::Message radio = link::RadioStatus{50};
-  CHECK(let_in(SigningPolicy::kRequired, true, Mark::kNone, radio, counters).has_value());
-  CHECK(let_in(SigningPolicy::kRequired, false, Mark::kNone, radio, counters).has_value());
-  CHECK_FALSE(let_in(SigningPolicy::kRequired, true, Mark::kForged, radio, counters).has_value());
+  const auto taken = [&](bool key, Mark mark, std::uint8_t component, bool datagrams = false) {
+    return let_in(SigningPolicy::kRequired, key, mark, radio, counters, component, datagrams)
+        .has_value();
+  };
+  CHECK(taken(true, Mark::kNone, 68));
+  CHECK(taken(false, Mark::kNone, 68));
+  CHECK_FALSE(taken(true, Mark::kForged, 68));
+  CHECK_FALSE(taken(true, Mark::kNone, 190));
+  CHECK_FALSE(taken(true, Mark::kNone, 68, true));  // nobody's serial line
 }
 
 TEST_CASE("a link signs what it sends if its policy says so and there is a key, with its own id") {

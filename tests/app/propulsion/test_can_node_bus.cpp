@@ -54,6 +54,9 @@ TEST_CASE("whoever else commands or arms ESCs is known for two seconds, even und
     CHECK_FALSE(bus.node.foreign_controller(2 * kSecond_us));
     bus.tell(from, link::ArmingStatus{}, 5 * kSecond_us);
     CHECK(bus.node.foreign_controller(6 * kSecond_us));
+    bus.bytes({16, link::RpmCommand::kType.kind, link::RpmCommand::kType.id, from, 0},
+              link::RpmCommand::kType, std::array<std::uint8_t, 5>{}, 10 * kSecond_us);
+    CHECK(bus.node.foreign_controller(11 * kSecond_us));
   }
 }
 

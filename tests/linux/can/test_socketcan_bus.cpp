@@ -119,16 +119,16 @@ TEST_CASE("the kernel hands over what a boat reads, and nothing else") {
   SocketCanBus boat(kInterface, kBoat);
   Peer peer;
   const std::vector<canid_t> desired{
-      0x10040A15, 0x00040A7F,  // esc.Status of nodes 21 and 127, of any priority
-      0x14015515,              // NodeStatus
-      0x07040616, 0x18044C16,  // another controller's RawCommand and ArmingStatus
-      0x0704060A, 0x07040614,  // also of a node with our id
-      0x1E000115,              // dynamic_node_id.Allocation of an allocator
-      0x1E285D00,              // the same of a node without an id: discriminator 0xA17
+      0x10040A15, 0x00040A7F,              // esc.Status of nodes 21 and 127, of any priority
+      0x14015515,                          // NodeStatus
+      0x07040616, 0x07040716, 0x18044C16,  // another controller's commands and ArmingStatus
+      0x0704060A, 0x07040614,              // also of a node with our id
+      0x1E000115,                          // dynamic_node_id.Allocation of an allocator
+      0x1E285D00,                          // the same of a node without an id: discriminator 0xA17
       0x18019495, 0x1E0B1495,  // requests and responses to us: GetNodeInfo, param.GetSet
   };
   const std::vector<canid_t> not_for_us{
-      CAN_EFF_FLAG | 0x07040715,                 // RPMCommand
+      CAN_EFF_FLAG | 0x07040815,                 // type 1032
       CAN_EFF_FLAG | 0x1E285E00,                 // of a node without an id, another type
       CAN_EFF_FLAG | 0x18019595,                 // a request to node 21
       CAN_EFF_FLAG | 0x1801D595,                 // ... to node 85
