@@ -176,16 +176,18 @@ template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // Where time stands still nothing grows old, and nothing can be trusted.
   if (idle_ticks_ > max_idle_ticks_) return 0;
-  core::Conditions met = supervisor_.conditions(now_us) | vehicle_.conditions(now_us) |
-                         pilot_.conditions(now_us, core::law_drives(state())) |
-                         propulsion_of(can_, configuration().propulsion, now_us) |
-                         limits_.conditions() | choices_;
+  const bool sails = core::law_drives(state());
+  core::Conditions met =
+      supervisor_.conditions(now_us) | vehicle_.conditions(now_us) | pilot_.conditions(now_us) |
+      propulsion_of(can_, configuration().propulsion, now_us) | limits_.conditions() | choices_;
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
   if (in_range_) met |= core::kInRange;
-  if (slot_astern_.is()) met &= ~core::kSlotSound;
-  if (pilot_.astray() == core::Astray::kNo || !core::law_drives(state())) met |= core::kOnStation;
+  if (!slot_astern_.is() && pilot_.claims().is_free(pilot_.tree_place(), now_us, sails)) {
+    met |= core::kSlotSound;
+  }
+  if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
   return met;
 }
 
@@ -304,7 +306,7 @@ void Boat<S>::tell_latency() {
   Sentence late;
   late << "navigation unit is " << hundredths(portable::nearest(100 * *latency_s))
        << " s late (no TIMESYNC)";
-  const bool borne = (pilot_.conditions(now_us_, false) & core::kOwnPrompt) != 0;
+  const bool borne = (pilot_.conditions(now_us_) & core::kOwnPrompt) != 0;
   vehicle_.send_statustext(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""},
                            counters_);
 }

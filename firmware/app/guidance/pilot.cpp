@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "app/guidance/pilot.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace flotilla::app {
 namespace {
-
-// Another own source must take over before FS_NAV_S stops the boat.
-constexpr std::int64_t kOwnPatience_us = 300'000;
-// A boat that is pushed must report motion before then, too.
-constexpr std::int64_t kOwnFrozen_us = 300'000;
-// Assumed latency of a unit while none has been estimated.
-constexpr float kUnknown_s = 0.3F;
-// Greatest latency that is compensated: with hulls half off their model, predicting over 0.3 s
-// costs 0.2 m behind the S-curve (tests/loop/test_late_unit.py).
-constexpr float kMaxLate_s = 0.35F;
-constexpr std::int64_t kAsked_us = 1'200'000;  // TIMESYNC's period of 1 s, and time for the answer
-constexpr float kSlewOfLag = 0.2F;             // s per s
-constexpr float kSeldom_s = 0.045F;            // fixes closer together add no information
 
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
@@ -32,8 +18,7 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 
 template <class S>
 Pilot<S>::Pilot(const Configuration& c, const convert::Law<S>& law)
-    : own_({c.start.system, c.start.component, kOwnPatience_us, kOwnFrozen_us}),
-      leader_({c.formation.leader, 0}) {
+    : own_(c.start.system, c.start.component), leader_({c.formation.leader, 0}) {
   configure(c, law, c.start.system);
 }
 
@@ -41,27 +26,12 @@ template <class S>
 void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
                          std::uint8_t own_system) {
   law_ = law;
-  set_limits();
-  if (std::exchange(limits_, c.navigation).lag_s != c.navigation.lag_s) forget_latency();
-  set_lag();
-  own_.set_antenna({law.antenna.x, law.antenna.y});
-  own_.follow(own_system);
+  limits_ = c.navigation;
+  own_.configure(law, c.navigation.lag_s, own_system);
   leader_.follow(c.formation.leader);
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
   reference_.configure(c.formation, law.foresight, own_system);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
-}
-
-template <class S>
-void Pilot<S>::forget_latency() {
-  latency_ = {};
-  found_.reset();
-  lag_s_ = 0;
-}
-
-template <class S>
-void Pilot<S>::set_lag() {
-  own_.set_lag(convert::microseconds(limits_.lag_s + lag_s_));
 }
 
 template <class S>
@@ -70,9 +40,9 @@ void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::C
     take_time(received.from, *answer, now_us);
     return;
   }
-  own_.take(received, now_us, counters);
+  own_.track().take(received, now_us, counters);
   leader_.take(received, now_us, counters);
-  const convert::Position* place = own_.has_origin() ? &own_.position() : nullptr;
+  const convert::Position* place = located() ? &own_.track().position() : nullptr;
   reference_.take(received, place, now_us, counters);
   claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
@@ -83,28 +53,22 @@ void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::
   const auto sent_us = time_.sent_us(answer);
   if (!sent_us) return;
   const std::int64_t read_us = answer.tc1 / 1000;
-  own_.answered(from, *sent_us, read_us, now_us);
+  own_.track().answered(from, *sent_us, read_us, now_us);
   leader_.answered(from, *sent_us, read_us, now_us);
   reference_.answered(from, *sent_us, read_us, now_us);
 }
 
 template <class S>
-core::Conditions Pilot<S>::conditions(std::int64_t now_us, bool sails) const {
-  core::Conditions met = 0;
-  if (own_.fresh(now_us, limits_.own_limit_us)) met |= core::kOwnFresh;
-  if (leader_.system() != own_.system() && leader_.fresh(now_us, limits_.leader_limit_us) &&
-      leader_.has_origin() && own_.has_origin() &&
-      convert::near(own_.position(), leader_.position())) {
+core::Conditions Pilot<S>::conditions(std::int64_t now_us) const {
+  core::Conditions met = own_.conditions(limits_.own_limit_us, now_us);
+  const VesselTrack<S>& own = own_.track();
+  if (leader_.system() != own.system() && leader_.fresh(now_us, limits_.leader_limit_us) &&
+      leader_.has_origin() && own.has_origin() &&
+      convert::near(own.position(), leader_.position())) {
     met |= core::kLeaderFresh;
   }
-  if (neighbours_.clear(anchor_, motion_.motion.moved_n, now_us)) met |= core::kClear;
-  if (answers_ || !own_.has_moved()) met |= core::kBoatAnswers;
+  if (neighbours_.clear(own_.anchor(), own_.motion().moved_n, now_us)) met |= core::kClear;
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
-  if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us, sails))
-    met |= core::kSlotSound;
-  if (limits_.lag_s + found_.value_or(0) <= kMaxLate_s || own_.bounded()) met |= core::kOwnPrompt;
-  if (own_.live()) met |= core::kOwnLive;
-  if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;
   if (leader_.steady(now_us)) met |= core::kLeaderSteady;
   return met;
@@ -113,115 +77,18 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, bool sails) const {
 template <class S>
 void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed) {
   reference_.make(leader_, now_us);
-  look_at_clock(now_us);
-  if (armed != armed_) {
-    armed_ = armed;
-    set_limits();
-    own_.set_smoothing(!armed);  // the observer extrapolates from each message
-  }
-  if (!armed) {
-    motion_ = {};
-    motion_.motion = own_.motion(now_us);
-    anchor_ = own_.position();
-    answer_ = {};
-    answers_ = true;
-    latency_ = {};
-    if (const auto fix = own_.take_fix()) told_ = fix->nu;
-    return;
-  }
-  if (finds_latency_) {
-    core::latency_forward(latency_,
-                          static_cast<float>(convert::number(given.N)) / law_.yaw_inertia_kgm2,
-                          static_cast<float>(convert::number(since)));
-  }
-  weigh(given, since);
-  own_.push(since * core::max(core::abs(given.X) / law_.controller.vessel.m11,
-                              core::abs(given.N) / law_.controller.vessel.m33));
-  core::observer_forward(law_.controller.vessel, motion_, given, since);
-  const convert::Position before = std::exchange(anchor_, own_.position());
-  const auto fix = own_.take_fix();
-  if (!fix) return;
-  told_ = fix->nu;
-  if (finds_latency_) find_latency(*fix, now_us);
-  const S age = convert::seconds<S>(own_.age_us(now_us).value_or(0));
-  const auto [way, near] = convert::separation<S>(before, anchor_);
-  const core::Vec2<S>& moved = motion_.motion.moved_n;
-  const core::ObserverParams<S> observer = careful_observer();
-  core::observer_correct(
-      observer, law_.controller.vessel, motion_,
-      {{way.x + moved.x, way.y + moved.y}, fix->psi, fix->nu, age, near ? fix->dt : S(0)});
-}
-
-/// Estimates the latency only of units that do not answer TIMESYNC, and only with an observer:
-/// without one the law takes each fix as it is, as in the paper.
-template <class S>
-void Pilot<S>::look_at_clock(std::int64_t now_us) {
-  if (own_.bounded() || !own_.age_us(now_us) || unanswered_us_ == 0) unanswered_us_ = now_us;
-  finds_latency_ = S(0) < law_.observer.omega && now_us - unanswered_us_ > kAsked_us;
-  if (finds_latency_ || (!found_ && lag_s_ == 0)) return;
-  forget_latency();
-  set_lag();
-}
-
-template <class S>
-void Pilot<S>::find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us) {
-  const float since = static_cast<float>(convert::number(fix.dt));
-  if (!(0 < since && since < 0.5F)) {
-    latency_ = {};
-    fix_s_ = 0;
-    return;
-  }
-  fix_s_ += since;
-  if (fix_s_ < kSeldom_s) return;
-  const float dt = std::exchange(fix_s_, 0.0F);
-  const float age =
-      std::max(convert::seconds<float>(own_.age_us(now_us).value_or(0)) - lag_s_, 0.0F);
-  core::latency_correct(law_.latency, latency_, static_cast<float>(convert::number(fix.nu.r)), age,
-                        dt);
-  const auto late = core::latency_of(law_.latency, latency_);
-  if (late.known) found_ = late.tau;
-  if (!found_) return;
-  const float most = kSlewOfLag * dt;
-  lag_s_ += std::clamp(std::min(*found_, kMaxLate_s) - lag_s_, -most, most);
-  set_lag();
-}
-
-/// Averages fixes with uncompensated latency over a longer time: a boat that follows each fix at
-/// once would keep correcting its own past turn.
-template <class S>
-core::ObserverParams<S> Pilot<S>::careful_observer() const {
-  core::ObserverParams<S> out = law_.observer;
-  if (!finds_latency_) return out;
-  const float unknown_s = found_ ? std::abs(*found_ - lag_s_) : kUnknown_s;
-  out.T = out.T + convert::scalar<S>(1.5F * unknown_s);
-  out.omega = core::min(out.omega, S(1) / out.T);
-  return out;
+  own_.observe(law_, given, since, armed, now_us);
 }
 
 template <class S>
 std::optional<double> Pilot<S>::latency_s() const {
-  return found_ ? std::optional<double>(*found_) : std::nullopt;
-}
-
-/// Averages over 50 ms: the thrust response takes half a second.
-template <class S>
-void Pilot<S>::weigh(const core::Tau<S>& given, S since) {
-  pushed_ = {pushed_.X + since * given.X, pushed_.N + since * given.N};
-  pushed_s_ = pushed_s_ + since;
-  if (pushed_s_ < S(0.05)) return;
-  const core::ThrustResponseParams<S> params{.vessel = law_.controller.vessel,
-                                             .propellers = law_.controller.propellers};
-  core::thrust_response_forward(params, answer_, told_, std::exchange(desired_, told_),
-                                {pushed_.X / pushed_s_, pushed_.N / pushed_s_},
-                                core::min(pushed_s_, S(1)));
-  answers_ = core::answers(params, answer_);
-  pushed_ = {};
-  pushed_s_ = S(0);
+  const auto found_s = own_.latency().found_s();
+  return found_s ? std::optional<double>(*found_s) : std::nullopt;
 }
 
 /// The formation's root if its reference can be followed, else the leader.
 template <class S>
-typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
+Lead<S> Pilot<S>::lead(std::int64_t now_us) const {
   const auto aim = reference_.aim(now_us);
   if (!aim) {
     return {leader_.system(),       {}, leader_.position(),
@@ -239,137 +106,68 @@ typename Pilot<S>::Lead Pilot<S>::lead(std::int64_t now_us) const {
           slot};
 }
 
+/// The leader's offset from its own slot, if that was computed from the root.
 template <class S>
-core::ControllerInput<S> Pilot<S>::controller_input(const Lead& lead) const {
-  auto in = convert::controller_input_of<S>(anchor_, motion_.motion, lead.position, lead.motion);
-  in.separation_n = {in.separation_n.x - lead.offset_n.x, in.separation_n.y - lead.offset_n.y};
-  in.current_n = motion_.c_n;
-  in.unknown = core::unknown_wrench(law_.controller.vessel, motion_);
-  return in;
-}
-
-/// A change of lead makes no step for a boat in its slot: the step fades out. A boat that still
-/// closes up heads for the new slot at once. A new slot of the same lead restarts the approach.
-template <class S>
-void Pilot<S>::follow(const Lead& next, S dt) {
-  if (lead_.leader != next.leader) starting_ = true;
-  if (starting_ || (lead_.branch == next.branch && !same_slot(lead_, next))) station_ = {};
-  if (starting_) {
-    shift_n_ = {};
-    blend_ = {};
-  } else if (lead_.branch != next.branch && S(1) < core::hypot(error_.e.x, error_.e.y)) {
-    blend_ = {};
-  } else if (lead_.branch != next.branch) {
-    const auto in = controller_input(next);
-    const core::Vec2<S> d_n =
-        next.slot.turns ? core::to_north_east(in.psi_L, next.slot.d) : next.slot.d;
-    const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
-    blend_ = core::blend_start(core::Vec2<S>{in.separation_n.x - d_n.x - shift_n_.x - was.x,
-                                             in.separation_n.y - d_n.y - shift_n_.y - was.y});
-  }
-  lead_ = next;
-  coast_ = core::coast_start(next.motion);
-  core::blend_forward(blend_, dt);
-}
-
-/// Shifts the slot slowly towards the leader's actual position, if it was computed from the root.
-template <class S>
-void Pilot<S>::shift_slot(std::int64_t now_us, S dt) {
-  shift_s_ = shift_s_ + dt;
-  if (shift_s_ < S(0.2)) return;
-  core::Vec2<S> e_L{};
-  if (lead_.branch.root != 0 && lead_.branch.root != lead_.leader) {
-    const RootOffset slot = reference_.place().leaders_offset(now_us);
-    const auto seen = convert::controller_input_of<S>(leader_.position(), leader_.motion(now_us),
-                                                      lead_.position, lead_.motion);
-    const core::Vec2<S> n = convert::offset_of<S>(slot.n);
-    const core::Vec2<S> b = core::to_north_east(seen.psi_L, convert::offset_of<S>(slot.b));
-    e_L = {seen.separation_n.x - n.x - b.x, seen.separation_n.y - n.y - b.y};
-  }
-  shift_n_ = core::shift_forward(core::ShiftParams<S>{}, shift_n_, e_L,
-                                 core::min(std::exchange(shift_s_, S(0)), S(1)));
-}
-
-template <class S>
-core::ControllerOutput<S> Pilot<S>::step_among_others(const core::ControllerInput<S>& in,
-                                                      std::int64_t now_us, S dt) {
-  const auto traffic = neighbours_.traffic(anchor_, motion_.motion.moved_n, now_us);
-  return core::controller_step(law_.controller, state_, in, dt, &traffic);
-}
-
-template <class S>
-bool Pilot<S>::same_slot(const Lead& a, const Lead& b) {
-  const auto same = [](const core::Vec2<S>& p, const core::Vec2<S>& q) {
-    return p.x == q.x && p.y == q.y;
-  };
-  return a.slot.turns == b.slot.turns && same(a.slot.d, b.slot.d) && same(a.offset_n, b.offset_n);
-}
-
-/// error: relative to the slot behind the leader as received.
-template <class S>
-void Pilot<S>::keep_station(const core::ControllerOutput<S>& out,
-                            const core::FormationError<S>& error, S dt) {
-  const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law_.controller.sight.epsilon;
-  core::station_forward(law_.station, station_,
-                        {core::hypot(error.e.x, error.e.y), motion_.motion.nu.r, out.limits() != 0,
-                         out.separation.yielding, at_rest},
-                        dt);
-}
-
-template <class S>
-core::ControllerOutput<S> Pilot<S>::step_behind(const Lead& lead, std::int64_t now_us, S dt) {
-  core::ControllerInput<S> in = controller_input(lead);
-  const core::Vec2<S> rest = core::rest_of(blend_);
-  in.separation_n = {in.separation_n.x - rest.x - shift_n_.x,
-                     in.separation_n.y - rest.y - shift_n_.y};
-  if (starting_) state_ = core::controller_start(in);
-  const S since = std::exchange(starting_, false) ? S(0) : dt;
-  const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, lead.slot);
-  const auto out = neighbours_.watches()
-                       ? step_among_others(in, now_us, since)
-                       : core::controller_step(law_.controller, state_, in, since);
-  law_.controller.slot = own_slot;
-  error_ = out.error;
-  desired_ = out.desired.nu_star;
-  return out;
+core::Vec2<S> Pilot<S>::leaders_error(std::int64_t now_us) const {
+  const Lead<S>& lead = follower_.lead();
+  if (lead.branch.root == 0 || lead.branch.root == lead.leader) return {};
+  const RootOffset slot = reference_.place().leaders_offset(now_us);
+  const auto seen = convert::controller_input_of<S>(leader_.position(), leader_.motion(now_us),
+                                                    lead.position, lead.motion);
+  const core::Vec2<S> n = convert::offset_of<S>(slot.n);
+  const core::Vec2<S> b = core::to_north_east(seen.psi_L, convert::offset_of<S>(slot.b));
+  return {seen.separation_n.x - n.x - b.x, seen.separation_n.y - n.y - b.y};
 }
 
 template <class S>
 void Pilot<S>::start(std::int64_t now_us) {
-  starting_ = true;
-  answer_ = {};
-  answers_ = true;
-  follow(lead(now_us), S(0));
+  own_.begin();
+  follower_.start();
+  follower_.follow(law_, own_, lead(now_us), S(0));
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
+  std::optional<core::Traffic<S>> traffic;
+  if (neighbours_.watches()) {
+    traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
+  }
+  const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, follower_.lead().slot);
+  const auto out = follower_.step(law_, own_, traffic ? &*traffic : nullptr, dt);
+  law_.controller.slot = own_slot;
+  own_.desire(out.desired.nu_star);
+  return out;
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step(std::int64_t now_us, S dt) {
-  follow(lead(now_us), dt);
-  shift_slot(now_us, dt);
-  const auto out = step_behind(lead_, now_us, dt);
-  keep_station(out, out.error, dt);
+  follower_.follow(law_, own_, lead(now_us), dt);
+  if (follower_.counts_to_shift(dt)) follower_.shift(leaders_error(now_us));
+  const auto out = step_law(now_us, dt);
+  follower_.judge(law_, out, out.error, yaw_rate(), dt);
   return out;
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::coast(std::int64_t now_us, S dt) {
-  core::coast_forward(law_.coast_s, coast_, dt);
-  lead_.motion = coast_.leader;
-  const auto out = step_behind(lead_, now_us, dt);
+  follower_.coast(law_.coast_s, dt);
+  const auto out = step_law(now_us, dt);
   // A boat that coasts because it left its slot may return to it; no other is judged in COAST.
-  if (station_.astray != core::Astray::kNo) keep_station(out, look(now_us).error, dt);
+  if (astray() != core::Astray::kNo) {
+    follower_.judge(law_, out, look(now_us).error, yaw_rate(), dt);
+  }
   return out;
 }
 
 template <class S>
 bool Pilot<S>::can_coast() const {
-  return own_.has_origin() && convert::near(own_.position(), lead_.position);
+  return located() && convert::near(own_.track().position(), follower_.lead().position);
 }
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
-  const Lead lead = this->lead(now_us);
-  const core::ControllerInput<S> in = controller_input(lead);
+  const Lead<S> lead = this->lead(now_us);
+  const core::ControllerInput<S> in = controller_input(lead, own_, law_.controller.vessel);
   core::SlotState<S> state = core::slot_start(in);
   core::ControllerOutput<S> out;
   out.slot = core::slot_forward(lead.slot, law_.controller.vessel, state, in, S(0));
@@ -380,21 +178,15 @@ core::ControllerOutput<S> Pilot<S>::look(std::int64_t now_us) const {
 
 template <class S>
 Estimates Pilot<S>::estimates() const {
-  return {convert::in_double(core::unknown_wrench(law_.controller.vessel, motion_)),
-          {convert::number(motion_.c_n.x), convert::number(motion_.c_n.y)}};
+  return {convert::in_double(core::unknown_wrench(law_.controller.vessel, own_.observer())),
+          {convert::number(own_.observer().c_n.x), convert::number(own_.observer().c_n.y)}};
 }
 
 template <class S>
 convert::OwnState Pilot<S>::own_state(std::int64_t now_us) const {
   const S since_stamp = convert::seconds<S>(now_us - convert::us_of_ms(now_us));
-  const core::Motion<S> then = core::moment_before(motion_.motion, since_stamp);
-  return convert::own_state_of(anchor_, then);
-}
-
-template <class S>
-convert::Position Pilot<S>::place() const {
-  const core::Vec2<S>& moved = motion_.motion.moved_n;
-  return {anchor_.north_m + moved.x, anchor_.east_m + moved.y, anchor_.origin};
+  const core::Motion<S> then = core::moment_before(own_.motion(), since_stamp);
+  return convert::own_state_of(own_.anchor(), then);
 }
 
 template <class S>
@@ -404,7 +196,7 @@ std::optional<double> Pilot<S>::depth() const {
 
 template <class S>
 std::optional<double> Pilot<S>::own_age_s(std::int64_t now_us) const {
-  return age_s(own_, now_us);
+  return age_s(own_.track(), now_us);
 }
 
 template <class S>

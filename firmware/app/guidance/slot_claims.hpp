@@ -27,6 +27,11 @@ class SlotClaims {
   /// sails too counts.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
+  /// Neither the leader nor another boat claims the slot.
+  bool is_free(const TreePlace& place, std::int64_t now_us, bool sails) const {
+    return !leaders(place) && !rival(now_us, sails);
+  }
+
  private:
   bool is_one(const RootOffset& a, const RootOffset& b) const;
 

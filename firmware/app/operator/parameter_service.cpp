@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/parameters/configuration.hpp"
+
 namespace flotilla::app {
 namespace {
 
@@ -66,7 +68,7 @@ SetResult refusal(const ParameterInfo& info, std::uint8_t error, float value,
 }
 
 bool is_stranger(link::Address from, const Parameters& values) {
-  return values.MAV_GCS_SYSID != 0.0F && values.MAV_GCS_SYSID != static_cast<float>(from.system);
+  return configuration_of(values).operators.commander.value_or(from.system) != from.system;
 }
 
 /// Decides about the set; changes nothing.

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/own_motion.hpp"
+
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+// Another own source must take over before FS_NAV_S stops the boat.
+constexpr std::int64_t kOwnPatience_us = 300'000;
+// A boat that is pushed must report motion before then, too.
+constexpr std::int64_t kOwnFrozen_us = 300'000;
+
+template <class S>
+float float_of(S x) {
+  return static_cast<float>(convert::number(x));
+}
+
+}  // namespace
+
+template <class S>
+OwnMotion<S>::OwnMotion(std::uint8_t system, std::uint8_t component)
+    : track_({system, component, kOwnPatience_us, kOwnFrozen_us}) {}
+
+template <class S>
+void OwnMotion<S>::configure(const convert::Law<S>& law, float lag_s, std::uint8_t own_system) {
+  set_limits(law);
+  latency_.configure(law.latency, law.yaw_inertia_kgm2, lag_s);
+  track_.set_lag(latency_.lag_us());
+  track_.set_antenna({law.antenna.x, law.antenna.y});
+  track_.follow(own_system);
+}
+
+template <class S>
+void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given, S since,
+                           bool armed, std::int64_t now_us) {
+  const bool waits = !track_.bounded() && track_.age_us(now_us);
+  latency_.look_at_clock(waits, S(0) < law.observer.omega, now_us);
+  track_.set_lag(latency_.lag_us());
+  if (std::exchange(armed_, armed) != armed) {
+    set_limits(law);
+    track_.set_smoothing(!armed);  // the observer extrapolates from each message
+  }
+  if (!armed) {
+    carry(now_us);
+    return;
+  }
+  if (latency_.estimates()) latency_.push(float_of(given.N), float_of(since));
+  response_.push(law.controller, given, since);
+  const core::Vessel<S>& vessel = law.controller.vessel;
+  track_.push(since * core::max(core::abs(given.X) / vessel.m11, core::abs(given.N) / vessel.m33));
+  core::observer_forward(vessel, observer_, given, since);
+  const convert::Position before = std::exchange(anchor_, track_.position());
+  const auto fix = track_.take_fix();
+  if (!fix) return;
+  response_.take_fix(fix->nu);
+  std::int64_t age_us = track_.age_us(now_us).value_or(0);
+  if (latency_.estimates() && latency_.correct(float_of(fix->nu.r), float_of(fix->dt), age_us)) {
+    track_.set_lag(latency_.lag_us());
+    age_us = track_.age_us(now_us).value_or(0);
+  }
+  const auto [way, near] = convert::separation<S>(before, anchor_);
+  const core::Vec2<S>& moved = motion().moved_n;
+  core::observer_correct(careful(law.observer), vessel, observer_,
+                         {{way.x + moved.x, way.y + moved.y},
+                          fix->psi,
+                          fix->nu,
+                          convert::seconds<S>(age_us),
+                          near ? fix->dt : S(0)});
+}
+
+template <class S>
+void OwnMotion<S>::carry(std::int64_t now_us) {
+  observer_ = {};
+  observer_.motion = track_.motion(now_us);
+  anchor_ = track_.position();
+  response_.reset();
+  latency_.restart();
+  if (const auto fix = track_.take_fix()) response_.take_fix(fix->nu);
+}
+
+/// Averages fixes with uncompensated latency over a longer time: a boat that follows each fix at
+/// once would keep correcting its own past turn.
+template <class S>
+core::ObserverParams<S> OwnMotion<S>::careful(const core::ObserverParams<S>& params) const {
+  core::ObserverParams<S> out = params;
+  if (!latency_.estimates()) return out;
+  out.T = out.T + convert::scalar<S>(1.5F * latency_.uncompensated_s());
+  out.omega = core::min(out.omega, S(1) / out.T);
+  return out;
+}
+
+template <class S>
+convert::Position OwnMotion<S>::place() const {
+  const core::Vec2<S>& moved = motion().moved_n;
+  return {anchor_.north_m + moved.x, anchor_.east_m + moved.y, anchor_.origin};
+}
+
+template <class S>
+core::Conditions OwnMotion<S>::conditions(std::int64_t limit_us, std::int64_t now_us) const {
+  core::Conditions met = 0;
+  if (track_.fresh(now_us, limit_us)) met |= core::kOwnFresh;
+  if (track_.live()) met |= core::kOwnLive;
+  if (track_.steady(now_us)) met |= core::kOwnSteady;
+  if (latency_.is_bearable() || track_.bounded()) met |= core::kOwnPrompt;
+  if (response_.answers() || !track_.has_moved()) met |= core::kBoatAnswers;
+  return met;
+}
+
+template class OwnMotion<float>;
+template class OwnMotion<double>;
+template class OwnMotion<core::Q16>;
+
+}  // namespace flotilla::app

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Whether the boat moves as the thrust given would move it.
+#pragma once
+
+#include <utility>
+
+#include "core/controller.hpp"
+#include "core/estimation/thrust_response.hpp"
+
+namespace flotilla::app {
+
+template <class S>
+class ResponseMonitor {
+ public:
+  /// The boat answers until it has been seen not to.
+  void reset() {
+    state_ = {};
+    answers_ = true;
+  }
+  bool answers() const { return answers_; }
+
+  /// Velocity of a fix, and the velocity that the law desires.
+  void take_fix(const core::Nu<S>& nu) { fix_ = nu; }
+  void desire(const core::Nu<S>& nu_star) { desired_ = nu_star; }
+
+  /// The wrench given for `since`, s. Averages over 50 ms: the thrust response takes half a second.
+  void push(const core::ControllerParams<S>& law, const core::Tau<S>& given, S since) {
+    impulse_ = {impulse_.X + since * given.X, impulse_.N + since * given.N};
+    impulse_s_ = impulse_s_ + since;
+    if (impulse_s_ < S(0.05)) return;
+    const core::ThrustResponseParams<S> params{.vessel = law.vessel, .propellers = law.propellers};
+    core::thrust_response_forward(params, state_, fix_, std::exchange(desired_, fix_),
+                                  {impulse_.X / impulse_s_, impulse_.N / impulse_s_},
+                                  core::min(impulse_s_, S(1)));
+    answers_ = core::answers(params, state_);
+    impulse_ = {};
+    impulse_s_ = S(0);
+  }
+
+ private:
+  core::ThrustResponse<S> state_{};
+  bool answers_ = true;
+  core::Tau<S> impulse_{};  // since the last average, N s, N m s
+  S impulse_s_{};
+  core::Nu<S> fix_{};
+  core::Nu<S> desired_{};  // without the law, of the last fix
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// How late the own navigation unit is, if no TIMESYNC bounds its clock.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/estimation/latency.hpp"
+
+namespace flotilla::app {
+
+/// Estimates the latency beyond the known one and compensates for it slowly. In float for every law:
+/// products of its variances are below Q16's resolution.
+class UnitLatency {
+ public:
+  /// known_s: NAV_LAG_S; a change of it discards the estimate.
+  void configure(const core::LatencyParams<float>& params, float yaw_inertia_kgm2, float known_s);
+
+  /// Once a tick. waits: the unit sends states, and no TIMESYNC bounds its clock. Without an observer
+  /// nothing is estimated: the law takes each fix as it is, as in the paper.
+  void look_at_clock(bool waits, bool observes, std::int64_t now_us);
+  bool estimates() const { return estimates_; }
+
+  /// The moment given for `since_s`, N m.
+  void push(float moment_Nm, float since_s);
+
+  /// A fix with the yaw rate r, dt_s after the last one; age_us: with lag_us(). Whether lag_us() is
+  /// another one now.
+  [[nodiscard]] bool correct(float r_radps, float dt_s, std::int64_t age_us);
+
+  /// The boat was disarmed: discards the moments given.
+  void restart() { state_ = {}; }
+
+  /// Latency that is compensated, with the known one.
+  std::int64_t lag_us() const { return lag_us_; }
+
+  /// Latency that is estimated, beyond the known one.
+  std::optional<float> found_s() const { return found_s_; }
+
+  /// Latency that is not compensated: assumed while none was estimated.
+  float uncompensated_s() const;
+
+  /// All of the latency can be compensated.
+  bool is_bearable() const;
+
+ private:
+  void forget();
+  void set_lag();
+
+  core::LatencyParams<float> params_;
+  float yaw_inertia_kgm2_ = 1;
+  float known_s_ = 0;
+  core::Latency<float> state_{};
+  std::int64_t unanswered_us_ = 0;  // since when TIMESYNC has not bounded its clock; 0: not checked
+  bool estimates_ = false;
+  float fix_s_ = 0;  // since the last fix used
+  std::optional<float> found_s_;
+  float lag_s_ = 0;  // the compensated part of it
+  std::int64_t lag_us_ = 0;
+};
+
+}  // namespace flotilla::app
