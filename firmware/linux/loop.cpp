@@ -129,6 +129,14 @@ void Loop::secure() {
   }
   boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
+  if (!signing_time_->clock_is_set()) {
+    print_line(
+        "the clock is a guess: signatures may be old until the navigation unit tells the time");
+  }
+  for (const MavlinkLinkConfig& link : config_.mavlink) {
+    if (config_.policy(link) == app::SigningPolicy::kRequired) continue;
+    print_line("unsigned messages are taken on " + link.address);
+  }
 }
 
 int Loop::run() {
@@ -208,7 +216,8 @@ void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed(), statistics_.overruns,
-                  clock_us(CLOCK_REALTIME), parameters_.save_failed()});
+                  clock_us(CLOCK_REALTIME), parameters_.save_failed(),
+                  !signing_time_ || signing_time_->clock_is_set()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);

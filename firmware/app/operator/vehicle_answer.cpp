@@ -70,6 +70,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     if (asked.result == mav::kAccepted) failure_ = asked.failure;
   }
   Supervisor::Decision decision{true, false, 0};
+  if (asked.request == Request::kArm) warn_of_signing(counters);
   if (asked.request != Request::kNone) decision = ask(asked);
   if (asked.rate &&
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <string_view>
 #include <system_error>
@@ -14,6 +15,7 @@
 
 #include "linux/files/durable_file.hpp"
 #include "linux/system/background_thread.hpp"
+#include "linux/system/host_clock.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -24,6 +26,8 @@ std::string text_of(std::uint64_t timestamp) {
   const std::string body = std::string(kTitle) + std::to_string(timestamp) + "\n";
   return body + checksum_line(body);
 }
+
+bool clock_is_set_now() { return clock_is_set({}, std::time(nullptr)); }
 
 }  // namespace
 
@@ -47,6 +51,7 @@ SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp,
                          std::chrono::milliseconds every)
     : path_(std::move(path)),
       timestamp_(timestamp),
+      clock_is_set_(clock_is_set_now()),
       every_(every),
       stop_(::eventfd(0, EFD_CLOEXEC)) {
   if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of signing-time");
@@ -66,6 +71,7 @@ void* SigningTime::run(void* self) {
 void SigningTime::write_until_stopped() {
   for (bool stopped = false; !stopped;) {
     write();
+    clock_is_set_.store(clock_is_set_now(), std::memory_order_relaxed);
     pollfd stop{stop_.get(), POLLIN, 0};
     stopped = ::poll(&stop, 1, static_cast<int>(every_.count())) > 0;
   }
