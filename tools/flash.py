@@ -91,12 +91,15 @@ class Boat:
 
     def link(self) -> Link | None:
         """The first one in its configuration that programs of the boat reach."""
-        links = tomllib.loads(self.say("cat", CONFIG)).get("mavlink", [])
+        config = tomllib.loads(self.say("cat", CONFIG))
+        links, secret = config.get("mavlink", []), bool(config.get("signing-key"))
         for text in links if isinstance(links, list) else [links]:
             found = re.match(r"udpin:(?:([0-9.]+):)?([0-9]+)(.*)", text)
             if found and not (found[1] or "").endswith(".255"):
                 host = "127.0.0.1" if found[1] in (None, "0.0.0.0") else found[1]
-                return Link(host, int(found[2]), "signing=required" in found[3])
+                policy = re.search("signing=([a-z]+)", found[3])
+                required = policy[1] == "required" if policy else secret
+                return Link(host, int(found[2]), required)
         return None
 
     def ask(self, link: Link, seconds: float) -> Answer | None:

@@ -93,8 +93,33 @@ template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   while (links_.next(link, received_, now_us, counters_)) {
     const bool operators = vehicle_.take(link, received_, now_us, counters_);
-    if (!operators) pilot_.take(received_, now_us, counters_);
+    if (operators) continue;
+    if (const auto* time = std::get_if<link::SystemTime>(&received_.message)) {
+      learn_time(link, *time, now_us);
+    } else {
+      pilot_.take(received_, now_us, counters_);
+    }
   }
+}
+
+/// From the own navigation unit, by its cable or with its signature.
+template <class S>
+void Boat<S>::learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us) {
+  if (received_.from.system != vehicle_.self().system) return;
+  if (!received_.is_signed && links_.policy(link) != SigningPolicy::kOff) return;
+  const auto unix_us =
+      static_cast<std::int64_t>(std::min<std::uint64_t>(time.time_unix_usec, kLatest_us));
+  if (link::signing_time(unix_us) == 0) return;
+  learnt_unix_us_ = unix_us - now_us;
+  set_clock();
+}
+
+template <class S>
+void Boat<S>::set_clock() {
+  const bool set = host_.clock_is_set && host_.unix_us > 0;
+  if (!set && learnt_unix_us_) host_.unix_us = *learnt_unix_us_ + now_us_;
+  if (host_.unix_us == 0) return;
+  links_.signing().set_clock(link::signing_time(host_.unix_us), set || learnt_unix_us_);
 }
 
 /// Nothing more of the message that is waited for will come; another may be hidden behind it.

@@ -47,6 +47,7 @@ struct HostReport {
   std::int64_t unix_us = 0;       ///< now, µs since 1970; 0: unknown
   bool save_failed = false;       ///< the last try to write the parameters
   std::uint8_t closed_links = 0;  ///< a bit for each MAVLink link whose device could not be opened
+  bool clock_is_set = true;  ///< unix_us is right; else a guess, until the navigation unit tells
 };
 
 /// S: scalar of the law, float, double or core::Q16.
@@ -89,9 +90,7 @@ class Boat {
   /// Holds until the next report; without one, all is well.
   void on_host(const HostReport& report) {
     host_ = report;
-    if (report.unix_us > 0) {
-      links_.signing().set_clock(link::signing_time(report.unix_us));
-    }
+    set_clock();
   }
 
   /// The key of all links, the clock, and the last signing_timestamp() of an earlier run, in the
@@ -151,6 +150,8 @@ class Boat {
   const Configuration& configuration() const { return vehicle_.configuration(); }
   std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
+  void learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us);
+  void set_clock();
   void give_up(std::size_t link, std::int64_t now_us);
   core::Conditions conditions(std::int64_t now_us) const;
   bool coasts_on(std::int64_t now_us) const;
@@ -198,7 +199,8 @@ class Boat {
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;
   HostReport host_;
-  bool save_failed_ = false;  // as told to the operator
+  std::optional<std::int64_t> learnt_unix_us_;  // when the boat's clock was 0
+  bool save_failed_ = false;                    // as told to the operator
   link::Counters counters_;
   link::Received received_;  // the last message: kept, since to begin one anew zeroes it all
 

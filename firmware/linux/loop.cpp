@@ -104,6 +104,14 @@ void Loop::secure() {
   }
   boat_->secure(key, clock, stored.timestamp);
   signing_time_.emplace(config_.signing_time_file(), boat_->signing_timestamp());
+  if (!signing_time_->clock_is_set()) {
+    messages_.put(
+        "the clock is a guess: signatures may be old until the navigation unit tells the time");
+  }
+  for (const MavlinkLinkConfig& link : config_.mavlink) {
+    if (config_.policy(link) == app::SigningPolicy::kRequired) continue;
+    messages_.put("unsigned messages are taken on " + link.address);
+  }
 }
 
 /// Real-time priority and locked memory are optional: without them the boat sails and reports it.
@@ -203,7 +211,8 @@ void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
   boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed(), statistics_.overruns,
-                  clock_us(CLOCK_REALTIME), parameters_.save_failed(), closed_links_});
+                  clock_us(CLOCK_REALTIME), parameters_.save_failed(), closed_links_,
+                  !signing_time_ || signing_time_->clock_is_set()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);

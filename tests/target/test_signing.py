@@ -13,8 +13,18 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.dialect import dialect
-from tests.target.sea import Sea, Tick
-from tests.target.stations import ACCEPTED, ARM, BOAT, UNSUPPORTED, Station, command_long
+from tests.target.sea import Sea, Tick, texts
+from tests.target.stations import (
+    ACCEPTED,
+    ARM,
+    BOAT,
+    LEADER,
+    NAVIGATION,
+    UNSUPPORTED,
+    Station,
+    command_long,
+    heartbeat,
+)
 
 KEY, OTHER_KEY = bytes(range(100, 132)), bytes(range(100, 131)) + b"\0"
 NOW_S = 1_790_000_000
@@ -255,6 +265,164 @@ def test_a_secure_boat_sails(sea: SecureSea) -> None:
     tick = sea.hear(sea.operator.pack(command_long(ARM, 1.0, target=(BOAT, 1))))
     assert [m.result for m in tick.named("COMMAND_ACK", 1)] == [ACCEPTED]
     assert sea.state == "HOLD"
+
+
+class Sailor(SecureSea):
+    """Link 1 requires signatures; the host's clock goes on."""
+
+    def __init__(self, **host: Any) -> None:
+        self.host = host
+        super().__init__("required")
+
+    def step(self) -> Tick:
+        self.boat.on_host(unix_us=NOW_S * 1_000_000 + self.now_us, **self.host)
+        return super().step()
+
+    def later(self, seconds: float) -> None:
+        self.now_us += round(seconds * 1e6)
+        self.settle()
+        self.settle()
+
+    def armed(self) -> bool:
+        self.settle()
+        self.hear(signer(at=self.stamp(), link_id=9).pack(command_long(ARM, 1.0)))
+        self.step()
+        return self.state == "HOLD"
+
+    def stamp(self) -> int:
+        return NOW + self.now_us // 10
+
+
+def test_recordings_of_a_jammed_radio_are_refused_three_hours_later() -> None:
+    sea = Sailor()
+    sea.hear(sea.operator.pack(heartbeat()))
+    sea.operator.encoder.signing.timestamp = sea.stamp()
+    recorded = []
+    for _ in range(10):  # they never arrive
+        sea.operator.encoder.signing.timestamp += SECOND
+        recorded.append(sea.operator.pack(command_long(ARM, 1.0)))
+    sea.later(3 * 3600)
+    for wire in recorded:
+        assert sea.moved(wire) == (False, {"replayed": 1})
+    assert sea.state == "DISARMED"
+
+
+def test_a_pymavlink_that_hears_the_boat_is_obeyed_after_any_silence() -> None:
+    """Its timestamps follow what it hears, and else stand still."""
+    sea = Sailor()
+    sea.operator.encoder.signing.timestamp = sea.stamp()
+    assert sea.obeys_the_operator()
+    sea.later(3600)
+    assert sea.moved(sea.operator.pack(order())) == (False, {"replayed": 1})
+    hears = sea.operator.encoder
+    for data in [data for tick in sea.ticks[-30:] for link, data in tick.mavlink if link == 1]:
+        hears.parse_buffer(data)
+    assert sea.obeys_the_operator()
+
+
+def test_a_pymavlink_that_hears_nobody_is_obeyed_for_hours() -> None:
+    sea = Sailor()
+    sea.operator.encoder.signing.timestamp = sea.stamp()
+    for _ in range(60):
+        assert sea.obeys_the_operator()
+        sea.later(55)
+
+
+STOPS = {
+    "disarm": (command_long(ARM, 0.0), "DISARMED"),
+    "terminate": (command_long(185, 1.0), "FAULT"),
+    "hold": (command_long(176, 1.0, 4.0), "HOLD"),
+    "hold by SET_MODE": (mavlink.MAVLink_set_mode_message(BOAT, 1, 4), "HOLD"),
+}
+
+
+@pytest.mark.parametrize("late_s", [-7200, 7200])
+@pytest.mark.parametrize("what", STOPS)
+def test_a_stop_is_obeyed_whatever_the_clocks_say_but_once(what: str, late_s: int) -> None:
+    sea = Sailor()
+    assert sea.armed()
+    sea.hear(sea.operator.pack(command_long(176, 1.0, 6.0)))
+    sea.operator.encoder.signing.timestamp = sea.stamp() + 1
+    sea.hear(sea.operator.pack(command_long(176, 1.0, 6.0)))
+    sea.step()
+    assert sea.state == "FORMATION"
+    message, state = STOPS[what]
+    lost = signer(at=sea.stamp() - late_s * SECOND, link_id=17)
+    stop = lost.pack(message)
+    sea.hear(stop)
+    sea.step()
+    assert sea.state == state
+    sea.hear(signer(at=sea.stamp(), link_id=18).pack(command_long(ARM, 0.0)))
+    assert sea.armed()
+    for again in (stop, signer(OTHER_KEY, at=sea.stamp() - SECOND * late_s + 9).pack(message)):
+        sea.hear(sea.operator.pack(command_long(176, 1.0, 6.0)))
+        sea.step()
+        sea.hear(again)
+        sea.step()
+        assert sea.state == "FORMATION"
+
+
+def system_time(unix_s: int) -> Any:
+    return mavlink.MAVLink_system_time_message(unix_s * 1_000_000, 1000)
+
+
+UNIT = Station(BOAT, NAVIGATION)
+YEAR = 365 * DAY
+
+
+def test_without_a_clock_a_boat_obeys_and_learns_the_time_from_its_navigation_unit() -> None:
+    """The host's clock is a year behind."""
+    sea = Sailor(clock_is_set=False)
+    ahead = signer(at=NOW + YEAR)
+    assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
+    sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)  # by its cable, link 0
+    sea.settle()
+    assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
+    assert sea.moved(signer(at=NOW, system=66).pack(order())) == (False, {"replayed": 1})
+    assert sea.moved(day_ahead_of(NOW + YEAR)) == (False, {"future_stamp": 1})
+    stamps = [int.from_bytes(m.get_msgbuf()[-12:-6], "little") for m in sea.ticks[-1].messages(1)]
+    assert all(stamp > NOW + YEAR for stamp in stamps)
+
+
+def day_ahead_of(now: int) -> bytes:
+    return signer(at=now + DAY, system=67).pack(order())
+
+
+@pytest.mark.parametrize("sender", [UNIT, Station(LEADER, 1)], ids=["unsigned", "of another"])
+def test_a_stranger_does_not_set_the_clock(sender: Station) -> None:
+    sea = Sailor(clock_is_set=False)
+    sea.boat.set_signing(0, "accept" if sender is UNIT else "off")
+    for link_id, unix_s in enumerate((0, NOW_S + 365 * 86_400)):
+        sea.say(system_time(unix_s), sender=sender)
+        sea.settle()
+        old = signer(at=NOW - DAY, system=66, link_id=link_id)
+        assert sea.moved(old.pack(order())) == (True, {"signed": 1})  # it is still not judged
+
+
+def test_the_clock_of_a_host_that_has_one_is_not_the_navigation_units() -> None:
+    sea = Sailor()
+    sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)
+    sea.settle()
+    assert sea.obeys_the_operator()
+
+
+def test_who_arms_is_told_where_the_key_protects_nothing() -> None:
+    for policies, clock_is_set, told in (
+        (("required", "required"), True, []),
+        (("off", "required"), True, ["unsigned messages are taken on link 0"]),
+        (("accept", "off"), True, ["unsigned messages are taken on link 0 1"]),
+        (("required", "required"), False, ["clock unknown: age of signatures not judged"]),
+    ):
+        sea = SecureSea("accept")
+        sea.boat.on_host(unix_us=NOW_S * 1_000_000, clock_is_set=clock_is_set)
+        for link, policy in enumerate(policies):
+            sea.boat.set_signing(link, policy)
+        tick = sea.hear(sea.operator.pack(command_long(ARM, 1.0)))
+        said = [text for text in texts([tick], 1) if "PreArm" not in text and "HOLD" not in text]
+        assert said == told
+    plain = Sea()
+    plain.settle()
+    assert texts([plain.arm()]) == ["HOLD"]
 
 
 def test_keys_and_policies_that_are_none_are_refused() -> None:

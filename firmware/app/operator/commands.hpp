@@ -40,6 +40,9 @@ bool is_disarm(const Command& command);
 /// Disarming or flight termination.
 bool is_stop(const Command& command);
 
+/// The same, or HOLD: obeyed from any correctly signed message, whatever its age.
+bool stops_boat(const link::Message& message);
+
 struct MessageRequest {
   std::uint16_t id = 0;
   std::uint32_t index = 0;  ///< meaning depends on the message; 0: all

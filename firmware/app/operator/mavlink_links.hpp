@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "app/operator/commands.hpp"
 #include "app/operator/token_bucket.hpp"
 #include "link/mavlink/decode.hpp"
 #include "link/mavlink/encode.hpp"
@@ -60,7 +61,7 @@ class MavlinkLinks {
   /// datagram a link; `signing` holds the senders' signing streams. All must outlive this object.
   MavlinkLinks(link::Address self, std::span<Link> links, std::span<Datagram> out,
                std::span<link::Signing::Stream> signing = {})
-      : links_(links), out_(out), signing_(signing) {
+      : links_(links), out_(out), signing_(signing, stops_boat) {
     std::ranges::fill(links_, Link{});
     rename(self);
   }
@@ -116,6 +117,7 @@ class MavlinkLinks {
 
   /// Without a key in signing(), no message counts as signed.
   void set_policy(std::size_t link, SigningPolicy policy) { links_[link].policy = policy; }
+  SigningPolicy policy(std::size_t link) const { return links_[link].policy; }
   void set_datagrams(std::size_t link) { links_[link].datagrams = true; }
 
   TokenBucket& bucket(std::size_t link) { return links_[link].bucket; }

@@ -79,7 +79,8 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       refusal_due_(kSecond_us / 2),
       parameter_refusal_due_(kSecond_us / 2),
       double_due_(10 * kSecond_us),
-      unheeded_due_(10 * kSecond_us) {
+      unheeded_due_(10 * kSecond_us),
+      signing_due_(10 * kSecond_us) {
   freshen();
 }
 
@@ -215,6 +216,22 @@ Supervisor::Decision Vehicle::ask(Asked& asked) {
   }
   if (!decision.granted) asked.result = mav::kTemporarilyRejected;
   return decision;
+}
+
+/// A key protects only where it is required, and as long as the time is known.
+void Vehicle::warn_of_signing(link::Counters& counters) {
+  if (!links_.signing().has_key() || !signing_due_.due(now_us_)) return;
+  Sentence open;
+  open << "unsigned messages are taken on link";
+  const std::size_t closed = open.text().size();
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (links_.policy(link) != SigningPolicy::kRequired) open << " " << static_cast<float>(link);
+  }
+  if (open.text().size() > closed) {
+    send_statustext(mav::kSeverityWarning, {open.text()}, counters);
+  }
+  if (links_.signing().knows_clock()) return;
+  send_statustext(mav::kSeverityWarning, {"clock unknown: age of signatures not judged"}, counters);
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {

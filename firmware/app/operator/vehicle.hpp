@@ -116,6 +116,7 @@ class Vehicle {
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void freshen();
   Supervisor::Decision ask(Asked& asked);
+  void warn_of_signing(link::Counters& counters);
   std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
   std::optional<link::Message> requested(std::size_t link, const MessageRequest& request,
@@ -184,6 +185,7 @@ class Vehicle {
   Schedule parameter_refusal_due_;
   Schedule double_due_;
   Schedule unheeded_due_;
+  Schedule signing_due_;
 };
 
 }  // namespace flotilla::app

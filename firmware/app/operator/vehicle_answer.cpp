@@ -85,6 +85,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.why = "mode 6 after setpoints is OFFBOARD";
   }
   Supervisor::Decision decision{true, false, 0};
+  if (asked.request == Request::kArm) warn_of_signing(counters);
   if (asked.request != Request::kNone) decision = ask(asked);
   if (asked.rate &&
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {

@@ -112,11 +112,15 @@ bool MavlinkDecoder::next(Received& out, Counters& counters, Signing* signing) {
     begin_ += frame_bytes;
     ++whole_;
     const bool is_signed = signing != nullptr && header->is_signed();
-    if (is_signed && !accepted(signing->check(b.first(frame_bytes)), counters)) continue;
-    frame_size_ = frame_bytes;
-    ++counters.mavlink_received;
+    const auto verdict = is_signed ? signing->check(b.first(frame_bytes)) : SignatureVerdict::kGood;
+    const bool untimely =
+        verdict == SignatureVerdict::kStale || verdict == SignatureVerdict::kFuture;
+    if (is_signed && !accepted(verdict, counters) && !untimely) continue;
     const auto payload = b.subspan(header->header_bytes, header->payload_bytes);
     read_payload(payload, header->id, out.message);
+    if (untimely && !signing->exempts(b.first(frame_bytes), out.message)) continue;
+    frame_size_ = frame_bytes;
+    ++counters.mavlink_received;
     out.from = header->from;
     out.target = target_of(payload, *entry);
     out.id = header->id;

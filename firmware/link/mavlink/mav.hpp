@@ -33,8 +33,7 @@ constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUn
 constexpr std::uint8_t kParamReal32 = 9;
 constexpr std::uint8_t kParamDoesNotExist = 1, kParamOutOfRange = 2, kParamPermissionDenied = 3,
                        kParamTypeMismatch = 7;
-constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupported = 3,
-                       kMissionInvalidSequence = 13;
+constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupported = 3, kMissionInvalidSequence = 13;
 
 constexpr std::uint64_t kCapabilityCommandInt = 8, kCapabilityParamBytewise = 16,
                         kCapabilityFtp = 32, kCapabilityMavlink2 = 8192;

@@ -14,7 +14,11 @@ namespace {
 
 constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
-constexpr std::uint64_t kMinute = 6'000'000, kDay = 24 * 60 * kMinute;
+constexpr std::uint64_t kSecond = 100'000, kMinute = 60 * kSecond, kDay = 24 * 60 * kMinute;
+// pymavlink's timestamps start at its clock, count messages from then on, and follow what it hears: the
+// clock of a sender that hears nobody drags behind. Of its messages so many may be lost in a row; in a
+// recording of a sender that stamps by its clock they are further apart.
+constexpr std::uint64_t kDragged = 500;
 constexpr std::size_t kTimestampBytes = 6, kDigestBytes = 6;
 
 std::uint64_t read_timestamp(std::span<const std::uint8_t> bytes) {
@@ -57,15 +61,29 @@ void Signing::start(const SigningKey& key, std::uint64_t clock, std::uint64_t st
   key_ = key;
   has_key_ = true;
   used_ = 0;
-  timestamp_ = std::min(stored, kLatest);
+  timestamp_ = stored_ = std::min(stored, kLatest);
   set_clock(clock);
-  // A clock that starts a little behind, as without a battery, must not make old messages valid.
-  floor_ = stored > clock_ && stored - clock_ < kDay ? stored : 0;
 }
 
-void Signing::set_clock(std::uint64_t now) {
+void Signing::set_clock(std::uint64_t now, bool known) {
+  known_ = known;
   clock_ = std::min(now, kLatest);
   timestamp_ = std::max(timestamp_, clock_);
+}
+
+std::uint32_t Signing::clock_s() const { return static_cast<std::uint32_t>(clock_ / kSecond); }
+
+/// A clock that starts a little behind must not make old messages valid.
+std::uint64_t Signing::oldest() const {
+  const bool behind = stored_ > clock_ && (!known_ || stored_ - clock_ < kDay);
+  const std::uint64_t oldest = behind ? stored_ : known_ ? clock_ : 0;
+  return oldest - std::min(oldest, kMinute);
+}
+
+/// Its timestamp counts messages, and has done so without a minute of silence.
+bool Signing::drags(const Stream& stream, std::uint64_t timestamp) const {
+  return stream.heard_s != 0 && clock_s() - stream.heard_s < kMinute / kSecond &&
+         timestamp - stream.timestamp <= kDragged;
 }
 
 Signing::Stream* Signing::find(Address from, std::uint8_t link_id) {
@@ -73,6 +91,13 @@ Signing::Stream* Signing::find(Address from, std::uint8_t link_id) {
   const auto it = std::ranges::find_if(
       used, [&](const Stream& s) { return s.from == from && s.link_id == link_id; });
   return it == used.end() ? nullptr : &*it;
+}
+
+Signing::Stream* Signing::find_or_add(Address from, std::uint8_t link_id) {
+  Stream* const stream = find(from, link_id);
+  if (stream != nullptr || used_ == room_.size()) return stream;
+  room_[used_] = {from, link_id, 0, 0, 0};
+  return &room_[used_++];
 }
 
 SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
@@ -87,17 +112,28 @@ SignatureVerdict Signing::check(std::span<const std::uint8_t> frame) {
   const Address from{frame[5], frame[6]};
   const std::uint8_t link_id = block[0];
   const std::uint64_t timestamp = read_timestamp(block.subspan(1));
-  if (timestamp > clock_ + kMinute) return kFuture;
+  if (known_ && timestamp > clock_ + kMinute) return kFuture;
   Stream* stream = find(from, link_id);
-  if (stream != nullptr) {
-    if (timestamp <= stream->timestamp) return kReplayed;
-  } else {
-    if (timestamp + kMinute < std::max(clock_, floor_)) return kStale;
-    if (used_ == room_.size()) return kNoRoom;
-    stream = &room_[used_++];
-  }
-  *stream = {from, link_id, timestamp};
+  if (stream != nullptr && timestamp <= stream->timestamp) return kReplayed;
+  if (timestamp < oldest() && (stream == nullptr || !drags(*stream, timestamp))) return kStale;
+  stream = find_or_add(from, link_id);
+  if (stream == nullptr) return kNoRoom;
+  stream->timestamp = timestamp;
+  stream->heard_s = clock_s();
+  if (!known_) timestamp_ = std::max(timestamp_, timestamp);
   return kGood;
+}
+
+bool Signing::exempts(std::span<const std::uint8_t> frame, const Message& message) {
+  if (exemption_ == nullptr || !exemption_(message)) return false;
+  const auto block = frame.last(kSignatureBlockBytes);
+  const std::uint64_t timestamp = read_timestamp(block.subspan(1));
+  Stream* const stream = find_or_add({frame[5], frame[6]}, block[0]);
+  if (stream == nullptr || timestamp <= std::max(stream->timestamp, stream->exempt_before)) {
+    return false;
+  }
+  stream->exempt_before = timestamp;
+  return true;
 }
 
 void Signing::sign(std::span<const std::uint8_t> frame, std::uint8_t link_id,

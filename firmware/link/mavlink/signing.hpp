@@ -2,9 +2,10 @@
 // MAVLink 2 message signing, one for all links of a component.
 //
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
-// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: only our own clock
-// judges timestamps, with a minute of tolerance either way. There a received timestamp advances the
-// receiver's own, so that one from the future shuts out every sender with a correct clock.
+// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: once our own clock is
+// known, it alone judges timestamps, with a minute of tolerance either way. There a received timestamp
+// advances the receiver's own, so that one from the future shuts out every sender with a correct clock;
+// and a known stream may be of any age, so that recordings of a jammed radio are obeyed hours later.
 #pragma once
 
 #include <array>
@@ -14,6 +15,7 @@
 
 #include "link/mavlink/address.hpp"
 #include "link/mavlink/frame.hpp"
+#include "link/mavlink/messages.hpp"
 
 namespace flotilla::link {
 
@@ -26,7 +28,7 @@ enum class SignatureVerdict : std::uint8_t {
   kGood,
   kForged,    ///< another key, or altered data
   kReplayed,  ///< not newer than this stream's latest timestamp
-  kStale,     ///< a new stream, more than a minute behind our clock
+  kStale,     ///< more than a minute behind our clock, and not merely dragging
   kFuture,    ///< more than a minute ahead of our clock
   kNoRoom,    ///< a new stream, but no room for it
 };
@@ -37,25 +39,36 @@ class Signing {
   struct Stream {
     Address from;
     std::uint8_t link_id;
-    std::uint64_t timestamp;
+    std::uint32_t heard_s;        ///< our clock then; 0: nothing timely yet
+    std::uint64_t timestamp;      ///< of the last timely message
+    std::uint64_t exempt_before;  ///< of the last one that was exempt
   };
 
-  /// room: storage for received streams, must outlive this object; sending needs none.
-  explicit Signing(std::span<Stream> room = {}) : room_(room) {}
+  /// Messages that count at any age, once: not older than the last of their stream.
+  using Exemption = bool (*)(const Message&);
 
-  /// Forgets all streams. clock: as for set_clock(); stored: an earlier run's timestamp(), or 0.
+  /// room: storage for received streams, must outlive this object; sending needs none.
+  explicit Signing(std::span<Stream> room = {}, Exemption exemption = nullptr)
+      : room_(room), exemption_(exemption) {}
+
+  /// Forgets all streams. clock: known, as for set_clock(); stored: an earlier run's timestamp(), or 0.
   void start(const SigningKey& key, std::uint64_t clock, std::uint64_t stored);
 
   bool has_key() const { return has_key_; }
 
-  /// The host's clock, which judges received timestamps; sent timestamps never go back.
-  void set_clock(std::uint64_t now);
+  /// Our clock, which judges received timestamps where it is known; where it is a guess, they must not
+  /// be older than `stored` less a minute, and ours follow the newest. Sent timestamps never go back.
+  void set_clock(std::uint64_t now, bool known = true);
+  bool knows_clock() const { return known_; }
 
   /// Our last sent timestamp. Store it at least once a minute for the next start.
   std::uint64_t timestamp() const { return timestamp_; }
 
   /// Verifies a whole signed MAVLink 2 frame. Only a good one changes the state.
   SignatureVerdict check(std::span<const std::uint8_t> frame);
+
+  /// Whether this frame, which check() found kStale or kFuture, counts all the same.
+  bool exempts(std::span<const std::uint8_t> frame, const Message& message);
 
   /// Writes the signature block of a frame, which has its signed flag set and ends with its
   /// checksum. Timestamps are unique across all links.
@@ -64,14 +77,20 @@ class Signing {
 
  private:
   Stream* find(Address from, std::uint8_t link_id);
+  Stream* find_or_add(Address from, std::uint8_t link_id);
+  std::uint64_t oldest() const;
+  bool drags(const Stream& stream, std::uint64_t timestamp) const;
+  std::uint32_t clock_s() const;
 
   SigningKey key_{};
   bool has_key_ = false;
-  std::uint64_t clock_ = 0;      // the host's
+  bool known_ = false;
+  std::uint64_t clock_ = 0;
   std::uint64_t timestamp_ = 0;  // sent last
-  std::uint64_t floor_ = 0;      // an earlier run's time: new streams must not be older
+  std::uint64_t stored_ = 0;     // an earlier run's
   std::size_t used_ = 0;
   std::span<Stream> room_;
+  Exemption exemption_;
 };
 
 }  // namespace flotilla::link

@@ -32,7 +32,7 @@ MAVLink links, each with options behind it:
   ,rate=BYTES            telemetry keeps to so many bytes per second; 0: no limit. Without it four
                          fifths of a serial port's baud rate; elsewhere no limit
   ,signing=POLICY        off: no signatures; accept: signs, takes unsigned messages too; required:
-                         takes signed ones only. accept where there is a signing-key, else off
+                         takes signed ones only. required where there is a signing-key, else off
 and these addresses:
   udpin:[HOST:]PORT      waits at that address of this machine, 127.0.0.1 without HOST; answers
                          everybody who has sent it a message

@@ -43,10 +43,10 @@ struct Config {
   std::filesystem::path node_id_file() const { return state_dir / "node_ids.txt"; }
   std::filesystem::path signing_time_file() const { return state_dir / "signing_time.txt"; }
 
-  /// The link's own policy; by default, accept if there is a key, else off.
+  /// The link's own policy; by default, required if there is a key, else off.
   app::SigningPolicy policy(const MavlinkLinkConfig& link) const {
     using enum app::SigningPolicy;
-    return link.signing.value_or(signing_key.empty() ? kOff : kAccept);
+    return link.signing.value_or(signing_key.empty() ? kOff : kRequired);
   }
 };
 

@@ -4,11 +4,13 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <string_view>
 #include <utility>
 
 #include "linux/files/durable_file.hpp"
+#include "linux/system/host_clock.hpp"
 
 namespace flotilla::target {
 namespace {
@@ -19,6 +21,8 @@ std::string text_of(std::uint64_t timestamp) {
   const std::string body = std::string(kTitle) + std::to_string(timestamp) + "\n";
   return body + checksum_line(body);
 }
+
+bool clock_is_set_now() { return clock_is_set({}, std::time(nullptr)); }
 
 }  // namespace
 
@@ -42,7 +46,14 @@ SigningTime::SigningTime(std::filesystem::path path, std::uint64_t timestamp,
                          std::chrono::milliseconds every)
     : path_(std::move(path)),
       timestamp_(timestamp),
-      writer_(every, [this] { write(); }, "signing-time") {}
+      clock_is_set_(clock_is_set_now()),
+      writer_(
+          every,
+          [this] {
+            write();
+            clock_is_set_.store(clock_is_set_now(), std::memory_order_relaxed);
+          },
+          "signing-time") {}
 
 void SigningTime::write() {
   try {

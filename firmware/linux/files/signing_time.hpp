@@ -37,6 +37,9 @@ class SigningTime {
 
   void put(std::uint64_t timestamp) { timestamp_.store(timestamp, std::memory_order_relaxed); }
 
+  /// Whether the system's clock can be trusted, as of the last writing.
+  bool clock_is_set() const { return clock_is_set_.load(std::memory_order_relaxed); }
+
   /// The first error with the file, once. Writing is retried.
   std::optional<std::string> complaint() { return complaint_.take(); }
 
@@ -45,6 +48,7 @@ class SigningTime {
 
   std::filesystem::path path_;
   std::atomic<std::uint64_t> timestamp_;
+  std::atomic<bool> clock_is_set_;
   FirstComplaint complaint_;
   RepeatingThread writer_;
 };

@@ -126,14 +126,90 @@ TEST_CASE("each system, component and link id has timestamps of its own") {
   CHECK(boat.check(Sender{{1, 190}, 7}.frame(kNow + 10)) == kReplayed);
 }
 
-TEST_CASE("a new sender may be a minute behind, no more; one that is known may be later") {
+TEST_CASE("a sender may be a minute behind, no more, whether it is known or new") {
   Keyed boat;
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow - 60 * kSecond - 1)) == kStale);
   CHECK(boat.check(Sender{{1, 1}}.frame(kNow - 60 * kSecond)) == kGood);
   boat.set_clock(kNow + kDay);
-  CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);
-  CHECK(boat.check(Sender{{2, 1}}.frame(kNow)) == kStale);
-  CHECK(boat.check(Sender{{2, 1}}.frame(kNow + kDay)) == kGood);
+  for (const std::uint8_t system : std::initializer_list<std::uint8_t>{1, 2}) {
+    CHECK(boat.check(Sender{{system, 1}}.frame(kNow)) == kStale);
+    CHECK(boat.check(Sender{{system, 1}}.frame(kNow + kDay)) == kGood);
+  }
+}
+
+TEST_CASE(
+    "what was recorded of a jammed sender is refused a minute later, at whatever pace it comes") {
+  for (const std::uint64_t pace : {kSecond / 10, kSecond, 50 * kSecond}) {
+    Keyed boat;
+    Sender sender;
+    REQUIRE(boat.check(sender.frame(kNow)) == kGood);
+    std::uint64_t clock = kNow + 3 * 3600 * kSecond;
+    for (std::uint64_t k = 1; k <= 1000; ++k, clock += pace) {
+      boat.set_clock(clock);
+      REQUIRE(boat.check(sender.frame(kNow + k * kSecond)) == kStale);
+    }
+  }
+}
+
+TEST_CASE("held back one by one, recorded messages do not keep their stream alive") {
+  Keyed boat;
+  Sender sender;
+  std::uint64_t clock = kNow;
+  int taken = 0;
+  for (std::uint64_t k = 0; k < 100; ++k, clock += 50 * kSecond) {  // ten a second were sent
+    boat.set_clock(clock);
+    taken += boat.check(sender.frame(kNow + k * kSecond / 10)) == kGood ? 1 : 0;
+  }
+  CHECK(taken == 2);
+}
+
+TEST_CASE("a pymavlink that hears nobody is heard all day, though its timestamps drag behind") {
+  Keyed boat;
+  Sender sender;
+  std::uint64_t stamp = kNow;
+  for (std::uint64_t minute = 0; minute < 24 * 60; ++minute) {
+    boat.set_clock(kNow + minute * 59 * kSecond);
+    REQUIRE(boat.check(sender.frame(stamp += minute % 10 == 0 ? 500 : 1)) == kGood);
+  }
+  boat.set_clock(kNow + 24 * 3600 * kSecond);  // after a silence it would have to hear the time
+  CHECK(boat.check(sender.frame(stamp + 1)) == kStale);
+  CHECK(boat.check(sender.frame(kNow + 24 * 3600 * kSecond)) == kGood);
+}
+
+TEST_CASE(
+    "without a known clock, what is not older than the last voyage counts, and tells the time") {
+  Keyed boat;
+  boat.start(counting_key(), kSecond, kNow);
+  boat.set_clock(kSecond, false);
+  CHECK_FALSE(boat.knows_clock());
+  CHECK(boat.check(Sender{{1, 1}}.frame(kNow - 60 * kSecond - 1)) == kStale);
+  CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 30 * kDay)) == kGood);
+  CHECK(boat.timestamp() == kNow + 30 * kDay);
+  CHECK(boat.check(Sender{{2, 1}}.frame(kNow + 30 * kDay - 3600 * kSecond)) == kGood);
+  boat.set_clock(kNow + 30 * kDay);  // learnt
+  CHECK(boat.check(Sender{{3, 1}}.frame(kNow + 30 * kDay - 3600 * kSecond)) == kStale);
+  CHECK(boat.check(Sender{{3, 1}}.frame(kNow + 31 * kDay)) == kFuture);
+  CHECK(boat.check(Sender{{3, 1}}.frame(kNow + 30 * kDay)) == kGood);
+}
+
+bool is_heartbeat(const Message& message) { return std::holds_alternative<Heartbeat>(message); }
+
+TEST_CASE("what is exempt counts at any age, but once, and nothing older than it") {
+  Room room;
+  Signing boat(room.streams, is_heartbeat);
+  boat.start(counting_key(), kNow, 0);
+  const Message beat = Heartbeat{}, other = Attitude{};
+  for (const std::uint64_t at : {kNow - 300 * kDay, kNow - 299 * kDay, kNow + 2 * kDay}) {
+    const Bytes frame = Sender{{1, 1}}.frame(at);
+    CHECK_FALSE(boat.exempts(frame, other));
+    CHECK(boat.exempts(frame, beat));
+    CHECK_FALSE(boat.exempts(frame, beat));
+    CHECK_FALSE(boat.exempts(Sender{{1, 1}}.frame(at - 1), beat));
+  }
+  CHECK(boat.check(Sender{{1, 1}}.frame(kNow)) == kGood);  // nobody is shut out by it
+  CHECK(boat.check(Sender{{1, 1}}.frame(kNow + 1)) == kGood);
+  CHECK_FALSE(Keyed().exempts(Sender{{1, 1}}.frame(kNow), beat));
+  CHECK(boat.timestamp() == kNow);
 }
 
 TEST_CASE("a year-old recording is refused by a boat that has just been switched on") {

@@ -164,7 +164,8 @@ mavlink = ["udpin:a:1,signing=required,rate=9", "udpin:a:2,rate=9,signing=off",
                                                          {"udpin:a:4"}});
   CHECK(config.policy(config.mavlink[0]) == kRequired);
   CHECK(config.policy(config.mavlink[1]) == kOff);
-  CHECK(config.policy(config.mavlink[3]) == kAccept);
+  CHECK(config.policy(config.mavlink[2]) == kAccept);
+  CHECK(config.policy(config.mavlink[3]) == kRequired);
 }
 
 TEST_CASE("without a key no link signs, and none may be asked to") {
