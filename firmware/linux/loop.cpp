@@ -210,9 +210,13 @@ void Loop::read_links(std::int64_t now_us) {
 void Loop::tick() {
   timer_fired_ = false;
   const std::int64_t began_us = now();
-  boat_->on_host({bus_->usable(), !parameters_.must_be_confirmed(), statistics_.overruns,
-                  clock_us(CLOCK_REALTIME), parameters_.save_failed(), closed_links_,
-                  !signing_time_ || signing_time_->clock_is_set()});
+  boat_->on_host({.bus_up = bus_->usable(),
+                  .parameters_saved = !parameters_.must_be_confirmed(),
+                  .overruns = statistics_.overruns,
+                  .unix_us = clock_us(CLOCK_REALTIME),
+                  .save_failed = parameters_.save_failed(),
+                  .closed_links = closed_links_,
+                  .clock_is_set = !signing_time_ || signing_time_->clock_is_set()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
   service_manager_.alive(began_us);

@@ -21,7 +21,7 @@ from sil.world import sail
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "build/release/flotilla_bench"
-FLASH, RAM = 170_000, 32_000
+FLASH, RAM = 180_000, 36_000
 
 
 def _stream(recording: Path | None, boat: int, seconds: float) -> tuple[bytes, str]:

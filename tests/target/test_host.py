@@ -10,20 +10,24 @@ REFUSED = 1
 
 
 @pytest.mark.parametrize(
-    ("report", "condition", "why"),
+    ("report", "condition", "said"),
     [
-        ({"bus_up": False}, "bus_up", "PreArm: CAN bus is down"),
-        ({"parameters_saved": False}, "parameters_saved", "PreArm: parameters are not saved"),
+        ({"bus_up": False}, "bus_up", ["PreArm: CAN bus is down"]),
+        (
+            {"parameters_saved": False},
+            "parameters_saved",
+            ["PreArm: parameters are not saved", "parameters are defaults: look at them and save"],
+        ),
     ],
 )
 def test_a_boat_does_not_arm_while_its_host_reports_a_want(
-    sea: Sea, report: dict[str, bool], condition: str, why: str
+    sea: Sea, report: dict[str, bool], condition: str, said: list[str]
 ) -> None:
     sea.settle()
     sea.boat.on_host(**report)
     tick = sea.arm()
     assert acks(tick) == [(400, REFUSED)]
-    assert texts([tick]) == [why]
+    assert texts([tick]) == said
     assert not sea.condition(condition)
     sea.boat.on_host()
     sea.enter_hold()

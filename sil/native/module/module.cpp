@@ -95,8 +95,12 @@ class PyBoat {
 
   void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us,
                bool save_failed, bool clock_is_set) {
-    const app::HostReport report{bus_up,  parameters_saved, overruns,
-                                 unix_us, save_failed,      clock_is_set};
+    const app::HostReport report{.bus_up = bus_up,
+                                 .parameters_saved = parameters_saved,
+                                 .overruns = overruns,
+                                 .unix_us = unix_us,
+                                 .save_failed = save_failed,
+                                 .clock_is_set = clock_is_set};
     std::visit([&](auto& b) { b->on_host(report); }, boat_);
   }
 
