@@ -42,7 +42,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       complaint_due_(10 * kSecond_us),
       slot_complaint_due_(10 * kSecond_us),
       place_complaint_due_(10 * kSecond_us),
-      unsaved_complaint_due_(30 * kSecond_us) {
+      unsaved_complaint_due_(30 * kSecond_us),
+      double_due_(10 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -205,6 +206,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   if (coasts_on(now_us)) met |= core::kCoastRunning;
   if (in_range_) met |= core::kInRange;
   if (slot_astern_.is()) met &= ~core::kSlotSound;
+  if (vehicle_.doubled(now_us)) met &= ~core::kOwnSteady;  // whose states they are, nobody knows
   if (pilot_.astray() == core::Astray::kNo || !core::law_drives(state())) met |= core::kOnStation;
   return met;
 }
@@ -299,6 +301,11 @@ void Boat<S>::complain(std::int64_t now_us) {
   if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
     vehicle_.send_statustext(link::mav::kSeverityError,
                              {"parameters could not be saved: see the host's disk"}, counters_);
+  }
+  if (const auto system = pilot_.doubled(now_us); system && double_due_.due(now_us)) {
+    Sentence two;
+    two << "two vessels use system id " << static_cast<float>(*system);
+    vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
   }
   complain_of_slot(now_us);
   complain_of_station();

@@ -204,7 +204,8 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // in a row, in which time did not go on
-  Schedule complaint_due_, slot_complaint_due_, place_complaint_due_, unsaved_complaint_due_;
+  Schedule complaint_due_, slot_complaint_due_, place_complaint_due_, unsaved_complaint_due_,
+      double_due_;
   Settled slot_too_fast_, slot_astern_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
   bool latency_told_ = false;
