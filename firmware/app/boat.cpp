@@ -45,7 +45,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       slot_complaint_due_(10 * kSecond_us),
       place_complaint_due_(10 * kSecond_us),
       unsaved_complaint_due_(30 * kSecond_us),
-      closed_complaint_due_(30 * kSecond_us) {
+      closed_complaint_due_(30 * kSecond_us),
+      double_due_(10 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -213,6 +214,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
     met |= core::kSlotSound;
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
+  if (vehicle_.doubled(now_us)) met &= ~core::kOwnSteady;  // whose states they are, nobody knows
   return met;
 }
 
@@ -313,6 +315,11 @@ void Boat<S>::complain(std::int64_t now_us) {
   if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
     vehicle_.send_statustext(link::mav::kSeverityError,
                              {"parameters could not be saved: see the host's disk"}, counters_);
+  }
+  if (const auto system = pilot_.doubled(now_us); system && double_due_.due(now_us)) {
+    Sentence two;
+    two << "two vessels use system id " << static_cast<float>(*system);
+    vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
   }
   complain_of_slot(now_us);
   complain_of_station();

@@ -90,7 +90,7 @@ def test_of_two_leaders_with_one_id_the_first_is_followed(clock_us: int, kind: s
     sea.enter_hold()
     sea.leader.on = False
     leader, other = (Station(LEADER, LEADER_COMPONENT) for _ in range(2))
-    for k in range(600):
+    for k in range(1450):  # the second is forgotten ten seconds later
         truth = sea.leader.truth(sea.now_us)
         if k % 10 == 0:
             sea.say(*state_messages(kind, truth, sea.now_us), sender=leader)
@@ -105,6 +105,49 @@ def test_of_two_leaders_with_one_id_the_first_is_followed(clock_us: int, kind: s
         if 120 <= k < 400:
             assert not sea.condition("leader_steady"), k
     assert sea.condition("leader_steady") and sea.condition("leader_fresh")
+
+
+@pytest.mark.parametrize("clock_us", [-6_000_000, 45_000_000, -7_200_000_000])
+def test_two_vessels_under_the_leaders_id_are_told_apart_by_their_clocks_alone(
+    clock_us: int,
+) -> None:
+    """A spare one that lies alongside: it is where the leader may be."""
+    sea = Sea(leader=Course(5.0, 5.0, 0.5, 0.4), start_us=8_000_000_000)
+    sea.enter_hold()
+    sea.leader.on = False
+    leader, other = (Station(LEADER, LEADER_COMPONENT) for _ in range(2))
+    for k in range(3000):
+        truth = sea.leader.truth(sea.now_us)
+        if k % 10 == 0:
+            sea.say(*state_messages("POSITION", truth, sea.now_us), sender=leader)
+        if k % 100 == 54 and 500 <= k < 1500:
+            beside = replace(truth, east=truth.east + 0.3)
+            sea.say(*state_messages("POSITION", beside, sea.now_us + clock_us), sender=other)
+        sea.step()
+        if k == 400:
+            sea.mode(FORMATION)
+        if 800 <= k < 1500:
+            assert not sea.condition("leader_steady") and sea.state != "FORMATION", k
+    assert texts(sea.ticks).count(f"two vessels use system id {LEADER}") == 2
+    assert sea.condition("leader_steady")
+
+
+@pytest.mark.parametrize("late_s", [6.0, 20.0])
+def test_a_leader_that_reboots_or_whose_message_comes_late_is_one_vessel(late_s: float) -> None:
+    sea = Sea(leader=Course(5.0, 5.0, 0.5, 0.4), start_us=8_000_000_000)
+    sea.settle()
+    sea.leader.on = False
+    leader = Station(LEADER, LEADER_COMPONENT)
+    for k in range(3000):
+        truth = sea.leader.truth(sea.now_us)
+        clock_us = sea.now_us if k < 1500 else sea.now_us - 7_000_000_000
+        if k % 10 == 0:
+            sea.say(*state_messages("POSITION", truth, clock_us), sender=leader)
+        if k % 700 == 301:
+            then_us = clock_us - round(late_s * 1e6)
+            sea.say(*state_messages("POSITION", truth, then_us), sender=leader)
+        sea.step()
+    assert not [text for text in texts(sea.ticks) if "two vessels" in text]
 
 
 def test_a_boat_on_its_trailer_may_go_fast_but_not_be_elsewhere() -> None:

@@ -9,7 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.operator_words import param_list, param_read, param_set, sticks
-from tests.target.sea import TURN, Sea, Tick, acks, messages, named
+from tests.target.sea import TURN, Sea, Tick, acks, messages, named, texts
 from tests.target.stations import (
     ACCEPTED,
     ARM,
@@ -576,3 +576,35 @@ def test_two_boats_with_one_name_notice_each_other() -> None:
             ticks["two"].append(b)
             one.boat.on_mavlink(sent(b, 0), one.now_us)
     assert doubles(ticks["one"]) and doubles(ticks["two"])
+
+
+def test_a_boat_does_not_arm_while_another_uses_its_name() -> None:
+    sea = Sea()
+    double = Station(BOAT, 1)
+    double.encoder.seq = 100
+    sea.settle()
+    sea.say(heartbeat(), sender=double)
+    ticks = [sea.arm()]
+    assert sea.state == "DISARMED"
+    assert "PreArm: own state jumps, or id is used twice" in texts(ticks)
+    sea.run(10.1)
+    sea.enter_hold()
+
+
+def test_a_boat_under_the_law_holds_as_another_uses_its_name_and_may_be_driven_home() -> None:
+    sea = Sea(leader=TURN)
+    sea.enter_formation()
+    sea.run(1.0)
+    double = Station(BOAT, 1)
+    double.encoder.seq = 100
+    sea.say(heartbeat(), sender=double)
+    sea.run(0.02)
+    assert sea.state == "HOLD"
+    for _ in range(50):
+        sea.say(sticks(500, 0))
+        sea.step()
+    sea.mode(0)
+    for _ in range(50):
+        sea.say(sticks(500, 0))
+        sea.step()
+    assert sea.state == "MANUAL" and all(sea.commands)

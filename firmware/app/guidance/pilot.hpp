@@ -100,6 +100,12 @@ class Pilot {
     return leader_.uncertainty_m(now_us);
   }
 
+  /// A system id that two vessels use: the own one, or the leader's.
+  std::optional<std::uint8_t> doubled(std::int64_t now_us) const {
+    if (own_.doubled(now_us)) return own_.system();
+    return leader_.doubled(now_us) ? std::optional(leader_.system()) : std::nullopt;
+  }
+
   /// An ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint() {
     const bool own = own_.track().take_frame_complaint(), leader = leader_.take_frame_complaint();

@@ -68,6 +68,7 @@ void VesselTrack<S>::take(const link::Attitude& message, const Arrival& arrival)
     ++counters.mavlink_bad_value;
     return;
   }
+  if (from == component()) namesake_.hear(message.time_boot_ms, now_us);
   const bool silent = stamps_.silent(now_us);
   const Verdict verdict = headings_.take(*sample, from, from == component(), silent, now_us);
   if (verdict == Verdict::kLate) ++counters.mavlink_old_stamp;

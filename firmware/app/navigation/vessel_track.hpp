@@ -11,6 +11,7 @@
 #include "app/navigation/jump_guard.hpp"
 #include "app/navigation/liveness.hpp"
 #include "app/navigation/motion_filter.hpp"
+#include "app/navigation/namesake.hpp"
 #include "app/navigation/origins.hpp"
 #include "app/navigation/stamp_filter.hpp"
 #include "app/navigation/state_sources.hpp"
@@ -67,8 +68,11 @@ class VesselTrack {
   /// It has reported two different positions; until then it may be held in place.
   bool has_moved() const { return liveness_.moved(); }
 
-  /// No implausible report within the last second.
-  bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
+  /// No implausible report within the last second, and none of another vessel.
+  bool steady(std::int64_t now_us) const { return guard_.steady(now_us) && !doubled(now_us); }
+
+  /// Two vessels tell an ATTITUDE under this one's ids.
+  bool doubled(std::int64_t now_us) const { return namesake_.seen(now_us); }
 
   /// Takes any message; ignores those of other vessels and unused types.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
@@ -178,6 +182,7 @@ class VesselTrack {
   Headings<S> headings_;
   JumpGuard<S> guard_;
   Liveness<S> liveness_;
+  Namesake namesake_;
   MotionFilter<S> filter_;
   bool frame_complaint_ = false;
 };

@@ -94,7 +94,10 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
                    link::Counters& counters) {
   const auto* beat = std::get_if<link::Heartbeat>(&received.message);
   if (received.from == self()) {
-    double_seen_ = double_seen_ || (beat != nullptr && !links_.is_echo(received));
+    if (beat != nullptr && !links_.is_echo(received)) {
+      double_seen_ = true;
+      double_us_ = now_us;
+    }
     return true;
   }
   // A radio's word comes unsigned, under any system id: it counts for nothing else.

@@ -51,6 +51,9 @@ class Vehicle {
   /// Begins a tick, dt_us after the one before.
   void begin(std::int64_t now_us, std::int64_t dt_us);
 
+  /// Another sender has used our ids within the last ten seconds.
+  bool doubled(std::int64_t now_us) const { return now_us - double_us_ < 10 * kSecond_us; }
+
   /// The condition that a ground station is heard.
   core::Conditions conditions(std::int64_t now_us) const;
 
@@ -162,8 +165,9 @@ class Vehicle {
   std::optional<Failure> failure_;
   bool disarm_ = false;
   std::string_view unheeded_{};  // in this tick: refusal_of() a message
-  bool double_seen_ = false;     // another sender under our ids
-  bool announce_ = false;        // a heartbeat at once: the state has changed
+  bool double_seen_ = false;     // since that was told last
+  std::int64_t double_us_ = std::numeric_limits<std::int64_t>::min() / 2;
+  bool announce_ = false;  // a heartbeat at once: the state has changed
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};

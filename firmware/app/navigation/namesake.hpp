@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Notices two vessels that speak under one address, by the instants at which their clocks began.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+namespace flotilla::app {
+
+/// One vessel's clock begins once, or anew after a reboot. Two vessels' stamps go back and forth
+/// between two beginnings; nearer to each other than 5 s they may be the ways of one vessel's messages.
+class Namesake {
+ public:
+  void hear(std::uint32_t time_boot_ms, std::int64_t now_us) {
+    const std::uint32_t began_ms = static_cast<std::uint32_t>(now_us / 1000) - time_boot_ms;
+    if (!clock_.is(began_ms)) {
+      std::swap(clock_, other_);
+      const bool returns = clock_.is(began_ms) && now_us - clock_.heard_us < kSilent_us;
+      returns_ = returns ? returns_ + 1 : 0;
+      if (returns_ >= kSure) seen_us_ = now_us;
+    }
+    clock_ = {began_ms, now_us};
+  }
+
+  /// Within the last ten seconds.
+  bool seen(std::int64_t now_us) const { return now_us - seen_us_ < kGone_us; }
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
+  static constexpr std::int64_t kSilent_us = 3'000'000, kGone_us = 10'000'000;
+  static constexpr std::int32_t kApart_ms = 5000;
+  static constexpr int kSure = 4;  ///< two late messages make three
+
+  struct Clock {
+    std::uint32_t began_ms = 0;  ///< by our clock
+    std::int64_t heard_us = kNever;
+    bool is(std::uint32_t at_ms) const {
+      return std::abs(static_cast<std::int64_t>(static_cast<std::int32_t>(at_ms - began_ms))) <
+             kApart_ms;
+    }
+  };
+
+  Clock clock_, other_;  ///< heard last, and before
+  int returns_ = 0;      ///< to the clock before, in a row
+  std::int64_t seen_us_ = kNever;
+};
+
+}  // namespace flotilla::app
