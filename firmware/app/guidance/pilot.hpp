@@ -102,7 +102,7 @@ class Pilot {
 
   /// A system id that two vessels use: the own one, or the leader's.
   std::optional<std::uint8_t> doubled(std::int64_t now_us) const {
-    if (own_.doubled(now_us)) return own_.system();
+    if (own_.track().doubled(now_us)) return own_.track().system();
     return leader_.doubled(now_us) ? std::optional(leader_.system()) : std::nullopt;
   }
 
