@@ -160,6 +160,11 @@ inline std::int64_t microseconds(float s) {
   return static_cast<std::int64_t>(units * 1'000'000U >> right);
 }
 
+/// A latency that is named; nothing for a negative one.
+inline std::optional<std::int64_t> known_us(float s) {
+  return s < 0 ? std::nullopt : std::optional(microseconds(s));
+}
+
 /// Parameters as the law's structs.
 template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p);

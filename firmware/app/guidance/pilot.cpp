@@ -27,7 +27,7 @@ std::uint8_t byte_of(float parameter) { return static_cast<std::uint8_t>(paramet
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
   const auto age_us = track.age_us(now_us);
-  if (!age_us) return std::nullopt;
+  if (!age_us || !track.timed()) return std::nullopt;
   return convert::seconds<double>(*age_us);
 }
 
@@ -53,9 +53,12 @@ template <class S>
 void Pilot<S>::set_latency(const Parameters& p) {
   latency_params_.d = p.VES_D33 / p.VES_M33;
   inertia_ = p.VES_M33;
-  if (known_lag_s_ != p.NAV_LAG_S) forget_latency();
-  known_lag_s_ = p.NAV_LAG_S;
+  const float named_s = std::max(p.NAV_LAG_S, 0.0F);
+  if (known_lag_s_ != named_s) forget_latency();
+  known_lag_s_ = named_s;
+  lag_named_ = 0 <= p.NAV_LAG_S;
   set_lag();
+  leader_.set_lag(convert::known_us(p.FORM_LAG_S));
 }
 
 template <class S>
@@ -67,7 +70,8 @@ void Pilot<S>::forget_latency() {
 
 template <class S>
 void Pilot<S>::set_lag() {
-  own_.set_lag(convert::microseconds(known_lag_s_ + lag_s_));
+  const bool known = lag_named_ || found_;
+  own_.set_lag(known ? std::optional(convert::microseconds(known_lag_s_ + lag_s_)) : std::nullopt);
 }
 
 template <class S>
@@ -134,6 +138,8 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us, const Parameters& p, 
   if (!claims_.leaders(reference_.place()) && !claims_.rival(now_us, sails))
     met |= core::kSlotSound;
   if (known_lag_s_ + found_.value_or(0) <= kMaxLate_s || own_.bounded()) met |= core::kOwnPrompt;
+  if (own_.timed()) met |= core::kOwnTimed;
+  if (leader_.timed()) met |= core::kLeaderTimed;
   if (own_.live()) met |= core::kOwnLive;
   if (own_.steady(now_us)) met |= core::kOwnSteady;
   if (leader_.live()) met |= core::kLeaderLive;

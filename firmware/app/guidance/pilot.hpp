@@ -97,6 +97,7 @@ class Pilot {
   /// TIMESYNC bounds it.
   std::optional<double> latency_s() const;
 
+  /// Nothing where TIMESYNC does not tell it and no latency is known.
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;
   std::optional<double> leader_uncertainty_m(std::int64_t now_us) const {
@@ -161,7 +162,8 @@ class Pilot {
   bool finds_latency_ = false;
   std::optional<float> found_;  // latency beyond NAV_LAG_S, s
   float lag_s_ = 0;             // the compensated part of it
-  float known_lag_s_ = 0;       // NAV_LAG_S
+  float known_lag_s_ = 0;       // NAV_LAG_S; 0 where that is unknown
+  bool lag_named_ = false;      // it is not
   float inertia_ = 1;           // VES_M33
   core::PlausibilityLimits<S> afloat_, carried_;
   bool armed_ = false;
