@@ -92,7 +92,7 @@ template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   while (links_.next(link, received_, now_us, counters_)) {
     const bool operators = vehicle_.take(link, received_, now_us, counters_);
-    if (!operators) pilot_.take(received_, now_us, counters_);
+    if (!operators) pilot_.take(received_, link, now_us, counters_);
   }
 }
 

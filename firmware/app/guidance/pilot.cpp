@@ -39,11 +39,13 @@ Pilot<S>::Pilot(const Parameters& p)
       keeping_(convert::station_params<S>(p)),
       coast_s_(convert::scalar<S>(p.FS_COAST_S)),
       observer_(convert::observer_params<S>(p)),
-      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us},
+      own_({byte_of(p.MAV_SYSID), byte_of(p.MAV_COMPID), kOwnPatience_us, kOwnFrozen_us, true,
+            byte_of(p.NAV_COMPID)},
            {convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)}),
       leader_({byte_of(p.FORM_LEADER), 0}) {
   set_limits(p);
   set_latency(p);
+  set_link(p);
   neighbours_.configure(own_.system(), leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_.system());
   claims_.configure(own_.system(), leader_.system(), 2 * p.THR_ARM);
@@ -90,7 +92,9 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
   set_limits(p);
   set_latency(p);
   own_.set_antenna({convert::scalar<S>(p.NAV_OFS_X), convert::scalar<S>(p.NAV_OFS_Y)});
-  own_.follow(own_system);
+  set_link(p);
+  if (own_system != own_.system()) own_link_.reset();
+  own_.follow(own_system, byte_of(p.NAV_COMPID));
   leader_.follow(byte_of(p.FORM_LEADER));
   neighbours_.configure(own_system, leader_.system(), p.FS_SEP_M);
   reference_.configure(p, own_system);
@@ -98,12 +102,30 @@ void Pilot<S>::configure(const Parameters& p, std::uint8_t own_system) {
 }
 
 template <class S>
-void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
+void Pilot<S>::set_link(const Parameters& p) {
+  named_link_.reset();
+  if (p.NAV_LINK >= 0) named_link_ = static_cast<std::size_t>(p.NAV_LINK);
+}
+
+/// Not by a radio that anybody may speak on: by the first link that a good state came by while the
+/// boat was disarmed.
+template <class S>
+bool Pilot<S>::may_be_own(std::size_t link, std::int64_t now_us) const {
+  const auto& pinned = named_link_ ? named_link_ : own_link_;
+  return !pinned || *pinned == link || (!named_link_ && !armed_ && own_.silent(now_us));
+}
+
+template <class S>
+void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
+                    link::Counters& counters) {
   if (const auto* answer = std::get_if<link::Timesync>(&received.message)) {
     take_time(received.from, *answer, now_us);
     return;
   }
-  own_.take(received, now_us, counters);
+  if (received.from.system == own_.system() && may_be_own(link, now_us)) {
+    own_.take(received, now_us, counters);
+    if (own_.accepted(now_us)) own_link_ = link;
+  }
   leader_.take(received, now_us, counters);
   const convert::Position place = own_.position();
   reference_.take(received, own_.has_origin() ? &place : nullptr, now_us, counters);
@@ -153,6 +175,7 @@ void Pilot<S>::observe(std::int64_t now_us, S since, const core::Tau<S>& given, 
   look_at_clock(now_us);
   if (armed != armed_) {
     own_.set_limits(armed ? afloat_ : carried_);
+    own_.hold(armed);
     own_.set_smoothing(!armed);  // the observer extrapolates from each message
   }
   armed_ = armed;

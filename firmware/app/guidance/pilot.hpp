@@ -34,7 +34,8 @@ class Pilot {
   void configure(const Parameters& p, std::uint8_t own_system);
 
   /// Takes any message; ignores those of unrelated vessels.
-  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+  void take(const link::Received& received, std::size_t link, std::int64_t now_us,
+            link::Counters& counters);
 
   /// Whoever sends TIMESYNC requests asks here; the answers are messages to take().
   TimeRequests& time_requests() { return time_; }
@@ -131,8 +132,10 @@ class Pilot {
   void keep_station(const core::ControllerOutput<S>& out, const core::FormationError<S>& error,
                     S dt);
   core::ControllerOutput<S> step_behind(const Lead& lead, std::int64_t now_us, S dt);
+  bool may_be_own(std::size_t link, std::int64_t now_us) const;
   void take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us);
   void set_limits(const Parameters& p);
+  void set_link(const Parameters& p);
   void weigh(const core::Tau<S>& given, S since);
   void find_latency(const core::TrackMessage<S>& fix, std::int64_t now_us);
   void look_at_clock(std::int64_t now_us);
@@ -177,6 +180,7 @@ class Pilot {
   bool starting_ = false;
   TimeRequests time_;
   VesselTrack<S> own_;
+  std::optional<std::size_t> named_link_, own_link_;  // NAV_LINK; by which own states come
   VesselTrack<S> leader_;
   Neighbours neighbours_;
   Reference<S> reference_;
