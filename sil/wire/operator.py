@@ -50,6 +50,10 @@ class Operator:
         custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         return self._command(system, mavlink.MAV_CMD_DO_SET_MODE, custom, float(mode))
 
+    def set_interval(self, system: int, message: float, interval_us: float) -> bytes:
+        """The command to send a message every so often."""
+        return self._command(system, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message, interval_us)
+
     def on_mavlink(self, data: bytes) -> None:
         """Takes what a boat sends, whole frames."""
         for message_id, system, _, frame in frames(data):
