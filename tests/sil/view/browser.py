@@ -157,6 +157,7 @@ def _capabilities(folder: Path, noting: bool) -> dict[str, Any]:
     return {
         "goog:chromeOptions": {"binary": CHROMIUM, "args": flags},
         "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL" if noting else "OFF"},
+        "timeouts": {"script": 55_000},  # of 60 s for the request; 30 s are too few beside a build
     }
 
 
