@@ -292,7 +292,7 @@ void Boat<S>::steer(std::int64_t now_us) {
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
   note_range();
-  // What was computed is wrong, who knows where: FAULT comes with the next tick's conditions.
+  // A number overflowed, so the thrust may be wrong. FAULT follows with the next tick's conditions.
   if (overflow_) thrust_ = thrusters_.step(false, desired, dt);
 }
 

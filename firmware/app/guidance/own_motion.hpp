@@ -20,7 +20,7 @@ class OwnMotion {
   /// Applies changed parameters and the own system id. lag_s: NAV_LAG_S.
   void configure(const convert::Law<S>& law, float lag_s, std::uint8_t own_system);
 
-  /// What the navigation unit sends.
+  /// The navigation unit's states.
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }

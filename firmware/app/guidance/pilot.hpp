@@ -34,7 +34,7 @@ class Pilot {
   /// Takes any message; ignores those of unrelated vessels.
   void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
 
-  /// Whoever sends TIMESYNC requests asks here; the answers are messages to take().
+  /// Makes the TIMESYNC requests to send; take() gets the answers.
   TimeRequests& time_requests() { return time_; }
 
   /// The conditions that depend on states: fresh, plausible, near each other, clear of other

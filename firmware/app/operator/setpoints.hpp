@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who has sent setpoints of late: a PX4's client does before it asks for OFFBOARD.
+// Recent senders of setpoints: a client of PX4 sends some before it requests OFFBOARD.
 #pragma once
 
 #include <algorithm>

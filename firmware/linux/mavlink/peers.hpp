@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who is answered on a UDP link that waits to be talked to: senders of accepted messages.
+// The peers of a listening UDP link: the senders of accepted messages.
 //
 // A stranger, whose bytes the boat has not accepted, is sent nothing. A peer that falls silent is
 // forgotten. Where the table is full, a newcomer takes the place of the longest silent peer that has

@@ -66,7 +66,7 @@ TEST_CASE("an address that is not there is told, and looked for again") {
   CHECK(bus->fault() == "no interface of this machine has that address");
 }
 
-TEST_CASE("a kernel without CAN: the bus says so") {
+TEST_CASE("a kernel without CAN is named as the fault") {
   const FileDescriptor probe(::socket(PF_CAN, SOCK_RAW, CAN_RAW));
   if (probe) {
     MESSAGE("this kernel has AF_CAN: nothing to see here");
