@@ -29,7 +29,7 @@ def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
 
 
 def condition_table() -> str:
-    """Every condition: name, bit of COND, what the boat says for want of it, limit, need."""
+    """Every condition: name, bit of COND or COND2, what the boat says without it, limit, need."""
     rows = []
     for c in flotilla.supervisor_conditions():
         name = c["name"]
@@ -38,7 +38,9 @@ def condition_table() -> str:
             f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
         ]
         limit = f"`{c['limit']}`" if c["limit"] else ""
-        rows.append([f"`{name}`", str(c["bit"]), c["complaint"], limit, ", ".join(needed)])
+        value, bit = divmod(c["bit"], 24)
+        where = f"{bit} of `COND2`" if value else str(bit)
+        rows.append([f"`{name}`", where, c["complaint"], limit, ", ".join(needed)])
     head = ("condition", "bit of `COND`", "where it is not met the boat says", "limit", "needed")
     return table(head, rows)
 

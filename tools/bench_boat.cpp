@@ -84,6 +84,7 @@ constexpr float kBehind_m = 2;
 app::Parameters in_its_slot() {
   app::Parameters parameters;
   parameters.FORM_OFS_N = parameters.FORM_OFS_E = -kBehind_m;
+  parameters.NAV_LAG_S = parameters.FORM_LAG_S = 0;  // nobody answers TIMESYNC
   return parameters;
 }
 

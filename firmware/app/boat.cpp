@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/convert/portable.hpp"
+#include "app/operator/text.hpp"
 #include "core/manual.hpp"
 #include "core/scalar/overflow.hpp"
 
@@ -46,7 +47,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       place_complaint_due_(10 * kSecond_us),
       unsaved_complaint_due_(30 * kSecond_us),
       closed_complaint_due_(30 * kSecond_us),
-      double_due_(10 * kSecond_us) {
+      double_due_(10 * kSecond_us),
+      time_complaint_due_(30 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -321,6 +323,7 @@ void Boat<S>::complain(std::int64_t now_us) {
     two << "two vessels use system id " << static_cast<float>(*system);
     vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
   }
+  complain_of_time(now_us);
   complain_of_slot(now_us);
   complain_of_station();
   complain_of_place(now_us);
@@ -341,6 +344,24 @@ void Boat<S>::tell_latency() {
   const bool borne = (pilot_.conditions(now_us_) & core::kOwnPrompt) != 0;
   vehicle_.send_statustext(link::mav::kSeverityWarning, {late.text(), borne ? ": compensated" : ""},
                            counters_);
+}
+
+/// To who may still set a parameter: of states that come, and whose age two seconds of TIMESYNC have
+/// not told.
+template <class S>
+void Boat<S>::complain_of_time(std::int64_t now_us) {
+  core::Conditions missing = 0;
+  const auto look = [&](core::Conditions fresh, core::Conditions timed) {
+    if ((conditions_ & (fresh | timed)) == fresh) missing |= timed;
+  };
+  look(core::kOwnFresh, core::kOwnTimed);
+  look(core::kLeaderFresh, core::kLeaderTimed);
+  untimed_.look(missing != 0, now_us);
+  if (!untimed_.is() || missing == 0 || core::armed(state())) return;
+  if (!time_complaint_due_.due(now_us)) return;
+  for_each_complaint(missing, [&](std::string_view why) {
+    vehicle_.send_statustext(link::mav::kSeverityWarning, {why}, counters_);
+  });
 }
 
 /// Of a slot that was too fast for two seconds: a leader's noise is not worth a word.

@@ -172,6 +172,7 @@ class Boat {
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
   void complain(std::int64_t now_us);
   void complain_of_slot(std::int64_t now_us);
+  void complain_of_time(std::int64_t now_us);
   void complain_of_station();
   void complain_of_place(std::int64_t now_us);
   void complain_of_depth(std::int64_t now_us);
@@ -211,8 +212,8 @@ class Boat {
   int idle_ticks_ = 0;  // in a row, in which time did not go on
   Schedule complaint_due_, slot_complaint_due_, place_complaint_due_;
   Schedule unsaved_complaint_due_, closed_complaint_due_;
-  Schedule double_due_;
-  Settled slot_too_fast_, slot_astern_;
+  Schedule double_due_, time_complaint_due_;
+  Settled slot_too_fast_, slot_astern_, untimed_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
   bool latency_told_ = false;
   bool deep_ = false;  // deeper in the tree than is certified

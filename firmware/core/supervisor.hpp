@@ -61,7 +61,9 @@ constexpr Conditions kOnStation = 1U << 20U;     ///< in slot, closing up, or no
 constexpr Conditions kOwnPrompt = 1U << 21U;     ///< own state's latency is tolerable for the law
 constexpr Conditions kLeadersEnd = 1U << 22U;    ///< the chain of leaders does not lead back here
 constexpr Conditions kSlotSound = 1U << 23U;     ///< the slot is free, and does not go astern
-constexpr unsigned kConditionCount = 24;         ///< without the operator's choices
+constexpr Conditions kOwnTimed = 1U << 24U;      ///< how old own state is is known
+constexpr Conditions kLeaderTimed = 1U << 25U;   ///< how old the leader's state is is known
+constexpr unsigned kConditionCount = 26;         ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -72,13 +74,14 @@ constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEsc
 /// Without these the boat may not obey commands and needs an inspection.
 constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
-constexpr Conditions kLeader = kLeaderFresh | kLeaderLive | kLeaderSteady;
+constexpr Conditions kLeader = kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady;
 /// A boat that leaves its slot counts as one that has lost its leader.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
-constexpr Conditions kByLaw = kOwn | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
+constexpr Conditions kByLaw =
+    kOwn | kOwnTimed | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.

@@ -41,6 +41,7 @@ LAW = (
     "thrust_min_N",
     "leader",
     "conditions",
+    "conditions2",
     "depth",
     "separation_m",
 )

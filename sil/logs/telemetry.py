@@ -36,6 +36,7 @@ LAW_NAMES = {
     "T_MIN": "thrust_min_N",
     "LEADER": "leader",
     "COND": "conditions",
+    "COND2": "conditions2",
     "DEPTH": "depth",
     "SEP_M": "separation_m",
 }

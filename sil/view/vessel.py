@@ -76,10 +76,11 @@ class Vessel:
 
     def held(self) -> tuple[str, ...]:
         """The complaints that keep a boat from FORMATION."""
-        conditions = self.value("COND")
-        if conditions is None or self.state is None or not 0 <= conditions < 1 << 32:
+        told = [self.value(name) for name in ("COND", "COND2")]
+        halves = [int(half) for half in told if half is not None and 0 <= half < 1 << 24]
+        if self.state is None or len(halves) < len(told):
             return ()
-        return states.held_by(int(conditions), self.state)
+        return states.held_by(halves[0] | halves[1] << 24, self.state)
 
     def _beat(self, component: int, f: tuple[Any, ...]) -> None:
         custom_mode, kind, autopilot, base_mode, status = f[:5]

@@ -18,7 +18,13 @@ struct Harbour {
   static constexpr std::int64_t kTick_us = 10'000;
 
   explicit Harbour(const app::Parameters& p = app::Parameters{}, std::size_t links = 1)
-      : boat(p, links), received(links) {}
+      : boat(timed(p), links), received(links) {}
+
+  /// Nobody here answers TIMESYNC, and nobody is late.
+  static app::Parameters timed(app::Parameters p) {
+    p.NAV_LAG_S = p.FORM_LAG_S = 0;
+    return p;
+  }
 
   B boat;
   link::MavlinkEncoder navigation{{1, 2}}, leader{{100, 1}}, operator_{{255, 190}};

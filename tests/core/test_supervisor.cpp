@@ -15,9 +15,9 @@ struct World {
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
-        leader(has(met, kLeaderFresh | kLeaderLive | kLeaderSteady | kOnStation)),
+        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady | kOnStation)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
-        answers(has(met, kBoatAnswers | kOwnPrompt | kLeadersEnd | kSlotSound)),
+        answers(has(met, kBoatAnswers | kOwnTimed | kOwnPrompt | kLeadersEnd | kSlotSound)),
         gcs(has(met, kGcsHeard)),
         limits(has(met, kBatteryGood | kInsideFence)),
         clear(has(met, kClear)),

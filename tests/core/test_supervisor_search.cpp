@@ -23,12 +23,12 @@ struct Node {
 };
 
 constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
-                                              kLeaderFresh | kOnStation,
+                                              kLeaderFresh | kLeaderTimed | kOnStation,
                                               kSoleController | kBusUp | kInRange,
                                               kGcsHeard,
                                               kBatteryGood,
                                               kSticksFresh,
-                                              kBoatAnswers | kOwnPrompt,
+                                              kBoatAnswers | kOwnPrompt | kOwnTimed,
                                               kClear,
                                               kParametersSaved};
 constexpr unsigned kCoastTicks = 3, kTestTicks = 2;

@@ -25,7 +25,8 @@ inline Setup setup_of(std::uint8_t kind) {
     setup.parameters.MAV_IDENTITY = 1;
     setup.parameters.MAV_COMPID = 191;
   }
-  if ((kind & 32U) != 0) setup.parameters.FS_SEP_M = 3;  // it looks for other vessels
+  setup.parameters.NAV_LAG_S = setup.parameters.FORM_LAG_S = 0;  // few answer TIMESYNC in time
+  if ((kind & 32U) != 0) setup.parameters.FS_SEP_M = 3;          // it looks for other vessels
   return setup;
 }
 

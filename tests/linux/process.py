@@ -59,6 +59,8 @@ PATIENT = {
     "FS_NAV_S": 2.0,
     "FS_LEADER_S": 5.0,
     "FS_ESC_S": 3.0,
+    "NAV_LAG_S": 0.0,  # nobody there answers TIMESYNC
+    "FORM_LAG_S": 0.0,
 }
 
 _PATIENCE_S = 20.0

@@ -73,6 +73,8 @@ class History:
                 "LAW_REF": float(pick.randrange(2)),
                 "FS_SEP_M": pick.choice([0.0, 2.0]),
                 "FS_GCS_S": pick.choice([0.0, 1.0]),
+                "NAV_LAG_S": 0.0,  # nobody answers TIMESYNC
+                "FORM_LAG_S": 0.0,
             },
             links=2,
             scalar=pick.choice(get_args(Scalar)),

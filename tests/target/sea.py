@@ -87,7 +87,8 @@ class Sea:
         leader: Course | None = None,
         start_us: int = START_US,
     ) -> None:
-        given = {"MAV_SYSID": BOAT, "FORM_LEADER": LEADER} | (parameters or {})
+        known = {"NAV_LAG_S": 0.0, "FORM_LAG_S": 0.0}  # few here answer TIMESYNC
+        given = {"MAV_SYSID": BOAT, "FORM_LEADER": LEADER} | known | (parameters or {})
         self.boat = flotilla.Boat(given, links, scalar)
         self.period_us: int = round(1e6 / self.boat.parameters()["CTL_RATE"])
         self.now_us = start_us

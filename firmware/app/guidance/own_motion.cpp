@@ -23,7 +23,7 @@ OwnMotion<S>::OwnMotion(std::uint8_t system, std::uint8_t component)
     : track_({system, component, kOwnPatience_us, kOwnFrozen_us}) {}
 
 template <class S>
-void OwnMotion<S>::configure(const convert::Law<S>& law, float lag_s, std::uint8_t own_system) {
+void OwnMotion<S>::configure(const convert::Law<S>& law, std::optional<float> lag_s, std::uint8_t own_system) {
   set_limits(law);
   latency_.configure(law.latency, law.yaw_inertia_kgm2, lag_s);
   track_.set_lag(latency_.lag_us());
@@ -102,6 +102,7 @@ core::Conditions OwnMotion<S>::conditions(std::int64_t limit_us, std::int64_t no
   if (track_.fresh(now_us, limit_us)) met |= core::kOwnFresh;
   if (track_.live()) met |= core::kOwnLive;
   if (track_.steady(now_us)) met |= core::kOwnSteady;
+  if (track_.timed()) met |= core::kOwnTimed;
   if (latency_.is_bearable() || track_.bounded()) met |= core::kOwnPrompt;
   if (response_.answers() || !track_.has_moved()) met |= core::kBoatAnswers;
   return met;

@@ -17,8 +17,8 @@ class OwnMotion {
  public:
   OwnMotion(std::uint8_t system, std::uint8_t component);
 
-  /// Applies changed parameters and the own system id. lag_s: NAV_LAG_S.
-  void configure(const convert::Law<S>& law, float lag_s, std::uint8_t own_system);
+  /// Applies changed parameters and the own system id. lag_s: NAV_LAG_S, if it names one.
+  void configure(const convert::Law<S>& law, std::optional<float> lag_s, std::uint8_t own_system);
 
   /// The navigation unit's states.
   VesselTrack<S>& track() { return track_; }

@@ -10,7 +10,7 @@ namespace {
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
   const auto age_us = track.age_us(now_us);
-  if (!age_us) return std::nullopt;
+  if (!age_us || !track.timed()) return std::nullopt;
   return convert::seconds<double>(*age_us);
 }
 
@@ -29,6 +29,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   limits_ = c.navigation;
   own_.configure(law, c.navigation.lag_s, own_system);
   leader_.follow(c.formation.leader);
+  leader_.set_lag(c.formation.leader_lag_us);
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
   reference_.configure(c.formation, law.foresight, own_system);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
@@ -69,6 +70,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us) const {
   }
   if (neighbours_.clear(own_.anchor(), own_.motion().moved_n, now_us)) met |= core::kClear;
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
+  if (leader_.timed()) met |= core::kLeaderTimed;
   if (leader_.live()) met |= core::kLeaderLive;
   if (leader_.steady(now_us)) met |= core::kLeaderSteady;
   return met;

@@ -18,6 +18,7 @@ void Reference<S>::configure(const Configuration::Formation& formation,
                              const core::ForesightLimits<S>& limits, std::uint8_t own_system) {
   on_ = formation.follows_root;
   limits_ = limits;
+  clocks_.set_lag(formation.leader_lag_us);
   const TreePlace::Own own{own_system, formation.leader,
                            convert::wire_offset_of(formation.north_m, formation.east_m),
                            formation.turns};
@@ -36,10 +37,11 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   if (m == nullptr || !on_ || received.from.system == place_.own().system) return;
   const bool leads = received.from.system == place_.own().leader;
   const std::size_t rank = leads ? 0 : length_of(m->path);
-  const auto stamp_us =
+  const auto stamp =
       clocks_.heard(received.from, static_cast<std::uint8_t>(rank), m->time_boot_ms, now_us);
-  if (!stamp_us) return;
-  const std::int64_t valid_us = *stamp_us - std::int64_t{m->age_ms} * 1000;
+  if (!stamp) return;
+  const std::int64_t age_us = std::int64_t{m->age_ms} * 1000;
+  const std::int64_t valid_us = stamp->us - age_us, least_us = stamp->least_us - age_us;
   if (leads) place_.hear(*m, valid_us, now_us);
   const auto branch = place_.branch(now_us);
   if (own == nullptr || branch != Branch{m->root, m->maker}) return;
@@ -48,10 +50,11 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   const auto root = convert::root_state_of<S>(*m, own->origin.altitude);
   if (!root) {
     ++counters.mavlink_bad_value;
-  } else if (now_us - valid_us > kOldestFollowed_us || !believe(*root, valid_us, now_us)) {
+  } else if (now_us - least_us > kOldestFollowed_us || !believe(*root, valid_us, now_us)) {
     ++counters.reference_refused;
   } else {
-    hold({*branch, m->sequence, *m, *root, valid_us, convert::near(*own, root->position)});
+    const bool timed = stamp->timed && (m->flags & link::mav::kReferenceUntimed) == 0;
+    hold({*branch, m->sequence, *m, *root, valid_us, convert::near(*own, root->position), timed});
   }
 }
 
@@ -88,13 +91,15 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const auto age_us = leader.age_us(now_us);
   if (!age_us || place_.branch(now_us) || !leader.has_origin()) return;
   if (!message) {
-    if (held_ && held_->branch == mine) held_->valid_us = now_us - *age_us;
+    if (!held_ || held_->branch != mine) return;
+    held_->valid_us = now_us - *age_us;
+    held_->timed = leader.timed();
     return;
   }
   const convert::RootState<S> root{leader.position(),
                                    {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_of(root)) {
-    hold({mine, ++made_, *told, root, now_us - *age_us, true});
+    hold({mine, ++made_, *told, root, now_us - *age_us, true, leader.timed()});
   }
 }
 
@@ -117,7 +122,7 @@ template <class S>
 std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us) const {
   const Held* held = this->held(now_us, kOldestFollowed_us);
   const auto offset = place_.offset(now_us);
-  if (held == nullptr || !held->near || !offset) return std::nullopt;
+  if (held == nullptr || !held->near || !held->timed || !offset) return std::nullopt;
   const S age = convert::seconds<S>(now_us - held->valid_us);
   return Aim{held->branch, held->root.position,
              core::reference_forward(limits_, held->root.motion, age), *offset,
@@ -139,6 +144,7 @@ std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_u
   out.root = held->branch.root;
   out.maker = held->branch.maker;
   out.flags = followed ? link::mav::kReferenceFollowed : std::uint8_t{0};
+  if (!held->timed) out.flags |= link::mav::kReferenceUntimed;
   out.offset_n = offset->n;
   out.path = place_.path(now_us);
   out.offset_b = offset->b;
@@ -148,7 +154,8 @@ std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_u
 template <class S>
 std::optional<std::int64_t> Reference<S>::age_us(std::int64_t now_us) const {
   const Held* held = this->held(now_us, kOldestFollowed_us);
-  return held == nullptr ? std::nullopt : std::optional(now_us - held->valid_us);
+  const bool known = held != nullptr && held->timed;
+  return known ? std::optional(now_us - held->valid_us) : std::nullopt;
 }
 
 template class Reference<float>;

@@ -65,6 +65,7 @@ class Reference {
     convert::RootState<S> root;
     std::int64_t valid_us = 0;
     bool near = false;
+    bool timed = false;  ///< valid_us is known, through all hops
   };
 
   bool is_newer(const link::FormationReference& message, const Branch& branch,

@@ -23,10 +23,10 @@ constexpr float kSeldom_s = 0.045F;            // fixes closer together add no i
 }  // namespace
 
 void UnitLatency::configure(const core::LatencyParams<float>& params, float yaw_inertia_kgm2,
-                            float known_s) {
+                            std::optional<float> named_s) {
   params_ = params;
   yaw_inertia_kgm2_ = yaw_inertia_kgm2;
-  if (std::exchange(known_s_, known_s) != known_s) forget();
+  if (std::exchange(named_s_, named_s) != named_s) forget();
   set_lag();
 }
 
@@ -36,7 +36,10 @@ void UnitLatency::forget() {
   lag_s_ = 0;
 }
 
-void UnitLatency::set_lag() { lag_us_ = convert::microseconds(known_s_ + lag_s_); }
+void UnitLatency::set_lag() {
+  lag_us_.reset();
+  if (named_s_ || found_s_) lag_us_ = convert::microseconds(named_s_.value_or(0) + lag_s_);
+}
 
 void UnitLatency::look_at_clock(bool waits, bool observes, std::int64_t now_us) {
   if (!waits || unanswered_us_ == 0) unanswered_us_ = now_us;
@@ -74,6 +77,6 @@ float UnitLatency::uncompensated_s() const {
   return found_s_ ? std::abs(*found_s_ - lag_s_) : kUnknown_s;
 }
 
-bool UnitLatency::is_bearable() const { return known_s_ + found_s_.value_or(0) <= kMaxLate_s; }
+bool UnitLatency::is_bearable() const { return named_s_.value_or(0) + found_s_.value_or(0) <= kMaxLate_s; }
 
 }  // namespace flotilla::app

@@ -9,12 +9,13 @@
 
 namespace flotilla::app {
 
-/// Estimates the latency beyond the known one and compensates for it slowly. In float for every law:
+/// Estimates the latency beyond the named one and compensates for it slowly. In float for every law:
 /// products of its variances are below Q16's resolution.
 class UnitLatency {
  public:
-  /// known_s: NAV_LAG_S; a change of it discards the estimate.
-  void configure(const core::LatencyParams<float>& params, float yaw_inertia_kgm2, float known_s);
+  /// named_s: NAV_LAG_S, if it names one; a change of it discards the estimate.
+  void configure(const core::LatencyParams<float>& params, float yaw_inertia_kgm2,
+                 std::optional<float> named_s);
 
   /// Once a tick. waits: the unit sends states, and no TIMESYNC bounds its clock. Without an observer
   /// nothing is estimated: the law takes each fix as it is, as in the paper.
@@ -31,10 +32,10 @@ class UnitLatency {
   /// The boat was disarmed: discards the moments given.
   void restart() { state_ = {}; }
 
-  /// Latency that is compensated, with the known one.
-  std::int64_t lag_us() const { return lag_us_; }
+  /// Latency that is compensated, with the named one; nothing while none is known.
+  std::optional<std::int64_t> lag_us() const { return lag_us_; }
 
-  /// Latency that is estimated, beyond the known one.
+  /// Latency that is estimated, beyond the named one.
   std::optional<float> found_s() const { return found_s_; }
 
   /// Latency that is not compensated: assumed while none was estimated.
@@ -49,14 +50,14 @@ class UnitLatency {
 
   core::LatencyParams<float> params_;
   float yaw_inertia_kgm2_ = 1;
-  float known_s_ = 0;
+  std::optional<float> named_s_;
   core::Latency<float> state_{};
   std::int64_t unanswered_us_ = 0;  // since when TIMESYNC has not bounded its clock; 0: not checked
   bool estimates_ = false;
   float fix_s_ = 0;  // since the last fix used
   std::optional<float> found_s_;
   float lag_s_ = 0;  // the compensated part of it
-  std::int64_t lag_us_ = 0;
+  std::optional<std::int64_t> lag_us_;
 };
 
 }  // namespace flotilla::app

@@ -2,14 +2,17 @@
 #include "app/navigation/clock_offset.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace flotilla::app {
 namespace {
 
 // Two ordinary crystals differ by less.
 constexpr std::int64_t kDrift_ppm = 100;
-// A sender further off takes TIMESYNC and its stamps from different clocks.
-constexpr std::int64_t kWidest_us = 5'000'000;
+// Longer than any answer that counts: TIMESYNC and stamps are of different clocks.
+constexpr std::int64_t kWidest_us = 40'000'000;
+// Senders round their stamps, and some take them while they send.
+constexpr std::int64_t kRounded_us = 20'000;
 
 }  // namespace
 
@@ -25,17 +28,22 @@ void ClockOffset::widen(std::int64_t now_us) {
 void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
   widen(now_us);
   const std::int64_t upper = now_us - stamp_us;
-  upper_ = upper_ ? std::min(*upper_, upper) : upper;
-  // The bounds contradict each other: the sender's clock was set. The newer bound is right.
-  if (lower_ && *lower_ > *upper_) lower_.reset();
+  upper_ = upper_ && !std::exchange(contradicted_, false) ? std::min(*upper_, upper) : upper;
+  // The sender's clock was set. The newer bound is right.
+  if (lower_ && *lower_ > *upper_ + kRounded_us) lower_.reset();
+  if (lower_) lower_ = std::min(*lower_, *upper_);
 }
 
 void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int64_t now_us) {
   widen(now_us);
   const std::int64_t lower = sent_us - read_us;
-  if (!upper_ || *upper_ - lower > kWidest_us) return;
-  lower_ = lower_ ? std::max(*lower_, lower) : lower;
-  if (*lower_ > *upper_) upper_ = lower_;
+  if (!upper_) return;
+  contradicted_ = lower > *upper_ + kRounded_us;
+  if (contradicted_ || *upper_ - lower > kWidest_us) {
+    lower_.reset();
+    return;
+  }
+  lower_ = std::min(lower_ ? std::max(*lower_, lower) : lower, *upper_);
 }
 
 std::optional<std::int64_t> ClockOffset::offset_us() const {

@@ -3,7 +3,8 @@
 //
 // offset = our time − their time. A message cannot arrive before it was stamped, so arrival − stamp
 // ≥ offset; a request cannot be read before it was sent, so sent − read ≤ offset. The bounds widen
-// as the clocks may drift; their middle is exact if both directions have the same latency.
+// as the clocks may drift; their middle is exact if both directions have the same latency. An answer
+// that contradicts the stamps leaves the offset without a lower bound, as if there had been none.
 #pragma once
 
 #include <cstdint>
@@ -36,6 +37,7 @@ class ClockOffset {
   std::int64_t widened_us_ = 0;
   std::optional<std::int64_t> upper_;
   std::optional<std::int64_t> lower_;
+  bool contradicted_ = false;  ///< by the last answer: the next stamp begins anew
 };
 
 }  // namespace flotilla::app

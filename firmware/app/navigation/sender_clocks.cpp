@@ -28,8 +28,9 @@ SenderClocks::Sender* SenderClocks::place_for(std::uint8_t rank, std::int64_t no
   return rank < last->rank ? last : nullptr;
 }
 
-std::optional<std::int64_t> SenderClocks::heard(link::Address from, std::uint8_t rank,
-                                                std::uint32_t time_boot_ms, std::int64_t now_us) {
+std::optional<SenderClocks::Stamp> SenderClocks::heard(link::Address from, std::uint8_t rank,
+                                                       std::uint32_t time_boot_ms,
+                                                       std::int64_t now_us) {
   std::int64_t stamp_us = std::int64_t{time_boot_ms} * 1000;
   Sender* sender = find(from);
   if (sender == nullptr) {
@@ -43,7 +44,11 @@ std::optional<std::int64_t> SenderClocks::heard(link::Address from, std::uint8_t
   sender->stamp_us = stamp_us;
   sender->arrived_us = now_us;
   sender->clock.heard(stamp_us, now_us);
-  return std::min(stamp_us + *sender->clock.offset_us(), now_us);
+  const ClockOffset& clock = sender->clock;
+  const std::int64_t lag_us = clock.was_answered() ? 0 : lag_us_.value_or(0);
+  return Stamp{std::min(stamp_us + *clock.offset_us(), now_us) - lag_us,
+               std::min(stamp_us + *clock.least_us(), now_us) - lag_us,
+               clock.was_answered() || lag_us_};
 }
 
 void SenderClocks::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,

@@ -14,10 +14,20 @@ namespace flotilla::app {
 /// When full, keeps the senders nearest to the root: news comes from there.
 class SenderClocks {
  public:
-  /// A message of that sender has arrived. Returns its stamp in our time, no later than now;
-  /// nothing if there is no room for its clock. Rank: depth in the tree; 0 always finds room.
-  std::optional<std::int64_t> heard(link::Address from, std::uint8_t rank,
-                                    std::uint32_t time_boot_ms, std::int64_t now_us);
+  /// Latency of senders that answer no TIMESYNC; nothing: unknown.
+  void set_lag(std::optional<std::int64_t> lag_us) { lag_us_ = lag_us; }
+
+  /// A stamp in our time, no later than now.
+  struct Stamp {
+    std::int64_t us;
+    std::int64_t least_us;  ///< at the clock's worst possible error
+    bool timed;             ///< else as if it had arrived at once
+  };
+
+  /// A message of that sender has arrived; nothing if there is no room for its clock. Rank: depth in
+  /// the tree; 0 always finds room.
+  std::optional<Stamp> heard(link::Address from, std::uint8_t rank, std::uint32_t time_boot_ms,
+                             std::int64_t now_us);
 
   /// A sender answered the TIMESYNC request that we sent at `sent_us`.
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
@@ -35,6 +45,7 @@ class SenderClocks {
   Sender* place_for(std::uint8_t rank, std::int64_t now_us);
 
   std::array<Sender, 4> senders_{};
+  std::optional<std::int64_t> lag_us_;
 };
 
 }  // namespace flotilla::app

@@ -21,7 +21,8 @@ class TimeRequests {
     return {0, ts1};
   }
 
-  /// When we sent the request that this answers, µs; nothing if it is not among the last four.
+  /// When we sent the request that this answers, µs; nothing if it is not among the last 32: an
+  /// answer that took as long tells the same as none.
   std::optional<std::int64_t> sent_us(const link::Timesync& answer) const {
     for (const std::int64_t ts1 : asked_) {
       if (ts1 != 0 && ts1 == answer.ts1) return ts1 / 1000;
@@ -37,7 +38,7 @@ class TimeRequests {
   }
 
  private:
-  std::array<std::int64_t, 4> asked_{};
+  std::array<std::int64_t, 32> asked_{};
   std::size_t next_ = 0;
 };
 

@@ -48,9 +48,13 @@ class VesselTrack {
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
 
-  /// Latency of its states before arrival, used if TIMESYNC does not bound its clock.
-  void set_lag(std::int64_t lag_us) { lag_us_ = lag_us; }
+  /// Latency of its states before arrival, used if TIMESYNC does not bound its clock; nothing:
+  /// unknown.
+  void set_lag(std::optional<std::int64_t> lag_us) { lag_us_ = lag_us; }
   bool bounded() const { return sources_.clock().was_answered(); }
+
+  /// How old its states are is known; else age_us() takes them to be as old as their arrival.
+  bool timed() const { return bounded() || lag_us_; }
 
   /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
@@ -134,7 +138,7 @@ class VesselTrack {
            from.component != 0;
   }
   std::uint8_t component() const { return sources_.component(); }
-  std::int64_t lag_us() const { return bounded() ? 0 : lag_us_; }
+  std::int64_t lag_us() const { return bounded() ? 0 : lag_us_.value_or(0); }
 
   void take_mine(const link::Message& message, const Arrival& arrival);
   void take(const link::Odometry& message, const Arrival& arrival);
@@ -175,7 +179,7 @@ class VesselTrack {
 
   Identity identity_;
   Antenna antenna_;
-  std::int64_t lag_us_ = 0;
+  std::optional<std::int64_t> lag_us_;
   StateSources sources_;
   StampFilter stamps_;
   Origins origins_;

@@ -149,10 +149,11 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   const auto estimate = [&](auto read) {
     return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
   };
-  static_assert(core::kAllConditions < 1U << 24U, "COND: a float counts 24 bits exactly");
+  constexpr unsigned kCond = 24;  // bits that a float counts exactly
+  const core::Conditions met = r.conditions & core::kAllConditions;
   using F = FormationReport;
   using E = Estimates;
-  const std::array<Value, 22> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+  const std::array<Value, 23> values{{{"E_X", of([](const F& f) { return f.error.x; })},
                                       {"E_Y", of([](const F& f) { return f.error.y; })},
                                       {"E_PSI", of([](const F& f) { return f.error.psi; })},
                                       {"IN_SLOT", in_slot},
@@ -168,7 +169,8 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
                                       {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
                                       {"LEADER", double(r.leader)},
-                                      {"COND", double(r.conditions & core::kAllConditions)},
+                                      {"COND", double(met % (1U << kCond))},
+                                      {"COND2", double(met >> kCond)},
                                       {"T_PORT", r.thrust.port},
                                       {"T_STBD", r.thrust.stbd},
                                       {"T_MAX", r.most_N},

@@ -16,11 +16,16 @@ std::optional<T> unless_zero(T value) {
   return value > T{} ? std::optional(value) : std::nullopt;
 }
 
+std::optional<float> unless_negative(float value) {
+  return value < 0 ? std::nullopt : std::optional(value);
+}
+
 }  // namespace
 
 Configuration configuration_of(const Parameters& p) {
   using convert::microseconds, convert::period_us;
   using Byte = std::uint8_t;
+  const std::optional<float> leader_lag_s = unless_negative(p.FORM_LAG_S);
   return {
       .start = {.system = whole<Byte>(p.MAV_SYSID),
                 .component = whole<Byte>(p.MAV_COMPID),
@@ -32,11 +37,13 @@ Configuration configuration_of(const Parameters& p) {
                     .east_m = p.FORM_OFS_E,
                     .turns = p.FORM_FRAME > 0,
                     .follows_root = p.LAW_REF > 0,
+                    .leader_lag_us = leader_lag_s ? std::optional(microseconds(*leader_lag_s))
+                                                  : std::nullopt,
                     .max_depth = unless_zero(whole<std::size_t>(p.FORM_DEPTH)),
                     .beam_m = 2 * p.THR_ARM,
                     .separation_m = p.FS_SEP_M,
                     .judges_station = p.FS_SLOT_M > 0},
-      .navigation = {.lag_s = p.NAV_LAG_S,
+      .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
                      .own_limit_us = microseconds(p.FS_NAV_S),
                      .leader_limit_us = microseconds(p.FS_LEADER_S)},
       .propulsion = {.port_esc = whole<Byte>(p.ESC_PORT),

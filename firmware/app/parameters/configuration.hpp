@@ -29,6 +29,7 @@ struct Configuration {
     float north_m = 0, east_m = 0;  ///< the slot
     bool turns = false;             ///< FORM_FRAME 1
     bool follows_root = false;      ///< LAW_REF
+    std::optional<std::int64_t> leader_lag_us;  ///< FORM_LAG_S; nothing: unknown
     std::optional<std::size_t> max_depth;
     float beam_m = 0;        ///< slots that are closer than this are one
     float separation_m = 0;  ///< FS_SEP_M
@@ -36,7 +37,7 @@ struct Configuration {
   };
 
   struct Navigation {
-    float lag_s = 0;
+    std::optional<float> lag_s;                          ///< NAV_LAG_S; nothing: unknown
     std::int64_t own_limit_us = 0, leader_limit_us = 0;  ///< ages at which states are too old
   };
 

@@ -19,7 +19,7 @@ constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAccelera
                        kFollowAttitude = 8;
 
 /// FORMATION_REFERENCE's flags.
-constexpr std::uint8_t kReferenceFollowed = 1;
+constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
                         kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,

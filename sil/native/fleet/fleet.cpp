@@ -131,6 +131,7 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   Station& s = v.station;
   s.now_us = s.clock.at(t_us);
   chunk_.clear();
+  tell_clocks(v, t_us);
   measure(s, arrays, chunk_);
   watch.lap(Stage::kUnits);
   if (!chunk_.empty()) hear(v, chunk_, t_us, kNavigation);
@@ -159,6 +160,27 @@ void Fleet<S>::tick_boat(std::size_t index, std::int64_t t_us, const TickArrays&
   watch.lap(Stage::kCan);
   broadcast(s, t_us);
   watch.lap(Stage::kLinks);
+}
+
+/// The monitor knows what no boat can: by how much the clocks differ.
+template <class S>
+void Fleet<S>::tell_clocks(Vessel& v, std::int64_t t_us) {
+  const Station& s = v.station;
+  const std::uint8_t leader = byte_of(v.firmware.parameters().FORM_LEADER);
+  if (std::exchange(v.leader, leader) != leader) {
+    v.leader_agent.reset();
+    for (std::size_t agent = 0; agent < agents(); ++agent) {
+      const Station& other = station_of(agent);
+      if (other.run == s.run && other.system == leader) v.leader_agent = agent;
+    }
+  }
+  policies::Clocks clocks;
+  if (!s.was_set) {
+    clocks.own_us = 0;
+    const Station* other = v.leader_agent ? &station_of(*v.leader_agent) : nullptr;
+    if (other != nullptr && !other->was_set) clocks.leader_us = other->clock.at(t_us) - s.now_us;
+  }
+  v.monitor.know(clocks);
 }
 
 template <class S>

@@ -127,6 +127,7 @@ class Fleet {
     std::vector<std::uint32_t> inbox{}, outbox{};
     std::int64_t now_us = 0;                 // its clock at the tick
     std::int64_t jumped_us = 0;              // jump of its clock; the ESCs have their own
+    bool was_set = false;                    // its clock, or its unit's: stamps tell no truth
     std::vector<std::uint8_t> said{};        // radio output of the last tick
     std::unique_ptr<VesselFaults> faults{};  // nullptr: none active
 
@@ -143,6 +144,8 @@ class Fleet {
     app::LinkRoom<kLinks, 0> room;  // nobody signs
     app::Boat<S> firmware;
     policies::Monitor<S> monitor;
+    std::uint8_t leader = 0;                  // system id
+    std::optional<std::size_t> leader_agent;  // of the run, with that id
   };
   struct Agent {
     bool is_boat;
@@ -161,6 +164,7 @@ class Fleet {
   template <bool kProfiled>
   void tick_boat(std::size_t index, std::int64_t t_us, const TickArrays& arrays,
                  Stopwatch<kProfiled>& watch);
+  void tell_clocks(Vessel& v, std::int64_t t_us);
   void measure(Station& s, const TickArrays& arrays, std::vector<std::uint8_t>& out);
   void put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm);
   void pass_on(Vessel& v, const typename app::Boat<S>::Output& out, std::int64_t t_us);

@@ -28,6 +28,7 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
   const std::int64_t now_us = s.clock.at(t_us);
   if (fault.kind == kOwnClock || fault.kind == kClock) {
     check_time(now_us + microseconds(fault.value));
+    s.was_set = true;
   }
   if (fault.kind == kClock && s.faults && s.faults->has(kClock)) clear_fault(agent, fault, t_us);
   if (is_escs(fault.kind)) {

@@ -34,7 +34,9 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kInRange, "in_range"},
                      {flotilla::core::kOnStation, "on_station"},
                      {flotilla::core::kLeadersEnd, "leaders_end"},
-                     {flotilla::core::kSlotSound, "slot_sound"}}};
+                     {flotilla::core::kSlotSound, "slot_sound"},
+                     {flotilla::core::kOwnTimed, "own_timed"},
+                     {flotilla::core::kLeaderTimed, "leader_timed"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);

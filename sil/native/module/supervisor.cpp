@@ -117,7 +117,8 @@ void bind_supervisor(nb::module_& m) {
         "The supervisor's transitions in order: from, request, needs, lacks, to.");
   m.def(
       "supervisor_conditions", &conditions,
-      "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND), complaint "
+      "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND, from 24 on "
+      "in COND2), complaint "
       "(what the boat says where it is not met), limit (the parameter that sets it, or nothing).");
   m.def("supervise", &supervise, "state"_a, "request"_a, "met"_a,
         "What the table makes of a state, a request and the names of what is met or chosen: state, "

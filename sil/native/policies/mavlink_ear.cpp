@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "app/convert/convert.hpp"
 #include "app/operator/text.hpp"
 
 namespace flotilla::policies {
@@ -42,6 +43,28 @@ inline Frame frame_at(Bytes b) {
   }
   if (b[0] != kVersion1 || b.size() < 8U + length) return {};
   return {8U + length, {b[3], b[4]}, b[2], b[5], b.subspan(6, length)};
+}
+
+/// When the position in it was true, by the sender's clock; nothing of other messages.
+std::optional<std::int64_t> stamp_us(const Frame& frame) {
+  constexpr std::int64_t kMs = 1000;
+  switch (frame.id) {
+    case link::LocalPositionNed::kId:
+    case link::GlobalPositionInt::kId:
+      return field<std::uint32_t>(frame.payload, 0) * kMs;
+    case link::FollowTarget::kId:
+      return field<std::int64_t>(frame.payload, 0) * kMs;
+    case link::Odometry::kId:
+      return field<std::int64_t>(frame.payload, 0);
+    default:
+      return std::nullopt;
+  }
+}
+
+void note_truth(const std::optional<std::int64_t>& ahead_us, std::int64_t stamp_us,
+                std::int64_t now_us, std::int64_t& newest_us) {
+  if (!ahead_us) return;
+  newest_us = std::max(newest_us, app::convert::unwrapped_us(stamp_us - *ahead_us, now_us));
 }
 
 /// Ids of requests.
@@ -131,6 +154,10 @@ bool MavlinkEar::hear(Bytes bytes, const app::Parameters& p, Moment& n) {
     heard_.set(system);
     n.heard.own |= companion_ || system == self_.system;
     n.heard.leader |= system == leader;
+    if (const auto stamp = stamp_us(frame)) {
+      if (system == self_.system) note_truth(n.clocks.own_us, *stamp, n.now_us, n.own_true_us);
+      if (system == leader) note_truth(n.clocks.leader_us, *stamp, n.now_us, n.leader_true_us);
+    }
     if (frame.id < kQuestions.size() && kQuestions[frame.id] && frame.from != self_) {
       hear_request(frame.id, frame.from, frame.payload, p, n);
     }

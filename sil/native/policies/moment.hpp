@@ -35,6 +35,11 @@ class Asked {
   std::array<std::uint32_t, kAsks> counts_{};
 };
 
+/// How far their clocks are ahead of the boat's; nothing where nobody knows.
+struct Clocks {
+  std::optional<std::int64_t> own_us, leader_us;
+};
+
 /// Input since the previous tick.
 struct Heard {
   bool own = false, leader = false;  ///< a message of that system
@@ -116,6 +121,8 @@ struct Moment : Seen {
   std::int64_t beat_us = 0, timesync_us = 0;  ///< oldest among the links
   std::int64_t own_us = kNever_us, leader_us = kNever_us, sticks_us = kNever_us;
   std::int64_t controller_us = kNever_us, reboot_us = kNever_us;
+  Clocks clocks;  ///< of the navigation unit and the leader
+  std::int64_t own_true_us = kNever_us, leader_true_us = kNever_us;  ///< of the newest state heard
   std::array<std::int64_t, 2> esc_us{kNever_us, kNever_us};
 
   std::int64_t since(std::int64_t then_us) const { return now_us - then_us; }

@@ -95,6 +95,7 @@ void Monitor<S>::note_change(const app::Parameters& now) {
   if (now.MAV_GCS_SYSID != known_.MAV_GCS_SYSID) {
     now_.asked[Ask::kArmAllowed] = now_.asked[Ask::kArm];
   }
+  if (now.FORM_LEADER != known_.FORM_LEADER) now_.leader_true_us = kNever_us;
   known_ = now;
 }
 

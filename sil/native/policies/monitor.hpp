@@ -33,6 +33,9 @@ class Monitor {
   /// p: the boat's initial parameters.
   explicit Monitor(const app::Parameters& p);
 
+  /// The true clocks, where the simulation knows them; from the next heard() on.
+  void know(const Clocks& clocks) { now_.clocks = clocks; }
+
   void heard(std::span<const std::uint8_t> bytes);
   void on_can(std::uint32_t can_id, std::span<const std::uint8_t> data) {
     can_.hear(can_id, data, known_, now_.heard);

@@ -33,6 +33,12 @@ inline double asks_s(const Moment& n) {
   return 0.1 + (0 < slow_Hz && slow_Hz < 1 ? 1 / slow_Hz : 1);
 }
 
+/// Whether the newest state heard, of a sender whose clock is known, is younger than the limit.
+inline bool truly(double limit_s, const std::optional<std::int64_t>& clock_us, std::int64_t true_us,
+                  const Moment& n) {
+  return n.torn || !clock_us || n.within(limit_s, true_us);
+}
+
 inline float greatest_N(const Moment& n) {
   return n.p->THR_FWD_MAX < n.p->THR_REV_MAX ? n.p->THR_REV_MAX : n.p->THR_FWD_MAX;
 }

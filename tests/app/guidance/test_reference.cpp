@@ -20,6 +20,7 @@ Parameters parameters(std::uint8_t system, std::uint8_t leader) {
   p.MAV_SYSID = system;
   p.FORM_LEADER = leader;
   p.FORM_OFS_N = -3;
+  p.FORM_LAG_S = 0;  // few here answer TIMESYNC
   return p;
 }
 
@@ -62,6 +63,7 @@ struct Boat {
   Boat(std::uint8_t system, std::uint8_t leader_system, std::int64_t clock_us)
       : leader({leader_system, 0}), ahead_us(clock_us), self{system, 1} {
     configure(reference, parameters(system, leader_system), system);
+    leader.set_lag(0);
   }
   void hear(link::Address from, const link::Message& message, std::int64_t us) {
     leader.take({from, message}, us + ahead_us, counters);
@@ -385,6 +387,34 @@ TEST_CASE("a leader that leaves its slot is followed itself, by a reference of o
   CHECK(f.boat.aim(3 * kSecond_us)->branch == Branch{1, 2});
   CHECK(f.boat.tell(3 * kSecond_us)->maker == 2);
   CHECK(f.boat.tell(3 * kSecond_us)->path[1] == kRoot);
+}
+
+TEST_CASE("a reference of unknown age is handed on as such, and nobody steers by it") {
+  Follower f;
+  Parameters unknown = parameters(2, 1);
+  unknown.FORM_LAG_S = -1;
+  configure(f.boat.reference, unknown, 2);
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  CHECK_FALSE(f.boat.aim(2 * kSecond_us));
+  CHECK_FALSE(f.boat.reference.age_us(2 * kSecond_us));
+  CHECK((f.boat.tell(2 * kSecond_us)->flags & link::mav::kReferenceUntimed) != 0);
+  f.boat.reference.answered({1, 1}, 1'950'000, 1'960'000, 1'970'000);
+  f.hear_until(2 * kSecond_us, 2'200'000);
+  CHECK(f.boat.aim(2'200'000));
+  auto unsure = Follower::reference(2'300'000, ++f.sequence);
+  unsure.flags |= link::mav::kReferenceUntimed;
+  f.hear(unsure, 2'300'000);
+  CHECK_FALSE(f.boat.aim(2'300'000));
+}
+
+TEST_CASE("a reference is as old as its clock's worst error makes it") {
+  Follower f;
+  for (std::int64_t us = kSecond_us; us < 3 * kSecond_us; us += 100'000) {
+    f.boat.reference.answered({1, 1}, us - 1000, us + 4'200'000, us);  // asked long ago, perhaps
+    f.hear(Follower::reference(us, ++f.sequence), us);
+  }
+  CHECK_FALSE(f.boat.aim(3 * kSecond_us));
+  CHECK(f.refused() > 0);
 }
 
 TEST_CASE("whoever listens to another leader forgets the reference of the one before") {

@@ -95,6 +95,35 @@ TEST_CASE("a steady radio and a drift of 20 ppm over an hour leave half a millis
   }
 }
 
+TEST_CASE("an answer bounds the offset however long it took, if it is of the stamps' clock") {
+  for (const std::int64_t delay_us : {0L, 2'400'000L, 10'000'000L, 15'000'000L}) {
+    Radio radio{kHour_us, 0, delay_us, 0.0};
+    ClockOffset clock;
+    radio.talk(clock, 0, 3'000'000, true);
+    CHECK(clock.was_answered());
+    CHECK(std::abs(*clock.least_us() - (kHour_us - delay_us)) < 1000);
+  }
+}
+
+TEST_CASE("answers that contradict the stamps leave no lower bound, until some agree again") {
+  for (const std::int64_t apart_us : {-1'700'000'000'000'000L, -50'000'000L, 500'000L, kHour_us}) {
+    Radio radio{0, 0, 10'000, 0.0};
+    ClockOffset clock;
+    radio.talk(clock, 0, 2'000'000, true);
+    CHECK(clock.was_answered());
+    for (std::int64_t t = 2'000'000; t < 9'000'000; t += 50'000) {
+      clock.heard(radio.theirs(t), t + radio.way_us());
+      if (t % 1'000'000 != 0) continue;
+      clock.answered(t, radio.theirs(t) - apart_us, t + 20'000);
+      CHECK_FALSE(clock.was_answered());
+      CHECK(clock.offset_us());
+    }
+    radio.talk(clock, 9'000'000, 11'000'000, true);
+    CHECK(clock.was_answered());
+    CHECK(std::abs(radio.error_ms(clock, 11'000'000)) < 1);
+  }
+}
+
 TEST_CASE(
     "a clock that is set forward is followed at once, one that is set back within two windows") {
   Radio radio{0, 0, 10'000, 0.0};

@@ -18,8 +18,8 @@ struct Sender {
   std::uint32_t stamp(std::int64_t us) const {
     return static_cast<std::uint32_t>((us + ahead_us) / 1000);
   }
-  std::optional<std::int64_t> speak(SenderClocks& clocks, std::int64_t us,
-                                    std::uint8_t rank = 1) const {
+  std::optional<SenderClocks::Stamp> speak(SenderClocks& clocks, std::int64_t us,
+                                           std::uint8_t rank = 1) const {
     return clocks.heard(from, rank, stamp(us), us + delay_us);
   }
   void answer(SenderClocks& clocks, std::int64_t us) const {
@@ -32,12 +32,15 @@ TEST_CASE("TIMESYNC tells when a message left, however long it took and whatever
     SenderClocks clocks;
     const Sender sender{kMaker, ahead_us, 200'000};
     sender.speak(clocks, 1'000'000);
-    CHECK(*sender.speak(clocks, 1'100'000) >= 1'290'000);  // unknown: as if it took no time
+    CHECK(sender.speak(clocks, 1'100'000)->us >= 1'290'000);  // unknown: as if it took no time
+    CHECK_FALSE(sender.speak(clocks, 1'100'000)->timed);
     sender.answer(clocks, 1'200'000);
     for (std::int64_t us = 2'000'000; us < 9'000'000; us += 100'000) {
-      const auto left_us = sender.speak(clocks, us);
-      REQUIRE(left_us);
-      CHECK(std::abs(*left_us - us) < 2000);
+      const auto left = sender.speak(clocks, us);
+      REQUIRE(left);
+      CHECK(left->timed);
+      CHECK(std::abs(left->us - us) < 2000);
+      CHECK(left->least_us <= left->us - 195'000);  // all of both ways may be one's
       if (us % 1'000'000 == 0) sender.answer(clocks, us);
     }
   }
@@ -48,14 +51,26 @@ TEST_CASE("no message left after it came") {
   const Sender sender{kMaker, 0, 0};
   sender.speak(clocks, 1'000'000);
   clocks.answered(kMaker, 1'000'000, 900'000, 1'200'000);
-  CHECK(*sender.speak(clocks, 1'300'000) <= 1'300'000);
+  CHECK(sender.speak(clocks, 1'300'000)->us <= 1'300'000);
+}
+
+TEST_CASE("a latency that is named is taken off, until TIMESYNC tells it") {
+  SenderClocks clocks;
+  clocks.set_lag(300'000);
+  const Sender sender{kMaker, 0, 0};
+  sender.speak(clocks, 1'000'000);
+  const auto left = sender.speak(clocks, 1'100'000);
+  CHECK(left->timed);
+  CHECK(std::abs(left->us - 800'000) < 2000);
+  sender.answer(clocks, 1'150'000);
+  CHECK(std::abs(sender.speak(clocks, 1'200'000)->us - 1'200'000) < 2000);
 }
 
 TEST_CASE("a sender that was started anew is heard with its new clock") {
   SenderClocks clocks;
   const Sender before{kMaker, 500'000'000, 0}, after{kMaker, 0, 0};
   before.speak(clocks, 1'000'000);
-  CHECK(std::abs(*after.speak(clocks, 2'000'000) - 2'000'000) < 1000);
+  CHECK(std::abs(after.speak(clocks, 2'000'000)->us - 2'000'000) < 1000);
 }
 
 TEST_CASE("of more senders than there is room for those nearest to the root are kept") {

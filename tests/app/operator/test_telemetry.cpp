@@ -273,14 +273,15 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
   CHECK(names(r) ==
         "E_X E_Y E_PSI IN_SLOT U_STAR R_STAR LACK_X LACK_N NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N "
         "CUR_N CUR_E "
-        "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
+        "LEADER COND COND2 T_PORT T_STBD T_MAX T_MIN OVERRUNS ");
   const auto values = all_as<link::NamedValueFloat>(link::NamedValueFloat::kId, r);
-  const std::array expected{1.0F,        2.0F, 0.1F,  1.0F,  1.0F,   0.2F, 0.5F,  0.25F,
-                            0.1F,        0.2F, 0.3F,  -1.5F, 0.75F,  0.1F, -0.2F, 100.0F,
-                            16777215.0F, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
+  constexpr float kSecond = static_cast<float>(core::kAllConditions >> 24U);
+  const std::array expected{1.0F,        2.0F,    0.1F, 1.0F,  1.0F,  0.2F,   0.5F,  0.25F,
+                            0.1F,        0.2F,    0.3F, -1.5F, 0.75F, 0.1F,   -0.2F, 100.0F,
+                            16777215.0F, kSecond, 3.5F, -2.5F, 20.0F, -12.0F, 0.0F};
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(values[i].value == expected[i]);
   r.formation.reset();
-  const std::string always = "LEADER COND T_PORT T_STBD T_MAX T_MIN OVERRUNS ";
+  const std::string always = "LEADER COND COND2 T_PORT T_STBD T_MAX T_MIN OVERRUNS ";
   CHECK(names(r) == "NAV_AGE LEAD_AGE LEAD_UNC UNK_X UNK_N CUR_N CUR_E " + always);
   r.own_age_s.reset();
   r.leader_age_s.reset();

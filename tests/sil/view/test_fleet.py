@@ -30,7 +30,8 @@ from tests.sil.view.feed import (
 from tests.target.stations import heartbeat
 from tests.turns import some
 
-ALL = float((1 << len(flotilla.supervisor_conditions())) - 1)
+CONDITIONS = len(flotilla.supervisor_conditions())
+ALL, ALL2 = float((1 << 24) - 1), float((1 << CONDITIONS - 24) - 1)
 
 
 def test_real_boats_are_where_they_are_and_their_slots_go_with_their_leaders() -> None:
@@ -100,7 +101,7 @@ def boat(system: int, x: float = 0.0) -> bytes:
 
 def test_all_that_a_boat_tells_is_on_the_page() -> None:
     view = Listening()
-    values = {"E_X": 3.0, "E_Y": -4.0, "LEADER": 9.0, "LEAD_AGE": 0.25, "COND": ALL}
+    values = {"E_X": 3.0, "E_Y": -4.0, "LEADER": 9.0, "LEAD_AGE": 0.25, "COND": ALL, "COND2": ALL2}
     values |= {"T_PORT": 5.0, "T_STBD": -2.0, "T_MAX": 20.0, "T_MIN": -15.0}
     escs = [
         dialect().MAVLink_esc_status_message(0, 0, [100, -50, 0, 0], [24.5] * 4, [1.25] * 4),
@@ -177,7 +178,7 @@ def test_what_holds_a_boat_is_told_in_its_words() -> None:
     lost = ALL - bits["leader_fresh"]
     coasting = mavlink.MAVLink_heartbeat_message(11, 0, 137, 6, 5, 3)
     view = Listening()
-    view.hear(boat(3) + said(3, coasting, value("COND", lost)), 0.0)
+    view.hear(boat(3) + said(3, coasting, value("COND", lost), value("COND2", ALL2)), 0.0)
     vessel = view.by_id(0.0)[3]
     assert (vessel["state"], vessel["held"]) == ("COAST", ("leader's state is not fresh",))
 

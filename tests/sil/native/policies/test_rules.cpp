@@ -29,6 +29,8 @@ struct Pair {
 
   void set(Moment& m, State state, std::int64_t now_us) {
     m.now_us = m.own_us = m.leader_us = m.sticks_us = now_us;
+    m.own_true_us = m.leader_true_us = now_us - 50'000;
+    m.clocks = {0, -7'000'000};
     m.dt_us = 10'000;
     m.esc_us = {now_us, now_us};
     m.arming_us = m.status_us = m.beat_us = m.timesync_us = now_us - 50'000;
@@ -121,8 +123,16 @@ const std::vector<Mutation> kThrust{
      [](Pair& q) { q.n.leader_age_s.reset(); }},
     {"leader silent for FS_LEADER_S: no thrust in FORMATION", kLaw,
      [](Pair& q) { q.n.leader_us -= 1'010'000; }},
+    {"own state truly older than FS_NAV_S: no thrust by the law", kCoast,
+     [](Pair& q) { q.n.own_true_us -= 460'000; }},
+    {"leader's state truly older than FS_LEADER_S: no thrust in FORMATION", kLaw,
+     [](Pair& q) { q.n.leader_true_us -= 960'000; }},
+    {"age of own state unknown: no thrust by the law", kCoast, lost(core::kOwnTimed)},
     {"own state frozen or jumping: no thrust by the law", kLaw, lost(core::kOwnLive)},
-    {"leader's state frozen or jumping: no thrust in FORMATION", kLaw, lost(core::kLeaderSteady)},
+    {"leader's state frozen, jumping or of unknown age: no thrust in FORMATION", kLaw,
+     lost(core::kLeaderSteady)},
+    {"leader's state frozen, jumping or of unknown age: no thrust in FORMATION", kLaw,
+     lost(core::kLeaderTimed)},
     {"navigation unit too late: no thrust by the law", kLaw, lost(core::kOwnPrompt)},
     {"leaders in a ring, or no place for the boat: no thrust by the law", kLaw,
      lost(core::kSlotSound)},
