@@ -129,7 +129,7 @@ class Client:
                 break
             request = self.packet(BURST, size, missing)
             self.say(request)
-            for answer in self.hear(0.2):
+            for answer in self.hear(0.3):
                 if answer.asked == BURST and answer.opcode == ACK:
                     got[answer.offset] = answer.data
                     assert 1 <= (answer.seq - request.seq) % 65536 < 200

@@ -74,10 +74,10 @@ def test_of_a_leaders_components_the_first_one_counts_where_it_is_heard() -> Non
     sea = Sea(own=Course())
     sea.leader.on = False
     nine, five, one = Station(LEADER, 9), Station(LEADER, 5), Station(LEADER, 1)
-    for speakers, expected in (([nine], 90.0), ([nine, five], 50.0), ([nine, five, one], 10.0)):
+    for speakers, expected in (([nine], 0.9), ([nine, five], 0.5), ([nine, five, one], 0.1)):
         for _ in range(40):
             for speaker in speakers:
-                here = Course(10.0 * speaker.component)
+                here = Course(0.1 * speaker.component)
                 sea.say(origin(sea.now_us), odometry(here, sea.now_us), sender=speaker)
             sea.run(0.05)
         north = -sea.snapshot()["error"]["x_m"]  # the boat is at the origin and heads north

@@ -19,16 +19,33 @@ float float_of(S x) {
 }  // namespace
 
 template <class S>
-OwnMotion<S>::OwnMotion(std::uint8_t system, std::uint8_t component)
-    : track_({system, component, kOwnPatience_us, kOwnFrozen_us}) {}
+OwnMotion<S>::OwnMotion(std::uint8_t system, std::uint8_t component, std::uint8_t unit)
+    : track_({system, component, kOwnPatience_us, kOwnFrozen_us, true, unit}) {}
 
 template <class S>
-void OwnMotion<S>::configure(const convert::Law<S>& law, std::optional<float> lag_s, std::uint8_t own_system) {
+void OwnMotion<S>::configure(const convert::Law<S>& law, const Configuration::Navigation& navigation,
+                             std::uint8_t own_system) {
   set_limits(law);
-  latency_.configure(law.latency, law.yaw_inertia_kgm2, lag_s);
+  latency_.configure(law.latency, law.yaw_inertia_kgm2, navigation.lag_s);
   track_.set_lag(latency_.lag_us());
   track_.set_antenna({law.antenna.x, law.antenna.y});
-  track_.follow(own_system);
+  named_link_ = navigation.link;
+  if (own_system != track_.system()) link_.reset();
+  track_.follow(own_system, navigation.component);
+}
+
+template <class S>
+void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
+                        link::Counters& counters) {
+  if (received.from.system != track_.system() || !may_be_own(link, now_us)) return;
+  track_.take(received, now_us, counters);
+  if (track_.accepted(now_us)) link_ = link;
+}
+
+template <class S>
+bool OwnMotion<S>::may_be_own(std::size_t link, std::int64_t now_us) const {
+  const auto& pinned = named_link_ ? named_link_ : link_;
+  return !pinned || *pinned == link || (!named_link_ && !armed_ && track_.silent(now_us));
 }
 
 template <class S>
@@ -39,6 +56,7 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
   track_.set_lag(latency_.lag_us());
   if (std::exchange(armed_, armed) != armed) {
     set_limits(law);
+    track_.hold(armed);
     track_.set_smoothing(!armed);  // the observer extrapolates from each message
   }
   if (!armed) {

@@ -2,11 +2,14 @@
 // The boat's own motion: from its navigation unit, and from the thrust given between its messages.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "app/guidance/response_monitor.hpp"
 #include "app/guidance/unit_latency.hpp"
 #include "app/navigation/vessel_track.hpp"
+#include "app/parameters/configuration.hpp"
 #include "core/estimation/observer.hpp"
 #include "core/supervisor.hpp"
 
@@ -15,10 +18,17 @@ namespace flotilla::app {
 template <class S>
 class OwnMotion {
  public:
-  OwnMotion(std::uint8_t system, std::uint8_t component);
+  /// unit: NAV_COMPID.
+  OwnMotion(std::uint8_t system, std::uint8_t component, std::uint8_t unit);
 
-  /// Applies changed parameters and the own system id. lag_s: NAV_LAG_S, if it names one.
-  void configure(const convert::Law<S>& law, std::optional<float> lag_s, std::uint8_t own_system);
+  /// Applies changed parameters and the own system id.
+  void configure(const convert::Law<S>& law, const Configuration::Navigation& navigation,
+                 std::uint8_t own_system);
+
+  /// Any message. The unit's come by the link that is named, else by the first that a good state came
+  /// by while the boat was disarmed: not by a radio that anybody may speak on.
+  void take(const link::Received& received, std::size_t link, std::int64_t now_us,
+            link::Counters& counters);
 
   /// The navigation unit's states.
   VesselTrack<S>& track() { return track_; }
@@ -47,10 +57,12 @@ class OwnMotion {
   void set_limits(const convert::Law<S>& law) {
     track_.set_limits(armed_ ? law.afloat : law.carried);
   }
+  bool may_be_own(std::size_t link, std::int64_t now_us) const;
   void carry(std::int64_t now_us);
   core::ObserverParams<S> careful(const core::ObserverParams<S>& params) const;
 
   VesselTrack<S> track_;
+  std::optional<std::size_t> named_link_, link_;  // NAV_LINK; by which the states come
   core::Observer<S> observer_{};
   convert::Position anchor_;
   bool armed_ = false;

@@ -18,7 +18,8 @@ std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
 
 template <class S>
 Pilot<S>::Pilot(const Configuration& c, const convert::Law<S>& law)
-    : own_(c.start.system, c.start.component), leader_({c.formation.leader, 0}) {
+    : own_(c.start.system, c.start.component, c.navigation.component),
+      leader_({c.formation.leader, 0}) {
   configure(c, law, c.start.system);
 }
 
@@ -27,7 +28,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
                          std::uint8_t own_system) {
   law_ = law;
   limits_ = c.navigation;
-  own_.configure(law, c.navigation.lag_s, own_system);
+  own_.configure(law, c.navigation, own_system);
   leader_.follow(c.formation.leader);
   leader_.set_lag(c.formation.leader_lag_us);
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
@@ -36,12 +37,13 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
 }
 
 template <class S>
-void Pilot<S>::take(const link::Received& received, std::int64_t now_us, link::Counters& counters) {
+void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
+                    link::Counters& counters) {
   if (const auto* answer = std::get_if<link::Timesync>(&received.message)) {
     take_time(received.from, *answer, now_us);
     return;
   }
-  own_.track().take(received, now_us, counters);
+  own_.take(received, link, now_us, counters);
   leader_.take(received, now_us, counters);
   const convert::Position* place = located() ? &own_.track().position() : nullptr;
   reference_.take(received, place, now_us, counters);

@@ -32,7 +32,8 @@ class Pilot {
                  std::uint8_t own_system);
 
   /// Takes any message; ignores those of unrelated vessels.
-  void take(const link::Received& received, std::int64_t now_us, link::Counters& counters);
+  void take(const link::Received& received, std::size_t link, std::int64_t now_us,
+            link::Counters& counters);
 
   /// Makes the TIMESYNC requests to send; take() gets the answers.
   TimeRequests& time_requests() { return time_; }

@@ -54,6 +54,14 @@ class JumpGuard {
     next_.reset();
   }
 
+  /// The state that the next one is compared with.
+  const std::optional<Seen>& last() const { return last_; }
+
+  /// A later state of another clock, as it may have moved from the last one.
+  std::int64_t stamp_after_last(std::int64_t now_us) const {
+    return last_->stamp_us + (now_us - last_->arrived_us) + kSettled_us;
+  }
+
   /// Takes a state given in the plane of the last one; `far`: too far away for that plane. Unless it
   /// is refused, it is to be believed next.
   Verdict take(const Seen& state, bool far) {

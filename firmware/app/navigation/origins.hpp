@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "app/convert/convert.hpp"
 
@@ -21,21 +23,39 @@ class Origins {
   }
 
   /// This component has reported the origin of its local positions.
-  bool is_told_by(std::uint8_t component) const { return told_by_ == component; }
+  bool is_told_by(std::uint8_t component) const { return told_.by == component; }
 
-  /// Positions of this component can be compared with other vessels'.
-  bool knows(std::uint8_t component) const { return anchored_ || is_told_by(component); }
+  /// The last position can be compared with other vessels'.
+  bool located() const { return located_; }
 
   /// The positions in use are local, and their origin would move.
   bool moves_to(const link::GpsGlobalOrigin& origin) const {
-    const bool same = origin.latitude == told_.latitude && origin.longitude == told_.longitude;
-    return !same && told_by_ != 0 && !anchored_;
+    const link::GpsGlobalOrigin& old = told_.origin;
+    const bool same = origin.latitude == old.latitude && origin.longitude == old.longitude;
+    return !same && told_.by != 0 && !anchored_;
   }
 
-  void take(const link::GpsGlobalOrigin& origin, std::uint8_t component) {
-    told_ = origin;
-    told_by_ = component;
-    if (!anchored_) position_.origin = origin;
+  /// Of the component in use, or of another one; positions count from it when anchor() says so.
+  void take(const link::GpsGlobalOrigin& origin, std::uint8_t component, bool in_use,
+            std::int64_t now_us) {
+    (in_use ? told_ : others_) = {origin, component, now_us};
+  }
+
+  /// Of positions that nobody knew the origin of, this is it.
+  void locate() {
+    if (located_ || anchored_) return;
+    position_.origin = told_.origin;
+    located_ = true;
+  }
+
+  /// Where a sample of this component is on the globe; nothing where its origin is unknown.
+  template <class S>
+  std::optional<convert::Position> place_of(const convert::Sample<S>& sample,
+                                            std::uint8_t component) const {
+    if (sample.at) return convert::Position{0, 0, {sample.at->latitude, sample.at->longitude}};
+    const Told& told = is_told_by(component) ? told_ : others_;
+    if (told.by != component) return std::nullopt;
+    return convert::Position{sample.north_m, sample.east_m, told.origin};
   }
 
   /// A global position too far from the anchor to be compared with the last one.
@@ -60,22 +80,36 @@ class Origins {
   template <class S>
   void anchor(const convert::Sample<S>& sample, std::uint8_t component) {
     anchored_ = sample.at.has_value();
-    const bool told = !anchored_ || (is_told_by(component) && convert::reaches(told_, *sample.at));
-    position_.origin =
-        told ? told_ : link::GpsGlobalOrigin{sample.at->latitude, sample.at->longitude, 0, 0};
+    const bool told =
+        !anchored_ || (is_told_by(component) && convert::reaches(told_.origin, *sample.at));
+    position_.origin = told
+                           ? told_.origin
+                           : link::GpsGlobalOrigin{sample.at->latitude, sample.at->longitude, 0, 0};
+    located_ = anchored_ || is_told_by(component);
   }
 
   /// Another component's positions need another anchor.
-  void release() { anchored_ = false; }
+  void change_to(std::uint8_t component) {
+    anchored_ = false;
+    if (others_.by == component) std::swap(told_, others_);
+  }
 
-  /// The vessel rebooted: its local positions have another origin, which nobody knows yet.
-  void forget() { told_by_ = 0; }
+  /// The vessel rebooted: its local positions have another origin, which nobody knows that was not
+  /// told since then.
+  void forget(std::int64_t since_us) {
+    if (told_.us <= since_us) told_.by = 0;
+  }
 
  private:
+  struct Told {
+    link::GpsGlobalOrigin origin{};
+    std::uint8_t by = 0;  ///< component; 0: nobody
+    std::int64_t us = 0;
+  };
+
   convert::Position position_;
-  link::GpsGlobalOrigin told_{};
-  std::uint8_t told_by_ = 0;  // component; 0: nobody
-  bool anchored_ = false;
+  Told told_, others_;
+  bool anchored_ = false, located_ = false;
 };
 
 }  // namespace flotilla::app

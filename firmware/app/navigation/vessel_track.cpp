@@ -19,10 +19,12 @@ S carried(std::int64_t us) {
 }  // namespace
 
 template <class S>
-void VesselTrack<S>::follow(std::uint8_t system) {
-  if (system == identity_.system) return;
+void VesselTrack<S>::follow(std::uint8_t system, std::uint8_t only) {
+  if (system == identity_.system && only == identity_.only) return;
   VesselTrack next(identity_, antenna_);
   next.identity_.system = system;
+  next.identity_.only = only;
+  next.hold(held_);
   next.set_limits(guard_.limits());
   next.set_smoothing(filter_.smooths());
   next.set_lag(lag_us_);
@@ -92,11 +94,16 @@ template <class S>
 void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, const Arrival& arrival) {
   if (!convert::is_valid(message)) {
     ++arrival.counters.mavlink_bad_value;
-  } else if (component() == 0 || component() == arrival.component) {
-    // A local position is valid only with the origin that it was measured from.
-    if (origins_.moves_to(message)) origin_changed();
-    origins_.take(message, arrival.component);
+    return;
   }
+  const bool in_use = component() == 0 || component() == arrival.component;
+  // A local position is valid only with the origin that it was measured from.
+  if (in_use && origins_.moves_to(message)) origin_changed();
+  origins_.take(message, arrival.component, in_use, arrival.now_us);
+  // Of places that were known before, the next one has to be near.
+  if (!in_use || plane_ || component() == 0) return;
+  origins_.locate();
+  if (origins_.located()) plane_ = origins_.position().origin;
 }
 
 /// A position joined with ATTITUDE's heading.
@@ -121,7 +128,7 @@ void VesselTrack<S>::take_joined(Source source, const Message& message, const Ar
     return;
   }
   ++counters.mavlink_no_heading;
-  if (!in_use || source != sources_.in_use()) return;
+  if (!in_use || source != sources_.in_use() || reframed_) return;
   guard_.look_at(guard_.seen(origins_.in_plane(*sample), now_us), false);
 }
 
@@ -130,12 +137,15 @@ template <class S>
 void VesselTrack<S>::choose(State state, const Arrival& arrival) {
   const auto& [from, now_us, counters] = arrival;
   const std::int64_t stamp_us = state.sample.stamp_us;
-  if (sources_.better(from, stamps_.silent(now_us))) component_changed(from, state.heading);
-  if (from != component()) return;
+  if (from != component()) {
+    if (!may_choose(from, now_us) || !goes_on(state, arrival)) return;
+    component_changed(from, state.heading);
+  }
   if (state.resets && sources_.is_reset(*state.resets, stamp_us)) estimator_reset();
   sources_.hear(state.source, stamp_us, now_us, stamps_.last_us().has_value());
   if (state.source != sources_.in_use()) {
     if (!sources_.better(state.source, now_us, origins_.is_told_by(from))) return;
+    if (!goes_on(state, arrival)) return;
     if (const auto age = age_us(now_us)) state.resumed_us = now_us - *age;
     source_changed(state.source);
   }
@@ -143,23 +153,81 @@ void VesselTrack<S>::choose(State state, const Arrival& arrival) {
 }
 
 template <class S>
+bool VesselTrack<S>::may_choose(std::uint8_t component, std::int64_t now_us) const {
+  const bool silent = stamps_.silent(now_us);
+  const bool kept = identity_.keeps && this->component() != 0;
+  return kept ? silent && !held_ : sources_.better(component, silent);
+}
+
+/// The first state of another component or source is where the vessel can be; one that cannot be
+/// compared waits until the one in use is silent.
+template <class S>
+bool VesselTrack<S>::goes_on(const State& state, const Arrival& arrival) {
+  const auto& [from, now_us, counters] = arrival;
+  if (from != component() && plane_ && !origins_.place_of(state.sample, from) &&
+      !stamps_.silent(now_us)) {
+    return false;
+  }
+  const Jump jump = jump_across(state.sample, from, now_us);
+  if (jump == Jump::kMoved) moved();
+  if (jump == Jump::kRefused) ++counters.mavlink_jump;
+  return jump != Jump::kRefused;
+}
+
+template <class S>
+typename VesselTrack<S>::Jump VesselTrack<S>::jump_of(const convert::Sample<S>& sample,
+                                                      std::uint8_t from, std::int64_t now_us) {
+  if (reframed_) return jump_across(sample, from, now_us);
+  return guard_.take(guard_.seen(origins_.in_plane(sample), now_us), origins_.is_far(sample));
+}
+
+/// Compares it with the last state on the globe, where both are known, whatever plane and clock
+/// each is of.
+template <class S>
+typename VesselTrack<S>::Jump VesselTrack<S>::jump_across(const convert::Sample<S>& sample,
+                                                          std::uint8_t from, std::int64_t now_us) {
+  const auto& last = guard_.last();
+  if (!last) return Jump::kGoesOn;
+  if (!plane_) {
+    guard_.forget();
+    return Jump::kGoesOn;
+  }
+  const auto place = origins_.place_of(sample, from);
+  if (!place) return Jump::kGoesOn;
+  const auto [n, near] = convert::separation<S>({last->north_m, last->east_m, *plane_}, *place);
+  auto seen = guard_.seen(sample, now_us);
+  seen.north_m = last->north_m - n.x;
+  seen.east_m = last->east_m - n.y;
+  seen.stamp_us = guard_.stamp_after_last(now_us);
+  return guard_.take(seen, !near);
+}
+
+/// A place that nobody knows leaves the last known one to be compared with.
+template <class S>
+void VesselTrack<S>::believe(const convert::Sample<S>& placed, std::int64_t now_us) {
+  if (reframed_ && plane_ && guard_.last() && !origins_.located()) return;
+  guard_.believe(guard_.seen(placed, now_us));
+  if (!std::exchange(reframed_, false) && plane_.has_value() == origins_.located()) return;
+  plane_.reset();
+  if (origins_.located()) plane_ = origins_.position().origin;
+}
+
+template <class S>
 void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   using Stamp = StampFilter::Verdict;
-  using Jump = typename JumpGuard<S>::Verdict;
   const auto& [from, now_us, counters] = arrival;
   const std::int64_t stamp_us = state.sample.stamp_us;
   const Stamp stamp = stamps_.judge(stamp_us, now_us);
   convert::Sample<S> placed = origins_.in_plane(state.sample);
   if (stamp == Stamp::kLate) {
     stamps_.refuse(stamp_us);
-    guard_.look_at(guard_.seen(placed, now_us), true);
+    if (!reframed_) guard_.look_at(guard_.seen(placed, now_us), true);
     ++counters.mavlink_old_stamp;
     return;
   }
   if (stamp == Stamp::kRestarted) rebooted(stamp_us);
   const bool far = origins_.is_far(state.sample);
-  auto seen = guard_.seen(placed, now_us);
-  const Jump jump = guard_.take(seen, far);
+  const Jump jump = jump_of(state.sample, from, now_us);
   if (jump == Jump::kRefused) {
     ++counters.mavlink_jump;
     return;
@@ -171,12 +239,12 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   }
   // If TIMESYNC confirms the clock, the messages were merely overtaken.
   if (stamps_.regularly_late() && !bounded()) sources_.reset_clock();
-  if (far || !origins_.is_of_kind(state.sample)) {
+  const bool moves = reframed_ && !state.sample.at;  // an anchor stays
+  if (far || moves || !origins_.is_of_kind(state.sample)) {
+    reframed_ = true;
     origins_.anchor(state.sample, from);
     placed = origins_.in_plane(state.sample);
-    seen = guard_.seen(placed, now_us);
   }
-  guard_.believe(seen);
   update(state, placed, now_us);
 }
 
@@ -185,6 +253,7 @@ void VesselTrack<S>::update(const State& state, const convert::Sample<S>& placed
                             std::int64_t now_us) {
   const std::int64_t stamp_us = placed.stamp_us;
   const std::int64_t since_us = stamps_.last_us() ? stamp_us - *stamps_.last_us() : 0;
+  believe(placed, now_us);
   liveness_.take(placed, convert::seconds<S>(std::min(since_us, kLongestRepeat_us)));
   ClockOffset& clock = sources_.clock();
   clock.heard(stamp_us, now_us);

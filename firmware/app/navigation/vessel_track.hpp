@@ -30,6 +30,8 @@ class VesselTrack {
     std::uint8_t ignored_component;      ///< 0: none
     std::int64_t patience_us = 500'000;  ///< silence after which another source is chosen
     std::int64_t frozen_us = 700'000;    ///< repetition of one state that counts as frozen
+    bool keeps = false;                  ///< its first component, until that is silent
+    std::uint8_t only = 0;               ///< the only component; 0: any
   };
   struct Antenna {
     S x_m, y_m;
@@ -43,8 +45,18 @@ class VesselTrack {
 
   std::uint8_t system() const { return identity_.system; }
 
-  /// Follows another vessel; discards everything known of the old one.
-  void follow(std::uint8_t system);
+  /// Follows another vessel, or another of its components (0: any); discards everything known of the
+  /// old one.
+  void follow(std::uint8_t system, std::uint8_t only = 0);
+
+  /// While held no other component is chosen, though the one in use is silent; only where it keeps.
+  void hold(bool held) { held_ = held; }
+
+  /// A state was accepted just now.
+  bool accepted(std::int64_t now_us) const {
+    return stamps_.last_us() && stamps_.arrived_us() == now_us;
+  }
+  bool silent(std::int64_t now_us) const { return stamps_.silent(now_us); }
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
 
@@ -99,7 +111,7 @@ class VesselTrack {
   const convert::Position& position() const { return origins_.position(); }
 
   /// The position can be compared with other vessels'.
-  bool has_origin() const { return component() != 0 && origins_.knows(component()); }
+  bool has_origin() const { return component() != 0 && origins_.located(); }
 
   /// Motion extrapolated from the last sample; ages below zero count as zero.
   core::Motion<S> motion(std::int64_t now_us) const;
@@ -135,7 +147,7 @@ class VesselTrack {
 
   bool mine(link::Address from) const {
     return from.system == identity_.system && from.component != identity_.ignored_component &&
-           from.component != 0;
+           from.component != 0 && (identity_.only == 0 || identity_.only == from.component);
   }
   std::uint8_t component() const { return sources_.component(); }
   std::int64_t lag_us() const { return bounded() ? 0 : lag_us_.value_or(0); }
@@ -148,29 +160,38 @@ class VesselTrack {
   template <class Message>
   void take_joined(Source source, const Message& message, const Arrival& arrival);
   void choose(State state, const Arrival& arrival);
+  bool may_choose(std::uint8_t component, std::int64_t now_us) const;
+  bool goes_on(const State& state, const Arrival& arrival);
+  using Jump = typename JumpGuard<S>::Verdict;
+  Jump jump_of(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
+  Jump jump_across(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
+  void believe(const convert::Sample<S>& placed, std::int64_t now_us);
   void accept(const State& state, const Arrival& arrival);
   void update(const State& state, const convert::Sample<S>& placed, std::int64_t now_us);
 
   // The events that end a track or part of it; nothing else resets anything.
   void component_changed(std::uint8_t component, const Heading* heading) {
-    motion_ended();
+    filter_.forget();
+    other_sender();
     sources_.change_to(component);
-    origins_.release();
+    origins_.change_to(component);
     if (heading != nullptr) headings_.use(*heading);
   }
   /// The motion goes on, with the new source's stamps and clock.
   void source_changed(Source source) {
-    guard_.forget();
-    stamps_.forget();
-    if (sources_.went_back(source)) origins_.forget();
+    if (sources_.went_back(source)) origins_.forget(stamps_.arrived_us());
+    other_sender();
     sources_.change_to(source);
   }
   void rebooted(std::int64_t stamp_us) {
-    motion_ended();
+    origins_.forget(stamps_.arrived_us());
+    filter_.forget();
+    other_sender();
     sources_.reboot(stamp_us);
-    origins_.forget();
   }
-  void origin_changed() { clock_set(); }
+  void origin_changed() { reframed_ = true; }
+  /// Another plane and clock: the last place stays that of the vessel.
+  void other_sender() { stamps_.forget(), reframed_ = true; }
   void clock_set() { motion_ended(), sources_.reset_clock(); }
   void estimator_reset() { motion_ended(); }
   void moved() { motion_ended(); }  ///< a jump was believed
@@ -188,6 +209,9 @@ class VesselTrack {
   Liveness<S> liveness_;
   Namesake namesake_;
   MotionFilter<S> filter_;
+  std::optional<link::GpsGlobalOrigin> plane_;  // of the guard's last state, where it is known
+  bool reframed_ = false;                       // that state is of another plane or clock
+  bool held_ = false;
   bool frame_complaint_ = false;
 };
 

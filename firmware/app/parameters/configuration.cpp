@@ -44,6 +44,8 @@ Configuration configuration_of(const Parameters& p) {
                     .separation_m = p.FS_SEP_M,
                     .judges_station = p.FS_SLOT_M > 0},
       .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
+                     .component = whole<Byte>(p.NAV_COMPID),
+                     .link = p.NAV_LINK < 0 ? std::nullopt : std::optional(whole<std::size_t>(p.NAV_LINK)),
                      .own_limit_us = microseconds(p.FS_NAV_S),
                      .leader_limit_us = microseconds(p.FS_LEADER_S)},
       .propulsion = {.port_esc = whole<Byte>(p.ESC_PORT),

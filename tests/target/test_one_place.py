@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: MIT
+"""A vessel is in one place, whichever source, component, link or origin tells it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from tests.target.course import Course
+from tests.target.hull import Afloat, Hull, s_curve
+from tests.target.operator_words import param_set
+from tests.target.sea import Sea, at_sea, texts
+from tests.target.stations import (
+    BOAT,
+    LEADER,
+    NAVIGATION,
+    ORIGIN,
+    Station,
+    attitude,
+    local_position,
+    odometry,
+    origin,
+)
+
+OFF_M = 300.0
+
+
+def sailing() -> Afloat:
+    """In FORMATION on two links; the unit and the leader speak on the first."""
+    sea = Afloat({"FS_LEADER_ACT": 0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve, links=2)
+    sea.enter_formation()
+    sea.run(8.0)
+    assert sea.state == "FORMATION" and sea.counter("mavlink_jump") == 0
+    return sea
+
+
+def pair(truth: Course, now_us: int) -> list[object]:
+    return [attitude(truth, now_us), local_position(truth, now_us)]
+
+
+def farthest_while_driven(sea: Afloat, seconds: float) -> float:
+    """From the slot, by the boat's own account."""
+    far_m = 0.0
+    for _ in range(round(100 * seconds)):
+        sea.step()
+        error = sea.snapshot()["error"]
+        if any(sea.commands) and error:
+            far_m = max(far_m, math.hypot(error["x_m"], error["y_m"]))
+    return far_m
+
+
+@pytest.mark.parametrize("component", [10, NAVIGATION - 1, NAVIGATION + 1])
+@pytest.mark.parametrize("link", [0, 1])
+def test_no_other_component_takes_the_own_units_place_while_armed(
+    component: int, link: int
+) -> None:
+    sea = sailing()
+    other = Station(BOAT, component)
+    far_m = 0.0
+    for _ in range(40):
+        there = replace(sea.own.truth(sea.now_us), north=OFF_M)
+        sea.say(origin(sea.now_us), *pair(there, sea.now_us), sender=other, link=link)
+        far_m = max(far_m, farthest_while_driven(sea, 0.05))
+    assert sea.state == "FORMATION" and far_m < 2.0
+    sea.own.on = False
+    for _ in range(40):
+        there = replace(sea.own.truth(sea.now_us), north=OFF_M)
+        sea.say(origin(sea.now_us), *pair(there, sea.now_us), sender=other, link=link)
+        sea.run(0.05)
+    assert sea.state == "HOLD" and not sea.condition("own_fresh"), "nor when the unit is silent"
+
+
+def test_the_same_component_on_another_link_is_not_the_own_unit() -> None:
+    sea = sailing()
+    far_m = 0.0
+    for _ in range(40):
+        there = replace(sea.own.truth(sea.now_us), north=OFF_M)
+        sea.say(odometry(there, sea.now_us), sender=Station(BOAT, NAVIGATION), link=1)
+        far_m = max(far_m, farthest_while_driven(sea, 0.05))
+    assert sea.state == "FORMATION" and far_m < 2.0 and sea.counter("mavlink_jump") == 0
+
+
+def test_a_disarmed_boat_takes_another_unit_when_its_own_is_silent() -> None:
+    sea = Sea(links=2)
+    sea.run(1.0)
+    sea.own.on = False
+    other = Station(BOAT, 10)
+    for _ in range(60):
+        sea.say(origin(sea.now_us), odometry(sea.own.course, sea.now_us), sender=other, link=1)
+        sea.run(0.05)
+    assert sea.condition("own_fresh")
+    sea.arm()
+    assert sea.state == "HOLD"
+
+
+@pytest.mark.parametrize("pin", [{"NAV_COMPID": 10.0}, {"NAV_LINK": 1.0}])
+def test_a_pinned_source_is_the_only_one(pin: dict[str, float]) -> None:
+    sea = Sea(pin, links=2)
+    sea.run(1.0)
+    assert sea.snapshot()["own_age_s"] is None
+    other = Station(BOAT, 10)
+    for _ in range(20):
+        sea.say(origin(sea.now_us), odometry(sea.own.course, sea.now_us), sender=other, link=1)
+        sea.run(0.05)
+    assert sea.condition("own_fresh")
+
+
+def test_a_pin_that_is_set_later_changes_the_source() -> None:
+    sea = Sea(links=2)
+    sea.run(1.0)
+    assert sea.condition("own_fresh")
+    sea.say(param_set("NAV_COMPID", 10.0))
+    sea.run(0.2)
+    assert sea.snapshot()["own_age_s"] is None
+
+
+@pytest.mark.parametrize("agent", ["own", "leader"])
+def test_another_kind_of_message_does_not_move_a_vessel(agent: str) -> None:
+    sea = sailing()
+    whose = getattr(sea, agent)
+    whose.on = False
+    far_m = 0.0
+    for k in range(40):
+        there = replace(whose.truth(sea.now_us), north=OFF_M)
+        sea.say(*pair(there, sea.now_us), sender=whose.station)
+        far_m = max(far_m, farthest_while_driven(sea, 0.05))
+        if 12 <= k < 30:
+            assert not sea.condition(f"{agent}_steady")
+    assert sea.state == "HOLD" and sea.counter("mavlink_jump") > 0 and far_m < 2.0
+
+
+@pytest.mark.parametrize("agent", ["own", "leader"])
+def test_another_kind_of_message_of_the_same_place_goes_on(agent: str) -> None:
+    sea = sailing()
+    whose = getattr(sea, agent)
+    whose.on = False
+    for _ in range(100):
+        sea.say(*pair(whose.truth(sea.now_us), sea.now_us), sender=whose.station)
+        sea.run(0.05)
+        assert sea.state == "FORMATION"
+    assert sea.counter("mavlink_jump") == 0
+
+
+@pytest.mark.parametrize("agent", ["own", "leader"])
+def test_another_origin_does_not_move_a_vessel_at_once(agent: str) -> None:
+    """A kilometre north."""
+    sea = sailing()
+    whose = getattr(sea, agent)
+    whose.origin_on = False
+    sea.say(origin(sea.now_us, latitude=ORIGIN[0] + 90_000), sender=whose.station)
+    assert farthest_while_driven(sea, 0.9) < 2.0
+    assert sea.state == "HOLD" and not sea.condition(f"{agent}_steady")
+    assert sea.counter("mavlink_jump") > 0
+    assert any("jumps" in text for text in texts(sea.ticks))
+    sea.run(2.5)
+    assert sea.condition(f"{agent}_steady"), "it is there, after all"
+
+
+@pytest.mark.parametrize("agent", ["own", "leader"])
+def test_an_origin_that_moves_with_its_positions_changes_nothing(agent: str) -> None:
+    """By 0.001 degree, 111.2 m."""
+    sea = sailing()
+    whose = getattr(sea, agent)
+    whose.origin_on = False
+    moved = whose.measured
+    sea.say(origin(sea.now_us, latitude=ORIGIN[0] + 10_000), sender=whose.station)
+    whose.measured = lambda now_us: replace(moved(now_us), north=moved(now_us).north - 111.19)
+    for _ in range(300):
+        sea.step()
+        assert sea.state == "FORMATION"
+        error = sea.snapshot()["error"]
+        assert math.hypot(error["x_m"], error["y_m"]) < 2.0
+    assert sea.counter("mavlink_jump") == 0
+
+
+@pytest.mark.parametrize("near", [True, False])
+def test_a_lower_component_of_the_leader_counts_where_it_is_in_the_same_place(near: bool) -> None:
+    sea = sailing()
+    sea.leader.station = Station(LEADER, 9)
+    sea.disarm()
+    sea.run(2.0)
+    lower = Station(LEADER, 5)
+    for _ in range(60):
+        there = sea.leader.truth(sea.now_us)
+        there = there if near else replace(there, east=there.east + OFF_M)
+        sea.say(origin(sea.now_us), *pair(there, sea.now_us), sender=lower)
+        sea.run(0.05)
+    assert sea.condition("leader_steady") == near
+    position = sea.snapshot()["error"]
+    assert math.hypot(position["x_m"], position["y_m"]) < 10.0
+    sea.say(odometry(Course(), sea.now_us), sender=sea.leader.station)  # counts no more, or jumps
+    sea.step()
+    assert sea.condition("leader_steady") == near
+
+
+def test_a_unit_that_restarts_somewhere_else_jumps() -> None:
+    sea = at_sea({"FS_LEADER_ACT": 0})
+    sea.leader.on = False
+    sea.run(1.5)
+    sea.leader.clock_offset_us -= 5_000_000
+    sea.leader.course = replace(sea.leader.course, north=sea.leader.course.north + OFF_M)
+    sea.leader.on = True
+    jumps = 0
+    for _ in range(200):
+        sea.step()
+        jumps += not sea.condition("leader_steady")
+    assert jumps > 90
