@@ -52,7 +52,8 @@ class Origins {
   template <class S>
   std::optional<convert::Position> place_of(const convert::Sample<S>& sample,
                                             std::uint8_t component) const {
-    if (sample.at) return convert::Position{0, 0, {sample.at->latitude, sample.at->longitude}};
+    if (sample.at)
+      return convert::Position{0, 0, {sample.at->latitude, sample.at->longitude, 0, 0}};
     const Told& told = is_told_by(component) ? told_ : others_;
     if (told.by != component) return std::nullopt;
     return convert::Position{sample.north_m, sample.east_m, told.origin};

@@ -318,7 +318,7 @@ link::Odometry odometry_at(std::int64_t us, float east_m) {
   return m;
 }
 
-constexpr double kOdometryEast = 10, kLocalEast = 20, kFollowEast = 30, kGlobalEast = 40;
+constexpr double kOdometryEast = 0.1, kLocalEast = 0.2, kFollowEast = 0.3, kGlobalEast = 0.4;
 
 template <class S>
 struct FourSources : Watch<S> {
@@ -337,9 +337,9 @@ struct FourSources : Watch<S> {
       if (odometry) this->hear(odometry_at(now_us, kOdometryEast), now_us);
     }
   }
-  /// East of the origin, and to the centimetre which source was believed.
+  /// East of the origin, and to centimetres which source was believed.
   bool believes(double east_m) const {
-    return std::abs(convert::number(this->track.position().east_m) - east_m) < 0.01;
+    return std::abs(convert::number(this->track.position().east_m) - east_m) < 0.03;
   }
 };
 
@@ -414,14 +414,19 @@ TEST_CASE_TEMPLATE(
     for (std::int64_t t = 0; t < 4'000'000; t += kPeriod_us) {
       const std::int64_t now_us = w.now_us + t;
       w.hear(link::Attitude{convert::boot_ms(t), 0, 0, 0, 0, 0, 0}, now_us);
-      w.hear(local_at(t, 7), now_us);
-      if (odometry) w.hear(odometry_at(t, 7), now_us);
+      w.hear(local_at(t, 0.5F), now_us);
+      if (odometry) w.hear(odometry_at(t, 0.5F), now_us);
       if (w.track.take_fix()) ++believed;
       if (believed > 0) REQUIRE_FALSE(w.track.has_origin());
     }
     CHECK(believed > 15);
-    CHECK(w.track.position().east_m == 7);
+    CHECK(w.track.position().east_m == 0.5F);
     w.hear(kOrigin, w.now_us + 4'000'000);
+    CHECK_FALSE(w.track.has_origin());  // the place from there is to be compared with the last one
+    const std::int64_t next_us = 4'100'000;
+    w.hear(link::Attitude{convert::boot_ms(next_us), 0, 0, 0, 0, 0, 0}, w.now_us + next_us);
+    w.hear(local_at(next_us, 0.5F), w.now_us + next_us);
+    if (odometry) w.hear(odometry_at(next_us, 0.5F), w.now_us + next_us);
     CHECK(w.track.has_origin());
   }
 }
