@@ -318,7 +318,7 @@ link::Odometry odometry_at(std::int64_t us, float east_m) {
   return m;
 }
 
-constexpr double kOdometryEast = 0.1, kLocalEast = 0.2, kFollowEast = 0.3, kGlobalEast = 0.4;
+constexpr float kOdometryEast = 0.1F, kLocalEast = 0.2F, kFollowEast = 0.3F, kGlobalEast = 0.4F;
 
 template <class S>
 struct FourSources : Watch<S> {
