@@ -346,16 +346,10 @@ void Boat<S>::tell_latency() {
                            counters_);
 }
 
-/// To who may still set a parameter: of states that come, and whose age two seconds of TIMESYNC have
-/// not told.
+/// To who may still set a parameter, once two seconds of TIMESYNC have not told the age.
 template <class S>
 void Boat<S>::complain_of_time(std::int64_t now_us) {
-  core::Conditions missing = 0;
-  const auto look = [&](core::Conditions fresh, core::Conditions timed) {
-    if ((conditions_ & (fresh | timed)) == fresh) missing |= timed;
-  };
-  look(core::kOwnFresh, core::kOwnTimed);
-  look(core::kLeaderFresh, core::kLeaderTimed);
+  const core::Conditions missing = ~conditions_ & (core::kOwnTimed | core::kLeaderTimed);
   untimed_.look(missing != 0, now_us);
   if (!untimed_.is() || missing == 0 || core::armed(state())) return;
   if (!time_complaint_due_.due(now_us)) return;

@@ -61,8 +61,8 @@ constexpr Conditions kOnStation = 1U << 20U;     ///< in slot, closing up, or no
 constexpr Conditions kOwnPrompt = 1U << 21U;     ///< own state's latency is tolerable for the law
 constexpr Conditions kLeadersEnd = 1U << 22U;    ///< the chain of leaders does not lead back here
 constexpr Conditions kSlotSound = 1U << 23U;     ///< the slot is free, and does not go astern
-constexpr Conditions kOwnTimed = 1U << 24U;      ///< how old own state is is known
-constexpr Conditions kLeaderTimed = 1U << 25U;   ///< how old the leader's state is is known
+constexpr Conditions kOwnTimed = 1U << 24U;      ///< no own state is of unknown age
+constexpr Conditions kLeaderTimed = 1U << 25U;   ///< no state of the leader is of unknown age
 constexpr unsigned kConditionCount = 26;         ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;

@@ -50,7 +50,8 @@ def test_a_known_hull_is_as_exact_as_with_a_prompt_unit(rate_hz: int) -> None:
 
 @pytest.mark.parametrize("delay_s", [0.4, 0.45])
 def test_boats_whose_units_are_too_late_hold_and_none_spins(delay_s: float) -> None:
-    runs = sailed("duration_s=60", "navigation.rate_hz=20", f"navigation.delay_s={delay_s}")
+    late = (f"navigation.delay_s={delay_s}", "parameters.FS_NAV_S=1")  # who is that late knows it
+    runs = sailed("duration_s=60", "navigation.rate_hz=20", *late)
     for _, turn, always in runs:
         assert not any(always)
         assert turn[500:].max() <= MOST_TURN_RADPS

@@ -261,7 +261,7 @@ def test_runs_that_cannot_start_say_why_and_the_others_sail_on() -> None:
 def test_runs_that_are_ready_at_different_times_are_each_released_at_its_own() -> None:
     early = scenario.load("diamond", ["duration_s=2"])
     late = scenario.load(
-        "diamond", ["duration_s=2", "link.delay_s=3.5", "parameters.FS_LEADER_S=5"]
+        "diamond", ["duration_s=2", "link.delay_s=1.5", "parameters.FS_LEADER_S=5"]
     )
     runs = sail_together([early, late, early], {}, digest=True)
     for chosen, run in zip([early, late, early], runs, strict=True):

@@ -65,8 +65,8 @@ class VesselTrack {
   void set_lag(std::optional<std::int64_t> lag_us) { lag_us_ = lag_us; }
   bool bounded() const { return sources_.clock().was_answered(); }
 
-  /// How old its states are is known; else age_us() takes them to be as old as their arrival.
-  bool timed() const { return bounded() || lag_us_; }
+  /// No state of it is of unknown age; else age_us() takes them to be as old as their arrival.
+  bool timed() const { return bounded() || lag_us_ || !stamps_.last_us(); }
 
   /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
