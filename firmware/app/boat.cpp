@@ -48,7 +48,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       unsaved_complaint_due_(30 * kSecond_us),
       closed_complaint_due_(30 * kSecond_us),
       double_due_(10 * kSecond_us),
-      time_complaint_due_(30 * kSecond_us) {
+      time_complaint_due_(30 * kSecond_us),
+      quality_due_(10 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -180,6 +181,10 @@ void Boat<S>::supervise(std::int64_t now_us) {
 template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
+  if (was == core::State::kDisarmed && core::armed(state()) && !pilot_.own_quality().told()) {
+    vehicle_.send_statustext(link::mav::kSeverityInfo,
+                             {"navigation unit tells nothing of its quality"}, counters_);
+  }
   if (state() != core::State::kFormation || was == state()) return;
   if (was == core::State::kCoast) {
     pilot_.close_anew();
@@ -324,6 +329,11 @@ void Boat<S>::complain(std::int64_t now_us) {
     vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
   }
   complain_of_time(now_us);
+  if ((conditions_ & core::kOwnGood) == 0 && quality_due_.due(now_us)) {
+    Sentence poor;
+    poor << "navigation unit's " << pilot_.own_quality().fault() << ": poor";
+    vehicle_.send_statustext(link::mav::kSeverityWarning, {poor.text()}, counters_);
+  }
   complain_of_slot(now_us);
   complain_of_station();
   complain_of_place(now_us);

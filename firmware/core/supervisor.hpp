@@ -63,7 +63,9 @@ constexpr Conditions kLeadersEnd = 1U << 22U;    ///< the chain of leaders does 
 constexpr Conditions kSlotSound = 1U << 23U;     ///< the slot is free, and does not go astern
 constexpr Conditions kOwnTimed = 1U << 24U;      ///< no own state is of unknown age
 constexpr Conditions kLeaderTimed = 1U << 25U;   ///< no state of the leader is of unknown age
-constexpr unsigned kConditionCount = 26;         ///< without the operator's choices
+constexpr Conditions kOwnGood = 1U
+                                << 26U;   ///< the own unit calls its estimate good, or says nothing
+constexpr unsigned kConditionCount = 27;  ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -81,7 +83,7 @@ constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
 constexpr Conditions kByLaw =
-    kOwn | kOwnTimed | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
+    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.

@@ -17,7 +17,8 @@ struct World {
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
         leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady | kOnStation)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
-        answers(has(met, kBoatAnswers | kOwnTimed | kOwnPrompt | kLeadersEnd | kSlotSound)),
+        answers(
+            has(met, kBoatAnswers | kOwnTimed | kOwnGood | kOwnPrompt | kLeadersEnd | kSlotSound)),
         gcs(has(met, kGcsHeard)),
         limits(has(met, kBatteryGood | kInsideFence)),
         clear(has(met, kClear)),

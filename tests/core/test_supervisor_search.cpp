@@ -28,7 +28,7 @@ constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
                                               kGcsHeard,
                                               kBatteryGood,
                                               kSticksFresh,
-                                              kBoatAnswers | kOwnPrompt | kOwnTimed,
+                                              kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
                                               kClear,
                                               kParametersSaved};
 constexpr unsigned kCoastTicks = 3, kTestTicks = 2;

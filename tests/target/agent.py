@@ -10,7 +10,7 @@ from typing import Any
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
-from tests.target.stations import Station, heartbeat, odometry, origin
+from tests.target.stations import Station, gps, heartbeat, odometry, origin
 
 START_US = 10_000_000
 
@@ -25,6 +25,7 @@ class Agent:
     on: bool = True
     origin_on: bool = True
     beats: bool = True
+    tells_fix: bool = False
     answers_timesync: bool = False
     clock_offset_us: int = 0
     delay_us: int = 0
@@ -54,6 +55,8 @@ class Agent:
                 self.post(now_us, heartbeat(mavlink.MAV_TYPE_GENERIC))
             if self.origin_on:
                 self.post(now_us, origin(self.clock(now_us)))
+            if self.tells_fix:
+                self.post(now_us, gps())
         due = [data for at, data in self.in_flight if at <= now_us]
         self.in_flight = [(at, data) for at, data in self.in_flight if at > now_us]
         return b"".join(due)

@@ -100,7 +100,12 @@ class Afloat(Sea):
         super().__init__(parameters, leader=course, **how)
         self.hull = hull or Hull()
         self.own = Helmsman(
-            Station(BOAT, NAVIGATION), Course(), own_period_us, beats=False, hull=self.hull
+            Station(BOAT, NAVIGATION),
+            Course(),
+            own_period_us,
+            beats=False,
+            tells_fix=True,
+            hull=self.hull,
         )
         self.thrusting = leader if callable(leader) else None
         if self.thrusting:

@@ -94,7 +94,7 @@ class Sea:
         self.now_us = start_us
         own = own or Course(1.0, 2.0, 0.3)
         leader = leader or Course(5.0, 5.0, 0.5)
-        self.own = Agent(Station(BOAT, NAVIGATION), own, 50_000, beats=False)
+        self.own = Agent(Station(BOAT, NAVIGATION), own, 50_000, beats=False, tells_fix=True)
         self.leader = Agent(Station(LEADER, LEADER_COMPONENT), leader, 100_000)
         self.gcs = Station(GCS, GCS_COMPONENT)
         port = int(self.boat.parameters()["ESC_PORT"])

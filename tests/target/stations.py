@@ -119,6 +119,12 @@ def origin(
     return mavlink.MAVLink_gps_global_origin_message(latitude, longitude, altitude, time_us)
 
 
+def gps(fix_type: int = 3, hdop: float = 1.0) -> Any:
+    return mavlink.MAVLink_gps_raw_int_message(
+        0, fix_type, ORIGIN[0], ORIGIN[1], 0, round(100 * hdop), 65535, 0, 0, 9
+    )
+
+
 def heartbeat(kind: int = mavlink.MAV_TYPE_SURFACE_BOAT) -> Any:
     return mavlink.MAVLink_heartbeat_message(kind, 0, 0, 0, 4, 3)
 

@@ -104,7 +104,7 @@ def test_a_reset_without_a_jump_neither_breaks_nor_jolts(first: int) -> None:
 
 
 def test_after_a_reset_the_boat_is_where_the_new_estimate_says() -> None:
-    """Ten metres in a tick are no speed: neither told nor steered by."""
+    """Ten metres in a tick are no speed: neither told nor steered by; but they are a jump."""
     sea = sailing(OWN, LAW_OBS_BW=0.0)  # this truth does not answer to thrust
     for _ in range(8):
         say_own(sea, 3)
@@ -113,7 +113,8 @@ def test_after_a_reset_the_boat_is_where_the_new_estimate_says() -> None:
     for _ in range(8):
         say_own(sea, 4, north=10.0)
         ticks += sea.run(0.05)
-        assert sea.condition("own_fresh") and sea.state == "FORMATION"
+        assert sea.condition("own_fresh") and not sea.condition("own_steady")
+        assert sea.state == "HOLD" and sea.commands == (0, 0)
     assert max(math.hypot(m.vx, m.vy) for m in named(ticks, "LOCAL_POSITION_NED")) < 0.7
     truth = sea.own.truth(sea.now_us)
     told = named(sea.ticks, "LOCAL_POSITION_NED")[-1]

@@ -146,7 +146,10 @@ def test_what_a_sailor_trims_may_change_under_way_and_what_the_boat_is_may_not()
 
 def test_only_numbers_without_dimension_lack_a_unit() -> None:
     dimensionless = {p["name"] for p in LIST if not p["unit"]}
-    assert all(BY_NAME[n]["integer"] or n == "THR_EXPO" for n in some(dimensionless)), dimensionless
+    assert all(
+        BY_NAME[n]["integer"] or n in {"THR_EXPO", "NAV_HDOP", "NAV_VAR"}
+        for n in some(dimensionless)
+    ), dimensionless
 
 
 @EACH

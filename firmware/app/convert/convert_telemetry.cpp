@@ -2,6 +2,7 @@
 #include "app/convert/convert_telemetry.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "app/convert/portable.hpp"
 
@@ -110,7 +111,10 @@ link::Odometry odometry_of(const OwnState& state, std::uint32_t time_boot_ms) {
           0,
           static_cast<float>(nu.r),
           link::mav::kFrameLocalNed,
-          link::mav::kFrameBodyFrd};
+          link::mav::kFrameBodyFrd,
+          0,
+          0,
+          {std::numeric_limits<float>::quiet_NaN()}};  // unknown
 }
 
 link::NavControllerOutput nav_controller_output_of(const OwnState& state,

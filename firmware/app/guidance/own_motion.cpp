@@ -23,13 +23,14 @@ OwnMotion<S>::OwnMotion(std::uint8_t system, std::uint8_t component, std::uint8_
     : track_({system, component, kOwnPatience_us, kOwnFrozen_us, true, unit}) {}
 
 template <class S>
-void OwnMotion<S>::configure(const convert::Law<S>& law, const Configuration::Navigation& navigation,
-                             std::uint8_t own_system) {
+void OwnMotion<S>::configure(const convert::Law<S>& law,
+                             const Configuration::Navigation& navigation, std::uint8_t own_system) {
   set_limits(law);
   latency_.configure(law.latency, law.yaw_inertia_kgm2, navigation.lag_s);
   track_.set_lag(latency_.lag_us());
   track_.set_antenna({law.antenna.x, law.antenna.y});
   named_link_ = navigation.link;
+  limits_ = navigation.quality;
   if (own_system != track_.system()) link_.reset();
   track_.follow(own_system, navigation.component);
 }
@@ -40,6 +41,7 @@ void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::i
   if (received.from.system != track_.system() || !may_be_own(link, now_us)) return;
   track_.take(received, now_us, counters);
   if (track_.accepted(now_us)) link_ = link;
+  if (track_.is_from_unit(received.from)) quality_.take(received, limits_, now_us);
 }
 
 template <class S>
@@ -121,6 +123,7 @@ core::Conditions OwnMotion<S>::conditions(std::int64_t limit_us, std::int64_t no
   if (track_.live()) met |= core::kOwnLive;
   if (track_.steady(now_us)) met |= core::kOwnSteady;
   if (track_.timed()) met |= core::kOwnTimed;
+  if (quality_.good(now_us)) met |= core::kOwnGood;
   if (latency_.is_bearable() || track_.bounded()) met |= core::kOwnPrompt;
   if (response_.answers() || !track_.has_moved()) met |= core::kBoatAnswers;
   return met;

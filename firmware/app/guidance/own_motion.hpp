@@ -8,6 +8,7 @@
 
 #include "app/guidance/response_monitor.hpp"
 #include "app/guidance/unit_latency.hpp"
+#include "app/guidance/unit_quality.hpp"
 #include "app/navigation/vessel_track.hpp"
 #include "app/parameters/configuration.hpp"
 #include "core/estimation/observer.hpp"
@@ -34,6 +35,7 @@ class OwnMotion {
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
+  const UnitQuality& quality() const { return quality_; }
 
   /// Predicts the motion over `since`, s, under the wrench given, and corrects it by a new fix. A
   /// disarmed boat may be carried about, so it is tracked like a leader.
@@ -67,6 +69,8 @@ class OwnMotion {
   convert::Position anchor_;
   bool armed_ = false;
   UnitLatency latency_;
+  UnitQuality quality_;
+  UnitQuality::Limits limits_;
   ResponseMonitor<S> response_;
 };
 

@@ -95,6 +95,8 @@ class Pilot {
   /// TIMESYNC bounds it.
   std::optional<double> latency_s() const;
 
+  const UnitQuality& own_quality() const { return own_.quality(); }
+
   /// Nothing where TIMESYNC does not tell it and no latency is known.
   std::optional<double> own_age_s(std::int64_t now_us) const;
   std::optional<double> leader_age_s(std::int64_t now_us) const;

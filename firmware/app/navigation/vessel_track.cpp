@@ -141,7 +141,10 @@ void VesselTrack<S>::choose(State state, const Arrival& arrival) {
     if (!may_choose(from, now_us) || !goes_on(state, arrival)) return;
     component_changed(from, state.heading);
   }
-  if (state.resets && sources_.is_reset(*state.resets, stamp_us)) estimator_reset();
+  if (state.resets && sources_.is_reset(*state.resets, stamp_us)) {
+    if (!reframed_) guard_.look_at(guard_.seen(origins_.in_plane(state.sample), now_us), true);
+    estimator_reset();
+  }
   sources_.hear(state.source, stamp_us, now_us, stamps_.last_us().has_value());
   if (state.source != sources_.in_use()) {
     if (!sources_.better(state.source, now_us, origins_.is_told_by(from))) return;

@@ -56,6 +56,10 @@ class VesselTrack {
   bool accepted(std::int64_t now_us) const {
     return stamps_.last_us() && stamps_.arrived_us() == now_us;
   }
+  /// Of the component whose states are accepted.
+  bool is_from_unit(link::Address from) const {
+    return mine(from) && from.component == component();
+  }
   bool silent(std::int64_t now_us) const { return stamps_.silent(now_us); }
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }

@@ -32,6 +32,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kOwnLive, "own state is frozen"},
     {core::kOwnSteady, "own state jumps, or id is used twice"},
     {core::kOwnTimed, "navigation latency unknown: NAV_LAG_S", "NAV_LAG_S"},
+    {core::kOwnGood, "navigation unit calls its estimate poor"},
     {core::kOwnPrompt, "navigation latency is too high"},
     {core::kEscsOnline, "ESCs are not online", "FS_ESC_S"},
     {core::kEscsObey, "ESC spinning while commanded to stop"},

@@ -26,9 +26,9 @@ struct Configuration {
 
   struct Formation {
     std::uint8_t leader = 0;
-    float north_m = 0, east_m = 0;  ///< the slot
-    bool turns = false;             ///< FORM_FRAME 1
-    bool follows_root = false;      ///< LAW_REF
+    float north_m = 0, east_m = 0;              ///< the slot
+    bool turns = false;                         ///< FORM_FRAME 1
+    bool follows_root = false;                  ///< LAW_REF
     std::optional<std::int64_t> leader_lag_us;  ///< FORM_LAG_S; nothing: unknown
     std::optional<std::size_t> max_depth;
     float beam_m = 0;        ///< slots that are closer than this are one
@@ -36,10 +36,17 @@ struct Configuration {
     bool judges_station = false;
   };
 
+  /// What the own navigation unit may say of itself; 0: anything.
+  struct Quality {
+    std::uint8_t fix = 0;  ///< least GPS_FIX_TYPE
+    float hdop = 0, accuracy_m = 0, ratio = 0;
+  };
+
   struct Navigation {
-    std::optional<float> lag_s;                          ///< NAV_LAG_S; nothing: unknown
+    std::optional<float> lag_s;       ///< NAV_LAG_S; nothing: unknown
     std::uint8_t component = 0;       ///< NAV_COMPID, 0: any
     std::optional<std::size_t> link;  ///< NAV_LINK; nothing: any
+    Quality quality;
     std::int64_t own_limit_us = 0, leader_limit_us = 0;  ///< ages at which states are too old
   };
 

@@ -8,6 +8,8 @@ flotilla.xml and what it includes, of the installed pymavlink.
 import contextlib
 import io
 import sys
+from itertools import accumulate
+from operator import or_
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -120,9 +122,10 @@ def _calls(function: str, places: list[Place]) -> str:
 
 
 def _struct(m: Message) -> str:
+    defaults = accumulate((x.extension for x in m.members), or_)  # from the first extension on
     members = "".join(
-        f"  {x.type} {x.name}{'{}' * x.extension};{f'  ///< {x.unit}' if x.unit else ''}\n"
-        for x in m.members
+        f"  {x.type} {x.name}{'{}' * default};{f'  ///< {x.unit}' if x.unit else ''}\n"
+        for x, default in zip(m.members, defaults, strict=True)
     )
     places = [(offset, f"x.{part}") for x in m.members for offset, part in x.places]
     constants = f"  static void constants(auto put) {{\n{_calls('put', m.constants)}  }}\n"

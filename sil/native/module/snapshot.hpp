@@ -36,6 +36,7 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kLeadersEnd, "leaders_end"},
                      {flotilla::core::kSlotSound, "slot_sound"},
                      {flotilla::core::kOwnTimed, "own_timed"},
+                     {flotilla::core::kOwnGood, "own_good"},
                      {flotilla::core::kLeaderTimed, "leader_timed"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 

@@ -44,7 +44,6 @@ NUMBERS = {name: number for number, name in enumerate(FIELDS, 1)}
 # What a boat says in the fields that its struct lacks; all others are zero.
 CONSTANT = {
     ("HEARTBEAT", "mavlink_version"): 3,
-    ("ODOMETRY", "pose_covariance"): [math.nan] + [0.0] * 20,
     ("ODOMETRY", "velocity_covariance"): [math.nan] + [0.0] * 20,
     ("ODOMETRY", "estimator_type"): 8,  # AUTOPILOT
     ("COMMAND_ACK", "progress"): 255,
@@ -61,7 +60,7 @@ CONSTANT = {
 READ = {head for head, direction, *_ in LINES if direction == "read"}
 
 # Messages that version 1 does not have.
-NEW = {"ODOMETRY", "FORMATION_REFERENCE"}
+NEW = {"ODOMETRY", "FORMATION_REFERENCE", "EKF_STATUS_REPORT"}
 
 # Our fields that the sender's protocol version does not have.
 ABSENT = {
@@ -84,6 +83,7 @@ ABSENT = {
 # mavlink/mavlink, common.xml: of the messages that the wheel's common.xml lacks
 CRC_EXTRA = {
     80: 14,
+    193: 71,
     290: 251,
     291: 10,
     300: 217,

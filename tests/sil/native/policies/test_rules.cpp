@@ -128,6 +128,7 @@ const std::vector<Mutation> kThrust{
     {"leader's state truly older than FS_LEADER_S: no thrust in FORMATION", kLaw,
      [](Pair& q) { q.n.leader_true_us -= 960'000; }},
     {"age of own state unknown: no thrust by the law", kCoast, lost(core::kOwnTimed)},
+    {"navigation unit calls its estimate poor: no thrust by the law", kCoast, lost(core::kOwnGood)},
     {"own state frozen or jumping: no thrust by the law", kLaw, lost(core::kOwnLive)},
     {"leader's state frozen, jumping or of unknown age: no thrust in FORMATION", kLaw,
      lost(core::kLeaderSteady)},

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What the own navigation unit says of its own estimate.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "app/parameters/configuration.hpp"
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+/// Of each kind of message the last one counts, for as long as it takes until the next; a kind that
+/// never came does not count: such a unit is judged by its states alone.
+class UnitQuality {
+ public:
+  using Limits = Configuration::Quality;
+
+  /// A message of the unit: GPS_RAW_INT, ESTIMATOR_STATUS, EKF_STATUS_REPORT or ODOMETRY with its
+  /// covariance; others are ignored. Another component is another unit.
+  void take(const link::Received& received, const Limits& limits, std::int64_t now_us);
+
+  /// Nothing was beyond its limit for a second; what was has to be better than 0.8 of it since then.
+  bool good(std::int64_t now_us) const { return now_us >= good_from_us_; }
+
+  /// What is, or was, beyond its limit; empty before anything was.
+  std::string_view fault() const { return fault_; }
+
+  /// Some such message has come.
+  bool told() const { return told_; }
+
+ private:
+  static constexpr std::size_t kKinds = 4;
+
+  std::uint8_t component_ = 0;
+  bool told_ = false;
+  std::array<bool, kKinds> bad_{};
+  std::string_view fault_;
+  std::int64_t good_from_us_ = 0;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""What the unit says of its own estimate: no thrust by the law by one that it calls poor."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+
+from tests.target.operator_words import param_set
+from tests.target.sea import Sea, at_sea, texts
+from tests.target.stations import (
+    BOAT,
+    FORMATION,
+    LEADER,
+    LEADER_COMPONENT,
+    Station,
+    gps,
+    odometry,
+)
+
+WELL = (
+    mavlink.ESTIMATOR_ATTITUDE
+    | mavlink.ESTIMATOR_VELOCITY_HORIZ
+    | mavlink.ESTIMATOR_POS_HORIZ_REL
+    | mavlink.ESTIMATOR_POS_HORIZ_ABS
+)
+
+
+def estimator(accuracy_m: float = 0.5, ratio: float = 0.1, flags: int = WELL) -> Any:
+    return mavlink.MAVLink_estimator_status_message(
+        0, flags, ratio, ratio, 0.1, 0.1, 0.1, math.nan, accuracy_m, 1.0
+    )
+
+
+def ekf(variance: float = 0.1, flags: int = WELL) -> Any:
+    return mavlink.MAVLink_ekf_status_report_message(flags, variance, variance, 0.1, 0.1, 0.1)
+
+
+POOR = {
+    "no fix": (gps(), gps(fix_type=1), "GPS fix type"),
+    "few satellites": (gps(), gps(hdop=4.0), "GPS HDOP"),
+    "500 m": (estimator(), estimator(accuracy_m=500.0), "position's accuracy"),
+    "refused fixes": (estimator(), estimator(ratio=1.2), "estimator's test ratios"),
+    "no place": (estimator(), estimator(flags=3), "estimator's flags"),
+    "ArduPilot's variance": (ekf(), ekf(variance=0.9), "estimator's test ratios"),
+    "ArduPilot's glitch": (ekf(), ekf(flags=WELL | 32768), "estimator's flags"),
+}
+
+
+@pytest.mark.parametrize("case", POOR)
+def test_a_poor_estimate_stops_the_law_and_the_boat_says_why(case: str) -> None:
+    good, poor, why = POOR[case]
+    sea = at_sea()
+    unit = sea.own.station
+    sea.say(good, sender=unit)
+    sea.run(1.0)
+    assert sea.state == "FORMATION"
+    sea.own.tells_fix = False
+    sea.say(poor, sender=unit)
+    ticks = sea.run(0.02)
+    assert sea.state == "HOLD" and sea.commands == (0, 0) and not sea.condition("own_good")
+    assert f"navigation unit's {why}: poor" in texts(ticks)
+    sea.run(5.0)
+    assert not sea.condition("own_good"), "silence is no better fix"
+    sea.mode(FORMATION)
+    sea.run(0.1)
+    assert sea.state == "HOLD"
+    sea.say(good, sender=unit)
+    sea.run(0.9)
+    assert not sea.condition("own_good")
+    sea.run(0.2)
+    assert sea.condition("own_good")
+    sea.mode(FORMATION)
+    sea.run(0.1)
+    assert sea.state == "FORMATION"
+
+
+def test_a_poor_fix_is_told_before_arming() -> None:
+    sea = Sea()
+    sea.run(1.0)
+    sea.own.tells_fix = False
+    sea.say(gps(fix_type=0), sender=sea.own.station)
+    ticks = sea.run(0.1)
+    assert not sea.condition("own_good")
+    assert "navigation unit's GPS fix type: poor" in texts(ticks)
+
+
+def test_odometrys_covariance_counts() -> None:
+    sea = at_sea()
+    sea.own.on = False
+    for variance, good in [(0.01, True), (25.0, False)]:
+        for _ in range(4):
+            covariance = [variance] + [0.0] * 5 + [variance] + [0.0] * 14
+            truth = sea.own.course
+            message = odometry(truth, sea.now_us, pose_covariance=covariance)
+            sea.say(message, sender=sea.own.station)
+            sea.run(0.05)
+        assert sea.condition("own_good") == good
+
+
+@pytest.mark.parametrize(
+    "sender", [Station(BOAT, 77), Station(LEADER, LEADER_COMPONENT), Station(255, 190)]
+)
+def test_only_the_unit_in_use_says_how_good_it_is(sender: Station) -> None:
+    sea = at_sea()
+    for poor in (gps(fix_type=0), estimator(accuracy_m=500.0), ekf(variance=9.0)):
+        sea.say(poor, sender=sender)
+        sea.run(0.1)
+    assert sea.state == "FORMATION" and sea.condition("own_good")
+
+
+def test_by_a_limit_of_0_nothing_is_poor() -> None:
+    sea = Sea()
+    for name in ("NAV_FIX", "NAV_HDOP", "NAV_ACC_M"):
+        sea.say(param_set(name, 0.0))
+        sea.run(0.05)
+    sea.enter_formation()
+    sea.say(gps(fix_type=0, hdop=99.0), estimator(accuracy_m=500.0), sender=sea.own.station)
+    sea.run(0.5)
+    assert sea.state == "FORMATION"
+
+
+def test_that_a_unit_says_nothing_of_its_quality_is_told_as_the_boat_is_armed() -> None:
+    said = "navigation unit tells nothing of its quality"
+    sea = Sea()
+    sea.own.tells_fix = False
+    sea.enter_hold()
+    sea.run(0.2)
+    assert said in texts(sea.ticks)
+    other = Sea()
+    other.enter_hold()
+    other.run(0.2)
+    assert said not in texts(other.ticks)
