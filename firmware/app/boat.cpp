@@ -165,6 +165,7 @@ template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
   if (vehicle_.take_change()) configure();
   vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
+  if (host_.stop_pressed || can_.stop_pressed(now_us)) vehicle_.stop(counters_);
   bool more = true;
   while (more) {
     more = vehicle_.answer(counters_);

@@ -46,6 +46,7 @@ struct HostReport {
   std::uint32_t overruns = 0;     ///< control ticks that came more than a period late, so far
   std::int64_t unix_us = 0;       ///< now, µs since 1970; 0: unknown
   bool save_failed = false;       ///< the last try to write the parameters
+  bool stop_pressed = false;      ///< a stop switch that is wired to the host
   std::uint8_t closed_links = 0;  ///< a bit for each MAVLink link whose device could not be opened
   bool clock_is_set = true;  ///< unix_us is right; else a guess, until the navigation unit tells
 };

@@ -73,6 +73,7 @@ Loop::Loop(const Config& config)
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
       node_table_(config.node_id_file()),
       logs_({config.log, candump_name(config.can)}),
+      stop_(config.stop.chip, config.stop.line),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       signals_(catch_signals()),
       period_us_(static_cast<std::int64_t>(1e6 / double{boat_->parameters().CTL_RATE} + 0.5)) {
@@ -84,6 +85,7 @@ Loop::Loop(const Config& config)
     boat_->set_policy(i, config.policy(config.mavlink[i]));
   }
   if (!config.signing_key.empty()) secure();
+  stop_.open();
   node_table_.load(boat_->node_ids());
   openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
   for (const auto& link : links_) {
@@ -215,6 +217,7 @@ void Loop::tick() {
                   .overruns = statistics_.overruns,
                   .unix_us = clock_us(CLOCK_REALTIME),
                   .save_failed = parameters_.save_failed(),
+                  .stop_pressed = stop_.pressed(),
                   .closed_links = closed_links_,
                   .clock_is_set = !signing_time_ || signing_time_->clock_is_set()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
@@ -262,6 +265,11 @@ void Loop::keep_house(std::int64_t now_us) {
 }
 
 void Loop::maintain_devices(std::int64_t now_us) {
+  if (const int error = stop_.open(); std::exchange(stop_error_, error) != error) {
+    messages_.put(
+        "stop switch " + config_.stop.chip + ": " +
+        (error == 0 ? "is there" : std::string(std::strerror(error)) + ", counts as pressed"));
+  }
   bus_->maintain();
   if (std::exchange(bus_usable_, bus_->usable()) != bus_usable_) {
     const std::string fault = bus_->fault();

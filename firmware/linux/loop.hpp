@@ -22,6 +22,7 @@
 #include "linux/statistics.hpp"
 #include "linux/system/file_descriptor.hpp"
 #include "linux/system/repeating_thread.hpp"
+#include "linux/system/stop_switch.hpp"
 
 namespace flotilla::target {
 
@@ -58,6 +59,8 @@ class Loop {
   Logs logs_;
   std::optional<SigningTime> signing_time_;  // only with a key
   ServiceManager service_manager_;
+  StopSwitch stop_;
+  int stop_error_ = 0;  // as last reported
 
   FileDescriptor timer_;
   FileDescriptor signals_;

@@ -77,6 +77,7 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       separation_due_(kSecond_us, configuration_.start.tick_us / 2),
       arm_refusal_due_(kSecond_us / 2),
       refusal_due_(kSecond_us / 2),
+      stop_due_(10 * kSecond_us),
       parameter_refusal_due_(kSecond_us / 2),
       double_due_(10 * kSecond_us),
       unheeded_due_(10 * kSecond_us),
@@ -180,6 +181,12 @@ core::Conditions Vehicle::conditions(std::int64_t now_us) const {
 void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& counters) {
   const auto decision = supervisor_.apply_conditions(conditions, now_us_);
   if (decision.changed) announce_state(decision.missing, counters);
+}
+
+void Vehicle::stop(link::Counters& counters) {
+  if (supervisor_.request(Request::kTerminate, now_us_).changed) announce_state(0, counters);
+  if (!stop_due_.due(now_us_)) return;
+  send_statustext(mav::kSeverityCritical, {"stop switch is pressed, or its wire is cut"}, counters);
 }
 
 bool Vehicle::answer(link::Counters& counters) {

@@ -60,6 +60,9 @@ class Vehicle {
   /// Applies the automatic transitions, and announces them.
   void apply_conditions(core::Conditions conditions, link::Counters& counters);
 
+  /// A stop switch is pressed: no thrust until somebody disarms the boat after it was released.
+  void stop(link::Counters& counters);
+
   /// What was asked since the last tick, in order, but no farther than to something that changes
   /// the boat: whether it is to be called again, when that is in force (take_change()).
   bool answer(link::Counters& counters);
@@ -186,6 +189,7 @@ class Vehicle {
   Schedule separation_due_;
   Schedule arm_refusal_due_;
   Schedule refusal_due_;
+  Schedule stop_due_;
   Schedule parameter_refusal_due_;
   Schedule double_due_;
   Schedule unheeded_due_;

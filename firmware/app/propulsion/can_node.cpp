@@ -14,6 +14,7 @@ constexpr std::uint8_t kCommandPriority = 7, kArmingPriority = 24, kStatusPriori
                        kAllocationPriority = 30;
 constexpr std::int64_t kForeignGone_us = 2'000'000;
 constexpr std::int64_t kNodeOffline_us = 3'000'000;
+constexpr std::int64_t kButtonGone_us = 500'000, kSafetyGone_us = 2'000'000;
 constexpr std::int64_t kObeysAgain_us = 1'000'000;
 constexpr std::uint16_t kRunDown_ms = 500, kWindmills_ms = 5'000;
 constexpr std::uint8_t kDrives_pct = 5;
@@ -66,6 +67,14 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
       return;
     }
     take_node_status(route->source, *status, now_us);
+  } else if (is(link::SafetyState::kType)) {
+    const auto transfer = complete(link::SafetyState::kType);
+    const auto state = transfer ? link::read_safety_state(transfer->payload) : std::nullopt;
+    if (state) safety_off_us_ = state->status == link::SafetyState::kOff ? now_us : kNever;
+  } else if (is(link::Button::kType)) {
+    const auto transfer = complete(link::Button::kType);
+    const auto button = transfer ? link::read_button(transfer->payload) : std::nullopt;
+    if (button && button->button == link::Button::kSafety) button_us_ = now_us;
   } else if (is(link::NodeInfo::kRequest) && route->destination == identity_.node) {
     if (const auto transfer = complete(link::NodeInfo::kRequest)) {
       if (question_count_ == questions_.size()) {
@@ -142,6 +151,11 @@ bool CanNode::esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t l
   const std::int64_t silent_us = now_us - node.heard_us;
   if (node.since_reboot_us + silent_us < kLongAgo_us) return false;
   return silent_us < kNodeOffline_us && node.is_well;
+}
+
+bool CanNode::stop_pressed(std::int64_t now_us) const {
+  return now_us - button_us_ < kButtonGone_us ||
+         (safety_off_us_ && now_us - *safety_off_us_ > kSafetyGone_us);
 }
 
 bool CanNode::foreign_controller(std::int64_t now_us) const {

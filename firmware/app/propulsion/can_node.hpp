@@ -49,6 +49,10 @@ class CanNode {
   /// Another node has commanded or armed ESCs within the last two seconds.
   bool foreign_controller(std::int64_t now_us) const;
 
+  /// A stop switch on the bus is pressed: a Button within the last half second, or a SafetyState that
+  /// is not "off", or that was told and has not been for two seconds, as if its wire were cut.
+  bool stop_pressed(std::int64_t now_us) const;
+
   /// The node ids assigned; the host saves them across restarts.
   link::NodeIdServer& node_ids() { return node_ids_; }
 
@@ -107,6 +111,8 @@ class CanNode {
   link::NodeIdServer node_ids_;
   std::optional<link::Allocation> allocation_;
   std::optional<std::int64_t> foreign_us_;
+  std::int64_t button_us_ = kNever;
+  std::optional<std::int64_t> safety_off_us_;  ///< of the last SafetyState; kNever: it was on
   std::optional<std::int64_t> started_us_;
   Schedule arming_due_;
   Schedule status_due_;

@@ -100,6 +100,16 @@ std::optional<ArmingStatus> read_arming_status(std::span<const std::uint8_t> pay
   return ArmingStatus{payload[0]};
 }
 
+std::optional<SafetyState> read_safety_state(std::span<const std::uint8_t> payload) {
+  if (payload.empty()) return std::nullopt;
+  return SafetyState{payload[0]};
+}
+
+std::optional<Button> read_button(std::span<const std::uint8_t> payload) {
+  if (payload.size() < 2) return std::nullopt;
+  return Button{payload[0]};
+}
+
 std::optional<NodeStatus> read_node_status(std::span<const std::uint8_t> payload) {
   if (payload.size() < 7) return std::nullopt;
   BitReader bits(payload);

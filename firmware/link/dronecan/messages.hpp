@@ -32,6 +32,20 @@ struct ArmingStatus {
   std::uint8_t status = 0;
 };
 
+/// ardupilot.indication.SafetyState: of a safety switch; 255 lets motors turn.
+struct SafetyState {
+  static constexpr DataType kType{TransferKind::kMessage, 20000, 0xE965701A95A1A6A1ULL};
+  static constexpr std::uint8_t kOff = 255;
+  std::uint8_t status = 0;
+};
+
+/// ardupilot.indication.Button: sent while it is pressed.
+struct Button {
+  static constexpr DataType kType{TransferKind::kMessage, 20001, 0x0645A46EFBA7466EULL};
+  static constexpr std::uint8_t kSafety = 1;
+  std::uint8_t button = 0;
+};
+
 /// uavcan.protocol.NodeStatus
 struct NodeStatus {
   static constexpr DataType kType{TransferKind::kMessage, 341, 0x0F0868D0C1A7C6F1ULL};
@@ -91,6 +105,8 @@ std::size_t write_payload(const Allocation& message, Payload& out);
 /// Each returns nothing when the payload is too short for its type.
 std::optional<RawCommand> read_raw_command(std::span<const std::uint8_t> payload);
 std::optional<ArmingStatus> read_arming_status(std::span<const std::uint8_t> payload);
+std::optional<SafetyState> read_safety_state(std::span<const std::uint8_t> payload);
+std::optional<Button> read_button(std::span<const std::uint8_t> payload);
 std::optional<NodeStatus> read_node_status(std::span<const std::uint8_t> payload);
 std::optional<EscStatus> read_esc_status(std::span<const std::uint8_t> payload);
 std::optional<Allocation> read_allocation(std::span<const std::uint8_t> payload);

@@ -43,7 +43,7 @@ and these addresses:
 A parameter given here wins over the saved one at every start.)";
 
 struct Options {
-  std::string config, can, state_dir, signing_key, log, stats, priority;
+  std::string config, can, state_dir, signing_key, log, stats, stop, priority;
   std::vector<std::string> mavlink, param;
   bool lock_memory = false;
 };
@@ -86,6 +86,9 @@ void define(CLI::App& app, Options& options) {
   app.add_option("--stats", options.stats,
                  "Where the loop's latencies and counters are written at exit; \"\": nowhere")
       ->type_name("FILE");
+  app.add_option("--stop-gpio", options.stop,
+                 "GPIO line of a normally closed stop switch to ground; \"\": none, the default")
+      ->type_name("CHIP:LINE");
   app.add_option("--priority", options.priority,
                  "SCHED_FIFO priority of the control loop, 1 to 99; 0: off, the default")
       ->type_name("N");
@@ -127,6 +130,7 @@ Config combined(const CLI::App& app, const Options& options) {
   if (given("--signing-key")) config.signing_key = options.signing_key;
   if (given("--log")) config.log = options.log;
   if (given("--stats")) config.stats = options.stats;
+  if (given("--stop-gpio")) option("--stop-gpio", [&] { config.stop = stop_line(options.stop); });
   if (given("--priority")) {
     option("--priority",
            [&] { config.priority = priority_value(number<std::int64_t>(options.priority)); });

@@ -25,6 +25,13 @@ struct MavlinkLinkConfig {
   bool operator==(const MavlinkLinkConfig&) const = default;
 };
 
+/// A line of a GPIO chip; an empty chip: none.
+struct StopLine {
+  std::string chip;
+  unsigned line = 0;
+  bool operator==(const StopLine&) const = default;
+};
+
 /// Parameters by name, known and valid, that override the saved ones at every start.
 using ParameterOverrides = std::map<std::string, float, std::less<>>;
 
@@ -36,6 +43,7 @@ struct Config {
   std::filesystem::path signing_key;  ///< file in read_signing_key()'s format; empty: none
   std::filesystem::path log;          ///< directory; empty: no logs
   std::filesystem::path stats;        ///< file for the loop's latencies and counters; empty: none
+  StopLine stop;                      ///< GPIO line of a stop switch
   int priority = 0;                   ///< of SCHED_FIFO, 1 … 99; 0: none
   bool lock_memory = false;
 

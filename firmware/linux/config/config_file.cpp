@@ -76,6 +76,7 @@ constexpr std::array kKeys{
     Key{"signing-key", [](auto&, auto& n, Config& c) { c.signing_key = toml_text(n); }},
     Key{"log", [](auto&, auto& n, Config& c) { c.log = toml_text(n); }},
     Key{"stats", [](auto&, auto& n, Config& c) { c.stats = toml_text(n); }},
+    Key{"stop-gpio", [](auto&, auto& n, Config& c) { c.stop = stop_line(toml_text(n)); }},
     Key{"priority",
         [](auto&, auto& n, Config& c) {
           c.priority = priority_value(typed<std::int64_t>(n, "a whole number"));

@@ -99,6 +99,17 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
                    (info->unit.empty() ? "" : " " + std::string(info->unit)) + ")");
 }
 
+StopLine stop_line(std::string_view text) {
+  if (text.empty()) return {};
+  const std::size_t colon = text.find(':');
+  const auto line = colon == text.npos ? std::nullopt : number<unsigned>(text.substr(colon + 1));
+  const std::string_view chip = text.substr(0, colon);
+  if (!line || chip.empty() || chip.find('/') != chip.npos) {
+    throw ValueError("\"" + std::string(text) + "\" is not CHIP:LINE, such as gpiochip0:17");
+  }
+  return {std::string(chip), *line};
+}
+
 int priority_value(std::optional<std::int64_t> value) {
   if (value && *value >= 0 && *value <= kHighestPriority) return static_cast<int>(*value);
   throw ValueError("allowed: whole numbers from 0 (off) to " + std::to_string(kHighestPriority));

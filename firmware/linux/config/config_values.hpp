@@ -38,6 +38,7 @@ MavlinkLinkConfig mavlink_link(std::string_view text);  ///< ADDRESS[,rate=BYTES
 void require_link_count(std::size_t count);
 /// `text`: the value as written; no value: not a number.
 float parameter_value(std::string_view name, std::optional<double> value, std::string_view text);
+StopLine stop_line(std::string_view text);  ///< CHIP:LINE, "": none
 int priority_value(std::optional<std::int64_t> value);
 
 /// Reads boat.toml. Throws ConfigError.

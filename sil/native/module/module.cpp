@@ -94,12 +94,13 @@ class PyBoat {
   }
 
   void on_host(bool bus_up, bool parameters_saved, std::uint32_t overruns, std::int64_t unix_us,
-               bool save_failed, bool clock_is_set) {
+               bool save_failed, bool clock_is_set, bool stop_pressed) {
     const app::HostReport report{.bus_up = bus_up,
                                  .parameters_saved = parameters_saved,
                                  .overruns = overruns,
                                  .unix_us = unix_us,
                                  .save_failed = save_failed,
+                                 .stop_pressed = stop_pressed,
                                  .clock_is_set = clock_is_set};
     std::visit([&](auto& b) { b->on_host(report); }, boat_);
   }
@@ -225,6 +226,7 @@ NB_MODULE(flotilla, m) {
       .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
            "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false, "clock_is_set"_a = true,
+           "stop_pressed"_a = false,
            "What only the boat's host can know; holds until the next report.")
       .def("secure", &PyBoat::secure, "key"_a, "unix_us"_a,
            "The MAVLink 2 signing key of all links, 32 bytes, and the time since 1970.")

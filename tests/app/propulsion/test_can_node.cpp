@@ -147,6 +147,32 @@ TEST_CASE("our own frames that come back, and those of nobody, are not taken for
   CHECK_FALSE(node.esc_online(1, 0, kLimit_us));
 }
 
+TEST_CASE("a stop on the bus is pressed while it says so, and where a safety switch falls silent") {
+  CanNode node({20, 1}, 0);
+  link::Counters counters;
+  std::uint8_t tail = 0xC0;
+  const auto hear = [&](std::uint32_t type, std::uint8_t first, std::int64_t now_us) {
+    const std::array<std::uint8_t, 3> data{first, 1, tail++};
+    const auto size = type == link::Button::kType.id ? 3U : 2U;
+    std::array<std::uint8_t, 3> frame = data;
+    if (size == 2) frame[1] = data[2];
+    node.on_frame(0x1000003CU | type << 8U, std::span(frame).first(size), now_us, counters);
+  };
+  const std::uint32_t button = link::Button::kType.id, safety = link::SafetyState::kType.id;
+  CHECK_FALSE(node.stop_pressed(0));
+  hear(button, 2, 0);
+  CHECK_FALSE(node.stop_pressed(0));
+  hear(button, 1, 0);
+  CHECK(node.stop_pressed(499'999));
+  CHECK_FALSE(node.stop_pressed(500'000));
+  hear(safety, 0, 1'000'000);
+  CHECK(node.stop_pressed(1'000'000));
+  CHECK(node.stop_pressed(60'000'000));
+  hear(safety, 255, 60'000'000);
+  CHECK_FALSE(node.stop_pressed(62'000'000));
+  CHECK(node.stop_pressed(62'000'001));
+}
+
 TEST_CASE("any frames crash nothing and put no ESC online") {
   constexpr std::uint32_t kSeed = 81;
   INFO("seed ", kSeed);

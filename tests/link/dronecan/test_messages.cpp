@@ -134,6 +134,10 @@ TEST_CASE("a payload that is too short for its type is nothing") {
   for (std::size_t n = 0; n < 7; ++n) CHECK_FALSE(read_node_status(Bytes(n)));
   CHECK(read_node_status(Bytes(7)));
   CHECK_FALSE(read_arming_status(Bytes{}));
+  CHECK_FALSE(read_safety_state(Bytes{}));
+  CHECK(read_safety_state(Bytes{255})->status == SafetyState::kOff);
+  CHECK_FALSE(read_button(Bytes{1}));
+  CHECK(read_button(Bytes{1, 3})->button == Button::kSafety);
 }
 
 TEST_CASE("any bytes of any length are read without a crash, at most twenty commands") {
@@ -148,6 +152,8 @@ TEST_CASE("any bytes of any length are read without a crash, at most twenty comm
     read_esc_status(bytes);
     read_node_status(bytes);
     read_arming_status(bytes);
+    read_safety_state(bytes);
+    read_button(bytes);
   }
 }
 

@@ -69,6 +69,7 @@ TEST_CASE("one link is all a boat needs to be told") {
   CHECK(config.param.empty());
   CHECK(config.state_dir == "/var/lib/flotilla");
   CHECK(config.log.empty());
+  CHECK(config.stop == StopLine{});
   CHECK(config.priority == 0);
   CHECK_FALSE(config.lock_memory);
 }
@@ -80,6 +81,7 @@ mavlink = ["udpout:127.0.0.1:14550", "serial:/dev/ttyUSB0:57600,rate=3000"]
 state-dir = "/tmp/state"
 log = "/tmp/log"
 stats = "/tmp/stats.json"
+stop-gpio = "gpiochip0:17"
 priority = 50
 lock-memory = true
 [param]
@@ -95,6 +97,7 @@ THR_PORT_DIR = -1
   CHECK(config.parameter_file() == "/tmp/state/parameters.txt");
   CHECK(config.log == "/tmp/log");
   CHECK(config.stats == "/tmp/stats.json");
+  CHECK(config.stop == StopLine{"gpiochip0", 17});
   CHECK(config.priority == 50);
   CHECK(config.lock_memory);
   CHECK(config.param ==
@@ -195,8 +198,8 @@ TEST_CASE("--help and --version print their text and end with status 0") {
   CHECK(help.status == 0);
   for (const char* word :
        {"--config", "--can", "--mavlink", "--param", "--state-dir", "--signing-key",
-        "signing=POLICY", "--log", "--priority", "--lock-memory", "--version", "socketcan:IF",
-        "udpbcast:HOST:PORT", "rate=BYTES"}) {
+        "signing=POLICY", "--log", "--stop-gpio", "--priority", "--lock-memory", "--version",
+        "socketcan:IF", "udpbcast:HOST:PORT", "rate=BYTES"}) {
     CAPTURE(word);
     CHECK(help.text.find(word) != std::string::npos);
   }
@@ -212,7 +215,7 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
   } const cases[] = {
       {"can = \"mcast:0\"\nspeed = 3\n",
        ":2:1: unknown key \"speed\" (allowed: can, mavlink, state-dir, signing-key, log, stats, "
-       "priority, lock-memory, param)\n"},
+       "stop-gpio, priority, lock-memory, param)\n"},
       {"can = 0\n", ":1:7: can: must be a string\n"},
       {"can = \"can0\"\n", ":1:7: can: \"can0\" is no CAN bus (allowed: socketcan:, mcast:…)\n"},
       {"can = \"socketcan:\"\n",
@@ -232,6 +235,7 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
       {"signing-key = 7\n", ":1:15: signing-key: must be a string\n"},
       {"mavlink = [\"udpin:a:1\", \"udpin:a:2\", \"udpin:a:3\", \"udpin:a:4\", \"udpin:a:5\"]\n",
        ":1:11: mavlink: 5 links (allowed: 1 to 4)\n"},
+      {"stop-gpio = \"17\"\n", ":1:13: stop-gpio: \"17\" is not CHIP:LINE, such as gpiochip0:17\n"},
       {"priority = 100\n", ":1:12: priority: allowed: whole numbers from 0 (off) to 99\n"},
       {"priority = 1.5\n", ":1:12: priority: must be a whole number\n"},
       {"lock-memory = 1\n", ":1:15: lock-memory: must be true or false\n"},
@@ -278,6 +282,10 @@ TEST_CASE("a mistake on the command line names the option and what is allowed") 
         "firmware/README.md)\n");
   CHECK(mistake({link, "--priority", "high"}) ==
         "flotillad: --priority: allowed: whole numbers from 0 (off) to 99\n");
+  for (const std::string wrong : {"gpiochip0", "gpiochip0:", ":3", "/dev/gpiochip0:3", "a:-1"}) {
+    CHECK(mistake({link, "--stop-gpio", wrong.c_str()}) ==
+          "flotillad: --stop-gpio: \"" + wrong + "\" is not CHIP:LINE, such as gpiochip0:17\n");
+  }
   CHECK(mistake({link, "--can", "vcan0"}) ==
         "flotillad: --can: \"vcan0\" is no CAN bus (allowed: socketcan:, mcast:…)\n");
   CHECK(mistake({"--mavlink", "udp:1:1"}).find("--mavlink: \"udp:1:1\" is no MAVLink link") !=
