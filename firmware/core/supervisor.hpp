@@ -45,7 +45,7 @@ constexpr Conditions kParametersSaved = 1U << 5U;  ///< stored parameters were r
 constexpr Conditions kSticksFresh = 1U << 6U;      ///< MANUAL_CONTROL is younger than 0.5 s
 constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was requested, is not over
 constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
-constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump; one boat has its id
+constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump
 constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
 constexpr Conditions kLeaderSteady = 1U
                                      << 11U;  ///< leader's state does not jump; one vessel sends it
@@ -63,7 +63,9 @@ constexpr Conditions kLeadersEnd = 1U << 22U;    ///< the chain of leaders does 
 constexpr Conditions kSlotSound = 1U << 23U;     ///< the slot is free, and does not go astern
 constexpr Conditions kOwnTimed = 1U << 24U;      ///< no own state is of unknown age
 constexpr Conditions kLeaderTimed = 1U << 25U;   ///< no state of the leader is of unknown age
-constexpr unsigned kConditionCount = 26;         ///< without the operator's choices
+constexpr Conditions kSoleVessel = 1U << 26U;    ///< no other vessel uses the boat's system id
+constexpr Conditions kSticksCentred = 1U << 27U;  ///< at neutral, in MANUAL: once since it began
+constexpr unsigned kConditionCount = 28;          ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -81,12 +83,15 @@ constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
 constexpr Conditions kByLaw =
-    kOwn | kOwnTimed | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
+    kOwn | kOwnTimed | kOwnPrompt | kSoleVessel | kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
+constexpr Conditions kFormationBegins = kDrive | kClear;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.
-constexpr Conditions kManualDrive = kSticksFresh | kSound;
-constexpr Conditions kArming = kOwn | kSound | kLimits | kGcsHeard | kParametersSaved;
+constexpr Conditions kManualBegins = kSticksFresh | kSound;
+constexpr Conditions kManualDrive = kManualBegins | kSticksCentred;
+// Nor do its arming, whatever the battery and the fence.
+constexpr Conditions kArming = kSound | kSoleVessel | kGcsHeard | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kSound;
 constexpr Conditions kAllConditions = (1U << kConditionCount) - 1U;
 
@@ -107,7 +112,7 @@ struct Row {
   State to;
 };
 
-constexpr std::array<Row, 28> kTable{{
+constexpr std::array<Row, 29> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
     // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
@@ -124,11 +129,12 @@ constexpr std::array<Row, 28> kTable{{
     {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
     {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
     {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
-    // Requests.
+    // Requests. What FORMATION lacks at arming is told; such a boat is armed for MANUAL only.
+    {in(State::kDisarmed), Request::kArm, kArming, kFormationBegins, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
-    {in(State::kHold) | kLawDrives, Request::kManual, kManualDrive, 0, State::kManual},
-    {in(State::kHold, State::kManual), Request::kFormation, kDrive | kClear, 0, State::kFormation},
+    {in(State::kHold) | kLawDrives, Request::kManual, kManualBegins, 0, State::kManual},
+    {in(State::kHold, State::kManual), Request::kFormation, kFormationBegins, 0, State::kFormation},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
     // Requests for the present state: granted, as senders repeat a command whose answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
@@ -146,7 +152,7 @@ struct Verdict {
   State state;
   bool granted;  ///< a row matched; for Request::kNone: an automatic transition
   /// Of a refused request: the unmet conditions, none if no row allows it in this state. Of an
-  /// automatic transition: the conditions whose loss caused it.
+  /// automatic transition: the conditions whose loss caused it. Of arming: what FORMATION lacks.
   Conditions missing;
 };
 
