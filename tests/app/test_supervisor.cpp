@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "app/supervisor.hpp"
-
 #include <doctest/doctest.h>
+
+#include "app/supervisor.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -27,8 +27,7 @@ struct Helm {
     if (request != Request::kNone) supervisor.request(request, now_us);
     return supervisor.state();
   }
-  State hear(const Sticks& sticks, Request request = Request::kNone,
-             link::Address from = kFirst) {
+  State hear(const Sticks& sticks, Request request = Request::kNone, link::Address from = kFirst) {
     supervisor.take_sticks(sticks, from, now_us + 5'000);
     return tick(request);
   }

@@ -17,10 +17,10 @@ enum class Esc : unsigned { kOnline, kOffline, kDisobeys, kReboots };
 struct Node {
   State state = State::kDisarmed;
   Esc esc = Esc::kOnline;
-  unsigned wrong = 0;  ///< of kTroubles, a bit each
-  unsigned coast = 0;  ///< ticks that COAST still lasts
-  unsigned test = 0;   ///< ticks that the motor test still lasts
-  bool full = false;   ///< the sticks, now
+  unsigned wrong = 0;   ///< of kTroubles, a bit each
+  unsigned coast = 0;   ///< ticks that COAST still lasts
+  unsigned test = 0;    ///< ticks that the motor test still lasts
+  bool full = false;    ///< the sticks, now
   bool centred = true;  ///< the sticks, once since MANUAL began
 };
 
@@ -170,7 +170,8 @@ struct Broken {
     disarm_refused += request == Request::kDisarm && is != State::kDisarmed;
     terminate_refused += request == Request::kTerminate && is != State::kFault;
     formation_by_itself += quiet && is == State::kFormation && was != is && was != State::kCoast;
-    formation_unfit += is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved)) != 0;
+    formation_unfit +=
+        is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved)) != 0;
     manual_began_full += tick.pushes && is == State::kManual && was != is && before.full;
     if (was != State::kCoast) return;
     coast_too_long += is == State::kCoast && tick.after.coast + 1 != before.coast;

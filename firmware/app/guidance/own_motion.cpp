@@ -23,8 +23,8 @@ OwnMotion<S>::OwnMotion(std::uint8_t system, std::uint8_t component, std::uint8_
     : track_({system, component, kOwnPatience_us, kOwnFrozen_us, true, unit}) {}
 
 template <class S>
-void OwnMotion<S>::configure(const convert::Law<S>& law, const Configuration::Navigation& navigation,
-                             std::uint8_t own_system) {
+void OwnMotion<S>::configure(const convert::Law<S>& law,
+                             const Configuration::Navigation& navigation, std::uint8_t own_system) {
   set_limits(law);
   latency_.configure(law.latency, law.yaw_inertia_kgm2, navigation.lag_s);
   track_.set_lag(latency_.lag_us());

@@ -42,9 +42,9 @@ struct Clocks {
 
 /// Input since the previous tick.
 struct Heard {
-  bool own = false, leader = false;  ///< a message of that system
+  bool own = false, leader = false;      ///< a message of that system
   bool sticks = false, neutral = false;  ///< in any hand; within a tenth of neutral
-  bool disarm = false;         ///< in any form, to anybody
+  bool disarm = false;                   ///< in any form, to anybody
   bool stop = false;           ///< a command to disarm this boat, not undone by a later one
   bool controller = false;     ///< another node commands or arms ESCs
   bool rebooted = false;       ///< an ESC's node

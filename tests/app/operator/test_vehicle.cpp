@@ -719,8 +719,8 @@ TEST_CASE(
 
 TEST_CASE("a refusal is said once for each failing check, and not more often than twice a second") {
   Ship s;
-  s.world = kFair &
-            ~(core::kSoleVessel | core::kEscsOnline | core::kParametersSaved | core::kSoleController);
+  s.world = kFair & ~(core::kSoleVessel | core::kEscsOnline | core::kParametersSaved |
+                      core::kSoleController);
   s.tick();
   int said = 0;
   for (int k = 0; k < 200; ++k) {
@@ -741,7 +741,8 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
   CHECK(s.state() == State::kDisarmed);
 }
 
-TEST_CASE("a boat is armed for MANUAL only where FORMATION lacks something, and that is told once") {
+TEST_CASE(
+    "a boat is armed for MANUAL only where FORMATION lacks something, and that is told once") {
   constexpr core::Conditions kMayLack =
       core::kOwn | core::kOwnTimed | core::kOwnPrompt | core::kLimits | core::kFollows;
   for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
