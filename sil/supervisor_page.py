@@ -37,12 +37,19 @@ def condition_table() -> str:
         needed += [
             f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
         ]
+        # What no request needs is for thrust.
+        needed = needed or [f"for thrust in {state}" for state in PUSHING if stills(state, name)]
         limit = f"`{c['limit']}`" if c["limit"] else ""
         value, bit = divmod(c["bit"], 24)
         where = f"{bit} of `COND2`" if value else str(bit)
         rows.append([f"`{name}`", where, c["complaint"], limit, ", ".join(needed)])
     head = ("condition", "bit of `COND`", "where it is not met the boat says", "limit", "needed")
     return table(head, rows)
+
+
+def stills(state: str, name: str) -> bool:
+    """Whether propellers stand still in a state, asked nothing, if only that is not met."""
+    return not flotilla.supervise(state, "arm", [n for n in NAMES if n != name])["drives"]
 
 
 def way_back(state: str, fallen: str) -> str:

@@ -222,7 +222,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
     met |= core::kSlotSound;
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
-  if (vehicle_.doubled(now_us)) met &= ~core::kOwnSteady;  // whose states they are, nobody knows
+  if (vehicle_.doubled(now_us)) met &= ~core::kSoleVessel;
   return met;
 }
 

@@ -2,6 +2,7 @@
 #include "app/supervisor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace flotilla::app {
@@ -12,6 +13,11 @@ using core::State;
 
 constexpr std::int64_t kSticksSilent_us = 500'000, kRepeated_us = 2'000'000;
 constexpr std::int64_t kArmedZeros_us = 200'000;
+
+/// A tenth: gamepads do not come back to 0 exactly.
+bool at_neutral(const Sticks& sticks) {
+  return std::abs(sticks.surge) <= 0.1 && std::abs(sticks.yaw) <= 0.1;
+}
 
 }  // namespace
 
@@ -33,7 +39,7 @@ bool Supervisor::sticks_fresh(std::int64_t now_us) const {
 
 core::Conditions Supervisor::conditions(std::int64_t now_us) const {
   core::Conditions met = 0;
-  if (sticks_fresh(now_us)) met |= core::kSticksFresh;
+  if (sticks_fresh(now_us)) met |= core::kSticksFresh | (centred_ ? core::kSticksCentred : 0);
   if (test_ && now_us < test_end_us_) met |= core::kTestRunning;
   return met;
 }
@@ -71,7 +77,9 @@ bool Supervisor::is_repeated(const MotorTest& test, bool repeated, std::int64_t 
 }
 
 void Supervisor::take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us) {
-  if (sticks_fresh(now_us) && sticks_from_ != from) return;
+  const bool fresh = sticks_fresh(now_us), manual = state_ == State::kManual;
+  if (fresh ? sticks_from_ != from : manual) return;
+  centred_ = (manual && centred_) || at_neutral(sticks);
   sticks_ = sticks;
   sticks_from_ = from;
   sticks_us_ = now_us;
@@ -85,6 +93,7 @@ Supervisor::Decision Supervisor::decide(const core::Verdict& verdict, std::int64
   const State was = std::exchange(state_, verdict.granted ? verdict.state : state_);
   const bool changed = state_ != was;
   if (changed) {
+    centred_ = at_neutral(sticks_);
     if (was == State::kTest) test_end_us_ = std::min(test_end_us_, now_us);
     if (state_ == State::kDisarmed) intended_mode_ = mode::kHold;
     if (core::armed(state_) && !core::armed(was)) armed_us_ = now_us;

@@ -29,7 +29,7 @@ class Supervisor {
   struct Decision {
     bool granted;
     bool changed;              ///< the state
-    core::Conditions missing;  ///< why it was refused, or which loss changed the state
+    core::Conditions missing;  ///< as core::Verdict's
   };
 
   core::State state() const { return state_; }
@@ -56,7 +56,8 @@ class Supervisor {
   /// This test runs, or has just ended and its answer was lost: it is neither prolonged nor run again.
   bool is_repeated(const MotorTest& test, bool repeated, std::int64_t now_us) const;
 
-  /// Ignored while another operator holds the sticks: the first keeps them until silent for 0.5 s.
+  /// Ignored while another operator holds the sticks: the first keeps them until silent for 0.5 s,
+  /// in MANUAL until HOLD has followed.
   void take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us);
 
   /// Thrust is allowed. The first 0.2 s after arming are zeros, which ESCs need to see.
@@ -72,6 +73,7 @@ class Supervisor {
   Sticks sticks_;
   link::Address sticks_from_{};
   std::optional<std::int64_t> sticks_us_;
+  bool centred_ = false;  // core::kSticksCentred, while they are fresh
   std::optional<MotorTest> test_;
   std::int64_t test_end_us_ = 0;
   std::int64_t armed_us_ = 0;

@@ -35,7 +35,7 @@ enum class Request : std::uint8_t {
 constexpr std::size_t kRequests = 8;
 
 /// A set of conditions; a set bit means that all is well.
-using Conditions = std::uint32_t;
+using Conditions = std::uint64_t;
 constexpr Conditions kOwnFresh = 1U << 0U;         ///< own state is younger than its limit
 constexpr Conditions kLeaderFresh = 1U << 1U;      ///< so is the leader's; both origins are known
 constexpr Conditions kEscsOnline = 1U << 2U;       ///< both ESCs report good health
@@ -45,29 +45,30 @@ constexpr Conditions kParametersSaved = 1U << 5U;  ///< stored parameters were r
 constexpr Conditions kSticksFresh = 1U << 6U;      ///< MANUAL_CONTROL is younger than 0.5 s
 constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was requested, is not over
 constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
-constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump; one boat has its id
+constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump
 constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
 constexpr Conditions kLeaderSteady = 1U
                                      << 11U;  ///< leader's state does not jump; one vessel sends it
-constexpr Conditions kBoatAnswers = 1U << 12U;   ///< the boat responds to its thrust
-constexpr Conditions kEscsObey = 1U << 13U;      ///< no ESC spins while commanded to stop
-constexpr Conditions kGcsHeard = 1U << 14U;      ///< a ground station is heard, or not required
-constexpr Conditions kBatteryGood = 1U << 15U;   ///< ESC voltage above its limit, or none is set
-constexpr Conditions kInsideFence = 1U << 16U;   ///< near enough to home, or no limit is set
-constexpr Conditions kClear = 1U << 17U;         ///< no vessel is nearer than FS_SEP_M
-constexpr Conditions kCoastRunning = 1U << 18U;  ///< COAST is not over
-constexpr Conditions kInRange = 1U << 19U;       ///< the scalar has not overflowed
-constexpr Conditions kOnStation = 1U << 20U;     ///< in slot, closing up, or not under the law
-constexpr Conditions kOwnPrompt = 1U << 21U;     ///< own state's latency is tolerable for the law
-constexpr Conditions kLeadersEnd = 1U << 22U;    ///< the chain of leaders does not lead back here
-constexpr Conditions kSlotSound = 1U << 23U;     ///< the slot is free, and does not go astern
-constexpr Conditions kOwnTimed = 1U << 24U;      ///< no own state is of unknown age
-constexpr Conditions kLeaderTimed = 1U << 25U;   ///< no state of the leader is of unknown age
-constexpr Conditions kOwnGood = 1U
-                                << 26U;   ///< the own unit calls its estimate good, or says nothing
-constexpr unsigned kConditionCount = 27;  ///< without the operator's choices
+constexpr Conditions kBoatAnswers = 1U << 12U;    ///< the boat responds to its thrust
+constexpr Conditions kEscsObey = 1U << 13U;       ///< no ESC spins while commanded to stop
+constexpr Conditions kGcsHeard = 1U << 14U;       ///< a ground station is heard, or not required
+constexpr Conditions kBatteryGood = 1U << 15U;    ///< ESC voltage above its limit, or none is set
+constexpr Conditions kInsideFence = 1U << 16U;    ///< near enough to home, or no limit is set
+constexpr Conditions kClear = 1U << 17U;          ///< no vessel is nearer than FS_SEP_M
+constexpr Conditions kCoastRunning = 1U << 18U;   ///< COAST is not over
+constexpr Conditions kInRange = 1U << 19U;        ///< the scalar has not overflowed
+constexpr Conditions kOnStation = 1U << 20U;      ///< in slot, closing up, or not under the law
+constexpr Conditions kOwnPrompt = 1U << 21U;      ///< own state's latency is tolerable for the law
+constexpr Conditions kLeadersEnd = 1U << 22U;     ///< the chain of leaders does not lead back here
+constexpr Conditions kSlotSound = 1U << 23U;      ///< the slot is free, and does not go astern
+constexpr Conditions kOwnTimed = 1U << 24U;       ///< no own state is of unknown age
+constexpr Conditions kLeaderTimed = 1U << 25U;    ///< no state of the leader is of unknown age
+constexpr Conditions kOwnGood = 1U << 26U;        ///< the own unit does not call its estimate poor
+constexpr Conditions kSoleVessel = 1U << 27U;     ///< no other vessel uses the boat's system id
+constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, in MANUAL: once since it began
+constexpr unsigned kConditionCount = 29;          ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
-constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
+constexpr Conditions kLeaderLossHolds = Conditions{1} << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
 constexpr Conditions kGcsLossHolds = kLeaderLossHolds << 2U;
 constexpr Conditions kGcsLossCoasts = kLeaderLossHolds << 3U;
@@ -83,14 +84,17 @@ constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
 constexpr Conditions kByLaw =
-    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kBoatAnswers | kPlace | kSound | kLimits;
+    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel | kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
+constexpr Conditions kFormationBegins = kDrive | kClear;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.
-constexpr Conditions kManualDrive = kSticksFresh | kSound;
-constexpr Conditions kArming = kOwn | kSound | kLimits | kGcsHeard | kParametersSaved;
+constexpr Conditions kManualBegins = kSticksFresh | kSound;
+constexpr Conditions kManualDrive = kManualBegins | kSticksCentred;
+// Nor do its arming, whatever the battery and the fence.
+constexpr Conditions kArming = kSound | kSoleVessel | kGcsHeard | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kSound;
-constexpr Conditions kAllConditions = (1U << kConditionCount) - 1U;
+constexpr Conditions kAllConditions = kLeaderLossHolds - 1;
 
 /// The set of these states.
 template <class... States>
@@ -109,7 +113,7 @@ struct Row {
   State to;
 };
 
-constexpr std::array<Row, 28> kTable{{
+constexpr std::array<Row, 29> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
     // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
@@ -126,11 +130,12 @@ constexpr std::array<Row, 28> kTable{{
     {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
     {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
     {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
-    // Requests.
+    // Requests. What FORMATION lacks at arming is told; such a boat is armed for MANUAL only.
+    {in(State::kDisarmed), Request::kArm, kArming, kFormationBegins, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
-    {in(State::kHold) | kLawDrives, Request::kManual, kManualDrive, 0, State::kManual},
-    {in(State::kHold, State::kManual), Request::kFormation, kDrive | kClear, 0, State::kFormation},
+    {in(State::kHold) | kLawDrives, Request::kManual, kManualBegins, 0, State::kManual},
+    {in(State::kHold, State::kManual), Request::kFormation, kFormationBegins, 0, State::kFormation},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
     // Requests for the present state: granted, as senders repeat a command whose answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
@@ -148,7 +153,7 @@ struct Verdict {
   State state;
   bool granted;  ///< a row matched; for Request::kNone: an automatic transition
   /// Of a refused request: the unmet conditions, none if no row allows it in this state. Of an
-  /// automatic transition: the conditions whose loss caused it.
+  /// automatic transition: the conditions whose loss caused it. Of arming: what FORMATION lacks.
   Conditions missing;
 };
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from sil.faults.outcome import Outcome
 from sil.faults.rows import Row
-from sil.faults.watch import STATES, States, Watch
+from sil.faults.watch import CENTRED_S, STATES, States, Watch
 from sil.plant.hull import Array
 from sil.start import RunError
 from sil.world import Progress, Run, sail
@@ -75,6 +75,7 @@ class _Seen:
         thrust_N = self._thrust_after()
         recovered_s = self._recovered()
         self._check_return()
+        self._check_way_home()
         self._check_error()
         why = "; ".join(self._why)
         return Outcome(row.name, detected_s, self._went(), thrust_N, recovered_s, not why, why)
@@ -113,6 +114,18 @@ class _Seen:
         waiting = self._states[self._begin + int(begun[0]) : self._end]
         if (waiting == STATES["FORMATION"]).any():
             self._why.append("back in FORMATION before the operator said so")
+
+    def _check_way_home(self) -> None:
+        """The sticks drive it to the end, but not before they were at neutral."""
+        if self._row.home_s is None:
+            return
+        manual = self._states == STATES["MANUAL"]
+        if not (manual[-1] and self._thrust_N[-1] > 0.0):
+            self._why.append(f"not driven home: {_NAMES[int(self._states[-1])]} in the end")
+        centred = self._begin + round((self._row.home_s + CENTRED_S) / self._h_s)
+        at_neutral = manual[centred : centred + 1].any()
+        if not at_neutral or (self._thrust_N[:centred][manual[:centred]] > 0.0).any():
+            self._why.append("MANUAL pushed before the sticks were at neutral, or began too late")
 
     def _check_error(self) -> None:
         row = self._row

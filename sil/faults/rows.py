@@ -26,7 +26,9 @@ class Row(Section):
     slot while it is in FORMATION without anybody's help. Afterwards it is back in FORMATION within
     `recovered_s` of the fault's end (of its beginning, where it has none): by itself, or by an
     `operator` who disarms, arms and says FOLLOW, and never before he does. `hold_s`: the operator
-    says HOLD so long after the fault's beginning. `fence_m`: its FS_FENCE_M; then the fault is to
+    says HOLD so long after the fault's beginning. `home_s`: so long after it he arms the boat, out
+    of FAULT too, and drives it by sticks that he centres 2 s later only: it pushes from then on,
+    not before. `fence_m`: its FS_FENCE_M; then the fault is to
     have left it.
     """
 
@@ -43,6 +45,7 @@ class Row(Section):
     recovery: Literal["automatic", "operator"] | None = None
     recovered_s: Positive | None = None
     hold_s: Positive | None = None
+    home_s: Positive | None = None
     fence_m: Positive | None = None
     set: dict[str, Any] = Field(default_factory=dict)
 

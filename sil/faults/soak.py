@@ -151,7 +151,7 @@ class _Sea:
         elif late_s > RECOVERED_S:
             self._soaked.wrong.append(f"{self._fault!r}: not recovered from at tick {k}: {states}")
         elif (k - self._ended) % self._in(_RETRY_S) == 0:
-            ask(self._batch, 0, states, t_us)
+            ask(self._batch, self._batch.agents(0), states, t_us)
 
     def _drawn(self) -> Fault:
         rng = self._rng

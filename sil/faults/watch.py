@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is seen of the boats while a matrix of faults is sailed, and the operator who helps."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import flotilla
 import numpy as np
@@ -11,9 +11,12 @@ from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-unty
 from sil.batch import Batch
 from sil.faults.rows import Row
 from sil.plant.hull import Array
-from sil.wire.heartbeat import FORMATION, HOLD
+from sil.wire.heartbeat import FORMATION, HOLD, MANUAL
+from sil.wire.operator import Operator
 
-_RETRY_S = 0.5
+_RETRY_S, _STICKS_S = 0.5, 0.1
+#: After `home_s`: the sticks are ahead, then at neutral, then ahead again.
+CENTRED_S, AHEAD_S = 2.0, 2.3
 _CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
 States = npt.NDArray[np.uint8]
 STATES: dict[str, int] = {name: i for i, name in enumerate(flotilla.STATES)}
@@ -26,7 +29,7 @@ class Watch:
     """
 
     def __init__(self, rows: Sequence[Row], ticks: int) -> None:
-        self._rows = rows
+        self._rows, self._pilot = rows, Operator()
         self.states: States = np.zeros((len(rows), ticks), np.uint8)
         self.commands: Array = np.zeros((len(rows), ticks, 2))
 
@@ -39,21 +42,34 @@ class Watch:
             self.commands[member, tick] = batch.command[run * batch.boats + row.boat - 1]
             late_s = t_s - row.ends_s
             if row.recovery == "operator" and late_s > -1e-9 and _due(late_s, batch.h_us):
-                ask(batch, run, states[run].tolist(), t_us)
+                ask(batch, batch.agents(run), states[run].tolist(), t_us)
             if row.hold_s and abs(t_s - row.begins_s - row.hold_s) < 1e-9:
                 agent = batch.row(run, row.boat)
                 set_mode(batch, agent, HOLD, t_us)
+            if row.home_s and t_s - row.begins_s - row.home_s > -1e-9:
+                self._drive(batch, run, row, t_s - row.begins_s - row.home_s, t_us)
+
+    def _drive(self, batch: Batch, run: int, row: Row, home_s: float, t_us: int) -> None:
+        agent = batch.row(run, row.boat)
+        if _due(home_s, batch.h_us, _STICKS_S):
+            ahead = 0.0 if CENTRED_S <= home_s + 1e-9 < AHEAD_S else 0.5
+            system = int(batch.fleet.parameters(agent)["MAV_SYSID"])
+            batch.fleet.hear(agent, self._pilot.sticks(system, ahead), t_us)
+        if _due(home_s, batch.h_us):
+            ask(batch, [agent], [int(batch.states[run, row.boat - 1])], t_us, MANUAL)
 
 
-def ask(batch: Batch, run: int, states: Sequence[int], t_us: int) -> None:
-    """The next step into FORMATION for each of a run's boats that is not."""
-    for agent, state in zip(batch.agents(run), states, strict=True):
+def ask(
+    batch: Batch, agents: Iterable[int], states: Sequence[int], t_us: int, mode: int = FORMATION
+) -> None:
+    """The next step into FORMATION, or another mode, for each of these boats that is not armed."""
+    for agent, state in zip(agents, states, strict=True):
         if state == STATES["FAULT"]:
             batch.fleet.command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
         elif state == STATES["DISARMED"]:
             batch.fleet.command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
         elif state == STATES["HOLD"]:
-            set_mode(batch, agent, FORMATION, t_us)
+            set_mode(batch, agent, mode, t_us)
 
 
 def set_mode(batch: Batch, agent: int, mode: int, t_us: int) -> None:
@@ -61,5 +77,5 @@ def set_mode(batch: Batch, agent: int, mode: int, t_us: int) -> None:
     batch.fleet.command([agent], t_us, mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode)))
 
 
-def _due(late_s: float, h_us: int) -> bool:
-    return round(1e6 * late_s) % round(1e6 * _RETRY_S) < h_us
+def _due(late_s: float, h_us: int, every_s: float = _RETRY_S) -> bool:
+    return round(1e6 * late_s) % round(1e6 * every_s) < h_us

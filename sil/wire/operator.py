@@ -50,6 +50,11 @@ class Operator:
         custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
         return self._command(system, mavlink.MAV_CMD_DO_SET_MODE, custom, float(mode))
 
+    def sticks(self, system: int, ahead: float) -> bytes:
+        """MANUAL_CONTROL: that share of full thrust ahead, no turn."""
+        x = round(1000 * ahead)
+        return self._pack(mavlink.MAVLink_manual_control_message(system, x, 0, 500, 0, 0))
+
     def on_mavlink(self, data: bytes) -> None:
         """Takes what a boat sends, whole frames."""
         for message_id, system, _, frame in frames(data):

@@ -32,6 +32,9 @@ TEST_CASE_TEMPLATE("in MANUAL the sticks drive, and without them both propellers
   h.mode(mode::kManual);
   for (int k = 0; k < 60; ++k) step_with_sticks(h, 500, 0);
   CHECK(h.boat.state() == State::kManual);
+  CHECK(h.stopped());  // the sticks were not at neutral yet
+  step_with_sticks(h, 0, 0);
+  for (int k = 0; k < 60; ++k) step_with_sticks(h, 500, 0);
   CHECK(h.raw.cmd[0] > 3000);
   CHECK(h.raw.cmd[0] == h.raw.cmd[1]);
   for (int k = 0; k < 60; ++k) step_with_sticks(h, 0, 1000);

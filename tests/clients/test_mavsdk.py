@@ -145,23 +145,28 @@ def test_arming_is_refused_with_the_reason_and_works_once_it_is_gone(
     sea.until(lambda: not sea.armed and armed[-1:] == [False])
 
 
-@pytest.mark.parametrize(
-    ("silence", "reason"), [(silence_escs, ESCS_SILENT), (silence_navigation, OWN_STATE_STALE)]
-)
-def test_no_force_arms_against_a_failing_check(
-    sea: Sea, mavsdk: MavsdkClient, silence: Callable[[Sea], None], reason: str
-) -> None:
+def test_a_boat_without_navigation_is_armed_for_manual_only(sea: Sea, mavsdk: MavsdkClient) -> None:
+    sea.until(lambda: sea.armable)
+    silence_navigation(sea)
+    sea.until(lambda: not sea.armable)
+    assert mavsdk.command(ARM, 1.0) == ACCEPTED
+    sea.until(lambda: OWN_STATE_STALE in mavsdk.texts)
+    sea.until(lambda: sea.armed)
+    assert set(sea.raw_commands()[-100:]) == {(0, 0)}
+
+
+def test_no_force_arms_against_a_failing_check(sea: Sea, mavsdk: MavsdkClient) -> None:
     sea.until(lambda: sea.armable)
     assert mavsdk.command(ARM, 1.0, FORCE) == ACCEPTED  # where no check fails it is an ARM
     sea.until(lambda: sea.armed)
     mavsdk.call(mavsdk.action.disarm)
     sea.until(lambda: not sea.armed)
 
-    silence(sea)
+    silence_escs(sea)
     sea.until(lambda: not sea.armable)
     before = len(sea.named("HEARTBEAT"))
     assert mavsdk.command(ARM, 1.0, FORCE) == TEMPORARILY_REJECTED
-    sea.until(lambda: reason in mavsdk.texts)
+    sea.until(lambda: ESCS_SILENT in mavsdk.texts)
     mavsdk.call(mavsdk.action.arm_force)  # which MAVSDK sends as a DISARM with the force number
     for params in ((FORCE,), (1.0, 1.0), (2.0, FORCE)):
         assert mavsdk.command(ARM, *params) == DENIED

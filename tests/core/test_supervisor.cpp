@@ -11,23 +11,24 @@ namespace {
 
 /// What an operator reads of the boat, in words of his own; knows nothing of the table.
 struct World {
-  bool own, leader, sound, answers, gcs, limits, clear, saved, sticks, test, coasts;
+  bool own, leader, sound, alone, gcs, limits, clear, saved, sticks, centred, test, coasts;
 
   explicit World(Conditions met)
-      : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
+      : own(has(met, kOwnFresh | kOwnLive | kOwnSteady | kOwnTimed | kOwnGood | kOwnPrompt | kBoatAnswers |
+                         kLeadersEnd | kSlotSound)),
         leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady | kOnStation)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
-        answers(
-            has(met, kBoatAnswers | kOwnTimed | kOwnGood | kOwnPrompt | kLeadersEnd | kSlotSound)),
+        alone(has(met, kSoleVessel)),
         gcs(has(met, kGcsHeard)),
         limits(has(met, kBatteryGood | kInsideFence)),
         clear(has(met, kClear)),
         saved(has(met, kParametersSaved)),
         sticks(has(met, kSticksFresh)),
+        centred(has(met, kSticksCentred)),
         test(has(met, kTestRunning)),
         coasts(has(met, kCoastRunning)) {}
 
-  bool law() const { return own && sound && answers && limits; }
+  bool law() const { return own && sound && alone && limits; }
   bool formation() const { return law() && leader && gcs; }
 };
 
@@ -94,7 +95,8 @@ Expected specified(State state, Request request, Conditions met) {
   if (state == State::kFault) return {state, false};
   if (state != State::kDisarmed) return when_armed_and_asked(state, request, met);
   if (request == Request::kHold) return {state, true};
-  const bool fit = is.sound && is.own && is.limits && is.gcs && is.saved;
+  // Whatever navigation, battery, fence and leader are: it can be driven home.
+  const bool fit = is.sound && is.alone && is.gcs && is.saved;
   if (request == Request::kArm && fit) return {State::kHold, true};
   return {state, false};
 }
@@ -160,7 +162,7 @@ TEST_CASE("the boat may push in four states, each with its own conditions, never
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request, Conditions met) {
     const World is(met);
-    const bool fit = (state == State::kManual && is.sound && is.sticks) ||
+    const bool fit = (state == State::kManual && is.sound && is.sticks && is.centred) ||
                      (state == State::kFormation && is.formation()) ||
                      (state == State::kCoast && is.law() && is.coasts) ||
                      (state == State::kTest && is.sound && is.test);
@@ -176,9 +178,10 @@ TEST_CASE("a boat that stays or comes into a state that pushes may push at once"
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request request, Conditions met) {
     const State own = supervise(state, Request::kNone, met).state;  // as each tick begins
-    // COAST has just begun where the boat comes into it.
-    const Conditions now = state == State::kCoast ? met : met | kCoastRunning;
+    // COAST has just begun where the boat comes into it. In MANUAL it waits for the sticks.
+    const Conditions begun = state == State::kCoast ? met : met | kCoastRunning;
     const State next = supervise(own, request, met).state;
+    const Conditions now = next == State::kManual ? begun | kSticksCentred : begun;
     const bool pushes = next == State::kManual || law_drives(next) || next == State::kTest;
     if (pushes && !may_drive(next, now)) ++wrong;
   });
@@ -230,12 +233,35 @@ TEST_CASE("what the boat lost is named when it changes its state by itself") {
 }
 
 TEST_CASE("a boat that lost its navigation and its leader can be driven home") {
-  constexpr Conditions kBlind = kSound | kSticksFresh;
+  constexpr Conditions kBlind = kSound | kSticksFresh | kSticksCentred;
   const State held = supervise(State::kFormation, Request::kNone, kBlind).state;
   CHECK(held == State::kHold);
   CHECK(supervise(held, Request::kManual, kBlind).state == State::kManual);
   CHECK(supervise(State::kManual, Request::kNone, kBlind).state == State::kManual);
   CHECK(may_drive(State::kManual, kBlind));
+}
+
+TEST_CASE("what FORMATION lacks is named when a boat is armed without it") {
+  std::uint64_t wrong = 0;
+  for_every_situation([&](State state, Request request, Conditions met) {
+    const Verdict armed = supervise(state, request, met);
+    if (request == Request::kNone || !armed.granted) return;
+    const bool arms = state == State::kDisarmed && armed.state == State::kHold;
+    const Conditions refused = supervise(State::kHold, Request::kFormation, met).missing;
+    if (armed.missing != (arms ? refused : 0)) ++wrong;
+  });
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("after a FAULT a boat with a low battery, lost and out of its fence is driven home") {
+  constexpr Conditions kStranded =
+      kSound | kSoleVessel | kGcsHeard | kParametersSaved | kSticksFresh | kSticksCentred;
+  CHECK(supervise(State::kManual, Request::kNone, kStranded & ~kEscsOnline).state == State::kFault);
+  CHECK(supervise(State::kFault, Request::kDisarm, kStranded).state == State::kDisarmed);
+  CHECK(supervise(State::kDisarmed, Request::kArm, kStranded).state == State::kHold);
+  CHECK_FALSE(supervise(State::kHold, Request::kFormation, kStranded).granted);
+  CHECK(supervise(State::kHold, Request::kManual, kStranded).state == State::kManual);
+  CHECK(may_drive(State::kManual, kStranded));
 }
 
 static_assert(supervise(State::kHold, Request::kFormation, kAllConditions).granted);

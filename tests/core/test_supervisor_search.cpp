@@ -17,28 +17,34 @@ enum class Esc : unsigned { kOnline, kOffline, kDisobeys, kReboots };
 struct Node {
   State state = State::kDisarmed;
   Esc esc = Esc::kOnline;
-  unsigned wrong = 0;  ///< of kTroubles, a bit each
-  unsigned coast = 0;  ///< ticks that COAST still lasts
-  unsigned test = 0;   ///< ticks that the motor test still lasts
+  unsigned wrong = 0;   ///< of kTroubles, a bit each
+  unsigned coast = 0;   ///< ticks that COAST still lasts
+  unsigned test = 0;    ///< ticks that the motor test still lasts
+  bool full = false;    ///< the sticks, now
+  bool centred = true;  ///< the sticks, once since MANUAL began
 };
 
 constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
                                               kLeaderFresh | kLeaderTimed | kOnStation,
                                               kSoleController | kBusUp | kInRange,
                                               kGcsHeard,
-                                              kBatteryGood,
+                                              kLimits,
                                               kSticksFresh,
                                               kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
                                               kClear,
-                                              kParametersSaved};
+                                              kParametersSaved | kSoleVessel};
+/// Of these: no reason not to arm, and not to drive by the sticks.
+constexpr unsigned kHarmless = 0b011'010'011;
+constexpr unsigned kSticks = 0b000'100'000, kUnsaved = 0b100'000'000;
 constexpr unsigned kCoastTicks = 3, kTestTicks = 2;
-constexpr unsigned kCodeBits = 3 + 2 + kTroubles.size() + 2 + 2;
+constexpr unsigned kCodeBits = 3 + 2 + kTroubles.size() + 2 + 2 + 2;
 
 unsigned code_of(const Node& n) {
   unsigned code = static_cast<unsigned>(n.state);
   code = code << 2U | static_cast<unsigned>(n.esc);
   code = code << kTroubles.size() | n.wrong;
-  return (code << 2U | n.coast) << 2U | n.test;
+  code = (code << 2U | n.coast) << 2U | n.test;
+  return (code << 1U | (n.full ? 1U : 0U)) << 1U | (n.centred ? 1U : 0U);
 }
 
 Conditions conditions_of(const Node& n, Conditions choices) {
@@ -50,6 +56,7 @@ Conditions conditions_of(const Node& n, Conditions choices) {
   if (n.esc == Esc::kDisobeys) met &= ~kEscsObey;
   if (n.state == State::kCoast && n.coast == 0) met &= ~kCoastRunning;
   if (n.test == 0) met &= ~kTestRunning;
+  if (!n.centred) met &= ~kSticksCentred;
   return met;
 }
 
@@ -64,8 +71,10 @@ Tick tick_of(Node n, Request request, Conditions choices) {
     if (state == State::kCoast && n.state != State::kCoast) n.coast = kCoastTicks;
     if (state != State::kCoast) n.coast = 0;
     if (state != State::kTest) n.test = 0;
+    if (state != n.state) n.centred = !n.full;
     n.state = state;
   };
+  n.centred = !n.full || (n.centred && n.state == State::kManual);
   enter(supervise(n.state, Request::kNone, conditions_of(n, choices)).state);
   Node asked = n;
   if (request == Request::kTest && n.test == 0) asked.test = kTestTicks;
@@ -87,6 +96,8 @@ std::vector<Node> events_of(const Node& n) {
     out.push_back(n);
     out.back().wrong ^= 1U << i;
   }
+  out.push_back(n);
+  out.back().full = !n.full;
   for (const Esc esc : {Esc::kOnline, Esc::kOffline, Esc::kDisobeys, Esc::kReboots}) {
     // What reboots is silent for a while before it is back.
     if (n.esc == Esc::kReboots && esc != Esc::kOffline) continue;
@@ -136,11 +147,13 @@ struct Broken {
   int pushed_unarmed = 0, pushed_without_escs = 0, law_pushed_blind = 0, fault_left = 0;
   int armed_without_escs = 0, disarm_refused = 0, terminate_refused = 0, coast_too_long = 0;
   int coast_ended_elsewhere = 0, formation_by_itself = 0, not_back_to_the_start = 0;
+  int manual_began_full = 0, formation_unfit = 0, stranded = 0;
 
   bool any() const {
     return pushed_unarmed + pushed_without_escs + law_pushed_blind + fault_left +
                armed_without_escs + disarm_refused + terminate_refused + coast_too_long +
-               coast_ended_elsewhere + formation_by_itself + not_back_to_the_start !=
+               coast_ended_elsewhere + formation_by_itself + not_back_to_the_start +
+               manual_began_full + formation_unfit + stranded !=
            0;
   }
 
@@ -157,6 +170,9 @@ struct Broken {
     disarm_refused += request == Request::kDisarm && is != State::kDisarmed;
     terminate_refused += request == Request::kTerminate && is != State::kFault;
     formation_by_itself += quiet && is == State::kFormation && was != is && was != State::kCoast;
+    formation_unfit +=
+        is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved)) != 0;
+    manual_began_full += tick.pushes && is == State::kManual && was != is && before.full;
     if (was != State::kCoast) return;
     coast_too_long += is == State::kCoast && tick.after.coast + 1 != before.coast;
     const bool well = online && (before.wrong & 0b100U) == 0;
@@ -175,6 +191,12 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
       const Node repaired{before.state, Esc::kOnline, 0, before.coast, before.test};
       broken.not_back_to_the_start +=
           code_of(tick_of(repaired, Request::kDisarm, choices).after) != code_of(Node{});
+      // Only the propellers are repaired: it is driven home, from FAULT and wherever it was.
+      Node home{before.state, Esc::kOnline, before.wrong & kHarmless, before.coast, before.test};
+      for (const Request next : {Request::kDisarm, Request::kArm}) {
+        home = tick_of(home, next, choices).after;
+      }
+      broken.stranded += !tick_of(home, Request::kManual, choices).pushes;
     });
     CAPTURE(choices);
     CHECK(broken.pushed_unarmed == 0);
@@ -188,6 +210,9 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
     CHECK(broken.coast_ended_elsewhere == 0);
     CHECK(broken.formation_by_itself == 0);
     CHECK(broken.not_back_to_the_start == 0);
+    CHECK(broken.manual_began_full == 0);
+    CHECK(broken.formation_unfit == 0);
+    CHECK(broken.stranded == 0);
     CHECK_FALSE(broken.any());
   });
   MESSAGE(nodes, " states visited");

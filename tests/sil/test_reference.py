@@ -36,7 +36,9 @@ def test_the_page_tells_what_a_loss_does_and_how_the_boat_comes_back() -> None:
 
 def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit() -> None:
     conditions = supervisor_page.condition_table()
-    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "to arm, for FORMATION"]
+    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for FORMATION"]
+    assert row_of(conditions, "gcs_heard")[-2:] == ["`FS_GCS_S`", "to arm, for FORMATION"]
+    assert row_of(conditions, "sticks_centred")[-2:] == ["", "for thrust in MANUAL"]
     assert row_of(conditions, "sticks_fresh")[-2:] == ["", "for MANUAL"]
     assert all(name in conditions for name in some(supervisor_page.NAMES))
 

@@ -29,7 +29,6 @@ PREARM_CHECK = 0x10000000
 
 #: A word of the sentence for each check.
 CHECKS = {
-    "own": "own state",
     "escs": "ESC",
     "bus": "CAN bus is down",
     "sole": "another controller",
@@ -70,7 +69,7 @@ def test_every_check_that_fails_is_named_and_no_other(
     assert sea.state == "DISARMED" and sea.commands == (0, 0)
 
 
-@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("check", ["own", *CHECKS])
 def test_the_prearm_bit_of_sys_status_is_set_exactly_while_no_check_fails(check: str) -> None:
     for checks in ((), (check,)):
         ticks = failing(checks).run(1.2)
@@ -82,7 +81,7 @@ def test_the_prearm_bit_of_sys_status_is_set_exactly_while_no_check_fails(check:
 
 
 def test_refusals_are_told_at_most_twice_a_second(sea: Sea) -> None:
-    sea.own.on = False
+    sea.boat.on_host(bus_up=False)
     sea.settle()
     ticks = []
     for _ in range(200):  # 2 s
@@ -105,20 +104,20 @@ def test_refusals_are_told_at_most_twice_a_second(sea: Sea) -> None:
 def test_another_refusal_does_not_swallow_why_the_boat_does_not_arm(
     sea: Sea, before: Any, apart: bool
 ) -> None:
-    sea.own.on = False
+    sea.boat.on_host(bus_up=False)
     sea.settle()
     sea.say(before)
     ticks = [sea.step()] if apart else []
     ticks.append(sea.arm())
     said = texts(ticks)
-    assert len(prearm(said)) == 1 and CHECKS["own"] in prearm(said)[0]
+    assert len(prearm(said)) == 1 and CHECKS["bus"] in prearm(said)[0]
     assert [t for t in said if "efused: " in t]
     sea.say(before)  # and within half a second neither is told again
     assert not texts([sea.arm()])
 
 
 def test_a_prearm_reason_does_not_swallow_another_refusal(sea: Sea) -> None:
-    sea.own.on = False
+    sea.boat.on_host(bus_up=False)
     sea.settle()
     assert prearm(texts([sea.arm()]))
     sea.say(param_set("THR_FWD_MAX", -5.0))
@@ -127,9 +126,9 @@ def test_a_prearm_reason_does_not_swallow_another_refusal(sea: Sea) -> None:
 
 
 def test_a_check_that_no_longer_fails_lets_the_boat_arm() -> None:
-    sea = failing(("own", "escs", "bus", "saved"))
+    sea = failing(("escs", "bus", "saved"))
     assert acks(sea.arm()) == [(ARM, TEMPORARILY_REJECTED)]
-    sea.own.on = sea.escs[1].on = True
+    sea.escs[1].on = True
     sea.boat.on_host(bus_up=True, parameters_saved=True)
     sea.run(1.0)
     assert acks(sea.arm()) == [(ARM, ACCEPTED)] and sea.state == "HOLD"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.target.operator_words import param_set, sticks
+from tests.target.operator_words import drive, param_set, sticks
 from tests.target.sea import TURN, Sea, at_sea, named, texts
 from tests.target.stations import FORMATION, HOLD
 
@@ -118,8 +118,13 @@ def test_the_operator_may_choose_manual_where_he_holds_the_sticks(held: bool) ->
             sea.say(sticks(200, 0))
         sea.step()
     assert sea.state == ("MANUAL" if held else "HOLD")
-    assert any(sea.commands) == held
-    assert "leader's state is not fresh" in texts(sea.ticks)[-1]
+    assert not any(sea.commands)
+    assert f"{sea.state}: leader's state is not fresh" in texts(sea.ticks)
+    assert texts(sea.ticks).count("MANUAL: centre the sticks first") == held
+    if held:
+        drive(sea, 0, 0, 0.1)
+        drive(sea, 200)
+        assert sea.state == "MANUAL" and all(sea.commands)
 
 
 def test_a_boat_whose_leader_was_lost_before_it_ever_pushed_does_not_push() -> None:

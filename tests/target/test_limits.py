@@ -11,8 +11,15 @@ from tests.target.agent import START_US
 from tests.target.course import Course
 from tests.target.hull import Afloat, Hull
 from tests.target.operator_words import sticks
-from tests.target.sea import PAPER, Sea, at_sea, texts
+from tests.target.sea import PAPER, Sea, Tick, at_sea, texts
 from tests.target.stations import FORMATION
+from tests.target.test_long_texts import sentences as whole
+
+
+def sentences(ticks: list[Tick]) -> list[str]:
+    """Put together again from their chunks."""
+    return [said.text for said in whole(ticks)]
+
 
 LOW, FAR = "battery is below FS_BATT_V, or unknown", "outside FS_FENCE_M, or place unknown"
 GEOFENCE, BATTERY, PREARM = 1 << 20, 1 << 25, 1 << 28
@@ -61,16 +68,17 @@ def test_a_battery_that_dips_for_a_moment_is_good() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_a_boat_with_a_low_battery_is_not_armed_and_says_why() -> None:
+def test_a_boat_with_a_low_battery_is_armed_for_manual_only_and_says_why() -> None:
     sea = Sea({"FS_BATT_V": 25.0})
     sea.run(5.0)
-    assert texts([sea.arm()]) == [f"PreArm: {LOW}"] and sea.state == "DISARMED"
+    assert sentences([sea.arm()]) == ["HOLD", f"armed for MANUAL only: {LOW}"]
     assert fence_and_battery(sea)[PREARM] == (True, False)
+    assert texts([sea.mode(FORMATION)]) == [f"Refused: {LOW}"] and sea.state == "HOLD"
     sea.escs[0].voltage = sea.escs[1].voltage = 25.5
     sea.run(1.8)
-    assert sea.arm() and sea.state == "DISARMED"
+    assert sea.mode(FORMATION) and sea.state == "HOLD"
     sea.run(0.5)
-    assert sea.arm() and sea.state == "HOLD"
+    assert sea.mode(FORMATION) and sea.state == "FORMATION"
 
 
 def sail_on(sea: Sea, speed_mps: float) -> None:
@@ -116,14 +124,14 @@ def test_home_is_where_the_boat_is_armed_so_it_is_armed_anywhere() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_a_boat_that_does_not_know_its_place_is_not_armed_behind_a_fence() -> None:
+def test_a_boat_that_does_not_know_its_place_is_armed_for_manual_only() -> None:
     for fence_m in (0.0, 50.0):
         sea = Sea({"FS_FENCE_M": fence_m})
         sea.own.origin_on = False
         sea.settle()
         tick = sea.arm()
-        assert sea.state == ("DISARMED" if fence_m else "HOLD")
-        assert (f"PreArm: {FAR}" in texts([tick])) == bool(fence_m)
+        assert sea.state == "HOLD"
+        assert (f"armed for MANUAL only: {FAR}" in sentences([tick])) == bool(fence_m)
 
 
 def test_without_limits_there_is_no_fence_and_any_battery_will_do() -> None:

@@ -102,7 +102,7 @@ def test_short_sentences_have_no_id(sea: Sea) -> None:
     sea.run(1.0)
     sea.arm()
     said = sentences(sea.ticks)
-    assert len(said) == 4
+    assert len(said) == 7
     for each in said:
         assert each.id == 0
         assert_well_cut(each)

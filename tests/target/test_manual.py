@@ -33,6 +33,7 @@ from tests.target.stations import (
 from tests.turns import some
 
 SILENT_S = 0.5
+CENTRE = "MANUAL: centre the sticks first"
 
 
 def sign(value: int) -> int:
@@ -211,12 +212,15 @@ def test_from_formation_to_manual_and_back(sea: Sea) -> None:
     drive(sea, 250, 0, 0.2)
     assert acks(sea.mode(MANUAL)) == [(SET_MODE, ACCEPTED)]
     drive(sea, 250)
+    assert sea.state == "MANUAL" and not any(sea.commands), "not at neutral yet"
+    drive(sea, 0, 0, 0.1)
+    drive(sea, 250)
     assert sea.state == "MANUAL" and sea.commands == pytest.approx((2048, 2048), abs=1)
     assert acks(sea.mode(MANUAL)) == [(SET_MODE, ACCEPTED)]
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, ACCEPTED)]
     sea.run(2.0)
     assert sea.state == "FORMATION"
-    assert texts(sea.ticks) == ["HOLD", "FORMATION", "MANUAL", "FORMATION"]
+    assert texts(sea.ticks) == ["HOLD", "FORMATION", "MANUAL", CENTRE, "FORMATION"]
 
 
 def test_the_old_message_sets_manual_too_and_is_not_answered(sea: Sea) -> None:
@@ -255,7 +259,7 @@ def test_manual_can_be_asked_for_after_the_navigation_was_lost_in_formation() ->
     sea.silence("own")
     sea.run_until("HOLD", 1.0)
     sea.run(5.0)
-    drive(sea, -300, 0, 0.1)
+    drive(sea, 0, 0, 0.1)
     assert acks(sea.mode(MANUAL)) == [(SET_MODE, ACCEPTED)]
     drive(sea, -300)
     assert sea.state == "MANUAL" and all(c < 0 for c in sea.commands)
@@ -324,7 +328,7 @@ def test_sticks_of_another_boat_are_not_this_ones(sea: Sea, target: int) -> None
 
 def test_after_arming_the_escs_see_zeros_before_the_sticks_drive(sea: Sea) -> None:
     sea.settle()
-    sea.say(sticks(1000))
+    sea.say(sticks(0))
     armed_us = sea.arm().now_us
     sea.mode(MANUAL)
     assert sea.state == "MANUAL"

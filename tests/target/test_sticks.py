@@ -86,6 +86,7 @@ def test_a_second_operator_may_take_sticks_that_were_let_go(sea: Sea) -> None:
     drive(sea, 300)
     second = Station(245, 190)
     drive(sea, -200, 0, 0.7, sender=second)
+    drive(sea, 0, 0, 0.1, sender=second)
     assert acks(sea.mode(MANUAL)) == [(SET_MODE, ACCEPTED)]
     drive(sea, -200, 0, 1.0, sender=second)
     assert sea.state == "MANUAL" and all(c < 0 for c in sea.commands)

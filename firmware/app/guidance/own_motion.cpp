@@ -122,6 +122,7 @@ core::Conditions OwnMotion<S>::conditions(std::int64_t limit_us, std::int64_t no
   if (track_.fresh(now_us, limit_us)) met |= core::kOwnFresh;
   if (track_.live()) met |= core::kOwnLive;
   if (track_.steady(now_us)) met |= core::kOwnSteady;
+  if (!track_.doubled(now_us)) met |= core::kSoleVessel;
   if (track_.timed()) met |= core::kOwnTimed;
   if (quality_.good(now_us)) met |= core::kOwnGood;
   if (latency_.is_bearable() || track_.bounded()) met |= core::kOwnPrompt;

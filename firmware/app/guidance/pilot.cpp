@@ -74,7 +74,7 @@ core::Conditions Pilot<S>::conditions(std::int64_t now_us) const {
   if (!reference_.place().is_cycle(now_us)) met |= core::kLeadersEnd;
   if (leader_.timed()) met |= core::kLeaderTimed;
   if (leader_.live()) met |= core::kLeaderLive;
-  if (leader_.steady(now_us)) met |= core::kLeaderSteady;
+  if (leader_.steady(now_us) && !leader_.doubled(now_us)) met |= core::kLeaderSteady;
   return met;
 }
 

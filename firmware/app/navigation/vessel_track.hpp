@@ -88,8 +88,8 @@ class VesselTrack {
   /// It has reported two different positions; until then it may be held in place.
   bool has_moved() const { return liveness_.moved(); }
 
-  /// No implausible report within the last second, and none of another vessel.
-  bool steady(std::int64_t now_us) const { return guard_.steady(now_us) && !doubled(now_us); }
+  /// No implausible report within the last second.
+  bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
 
   /// Two vessels tell an ATTITUDE under this one's ids.
   bool doubled(std::int64_t now_us) const { return namesake_.seen(now_us); }

@@ -256,8 +256,13 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     send_statustext(mav::kSeverityWarning, {what, why}, counters);
     return;
   }
-  // Of many, what leaves the heartbeat its room; the rest when these are seen to.
-  for_each_complaint(missing, [&](std::string_view why) {
+  send_complaints(what, missing, counters);
+}
+
+/// Of many, what leaves the heartbeat its room; the rest when these are seen to.
+void Vehicle::send_complaints(std::string_view what, core::Conditions unmet,
+                              link::Counters& counters) {
+  for_each_complaint(unmet, [&](std::string_view why) {
     if (links_.least_room() < kOwnRoom + kSentenceRoom) return;
     send_statustext(mav::kSeverityWarning, {what, why}, counters);
   });
@@ -274,6 +279,10 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
                                 : missing != 0 && !test_over ? mav::kSeverityError
                                                              : mav::kSeverityInfo;
   send_statustext(severity, {name_of(state), why.empty() ? "" : ": ", why}, counters);
+  const bool centred = (supervisor_.conditions(now_us_) & core::kSticksCentred) != 0;
+  if (state == State::kManual && !centred) {
+    send_complaints("MANUAL: ", core::kSticksCentred, counters);
+  }
   announce_ = true;
   streams_.hurry(link::CurrentMode::kId);
 }

@@ -102,7 +102,11 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;
   if (decision.changed) announce_state(0, counters);
-  if (!decision.granted) refuse(asked.request, decision.missing, counters);
+  if (!decision.granted) {
+    refuse(asked.request, decision.missing, counters);
+  } else {
+    send_complaints("armed for MANUAL only: ", decision.missing, counters);
+  }
   if (!asked.why.empty() && refusal_due_.due(now_us_)) {
     send_statustext(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
   }

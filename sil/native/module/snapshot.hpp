@@ -36,8 +36,10 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kLeadersEnd, "leaders_end"},
                      {flotilla::core::kSlotSound, "slot_sound"},
                      {flotilla::core::kOwnTimed, "own_timed"},
+                     {flotilla::core::kLeaderTimed, "leader_timed"},
                      {flotilla::core::kOwnGood, "own_good"},
-                     {flotilla::core::kLeaderTimed, "leader_timed"}}};
+                     {flotilla::core::kSoleVessel, "sole_vessel"},
+                     {flotilla::core::kSticksCentred, "sticks_centred"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);

@@ -2,6 +2,7 @@
 #include "policies/mavlink_ear.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <string_view>
 
@@ -128,6 +129,13 @@ inline bool finite(Bytes payload, const Contents& contents) {
   return (wrong & kSigns) == 0;
 }
 
+/// MANUAL_CONTROL, ahead and to starboard.
+bool is_neutral(Bytes sticks) {
+  constexpr int kTenth = 100;
+  return std::abs(field<std::int16_t>(sticks, 0)) <= kTenth &&
+         std::abs(field<std::int16_t>(sticks, 6)) <= kTenth;
+}
+
 /// A mode in the form of ArduPilot Rover's clients, 1, mode and zeros: that of a PX4's client is
 /// another mode.
 bool is_rovers(Bytes command) {
@@ -170,6 +178,7 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
   switch (id) {
     case kManualControlId:
       n.heard.sticks = true;
+      n.heard.neutral |= is_neutral(m);
       break;
     case kSetModeId:
       hear_mode(field<std::uint32_t>(m, 0), n);

@@ -42,9 +42,9 @@ struct Clocks {
 
 /// Input since the previous tick.
 struct Heard {
-  bool own = false, leader = false;  ///< a message of that system
-  bool sticks = false;
-  bool disarm = false;         ///< in any form, to anybody
+  bool own = false, leader = false;      ///< a message of that system
+  bool sticks = false, neutral = false;  ///< in any hand; within a tenth of neutral
+  bool disarm = false;                   ///< in any form, to anybody
   bool stop = false;           ///< a command to disarm this boat, not undone by a later one
   bool controller = false;     ///< another node commands or arms ESCs
   bool rebooted = false;       ///< an ESC's node
@@ -119,7 +119,8 @@ struct Moment : Seen {
   std::int64_t armed_us = kNever_us;
   std::int64_t arming_us = 0, status_us = 0;  ///< last sent
   std::int64_t beat_us = 0, timesync_us = 0;  ///< oldest among the links
-  std::int64_t own_us = kNever_us, leader_us = kNever_us, sticks_us = kNever_us;
+  std::int64_t own_us = kNever_us, leader_us = kNever_us, sticks_us = kNever_us,
+               neutral_us = kNever_us;
   std::int64_t controller_us = kNever_us, reboot_us = kNever_us;
   Clocks clocks;  ///< of the navigation unit and the leader
   std::int64_t own_true_us = kNever_us, leader_true_us = kNever_us;  ///< of the newest state heard

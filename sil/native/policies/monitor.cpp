@@ -120,6 +120,7 @@ void Monitor<S>::note_times() {
   if (heard.own) now_.own_us = now_.now_us;
   if (heard.leader) now_.leader_us = now_.now_us;
   if (heard.sticks) now_.sticks_us = now_.now_us;
+  if (heard.neutral || now_.torn) now_.neutral_us = now_.now_us;
   for (std::size_t esc = 0; esc < heard.escs.size(); ++esc) {
     if (heard.escs[esc]) now_.esc_us[esc] = now_.now_us;
   }

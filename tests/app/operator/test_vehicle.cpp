@@ -719,8 +719,8 @@ TEST_CASE(
 
 TEST_CASE("a refusal is said once for each failing check, and not more often than twice a second") {
   Ship s;
-  s.world = kFair &
-            ~(core::kOwnFresh | core::kEscsOnline | core::kParametersSaved | core::kSoleController);
+  s.world = kFair & ~(core::kSoleVessel | core::kEscsOnline | core::kParametersSaved |
+                      core::kSoleController);
   s.tick();
   int said = 0;
   for (int k = 0; k < 200; ++k) {
@@ -731,7 +731,7 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
     if (texts.empty()) continue;
     ++said;
     CHECK(texts.size() == 4);
-    CHECK(s.says("PreArm: own state"));
+    CHECK(s.says("PreArm: system id"));
     CHECK(s.says("PreArm: ESCs"));
     CHECK(s.says("PreArm: parameters"));
     CHECK(s.says("PreArm: another controller"));
@@ -739,6 +739,47 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
   }
   CHECK(said == 4);
   CHECK(s.state() == State::kDisarmed);
+}
+
+TEST_CASE(
+    "a boat is armed for MANUAL only where FORMATION lacks something, and that is told once") {
+  constexpr core::Conditions kMayLack =
+      core::kOwn | core::kOwnTimed | core::kOwnPrompt | core::kLimits | core::kFollows;
+  for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
+    if ((kMayLack >> bit & 1U) == 0) continue;
+    Ship s;
+    s.world = kFair & ~(1U << bit);
+    s.tick();
+    s.command(mav::kCmdComponentArmDisarm, 1);
+    s.tick();
+    CHECK(s.result() == mav::kAccepted);
+    const std::string why(complaint_of(1U << bit));
+    CHECK(s.says("HOLD"));
+    CHECK(s.says("armed for MANUAL only: " + why.substr(0, 20)));
+    s.command(mav::kCmdComponentArmDisarm, 1);
+    s.tick();
+    CHECK(s.all<link::Statustext>().empty());
+    s.command(mav::kCmdDoSetMode, 1, 6);
+    s.tick();
+    CHECK(s.result() == mav::kTemporarilyRejected);
+    CHECK(s.says("Refused: " + why));
+    CHECK(s.state() == State::kHold);
+  }
+}
+
+TEST_CASE("an armed boat whose sticks are not at neutral says so once as MANUAL begins") {
+  for (const std::int16_t surge : {std::int16_t{0}, std::int16_t{1000}}) {
+    Ship s;
+    s.bring_to(State::kHold);
+    s.sticks(surge, 0);
+    s.command(mav::kCmdDoSetMode, 1, 0);
+    s.tick();
+    CHECK(s.state() == State::kManual);
+    CHECK(s.says("MANUAL: centre the sticks first") == (surge != 0));
+    s.sticks(surge, 0);
+    s.tick();
+    CHECK(s.all<link::Statustext>().empty());
+  }
 }
 
 TEST_CASE("a refusal with every reason there is leaves the heartbeat its room") {

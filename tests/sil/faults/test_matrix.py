@@ -68,6 +68,27 @@ def test_a_boat_that_breaks_a_limit_fails_and_the_reason_is_told(
     assert why in outcome.why
 
 
+HOME = (("FORMATION", 13, 5.0), ("HOLD", 17, 0.0), ("MANUAL", 20, 0.0), ("MANUAL", 20, 5.0))
+
+
+@pytest.mark.parametrize(
+    ("spells", "why"),
+    [
+        (HOME, ""),
+        (HOME[:3], "not driven home: MANUAL in the end"),
+        ((*HOME, ("HOLD", 5, 0.0)), "not driven home: HOLD in the end"),
+        ((*HOME[:2], ("MANUAL", 40, 5.0)), "before the sticks were at neutral"),
+        ((HOME[0], ("HOLD", 45, 0.0), HOME[3]), "began too late"),
+    ],
+)
+def test_a_boat_is_driven_home_by_sticks_that_were_at_neutral(
+    spells: tuple[Any, ...], why: str
+) -> None:
+    outcome = judged(*spells, home_s=2.0)
+    assert outcome.passed == (not why)
+    assert why in outcome.why
+
+
 def test_thrust_may_last_as_long_as_the_row_says() -> None:
     spells = (GOOD[0], ("HOLD", 3, 5.0), ("HOLD", 27, 0.0), GOOD[2])
     assert judged(*spells, **WELL, off_s=0.3).passed

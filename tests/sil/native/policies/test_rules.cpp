@@ -28,7 +28,7 @@ struct Pair {
   Pair(const Pair&) = delete;
 
   void set(Moment& m, State state, std::int64_t now_us) {
-    m.now_us = m.own_us = m.leader_us = m.sticks_us = now_us;
+    m.now_us = m.own_us = m.leader_us = m.sticks_us = m.neutral_us = now_us;
     m.own_true_us = m.leader_true_us = now_us - 50'000;
     m.clocks = {0, -7'000'000};
     m.dt_us = 10'000;
@@ -127,6 +127,8 @@ const std::vector<Mutation> kThrust{
      [](Pair& q) { q.n.own_true_us -= 460'000; }},
     {"leader's state truly older than FS_LEADER_S: no thrust in FORMATION", kLaw,
      [](Pair& q) { q.n.leader_true_us -= 960'000; }},
+    {"MANUAL: no thrust before the sticks were at neutral", kManual,
+     [](Pair& q) { q.n.neutral_us = q.n.state_us - 510'000; }},
     {"age of own state unknown: no thrust by the law", kCoast, lost(core::kOwnTimed)},
     {"navigation unit calls its estimate poor: no thrust by the law", kCoast, lost(core::kOwnGood)},
     {"own state frozen or jumping: no thrust by the law", kLaw, lost(core::kOwnLive)},
