@@ -216,6 +216,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
     met |= core::kSlotSound;
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
+  if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until it is asked for anew
   if (vehicle_.doubled(now_us)) met &= ~core::kOwnSteady;  // whose states they are, nobody knows
   return met;
 }

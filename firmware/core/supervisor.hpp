@@ -47,8 +47,8 @@ constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was request
 constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
 constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump; one boat has its id
 constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
-constexpr Conditions kLeaderSteady = 1U
-                                     << 11U;  ///< leader's state does not jump; one vessel sends it
+constexpr Conditions kLeaderSteady =
+    1U << 11U;  ///< leader's state does not jump, nor has under the law
 constexpr Conditions kBoatAnswers = 1U << 12U;   ///< the boat responds to its thrust
 constexpr Conditions kEscsObey = 1U << 13U;      ///< no ESC spins while commanded to stop
 constexpr Conditions kGcsHeard = 1U << 14U;      ///< a ground station is heard, or not required
@@ -63,7 +63,8 @@ constexpr Conditions kLeadersEnd = 1U << 22U;    ///< the chain of leaders does 
 constexpr Conditions kSlotSound = 1U << 23U;     ///< the slot is free, and does not go astern
 constexpr Conditions kOwnTimed = 1U << 24U;      ///< no own state is of unknown age
 constexpr Conditions kLeaderTimed = 1U << 25U;   ///< no state of the leader is of unknown age
-constexpr unsigned kConditionCount = 26;         ///< without the operator's choices
+constexpr Conditions kLeaderNear = 1U << 26U;    ///< who is followed is within FORM_DIST_MAX
+constexpr unsigned kConditionCount = 27;         ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = 1U << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -74,7 +75,8 @@ constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEsc
 /// Without these the boat may not obey commands and needs an inspection.
 constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
-constexpr Conditions kLeader = kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady;
+constexpr Conditions kLeader =
+    kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady;
 /// A boat that leaves its slot counts as one that has lost its leader.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;

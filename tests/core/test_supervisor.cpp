@@ -15,7 +15,8 @@ struct World {
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady)),
-        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady | kOnStation)),
+        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady |
+                            kOnStation)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
         answers(has(met, kBoatAnswers | kOwnTimed | kOwnPrompt | kLeadersEnd | kSlotSound)),
         gcs(has(met, kGcsHeard)),

@@ -22,15 +22,16 @@ struct Node {
   unsigned test = 0;   ///< ticks that the motor test still lasts
 };
 
-constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
-                                              kLeaderFresh | kLeaderTimed | kOnStation,
-                                              kSoleController | kBusUp | kInRange,
-                                              kGcsHeard,
-                                              kBatteryGood,
-                                              kSticksFresh,
-                                              kBoatAnswers | kOwnPrompt | kOwnTimed,
-                                              kClear,
-                                              kParametersSaved};
+constexpr std::array<Conditions, 9> kTroubles{
+    kOwnFresh | kOwnSteady,
+    kLeaderFresh | kLeaderTimed | kLeaderNear | kOnStation,
+    kSoleController | kBusUp | kInRange,
+    kGcsHeard,
+    kBatteryGood,
+    kSticksFresh,
+    kBoatAnswers | kOwnPrompt | kOwnTimed,
+    kClear,
+    kParametersSaved};
 constexpr unsigned kCoastTicks = 3, kTestTicks = 2;
 constexpr unsigned kCodeBits = 3 + 2 + kTroubles.size() + 2 + 2;
 

@@ -36,16 +36,18 @@ Configuration configuration_of(const Parameters& p) {
                     .north_m = p.FORM_OFS_N,
                     .east_m = p.FORM_OFS_E,
                     .turns = p.FORM_FRAME > 0,
+                    .reach_m = unless_zero(p.FORM_DIST_MAX),
                     .follows_root = p.LAW_REF > 0,
-                    .leader_lag_us = leader_lag_s ? std::optional(microseconds(*leader_lag_s))
-                                                  : std::nullopt,
+                    .leader_lag_us =
+                        leader_lag_s ? std::optional(microseconds(*leader_lag_s)) : std::nullopt,
                     .max_depth = unless_zero(whole<std::size_t>(p.FORM_DEPTH)),
                     .beam_m = 2 * p.THR_ARM,
                     .separation_m = p.FS_SEP_M,
                     .judges_station = p.FS_SLOT_M > 0},
       .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
                      .component = whole<Byte>(p.NAV_COMPID),
-                     .link = p.NAV_LINK < 0 ? std::nullopt : std::optional(whole<std::size_t>(p.NAV_LINK)),
+                     .link = p.NAV_LINK < 0 ? std::nullopt
+                                            : std::optional(whole<std::size_t>(p.NAV_LINK)),
                      .own_limit_us = microseconds(p.FS_NAV_S),
                      .leader_limit_us = microseconds(p.FS_LEADER_S)},
       .propulsion = {.port_esc = whole<Byte>(p.ESC_PORT),

@@ -26,9 +26,10 @@ struct Configuration {
 
   struct Formation {
     std::uint8_t leader = 0;
-    float north_m = 0, east_m = 0;  ///< the slot
-    bool turns = false;             ///< FORM_FRAME 1
-    bool follows_root = false;      ///< LAW_REF
+    float north_m = 0, east_m = 0;              ///< the slot
+    bool turns = false;                         ///< FORM_FRAME 1
+    std::optional<float> reach_m;               ///< FORM_DIST_MAX
+    bool follows_root = false;                  ///< LAW_REF
     std::optional<std::int64_t> leader_lag_us;  ///< FORM_LAG_S; nothing: unknown
     std::optional<std::size_t> max_depth;
     float beam_m = 0;        ///< slots that are closer than this are one
@@ -38,8 +39,8 @@ struct Configuration {
 
   struct Navigation {
     std::optional<float> lag_s;                          ///< NAV_LAG_S; nothing: unknown
-    std::uint8_t component = 0;       ///< NAV_COMPID, 0: any
-    std::optional<std::size_t> link;  ///< NAV_LINK; nothing: any
+    std::uint8_t component = 0;                          ///< NAV_COMPID, 0: any
+    std::optional<std::size_t> link;                     ///< NAV_LINK; nothing: any
     std::int64_t own_limit_us = 0, leader_limit_us = 0;  ///< ages at which states are too old
   };
 

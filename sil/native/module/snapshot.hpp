@@ -36,7 +36,8 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kLeadersEnd, "leaders_end"},
                      {flotilla::core::kSlotSound, "slot_sound"},
                      {flotilla::core::kOwnTimed, "own_timed"},
-                     {flotilla::core::kLeaderTimed, "leader_timed"}}};
+                     {flotilla::core::kLeaderTimed, "leader_timed"},
+                     {flotilla::core::kLeaderNear, "leader_near"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);
