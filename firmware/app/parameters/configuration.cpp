@@ -42,7 +42,7 @@ Configuration configuration_of(const Parameters& p) {
                         leader_lag_s ? std::optional(microseconds(*leader_lag_s)) : std::nullopt,
                     .max_depth = unless_zero(whole<std::size_t>(p.FORM_DEPTH)),
                     .beam_m = 2 * p.THR_ARM,
-                    .separation_m = p.FS_SEP_M,
+                    .separation_m = separation_m(p),
                     .judges_station = p.FS_SLOT_M > 0},
       .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
                      .component = whole<Byte>(p.NAV_COMPID),
