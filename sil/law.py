@@ -19,6 +19,7 @@ _PAPER = {
     "LAW_R_MAX": 0.0,
     "LAW_REF": 0.0,
     "FS_SLOT_M": 0.0,
+    "FS_SEP_M": 0.0,
 }
 
 # In units of a vessel: what a scenario says of them belongs to its vessels, not to its law.

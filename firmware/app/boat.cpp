@@ -223,6 +223,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
   if (vehicle_.doubled(now_us)) met &= ~core::kSoleVessel;
+  if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until it is asked for anew
   return met;
 }
 

@@ -70,6 +70,12 @@ const ParameterInfo* find_parameter(std::string_view name);
 /// Whether the value is finite, in range, and of the kind required: whole or ±1.
 bool is_valid(const ParameterInfo& info, float value);
 
+/// The distance to keep from other vessels, m: FS_SEP_M, or by the boat's length.
+constexpr float separation_m(const Parameters& p) {
+  constexpr float kLengths = 1.2F;  // at which slots two lengths apart are sailed as without
+  return p.FS_SEP_M < 0 ? kLengths * p.BOAT_LEN : p.FS_SEP_M;
+}
+
 /// A sentence on the first parameters that are valid alone but contradict each other.
 std::optional<std::string_view> contradiction(const Parameters& parameters);
 

@@ -47,26 +47,26 @@ constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was request
 constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
 constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump
 constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
-constexpr Conditions kLeaderSteady = 1U
-                                     << 11U;  ///< leader's state does not jump; one vessel sends it
-constexpr Conditions kBoatAnswers = 1U << 12U;    ///< the boat responds to its thrust
-constexpr Conditions kEscsObey = 1U << 13U;       ///< no ESC spins while commanded to stop
-constexpr Conditions kGcsHeard = 1U << 14U;       ///< a ground station is heard, or not required
-constexpr Conditions kBatteryGood = 1U << 15U;    ///< ESC voltage above its limit, or none is set
-constexpr Conditions kInsideFence = 1U << 16U;    ///< near enough to home, or no limit is set
-constexpr Conditions kClear = 1U << 17U;          ///< no vessel is nearer than FS_SEP_M
-constexpr Conditions kCoastRunning = 1U << 18U;   ///< COAST is not over
-constexpr Conditions kInRange = 1U << 19U;        ///< the scalar has not overflowed
-constexpr Conditions kOnStation = 1U << 20U;      ///< in slot, closing up, or not under the law
-constexpr Conditions kOwnPrompt = 1U << 21U;      ///< own state's latency is tolerable for the law
-constexpr Conditions kLeadersEnd = 1U << 22U;     ///< the chain of leaders does not lead back here
-constexpr Conditions kSlotSound = 1U << 23U;      ///< the slot is free, and does not go astern
-constexpr Conditions kOwnTimed = 1U << 24U;       ///< no own state is of unknown age
-constexpr Conditions kLeaderTimed = 1U << 25U;    ///< no state of the leader is of unknown age
-constexpr Conditions kOwnGood = 1U << 26U;        ///< the own unit does not call its estimate poor
-constexpr Conditions kSoleVessel = 1U << 27U;     ///< no other vessel uses the boat's system id
-constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, in MANUAL: once since it began
-constexpr unsigned kConditionCount = 29;          ///< without the operator's choices
+constexpr Conditions kLeaderSteady = 1U << 11U;    ///< one vessel sends it, no jump under the law
+constexpr Conditions kBoatAnswers = 1U << 12U;     ///< the boat responds to its thrust
+constexpr Conditions kEscsObey = 1U << 13U;        ///< no ESC spins while commanded to stop
+constexpr Conditions kGcsHeard = 1U << 14U;        ///< a ground station is heard, or not required
+constexpr Conditions kBatteryGood = 1U << 15U;     ///< ESC voltage above its limit, or none is set
+constexpr Conditions kInsideFence = 1U << 16U;     ///< near enough to home, or no limit is set
+constexpr Conditions kClear = 1U << 17U;           ///< no vessel is nearer than FS_SEP_M
+constexpr Conditions kCoastRunning = 1U << 18U;    ///< COAST is not over
+constexpr Conditions kInRange = 1U << 19U;         ///< the scalar has not overflowed
+constexpr Conditions kOnStation = 1U << 20U;       ///< in slot, closing up, or not under the law
+constexpr Conditions kOwnPrompt = 1U << 21U;       ///< own state's latency is tolerable for the law
+constexpr Conditions kLeadersEnd = 1U << 22U;      ///< the chain of leaders does not lead back here
+constexpr Conditions kSlotSound = 1U << 23U;       ///< the slot is free, and does not go astern
+constexpr Conditions kOwnTimed = 1U << 24U;        ///< no own state is of unknown age
+constexpr Conditions kLeaderTimed = 1U << 25U;     ///< no state of the leader is of unknown age
+constexpr Conditions kOwnGood = 1U << 26U;         ///< the own unit does not call its estimate poor
+constexpr Conditions kSoleVessel = 1U << 27U;      ///< no other vessel uses the boat's system id
+constexpr Conditions kSticksCentred = 1U << 28U;   ///< at neutral, in MANUAL: once since it began
+constexpr Conditions kLeaderNear = 1U << 29U;      ///< who is followed is within FORM_DIST_MAX
+constexpr unsigned kConditionCount = 30;           ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = Conditions{1} << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -77,14 +77,15 @@ constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEsc
 /// Without these the boat may not obey commands and needs an inspection.
 constexpr Conditions kSound = kPropulsion | kInRange;
 constexpr Conditions kOwn = kOwnFresh | kOwnLive | kOwnSteady;
-constexpr Conditions kLeader = kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady;
+constexpr Conditions kLeader =
+    kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady;
 /// A boat that leaves its slot counts as one that has lost its leader.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
-constexpr Conditions kByLaw =
-    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel | kBoatAnswers | kPlace | kSound | kLimits;
+constexpr Conditions kByLaw = kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel |
+                              kBoatAnswers | kPlace | kSound | kLimits;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kFormationBegins = kDrive | kClear;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;

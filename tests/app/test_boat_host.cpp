@@ -159,7 +159,9 @@ TEST_CASE_TEMPLATE("a link with a limit carries less telemetry, the others as mu
 TEST_CASE_TEMPLATE(
     "what a slow link cannot carry at once goes on in a later tick: every value in its turn", S,
     float, double) {
-  Harbour<S> h(Parameters{}, 2);
+  Parameters p;
+  p.FS_SEP_M = 0;  // DEPTH is told first of all
+  Harbour<S> h(p, 2);
   h.boat.limit_link(1, 300);
   h.sail(5);
   std::vector<link::Text<10>> names[2];

@@ -14,9 +14,10 @@ struct World {
   bool own, leader, sound, alone, gcs, limits, clear, saved, sticks, centred, test, coasts;
 
   explicit World(Conditions met)
-      : own(has(met, kOwnFresh | kOwnLive | kOwnSteady | kOwnTimed | kOwnGood | kOwnPrompt | kBoatAnswers |
-                         kLeadersEnd | kSlotSound)),
-        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderLive | kLeaderSteady | kOnStation)),
+      : own(has(met, kOwnFresh | kOwnLive | kOwnSteady | kOwnTimed | kOwnGood | kOwnPrompt |
+                         kBoatAnswers | kLeadersEnd | kSlotSound)),
+        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady |
+                            kOnStation)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
         alone(has(met, kSoleVessel)),
         gcs(has(met, kGcsHeard)),

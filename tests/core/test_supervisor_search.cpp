@@ -24,15 +24,16 @@ struct Node {
   bool centred = true;  ///< the sticks, once since MANUAL began
 };
 
-constexpr std::array<Conditions, 9> kTroubles{kOwnFresh | kOwnSteady,
-                                              kLeaderFresh | kLeaderTimed | kOnStation,
-                                              kSoleController | kBusUp | kInRange,
-                                              kGcsHeard,
-                                              kLimits,
-                                              kSticksFresh,
-                                              kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
-                                              kClear,
-                                              kParametersSaved | kSoleVessel};
+constexpr std::array<Conditions, 9> kTroubles{
+    kOwnFresh | kOwnSteady,
+    kLeaderFresh | kLeaderTimed | kLeaderNear | kOnStation,
+    kSoleController | kBusUp | kInRange,
+    kGcsHeard,
+    kLimits,
+    kSticksFresh,
+    kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
+    kClear,
+    kParametersSaved | kSoleVessel};
 /// Of these: no reason not to arm, and not to drive by the sticks.
 constexpr unsigned kHarmless = 0b011'010'011;
 constexpr unsigned kSticks = 0b000'100'000, kUnsaved = 0b100'000'000;

@@ -47,6 +47,7 @@ PAPER: dict[str, float] = {
     "LAW_U_MAX": 0.0,
     "LAW_R_MAX": 0.0,
     "LAW_REF": 0.0,
+    "FS_SEP_M": 0.0,
 }
 TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
 

@@ -159,3 +159,59 @@ def test_a_boat_on_its_trailer_may_go_fast_but_not_be_elsewhere() -> None:
     assert not sea.condition("own_steady")
     sea.run(2.2)
     assert sea.condition("own_steady")
+
+
+def teleport(sea: Afloat, north_m: float) -> None:
+    truth = sea.leader.truth
+    sea.leader.measured = lambda now_us: replace(truth(now_us), north=truth(now_us).north + north_m)
+
+
+@pytest.mark.parametrize("far_m", [60.0, 2000.0])
+def test_a_leader_that_jumps_for_good_is_followed_when_that_is_asked_for_anew(far_m: float) -> None:
+    sea = Afloat({"FORM_DIST_MAX": 100.0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
+    sea.enter_formation()
+    sea.run(8.0)
+    assert sea.state == "FORMATION"
+    begin = sea.own_course()
+    teleport(sea, far_m)
+    sea.run(0.2)
+    assert sea.state == "COAST"
+    sea.run_until("HOLD", 6.0)
+    sea.run(10.0)
+    assert sea.state == "HOLD" and sea.own_course().north < begin.north + 10.0
+    assert sea.condition("leader_steady") and sea.condition("leader_near") == (far_m < 100.0)
+    sea.mode(FORMATION)
+    assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
+    if far_m > 100.0:
+        assert "Refused: leader is further than FORM_DIST_MAX" in texts(sea.ticks)
+    sea.run(2.0)  # it does not matter any longer
+    assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
+
+
+@pytest.mark.parametrize(
+    ("limit_m", "slot_m", "north_m", "near"),
+    [
+        (200.0, 0.0, 190.0, True),
+        (200.0, 0.0, 210.0, False),
+        (200.0, -900.0, 900.0, True),  # counted beyond the slot
+        (200.0, -900.0, 1120.0, False),
+        (0.0, 0.0, 4900.0, True),
+    ],
+)
+def test_a_leader_that_is_too_far_away_is_not_followed(
+    limit_m: float, slot_m: float, north_m: float, near: bool
+) -> None:
+    parameters = {"FORM_DIST_MAX": limit_m, "FORM_OFS_N": slot_m}
+    sea = Sea(parameters, own=Course(), leader=Course(north_m, 0.0, 0.0))
+    sea.enter_hold()
+    assert sea.condition("leader_near") == near and sea.condition("leader_fresh")
+    sea.mode(FORMATION)
+    assert sea.state == ("FORMATION" if near else "HOLD")
+
+
+def test_a_leader_that_sails_away_is_lost() -> None:
+    sea = Sea({"FORM_DIST_MAX": 20.0}, own=Course(), leader=Course(18.0, 0.0, 0.0, 1.0))
+    sea.enter_formation()
+    sea.run_until("COAST", 4.0)
+    assert "leader is further than FORM_DIST_MAX" in " ".join(texts(sea.ticks))
+    sea.run_until("HOLD", 6.0)

@@ -13,7 +13,7 @@ from tests.target.course import Course
 from tests.target.sea import PAPER, Sea
 from tests.target.stations import FORMATION, HOLD
 
-FAR_AHEAD, FAR_ASTERN = Course(500.0), Course(-500.0)
+FAR_AHEAD, FAR_ASTERN = Course(190.0), Course(-190.0)
 
 
 def test_both_propellers_are_commanded_in_every_tick(outing: Sea) -> None:

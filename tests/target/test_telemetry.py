@@ -115,7 +115,7 @@ def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None
     kinds = [m.get_type() for m in messages(sea.ticks)]
     assert set(kinds) == about_the_rest and kinds.count("HEARTBEAT") == 5
     names = {m.name for m in named(sea.ticks, "NAMED_VALUE_FLOAT")}
-    always = {"LEADER", "COND", "COND2", "T_PORT", "T_STBD", "T_MAX", "T_MIN", "OVERRUNS"}
+    always = {"LEADER", "COND", "COND2", "T_PORT", "T_STBD", "T_MAX", "T_MIN", "OVERRUNS", "DEPTH"}
     assert names == {"NAV_AGE", "LEAD_AGE", "LEAD_UNC"} | always
     sea.own.on = True
     sea.ticks.clear()

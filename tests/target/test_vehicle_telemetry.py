@@ -193,7 +193,7 @@ SLOT = {"FORM_OFS_N": -6.0, "FORM_OFS_E": 4.5}
 def test_the_target_is_the_slot_beside_the_leader(where: tuple[int, ...], sailing: bool) -> None:
     leader = Course(15.0, -9.0, 3.1, 0.5, 0.0, 0.1)
     # As published the slot has its leader's heading; a hull's own sway turns it a little.
-    sea = Sea(SLOT | {"SR_SLOW": 10} | PAPER, own=SAIL, leader=leader)
+    sea = Sea(SLOT | {"SR_SLOW": 10, "FORM_DIST_MAX": 0} | PAPER, own=SAIL, leader=leader)
     sea.leader.origin_on = False
     sea.say(origin(0, *where), sender=sea.leader.station)
     sea.run(5.0)

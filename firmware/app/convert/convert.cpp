@@ -39,13 +39,12 @@ Seen seen_from(const Position& own, const Position& leader) {
   return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
 }
 
-bool is_near(const Seen& seen) {
-  constexpr double kNear_m = 5000;
-  constexpr Metres kSurely_m = 3500;
-  const auto surely = [&](Metres x) { return -kSurely_m <= x && x <= kSurely_m; };
+bool is_near(const Seen& seen, float within_m) {
+  const Metres surely_m = 0.7F * within_m;
+  const auto surely = [&](Metres x) { return -surely_m <= x && x <= surely_m; };
   if (surely(seen.north_m) && surely(seen.east_m)) return seen.same_side;
-  const double north_m = number(seen.north_m), east_m = number(seen.east_m);
-  return seen.same_side && north_m * north_m + east_m * east_m <= kNear_m * kNear_m;
+  const double north_m = number(seen.north_m), east_m = number(seen.east_m), most_m = within_m;
+  return seen.same_side && north_m * north_m + east_m * east_m <= most_m * most_m;
 }
 
 }  // namespace
@@ -53,7 +52,7 @@ bool is_near(const Seen& seen) {
 template <class S>
 Separation<S> separation(const Position& own, const Position& leader) {
   const Seen seen = seen_from(own, leader);
-  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen)};
+  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen, kNear_m)};
 }
 
 template <class S>
@@ -100,7 +99,9 @@ GlobalPoint global_of(const Position& position) {
   return {latitude, longitude, plane.turn_of({latitude, longitude})};
 }
 
-bool near(const Position& own, const Position& leader) { return is_near(seen_from(own, leader)); }
+bool near(const Position& own, const Position& leader, float within_m) {
+  return is_near(seen_from(own, leader), within_m);
+}
 
 double distance_m(const Position& a, const Position& b) {
   const Seen seen = seen_from(a, b);

@@ -96,8 +96,9 @@ GlobalPoint global_of(const Position& position);
 /// Rejects latitudes over 89°, longitudes over 180°, and 0, 0, which units without a fix send.
 bool is_valid(const link::GpsGlobalOrigin& origin);
 
-/// Near enough for a slot: within 5 km, five times the farthest slot.
-bool near(const Position& own, const Position& leader);
+/// Near enough for one plane: within 5 km, five times the farthest slot; or within less.
+constexpr float kNear_m = 5000;
+bool near(const Position& own, const Position& leader, float within_m = kNear_m);
 
 /// Straight-line distance; infinity between opposite sides of the globe.
 double distance_m(const Position& a, const Position& b);

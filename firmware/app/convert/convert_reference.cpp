@@ -59,6 +59,10 @@ WireOffset wire_offset_of(float a_m, float b_m) {
   return {parts(a_m), parts(b_m)};
 }
 
+float length_m(const WireOffset& offset) {
+  return static_cast<float>(portable::hypot(offset[0], offset[1]) / kParts);
+}
+
 std::optional<WireOffset> sum_of(const WireOffset& a, const WireOffset& b) {
   WireOffset sum{};
   for (std::size_t i = 0; i < sum.size(); ++i) {

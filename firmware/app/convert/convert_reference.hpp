@@ -20,6 +20,8 @@ WireOffset wire_offset_of(float a_m, float b_m);
 /// Nothing beyond 100 km, farther than any fleet reaches.
 std::optional<WireOffset> sum_of(const WireOffset& a, const WireOffset& b);
 
+float length_m(const WireOffset& offset);
+
 template <class S>
 core::Vec2<S> offset_of(const WireOffset& offset);
 

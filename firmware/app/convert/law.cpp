@@ -19,7 +19,7 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
        scalar<S>(p.VES_D22), scalar<S>(p.VES_D33)},
       {scalar<S>(p.THR_ARM), scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX)},
       {scalar<S>(p.LAW_XT_DIST)},
-      {scalar<S>(p.FS_SEP_M)}};
+      {scalar<S>(separation_m(p))}};
 }
 
 template <class S>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/guidance/pilot.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -34,6 +35,8 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
   reference_.configure(c.formation, law.foresight, own_system);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
+  const float slot_m = convert::length_m(reference_.place().own().offset);
+  reach_m_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
 }
 
 template <class S>
@@ -65,9 +68,11 @@ template <class S>
 core::Conditions Pilot<S>::conditions(std::int64_t now_us) const {
   core::Conditions met = own_.conditions(limits_.own_limit_us, now_us);
   const VesselTrack<S>& own = own_.track();
+  const bool placed = leader_.has_origin() && own.has_origin();
+  const bool near = placed && convert::near(own.position(), leader_.position(), reach_m_);
+  if (near || !placed) met |= core::kLeaderNear;
   if (leader_.system() != own.system() && leader_.fresh(now_us, limits_.leader_limit_us) &&
-      leader_.has_origin() && own.has_origin() &&
-      convert::near(own.position(), leader_.position())) {
+      (near || (placed && convert::near(own.position(), leader_.position())))) {
     met |= core::kLeaderFresh;
   }
   if (neighbours_.clear(own_.anchor(), own_.motion().moved_n, now_us)) met |= core::kClear;
@@ -126,6 +131,8 @@ core::Vec2<S> Pilot<S>::leaders_error(std::int64_t now_us) const {
 template <class S>
 void Pilot<S>::start(std::int64_t now_us) {
   own_.begin();
+  leader_.accept_place();
+  reference_.accept_place();
   follower_.start();
   follower_.follow(law_, own_, lead(now_us), S(0));
 }

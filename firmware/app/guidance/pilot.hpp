@@ -48,6 +48,9 @@ class Pilot {
   /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
 
+  /// A jump of the leader or the root was believed since start().
+  bool leader_jumped() const { return leader_.jumped() || reference_.jumped(); }
+
   /// Returns from COAST to FORMATION: the leader may have come back somewhere else.
   void close_anew() { follower_.close_anew(); }
 
@@ -124,6 +127,7 @@ class Pilot {
 
   convert::Law<S> law_;
   Configuration::Navigation limits_;
+  float reach_m_ = 0;  // the farthest that the leader may be
   TimeRequests time_;
   OwnMotion<S> own_;
   VesselTrack<S> leader_;

@@ -18,13 +18,14 @@ void Reference<S>::configure(const Configuration::Formation& formation,
                              const core::ForesightLimits<S>& limits, std::uint8_t own_system) {
   on_ = formation.follows_root;
   limits_ = limits;
+  reach_m_ = formation.reach_m.value_or(convert::kNear_m);
   clocks_.set_lag(formation.leader_lag_us);
   const TreePlace::Own own{own_system, formation.leader,
                            convert::wire_offset_of(formation.north_m, formation.east_m),
                            formation.turns};
   if (own.leader != place_.own().leader || own.system != place_.own().system) {
     held_.reset();
-    guard_.forget();
+    guard_ = {};
     shaped_ = {};
   }
   place_.configure(own);
@@ -54,8 +55,18 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
     ++counters.reference_refused;
   } else {
     const bool timed = stamp->timed && (m->flags & link::mav::kReferenceUntimed) == 0;
-    hold({*branch, m->sequence, *m, *root, valid_us, convert::near(*own, root->position), timed});
+    hold({*branch, m->sequence, *m, *root, valid_us, is_near(*own, root->position, now_us), timed});
   }
+}
+
+/// Within reach of our slot of it.
+template <class S>
+bool Reference<S>::is_near(const convert::Position& own, const convert::Position& root,
+                           std::int64_t now_us) const {
+  const auto offset = place_.offset(now_us);
+  return offset &&
+         convert::near(own, root,
+                       reach_m_ + convert::length_m(offset->n) + convert::length_m(offset->b));
 }
 
 /// Rejects what another boat has already relayed; accepts a restarted maker.

@@ -55,6 +55,11 @@ class Reference {
   std::uint32_t news() const { return news_; }
 
   const TreePlace& place() const { return place_; }
+
+  /// A jump of the root was believed since accept_place().
+  bool jumped() const { return guard_.moved(); }
+  void accept_place() { guard_.accept(); }
+
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
 
  private:
@@ -71,10 +76,13 @@ class Reference {
   bool is_newer(const link::FormationReference& message, const Branch& branch,
                 std::int64_t valid_us) const;
   bool believe(const convert::RootState<S>& root, std::int64_t valid_us, std::int64_t now_us);
+  bool is_near(const convert::Position& own, const convert::Position& root,
+               std::int64_t now_us) const;
   const Held* held(std::int64_t now_us, std::int64_t oldest_us) const;
   void hold(const Held& held);
 
   bool on_ = false;
+  float reach_m_ = 0;
   core::ForesightLimits<S> limits_;
   TreePlace place_;
   SenderClocks clocks_;

@@ -86,6 +86,7 @@ class JumpGuard {
     agreed_ = agrees ? std::min(agreed_ + 1, kRow) : 1;
     next_ = state;
     const bool settled = agreed_ == kRow && now_us - since_us_ >= kSettled_us;
+    moved_ = moved_ || settled;
     return settled ? Verdict::kMoved : Verdict::kRefused;
   }
 
@@ -102,6 +103,10 @@ class JumpGuard {
 
   /// Notes an implausible report found elsewhere.
   void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
+
+  /// A jump was believed since accept().
+  bool moved() const { return moved_; }
+  void accept() { moved_ = false; }
 
   /// No jump within the last second.
   bool steady(std::int64_t now_us) const {
@@ -136,6 +141,7 @@ class JumpGuard {
   core::SmallMove<S> small_ = core::small_move(limits_);
   std::optional<Seen> last_, next_;
   S scatter_{};
+  bool moved_ = false;
   int agreed_ = 0;
   std::int64_t since_us_ = 0;
   std::optional<std::int64_t> jumped_us_;

@@ -11,7 +11,8 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kForgotten_us = 3'000'000;
-constexpr double kOnItsWay_s = 0.1;  // latency of the radio, and age at sending
+constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
+constexpr std::int64_t kDrift = 1'000;  // a share of time by which no two clocks drift apart
 constexpr float kDeepest = 250;
 
 bool is_vehicle(const link::Heartbeat& beat) {
@@ -116,7 +117,7 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   const core::Vec2<S>& apart_n = controller_input.separation_n;
   const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
   Vessel* vessel = place_for(system, apart_m, own, now_us);
-  if (vessel == nullptr) return;
+  if (vessel == nullptr || !date(*vessel, seen.stamp_us, now_us)) return;
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
@@ -124,7 +125,25 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   vessel->east_m = own.east_m - apart_n.y;
   vessel->v_north_mps = static_cast<float>(convert::number(v_n.x));
   vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
-  vessel->heard_us = now_us;
+}
+
+/// Whether the state is the newest, and young enough. Stamps that go back are of messages that were
+/// overtaken, or, when no other came for three seconds, of a clock that began anew.
+bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
+  const std::int64_t since_us = stamp_us + vessel.ahead_us - vessel.true_us;
+  const std::int64_t arrived_us = now_us - stamp_us;
+  if (!vessel.dated || (since_us < 0 && now_us - vessel.true_us > kForgotten_us)) {
+    vessel.ahead_us = arrived_us;
+  } else if (since_us < 0) {
+    return false;
+  } else {
+    const std::int64_t ahead_us = std::min(vessel.ahead_us + since_us / kDrift, arrived_us);
+    if (arrived_us - ahead_us > kForgotten_us) return false;
+    vessel.ahead_us = ahead_us;
+  }
+  vessel.dated = true;
+  vessel.true_us = stamp_us + vessel.ahead_us;
+  return true;
 }
 
 /// Discards places in another frame.
@@ -148,7 +167,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   double farthest_m = distance_m.value_or(kNowhere);
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
-    const bool free = v.system == 0 || now_us - v.heard_us > kForgotten_us;
+    const bool free = v.system == 0 || now_us - v.true_us > kForgotten_us;
     const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
                                                      convert::number(v.east_m - own.east_m))
                                    : std::numeric_limits<double>::max();
@@ -160,7 +179,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   if (place == nullptr) return nullptr;
   *place = {};
   place->system = system;
-  place->heard_us = now_us;
+  place->true_us = now_us;
   return place;
 }
 
@@ -180,8 +199,8 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
   core::Traffic<S> out;
   if (!same(own.origin, frame_)) return out;
   for (const Vessel& v : vessels_) {
-    if (!v.located || now_us - v.heard_us > kForgotten_us) continue;
-    const S age = convert::seconds<S>(now_us - v.heard_us) + convert::scalar<S>(kOnItsWay_s);
+    if (!v.located || now_us - v.true_us > kForgotten_us) continue;
+    const S age = convert::seconds<S>(now_us - v.true_us) + convert::scalar<S>(kOnItsWay_s);
     const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
     out.vessels[out.count++] = {
         {convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,

@@ -15,6 +15,9 @@ namespace flotilla::app {
 /// component's GLOBAL_POSITION_INT and FOLLOW_TARGET count, and, if its origin is known, its
 /// LOCAL_POSITION_NED and ODOMETRY. Virtual leaders, ground stations, companions and gimbals do not
 /// count. When full, keeps the nearest vessels; forgets silent ones.
+///
+/// A state that comes later after its stamp than the promptest ones is older by that. What all
+/// messages of a vessel have in common nobody asks for: a fixed tenth of a second stands for it.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -42,13 +45,15 @@ class Neighbours {
   struct Vessel {
     std::uint8_t system = 0;  ///< 0: a free entry
     bool located = false;
+    bool dated = false;  ///< ahead_us is known
     bool has_origin = false;
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
     Metres north_m, east_m;
     link::GpsGlobalOrigin origin{};  ///< of its local frame
-    std::int64_t heard_us = 0;
+    std::int64_t true_us = 0;        ///< when its state was true, by our clock
+    std::int64_t ahead_us = 0;       ///< of our clock before its stamps, by the promptest message
   };
 
   void take_heartbeat(link::Address from, const link::Heartbeat& message);
@@ -57,6 +62,7 @@ class Neighbours {
   template <class S>
   void take_place(std::uint8_t system, const convert::Sample<S>& sample,
                   const convert::Position& own, std::int64_t now_us);
+  static bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
   void look_from(const link::GpsGlobalOrigin& origin);
   Vessel* find(std::uint8_t system);
   Vessel* place_for(std::uint8_t system, std::optional<double> distance_m,

@@ -91,6 +91,10 @@ class VesselTrack {
   /// No implausible report within the last second.
   bool steady(std::int64_t now_us) const { return guard_.steady(now_us); }
 
+  /// A jump was believed since accept_place().
+  bool jumped() const { return guard_.moved(); }
+  void accept_place() { guard_.accept(); }
+
   /// Two vessels tell an ATTITUDE under this one's ids.
   bool doubled(std::int64_t now_us) const { return namesake_.seen(now_us); }
 

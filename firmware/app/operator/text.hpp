@@ -40,6 +40,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kBoatAnswers, "boat does not respond to thrust"},
     {core::kLeaderFresh, "leader's state is not fresh", "FS_LEADER_S"},
     {core::kLeaderTimed, "leader's latency unknown: FORM_LAG_S", "FORM_LAG_S"},
+    {core::kLeaderNear, "leader is further than FORM_DIST_MAX", "FORM_DIST_MAX"},
     {core::kLeaderLive, "leader's state is frozen"},
     {core::kLeaderSteady, "leader's state jumps, or two send it"},
     {core::kLeadersEnd, "leaders form a cycle"},

@@ -28,6 +28,7 @@ struct Configuration {
     std::uint8_t leader = 0;
     float north_m = 0, east_m = 0;              ///< the slot
     bool turns = false;                         ///< FORM_FRAME 1
+    std::optional<float> reach_m;               ///< FORM_DIST_MAX
     bool follows_root = false;                  ///< LAW_REF
     std::optional<std::int64_t> leader_lag_us;  ///< FORM_LAG_S; nothing: unknown
     std::optional<std::size_t> max_depth;

@@ -320,6 +320,7 @@ TEST_CASE("a root that jumps is not followed until it has been there for a secon
     }
     CHECK(f.news() == news);
     CHECK(f.refused() == 9);
+    CHECK_FALSE(f.boat.reference.jumped());
     CHECK(off_m(f.boat, 3'900'000) < 0.02);
     for (std::int64_t us = 3'900'000; us < 4'400'000; us += 100'000) {
       auto m = Follower::reference(us, ++f.sequence);
@@ -327,6 +328,9 @@ TEST_CASE("a root that jumps is not followed until it has been there for a secon
       f.hear(m, us, liar);
     }
     CHECK(f.news() > news);
+    CHECK(f.boat.reference.jumped());
+    f.boat.reference.accept_place();
+    CHECK_FALSE(f.boat.reference.jumped());
   }
 }
 
@@ -351,14 +355,16 @@ TEST_CASE("a root whose plane begins elsewhere is not followed at once either") 
   CHECK(f.refused() == 1);
 }
 
-TEST_CASE("a root that is too far away is not followed") {
-  Follower f;
-  for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += 100'000) {
-    auto m = Follower::reference(us, ++f.sequence);
-    m.north += 6000 * 1024;
-    f.hear(m, us);
+TEST_CASE("a root that is further than FORM_DIST_MAX beyond our slot is not followed") {
+  for (const int away_m : {190, 210, 6000}) {
+    Follower f;
+    for (std::int64_t us = kSecond_us; us < 2 * kSecond_us; us += 100'000) {
+      auto m = Follower::reference(us, ++f.sequence);
+      m.north += away_m * 1024;
+      f.hear(m, us);
+    }
+    CHECK(f.boat.aim(2 * kSecond_us).has_value() == (away_m < 200));
   }
-  CHECK_FALSE(f.boat.aim(2 * kSecond_us));
 }
 
 TEST_CASE("without knowing where it is itself a boat follows no reference of others") {

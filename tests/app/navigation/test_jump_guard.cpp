@@ -65,12 +65,17 @@ TEST_CASE_TEMPLATE("a place that is told for a second, five times, is believed",
   w.sail(2);
   w.sail(1, 50);
   CHECK(w.east_m() == 0);
+  CHECK_FALSE(w.track.jumped());
   w.sail(0.1, 50);
   CHECK(w.east_m() == 50);
   CHECK_FALSE(w.steady());
+  CHECK(w.track.jumped());
   CHECK(double(w.track.motion(w.now_us).nu_dot.u) == doctest::Approx(0));  // no motion led there
   w.sail(1.1, 50);
   CHECK(w.steady());
+  CHECK(w.track.jumped());  // until that is accepted
+  w.track.accept_place();
+  CHECK_FALSE(w.track.jumped());
   CHECK(w.counters.mavlink_jump == 10);
   Watch<S> rare;  // 2 Hz: five of them take longer than a second
   rare.sail(2);

@@ -71,6 +71,84 @@ TEST_CASE(
   CHECK(seen.vessels[0].margin == doctest::Approx(0.6 * std::sqrt(5.0)));
 }
 
+/// Vessel 5 sails north at 2 m/s, and tells where it was at `true_us` by a clock `ahead_us` of ours.
+struct Sailing : Watch {
+  std::int64_t ahead_us = 100 * kSecond_us;
+
+  Sailing() { hear(5, beat()); }
+  void tell(std::int64_t true_us, std::int64_t now_us) {
+    link::GlobalPositionInt m = at(2e-6 * static_cast<double>(true_us), 0, 2, 0);
+    m.time_boot_ms = static_cast<std::uint32_t>((true_us + ahead_us) / 1000);
+    hear(5, m, now_us);
+  }
+  /// Told ten times a second, each time so late.
+  void sail(std::int64_t from_us, std::int64_t to_us, std::int64_t late_us) {
+    for (std::int64_t us = from_us; us < to_us; us += 100'000) tell(us - late_us, us);
+  }
+  /// How far ahead of where it is it is taken to be; the tenth of a second aside.
+  double off_m(std::int64_t now_us) const {
+    const auto seen = look(now_us);
+    REQUIRE(seen.count == 1);
+    return seen.vessels[0].p_n.x - 2e-6 * static_cast<double>(now_us) - 0.2;
+  }
+};
+
+TEST_CASE("a state that comes late is as old as its stamp says, and its place as unsure") {
+  Sailing w;
+  w.sail(0, kSecond_us, 0);
+  CHECK(w.off_m(kSecond_us) == doctest::Approx(0).epsilon(0.05));
+  w.sail(2 * kSecond_us, 3 * kSecond_us, 800'000);
+  CHECK(w.off_m(3 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+  CHECK(w.look(3 * kSecond_us).vessels[0].margin ==
+        doctest::Approx(2 * (0.1 + 0.1 + 0.8)).epsilon(0.01));
+}
+
+TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, not put elsewhere") {
+  Sailing w;
+  w.sail(0, 10 * kSecond_us, 0);
+  w.sail(15 * kSecond_us, 60 * kSecond_us, 5 * kSecond_us);
+  CHECK(w.look(60 * kSecond_us).count == 0);
+  w.tell(60 * kSecond_us, 60 * kSecond_us);
+  CHECK(w.off_m(60 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+}
+
+TEST_CASE("who was late at first is known to have been by the first prompt message") {
+  Sailing w;
+  w.sail(5 * kSecond_us, 6 * kSecond_us, 4 * kSecond_us);
+  w.sail(6 * kSecond_us, 7 * kSecond_us, 0);
+  w.sail(8 * kSecond_us, 9 * kSecond_us, kSecond_us);
+  CHECK(w.off_m(9 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+}
+
+TEST_CASE("a message that was overtaken moves nobody back") {
+  Sailing w;
+  w.sail(0, 2 * kSecond_us, 0);
+  const double before_m = w.off_m(2 * kSecond_us);
+  w.tell(kSecond_us, 2 * kSecond_us);
+  CHECK(w.off_m(2 * kSecond_us) == before_m);
+}
+
+TEST_CASE("a clock that begins anew, or is set, hides its vessel for three seconds at most") {
+  for (const std::int64_t ahead_us : {-5 * kSecond_us, 90 * kSecond_us, 4000 * kSecond_us}) {
+    Sailing w;
+    w.sail(5 * kSecond_us, 10 * kSecond_us, 0);
+    w.ahead_us = ahead_us;
+    w.sail(10 * kSecond_us, 14 * kSecond_us, 0);
+    CHECK(w.off_m(14 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+  }
+}
+
+TEST_CASE("a clock that goes slower than ours for hours makes nobody old") {
+  Sailing w;
+  constexpr std::int64_t kHours_us = 4 * 3600 * kSecond_us;
+  for (std::int64_t us = 0; us <= kHours_us; us += 500'000) {
+    link::GlobalPositionInt m = at(0, 0, 2, 0);
+    m.time_boot_ms = static_cast<std::uint32_t>((us - us / 10'000) / 1000);  // 100 ppm
+    w.hear(5, m, us);
+  }
+  CHECK(w.look(kHours_us).vessels[0].p_n.x == doctest::Approx(0.2).epsilon(0.05));
+}
+
 TEST_CASE("a place in a local frame counts where its origin is known, in any kind of message") {
   const link::GpsGlobalOrigin origin{kLatitude + 1000, kLongitude, 0, 0};  // 11.1 m north of ours
   link::Odometry odometry{};

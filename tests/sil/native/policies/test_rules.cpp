@@ -136,6 +136,7 @@ const std::vector<Mutation> kThrust{
      lost(core::kLeaderSteady)},
     {"leader's state frozen, jumping or of unknown age: no thrust in FORMATION", kLaw,
      lost(core::kLeaderTimed)},
+    {"leader beyond FORM_DIST_MAX: no thrust in FORMATION", kLaw, lost(core::kLeaderNear)},
     {"navigation unit too late: no thrust by the law", kLaw, lost(core::kOwnPrompt)},
     {"leaders in a ring, or no place for the boat: no thrust by the law", kLaw,
      lost(core::kSlotSound)},
