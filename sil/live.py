@@ -23,7 +23,7 @@ from sil.live_vessel import LiveBoat, LiveLeader
 from sil.plant.hull import Array
 from sil.plant.sensors import Sensors
 from sil.scenario import Scenario
-from sil.start import StartError
+from sil.start import StartError, esc_intervals
 from sil.streams import SENSOR_STREAMS, Stream, generator
 from sil.trace import Tracer
 from sil.wire.heartbeat import FORMATION
@@ -162,7 +162,9 @@ class LiveWorld:
             if tick_us >= ask_us:
                 ask_us = tick_us + _RETRY_US
                 ready = not any(operator.state.get(boat.system) in _NOT_ARMED for boat in boats)
-                for boat in boats:
+                for boat, parameters in zip(boats, self._parameters, strict=True):
+                    for interval in esc_intervals(parameters.get("SR_SLOW", 1.0)):
+                        boat.radio.send(operator.set_interval(boat.system, *interval))
                     boat.radio.send(operator.arm(boat.system))
                     if ready:
                         boat.radio.send(operator.set_mode(boat.system, FORMATION))

@@ -8,6 +8,7 @@ from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-unty
 
 from sil.batch import Batch
 from sil.wire.heartbeat import FORMATION, HOLD
+from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
 from sil.wire.operator import Operator
 
 _WARM_UP_S = 2
@@ -26,6 +27,13 @@ class RunError(RuntimeError):
 
 class StartError(RunError):
     """The boats could not be armed or put into FORMATION; says which, and the boat's reason."""
+
+
+def esc_intervals(slow_Hz: float) -> list[tuple[float, float]]:
+    """ESC_STATUS and ESC_INFO, which boats tell who asks: message and us, for an SR_SLOW."""
+    if slow_Hz <= 0:
+        return []
+    return [(float(ESC_STATUS), 1e6 / slow_Hz), (float(ESC_INFO), 1e6 * max(5, 1 / slow_Hz))]
 
 
 def start(batch: Batch) -> list[int | StartError]:
@@ -57,6 +65,8 @@ def _ask(batch: Batch, run: int, t_us: int) -> None:
     states = batch.states[run].tolist()
     command = batch.fleet.command
     for agent, state in zip(batch.agents(run), states, strict=True):
+        for interval in esc_intervals(batch.fleet.parameters(agent)["SR_SLOW"]):
+            command([agent], t_us, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, interval)
         command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
         if _DISARMED not in states:
             # All of them in one tick, or back to HOLD first and once more.

@@ -55,6 +55,10 @@ class Operator:
         x = round(1000 * ahead)
         return self._pack(mavlink.MAVLink_manual_control_message(system, x, 0, 500, 0, 0))
 
+    def set_interval(self, system: int, message: float, interval_us: float) -> bytes:
+        """The command to send a message every so often."""
+        return self._command(system, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message, interval_us)
+
     def on_mavlink(self, data: bytes) -> None:
         """Takes what a boat sends, whole frames."""
         for message_id, system, _, frame in frames(data):

@@ -46,7 +46,8 @@ from tests.target.stations import (
 from tests.turns import some
 
 REQUEST_MESSAGE = 512
-AVAILABLE_MODES = 435
+AVAILABLE_MODES, CURRENT_MODE = 435, 436
+SET_INTERVAL = 511
 CIRCLING = Course(1.0, 2.0, 0.3, 0.5, 0.0, 0.2)
 
 
@@ -271,6 +272,7 @@ def test_the_modes_are_listed_by_name(sea: Sea, mavsdk: MavsdkClient) -> None:
 
 def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient) -> None:
     modes = mavsdk.messages("CURRENT_MODE")
+    assert mavsdk.command(SET_INTERVAL, float(CURRENT_MODE), 1e6) == ACCEPTED
     sea.until(lambda: sea.armable)
     mavsdk.call(mavsdk.action.arm)
     assert mavsdk.command(SET_MODE, 1.0, FORMATION) == ACCEPTED

@@ -39,9 +39,6 @@ ME = (AUTOPILOT, COMPANION)
 SPOKEN = {
     "HEARTBEAT",
     "TIMESYNC",
-    "CURRENT_MODE",
-    "ESC_STATUS",
-    "ESC_INFO",
     "NAMED_VALUE_FLOAT",
     "FORMATION_REFERENCE",  # of its leader
     "STATUSTEXT",

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 
 from tests.dialect import dialect
 from tests.target.sea import Sea, messages
@@ -22,11 +23,8 @@ KINDS = {
     "GPS_GLOBAL_ORIGIN",
     "GLOBAL_POSITION_INT",
     "HOME_POSITION",
-    "CURRENT_MODE",
     "NAV_CONTROLLER_OUTPUT",
     "POSITION_TARGET_LOCAL_NED",
-    "ESC_STATUS",
-    "ESC_INFO",
     "BATTERY_STATUS",
     "NAMED_VALUE_FLOAT",
     "COMMAND_ACK",
@@ -108,3 +106,13 @@ def test_decoding_helpers_do_see_bad_data() -> None:
     wire = bytearray(Station(1).pack(heartbeat()))
     wire[12] ^= 1
     assert [m.get_type() for m in decode([bytes(wire)])] == ["BAD_DATA"]
+
+
+def test_stock_pymavlink_knows_all_that_a_boat_says_unasked_but_the_formations_own(
+    voyage: Sea,
+) -> None:
+    """What it does not know, it counts as lost."""
+    known = mavlink.mavlink_map
+    for link in (0, 1):
+        unknown = {m.get_type() for m in messages(voyage.ticks, link) if m.get_msgId() not in known}
+        assert unknown == {"FORMATION_REFERENCE"}

@@ -98,10 +98,7 @@ def test_nothing_about_the_own_state_goes_out_when_it_is_stale(sea: Sea) -> None
         "TIMESYNC",
         "SYSTEM_TIME",
         "SYS_STATUS",
-        "CURRENT_MODE",
         "HOME_POSITION",  # where it was armed, not where it is
-        "ESC_STATUS",
-        "ESC_INFO",
         "BATTERY_STATUS",
         "NAMED_VALUE_FLOAT",
         "FORMATION_REFERENCE",  # of the leader

@@ -17,11 +17,11 @@
 namespace flotilla::app {
 
 enum class Pace : std::uint8_t {
-  kState,  ///< SR_STATE
-  kNews,   ///< twice SR_STATE, at most 10 Hz; news is sent up to half an interval early
-  kSlow,   ///< SR_SLOW
-  kFixed,  ///< as listed, or SR_SLOW if that is below 1 Hz
-  kOnRequest,
+  kState,      ///< SR_STATE
+  kNews,       ///< twice SR_STATE, at most 10 Hz; news is sent up to half an interval early
+  kSlow,       ///< SR_SLOW
+  kFixed,      ///< as listed, or SR_SLOW if that is below 1 Hz
+  kOnRequest,  ///< no default: the dialects of clients may lack it, and count it as lost
 };
 
 /// Paces that share the bandwidth left by the state streams.
@@ -45,12 +45,12 @@ inline constexpr std::array kStreams{
     StreamInfo{link::GlobalPositionInt::kId, 40, Pace::kFixed, 500'000, false},
     StreamInfo{link::SysStatus::kId, 43, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::SystemTime::kId, 24, Pace::kFixed, 1'000'000, false},
-    StreamInfo{link::CurrentMode::kId, 21, Pace::kFixed, 2'000'000, true},
+    StreamInfo{link::CurrentMode::kId, 21, Pace::kOnRequest, 0, true},
     StreamInfo{link::HomePosition::kId, 72, Pace::kFixed, 2'000'000, false},
     StreamInfo{link::NavControllerOutput::kId, 38, Pace::kSlow, 0, false},
     StreamInfo{link::PositionTargetLocalNed::kId, 63, Pace::kSlow, 0, false},
-    StreamInfo{link::MavEscStatus::kId, 138, Pace::kSlow, 0, true},
-    StreamInfo{link::MavEscInfo::kId, 116, Pace::kFixed, 5'000'000, true},
+    StreamInfo{link::MavEscStatus::kId, 138, Pace::kOnRequest, 0, true},
+    StreamInfo{link::MavEscInfo::kId, 116, Pace::kOnRequest, 0, true},
     StreamInfo{link::BatteryStatus::kId, 66, Pace::kFixed, 5'000'000, false},
     StreamInfo{link::NamedValueFloat::kId, 660, Pace::kSlow, 0, true},
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},

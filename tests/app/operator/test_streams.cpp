@@ -62,12 +62,12 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
       {link::GlobalPositionInt::kId, 500'000},
       {link::SysStatus::kId, 1'000'000},
       {link::SystemTime::kId, 1'000'000},
-      {link::CurrentMode::kId, 2'000'000},
+      {link::CurrentMode::kId, -1},
       {link::HomePosition::kId, 2'000'000},
       {link::NavControllerOutput::kId, 1'000'000},
       {link::PositionTargetLocalNed::kId, 1'000'000},
-      {link::MavEscStatus::kId, 1'000'000},
-      {link::MavEscInfo::kId, 5'000'000},
+      {link::MavEscStatus::kId, -1},
+      {link::MavEscInfo::kId, -1},
       {link::BatteryStatus::kId, 5'000'000},
       {link::NamedValueFloat::kId, 1'000'000},
       {link::ExtendedSysState::kId, -1},
@@ -96,8 +96,9 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
                      id == link::FormationReference::kId;
     CAPTURE(id);
     CHECK(is_companions(id) == may);
+    const bool asked = kStreams[stream].pace == Pace::kOnRequest;
     CHECK((streams.interval_us(0, id) != 0) == may);
-    CHECK((sent(streams, stream, 0, 0, 10 * kSecond_us) > 0) == may);
+    CHECK((sent(streams, stream, 0, 0, 10 * kSecond_us) > 0) == (may && !asked));
     CHECK(streams.set(1, id, kSecond_us, 0) == may);
     CHECK((sent(streams, stream, 1, 0, 10 * kSecond_us) > 0) == may);
   }
@@ -183,23 +184,23 @@ TEST_CASE("a new SR_STATE or SR_SLOW changes what has that rate, and not what a 
   Parameters p;
   RoomyStreams streams(p, false, kTick_us);
   REQUIRE(streams.set(1, link::Attitude::kId, 40'000, 0));
-  REQUIRE(streams.set(1, link::MavEscStatus::kId, -1, 0));
+  REQUIRE(streams.set(1, link::NavControllerOutput::kId, -1, 0));
   p.SR_STATE = 50;
   p.SR_SLOW = 4;
   streams.configure(configuration_of(p).operators);
   CHECK(streams.interval_us(0, link::Attitude::kId) == 20'000);
   CHECK(streams.interval_us(0, link::LocalPositionNed::kId) == 20'000);
-  CHECK(streams.interval_us(0, link::MavEscStatus::kId) == 250'000);
+  CHECK(streams.interval_us(0, link::NavControllerOutput::kId) == 250'000);
   CHECK(streams.interval_us(0, link::NamedValueFloat::kId) == 250'000);
   CHECK(streams.interval_us(0, link::SysStatus::kId) == 1'000'000);
   CHECK(streams.interval_us(0, link::FollowTarget::kId) == -1);
   CHECK(streams.interval_us(1, link::Attitude::kId) == 40'000);
-  CHECK(streams.interval_us(1, link::MavEscStatus::kId) == -1);
+  CHECK(streams.interval_us(1, link::NavControllerOutput::kId) == -1);
   CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 50);
   p.SR_STATE = p.SR_SLOW = 0;
   streams.configure(configuration_of(p).operators);
   CHECK(streams.interval_us(0, link::Attitude::kId) == -1);
-  CHECK(streams.interval_us(0, link::MavEscStatus::kId) == -1);
+  CHECK(streams.interval_us(0, link::NavControllerOutput::kId) == -1);
   CHECK(sent(streams, index_of(link::Attitude::kId), 0, 0, kSecond_us) == 0);
 }
 
@@ -241,7 +242,7 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
     Parameters p;
     p.SR_SLOW = rate_Hz;
     RoomyStreams streams(p, false, kTick_us);
-    const double told_us = streams.interval_us(0, link::MavEscStatus::kId);
+    const double told_us = streams.interval_us(0, link::NamedValueFloat::kId);
     CAPTURE(rate_Hz);
     CHECK((told_us == -1 || told_us >= std::min(0.99e6 / double{rate_Hz}, double{INT32_MAX})));
   }
@@ -250,7 +251,9 @@ TEST_CASE("the slowest rates that parameters allow are told truly, or as none") 
 TEST_CASE("that which is hurried leaves at once on every link that has it, and on its grid again") {
   RoomyStreams streams(Parameters{}, false, kTick_us);
   const std::size_t mode = index_of(link::CurrentMode::kId);
-  REQUIRE(streams.set(3, link::CurrentMode::kId, -1, 0));
+  for (std::size_t link = 0; link < 3; ++link) {
+    REQUIRE(streams.set(link, link::CurrentMode::kId, 2 * kSecond_us, 0));
+  }
   for (std::size_t link = 0; link < kLinks; ++link) sent(streams, mode, link, 0, kSecond_us);
   streams.hurry(link::CurrentMode::kId);
   for (std::size_t link = 0; link < 3; ++link) {
