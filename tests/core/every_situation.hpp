@@ -23,7 +23,7 @@ inline std::vector<Conditions> classes() {
       note(row.lacks);
     }
     for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive}) note(set);
-    found[role] |= 1U << bit;
+    found[role] |= Conditions{1} << bit;
   }
   std::vector<Conditions> out;
   for (const auto& [role, set] : found) out.push_back(set);

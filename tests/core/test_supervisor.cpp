@@ -130,10 +130,10 @@ TEST_CASE("conditions of one kind count one by one: any that is not met is as ba
         for (unsigned r = 0; r < kRequests; ++r) {
           const auto state = static_cast<State>(s);
           const auto request = static_cast<Request>(r);
-          CHECK(supervise(state, request, all & ~(1U << bit)).state ==
+          CHECK(supervise(state, request, all & ~(Conditions{1} << bit)).state ==
                 supervise(state, request, all & ~kind).state);
         }
-        CHECK(may_drive(static_cast<State>(s), all & ~(1U << bit)) ==
+        CHECK(may_drive(static_cast<State>(s), all & ~(Conditions{1} << bit)) ==
               may_drive(static_cast<State>(s), all & ~kind));
       }
     }
