@@ -175,6 +175,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
     configure();
     vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
   }
+  vehicle_.heed_rc(counters_);
   note_state(now_us);
 }
 

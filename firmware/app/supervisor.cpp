@@ -76,10 +76,12 @@ bool Supervisor::is_repeated(const MotorTest& test, bool repeated, std::int64_t 
   return state_ == State::kTest || (repeated && now_us - test_end_us_ < kRepeated_us);
 }
 
-void Supervisor::take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us) {
+void Supervisor::take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us,
+                             bool wins) {
   const bool fresh = sticks_fresh(now_us), manual = state_ == State::kManual;
-  if (fresh ? sticks_from_ != from : manual) return;
-  centred_ = (manual && centred_) || at_neutral(sticks);
+  const bool others = sticks_from_ != from;
+  if (fresh ? others && !wins : manual) return;
+  centred_ = (manual && centred_ && !others) || at_neutral(sticks);
   sticks_ = sticks;
   sticks_from_ = from;
   sticks_us_ = now_us;

@@ -58,7 +58,8 @@ class Supervisor {
 
   /// Ignored while another operator holds the sticks: the first keeps them until silent for 0.5 s,
   /// in MANUAL until HOLD has followed.
-  void take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us);
+  void take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us,
+                   bool wins = false);
 
   /// Thrust is allowed. The first 0.2 s after arming are zeros, which ESCs need to see.
   bool may_drive(core::Conditions conditions, std::int64_t now_us) const;

@@ -77,6 +77,8 @@ float UnitLatency::uncompensated_s() const {
   return found_s_ ? std::abs(*found_s_ - lag_s_) : kUnknown_s;
 }
 
-bool UnitLatency::is_bearable() const { return named_s_.value_or(0) + found_s_.value_or(0) <= kMaxLate_s; }
+bool UnitLatency::is_bearable() const {
+  return named_s_.value_or(0) + found_s_.value_or(0) <= kMaxLate_s;
+}
 
 }  // namespace flotilla::app

@@ -112,6 +112,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   if (received.target.system != 0) hand_on(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;
   if (Setpoints::is_one(received.id)) setpoints_.heard(received.from, now_us);
+  if (take_rc(received, now_us)) return true;
   if (received.target.system != 0 && !identity_.is_autopilots(received.target)) {
     if (const auto why = refusal_of(received.id); !why.empty()) unheeded_ = why;
   }
@@ -158,6 +159,27 @@ void Vehicle::take_sticks(const link::Received& received, const link::ManualCont
   }
 }
 
+/// From a receiver of the boat's own system, or from an operator who may command; whether it was.
+bool Vehicle::take_rc(const link::Received& received, std::int64_t now_us) {
+  const auto channel = configuration_.operators.rc_switch;
+  std::span<const std::uint16_t> pulses_us;
+  if (const auto* rc = std::get_if<link::RcChannels>(&received.message)) {
+    if (received.from.system != self().system) return true;
+    pulses_us = std::span(rc->pulses).first(std::min<std::size_t>(rc->chancount, 16));
+  } else if (const auto* given = std::get_if<link::RcChannelsOverride>(&received.message)) {
+    const bool ours = received.target.system != 0 && !identity_.is_autopilots(received.target);
+    if (!channel || !ours || !may_command(received.from)) return false;
+    pulses_us = given->pulses;
+  } else {
+    return false;
+  }
+  if (!channel || !rc_.hear(pulses_us, *channel, supervisor_.state(), now_us)) return true;
+  if (const auto sticks = rc_.sticks()) {
+    supervisor_.take_sticks(*sticks, received.from, now_us, true);
+  }
+  return true;
+}
+
 bool Vehicle::may_command(link::Address from) const {
   return configuration_.operators.commander.value_or(from.system) == from.system;
 }
@@ -187,6 +209,14 @@ void Vehicle::stop(link::Counters& counters) {
   if (supervisor_.request(Request::kTerminate, now_us_).changed) announce_state(0, counters);
   if (!stop_due_.due(now_us_)) return;
   send_statustext(mav::kSeverityCritical, {"stop switch is pressed, or its wire is cut"}, counters);
+}
+
+void Vehicle::heed_rc(link::Counters& counters) {
+  const auto request = rc_.take_request(supervisor_.state(), now_us_);
+  if (!request) return;
+  const auto decision = supervisor_.request(*request, now_us_);
+  if (decision.changed) announce_state(0, counters);
+  if (!decision.granted) refuse(*request, decision.missing, counters);
 }
 
 bool Vehicle::answer(link::Counters& counters) {

@@ -16,6 +16,7 @@
 #include "app/operator/inbox.hpp"
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/parameter_service.hpp"
+#include "app/operator/rc_input.hpp"
 #include "app/operator/router.hpp"
 #include "app/operator/setpoints.hpp"
 #include "app/operator/storage.hpp"
@@ -59,6 +60,9 @@ class Vehicle {
 
   /// Applies the automatic transitions, and announces them.
   void apply_conditions(core::Conditions conditions, link::Counters& counters);
+
+  /// What the pilot at the transmitter wants, whatever others have asked for.
+  void heed_rc(link::Counters& counters);
 
   /// A stop switch is pressed: no thrust until somebody disarms the boat after it was released.
   void stop(link::Counters& counters);
@@ -112,6 +116,7 @@ class Vehicle {
 
   void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                    std::int64_t now_us, link::Counters& counters);
+  bool take_rc(const link::Received& received, std::int64_t now_us);
   void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
   void hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
                link::Counters& counters);
@@ -159,6 +164,7 @@ class Vehicle {
   link::FtpServer ftp_;
   Streams streams_;
   Setpoints setpoints_;
+  RcInput rc_;
   Report report_;  // the last one, and the mode of now
 
   std::optional<std::int64_t> gcs_us_;  // when one that may command was heard

@@ -68,6 +68,7 @@ Configuration configuration_of(const Parameters& p) {
                     .battery_V = unless_zero(p.FS_BATT_V),
                     .fence_m = unless_zero(p.FS_FENCE_M)},
       .operators = {.commander = unless_zero(whole<Byte>(p.MAV_GCS_SYSID)),
+                    .rc_switch = unless_zero(whole<Byte>(p.RC_MODE_CH)),
                     .gcs_limit_us = unless_zero(microseconds(p.FS_GCS_S)),
                     .state_us = period_us(p.SR_STATE),
                     .slow_us = period_us(p.SR_SLOW)},

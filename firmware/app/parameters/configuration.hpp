@@ -67,6 +67,7 @@ struct Configuration {
 
   struct Operators {
     std::optional<std::uint8_t> commander;     ///< the only system id that may command
+    std::optional<std::uint8_t> rc_switch;     ///< RC_MODE_CH
     std::optional<std::int64_t> gcs_limit_us;  ///< silence after which ground stations are lost
     std::int64_t state_us = 0, slow_us = 0;    ///< intervals, 0: not sent
   };

@@ -17,9 +17,10 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
 // Messages without a name in link::mav.
-constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kManualControlId = 69,
-                        kCommandIntId = 75, kCommandLongId = 76, kCommandAckId = 77,
-                        kTimesyncId = 111, kStatustextId = 253;
+constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kRcChannelsId = 65,
+                        kManualControlId = 69, kRcOverrideId = 70, kCommandIntId = 75,
+                        kCommandLongId = 76, kCommandAckId = 77, kTimesyncId = 111,
+                        kStatustextId = 253;
 
 template <class T>
 T field(Bytes payload, std::size_t at) {
@@ -71,7 +72,8 @@ void note_truth(const std::optional<std::int64_t>& ahead_us, std::int64_t stamp_
 /// Ids of requests.
 constexpr std::array<bool, 128> kQuestions = [] {
   std::array<bool, 128> are{};
-  for (const auto id : {kSetModeId, kManualControlId, kCommandIntId, kCommandLongId}) {
+  for (const auto id : {kSetModeId, kRcChannelsId, kManualControlId, kRcOverrideId, kCommandIntId,
+                        kCommandLongId}) {
     are[id] = true;
   }
   return are;
@@ -136,6 +138,13 @@ bool is_neutral(Bytes sticks) {
          std::abs(field<std::int16_t>(sticks, 6)) <= kTenth;
 }
 
+/// Channels 1 and 3, from `at` on in the payload, µs.
+bool is_centred(Bytes channels, std::size_t at) {
+  constexpr int kTenth_us = 40;
+  return std::abs(field<std::uint16_t>(channels, at) - 1500) <= kTenth_us &&
+         std::abs(field<std::uint16_t>(channels, at + 4) - 1500) <= kTenth_us;
+}
+
 /// A mode in the form of ArduPilot Rover's clients, 1, mode and zeros: that of a PX4's client is
 /// another mode.
 bool is_rovers(Bytes command) {
@@ -179,6 +188,11 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
     case kManualControlId:
       n.heard.sticks = true;
       n.heard.neutral |= is_neutral(m);
+      break;
+    case kRcChannelsId:
+    case kRcOverrideId:
+      n.heard.sticks |= p.RC_MODE_CH > 0;
+      n.heard.neutral |= p.RC_MODE_CH > 0 && is_centred(m, id == kRcChannelsId ? 4 : 0);
       break;
     case kSetModeId:
       hear_mode(field<std::uint32_t>(m, 0), n);

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/rc_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+using core::Request;
+using core::State;
+
+constexpr std::size_t kSteering = 0, kThrottle = 2;
+constexpr std::uint16_t kSwitchedOn_us = 1700;
+constexpr double kMoved = 0.3;
+constexpr std::int64_t kSilent_us = 500'000;
+
+bool is_pulse(std::uint16_t us) { return us >= 800 && us <= 2200; }
+
+double share_of(std::uint16_t us) { return std::clamp((us - 1500) / 400.0, -1.0, 1.0); }
+
+}  // namespace
+
+bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
+                   State state, std::int64_t now_us) {
+  const std::size_t needed = std::max<std::size_t>(kThrottle + 1, switch_channel);
+  if (pulses_us.size() < needed || switch_channel == 0) return false;
+  const std::uint16_t turned = pulses_us[switch_channel - 1U];
+  const std::uint16_t steering = pulses_us[kSteering], throttle = pulses_us[kThrottle];
+  if (!is_pulse(turned) || !is_pulse(steering) || !is_pulse(throttle)) return false;
+  heard_us_ = now_us;
+  sticks_ = {share_of(throttle), share_of(steering)};
+  const bool was_on = std::exchange(on_, turned > kSwitchedOn_us), law = core::law_drives(state);
+  const bool moved = std::max(std::abs(sticks_.surge), std::abs(sticks_.yaw)) > kMoved;
+  if (on_ || (law && moved)) {
+    pilots_ = true;
+    if (law) asks_ = Request::kManual;
+  } else if (was_on || state != State::kManual) {
+    if (pilots_ && state == State::kManual) asks_ = Request::kHold;
+    pilots_ = false;
+  }
+  return true;
+}
+
+std::optional<Request> RcInput::take_request(State state, std::int64_t now_us) {
+  const auto asked = std::exchange(asks_, std::nullopt);
+  const bool can = core::law_drives(state) || state == State::kHold;
+  return on_ && can && now_us - heard_us_ < kSilent_us ? Request::kManual : asked;
+}
+
+}  // namespace flotilla::app

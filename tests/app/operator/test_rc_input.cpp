@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <array>
+
+#include "app/operator/rc_input.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using core::Request, core::State;
+
+constexpr std::uint8_t kSwitch = 7;
+
+struct Transmitter {
+  RcInput rc;
+  std::array<std::uint16_t, 8> pulses{1500, 1500, 1500, 1500, 1500, 1500, 1000, 1500};
+
+  bool hear(State state) {
+    last = state;
+    return rc.hear(pulses, kSwitch, state, now_us);
+  }
+  std::optional<Request> request() { return rc.take_request(last, now_us); }
+  State last = State::kDisarmed;
+  std::int64_t now_us = 1'000'000;
+  void set(std::uint16_t steering, std::uint16_t throttle, std::uint16_t turned) {
+    pulses[0] = steering, pulses[2] = throttle, pulses[6] = turned;
+  }
+};
+
+TEST_CASE("a transmitter at rest has no sticks and asks for nothing") {
+  for (const State state : {State::kDisarmed, State::kHold, State::kManual, State::kFormation,
+                            State::kCoast, State::kTest, State::kFault}) {
+    Transmitter t;
+    CHECK(t.hear(state));
+    CHECK_FALSE(t.rc.sticks());
+    CHECK_FALSE(t.request());
+  }
+}
+
+TEST_CASE("the switch asks for MANUAL where the boat can go there, as long as it is on") {
+  for (const State state : {State::kHold, State::kFormation, State::kCoast}) {
+    Transmitter t;
+    t.set(1500, 1500, 1900);
+    for (int i = 0; i < 3; ++i) {
+      t.hear(state);
+      CHECK(t.request() == Request::kManual);
+      CHECK(t.rc.sticks());
+    }
+    t.now_us += 499'999;
+    CHECK(t.request() == Request::kManual);
+    t.now_us += 1;
+    CHECK_FALSE(t.request());
+  }
+  for (const State state : {State::kDisarmed, State::kManual, State::kTest, State::kFault}) {
+    Transmitter t;
+    t.set(1500, 1500, 1900);
+    t.hear(state);
+    CHECK_FALSE(t.request());
+  }
+}
+
+TEST_CASE("the switch turned off asks for HOLD in MANUAL, once, and gives the sticks back") {
+  Transmitter t;
+  t.set(1500, 1600, 1900);
+  t.hear(State::kManual);
+  t.set(1500, 1600, 1100);
+  t.hear(State::kManual);
+  CHECK(t.request() == Request::kHold);
+  CHECK_FALSE(t.rc.sticks());
+  t.hear(State::kManual);
+  CHECK_FALSE(t.request());
+}
+
+TEST_CASE("a stick that is moved takes over from the law, and from nobody else") {
+  for (const auto& [steering, throttle] : {std::pair{1500, 1630}, std::pair{1500, 1370},
+                                           std::pair{1630, 1500}, std::pair{1370, 1500}}) {
+    Transmitter t;
+    t.set(static_cast<std::uint16_t>(steering), static_cast<std::uint16_t>(throttle), 1000);
+    t.hear(State::kHold);
+    CHECK_FALSE(t.rc.sticks());
+    t.hear(State::kFormation);
+    CHECK(t.request() == Request::kManual);
+    t.set(1500, 1500, 1000);
+    t.hear(State::kManual);
+    CHECK(t.rc.sticks());
+    CHECK_FALSE(t.request());
+    t.hear(State::kFormation);  // an operator asked for it
+    CHECK_FALSE(t.rc.sticks());
+    CHECK_FALSE(t.request());
+  }
+  Transmitter still;
+  still.set(1600, 1400, 1000);
+  still.hear(State::kFormation);
+  CHECK_FALSE(still.request());
+}
+
+TEST_CASE("pulses are shares of full thrust ahead and of full moment to starboard") {
+  Transmitter t;
+  t.set(1700, 1300, 1900);
+  t.hear(State::kManual);
+  CHECK(t.rc.sticks()->surge == -0.5);
+  CHECK(t.rc.sticks()->yaw == 0.5);
+  t.set(2100, 900, 1900);
+  t.hear(State::kManual);
+  CHECK(t.rc.sticks()->surge == -1);
+  CHECK(t.rc.sticks()->yaw == 1);
+}
+
+TEST_CASE("what is no pulse, or misses a channel, is not heard") {
+  for (const std::uint16_t wrong : std::initializer_list<std::uint16_t>{0, 799, 2201, 65535}) {
+    for (const std::size_t channel : {0U, 2U, 6U}) {
+      Transmitter t;
+      t.set(1500, 1500, 1900);
+      t.pulses[channel] = wrong;
+      CHECK_FALSE(t.hear(State::kHold));
+      CHECK_FALSE(t.rc.sticks());
+    }
+  }
+  Transmitter t;
+  t.set(1500, 1500, 1900);
+  CHECK_FALSE(t.rc.hear(std::span(t.pulses).first(6), kSwitch, State::kHold, 0));
+  CHECK_FALSE(t.rc.hear(std::span(t.pulses).first(2), 1, State::kHold, 0));
+  CHECK_FALSE(t.rc.hear({}, kSwitch, State::kHold, 0));
+}
+
+}  // namespace
+}  // namespace flotilla::app

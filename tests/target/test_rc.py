@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""A pilot with a transmitter takes over, by its switch or by moving a stick."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.operator_words import MANUAL, sticks
+from tests.target.sea import Sea, at_sea, texts
+from tests.target.stations import BOAT, FORMATION, LEADER, Station
+
+SWITCH = 7
+RECEIVER = Station(BOAT, 140)
+WITH_RC = {"RC_MODE_CH": float(SWITCH)}
+EVERY_S = 0.05
+
+
+def pulses(ahead: float, starboard: float, switch: int, count: int) -> list[int]:
+    channels = [1500] * count
+    channels[0] = round(1500 + 400 * starboard)
+    channels[2] = round(1500 + 400 * ahead)
+    channels[SWITCH - 1] = switch
+    return channels
+
+
+def rc(ahead: float = 0.0, starboard: float = 0.0, on: bool = False) -> Any:
+    channels = pulses(ahead, starboard, 1900 if on else 1100, 18)
+    return mavlink.MAVLink_rc_channels_message(0, 16, *channels, 200)
+
+
+def override(ahead: float = 0.0, starboard: float = 0.0, on: bool = False) -> Any:
+    channels = pulses(ahead, starboard, 1900 if on else 1100, 8)
+    return mavlink.MAVLink_rc_channels_override_message(BOAT, 1, *channels)
+
+
+def hold(sea: Sea, message: Any, seconds: float, sender: Station | None = RECEIVER) -> None:
+    for _ in range(round(seconds / EVERY_S)):
+        sea.say(message, sender=sender)
+        sea.run(EVERY_S)
+
+
+@pytest.mark.parametrize("message", [rc, override])
+def test_the_switch_takes_over_and_the_sticks_drive(message: Any) -> None:
+    sender = RECEIVER if message is rc else None
+    sea = at_sea(WITH_RC)
+    hold(sea, message(), 0.5, sender)
+    assert sea.state == "FORMATION"
+    hold(sea, message(on=True), 0.1, sender)
+    assert sea.state == "MANUAL" and sea.commands == (0, 0)
+    hold(sea, message(ahead=0.25, on=True), 0.5, sender)
+    assert sea.state == "MANUAL" and sea.commands == pytest.approx((2048, 2048), abs=1)
+    hold(sea, message(starboard=0.2, on=True), 0.5, sender)
+    assert sea.commands[0] > 0 > sea.commands[1]
+    hold(sea, message(ahead=0.25), 0.1, sender)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    hold(sea, message(ahead=0.9), 0.5, sender)
+    assert sea.state == "HOLD", "only the law is overruled by a stick"
+
+
+def test_a_stick_that_is_moved_wins_within_a_fifth_of_a_second_at_ten_messages_a_second() -> None:
+    sea = at_sea(WITH_RC)
+    sea.say(rc(), sender=RECEIVER)
+    sea.run(0.1)
+    for _ in range(2):
+        sea.say(rc(starboard=-0.5), sender=RECEIVER)
+        sea.run(0.1)
+    assert sea.state == "MANUAL" and sea.commands == (0, 0)
+    assert "MANUAL: centre the sticks first" in texts(sea.ticks)
+    hold(sea, rc(), 0.1)
+    hold(sea, rc(ahead=0.3), 0.3)
+    assert all(command > 0 for command in sea.commands)
+    sea.mode(FORMATION)
+    hold(sea, rc(), 0.3)
+    assert sea.state == "FORMATION"
+
+
+def test_the_switch_wins_over_an_operator() -> None:
+    sea = at_sea(WITH_RC)
+    for _ in range(20):
+        sea.say(sticks(x=800))
+        sea.say(rc(on=True), sender=RECEIVER)
+        sea.mode(FORMATION)
+        sea.run(EVERY_S)
+    assert sea.state == "MANUAL" and sea.commands == (0, 0)
+
+
+def test_a_transmitter_that_falls_silent_leads_to_hold() -> None:
+    sea = at_sea(WITH_RC)
+    hold(sea, rc(on=True), 0.2)
+    hold(sea, rc(ahead=0.5, on=True), 0.2)
+    assert any(sea.commands)
+    sea.run(0.55)
+    assert sea.state == "HOLD" and sea.commands == (0, 0)
+    hold(sea, rc(ahead=0.5, on=True), 0.5)
+    assert sea.commands == (0, 0), "the sticks are not at neutral"
+
+
+@pytest.mark.parametrize("sender", [Station(LEADER, 1), Station(77, 140), Station(255, 190)])
+def test_nobody_elses_receiver_counts(sender: Station) -> None:
+    sea = at_sea(WITH_RC)
+    hold(sea, rc(ahead=1.0, on=True), 0.5, sender)
+    assert sea.state == "FORMATION"
+
+
+def test_only_who_may_command_overrides() -> None:
+    sea = at_sea(WITH_RC | {"MAV_GCS_SYSID": 255.0})
+    hold(sea, override(on=True), 0.5, Station(254, 190))
+    assert sea.state == "FORMATION"
+
+
+def test_without_a_switch_rc_is_not_looked_at() -> None:
+    sea = at_sea()
+    hold(sea, rc(ahead=1.0, on=True), 0.5)
+    assert sea.state == "FORMATION"
+    sea.mode(MANUAL)
+    assert sea.state == "FORMATION", "its sticks are nobody's"
