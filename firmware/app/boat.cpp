@@ -183,9 +183,10 @@ void Boat<S>::supervise(std::int64_t now_us) {
 template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
-  if (was == core::State::kDisarmed && core::armed(state()) && !pilot_.own_quality().told()) {
+  if (was == core::State::kDisarmed && core::armed(state()) && !pilot_.own_quality().told() &&
+      (conditions_ & core::kOwnFresh) != 0) {
     vehicle_.send_statustext(link::mav::kSeverityInfo,
-                             {"navigation unit tells nothing of its quality"}, counters_);
+                             {"navigation quality is not reported, not checked"}, counters_);
   }
   if (state() != core::State::kFormation || was == state()) return;
   if (was == core::State::kCoast) {
@@ -334,7 +335,7 @@ void Boat<S>::complain(std::int64_t now_us) {
   complain_of_time(now_us);
   if ((conditions_ & core::kOwnGood) == 0 && quality_due_.due(now_us)) {
     Sentence poor;
-    poor << "navigation unit's " << pilot_.own_quality().fault() << ": poor";
+    poor << "poor navigation: " << pilot_.own_quality().fault();
     vehicle_.send_statustext(link::mav::kSeverityWarning, {poor.text()}, counters_);
   }
   complain_of_slot(now_us);

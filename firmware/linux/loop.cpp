@@ -85,12 +85,13 @@ Loop::Loop(const Config& config)
     boat_->set_policy(i, config.policy(config.mavlink[i]));
   }
   if (!config.signing_key.empty()) secure();
-  stop_.open();
+  stop_.reopen();
   node_table_.load(boat_->node_ids());
   openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
   for (const auto& link : links_) {
     openers_.emplace_back(kReopen, [&link] { link->reopen(); }, "a MAVLink link");
   }
+  openers_.emplace_back(kReopen, [this] { stop_.reopen(); }, "the stop switch");
   for (const std::string& note : parameters_.notes()) messages_.put(note);
 }
 
@@ -265,7 +266,7 @@ void Loop::keep_house(std::int64_t now_us) {
 }
 
 void Loop::maintain_devices(std::int64_t now_us) {
-  if (const int error = stop_.open(); std::exchange(stop_error_, error) != error) {
+  if (const int error = stop_.error(); std::exchange(stop_error_, error) != error) {
     messages_.put(
         "stop switch " + config_.stop.chip + ": " +
         (error == 0 ? "is there" : std::string(std::strerror(error)) + ", counts as pressed"));

@@ -128,8 +128,12 @@ def test_from_outside_the_fence_a_boat_is_armed_again_and_driven() -> None:
     assert sea.state == "MANUAL" and all(c < 0 for c in sea.commands)
 
 
-def test_navigation_that_comes_after_arming_leads_into_formation() -> None:
-    sea = Afloat({}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
+@pytest.mark.parametrize("named", [True, False])
+def test_a_unit_that_is_first_heard_after_arming_counts_where_its_link_is_named(
+    named: bool,
+) -> None:
+    """Else anybody on any link could say that he is it; the operator disarms once."""
+    sea = Afloat({"NAV_LINK": 0.0} if named else {}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
     sea.own.on = False
     sea.run(1.0)
     sea.arm()
@@ -137,6 +141,11 @@ def test_navigation_that_comes_after_arming_leads_into_formation() -> None:
     sea.run(1.0)
     sea.own.on = True
     sea.run(3.0)
+    if not named:
+        assert not sea.condition("own_fresh")
+        sea.disarm()
+        sea.run(1.0)
+        sea.enter_hold()
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, ACCEPTED)]
     sea.run(20.0)
     error = sea.snapshot()["error"]

@@ -17,8 +17,8 @@ from tests.target.sea import Sea, texts
 from tests.target.stations import FORMATION
 
 UNKNOWN = {"NAV_LAG_S": -1.0, "FORM_LAG_S": -1.0}
-NAV_UNKNOWN = "navigation latency unknown: NAV_LAG_S"
-LEADER_UNKNOWN = "leader's latency unknown: FORM_LAG_S"
+NAV_UNKNOWN = "navigation latency unknown: set NAV_LAG_S"
+LEADER_UNKNOWN = "leader's latency unknown: set FORM_LAG_S"
 
 
 def prompt_sea(**parameters: float) -> Sea:
@@ -107,6 +107,19 @@ def test_answers_that_contradict_the_stamps_tell_no_age(ahead_s: float) -> None:
     sea.leader.ahead_us = round(1e6 * ahead_s)  # type: ignore[attr-defined]
     said = asked_for_formation(sea, sea.leader, 0.0)
     assert f"Refused: {LEADER_UNKNOWN}" in said
+
+
+@pytest.mark.parametrize("who", ["own", "leader"])
+def test_a_latency_that_is_named_is_for_senders_that_answer_nothing(who: str) -> None:
+    """An answer that contradicts the stamps, and a radio that is three seconds late from then on."""
+    sea = prompt_sea(NAV_LAG_S=0.0, FORM_LAG_S=0.0)
+    agent = getattr(sea, who)
+    agent.__class__ = OtherClock
+    agent.ahead_us = -500_000
+    sea.run(5.0)
+    agent.delay_us = 3_000_000
+    said = asked_for_formation(sea, agent, 3.0)
+    assert any("latency unknown" in text or "not fresh" in text for text in said)
 
 
 def test_a_leader_whose_answers_begin_to_contradict_its_stamps_is_left() -> None:

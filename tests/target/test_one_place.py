@@ -175,6 +175,26 @@ def test_an_origin_that_moves_with_its_positions_changes_nothing(agent: str) -> 
     assert sea.counter("mavlink_jump") == 0
 
 
+@pytest.mark.parametrize("agent", ["own", "leader"])
+@pytest.mark.parametrize("by", ["place", "origin"])
+def test_a_reset_of_the_estimate_that_jumps_is_no_way_round(agent: str, by: str) -> None:
+    """150 m, within FORM_DIST_MAX: believed at once, and nobody is driven there unasked."""
+    sea = sailing()
+    whose = getattr(sea, agent)
+    whose.on = whose.origin_on = False
+    if by == "origin":
+        sea.say(origin(sea.now_us, latitude=ORIGIN[0] + 13_500), sender=whose.station)
+    off_m = 150.0 if by == "place" else 0.0
+    far_m = 0.0
+    for _ in range(120):
+        truth = whose.truth(sea.now_us)
+        there = replace(truth, north=truth.north + off_m)
+        sea.say(odometry(there, sea.now_us, reset_counter=1), sender=whose.station)
+        far_m = max(far_m, farthest_while_driven(sea, 0.05))
+    assert sea.state == "HOLD" and far_m < 3.0
+    assert any("jumps" in text for text in texts(sea.ticks))
+
+
 @pytest.mark.parametrize("near", [True, False])
 def test_a_lower_component_of_the_leader_counts_where_it_is_in_the_same_place(near: bool) -> None:
     sea = sailing()

@@ -43,9 +43,9 @@ def host(sea: Sea) -> None:
 
 def release(sea: Sea) -> None:
     sea.boat.on_host()
-    sea.on_can(safety(255))
-    sea.run(0.6)
-    sea.on_can(safety(255))
+    for _ in range(6):
+        sea.on_can(safety(255))
+        sea.run(0.4)
 
 
 PRESSED = pytest.mark.parametrize("press", [press_button, safety_on, host])
@@ -92,6 +92,19 @@ def test_a_safety_switch_that_falls_silent_counts_as_pressed() -> None:
     assert sea.state == "FORMATION"
     sea.run(0.5)
     assert sea.state == "FAULT" and sea.commands == (0, 0)
+
+
+def test_another_switch_that_is_off_does_not_hide_one_that_is_on() -> None:
+    sea = at_sea()
+    sea.on_can(safety(0) + safety(255))
+    sea.step()
+    assert sea.state == "FAULT"
+    sea.disarm()
+    for _ in range(5):
+        sea.on_can(safety(255))
+        sea.arm()
+        sea.run(0.3)
+        assert sea.state == "FAULT"
 
 
 @pytest.mark.parametrize("frames", [button(2), safety(255), [(0x104E213C, b"")]])

@@ -42,11 +42,11 @@ def ekf(variance: float = 0.1, flags: int = WELL) -> Any:
 POOR = {
     "no fix": (gps(), gps(fix_type=1), "GPS fix type"),
     "few satellites": (gps(), gps(hdop=4.0), "GPS HDOP"),
-    "500 m": (estimator(), estimator(accuracy_m=500.0), "position's accuracy"),
-    "refused fixes": (estimator(), estimator(ratio=1.2), "estimator's test ratios"),
-    "no place": (estimator(), estimator(flags=3), "estimator's flags"),
-    "ArduPilot's variance": (ekf(), ekf(variance=0.9), "estimator's test ratios"),
-    "ArduPilot's glitch": (ekf(), ekf(flags=WELL | 32768), "estimator's flags"),
+    "500 m": (estimator(), estimator(accuracy_m=500.0), "position accuracy"),
+    "refused fixes": (estimator(), estimator(ratio=1.2), "estimator test ratios"),
+    "no place": (estimator(), estimator(flags=3), "estimator flags"),
+    "ArduPilot's variance": (ekf(), ekf(variance=0.9), "estimator test ratios"),
+    "ArduPilot's glitch": (ekf(), ekf(flags=WELL | 32768), "estimator flags"),
 }
 
 
@@ -62,7 +62,7 @@ def test_a_poor_estimate_stops_the_law_and_the_boat_says_why(case: str) -> None:
     sea.say(poor, sender=unit)
     ticks = sea.run(0.02)
     assert sea.state == "HOLD" and sea.commands == (0, 0) and not sea.condition("own_good")
-    assert f"navigation unit's {why}: poor" in texts(ticks)
+    assert f"poor navigation: {why}" in texts(ticks)
     sea.run(5.0)
     assert not sea.condition("own_good"), "silence is no better fix"
     sea.mode(FORMATION)
@@ -85,7 +85,7 @@ def test_a_poor_fix_is_told_before_arming() -> None:
     sea.say(gps(fix_type=0), sender=sea.own.station)
     ticks = sea.run(0.1)
     assert not sea.condition("own_good")
-    assert "navigation unit's GPS fix type: poor" in texts(ticks)
+    assert "poor navigation: GPS fix type" in texts(ticks)
 
 
 def test_odometrys_covariance_counts() -> None:
@@ -124,7 +124,7 @@ def test_by_a_limit_of_0_nothing_is_poor() -> None:
 
 
 def test_that_a_unit_says_nothing_of_its_quality_is_told_as_the_boat_is_armed() -> None:
-    said = "navigation unit tells nothing of its quality"
+    said = "navigation quality is not reported, not checked"
     sea = Sea()
     sea.own.tells_fix = False
     sea.enter_hold()

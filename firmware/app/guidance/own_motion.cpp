@@ -30,7 +30,7 @@ void OwnMotion<S>::configure(const convert::Law<S>& law,
   track_.set_lag(latency_.lag_us());
   track_.set_antenna({law.antenna.x, law.antenna.y});
   named_link_ = navigation.link;
-  limits_ = navigation.quality;
+  if (std::exchange(limits_, navigation.quality) != limits_) quality_ = {};
   if (own_system != track_.system()) link_.reset();
   track_.follow(own_system, navigation.component);
 }
@@ -39,7 +39,9 @@ template <class S>
 void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
                         link::Counters& counters) {
   if (received.from.system != track_.system() || !may_be_own(link, now_us)) return;
+  const std::uint8_t unit = track_.unit();
   track_.take(received, now_us, counters);
+  if (track_.unit() != unit) latency_.forget();
   if (track_.accepted(now_us)) link_ = link;
   if (track_.is_from_unit(received.from)) quality_.take(received, limits_, now_us);
 }
@@ -47,7 +49,8 @@ void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::i
 template <class S>
 bool OwnMotion<S>::may_be_own(std::size_t link, std::int64_t now_us) const {
   const auto& pinned = named_link_ ? named_link_ : link_;
-  return !pinned || *pinned == link || (!named_link_ && !armed_ && track_.silent(now_us));
+  if (!pinned) return !armed_;
+  return *pinned == link || (!named_link_ && !armed_ && track_.silent(now_us));
 }
 
 template <class S>

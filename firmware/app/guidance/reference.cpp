@@ -55,18 +55,22 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
     ++counters.reference_refused;
   } else {
     const bool timed = stamp->timed && (m->flags & link::mav::kReferenceUntimed) == 0;
-    hold({*branch, m->sequence, *m, *root, valid_us, is_near(*own, root->position, now_us), timed});
+    hold({*branch, m->sequence, *m, *root, valid_us, is_near(*own, *root, now_us), timed});
   }
 }
 
-/// Within reach of our slot of it.
+/// It, and our slot of it, are within reach.
 template <class S>
-bool Reference<S>::is_near(const convert::Position& own, const convert::Position& root,
+bool Reference<S>::is_near(const convert::Position& own, const convert::RootState<S>& root,
                            std::int64_t now_us) const {
   const auto offset = place_.offset(now_us);
-  return offset &&
-         convert::near(own, root,
-                       reach_m_ + convert::length_m(offset->n) + convert::length_m(offset->b));
+  if (!offset) return false;
+  const core::Vec2<S> n = convert::offset_of<S>(offset->n);
+  const core::Vec2<S> b = core::to_north_east(root.motion.psi, convert::offset_of<S>(offset->b));
+  convert::Position slot = root.position;
+  slot.north_m = slot.north_m + (n.x + b.x);
+  slot.east_m = slot.east_m + (n.y + b.y);
+  return convert::near(own, root.position) && convert::near(own, slot, reach_m_);
 }
 
 /// Rejects what another boat has already relayed; accepts a restarted maker.
@@ -85,10 +89,15 @@ bool Reference<S>::believe(const convert::RootState<S>& root, std::int64_t valid
   const auto& [position, motion] = root;
   const typename JumpGuard<S>::Seen seen{position.north_m, position.east_m, motion.psi,
                                          motion.nu,        valid_us,        now_us};
-  const link::GpsGlobalOrigin& origin = position.origin;
-  const bool far = held_ && (held_->told.latitude != origin.latitude ||
-                             held_->told.longitude != origin.longitude);
-  if (guard_.take(seen, far) == JumpGuard<S>::Verdict::kRefused) return false;
+  typename JumpGuard<S>::Seen compared = seen;
+  bool near = true;
+  if (held_ && guard_.last()) {  // whose plane need not be this one's
+    const auto [apart_n, reaches] = convert::separation<S>(held_->root.position, position);
+    near = reaches;
+    compared.north_m = guard_.last()->north_m - apart_n.x;
+    compared.east_m = guard_.last()->east_m - apart_n.y;
+  }
+  if (guard_.take(compared, !near) == JumpGuard<S>::Verdict::kRefused) return false;
   guard_.believe(seen);
   return true;
 }

@@ -76,7 +76,7 @@ class Reference {
   bool is_newer(const link::FormationReference& message, const Branch& branch,
                 std::int64_t valid_us) const;
   bool believe(const convert::RootState<S>& root, std::int64_t valid_us, std::int64_t now_us);
-  bool is_near(const convert::Position& own, const convert::Position& root,
+  bool is_near(const convert::Position& own, const convert::RootState<S>& root,
                std::int64_t now_us) const;
   const Held* held(std::int64_t now_us, std::int64_t oldest_us) const;
   void hold(const Held& held);

@@ -34,6 +34,7 @@ void UnitLatency::forget() {
   state_ = {};
   found_s_.reset();
   lag_s_ = 0;
+  set_lag();
 }
 
 void UnitLatency::set_lag() {
@@ -46,7 +47,6 @@ void UnitLatency::look_at_clock(bool waits, bool observes, std::int64_t now_us) 
   estimates_ = observes && now_us - unanswered_us_ > kAsked_us;
   if (estimates_ || (!found_s_ && lag_s_ == 0)) return;
   forget();
-  set_lag();
 }
 
 void UnitLatency::push(float moment_Nm, float since_s) {

@@ -29,6 +29,9 @@ class UnitLatency {
   /// another one now.
   [[nodiscard]] bool correct(float r_radps, float dt_s, std::int64_t age_us);
 
+  /// Another unit: what was found is not its latency.
+  void forget();
+
   /// The boat was disarmed: discards the moments given.
   void restart() { state_ = {}; }
 
@@ -45,7 +48,6 @@ class UnitLatency {
   bool is_bearable() const;
 
  private:
-  void forget();
   void set_lag();
 
   core::LatencyParams<float> params_;

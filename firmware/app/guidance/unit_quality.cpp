@@ -34,14 +34,15 @@ Verdict judge(unsigned flags, std::initializer_list<float> ratios,
   constexpr unsigned kNeeded = kAttitude | kVelocity;
   constexpr unsigned kBad = kConstantPlace | kGlitchOrUninitialised | kGpsGlitch;
   if ((flags & kNeeded) != kNeeded || (flags & kPlace) == 0 || (flags & kBad) != 0) {
-    return "estimator's flags";
+    return "estimator flags";
   }
-  if (beyond(std::max(ratios), limits.ratio)) return "estimator's test ratios";
+  if (std::ranges::any_of(ratios, [&](float x) { return beyond(x, limits.ratio); }))
+    return "estimator test ratios";
   return "";
 }
 
 Verdict judge(const link::EstimatorStatus& m, const Configuration::Quality& limits) {
-  if (beyond(m.pos_horiz_accuracy, limits.accuracy_m)) return "position's accuracy";
+  if (beyond(m.pos_horiz_accuracy, limits.accuracy_m)) return "position accuracy";
   return judge(m.flags, {m.vel_ratio, m.pos_horiz_ratio, m.mag_ratio}, limits);
 }
 
@@ -53,7 +54,7 @@ Verdict judge(const link::Odometry& m, const Configuration::Quality& limits) {
   const float north = m.pose_covariance[0], east = m.pose_covariance[6];  // of 6 × 6, m²
   if (!(north > 0) || !(east > 0)) return std::nullopt;
   const float limit = limits.accuracy_m * limits.accuracy_m;
-  return beyond(north, limit) || beyond(east, limit) ? "position's accuracy" : "";
+  return beyond(north, limit) || beyond(east, limit) ? "position accuracy" : "";
 }
 
 }  // namespace

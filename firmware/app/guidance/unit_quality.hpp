@@ -12,8 +12,8 @@
 
 namespace flotilla::app {
 
-/// Of each kind of message the last one counts, for as long as it takes until the next; a kind that
-/// never came does not count: such a unit is judged by its states alone.
+/// The last message of each kind counts until the next of that kind, however long that takes. A unit
+/// that sends none is judged by its states alone.
 class UnitQuality {
  public:
   using Limits = Configuration::Quality;
@@ -22,7 +22,7 @@ class UnitQuality {
   /// covariance; others are ignored. Another component is another unit.
   void take(const link::Received& received, const Limits& limits, std::int64_t now_us);
 
-  /// Nothing was beyond its limit for a second; what was has to be better than 0.8 of it since then.
+  /// A second has passed since every value came below 0.8 of its limit, and none went over it since.
   bool good(std::int64_t now_us) const { return now_us >= good_from_us_; }
 
   /// What is, or was, beyond its limit; empty before anything was.

@@ -28,7 +28,7 @@ void ClockOffset::widen(std::int64_t now_us) {
 void ClockOffset::heard(std::int64_t stamp_us, std::int64_t now_us) {
   widen(now_us);
   const std::int64_t upper = now_us - stamp_us;
-  upper_ = upper_ && !std::exchange(contradicted_, false) ? std::min(*upper_, upper) : upper;
+  upper_ = upper_ && !std::exchange(begins_anew_, false) ? std::min(*upper_, upper) : upper;
   // The sender's clock was set. The newer bound is right.
   if (lower_ && *lower_ > *upper_ + kRounded_us) lower_.reset();
   if (lower_) lower_ = std::min(*lower_, *upper_);
@@ -38,8 +38,10 @@ void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int6
   widen(now_us);
   const std::int64_t lower = sent_us - read_us;
   if (!upper_) return;
-  contradicted_ = lower > *upper_ + kRounded_us;
-  if (contradicted_ || *upper_ - lower > kWidest_us) {
+  const bool contradicts = lower > *upper_ + kRounded_us;
+  disputed_ = contradicts || *upper_ - lower > kWidest_us;
+  if (disputed_) {
+    begins_anew_ = contradicts && lower_;
     lower_.reset();
     return;
   }

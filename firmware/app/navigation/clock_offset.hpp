@@ -29,6 +29,9 @@ class ClockOffset {
   /// TIMESYNC bounds the offset from below.
   bool was_answered() const { return lower_.has_value(); }
 
+  /// The last answer contradicts the stamps, or took too long to tell anything.
+  bool disputed() const { return disputed_; }
+
   void reset() { *this = ClockOffset{}; }
 
  private:
@@ -37,7 +40,8 @@ class ClockOffset {
   std::int64_t widened_us_ = 0;
   std::optional<std::int64_t> upper_;
   std::optional<std::int64_t> lower_;
-  bool contradicted_ = false;  ///< by the last answer: the next stamp begins anew
+  bool disputed_ = false;
+  bool begins_anew_ = false;  ///< with the next stamp: their clock was set
 };
 
 }  // namespace flotilla::app

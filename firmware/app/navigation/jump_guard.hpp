@@ -101,6 +101,12 @@ class JumpGuard {
     if (core::innovation_of(limits, way, scatter_).share > S(1)) jumped_us_ = state.arrived_us;
   }
 
+  /// Notes that the vessel has jumped, and is believed where it is now.
+  void note_moved(std::int64_t now_us) {
+    jumped_us_ = now_us;
+    moved_ = true;
+  }
+
   /// Notes an implausible report found elsewhere.
   void note_jump(std::int64_t now_us) { jumped_us_ = now_us; }
 

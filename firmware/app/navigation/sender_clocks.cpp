@@ -48,7 +48,7 @@ std::optional<SenderClocks::Stamp> SenderClocks::heard(link::Address from, std::
   const std::int64_t lag_us = clock.was_answered() ? 0 : lag_us_.value_or(0);
   return Stamp{std::min(stamp_us + *clock.offset_us(), now_us) - lag_us,
                std::min(stamp_us + *clock.least_us(), now_us) - lag_us,
-               clock.was_answered() || lag_us_};
+               clock.was_answered() || (lag_us_ && !clock.disputed())};
 }
 
 void SenderClocks::answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,

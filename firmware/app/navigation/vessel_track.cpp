@@ -142,7 +142,7 @@ void VesselTrack<S>::choose(State state, const Arrival& arrival) {
     component_changed(from, state.heading);
   }
   if (state.resets && sources_.is_reset(*state.resets, stamp_us)) {
-    if (!reframed_) guard_.look_at(guard_.seen(origins_.in_plane(state.sample), now_us), true);
+    if (!can_have_gone_on(state.sample, from, now_us)) guard_.note_moved(now_us);
     estimator_reset();
   }
   sources_.hear(state.source, stamp_us, now_us, stamps_.last_us().has_value());
@@ -182,6 +182,15 @@ typename VesselTrack<S>::Jump VesselTrack<S>::jump_of(const convert::Sample<S>& 
                                                       std::uint8_t from, std::int64_t now_us) {
   if (reframed_) return jump_across(sample, from, now_us);
   return guard_.take(guard_.seen(origins_.in_plane(sample), now_us), origins_.is_far(sample));
+}
+
+/// Of the first state after a reset of the estimate, which is believed at once.
+template <class S>
+bool VesselTrack<S>::can_have_gone_on(const convert::Sample<S>& sample, std::uint8_t from,
+                                      std::int64_t now_us) {
+  if (!guard_.last()) return true;
+  const bool comparable = !reframed_ || (plane_ && origins_.place_of(sample, from));
+  return comparable && jump_of(sample, from, now_us) == Jump::kGoesOn;
 }
 
 /// Compares it with the last state on the globe, where both are known, whatever plane and clock

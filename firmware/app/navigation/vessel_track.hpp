@@ -60,6 +60,8 @@ class VesselTrack {
   bool is_from_unit(link::Address from) const {
     return mine(from) && from.component == component();
   }
+  /// The component whose states are accepted; 0: none yet.
+  std::uint8_t unit() const { return component(); }
   bool silent(std::int64_t now_us) const { return stamps_.silent(now_us); }
 
   void set_antenna(Antenna antenna) { antenna_ = antenna; }
@@ -70,7 +72,9 @@ class VesselTrack {
   bool bounded() const { return sources_.clock().was_answered(); }
 
   /// No state of it is of unknown age; else age_us() takes them to be as old as their arrival.
-  bool timed() const { return bounded() || lag_us_ || !stamps_.last_us(); }
+  bool timed() const {
+    return bounded() || (lag_us_ && !sources_.clock().disputed()) || !stamps_.last_us();
+  }
 
   /// This vessel's limits; the default is any vessel's.
   void set_limits(const core::PlausibilityLimits<S>& limits) { guard_.set_limits(limits); }
@@ -173,6 +177,7 @@ class VesselTrack {
   using Jump = typename JumpGuard<S>::Verdict;
   Jump jump_of(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
   Jump jump_across(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
+  bool can_have_gone_on(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
   void believe(const convert::Sample<S>& placed, std::int64_t now_us);
   void accept(const State& state, const Arrival& arrival);
   void update(const State& state, const convert::Sample<S>& placed, std::int64_t now_us);

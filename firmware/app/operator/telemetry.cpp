@@ -44,7 +44,8 @@ link::SysStatus sys_status(const Report& r) {
   std::uint32_t health = 0;
   if (met(core::kOwn)) health |= kSensors;
   if (met(core::kPropulsion)) health |= kMotors;
-  if (met(core::kArming | core::kOwn | core::kLimits)) health |= mav::kSensorPrearm;
+  if (met(core::kArming | core::kOwn | core::kOwnGood | core::kLimits))
+    health |= mav::kSensorPrearm;
   if (!r.fenced || met(core::kInsideFence)) health |= mav::kSensorGeofence;
   if (measured && met(core::kBatteryGood)) health |= mav::kSensorBattery;
   return {present, present, health, 0, battery.voltages[0], battery.current_battery, -1};

@@ -41,6 +41,7 @@ struct Configuration {
   struct Quality {
     std::uint8_t fix = 0;  ///< least GPS_FIX_TYPE
     float hdop = 0, accuracy_m = 0, ratio = 0;
+    bool operator==(const Quality&) const = default;
   };
 
   struct Navigation {

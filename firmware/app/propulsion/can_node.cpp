@@ -70,7 +70,10 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
   } else if (is(link::SafetyState::kType)) {
     const auto transfer = complete(link::SafetyState::kType);
     const auto state = transfer ? link::read_safety_state(transfer->payload) : std::nullopt;
-    if (state) safety_off_us_ = state->status == link::SafetyState::kOff ? now_us : kNever;
+    if (state) {
+      has_safety_switch_ = true;
+      (state->status == link::SafetyState::kOff ? safety_off_us_ : safety_on_us_) = now_us;
+    }
   } else if (is(link::Button::kType)) {
     const auto transfer = complete(link::Button::kType);
     const auto button = transfer ? link::read_button(transfer->payload) : std::nullopt;
@@ -154,8 +157,8 @@ bool CanNode::esc_online(std::uint8_t index, std::int64_t now_us, std::int64_t l
 }
 
 bool CanNode::stop_pressed(std::int64_t now_us) const {
-  return now_us - button_us_ < kButtonGone_us ||
-         (safety_off_us_ && now_us - *safety_off_us_ > kSafetyGone_us);
+  return now_us - button_us_ < kButtonGone_us || now_us - safety_on_us_ <= kSafetyGone_us ||
+         (has_safety_switch_ && now_us - safety_off_us_ > kSafetyGone_us);
 }
 
 bool CanNode::foreign_controller(std::int64_t now_us) const {

@@ -49,8 +49,9 @@ class CanNode {
   /// Another node has commanded or armed ESCs within the last two seconds.
   bool foreign_controller(std::int64_t now_us) const;
 
-  /// A stop switch on the bus is pressed: a Button within the last half second, or a SafetyState that
-  /// is not "off", or that was told and has not been for two seconds, as if its wire were cut.
+  /// A stop switch on the bus is pressed: a Button within the last half second, or a SafetyState
+  /// other than "off" within the last two seconds, or, once one was told, none "off", as if its wire
+  /// were cut.
   bool stop_pressed(std::int64_t now_us) const;
 
   /// The node ids assigned; the host saves them across restarts.
@@ -112,7 +113,8 @@ class CanNode {
   std::optional<link::Allocation> allocation_;
   std::optional<std::int64_t> foreign_us_;
   std::int64_t button_us_ = kNever;
-  std::optional<std::int64_t> safety_off_us_;  ///< of the last SafetyState; kNever: it was on
+  std::int64_t safety_on_us_ = kNever, safety_off_us_ = kNever;
+  bool has_safety_switch_ = false;
   std::optional<std::int64_t> started_us_;
   Schedule arming_due_;
   Schedule status_due_;

@@ -10,8 +10,12 @@
 
 namespace flotilla::target {
 
-int StopSwitch::open() {
-  if (chip_.empty() || request_) return 0;
+void StopSwitch::reopen() {
+  if (chip_.empty()) return;
+  request_.reopen([this](FileDescriptor& line) { return open(line); });
+}
+
+int StopSwitch::open(FileDescriptor& line) const {
   const FileDescriptor chip(::open(("/dev/" + chip_).c_str(), O_RDONLY | O_CLOEXEC));
   if (!chip) return errno;
   gpio_v2_line_request request{};
@@ -20,17 +24,18 @@ int StopSwitch::open() {
   request.config.flags = GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_BIAS_PULL_UP;
   std::strcpy(request.consumer, "flotillad stop");
   if (::ioctl(chip.get(), GPIO_V2_GET_LINE_IOCTL, &request) != 0) return errno;
-  request_ = FileDescriptor(request.fd);
+  line = FileDescriptor(request.fd);
   return 0;
 }
 
 bool StopSwitch::pressed() {
   if (chip_.empty()) return false;
   gpio_v2_line_values values{.bits = 0, .mask = 1};
-  if (request_ && ::ioctl(request_.get(), GPIO_V2_LINE_GET_VALUES_IOCTL, &values) == 0) {
+  request_.take();
+  if (request_ && ::ioctl(request_->get(), GPIO_V2_LINE_GET_VALUES_IOCTL, &values) == 0) {
     return values.bits != 0;
   }
-  request_ = FileDescriptor();
+  request_.give_up();
   return true;
 }
 

@@ -50,14 +50,19 @@ inline Frame frame_at(Bytes b) {
 /// When the position in it was true, by the sender's clock; nothing of other messages.
 std::optional<std::int64_t> stamp_us(const Frame& frame) {
   constexpr std::int64_t kMs = 1000;
+  constexpr std::uint64_t kLatest_us = 1ULL << 60U;
+  const auto sane = [](std::uint64_t stamp, std::uint64_t unit_us) -> std::optional<std::int64_t> {
+    if (stamp > kLatest_us / unit_us) return std::nullopt;
+    return static_cast<std::int64_t>(stamp * unit_us);
+  };
   switch (frame.id) {
     case link::LocalPositionNed::kId:
     case link::GlobalPositionInt::kId:
       return field<std::uint32_t>(frame.payload, 0) * kMs;
     case link::FollowTarget::kId:
-      return field<std::int64_t>(frame.payload, 0) * kMs;
+      return sane(field<std::uint64_t>(frame.payload, 0), kMs);
     case link::Odometry::kId:
-      return field<std::int64_t>(frame.payload, 0);
+      return sane(field<std::uint64_t>(frame.payload, 0), 1);
     default:
       return std::nullopt;
   }

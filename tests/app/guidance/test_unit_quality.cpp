@@ -71,15 +71,15 @@ TEST_CASE("each kind of message can call the estimate poor, and says why") {
   for (const auto& [good, poor, why] : {
            Case{gps(3, 250), gps(2, 100), "GPS fix type"},
            Case{gps(6, UINT16_MAX), gps(3, 251), "GPS HDOP"},
-           Case{estimator(3), estimator(500), "position's accuracy"},
-           Case{estimator(kUnknown), estimator(1, 0.81F), "estimator's test ratios"},
-           Case{estimator(1), estimator(1, 0.1F, kWell | 1024), "estimator's flags"},
-           Case{estimator(1), estimator(1, 0.1F, kWell & ~1U), "estimator's flags"},
-           Case{ekf(0.8F), ekf(1), "estimator's test ratios"},
-           Case{ekf(0.1F), ekf(0.1F, kWell | 128), "estimator's flags"},
-           Case{ekf(0.1F, kWell & ~8U), ekf(0.1F, 1 | 2), "estimator's flags"},
-           Case{ekf(0.1F), ekf(0.1F, kWell | 32768), "estimator's flags"},
-           Case{odometry(9, 9), odometry(1, 9.1F), "position's accuracy"},
+           Case{estimator(3), estimator(500), "position accuracy"},
+           Case{estimator(kUnknown), estimator(1, 0.81F), "estimator test ratios"},
+           Case{estimator(1), estimator(1, 0.1F, kWell | 1024), "estimator flags"},
+           Case{estimator(1), estimator(1, 0.1F, kWell & ~1U), "estimator flags"},
+           Case{ekf(0.8F), ekf(1), "estimator test ratios"},
+           Case{ekf(0.1F), ekf(0.1F, kWell | 128), "estimator flags"},
+           Case{ekf(0.1F, kWell & ~8U), ekf(0.1F, 1 | 2), "estimator flags"},
+           Case{ekf(0.1F), ekf(0.1F, kWell | 32768), "estimator flags"},
+           Case{odometry(9, 9), odometry(1, 9.1F), "position accuracy"},
        }) {
     Unit u;
     u.say(good);
@@ -87,6 +87,17 @@ TEST_CASE("each kind of message can call the estimate poor, and says why") {
     u.say(poor);
     CHECK_FALSE(u.good());
     CHECK(u.quality.fault() == why);
+  }
+}
+
+TEST_CASE("an unknown ratio hides no bad one") {
+  for (const float bad : {50.0F, 0.1F}) {
+    Unit u;
+    link::EstimatorStatus m = estimator(1);
+    m.vel_ratio = kUnknown;
+    m.pos_horiz_ratio = bad;
+    u.say(m);
+    CHECK(u.good() == (bad < 1));
   }
 }
 
