@@ -17,8 +17,8 @@ from tests.target.sea import Sea, texts
 from tests.target.stations import FORMATION
 
 UNKNOWN = {"NAV_LAG_S": -1.0, "FORM_LAG_S": -1.0}
-NAV_UNKNOWN = "navigation latency unknown: set NAV_LAG_S"
-LEADER_UNKNOWN = "leader's latency unknown: set FORM_LAG_S"
+NAV_UNKNOWN = "own latency unknown: set NAV_LAG_S"
+LEADER_UNKNOWN = "leader latency unknown: set FORM_LAG_S"
 
 
 def prompt_sea(**parameters: float) -> Sea:
@@ -111,7 +111,7 @@ def test_answers_that_contradict_the_stamps_tell_no_age(ahead_s: float) -> None:
 
 @pytest.mark.parametrize("who", ["own", "leader"])
 def test_a_latency_that_is_named_is_for_senders_that_answer_nothing(who: str) -> None:
-    """An answer that contradicts the stamps, and a radio that is three seconds late from then on."""
+    """Its answers contradict its stamps, and the radio is three seconds late from then on."""
     sea = prompt_sea(NAV_LAG_S=0.0, FORM_LAG_S=0.0)
     agent = getattr(sea, who)
     agent.__class__ = OtherClock

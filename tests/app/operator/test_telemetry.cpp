@@ -301,7 +301,8 @@ TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whateve
       const auto s = all_as<link::SysStatus>(link::SysStatus::kId, r)[0];
       REQUIRE((s.sensors_health & kSensors) == (has(core::kOwn) ? kSensors : 0));
       REQUIRE((s.sensors_health & kMotors) == (has(core::kPropulsion) ? kMotors : 0));
-      constexpr core::Conditions kReady = core::kArming | core::kOwn | core::kLimits;
+      constexpr core::Conditions kReady =
+          core::kArming | core::kOwn | core::kOwnGood | core::kLimits;
       REQUIRE(((s.sensors_health & mav::kSensorPrearm) != 0) == has(kReady));
       REQUIRE((s.sensors_present & (kSensors | kMotors)) == (kSensors | kMotors));
       REQUIRE((s.sensors_present & s.sensors_enabled) == s.sensors_enabled);
