@@ -10,6 +10,7 @@ import numpy as np
 from sil.agents import clocks_of, parameters_of, slots_of
 from sil.bodies import bodies_of
 from sil.scenario import Scenario
+from sil.start import esc_intervals
 from sil.streams import Stream, generator
 from sil.trace import Tracer
 from sil.wire.heartbeat import FORMATION, HOLD
@@ -74,6 +75,8 @@ class ObjectWorld:
             if t_us >= 2_000_000 and t_us % 1_000_000 < self.h_us:
                 states = [boat.state for boat in self.boats]
                 for boat, state in zip(self.boats, states, strict=True):
+                    for message, us in esc_intervals(boat.parameters["SR_SLOW"]):
+                        boat.hear(t_us, operator.set_interval(boat.system, message, us))
                     boat.hear(t_us, operator.arm(boat.system))
                     if "DISARMED" not in states:
                         if state != "HOLD":

@@ -145,7 +145,7 @@ def test_vessels_of_the_wrong_types_are_left_out_or_unknown(browser: Browser, fo
 
 
 def test_boat_that_holds_can_be_played_with_as_it_is(browser: Browser, four: Feeder) -> None:
-    held = {"held": ["own state jumps, or id is used twice"], "state": "HOLD"}
+    held = {"held": ["own state jumps"], "state": "HOLD"}
     shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **held)]))
     browser.run("document.getElementById('tab-failsafe').click()")
     browser.run("document.querySelectorAll('#boats button')[1].click()")
