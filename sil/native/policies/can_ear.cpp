@@ -39,6 +39,8 @@ void CanEar::hear(std::uint32_t can_id, std::span<const std::uint8_t> data,
                   const app::Parameters& p, Heard& heard) {
   const auto route = link::route_of(can_id);
   if (!route || route->kind != link::TransferKind::kMessage) return;
+  heard.stop_switch |=
+      is(route->type, link::Button::kType) || is(route->type, link::SafetyState::kType);
   if (is(route->type, link::RawCommand::kType) || is(route->type, link::ArmingStatus::kType)) {
     heard.controller = true;
   } else if (route->source == 0 || route->source == node_) {

@@ -196,8 +196,10 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
       break;
     case kRcChannelsId:
     case kRcOverrideId:
-      n.heard.sticks |= p.RC_MODE_CH > 0;
-      n.heard.neutral |= p.RC_MODE_CH > 0 && is_centred(m, id == kRcChannelsId ? 4 : 0);
+      if (p.RC_MODE_CH == 0) break;
+      n.heard.sticks = true;
+      ++n.asked[Ask::kManual];
+      n.heard.neutral |= is_centred(m, id == kRcChannelsId ? 4 : 0);
       break;
     case kSetModeId:
       hear_mode(field<std::uint32_t>(m, 0), n);

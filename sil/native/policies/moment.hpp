@@ -47,6 +47,7 @@ struct Heard {
   bool disarm = false;                   ///< in any form, to anybody
   bool stop = false;           ///< a command to disarm this boat, not undone by a later one
   bool controller = false;     ///< another node commands or arms ESCs
+  bool stop_switch = false;    ///< a Button or SafetyState, whatever it says
   bool rebooted = false;       ///< an ESC's node
   std::array<bool, 2> escs{};  ///< status from port, from starboard
 };
@@ -88,6 +89,7 @@ struct Seen {
   std::uint8_t health = 0;  ///< of the last NodeStatus, health and mode: 0 is OK and operational
   /// Damaged or incomplete input within the last half second: the boat's reception is uncertain.
   bool torn = false;
+  bool has_stop_switch = false;  ///< on the bus, at any time so far
   core::Conditions met = 0;
   std::uint32_t now_ms = 0;  ///< as in telemetry
   std::uint32_t uptime_s = 0;

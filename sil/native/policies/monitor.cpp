@@ -124,6 +124,7 @@ void Monitor<S>::note_times() {
   for (std::size_t esc = 0; esc < heard.escs.size(); ++esc) {
     if (heard.escs[esc]) now_.esc_us[esc] = now_.now_us;
   }
+  now_.has_stop_switch |= heard.stop_switch;
   if (heard.controller) now_.controller_us = before_.now_us;
   if (heard.rebooted) now_.reboot_us = before_.now_us;
   if (now_.state == before_.state) return;

@@ -193,7 +193,7 @@ const std::vector<Mutation> kState{
     {"FORMATION only where it was asked for or COAST is over", kLaw,
      from(kHold, done(Ask::kFormation))},
     {"TEST only after a command for a motor test", kTest, from(kHold, done(Ask::kTest))},
-    {"a boat that is disarmed gets into FAULT by termination only", kFault,
+    {"a boat that is disarmed gets into FAULT by termination or a stop switch only", kFault,
      from(kOff, done(Ask::kTerminate))},
     {"a command to disarm is obeyed in the next tick", kHold,
      [](Pair& q) { q.n.heard.stop = true; }},
