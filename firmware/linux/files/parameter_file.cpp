@@ -102,6 +102,24 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
   if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
 }
 
+/// 0 was these parameters' default before there was a NAV_COMPID, and means another thing since.
+void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
+                    const std::string& where, LoadedParameters& loaded) {
+  const auto has = [&](std::string_view name) {
+    return seen[static_cast<std::size_t>(app::find_parameter(name) - app::kParameterList.data())];
+  };
+  if (has("NAV_COMPID")) return;
+  for (const std::string_view name : {"NAV_LAG_S", "FS_SEP_M"}) {
+    const app::ParameterInfo& info = *app::find_parameter(name);
+    float& value = loaded.values.*info.member;
+    if (!has(name) || value != 0) continue;
+    value = info.default_value;
+    loaded.notes.push_back(
+        where + ": " + std::string(name) +
+        " = 0 of an older version is its new default now: " + number_text(value));
+  }
+}
+
 enum class Found : std::uint8_t { kGood, kBad, kAbsent };
 
 /// Reads one version into `loaded`; a bad one adds only its note.
@@ -123,6 +141,7 @@ Found read_version(const std::filesystem::path& path, LoadedParameters& loaded) 
   std::array<bool, app::kParameterList.size()> seen{};
   while (!checked.lines.empty()) read_line(next_line(checked.lines), where, version, seen);
   note_missing(seen, where, version);
+  renew_defaults(seen, where, version);
   if (const auto contradiction = app::contradiction(version.values)) {
     return bad("contradicts itself: " + std::string(*contradiction));
   }

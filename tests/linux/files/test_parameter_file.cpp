@@ -242,6 +242,22 @@ TEST_CASE("a file of an older version has its values; what it lacks is default a
   CHECK(loaded.notes[0].starts_with("p: not in it, so default: MAV_SYSID, "));
 }
 
+TEST_CASE("zeros that were defaults of an older version, and mean another thing now, are renewed") {
+  Scratch folder;
+  const std::string old = "flotilla-parameters 1\nNAV_LAG_S = 0\nFS_SEP_M = 0\n";
+  put(folder / "old", signed_text(old));
+  const auto loaded = load_parameters(folder / "old");
+  CHECK(loaded.values.NAV_LAG_S == -1);
+  CHECK(loaded.values.FS_SEP_M == -1);
+  CHECK(said(loaded, "old: NAV_LAG_S = 0 of an older version is its new default now: -1"));
+  put(folder / "new", signed_text(old + "NAV_COMPID = 0\n"));
+  CHECK(load_parameters(folder / "new").values.NAV_LAG_S == 0);
+  CHECK(load_parameters(folder / "new").values.FS_SEP_M == 0);
+  put(folder / "set", signed_text("flotilla-parameters 1\nNAV_LAG_S = 0.2\nFS_SEP_M = 2\n"));
+  CHECK(load_parameters(folder / "set").values.NAV_LAG_S == 0.2F);
+  CHECK(load_parameters(folder / "set").values.FS_SEP_M == 2);
+}
+
 TEST_CASE("an old file that names a mode is read with a sentence, and loses it when it is saved") {
   Scratch folder;
   put(folder / "p", signed_text("flotilla-parameters 1\nMODE = 6\nLAW_KX = 0.5\n"));
