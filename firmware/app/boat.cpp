@@ -332,6 +332,10 @@ void Boat<S>::complain(std::int64_t now_us) {
     two << "two vessels use system id " << static_cast<float>(*system);
     vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
   }
+  if (pilot_.take_stranger() && quality_due_.due(now_us)) {
+    vehicle_.send_statustext(link::mav::kSeverityWarning,
+                             {"navigation unit first heard when armed: disarm"}, counters_);
+  }
   complain_of_time(now_us);
   if ((conditions_ & core::kOwnGood) == 0 && quality_due_.due(now_us)) {
     Sentence poor;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Whether a boat under the law keeps its station: it is in its slot or gets nearer to it.
 //
-//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, once
+//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, until it yields
 //   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more
 //   t ← 0 while in or where b decreases, else t + w h,   w = 2 at a limit, else 1
 //   left   kept and |e| > D for 1 s         spins   |r| > 1.2 r_max for 2 s, less 0.3 of other time
@@ -17,7 +17,7 @@
 //
 // Not in paper. A boat that still closes up may be far away, so its progress counts, not its
 // distance. At a limit of speed, yaw rate or thrust it must make progress in half the time. While
-// it yields to another vessel, t stands still.
+// it yields to another vessel, t stands still; after that it closes up anew.
 //
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once
@@ -91,7 +91,7 @@ void station_forward(const StationParams<S>& params, StationState<S>& state,
   const S near = in.at_rest ? max(slot, S(1.6) * params.Delta) : slot;
   state.in = in.distance <= (state.in ? S(1.5) * near : near);
   count_while(state.in_s, state.in, h);
-  state.kept = state.kept || params.keep_s < state.in_s;
+  state.kept = (state.kept || params.keep_s < state.in_s) && !in.yields;
   note_progress(params, state, in, near, h);
   count_while(state.far_s, state.kept && params.D < in.distance, h);
   const bool turns = S(0) < params.r_max && S(1.2) * params.r_max < abs(in.r);

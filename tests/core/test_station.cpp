@@ -42,6 +42,18 @@ struct Watch {
   }
 };
 
+TEST_CASE_TEMPLATE("a boat that gives way out of its slot has not left it, and closes up anew", S,
+                   float, double, Q16) {
+  Watch<S> w;
+  CHECK(w.stay(4, 0.5) == -1);
+  w.in.yields = true;
+  CHECK(w.stay(20, 8) == -1);
+  w.in.yields = false;
+  CHECK(w.pass(20, [](double t) { return 8 - 0.375 * t; }) == -1);
+  CHECK(w.stay(4, 0.5) == -1);
+  CHECK(w.stay(4, 8) == doctest::Approx(1).epsilon(0.05));
+}
+
 TEST_CASE_TEMPLATE("a boat that was in its slot and is 5 m off for a second has left it", S, float,
                    double, Q16) {
   Watch<S> w;

@@ -2,6 +2,7 @@
 #include "app/guidance/own_motion.hpp"
 
 #include <utility>
+#include <variant>
 
 namespace flotilla::app {
 namespace {
@@ -10,6 +11,12 @@ namespace {
 constexpr std::int64_t kOwnPatience_us = 300'000;
 // A boat that is pushed must report motion before then, too.
 constexpr std::int64_t kOwnFrozen_us = 300'000;
+
+bool tells_place(const link::Message& message) {
+  return std::holds_alternative<link::Odometry>(message) ||
+         std::holds_alternative<link::LocalPositionNed>(message) ||
+         std::holds_alternative<link::GlobalPositionInt>(message);
+}
 
 template <class S>
 float float_of(S x) {
@@ -38,7 +45,11 @@ void OwnMotion<S>::configure(const convert::Law<S>& law,
 template <class S>
 void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::int64_t now_us,
                         link::Counters& counters) {
-  if (received.from.system != track_.system() || !may_be_own(link, now_us)) return;
+  if (received.from.system != track_.system()) return;
+  if (!may_be_own(link, now_us)) {
+    stranger_ = stranger_ || (!named_link_ && !link_ && tells_place(received.message));
+    return;
+  }
   const std::uint8_t unit = track_.unit();
   track_.take(received, now_us, counters);
   if (track_.unit() != unit) latency_.forget();

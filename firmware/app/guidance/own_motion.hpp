@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "app/guidance/response_monitor.hpp"
 #include "app/guidance/unit_latency.hpp"
@@ -35,6 +36,8 @@ class OwnMotion {
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
+  /// A unit was first heard while the boat was armed: it does not count, nobody knows whose it is.
+  bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
 
   /// Predicts the motion over `since`, s, under the wrench given, and corrects it by a new fix. A
@@ -68,6 +71,7 @@ class OwnMotion {
   core::Observer<S> observer_{};
   convert::Position anchor_;
   bool armed_ = false;
+  bool stranger_ = false;
   UnitLatency latency_;
   UnitQuality quality_;
   UnitQuality::Limits limits_;

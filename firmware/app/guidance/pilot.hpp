@@ -99,6 +99,7 @@ class Pilot {
   std::optional<double> latency_s() const;
 
   const UnitQuality& own_quality() const { return own_.quality(); }
+  bool take_stranger() { return own_.take_stranger(); }
 
   /// Nothing where TIMESYNC does not tell it and no latency is known.
   std::optional<double> own_age_s(std::int64_t now_us) const;

@@ -206,6 +206,7 @@ def test_pymavlinks_own_connection_arms_the_boat_and_names_its_mode(
     sea.start(f"--mavlink=udpout:{LOOPBACK}:{port}")
     sea.until(lambda: station.recv_match(type="HEARTBEAT"))
     assert (station.target_system, station.flightmode) == (BOAT, "HOLD")
+    sea.until(lambda: station.recv_match(type="ATTITUDE"))  # its unit is heard
 
     def order(mode: str) -> None:
         station.arducopter_arm()
