@@ -259,8 +259,15 @@ def test_a_babbling_node_stops_a_boat_at_most_until_it_is_silent(boat: Boat) -> 
         babbler.wait()
     assert through > 20  # fewer, and the ESCs would stop by themselves now and then
     late = {
-        "COAST": ["COAST: leader's state is not fresh"],
-        "HOLD": ["HOLD: own state is not fresh", "HOLD: FS_COAST_S is over"],
+        "COAST": [
+            "COAST: leader's state is not fresh",
+            "COAST: leader latency unknown: set FORM_LAG_S",
+        ],
+        "HOLD": [
+            "HOLD: own state is not fresh",
+            "HOLD: own latency unknown: set NAV_LAG_S",
+            "HOLD: FS_COAST_S is over",
+        ],
         "FAULT": ["FAULT: ESCs are not online"],
     }
     assert boat.state == "FORMATION" or boat.texts[-1] in late[boat.state]
