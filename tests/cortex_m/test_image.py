@@ -8,11 +8,11 @@ from pathlib import Path
 from statistics import fmean, median
 
 import pytest
+
 from sil.examine.metal.__main__ import BENCH, steady_stream
 from sil.examine.metal.image import IMAGE, QEMU, QEMU_ARM64, play, play_arm64
 from sil.examine.metal.size import sizes
 from sil.examine.metal.stream import stream_of
-
 from sil.lockstep.recording import Recording
 from sil.lockstep.world import sail
 from sil.scenario import scenario
