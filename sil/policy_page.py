@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The table of sil/POLICIES.md: the rules that every boat is watched by."""
+"""The table of sil/docs/POLICIES.md: the rules that every boat is watched by."""
 
 from pathlib import Path
 
 import flotilla
 
-PAGE = Path(__file__).with_name("POLICIES.md")
+PAGE = Path(__file__).with_name("docs") / "POLICIES.md"
 
 
 def table() -> str:

@@ -18,14 +18,14 @@ from sil.results_table import Row
 from sil.sailing import Job, Outcome
 
 HERE = Path(__file__).parent
-PAGE, README = HERE / "RESULTS.md", HERE.parent / "README.md"
+PAGE, MEASUREMENTS = HERE / "docs" / "RESULTS.md", HERE / "docs" / "MEASUREMENTS.md"
 PICTURES = HERE / "results"
 FIGURES = PICTURES / "figures.json"
 _DIGITS = 6
 
 
 class Published(NamedTuple):
-    """Every figure: of each run of the law's table, of the Monte Carlo, of the README's runs."""
+    """Every figure: of each run of the law's table, the Monte Carlo, the measurements."""
 
     outcomes: list[Outcome]
     campaigns: list[MonteCarlo]
@@ -99,8 +99,8 @@ def pages(published: Published) -> dict[Path, str]:
                 results_campaigns.BEGIN: results_campaigns.for_page(published.campaigns),
             },
         ),
-        README: _filled(
-            README,
+        MEASUREMENTS: _filled(
+            MEASUREMENTS,
             {
                 results_readme.MEASURED_BEGIN: results_readme.for_measured(
                     table, published.measured
@@ -114,7 +114,9 @@ def pages(published: Published) -> dict[Path, str]:
 def check_places() -> None:
     """ValueError where a page has no place for its figures."""
     _filled(PAGE, dict.fromkeys((results_table.BEGIN, results_campaigns.BEGIN), ""))
-    _filled(README, dict.fromkeys((results_readme.MEASURED_BEGIN, results_readme.LAW_BEGIN), ""))
+    _filled(
+        MEASUREMENTS, dict.fromkeys((results_readme.MEASURED_BEGIN, results_readme.LAW_BEGIN), "")
+    )
 
 
 def _filled(path: Path, sections: dict[str, str]) -> str:

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""The tables of the firmware's pages, from the firmware's own lists."""
+"""The tables of the reference pages, from the firmware's own lists and the scenario's models."""
 
 import sys
 from pathlib import Path
 
 import flotilla
 
-from sil import policy_page, supervisor_page
+from sil import message_page, module_page, policy_page, scenario_page, supervisor_page
 
-PAGE = Path(__file__).parent.parent / "firmware" / "README.md"
+PAGE = Path(__file__).parent.parent / "firmware" / "docs" / "PARAMETERS.md"
 
 
 def parameter_table() -> str:
@@ -31,7 +31,14 @@ TABLES = {
         "diagram": supervisor_page.diagram,
         "transitions": supervisor_page.transition_table,
     },
+    message_page.PAGE: {"messages": message_page.table},
     policy_page.PAGE: {"policies": policy_page.table},
+    scenario_page.PAGE: {"scenarios": scenario_page.scenario_table, "keys": scenario_page.tables},
+    module_page.PAGE: {
+        "snapshot": module_page.snapshot_table,
+        "counters": module_page.counter_table,
+        "stub": module_page.stub,
+    },
 }
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The instructions of a tick that the README tells of; times are the machine's, and not held."""
+"""The instructions of a tick of the page of measurements; times are the machine's, and not held."""
 
 import shutil
 import subprocess
@@ -21,5 +21,5 @@ def test_tick_takes_as_many_instructions_as_the_readme_says() -> None:
     now = bench.instructions(["tick"], 1000)
     _, noted = readme.numbers(readme.row("tick with own")[0])
     assert now == pytest.approx(noted, rel=SHARE), (
-        f"{noted:g} in the README, {now} now: tools/bench"
+        f"{noted:g} in sil/docs/MEASUREMENTS.md, {now} now: tools/bench"
     )
