@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 
 _MODULES = {
-    "run": "sil.commands",
-    "live": "sil.commands",
-    "results": "sil.results",
+    "run": "sil.cli.commands",
+    "live": "sil.cli.commands",
+    "results": "sil.results.results",
     "campaign": "sil.campaign.command",
     "compare": "sil.campaign.compare",
 }

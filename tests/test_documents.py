@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: MIT
 """No link of a page is dead, and no file is named that there is not."""
 
+import importlib.util
 import re
 from pathlib import Path
 
 import pytest
 
-from tests import readme
+from tests import measurements
 from tests.turns import some
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *(ROOT / ".github").glob("*.md")]
 PAGES += [page for room in ("firmware", "sil") for page in sorted((ROOT / room).rglob("*.md"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)|(?:src|href)=\"([^\"]+)\"")
+MODULE = re.compile(r"python -m ((?:sil|tests)[\w.]*)")
 FILE = re.compile(r"`((?:firmware|sil|tools|tests)/[\w./]+\w)`")
 
 
@@ -37,11 +39,13 @@ def test_links_and_files_that_a_page_names_are_there(page: Path) -> None:
             found = target.exists() and (not anchor or anchor in anchors(target))
             dead += [] if found else [link]
     dead += [name for name in FILE.findall(prose(page)) if not (ROOT / name).exists()]
+    modules = MODULE.findall(page.read_text(encoding="utf-8"))
+    dead += [name for name in modules if not importlib.util.find_spec(name)]
     assert dead == []
 
 
 def test_the_figure_of_the_readme_is_the_measured_one() -> None:
-    measured = readme.row("four 2 m catamarans")[1]
+    measured = measurements.row("four 2 m catamarans")[1]
     assert f"four 2 m catamarans stay within {measured} RMS" in prose(PAGES[0])
 
 

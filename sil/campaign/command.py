@@ -6,7 +6,8 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from sil import arguments, pool
+from sil.common import pool
+from sil.scenario import arguments
 
 
 def add_to(commands: Any) -> None:

@@ -12,10 +12,10 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from sil import files
-from sil.campaign import change, comparison_table, figures, finished, pairs
+from sil.campaign import campaign_figures, change, comparison_table, finished, pairs
 from sil.campaign.change import Change
 from sil.campaign.pairs import Pairing
+from sil.common import files
 
 
 def add_to(commands: Any) -> None:
@@ -33,7 +33,7 @@ def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
     try:
         pairing = pairs.pair(finished.read(options.a), finished.read(options.b))
         _need_runs(pairing)
-        found = figures.compare(pairing.a, pairing.b, paired=pairing.paired)
+        found = campaign_figures.compare(pairing.a, pairing.b, paired=pairing.paired)
         if options.json:
             files.replace(options.json, _json(pairing, found))
     except (OSError, ValueError) as error:
@@ -47,10 +47,10 @@ def _need_runs(pairing: Pairing) -> None:
     """ValueError where chance cannot be told from change."""
     for campaign in (pairing.a, pairing.b):
         count = campaign.runs.size
-        if count < figures.LEAST_RUNS:
+        if count < campaign_figures.LEAST_RUNS:
             what = f"{count} runs of {campaign.folder} can be compared"
             raise ValueError(
-                f"{what}; at least {figures.LEAST_RUNS} are needed: sail more, by --runs"
+                f"{what}; at least {campaign_figures.LEAST_RUNS} are needed: sail more, by --runs"
             )
 
 
@@ -79,7 +79,8 @@ def _show(console: Console, pairing: Pairing, found: Mapping[str, Change]) -> No
 def _json(pairing: Pairing, found: Mapping[str, Change]) -> bytes:
     """The comparison as JSON; infinite figures, and what a figure has not, are null."""
     entries: Sequence[Mapping[str, Any]] = [
-        {"figure": key, "what": figures.WHAT[key], **asdict(one)} for key, one in found.items()
+        {"figure": key, "what": campaign_figures.WHAT[key], **asdict(one)}
+        for key, one in found.items()
     ]
     content = {
         "a": str(pairing.a.folder),

@@ -17,7 +17,7 @@ from tornado.ioloop import PeriodicCallback
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from sil.view import page
-from sil.view.live import FRAMES_PER_S, Live
+from sil.view.live_source import FRAMES_PER_S, Live
 
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "

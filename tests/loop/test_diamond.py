@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import metrics, scenario
-from sil.recording import Recording
-from sil.replay import main, replay
-from sil.world import Run, World
+from sil.lockstep import metrics
+from sil.lockstep.recording import Recording
+from sil.lockstep.replay import main, replay
+from sil.lockstep.world import Run, World
+from sil.report.figures import REFERENCE
+from sil.scenario import scenario
 
-REFERENCE = Path(__file__).parent.parent / "reference" / "nominal_formation.csv"
 ROOT = Path(__file__).parent.parent.parent
 SHORT = "duration_s=10"
 

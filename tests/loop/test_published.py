@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sil import published, results, results_campaigns, results_readme, sailing, scenario
 from sil.campaign.finished import Campaign
-from sil.campaign.outcome import result_of
+from sil.campaign.run_outcome import result_of
 from sil.campaign.sampling import Sampler
-from sil.claims import CLAIMS
-from sil.results_table import decisive
-from sil.sailing import Job, Outcome
-from sil.world import Run, sail
+from sil.lockstep.world import Run, sail
+from sil.results import published, results, results_campaigns, results_readme, sailing
+from sil.results.claims import CLAIMS
+from sil.results.results_table import decisive
+from sil.results.sailing import Job, Outcome
+from sil.scenario import scenario
 
 # Figures are noted with 6 digits, and printed with 2 or 3.
 SHARE, LEAST = 1e-3, 1e-6
@@ -109,7 +110,7 @@ def test_run_has_the_figures_that_are_noted(job: Job) -> None:
     assert (states == {"FORMATION"}) == (job[:2] not in LOST)
 
 
-def test_readme_has_the_distances_behind_other_leaders_and_the_shares_of_the_radio() -> None:
+def test_page_has_the_distances_behind_other_leaders_and_the_shares_of_the_radio() -> None:
     measured = results_readme.sail()
     assert measured.keys() == NOTED.measured.keys(), RENEW
     for name, figure in measured.items():

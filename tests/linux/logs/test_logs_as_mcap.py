@@ -10,7 +10,7 @@ import can
 import pytest
 from pymavlink import mavutil
 
-from sil.logs.__main__ import main
+from sil.cli.convert import main
 from tests.linux.process import RealSea
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of
 from tests.target.bus import ESC_STATUS, type_of

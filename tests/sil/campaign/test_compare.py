@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from sil.__main__ import main
-from sil.campaign import figures, finished, pairs
+from sil.campaign import campaign_figures, finished, pairs
 from tests.sil.campaign.made_up import Made
 
 A = Made()
@@ -83,7 +83,7 @@ def test_same_code_with_another_seed_raises_at_most_one_alarm_in_fifty(tmp_path:
         for number, place in enumerate(places):
             Made(runs=24, draw=100 + 2 * repetition + number).write(place, over_time=False)
         a, b = map(finished.read, places)
-        found = figures.compare(a, b, paired=False)
+        found = campaign_figures.compare(a, b, paired=False)
         alarms += [(repetition, key) for key, one in found.items() if one.verdict != "same"]
     assert len(alarms) <= 1, alarms
 

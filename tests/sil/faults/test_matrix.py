@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sil.faults import matrix, rows, told
-from sil.faults.__main__ import main
-from sil.faults.outcome import Outcome
+from sil.cli.faults import main
+from sil.faults import fault_report, matrix, rows
+from sil.faults.fault_outcome import Outcome
 from sil.faults.rows import Row
 from sil.faults.watch import STATES
-from sil.world import Run, sail
+from sil.lockstep.world import Run, sail
 from tests.sil.mistakes import assert_told_in_one_line
 
 FAULT = {"kind": "own_silent", "agent": 1, "at_s": 1.0, "for_s": 2.0}
@@ -179,4 +179,4 @@ def test_mistakes_are_told_in_one_line(
 
 def test_the_last_line_counts_what_passed_and_failed() -> None:
     well, ill = judged(*GOOD, **WELL), judged(*GOOD, **{**WELL, "detected_s": 0.0})
-    assert told.summary([well, ill, well]) == "2 passed, 1 failed"
+    assert fault_report.summary([well, ill, well]) == "2 passed, 1 failed"

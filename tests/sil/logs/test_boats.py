@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sil.logs.__main__ import main
+from sil.cli.convert import main
 from sil.wire.dronecan import ESC_STATUS, EscStatus
 from sil.wire.dronecan_transfer import Publisher
 from sil.wire.geodesy import LocalFrame

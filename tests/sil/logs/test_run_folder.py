@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from sil.__main__ import main
-from sil.logs.__main__ import main as convert
+from sil.cli.convert import main as convert
 from sil.logs.run_folder import EPOCH_S, NAME
+from sil.scenario.wiring import ORIGIN
 from sil.wire.geodesy import LocalFrame
-from sil.wiring import ORIGIN
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of, schemas_of
 from tests.sil.mistakes import assert_told_in_one_line
 from tests.turns import some

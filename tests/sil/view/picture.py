@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""python -m tests.sil.view.picture: the README's picture of the page, sil/results/view.png.
+"""python -m tests.sil.view.picture: the picture of the page, sil/results/view.png.
 
 `diamond` sails in lockstep, a view hears it, and Chromium shows its frames. The file tells of what
 it was made, for tests/sil/view/test_picture.py.
@@ -16,8 +16,8 @@ from typing import Any
 
 from PIL import Image, PngImagePlugin
 
-from sil import published
 from sil.plant.hull import Array
+from sil.results import published
 from sil.view import page
 from tests.sil.view.browser import chromium
 from tests.sil.view.feed import Listening, sail_and_look

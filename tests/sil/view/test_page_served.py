@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from sil import scenario
 from sil.__main__ import main as sil
-from sil.view.cost import Said, said_by
+from sil.bench.page_cost import Said, said_by
+from sil.scenario import scenario
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.linux.process import free_port
 from tests.sil.campaign.short import short
@@ -33,7 +33,7 @@ STATE = f"{CARD} return card && card.querySelector('.state').textContent === arg
 def shown(browser: Browser, *arguments: str) -> Iterator[None]:
     """The page of a view that runs by itself, open; it is closed before the view ends."""
     view = subprocess.Popen(
-        [sys.executable, "-m", "sil.view", *arguments, "--bind", f"{LOOPBACK}:0"],
+        [sys.executable, "-m", "sil.cli.view", *arguments, "--bind", f"{LOOPBACK}:0"],
         stdout=subprocess.PIPE,
         text=True,
     )

@@ -15,7 +15,7 @@ from tornado.httpclient import AsyncHTTPClient, HTTPClientError
 from tornado.websocket import websocket_connect
 
 from sil.view.history import column, numbers
-from sil.view.live import Live
+from sil.view.live_source import Live
 from sil.view.serve import Server
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.linux.process import free_port
