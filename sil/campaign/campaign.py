@@ -183,7 +183,7 @@ def _finish(
     summary.show(console, sampler.nominal, runs, told)
     if len(sailed) > 1 and len({run.digest for run in sailed.values()} - {None, ""}) == 1:
         name = sampler.nominal.name
-        _say(console, f"all runs of {name} are the same one: see [[vary]] in sil/CAMPAIGNS.md")
+        _say(console, f"all runs of {name} are the same one: see [[vary]] in sil/docs/CAMPAIGNS.md")
     worst.write(folder.path, sampler, dict(campaign.identity.parameters))
     campaign_report.write(folder.path)
     folder.finish()

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The table of sil/POLICIES.md: the rules that every boat is watched by."""
+"""The table of sil/docs/POLICIES.md: the rules that every boat is watched by."""
 
 import flotilla
 
 from sil import ROOT
 
-PAGE = ROOT / "sil" / "POLICIES.md"
+PAGE = ROOT / "sil" / "docs" / "POLICIES.md"
 
 
 def table() -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables of the firmware's pages, from the firmware's own lists."""
+"""The tables of the reference pages, from the firmware's own lists and the scenario's models."""
 
 import sys
 from pathlib import Path
@@ -7,9 +7,15 @@ from pathlib import Path
 import flotilla
 
 from sil import ROOT
-from sil.examine import policy_page, supervisor_page
+from sil.examine import (
+    message_page,
+    module_page,
+    policy_page,
+    scenario_page,
+    supervisor_page,
+)
 
-PAGE = ROOT / "firmware" / "README.md"
+PAGE = ROOT / "firmware" / "docs" / "PARAMETERS.md"
 
 
 def parameter_table() -> str:
@@ -32,7 +38,14 @@ TABLES = {
         "diagram": supervisor_page.diagram,
         "transitions": supervisor_page.transition_table,
     },
+    message_page.PAGE: {"messages": message_page.table},
     policy_page.PAGE: {"policies": policy_page.table},
+    scenario_page.PAGE: {"scenarios": scenario_page.scenario_table, "keys": scenario_page.tables},
+    module_page.PAGE: {
+        "snapshot": module_page.snapshot_table,
+        "counters": module_page.counter_table,
+        "stub": module_page.stub,
+    },
 }
 
 

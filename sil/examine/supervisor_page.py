@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables of firmware/SUPERVISOR.md: all of it asked of the firmware's own table."""
+"""The tables of firmware/docs/SUPERVISOR.md: all of it asked of the firmware's own table."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -8,7 +8,7 @@ import flotilla
 
 from sil import ROOT
 
-PAGE = ROOT / "firmware" / "SUPERVISOR.md"
+PAGE = ROOT / "firmware" / "docs" / "SUPERVISOR.md"
 PUSHING = ("MANUAL", "FORMATION", "COAST", "TEST")
 DEFAULT = ("FS_LEADER_ACT 1", "FS_GCS_ACT 0")
 ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "TEST": "test"}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What one boat says of itself by MAVLink, but for where it is: law, state, words, ESCs.
 
-firmware/MAVLINK.md, "What it says". Messages are pymavlink's; times are the log's, ns.
+firmware/docs/MAVLINK.md, "What it says". Messages are pymavlink's; times are the log's, ns.
 """
 
 from math import hypot

@@ -139,12 +139,12 @@ def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share:
         axes.plot(east[:, boat], north[:, boat], color=colour_of(boat), lw=1.0, label=label)
     axes.plot(east[0, 1:], north[0, 1:], "o", ms=11, mfc="none", mec=GREY, label="start")
     length_m = max(1.0, hull_share * extent_m)
-    order = _around(eta[-1, 1:])
+    order = around(eta[-1, 1:])
     for k in np.linspace(0, t_s.size - 1, formations).astype(int):
         poses = eta[k, 1:]
         ring = poses[[*order, order[0]]]
         axes.plot(ring[:, 1], ring[:, 0], color=GREY, lw=0.8, zorder=4)
-        hulls = PolyCollection([_outline(pose, length_m) for pose in poses], zorder=5)
+        hulls = PolyCollection([outline(pose, length_m) for pose in poses], zorder=5)
         hulls.set(
             facecolor=[colour_of(i + 1) for i in range(len(poses))], edgecolor="white", lw=0.4
         )
@@ -156,13 +156,13 @@ def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share:
         text.set(ha="center", fontsize=9.5, zorder=6, path_effects=[HALO])
 
 
-def _around(eta: Array) -> list[int]:
+def around(eta: Array) -> list[int]:
     """Boats in the order in which they stand around their middle: joined, lines do not cross."""
     north, east = (eta[:, :2] - eta[:, :2].mean(axis=0)).T
     return list(np.argsort(np.arctan2(east, north)))
 
 
-def _outline(pose: Array, length_m: float) -> Array:
+def outline(pose: Array, length_m: float) -> Array:
     """Outline (K, 2) as [east north] of a hull at [x y ψ]."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     forward, starboard = length_m * _OUTLINE.T

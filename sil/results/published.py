@@ -19,14 +19,15 @@ from sil.results.results_readme import Measured
 from sil.results.results_table import Row
 from sil.results.sailing import Job, Outcome
 
-PAGE, README = ROOT / "sil" / "RESULTS.md", ROOT / "README.md"
+PAGE = ROOT / "sil" / "docs" / "RESULTS.md"
+MEASUREMENTS = ROOT / "sil" / "docs" / "MEASUREMENTS.md"
 PICTURES = ROOT / "sil" / "results"
 FIGURES = PICTURES / "figures.json"
 _DIGITS = 6
 
 
 class Published(NamedTuple):
-    """Every figure: of each run of the law's table, of the Monte Carlo, of the README's runs."""
+    """Every figure: of each run of the law's table, the Monte Carlo, the measurements."""
 
     outcomes: list[Outcome]
     campaigns: list[MonteCarlo]
@@ -100,8 +101,8 @@ def pages(published: Published) -> dict[Path, str]:
                 results_campaigns.BEGIN: results_campaigns.for_page(published.campaigns),
             },
         ),
-        README: _filled(
-            README,
+        MEASUREMENTS: _filled(
+            MEASUREMENTS,
             {
                 results_readme.MEASURED_BEGIN: results_readme.for_measured(
                     table, published.measured
@@ -115,7 +116,9 @@ def pages(published: Published) -> dict[Path, str]:
 def check_places() -> None:
     """ValueError where a page has no place for its figures."""
     _filled(PAGE, dict.fromkeys((results_table.BEGIN, results_campaigns.BEGIN), ""))
-    _filled(README, dict.fromkeys((results_readme.MEASURED_BEGIN, results_readme.LAW_BEGIN), ""))
+    _filled(
+        MEASUREMENTS, dict.fromkeys((results_readme.MEASURED_BEGIN, results_readme.LAW_BEGIN), "")
+    )
 
 
 def _filled(path: Path, sections: dict[str, str]) -> str:

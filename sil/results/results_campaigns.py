@@ -79,5 +79,5 @@ def for_page(campaigns: Sequence[MonteCarlo]) -> str:
         outcomes = (finished.OK, finished.DIVERGED, finished.FAILED)
         counts = ", ".join(f"{ended[outcome]} {outcome}" for outcome in outcomes)
         about = f"`{name}`: distances from the slot over {ended.total()} runs"
-        lines += ["", f"![{about}](results/{name}.png)", "", f"`{name}`: {counts}."]
+        lines += ["", f"![{about}](../results/{name}.png)", "", f"`{name}`: {counts}."]
     return "\n".join(lines)

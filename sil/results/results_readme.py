@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The README's figures of boats that sail: what was measured, and the law beside the paper's."""
+"""The figures of boats that sail in sil/docs/MEASUREMENTS.md, and the law beside the paper's."""
 
 import tempfile
 from collections.abc import Sequence
@@ -116,7 +116,7 @@ def for_law(table: Sequence[Row], campaigns: Sequence[MonteCarlo]) -> str:
         lines.append((about.format(seeds=row.seeds), *row.cells[2:4]))
     worst = (f"{max(high for _, high in campaign.late_m):.3f} m" for campaign in campaigns)
     runs = campaigns[0].ended.total()
-    about = f"{runs} random starts, hulls ±50 %, white noise ([the paper's Fig. 2](sil/RESULTS.md))"
+    about = f"{runs} random starts, hulls ±50 %, white noise ([the paper's Fig. 2](RESULTS.md))"
     lines.append((f"{about}: 95th percentile of the worst boat after 100 s", *worst))
     return _markdown((head, "paper's law", "product's"), "|---|--:|--:|", lines)
 

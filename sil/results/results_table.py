@@ -86,10 +86,10 @@ def for_page(table: Sequence[Row]) -> str:
     lines = [f"| {' | '.join(COLUMNS)} |", "|---|---|--:|--:|--:|---|"]
     for row in table:
         name, *others, reached = row.cells
-        link = f"[`{name}`](scenarios/{name}.toml)" if name else ""
+        link = f"[`{name}`](../scenarios/{name}.toml)" if name else ""
         lines.append(f"| {' | '.join([link, *others, reached.replace('NO', '**NO**')])} |")
     for name in dict.fromkeys(row.scenario for row in table):
-        lines += ["", f"![`{name}`: map, and distances from the slot](results/{name}.png)"]
+        lines += ["", f"![`{name}`: map, and distances from the slot](../results/{name}.png)"]
     return "\n".join(lines)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Scenarios: TOML files that say who sails where, in what hull, over what radio.
 
-`sil/scenarios/diamond.toml` shows every key with its unit; `sil/README.md` lists the scenarios. A
+`sil/scenarios/diamond.toml` shows every key with its unit; `sil/docs/SCENARIOS.md` lists them. A
 file with `base = "NAME"` is that scenario with its own keys over it, boats by number: `[boat.2]`.
 """
 

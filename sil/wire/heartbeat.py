@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat's state in its HEARTBEAT. firmware/SUPERVISOR.md has them state by state."""
+"""A boat's state in its HEARTBEAT. firmware/docs/SUPERVISOR.md has them state by state."""
 
 MANUAL, HOLD, FORMATION = 0, 4, 6  # custom_mode
 

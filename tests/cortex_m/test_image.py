@@ -16,7 +16,7 @@ from sil.examine.metal.stream import stream_of
 from sil.lockstep.recording import Recording
 from sil.lockstep.world import sail
 from sil.scenario import scenario
-from tests import readme
+from tests import measurements
 
 ROOT = Path(__file__).resolve().parents[2]
 TOOLS = (QEMU, QEMU_ARM64, "arm-none-eabi-g++", "aarch64-linux-gnu-g++")
@@ -87,7 +87,7 @@ def test_flash_and_ram_are_a_small_microcontrollers_and_nothing_is_left_out(
     assert stack > 1000 and ram.total() + stack < 36_000
 
 
-def test_its_instructions_flash_and_ram_are_those_of_the_readme(recording: Recording) -> None:
+def test_its_instructions_flash_and_ram_are_those_of_the_page(recording: Recording) -> None:
     run(ROOT / "tools" / "build", "release", BENCH.name)
     each = [int(tick) for tick in play(steady_stream(1000))["instructions_driving"].split()]
     flash, ram = sizes(IMAGE.with_suffix(".map"))
@@ -97,7 +97,7 @@ def test_its_instructions_flash_and_ram_are_those_of_the_readme(recording: Recor
         "flash, RAM with stack": [flash.total() / 1000, (ram.total() + stack) / 1000],
     }
     for name, figures in now.items():
-        noted = readme.numbers(readme.row(name)[0])
+        noted = measurements.numbers(measurements.row(name)[0])
         assert figures == pytest.approx(noted, rel=0.02), f"{name}: {figures} now: tools/metal"
 
 

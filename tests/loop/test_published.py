@@ -110,7 +110,7 @@ def test_run_has_the_figures_that_are_noted(job: Job) -> None:
     assert (states == {"FORMATION"}) == (job[:2] not in LOST)
 
 
-def test_readme_has_the_distances_behind_other_leaders_and_the_shares_of_the_radio() -> None:
+def test_page_has_the_distances_behind_other_leaders_and_the_shares_of_the_radio() -> None:
     measured = results_readme.sail()
     assert measured.keys() == NOTED.measured.keys(), RENEW
     for name, figure in measured.items():

@@ -86,7 +86,7 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
   const app::ParameterInfo* info = app::find_parameter(name);
   if (info == nullptr) {
     throw ValueError("no parameter is called \"" + std::string(name) +
-                     "\" (allowed: those of firmware/README.md)");
+                     "\" (allowed: those of firmware/docs/PARAMETERS.md)");
   }
   // A conversion beyond float's range would be undefined.
   const bool fits = value && std::abs(*value) <= double{std::numeric_limits<float>::max()};

@@ -241,7 +241,8 @@ TEST_CASE("a mistake in the file names its line, its key and what is allowed") {
       {"lock-memory = 1\n", ":1:15: lock-memory: must be true or false\n"},
       {"param = 1\n", ":1:9: param: must be a table: [param] and NAME = VALUE lines\n"},
       {"[param]\n\nLAW_K = 1\n",
-       ":3:9: param: no parameter is called \"LAW_K\" (allowed: those of firmware/README.md)\n"},
+       ":3:9: param: no parameter is called \"LAW_K\" (allowed: those of "
+       "firmware/docs/PARAMETERS.md)\n"},
       {"[param]\nLAW_KX = \"much\"\n", ":2:10: param: LAW_KX must be a number\n"},
       {"[param]\nLAW_KX = true\n", ":2:10: param: LAW_KX must be a number\n"},
       {"[param]\nLAW_KX = 3\n", ":2:10: param: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)\n"},
@@ -279,7 +280,7 @@ TEST_CASE("a mistake on the command line names the option and what is allowed") 
         "flotillad: --param: LAW_KX = 0.1x (allowed: numbers from 0 to 2 1/s)\n");
   CHECK(mistake({link, "--param", "SPEED=3"}) ==
         "flotillad: --param: no parameter is called \"SPEED\" (allowed: those of "
-        "firmware/README.md)\n");
+        "firmware/docs/PARAMETERS.md)\n");
   CHECK(mistake({link, "--priority", "high"}) ==
         "flotillad: --priority: allowed: whole numbers from 0 (off) to 99\n");
   for (const std::string wrong : {"gpiochip0", "gpiochip0:", ":3", "/dev/gpiochip0:3", "a:-1"}) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The instructions of a tick that the README tells of; times are the machine's, and not held."""
+"""The instructions of a tick of the page of measurements; times are the machine's, and not held."""
 
 import shutil
 import subprocess
@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from sil.bench import bench
-from tests import readme
+from tests import measurements
 
 SHARE = 0.05  # of another compiler's code
 
@@ -15,11 +15,11 @@ SHARE = 0.05  # of another compiler's code
 @pytest.mark.skipif(
     shutil.which("valgrind") is None, reason="no valgrind: apt-get install valgrind"
 )
-def test_tick_takes_as_many_instructions_as_the_readme_says() -> None:
+def test_tick_takes_as_many_instructions_as_the_page_says() -> None:
     build = [bench.ROOT / "tools" / "build", "release", bench.PROGRAM.name]
     subprocess.run(build, check=True, capture_output=True)
     now = bench.instructions(["tick"], 1000)
-    _, noted = readme.numbers(readme.row("tick with own")[0])
+    _, noted = measurements.numbers(measurements.row("tick with own")[0])
     assert now == pytest.approx(noted, rel=SHARE), (
-        f"{noted:g} in the README, {now} now: tools/bench"
+        f"{noted:g} in sil/docs/MEASUREMENTS.md, {now} now: tools/bench"
     )

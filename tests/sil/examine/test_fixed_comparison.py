@@ -10,7 +10,7 @@ import pytest
 
 from sil.examine import fixed_comparison
 from sil.examine.fixed_comparison import Row
-from tests import readme
+from tests import measurements
 from tests.turns import some
 
 NEEDED = [
@@ -28,7 +28,7 @@ pytestmark = [
     pytest.mark.skipif(not all(NEEDED), reason="no rivals here: tools/fixed --compare"),
 ]
 
-IN_THE_README = {
+ON_THE_PAGE = {
     "sin within ±π": "sin",
     "sin within ±32768": "sin_far",
     "atan2": "atan2",
@@ -90,13 +90,13 @@ def test_the_tables_have_a_line_for_each_function(rows: dict[str, Row]) -> None:
         assert len(table.columns) == 5
 
 
-def test_errors_and_instructions_are_those_of_the_readme(built: None) -> None:
+def test_errors_and_instructions_are_those_of_the_page(built: None) -> None:
     whole = {row.name: row for row in fixed_comparison.measure(fixed_comparison.ARGUMENTS)}
-    for title, name in IN_THE_README.items():
+    for title, name in ON_THE_PAGE.items():
         now = whole[name]
         figures = [now.error, now.error_libfixmath, now.error_float]
         figures += [now.instructions, now.instructions_soft, now.instructions_fpu]
-        cells = readme.row(title)
+        cells = measurements.row(title)
         noted = [*cells[:3], *cells[6:]]
-        printed = [readme.printed(*each) for each in zip(figures, noted, strict=True)]
-        assert printed == noted, f"{title}, in the README: tools/fixed --compare"
+        printed = [measurements.printed(*each) for each in zip(figures, noted, strict=True)]
+        assert printed == noted, f"{title}, in sil/docs/MEASUREMENTS.md: tools/fixed --compare"

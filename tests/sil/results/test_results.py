@@ -22,8 +22,8 @@ from tests.sil.campaign.made_up import Made
 
 Tell = Callable[[Outcome], None]
 PAGE = f"before\n{BEGIN}{END}\nbetween\n{results_campaigns.BEGIN}{END}\nafter\n"
-README = f"{results_readme.MEASURED_BEGIN}{END}\n{results_readme.LAW_BEGIN}{END}\n"
-NAMES = {"RESULTS.md", "README.md"}
+MEASUREMENTS = f"{results_readme.MEASURED_BEGIN}{END}\n{results_readme.LAW_BEGIN}{END}\n"
+NAMES = {"RESULTS.md", "MEASUREMENTS.md"}
 
 
 def options(*arguments: str) -> argparse.Namespace:
@@ -59,7 +59,7 @@ def sail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., list[
         monkeypatch.setattr(results, "sail_all", sail_all)
         return jobs
 
-    for name, text in (("PAGE", PAGE), ("README", README)):
+    for name, text in (("PAGE", PAGE), ("MEASUREMENTS", MEASUREMENTS)):
         path = tmp_path / getattr(published, name).name
         path.write_text(text, encoding="utf-8")
         monkeypatch.setattr(published, name, path)
@@ -111,7 +111,7 @@ def test_whole_run_writes_page_and_pictures_and_is_repeatable(
     page = (tmp_path / "RESULTS.md").read_text(encoding="utf-8")
     assert page.startswith("before\n") and page.endswith("\nafter\n") and "**NO**" not in page
     assert published.pages(published.noted()) == {
-        path: path.read_text(encoding="utf-8") for path in (published.PAGE, published.README)
+        path: path.read_text(encoding="utf-8") for path in (published.PAGE, published.MEASUREMENTS)
     }
     once = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     results.main(options())

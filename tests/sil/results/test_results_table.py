@@ -108,13 +108,13 @@ def test_page_has_a_line_a_bound_and_a_picture_a_scenario_between_its_marks() ->
     assert (before, after) == ("before\n", "\nafter\n")
     lines = table.splitlines()
     assert lines[2] == (
-        "| [`diamond`](scenarios/diamond.toml) | the paper's section III, nothing disturbs "
+        "| [`diamond`](../scenarios/diamond.toml) | the paper's section III, nothing disturbs "
         "| 0.030 m | 0.020 m | 0.002 m | **NO** |"
     )
     assert lines[3].endswith("| 0.030 s | 0.020 s | 1.5 × sooner | yes |")
     assert lines[4].endswith("| 0.030 m | – | 0.03 m | yes |")
     pictures = [line.partition("](")[2] for line in lines if line.startswith("![")]
-    assert pictures == ["results/diamond.png)", "results/sea.png)"]
+    assert pictures == ["../results/diamond.png)", "../results/sea.png)"]
 
 
 def test_what_the_root_did_is_printed_beside_what_the_boats_did_and_asks_for_nothing() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""python -m tests.sil.view.picture: the README's picture of the page, sil/results/view.png.
+"""python -m tests.sil.view.picture: the picture of the page, sil/results/view.png.
 
 `diamond` sails in lockstep, a view hears it, and Chromium shows its frames. The file tells of what
 it was made, for tests/sil/view/test_picture.py.

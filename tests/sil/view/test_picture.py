@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The README's picture of the page is of the page as it is, and of boats as they sail."""
+"""The picture of the page is of the page as it is, and of boats as they sail."""
 
 import pytest
 from PIL import Image

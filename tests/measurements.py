@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""The README's tables, for the tests that hold their figures."""
+"""The tables of the page of measurements, for the tests that hold their figures."""
 
 import math
 import re
 from pathlib import Path
 
-README = Path(__file__).parents[1] / "README.md"
+PAGE = Path(__file__).parents[1] / "sil" / "docs" / "MEASUREMENTS.md"
 
 
 def row(name: str) -> list[str]:
     """The cells after the first of the one row whose first cell is, or begins with, `name`."""
-    lines = [line for line in README.read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    lines = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
     found = [others for first, *others in cells if re.match(rf"{re.escape(name)}\b", first)]
-    assert len(found) == 1, f"{README.name} has {len(found)} rows of '{name}'"
+    assert len(found) == 1, f"{PAGE.name} has {len(found)} rows of '{name}'"
     return found[0]
 
 

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""No link of a page is dead, and no file is named that there is not."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+
+from tests import measurements
+from tests.turns import some
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *(ROOT / ".github").glob("*.md")]
+PAGES += [page for room in ("firmware", "sil") for page in sorted((ROOT / room).rglob("*.md"))]
+LINK = re.compile(r"\]\(([^)\s]+)\)|(?:src|href)=\"([^\"]+)\"")
+MODULE = re.compile(r"python -m ((?:sil|tests)[\w.]*)")
+FILE = re.compile(r"`((?:firmware|sil|tools|tests)/[\w./]+\w)`")
+
+
+def prose(page: Path) -> str:
+    """The page without its blocks of code."""
+    return re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.M)
+
+
+def anchors(page: Path) -> set[str]:
+    """Those of its headings, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.+)$", prose(page), re.M)
+    return {re.sub(r"[^\w\- ]", "", head).strip().lower().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", some(PAGES), ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_and_files_that_a_page_names_are_there(page: Path) -> None:
+    dead = []
+    for link in ("".join(found) for found in LINK.findall(prose(page))):
+        path, _, anchor = link.partition("#")
+        target = page.parent / path if path else page
+        if not re.match(r"\w+:", link):
+            found = target.exists() and (not anchor or anchor in anchors(target))
+            dead += [] if found else [link]
+    dead += [name for name in FILE.findall(prose(page)) if not (ROOT / name).exists()]
+    modules = MODULE.findall(page.read_text(encoding="utf-8"))
+    dead += [name for name in modules if not importlib.util.find_spec(name)]
+    assert dead == []
+
+
+def test_the_figure_of_the_readme_is_the_measured_one() -> None:
+    measured = measurements.row("four 2 m catamarans")[1]
+    assert f"four 2 m catamarans stay within {measured} RMS" in prose(PAGES[0])
+
+
+def test_every_page_can_be_reached_from_the_readme() -> None:
+    seen, found = set(), [PAGES[0].resolve()]
+    while found:
+        page = found.pop()
+        seen.add(page)
+        links = (path.partition("#")[0] for path, _ in LINK.findall(prose(page)) if path)
+        targets = {(page.parent / path).resolve() for path in links if path.endswith(".md")}
+        found += targets - seen
+    assert {page.resolve() for page in PAGES} <= seen
