@@ -76,7 +76,7 @@ def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> i
 
 
 def _replay(campaign: Campaign, run: int, console: Console) -> None:
-    """Sail one run alone, with all that `python -m sil run` leaves."""
+    """Sail one run alone, with all that `flotilla run` leaves."""
     # what draws pictures is not needed by a campaign's workers
     from sil.campaign import campaign_report, rerun  # noqa: PLC0415
     from sil.report import one_run as single  # noqa: PLC0415

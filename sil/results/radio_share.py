@@ -112,7 +112,7 @@ def _worst_rms_m(error: Array) -> float:
 
 
 def pasted(parameters: Mapping[str, float]) -> str:
-    """Parameters as flotillad and `python -m sil run` take them."""
+    """Parameters as flotillad and `flotilla run` take them."""
     return " ".join(f"--param {name}={value:g}" for name, value in parameters.items())
 
 

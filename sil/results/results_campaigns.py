@@ -18,7 +18,7 @@ from sil.results.claims import BASELINE, PRODUCT
 
 RUNS = 100
 NAMES = {BASELINE: "paper_monte_carlo", PRODUCT: "monte_carlo"}
-BEGIN = "<!-- campaigns: made by python -m sil results -->\n"
+BEGIN = "<!-- campaigns: made by flotilla results -->\n"
 _PERCENTS = (50.0, 95.0)
 
 

@@ -15,8 +15,8 @@ from sil.scenario import scenario
 
 Measured = dict[str, float]
 
-MEASURED_BEGIN = "<!-- measured: made by python -m sil results -->\n"
-LAW_BEGIN = "<!-- law: made by python -m sil results -->\n"
+MEASURED_BEGIN = "<!-- measured: made by flotilla results -->\n"
+LAW_BEGIN = "<!-- law: made by flotilla results -->\n"
 
 # The most that each figure may be: about twice what was measured, or what is asked for.
 DEVIATION_M = 0.03

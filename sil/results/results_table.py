@@ -13,7 +13,7 @@ from sil.results.sailing import Outcome
 
 COLUMNS = ("scenario", "", "paper", "product", "to reach", "")
 _WORDS, _NUMBERS = 1, (2, 3, 4)
-BEGIN, END = "<!-- results: made by python -m sil results -->\n", "<!-- end -->"
+BEGIN, END = "<!-- results: made by flotilla results -->\n", "<!-- end -->"
 _PERCENTILE = 0.95
 
 

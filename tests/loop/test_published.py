@@ -38,7 +38,7 @@ MISSED = [
 ]
 # One boat's telemetry at the default rate.
 MISSED_FIGURES = {"radio_share"}
-RENEW = "renew what is published, and look at it: python -m sil results"
+RENEW = "renew what is published, and look at it: flotilla results"
 
 NOTED = published.noted()
 BY_JOB = {outcome.job: outcome for outcome in NOTED.outcomes}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Boats that start anywhere keep clear of each other and find into their formation.
 
-The short form of `python -m sil campaign scatter --runs 1000`.
+The short form of `flotilla campaign scatter --runs 1000`.
 """
 
 import numpy as np

@@ -55,7 +55,7 @@ class Made:
             "document": {"duration_s": DURATION_S, "boat": boats},
             "parameters": {},
             "code": "cd" * 32,
-            "command": "python -m sil campaign made_up",
+            "command": "flotilla campaign made_up",
             "seed": self.draw,
             "runs": self.runs,
             "versions": {"flotilla": "0.1"},

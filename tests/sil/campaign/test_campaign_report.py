@@ -14,7 +14,7 @@ from sil.campaign import campaign_report, finished, rerun, run_outcome
 from tests.sil.campaign.made_up import DURATION_S, Made
 from tests.turns import some
 
-COMMAND = "python -m sil campaign made_up"
+COMMAND = "flotilla campaign made_up"
 LOSSY = Made(diverged=(3, 5, 8), failed=(2,))
 
 
@@ -143,7 +143,7 @@ def test_campaign_that_is_not_finished_is_told_with_the_command_that_goes_on(
 ) -> None:
     Made(runs=2).write(tmp_path)
     (tmp_path / "parts").mkdir()
-    with pytest.raises(ValueError, match="not finished; to go on: python -m sil campaign made_up"):
+    with pytest.raises(ValueError, match="not finished; to go on: flotilla campaign made_up"):
         finished.read(tmp_path)
 
 

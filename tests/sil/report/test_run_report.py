@@ -19,7 +19,7 @@ from sil.view import history
 from sil.view import page as view
 
 PICTURES = ("formation.png", "errors.png", "thrust.png")
-COMMAND = "python -m sil run pair --seed 7 --set 'boat.1.eta=[0, 0, 0]'"
+COMMAND = "flotilla run pair --seed 7 --set 'boat.1.eta=[0, 0, 0]'"
 
 
 def made_up_run(ticks: int = 2001) -> tuple[Summary, dict[str, Array]]:
@@ -95,7 +95,7 @@ def test_report_without_the_plot_library_says_so_and_has_all_else(
 def test_page_says_what_was_sailed_and_how_to_repeat_it(folder: Path) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "<h1>pair &amp; co</h1>" in page
-    assert "python -m sil run pair --seed 7 --set &#x27;boat.1.eta=[0, 0, 0]&#x27;" in page
+    assert "flotilla run pair --seed 7 --set &#x27;boat.1.eta=[0, 0, 0]&#x27;" in page
     assert "ab" * 32 in page
 
 

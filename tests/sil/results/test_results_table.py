@@ -139,7 +139,7 @@ def test_projects_page_has_the_marks_and_every_bound_in_order() -> None:
     text = published.PAGE.read_text(encoding="utf-8")
     rows = [Row(name, b, 0.0, 0.0, results.SEEDS) for name in CLAIMS for b in CLAIMS[name].bounds]
     _, _, rest = page_of(text, rows).partition(BEGIN)
-    assert wanted(text.partition(BEGIN)[2]) == wanted(rest), "run python -m sil results"
+    assert wanted(text.partition(BEGIN)[2]) == wanted(rest), "run flotilla results"
 
 
 def wanted(page: str) -> list[list[str]]:
