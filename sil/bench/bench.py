@@ -5,13 +5,11 @@ Times are medians of several runs; machines are noisy, instructions are not. Ins
 of the firmware alone: the difference of two runs of different length under callgrind.
 """
 
-import argparse
 import json
 import os
 import re
 import statistics
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -186,27 +184,13 @@ def _print_live(live: dict[str, Any], console: Console) -> None:
     )
 
 
-def main(arguments: list[str]) -> int:
-    """Prints a table; with --json also writes the figures to a file."""
-    parser = argparse.ArgumentParser(prog="tools/bench", description=__doc__)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
-    parser.add_argument("--live", action="store_true", help="latencies of flotillad on a live bus")
-    parser.add_argument("--bus", default="mcast:5", help="bus of boat 1 for --live (mcast:5)")
-    parser.add_argument("--seconds", type=float, default=60.0, help="how long for --live (60)")
-    options = parser.parse_args(arguments)
-    console = Console()
+def tell(json_file: Path | None, console: Console, live: tuple[str, float] | None) -> None:
+    """Measure, print tables, write the figures as JSON; `live`: flotillad's bus and seconds."""
     with Progress(console=console) as progress, tempfile.TemporaryDirectory() as folder:
-        if options.live:
-            result = measure_live(options.bus, options.seconds, Path(folder), progress)
-        else:
-            result = measure(progress)
-    if options.live:
-        _print_live(result, console)
-    else:
-        _print(result, console)
-    if options.json:
-        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-    return 0
+        result = measure_live(*live, Path(folder), progress) if live else measure(progress)
+    (_print_live if live else _print)(result, console)
+    if json_file:
+        json_file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
 
 
 def _print(result: dict[str, Any], console: Console) -> None:
@@ -226,7 +210,3 @@ def _print(result: dict[str, Any], console: Console) -> None:
     console.print(radio_share.table(result["radio"]))
     console.print(bench_fleet.table(result["fleets"]))
     console.print(bench_fleet.told(result["fleets"]))
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -112,7 +112,7 @@ def viewed(said: Said) -> Iterator[tuple[str, int]]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind((LOOPBACK, 0))
         port = probe.getsockname()[1]
-    command = ["-m", "sil.cli.view", f"udpin:{LOOPBACK}:{port}", "--bind", f"{LOOPBACK}:0"]
+    command = ["-m", "sil", "view", f"udpin:{LOOPBACK}:{port}", "--bind", f"{LOOPBACK}:0"]
     server = subprocess.Popen(  # noqa: S603
         [sys.executable, *command], stdout=subprocess.PIPE, text=True
     )

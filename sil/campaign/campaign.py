@@ -54,9 +54,9 @@ class Campaign:
 
 
 def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> int:
-    """As `sil.campaign.command.main`; the campaign began at `began_s` by time.perf_counter."""
+    """Sail the campaign of a command line. It began at `began_s` by time.perf_counter."""
     console = Console()
-    command = shlex.join(["python", "-m", "sil", *given])
+    command = shlex.join(["flotilla", *given])
     try:
         campaign = Campaign.of(options, command)
         if options.run is None:

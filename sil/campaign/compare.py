@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""python -m sil compare A B: whether campaign B is worse than A by more than chance."""
+"""Whether campaign B is worse than A by more than chance."""
 
 import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -18,17 +17,7 @@ from sil.campaign.pairs import Pairing
 from sil.common import files
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to argparse's subparsers."""
-    command = commands.add_parser(
-        "compare", help="tell whether campaign B is worse than campaign A: exit status 1 if so"
-    )
-    command.add_argument("a", type=Path, metavar="A", help="folder of a campaign")
-    command.add_argument("b", type=Path, metavar="B", help="folder of another of that scenario")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
-
-
-def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
+def main(options: argparse.Namespace) -> int:
     """Exit status: 0, 1 where any figure of B is worse, 2 for a mistake of the caller."""
     try:
         pairing = pairs.pair(finished.read(options.a), finished.read(options.b))

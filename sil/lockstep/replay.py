@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Replays a recording: the same bytes and frames at the same times must give the same answers."""
 
-import argparse
 import struct
-import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import flotilla
@@ -93,25 +90,3 @@ def replay(recording: Recording) -> list[int]:
     for boat in range(len(twins)):
         compare(boat)
     return first
-
-
-def main(arguments: list[str]) -> int:
-    """Exit status: 0 all the same, 1 a difference, 2 a file that cannot be replayed."""
-    parser = argparse.ArgumentParser(prog="tools/replay", description=__doc__)
-    parser.add_argument("recording", type=Path, help="the recording.bin of a run, or its folder")
-    path: Path = parser.parse_args(arguments).recording
-    try:
-        recording = Recording(path / "recording.bin" if path.is_dir() else path)
-        first = replay(recording)
-    except (OSError, ValueError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    for boat, t_us in enumerate(first, start=1):
-        same = "the same, bit for bit" if t_us < 0 else f"different, first at {t_us * 1e-6:.3f} s"
-        print(f"boat {boat}: {same}")
-    print(f"digest {recording.digest()}")
-    return int(any(t_us >= 0 for t_us in first))
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

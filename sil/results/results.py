@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""python -m sil results: what the law must show, sailed with the paper's law and the product's."""
+"""What the law must show, sailed with the paper's law and the product's."""
 
 import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, get_args
 
 from rich.console import Console
 from rich.markup import escape
@@ -34,54 +33,17 @@ from sil.results.claims import BASELINE, CLAIMS, LAWS, PRODUCT
 from sil.results.published import PICTURES, Published
 from sil.results.results_table import Row
 from sil.results.sailing import Job, Outcome, sail_all
-from sil.scenario import arguments
-from sil.scenario.sections import Scalar
 
 SEEDS = 40
 _INTERRUPTED = 130
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to argparse's subparsers."""
-    command = commands.add_parser(
-        "results", help="sail every scenario of the law's table, the paper's law beside the product"
-    )
-    command.add_argument(
-        "--only",
-        action="append",
-        choices=list(CLAIMS),
-        metavar="NAME",
-        help="this scenario; repeatable. The project's pages are left as they are",
-    )
-    command.add_argument(
-        "--seeds", type=arguments.count, default=SEEDS, metavar="N", help=f"of mismatch ({SEEDS})"
-    )
-    arguments.add_workers_to(command)
-    command.add_argument(
-        "--out", type=Path, default=Path("out/results"), metavar="DIR", help="(out/results)"
-    )
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a key of every scenario; repeatable",
-    )
-    command.add_argument(
-        "--scalar",
-        choices=[scalar for scalar in get_args(Scalar) if scalar != "float"],
-        help="in float and in this arithmetic: where do they differ? nothing is written",
-    )
-    command.add_argument(
-        "--fleets",
-        action="store_true",
-        help="long lines, bad radios and unknown hulls, case by case; nothing is written",
-    )
-
-
-def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
+def main(options: argparse.Namespace) -> int:
     """Exit status: 0, 1 where a bound is missed or a run failed, 2 mistaken, 130 interrupted."""
     console = Console()
+    unknown = [name for name in options.only or () if name not in CLAIMS]
+    if unknown:
+        raise ValueError(f"--only {unknown[0]}: there are {', '.join(CLAIMS)}")
     try:
         if options.scalar:
             return _compare(options, console)

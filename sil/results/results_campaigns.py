@@ -2,6 +2,7 @@
 """The paper's Monte Carlo with both laws, as the page of results has it."""
 
 import argparse
+import time
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sil.campaign import campaign_report, command, finished, nominal, samples
+from sil.campaign import campaign, campaign_report, finished, nominal, samples
 from sil.campaign.finished import Campaign
+from sil.common import pool
 from sil.report.comparison import png
 from sil.results.claims import BASELINE, PRODUCT
 
@@ -39,11 +41,13 @@ def sail(out: Path, workers: int) -> list[Campaign]:
 
 
 def _sail(name: str, folder: Path, workers: int) -> Campaign:
-    parser = argparse.ArgumentParser()
-    command.add_to(parser.add_subparsers())
-    count = ("--runs", str(RUNS), "--workers", str(workers), "--out", str(folder))
-    given = ["campaign", name, *count]
-    status = command.main(parser.parse_args(given), given)
+    given = ["campaign", name, "--runs", str(RUNS), "--workers", str(workers), "--out", str(folder)]
+    options = argparse.Namespace(
+        scenario=name, out=folder, seed=None, law=None, param=[], set=[], runs=RUNS, run=None,
+        workers=workers, scheduler=None,
+    )  # fmt: skip
+    pool.prepare(["sil.campaign.warm"])
+    status = campaign.main(options, given, time.perf_counter())
     if status != 0:
         raise ValueError(f"the campaign {name} was not finished: exit status {status}")
     return finished.read(folder)

@@ -2,7 +2,9 @@
 """What several commands have in common on the command line."""
 
 import argparse
+import difflib
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from sil.scenario.law import LAWS
@@ -64,4 +66,17 @@ def parameters_of(texts: list[str]) -> dict[str, float]:
             values[name.strip()] = float(value)
         except ValueError:
             raise ValueError(f'--param "{text}": must be NAME=VALUE, VALUE a number') from None
+    if values:
+        _check_names(values)
     return values
+
+
+def _check_names(given: Iterable[str]) -> None:
+    import flotilla  # noqa: PLC0415 where there is nothing to check, nothing is imported
+
+    names = [parameter["name"] for parameter in flotilla.parameter_list()]
+    for name in given:
+        if name not in names:
+            near = difflib.get_close_matches(name, names, 1, 0.4)
+            hint = f'; did you mean "{near[0]}"?' if near else ""
+            raise ValueError(f"--param: unknown parameter {name}{hint}")

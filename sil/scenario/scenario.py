@@ -5,6 +5,7 @@
 file with `base = "NAME"` is that scenario with its own keys over it, boats by number: `[boat.2]`.
 """
 
+import difflib
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -179,7 +180,9 @@ def _find(name_or_path: str | Path) -> Path:
         return path
     known = sorted(file.stem for file in FOLDER.glob("*.toml"))
     if str(name_or_path) not in known:
-        raise ScenarioError(f'unknown scenario "{name_or_path}"; there are: {", ".join(known)}')
+        near = difflib.get_close_matches(str(name_or_path), known, 1)
+        hint = f'did you mean "{near[0]}"? There' if near else "there"
+        raise ScenarioError(f'unknown scenario "{name_or_path}"; {hint} are {", ".join(known)}')
     return FOLDER / f"{name_or_path}.toml"
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sil.__main__ import main
 from sil.campaign import campaign_report
+from sil.cli.main import main
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sil.cli.main import main
 from sil.lockstep import metrics
 from sil.lockstep.recording import Recording
-from sil.lockstep.replay import main, replay
+from sil.lockstep.replay import replay
 from sil.lockstep.world import Run, World
 from sil.report.figures import REFERENCE
 from sil.scenario import scenario
@@ -81,7 +82,7 @@ def test_the_recording_replays_bit_for_bit(diamond: tuple[Run, Path]) -> None:
     recording = Recording(path)
     assert recording.digest() == run.digest
     assert replay(recording) == [-1, -1, -1, -1]
-    assert main([str(path.parent)]) == 0
+    assert main(["replay", str(path.parent)]) == 0
 
 
 def test_a_replay_with_another_gain_differs_at_the_first_driven_tick(

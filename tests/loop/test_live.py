@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.live.live_world import LiveWorld, buses_of
 from sil.lockstep import metrics
 from sil.lockstep.trace import Tracer

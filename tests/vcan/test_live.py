@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.live.live_world import FLOTILLAD
 from sil.lockstep import metrics
 from tests.punctual import sail_punctually

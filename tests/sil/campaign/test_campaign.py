@@ -13,9 +13,9 @@ import psutil
 import pyarrow.parquet as pq
 import pytest
 
-from sil.__main__ import main
 from sil.campaign import campaign, campaign_report, nominal
 from sil.campaign.campaign_files import Folder
+from sil.cli.main import main
 from sil.lockstep import metrics
 from sil.scenario.scenario import load
 from tests.sil.campaign.short import short
@@ -28,7 +28,7 @@ RUNS = 7
 # A campaign in batches of two whose process gets a signal once it has kept two of them.
 INTERRUPTED = """\
 import os, signal, sys
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.campaign import campaign, campaign_files
 signal.signal(signal.SIGINT, signal.default_int_handler)  # shells have background jobs ignore it
 keep = campaign_files.Folder.keep
@@ -175,7 +175,7 @@ def test_an_interrupted_campaign_goes_on_where_it_was(
         env={**os.environ, "CAMPAIGN_TEST": str(tmp_path)},
     )
     if number == signal.SIGINT:
-        assert child.returncode == 130 and "to go on: python -m sil campaign" in child.stdout
+        assert child.returncode == 130 and "to go on: flotilla campaign" in child.stdout
     else:
         assert child.returncode == -signal.SIGKILL
     assert "Traceback" not in child.stderr

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from sil.__main__ import main
 from sil.campaign import campaign_figures, finished, pairs
+from sil.cli.main import main
 from tests.sil.campaign.made_up import Made
 
 A = Made()
@@ -172,7 +172,7 @@ def test_folder_without_a_campaign_is_told_with_how_to_make_one(
 ) -> None:
     assert main(["compare", str(tmp_path / "none"), str(tmp_path)]) == 2
     error = capsys.readouterr().err
-    assert error.count("\n") == 1 and "python -m sil campaign SCENARIO" in error
+    assert error.count("\n") == 1 and "flotilla campaign SCENARIO" in error
 
 
 @pytest.mark.parametrize("name", ["campaign.json", "table.parquet", "draws.parquet"])

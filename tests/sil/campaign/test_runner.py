@@ -10,11 +10,11 @@ import dask
 import distributed
 import pytest
 
-from sil.__main__ import main
 from sil.campaign import campaign, campaign_report, runner
 from sil.campaign.campaign_files import Folder
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import Batch, BatchResult, sail_batch
+from sil.cli.main import main
 from sil.lockstep.world import sail
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
@@ -42,7 +42,7 @@ def cluster() -> Iterator[distributed.LocalCluster]:
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 1}),
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
         ) as cluster,
     ):
         yield cluster

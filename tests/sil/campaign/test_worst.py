@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil.__main__ import main
 from sil.campaign import campaign_report, finished, page_tables, worst
+from sil.cli.main import main
 from sil.lockstep import metrics
 from sil.lockstep.start import StartError
 from sil.lockstep.world import sail

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from sil.certificate import certificate, chain, margins, search
-from sil.cli import certify
-from sil.cli.certify import main
+from sil.cli.main import main
 from tests.sil.mistakes import assert_told_in_one_line
 
 SINE = "leader.input.1.yaw_sine_Nm=0.0"
@@ -30,7 +29,7 @@ def no_chain(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def certified(out: Path, *arguments: str) -> tuple[int, dict[str, Any]]:
-    status = main([*arguments, "--out", str(out)])
+    status = main(["certify", *arguments, "--out", str(out)])
     document: dict[str, Any] = json.loads((out / "certificate.json").read_text(encoding="utf-8"))
     assert document["certified"] is (status == 0)
     return status, document
@@ -151,10 +150,10 @@ def test_constant_turn_has_no_period_and_says_why(tmp_path: Path) -> None:
 def test_path_that_cannot_be_written_is_told_before_anything_is_computed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(certify, "certify", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr("sil.certificate.certificate.certify", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").touch()
     wrong = str(tmp_path / "file" / "x.json")
-    assert main(["diamond", "--out", str(tmp_path / "out"), "--json", wrong]) == 2
+    assert main(["certify", "diamond", "--out", str(tmp_path / "out"), "--json", wrong]) == 2
     assert capsys.readouterr().err == f"error: {wrong}: Not a directory\n"
     assert not (tmp_path / "out").exists()
 
@@ -165,8 +164,8 @@ def test_interrupted_run_says_so_and_leaves_nothing(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(certify, "certify", interrupt)
-    assert main(["diamond", "--out", str(tmp_path / "out")]) == 130
+    monkeypatch.setattr("sil.certificate.certificate.certify", interrupt)
+    assert main(["certify", "diamond", "--out", str(tmp_path / "out")]) == 130
     assert capsys.readouterr().err == "interrupted\n"
     assert not (tmp_path / "out").exists()
 
@@ -185,6 +184,6 @@ def test_a_mistake_is_told_in_one_line(
     arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    assert main([*arguments, "--out", str(out)]) == 2
+    assert main(["certify", *arguments, "--out", str(out)]) == 2
     assert_told_in_one_line(said, capsys)
     assert not out.exists()

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from sil.__main__ import main as sil
-from sil.cli.view import main, source_of
+from sil.cli.main import main
+from sil.cli.view_command import source_of
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.sil.campaign.short import short
 from tests.sil.view.feed import BEAT, local, said
@@ -18,7 +18,7 @@ from tests.sil.view.feed import BEAT, local, said
 def sailed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a short run."""
     folder = tmp_path_factory.mktemp("sailed")
-    assert sil(["run", str(short(folder)), "--out", str(folder / "run")]) == 0
+    assert main(["run", str(short(folder)), "--out", str(folder / "run")]) == 0
     return folder / "run"
 
 
@@ -31,7 +31,7 @@ def test_a_run_is_seen_by_its_folder_or_its_recording(sailed: Path) -> None:
 def test_a_campaign_is_seen_by_its_worst_run(tmp_path: Path) -> None:
     out = tmp_path / "campaign"
     path = str(short(tmp_path))
-    assert sil(["campaign", path, "--runs", "2", "--workers", "1", "--out", str(out)]) == 0
+    assert main(["campaign", path, "--runs", "2", "--workers", "1", "--out", str(out)]) == 0
     history = source_of(str(out), None)
     assert isinstance(history, dict) and "the worst of 2" in history["title"]
 
@@ -58,7 +58,7 @@ def test_a_file_is_a_tlog(tmp_path: Path) -> None:
 def test_what_cannot_be_seen_is_told_in_one_line(
     source: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([source]) == 2
+    assert main(["view", source]) == 2
     told = capsys.readouterr().err
     assert told.startswith("error: ") and words in told and told.count("\n") == 1
 
@@ -66,12 +66,12 @@ def test_what_cannot_be_seen_is_told_in_one_line(
 def test_an_address_that_is_taken_is_told(sailed: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with socket.create_server((LOOPBACK, 0)) as taken:
         port = taken.getsockname()[1]
-        assert main([str(sailed), "--bind", f"{LOOPBACK}:{port}"]) == 2
+        assert main(["view", str(sailed), "--bind", f"{LOOPBACK}:{port}"]) == 2
     assert str(port) in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("length", ["nan", "inf", "0", "-1", "long"])
 def test_a_length_that_is_none_is_refused(length: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
-        main(["mcast:", f"--length={length}"])
+        main(["view", "mcast:", f"--length={length}"])
     assert "--length" in capsys.readouterr().err

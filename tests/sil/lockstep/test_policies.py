@@ -6,8 +6,8 @@ from pathlib import Path
 import flotilla
 import pytest
 
-from sil.__main__ import main
 from sil.campaign.run_outcome import result_of
+from sil.cli.main import main
 from sil.lockstep.policies import PolicyViolationError
 from sil.lockstep.recording import Recording
 from sil.lockstep.world import Run, World, sail

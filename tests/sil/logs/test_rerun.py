@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.logs.run_folder import NAME
 from sil.scenario.wiring import ORIGIN
 from sil.wire.geodesy import LocalFrame

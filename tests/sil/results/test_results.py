@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from sil.campaign import finished
+from sil.cli import results_command
 from sil.results import published, results, results_campaigns, results_fleets, results_readme
 from sil.results.claims import CLAIMS, LAWS
 from sil.results.results_table import BEGIN, END
@@ -27,8 +28,8 @@ NAMES = {"RESULTS.md", "MEASUREMENTS.md"}
 
 def options(*arguments: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
-    results.add_to(parser.add_subparsers(dest="command"))
-    return parser.parse_args(["results", *arguments])
+    results_command.add_to(parser)
+    return parser.parse_args(arguments)
 
 
 def fleet(job: Job, **changed: float) -> Outcome:
@@ -208,11 +209,16 @@ def test_what_cannot_be_written_is_told_before_anything_is_sailed(
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--only", "dimond"], ["--seeds", "0"], ["--workers", "-1"], ["--scalar", "float"]],
+    [["--seeds", "0"], ["--workers", "-1"], ["--scalar", "float"]],
 )
 def test_mistake_of_the_caller_is_refused(arguments: list[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
         options(*arguments)
+
+
+def test_a_scenario_that_is_not_published_is_refused() -> None:
+    with pytest.raises(ValueError, match="--only dimond: there are diamond"):
+        results.main(options("--only", "dimond"))
 
 
 @pytest.mark.parametrize("name", CLAIMS)

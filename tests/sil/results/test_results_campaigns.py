@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sil.campaign import command, finished
+from sil.campaign import campaign, finished
 from sil.results import published, results_campaigns
 from sil.scenario import scenario
 from tests.sil.campaign.made_up import Made
@@ -35,7 +35,7 @@ def test_where_one_run_in_ten_diverged_the_95th_percentile_is_infinite(tmp_path:
 def test_campaign_that_was_not_finished_is_an_error(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(command, "main", lambda options, given: 130)
+    monkeypatch.setattr(campaign, "main", lambda options, given, began_s: 130)
     with pytest.raises(ValueError, match="paper_monte_carlo was not finished"):
         results_campaigns.sail(tmp_path, 1)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import flotilla
 import pytest
 
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.lockstep.recording import Recording
 from sil.scenario import law, scenario
 from sil.scenario.agents import parameters_of

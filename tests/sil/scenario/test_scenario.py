@@ -346,7 +346,7 @@ def test_fleet_without_boats_is_refused(tmp_path: Path) -> None:
 
 
 def test_unknown_name_is_answered_with_the_names_there_are() -> None:
-    with pytest.raises(ScenarioError, match=r'unknown scenario "dimond"; there are: .*diamond'):
+    with pytest.raises(ScenarioError, match=r'unknown scenario "dimond"; did you mean "diamond"?'):
         load("dimond")
 
 

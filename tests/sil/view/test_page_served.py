@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from sil.__main__ import main as sil
 from sil.bench.page_cost import Said, said_by
+from sil.cli.main import main as sil
 from sil.scenario import scenario
 from sil.wire.mavlink_mcast import LOOPBACK
 from tests.linux.process import free_port
@@ -33,7 +33,7 @@ STATE = f"{CARD} return card && card.querySelector('.state').textContent === arg
 def shown(browser: Browser, *arguments: str) -> Iterator[None]:
     """The page of a view that runs by itself, open; it is closed before the view ends."""
     view = subprocess.Popen(
-        [sys.executable, "-m", "sil.cli.view", *arguments, "--bind", f"{LOOPBACK}:0"],
+        [sys.executable, "-m", "sil", "view", *arguments, "--bind", f"{LOOPBACK}:0"],
         stdout=subprocess.PIPE,
         text=True,
     )

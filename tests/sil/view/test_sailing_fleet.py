@@ -149,7 +149,7 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
         address = f"mcast:239.255.145.64:{free_port()}"
         ear = Ear(address)
         try:
-            with process("sil.cli.view", address, "--bind", "127.0.0.1:0") as view:
+            with process("sil", "view", address, "--bind", "127.0.0.1:0") as view:
                 assert view.stdout is not None
                 browser.open(view.stdout.readline().split()[-1])
                 browser.until(LIVE)

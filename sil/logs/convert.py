@@ -1,12 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Converts boats' logs, or a run's folder, to an MCAP file for Foxglove, Lichtblick or Rerun.
+"""Boats' logs, or a run's folder, as an MCAP file for Foxglove, Lichtblick or Rerun."""
 
-What may be given: telemetry logs (*.tlog) and candump logs of `flotillad --log DIR`, DIR itself,
-those of several boats at once; or the folder of one run.
-"""
-
-import argparse
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,27 +12,11 @@ from sil.lockstep.recording import MAGIC
 from sil.logs import boats, run_folder
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Exit status: 0, or 2 for what cannot be converted, told in one line; nothing is written."""
-    parser = argparse.ArgumentParser(prog="tools/convert", description=__doc__)
-    parser.add_argument("logs", nargs="+", type=Path, metavar="TLOG|CANDUMP|FOLDER")
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE.mcap", help="(beside the first of the logs)"
-    )
-    options = parser.parse_args(arguments)
-    try:
-        _convert(options.logs, options.out, Console())
-    except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        print(f"error: {place}{error.strerror}", file=sys.stderr)
-        return 2
-    except ValueError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+def convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None:
+    """Convert logs, or one run's folder, into `wanted` or beside the first of the logs.
 
-
-def _convert(logs: Sequence[Path], wanted: Path | None, console: Console) -> None:
+    ValueError or OSError for what cannot be converted; nothing is written then.
+    """
     runs = [path for path in logs if (path / "trace.npz").exists()]
     if runs and len(logs) > 1:
         raise ValueError(f"{runs[0]} is the folder of a run: it is converted alone")
@@ -101,7 +79,3 @@ def bar(out: Path, console: Console) -> Iterator[boats.Progress]:
     with rich.progress.Progress(console=console, transient=True) as shown:
         task = shown.add_task(out.name, total=1.0)
         yield lambda share: shown.update(task, completed=share)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
