@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sil.recording import MAGIC
+from sil.view.chart import Chart
 from sil.view.history import LENGTH_M
 from sil.view.live import Live
 from sil.view.page import PageError
@@ -67,16 +68,23 @@ def main(arguments: Sequence[str]) -> int:
         "--bind",
         default=f"{LOOPBACK}:8321",
         metavar="HOST:PORT",
-        help="where the page is served (127.0.0.1:8321, port 0: any); with 0.0.0.0:8321 who can "
-        "reach this machine sees it",
+        help="where the page is served (127.0.0.1:8321, else the next free port; 0: any); with "
+        "0.0.0.0:8321 who can reach this machine sees it",
     )
     parser.add_argument(
         "--length", type=_metres, metavar="M", help="of boats (a scenario's, or 1 m)"
     )
+    parser.add_argument(
+        "--chart",
+        type=Path,
+        metavar="FILE",
+        help="drawn under the boats: coastlines as GeoJSON, or raster MBTiles",
+    )
     options = parser.parse_args(arguments)
     try:
         bind = host_and_port(options.bind, least=0)
-        serve(source_of(options.source, options.length), bind)
+        chart = None if options.chart is None else Chart(options.chart)
+        serve(source_of(options.source, options.length), bind, chart)
     except KeyboardInterrupt:
         return 0
     except (ValueError, OSError, PageError) as error:

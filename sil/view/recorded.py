@@ -16,6 +16,7 @@ from sil.scenario import Scenario
 from sil.view import history
 from sil.view.history import Boat
 from sil.view.said import Said, said_in, said_live
+from sil.wiring import ORIGIN
 
 
 def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any]:
@@ -71,6 +72,7 @@ def history_of(
     if length_m is not None:
         about = [replace(boat, length_m=length_m) for boat in about]
     told = history.of_trace(trace, title, about)
+    told["origin_deg"] = [1e-7 * ORIGIN[0], 1e-7 * ORIGIN[1]]
     if said is not None and len(said.boats) == boats:
         kept_s = history.numbers(told["t_s"])
         for boat, vessel in zip(said.boats, told["vessels"][1:], strict=True):
