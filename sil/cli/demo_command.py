@@ -6,6 +6,7 @@ Further options go to `flotilla run`, or with --live to `flotilla live`.
 """
 
 import argparse
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -30,10 +31,14 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     print("building flotillad", flush=True)
     build(print)
     view = subprocess.Popen([sys.executable, "-m", "sil", "view", "mcast:"])
+    live = ["live", "diamond", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
     try:
-        live = ["live", "diamond", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
-        return flotilla([*live, "--param", "SR_SLOW=5", *options.others])
+        status = flotilla([*live, "--param", "SR_SLOW=5", *options.others])
+        view.send_signal(signal.SIGUSR1)  # from now on it plays back what it heard
+        print("the page plays the run back until Ctrl-C; again with: flotilla view out/live")
+        if sys.stdin.isatty():
+            view.wait()
+        return status
     finally:
         view.terminate()
         view.wait()
-        print("to play it back: flotilla view out/live")

@@ -30,23 +30,31 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--bind",
         default="127.0.0.1:8321",
         metavar="HOST:PORT",
-        help="where the page is served (127.0.0.1:8321, port 0: any); with 0.0.0.0:8321 who can "
-        "reach this machine sees it",
+        help="where the page is served (127.0.0.1:8321, else the next free port; 0: any); with "
+        "0.0.0.0:8321 everybody who can reach this machine sees it",
     )
     parser.add_argument(
         "--length", type=_metres, metavar="M", help="of boats (a scenario's, or 1 m)"
+    )
+    parser.add_argument(
+        "--chart",
+        type=Path,
+        metavar="FILE",
+        help="drawn under the boats: coastlines as GeoJSON, or raster MBTiles",
     )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     """Serve the page until interrupted."""
+    from sil.view.chart import Chart
     from sil.view.page import PageError
     from sil.view.serve import serve
     from sil.wire.mavlink_mcast import host_and_port
 
     bind = host_and_port(options.bind, least=0)
     try:
-        serve(source_of(options.source, options.length), bind)
+        chart = None if options.chart is None else Chart(options.chart)
+        serve(source_of(options.source, options.length), bind, chart)
     except KeyboardInterrupt:
         pass  # that is how it ends
     except PageError as error:

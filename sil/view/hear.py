@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
+from sil.view import alarm
 from sil.wire import mavlink_mcast
 from sil.wire.mavlink_ear import Ear, Message
 
@@ -29,11 +30,12 @@ class Listener:
     """One address. ValueError where it is none, OSError where a socket cannot be opened.
 
     `ear` counts what was heard. A server or a serial line that goes, or is not there yet, is tried
-    again every second.
+    again every second; meanwhile `trouble` says what to check.
     """
 
     def __init__(self, address: str) -> None:
         self.address = address
+        self.trouble: str | None = None
         try:
             self._socket = _socket_of(address)
         except ValueError as error:
@@ -45,11 +47,15 @@ class Listener:
         if self._socket is not None:
             await self._hear_datagrams(self._socket, take)
         while True:
-            with suppress(OSError, termios.error):
+            try:
                 if self.address.startswith("tcp:"):
                     await self._hear_server(take)
+                    self.trouble = "the server has ended the connection; check that it still runs"
                 else:
                     await self._hear_line(take)
+                    self.trouble = "the device is gone; check its cable"
+            except (OSError, termios.error) as error:
+                self.trouble = alarm.of_error(error)
             self.ear.forget()
             await asyncio.sleep(_RETRY_S)
 
@@ -70,6 +76,7 @@ class Listener:
     async def _hear_server(self, take: Take) -> None:
         host, port = mavlink_mcast.host_and_port(self.address.removeprefix("tcp:"))
         reader, writer = await asyncio.open_connection(host, port)
+        self.trouble = None
         try:
             while data := await reader.read(_MOST_BYTES):
                 take(self.ear.hear(data))
@@ -81,6 +88,7 @@ class Listener:
     async def _hear_line(self, take: Take) -> None:
         loop, ended = asyncio.get_running_loop(), asyncio.Event()
         line = _open_line(*_line_of(self.address))
+        self.trouble = None
 
         def hear() -> None:
             try:
@@ -110,7 +118,7 @@ def _socket_of(address: str) -> socket.socket | None:
         try:
             return mavlink_mcast.listener(group)
         except OSError as error:
-            raise OSError(f"{address}: {error}") from None
+            raise OSError(f"{address}: {alarm.of_error(error)}") from None
     if scheme == "udpin":
         at = mavlink_mcast.host_and_port(rest)
         end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -118,7 +126,7 @@ def _socket_of(address: str) -> socket.socket | None:
             end.bind(at)
         except OSError as error:
             end.close()
-            raise OSError(f"{address}: {error}") from None
+            raise OSError(f"{address}: {alarm.of_error(error)}") from None
         end.setblocking(False)
         return end
     if scheme == "tcp":

@@ -4,7 +4,8 @@
 A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N", "leader", …}]}`.
 Everything that changes is a column beside `t_s` and as long: base64 of little-endian float32, NaN
 where it is not known; a column that nobody knows is absent. `states`, `held` and `texts` are lists
-of [t_s, value], each value true from its time on.
+of [t_s, value], each value true from its time on. `origin_deg`, where it is known: latitude and
+longitude where the frame of all places begins.
 """
 
 import base64

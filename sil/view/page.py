@@ -29,13 +29,17 @@ _SCRIPTS = (
     "camera",
     "sea",
     "ground",
+    "chart",
+    "ruler",
     "boats",
     "thrust_bars",
     "plan",
     "plots",
+    "health",
     "cards",
+    "events",
     "supervisor",
-    "failsafe",
+    "what_if",
     "replay",
     "keys",
     "main",
@@ -59,14 +63,20 @@ class PageError(RuntimeError):
     """The page cannot be made; the text says what is missing."""
 
 
-def live() -> str:
-    """The page that shows what the WebSocket `live` beside it says: a frame of JSON a message."""
-    return _page("Flotilla", None)
+def live(*, has_chart: bool = False) -> str:
+    """The page that shows what the WebSocket `live` beside it says: a frame of JSON a message.
+
+    `has_chart`: `chart` beside it is one.
+    """
+    return _page("Flotilla", None, has_chart)
 
 
-def page_with(history: Mapping[str, Any], title: str) -> str:
-    """A page that replays `history`, as `sil.view.history` makes it, and needs no other file."""
-    return _page(title, history)
+def page_with(history: Mapping[str, Any], title: str, *, has_chart: bool = False) -> str:
+    """A page that replays `history`, as `sil.view.history` makes it.
+
+    It needs no other file, unless it `has_chart`, beside it.
+    """
+    return _page(title, history, has_chart)
 
 
 def frame_with(history: Mapping[str, Any], title: str) -> str:
@@ -115,8 +125,9 @@ def drives() -> dict[str, list[str]]:
     return found
 
 
-def _page(title: str, history: Mapping[str, Any] | None) -> str:
+def _page(title: str, history: Mapping[str, Any] | None, has_chart: bool) -> str:
     config = {
+        "has_chart": has_chart,
         "colours": COLOURS,
         "settled_m": metrics.SETTLED_M,
         "supervisor": json.loads(supervisor_json()),
@@ -124,7 +135,8 @@ def _page(title: str, history: Mapping[str, Any] | None) -> str:
     return _template().substitute(
         title=escape(title),
         mode="live" if history is None else "replay",
-        connect="'self'" if history is None else "'none'",
+        connect="'self'" if history is None or has_chart else "'none'",
+        images="'self' data:" if has_chart else "data:",
         style=_part("page.css"),
         config=_json(config),
         history=_json(history),

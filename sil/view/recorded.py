@@ -14,6 +14,7 @@ from sil.lockstep import recording
 from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
+from sil.scenario.wiring import ORIGIN
 from sil.view import history
 from sil.view.history import Boat
 from sil.view.said import Said, said_in, said_live
@@ -72,6 +73,7 @@ def history_of(
     if length_m is not None:
         about = [replace(boat, length_m=length_m) for boat in about]
     told = history.of_trace(trace, title, about)
+    told["origin_deg"] = [1e-7 * ORIGIN[0], 1e-7 * ORIGIN[1]]
     if said is not None and len(said.boats) == boats:
         kept_s = history.numbers(told["t_s"])
         for boat, vessel in zip(said.boats, told["vessels"][1:], strict=True):

@@ -48,6 +48,11 @@ class Fleet:
         """Messages so far of systems that are no vessels."""
         return self.unknown + sum(v.messages for v in self.systems.values() if v.kind is None)
 
+    @property
+    def origin_deg(self) -> list[float] | None:
+        """Latitude and longitude where the frame begins."""
+        return None if self.origin is None else [1e-7 * self.origin[0], 1e-7 * self.origin[1]]
+
     def hear(self, heard: Iterable[Message], now_s: float) -> None:
         """Takes messages that came at `now_s`."""
         for message in heard:
@@ -100,7 +105,7 @@ class Fleet:
             "in_slot": value("IN_SLOT"),
             "thrust_N": _pair(thrust),
             "limits_N": _pair(limits),
-            "state": vessel.state,
+            "state": vessel.state if at_s - vessel.beat_s <= SILENT_S else None,
             "held": vessel.held(),
             "text": vessel.texts.last or None,
             "link_age_s": round(max(0.0, now_s - at_s), 2),

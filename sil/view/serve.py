@@ -2,12 +2,15 @@
 """The web server of a view: one page, and either live frames for it or a history in it."""
 
 import asyncio
+import errno
 import ipaddress
 import json
 import re
 import signal
 import socket
+import sys
 from asyncio import Future
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -16,7 +19,8 @@ import tornado.web
 from tornado.ioloop import PeriodicCallback
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from sil.view import page
+from sil.view import alarm, page
+from sil.view.chart import Chart
 from sil.view.live_source import FRAMES_PER_S, Live
 
 _POLICY = (
@@ -25,17 +29,21 @@ _POLICY = (
 )
 
 
-class Server:
-    """Serves `source` at `bind` (host, port; port 0: any) while a loop runs; OSError."""
+_MOST_PORTS = 20
 
-    def __init__(self, source: Live | dict[str, Any], bind: tuple[str, int]) -> None:
-        self._source = source
+
+class Server:
+    """Serves `source` at `bind` (host, port; port 0: any) while a loop runs; OSError.
+
+    Where the port is taken, at the next one that is free.
+    """
+
+    def __init__(
+        self, source: Live | dict[str, Any], bind: tuple[str, int], chart: Chart | None = None
+    ) -> None:
+        self._source, self._chart = source, chart
         self._clients: set[_Frames] = set()
-        try:
-            family = socket.AF_INET6 if ":" in bind[0] else socket.AF_INET
-            self._socket = socket.create_server(bind, family=family)
-        except OSError as error:
-            raise OSError(f"{bind[0]}:{bind[1]}: {error.strerror}") from None
+        self._socket = _socket_at(*bind)
         self._socket.setblocking(False)
         address, port = self._socket.getsockname()[:2]
         own = rf"(localhost|127(\.\d+){{3}}|\[::1\]|{re.escape(bind[0])})"
@@ -43,6 +51,8 @@ class Server:
         self._names = own if ipaddress.ip_address(address).is_loopback else ".*"
         host = f"[{bind[0]}]" if ":" in bind[0] else bind[0]
         self.url = f"http://{host}:{port}/"
+        self.is_elsewhere = bind[1] not in (0, port)
+        self._text = self._page()
 
     async def run(self) -> None:
         """Serves until it is cancelled."""
@@ -59,17 +69,37 @@ class Server:
             server.stop()
             await server.close_all_connections()
 
+    def end(self) -> None:
+        """Nothing more will be heard: every page goes on as a replay of what was."""
+        if isinstance(self._source, Live):
+            self._source = self._source.history()
+            self._text = self._page()
+            for client in tuple(self._clients):
+                client.tell('{"over":true}')
+
+    def _page(self) -> str:
+        has_chart = self._chart is not None
+        if isinstance(self._source, Live):
+            return page.live(has_chart=has_chart)
+        return page.page_with(self._source, self._source["title"], has_chart=has_chart)
+
+    def _history(self) -> str:
+        source = self._source.history() if isinstance(self._source, Live) else self._source
+        return json.dumps(source, separators=(",", ":"))
+
     def _application(self) -> tornado.web.Application:
-        source = self._source
-        routes: list[Any] = [(r"/favicon.ico", _Nothing)]
-        if isinstance(source, Live):
-            routes.append((r"/", _Text, {"text": page.live(), "kind": "text/html"}))
+        json_kind = "application/json"
+        routes: list[Any] = [
+            (r"/favicon.ico", _Nothing),
+            (r"/", _Text, {"text": lambda: self._text, "kind": "text/html"}),
+            (r"/history", _Text, {"text": self._history, "kind": json_kind}),
+        ]
+        if isinstance(self._source, Live):
             routes.append((r"/live", _Frames, {"clients": self._clients}))
-        else:
-            text = page.page_with(dict(source), source["title"])
-            history = json.dumps(source, separators=(",", ":"))
-            routes.append((r"/", _Text, {"text": text, "kind": "text/html"}))
-            routes.append((r"/history", _Text, {"text": history, "kind": "application/json"}))
+        if self._chart is not None:
+            about = json.dumps(self._chart.about, separators=(",", ":"))
+            routes.append((r"/chart", _Text, {"text": lambda: about, "kind": json_kind}))
+            routes.append((r"/tile/(\d{1,2})/(\d{1,9})/(\d{1,9})", _Tile, {"chart": self._chart}))
         application = tornado.web.Application(
             compress_response=True, websocket_ping_interval=10, log_function=_no_log
         )
@@ -77,26 +107,43 @@ class Server:
         return application
 
     def _tell(self) -> None:
-        if isinstance(self._source, Live) and self._clients:
+        if not isinstance(self._source, Live):
+            return
+        self._source.look()
+        if self._clients:
             text = self._source.text()
             for client in tuple(self._clients):
                 client.tell(text)
 
 
 class _Text(tornado.web.RequestHandler):
-    def initialize(self, text: str, kind: str) -> None:
+    def initialize(self, text: Callable[[], str], kind: str) -> None:
         self._text, self._kind = text, kind
 
     def get(self) -> None:
         self.set_header("Content-Type", f"{self._kind}; charset=UTF-8")
         self.set_header("Content-Security-Policy", _POLICY)
         self.set_header("Cache-Control", "no-store")
-        self.write(self._text)
+        self.write(self._text())
 
 
 class _Nothing(tornado.web.RequestHandler):
     def get(self) -> None:
         self.set_status(204)
+
+
+class _Tile(tornado.web.RequestHandler):
+    def initialize(self, chart: Chart) -> None:
+        self._chart = chart
+
+    def get(self, zoom: str, column: str, row: str) -> None:
+        picture = self._chart.tile(int(zoom), int(column), int(row))
+        if picture is None:
+            self.set_status(204)
+            return
+        self.set_header("Content-Type", self._chart.kind)
+        self.set_header("Cache-Control", "max-age=86400")
+        self.write(picture)
 
 
 class _Frames(WebSocketHandler):
@@ -134,14 +181,31 @@ def _no_log(_: tornado.web.RequestHandler) -> None:
     pass
 
 
-def serve(source: Live | dict[str, Any], bind: tuple[str, int]) -> None:
-    """Serve until SIGINT or SIGTERM; says where. OSError where it cannot."""
+def _socket_at(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    for at in range(port, min(port + _MOST_PORTS, 1 << 16) if port else 1):
+        try:
+            return socket.create_server((host, at), family=family)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise OSError(f"{host}:{at}: {alarm.of_error(error)}") from None
+    raise OSError(f"{host}: ports {port} to {at} are all in use; choose another with --bind")
+
+
+def serve(source: Live | dict[str, Any], bind: tuple[str, int], chart: Chart | None = None) -> None:
+    """Serve until SIGINT or SIGTERM; says where. OSError where it cannot.
+
+    SIGUSR1: a live source is over, and replayed.
+    """
 
     async def run() -> None:
-        server = Server(source, bind)
+        server = Server(source, bind, chart)
         serving = asyncio.ensure_future(server.run())
         for number in (signal.SIGINT, signal.SIGTERM):  # whatever a shell has made of them
             asyncio.get_running_loop().add_signal_handler(number, serving.cancel)
+        asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, server.end)
+        if server.is_elsewhere:
+            print(f"view: port {bind[1]} is in use, here is the next free one", file=sys.stderr)
         print(f"view: {server.url}", flush=True)
         with suppress(asyncio.CancelledError):
             await serving

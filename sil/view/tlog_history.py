@@ -37,16 +37,15 @@ def history_of_tlog(path: Path, length_m: float = LENGTH_M) -> dict[str, Any]:
 
     Its clock may have been set meanwhile: steps back, and ahead by more than an hour, are no time.
     """
-    watch = _Watch(Fleet(length_m))
+    watch = Watch(Fleet(length_m))
     for t_s, message in messages_of(path.read_bytes()):
         watch.hear(t_s, message)
     if not watch.times:
         raise ValueError(f"{path} is no tlog: no MAVLink message is in it")
-    vessels = watch.vessels()  # which looks once more
-    return {"title": path.name, "t_s": column(watch.times), "vessels": vessels}
+    return watch.history(path.name)
 
 
-class _Watch:
+class Watch:
     """Looks at a fleet at even times; where those get too many, at half as many."""
 
     def __init__(self, fleet: Fleet) -> None:
@@ -58,8 +57,7 @@ class _Watch:
 
     def hear(self, t_s: float, message: Message) -> None:
         """Takes a message that came at `t_s`."""
-        while len(self.times) * self._step_s <= t_s:
-            self._look(len(self.times) * self._step_s)
+        self.wait(t_s)
         self._last_s = t_s
         self._fleet.hear([message], t_s)
         if message.number in (messages.HEARTBEAT, messages.STATUSTEXT, messages.NAMED_VALUE_FLOAT):
@@ -67,12 +65,22 @@ class _Watch:
             if vessel is not None and vessel.kind is not None:
                 self._told.setdefault(vessel.system, _Told()).note(t_s, vessel)
 
-    def vessels(self) -> list[Told]:
-        """All of them as a history has them, with what they told last."""
-        self._look(max(self._last_s, self.times[-1] + _MOMENT_S))
-        return [
-            told.history(len(self.times)) for _, told in sorted(self._told.items()) if told.last
-        ]
+    def wait(self, t_s: float) -> None:
+        """Nothing else came until `t_s`."""
+        while len(self.times) * self._step_s <= t_s:
+            self._look(len(self.times) * self._step_s)
+
+    def history(self, title: str) -> Told:
+        """What was seen, with what the vessels told last."""
+        self._look(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
+        return {
+            "title": title,
+            "origin_deg": self._fleet.origin_deg,
+            "t_s": column(self.times),
+            "vessels": [
+                told.history(len(self.times)) for _, told in sorted(self._told.items()) if told.last
+            ],
+        }
 
     def _look(self, t_s: float) -> None:
         for vessel in self._fleet.vessels(t_s):

@@ -31,7 +31,7 @@ class Vessel:
         self.system = system
         self.since_s = now_s
         self.messages = 0
-        self.heard_s = 0.0
+        self.heard_s = self.beat_s = 0.0
         self.kind: str | None = None
         self.state: str | None = None
         self.texts = Texts()
@@ -51,7 +51,7 @@ class Vessel:
         if not fields:
             return
         if number == messages.HEARTBEAT:
-            self._beat(component, fields)
+            self._beat(component, fields, now_s)
         elif number == messages.STATUSTEXT:
             _, piece, text, chunk = fields
             self.texts.hear(component, piece, text, chunk, now_s)
@@ -82,7 +82,7 @@ class Vessel:
             return ()
         return states.held_by(halves[0] | halves[1] << 24, self.state)
 
-    def _beat(self, component: int, f: tuple[Any, ...]) -> None:
+    def _beat(self, component: int, f: tuple[Any, ...], now_s: float) -> None:
         custom_mode, kind, autopilot, base_mode, status = f[:5]
         if self._is_companion:
             if component != _COMPANION:
@@ -100,6 +100,7 @@ class Vessel:
             ours = autopilot == mavlink.MAV_AUTOPILOT_GENERIC
             ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT
             self.kind = "boat" if ours else "vessel"
+        self.beat_s = now_s
         is_boat = self.kind == "boat"
         self.state = state_of(custom_mode, base_mode, status) if is_boat else None
 

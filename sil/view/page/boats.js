@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The fleet on the plan view: tree, slots, hulls to scale.
-const LEAST_HULL_PX = 22;
+const LEAST_HULL_PX = 32; // its number is read on it
 const SILENT_S = 5;
 // outline of a hull of length 1: forward, starboard; as in the pictures of reports
 const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
@@ -63,26 +63,29 @@ function drawSlot(ctx, camera, vessel, psi) {
   ctx.globalAlpha = 1;
 }
 
-/** The virtual leader: no hull, a ring with a cross, and where it heads. */
+/** The virtual leader: no hull but a ring, wide enough for a boat inside it, and where it heads. */
+const ringPx = (vessel, camera) => Math.max(12, 0.66 * hullPx(vessel, camera));
+
 function drawVirtual(ctx, camera, vessel) {
-  const [right, down] = camera.at(vessel.x_m, vessel.y_m);
-  const psi = vessel.psi_rad ?? 0, [ahead_x, ahead_y] = [Math.sin(psi), -Math.cos(psi)];
+  const [right, down] = camera.at(vessel.x_m, vessel.y_m), px = ringPx(vessel, camera);
   ctx.beginPath();
-  ctx.arc(right, down, 8, 0, 2 * Math.PI);
-  for (const [dx, dy] of [[1, 0], [0, 1]]) {
-    ctx.moveTo(right - 12 * dx, down - 12 * dy);
-    ctx.lineTo(right + 12 * dx, down + 12 * dy);
-  }
+  ctx.arc(right, down, px, 0, 2 * Math.PI);
   if (known(vessel.psi_rad)) {
-    ctx.moveTo(right + 8 * ahead_x, down + 8 * ahead_y);
-    ctx.lineTo(right + 26 * ahead_x, down + 26 * ahead_y);
+    const [ahead_x, ahead_y] = [Math.sin(vessel.psi_rad), -Math.cos(vessel.psi_rad)];
+    ctx.moveTo(right + px * ahead_x, down + px * ahead_y);
+    ctx.lineTo(right + (px + 14) * ahead_x, down + (px + 14) * ahead_y);
   }
-  // seen on a hull too
-  for (const [colour, width] of [[theme.water, 4], [isElsewhere(vessel) ? theme.stale : theme.ink, 1.6]]) {
-    ctx.strokeStyle = colour;
-    ctx.lineWidth = width;
-    ctx.stroke();
-  }
+  ctx.strokeStyle = isElsewhere(vessel) ? theme.stale : theme.ink;
+  ctx.lineWidth = 1.4;
+  ctx.stroke();
+}
+
+/** A vessel's number, on its hull. */
+function drawNumber(ctx, camera, vessel) {
+  const [right, down] = camera.at(vessel.x_m, vessel.y_m);
+  const empty = isElsewhere(vessel) || vessel.kind === "vessel", hull = empty ? theme.water : colourOf(vessel);
+  ctx.font = `700 ${Math.min(20, Math.max(11, 0.26 * hullPx(vessel, camera)))}px system-ui, sans-serif`;
+  write(ctx, `${vessel.id}`, right, down + 4, empty ? theme.ink : readableOn(hull), "center", hull);
 }
 
 function drawHull(ctx, camera, vessel, chosen) {

@@ -17,6 +17,11 @@ class Camera {
     return [this.width / 2 + (east - this.east) * this.scale, this.height / 2 - (north - this.north) * this.scale];
   }
 
+  /** The place [north, east] at a pixel. */
+  place(right, down) {
+    return [this.north - (down - this.height / 2) / this.scale, this.east + (right - this.width / 2) / this.scale];
+  }
+
   /** Zooms by a factor, the place under the pixel (right, down) staying there. */
   zoom(factor, right = this.width / 2, down = this.height / 2) {
     const scale = Math.min(Math.max(this.scale * factor, LEAST_PX_M), MOST_PX_M);

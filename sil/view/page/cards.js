@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
-// A card a vessel: state, why, ages, numbers, ESCs. Rows that were never known are not shown.
+// A row a vessel; a card with all it says for one that is in trouble or chosen. What a vessel has
+// told once and tells no more is "unknown"; what nobody tells has no place.
 const LATE_S = 1.5;
+const UNKNOWN = "unknown";
 const FACTS = [
   ["error_m", "from slot", (v) => metres(v.error_m)],
-  ["speed", "speed", (v) => withUnit(tracked(v).speed_mps, 2, "m/s")],
+  ["speed_mps", "speed", (v) => withUnit(tracked(v).speed_mps, 2, "m/s")],
+  ["battery_V", "battery", (v) => withUnit(v.battery_V, 1, "V")],
   ["psi_rad", "heading", (v) => degrees(v.psi_rad)],
   ["link_age_s", "heard", (v) => (known(v.link_age_s) ? `${age(v.link_age_s)} ago` : DASH)],
   ["leader_age_s", "leader's state", (v) => (known(v.leader_age_s) ? `${age(v.leader_age_s)} old` : DASH)],
-  ["battery_V", "battery", (v) => withUnit(v.battery_V, 1, "V")],
 ];
+const IN_ROWS = 3; // so many of them are in a row too
 
 function element(tag, parent, attributes = {}) {
   const made = document.createElement(tag);
@@ -29,78 +32,103 @@ function style(place, name, value) {
   if (place.style.getPropertyValue(name) !== value) place.style.setProperty(name, value);
 }
 
+function hide(place, hidden) {
+  if (place.hidden !== hidden) place.hidden = hidden;
+}
+
 class Card {
-  constructor(vessel, parent, choose) {
-    this.root = element("article", parent, { class: "card", "aria-label": nameOf(vessel) });
-    const head = element("div", this.root);
-    this.name = element("button", element("h3", head), { title: "follow in the plan view", text: nameOf(vessel) });
+  constructor(vessel, parent, choose, filled) {
+    this.filled = filled; // names that some vessel has told
+    this.told = new Set(); // names that this one has told
+    this.root = element("article", parent, { "aria-label": nameOf(vessel) });
+    const head = element("div", this.root, { class: "head" });
+    this.name = element("button", element("h3", head), { title: "follow in the plan view, and show all it says", text: nameOf(vessel) });
     this.name.addEventListener("click", () => choose(vessel.key));
-    this.follows = element("span", head, { class: "follows" });
     this.state = element("span", head, { class: "state" });
+    this.follows = element("span", head, { class: "follows" });
     this.why = element("p", this.root, { class: "why held" });
     this.text = element("p", this.root, { class: "why said" });
-    this.facts = this.makeFacts();
-    this.drives = this.makeDrives();
-  }
-
-  makeFacts() {
     const list = element("dl", this.root);
-    return FACTS.map(([, label]) => {
-      const row = element("div", list, { hidden: "" });
+    this.facts = FACTS.map(([, label], i) => {
+      const row = element("div", list, { class: i < IN_ROWS ? "" : "more", hidden: "" });
       element("dt", row, { text: label });
       return [row, element("dd", row)];
     });
+    this.makeDrives();
   }
 
   /** A row a propeller: thrust against its limits, and what its ESC says. */
   makeDrives() {
-    const table = element("table", this.root, { hidden: "", "aria-label": "Propellers and ESCs" });
-    const head = element("tr", element("thead", table));
+    this.table = element("table", this.root, { hidden: "", "aria-label": "Propellers and ESCs" });
+    const head = element("tr", element("thead", this.table));
     for (const text of ["", "", "N"]) element("th", head, { text });
-    for (const [, text] of ESC_CELLS) element("th", head, { text, class: "esc", scope: "col" });
-    const body = element("tbody", table);
-    const rows = SIDES.map((side) => {
-      const row = element("tr", body);
+    const heads = ESC_CELLS.map(([, text]) => element("th", head, { text, scope: "col" }));
+    const body = element("tbody", this.table);
+    this.drives = SIDES.map((side) => {
+      const row = element("tr", body, { class: side });
       element("th", row, { text: side, scope: "row" });
       const bar = element("i", element("td", row, { class: "gauge" }));
       return { bar, thrust: element("td", row), escs: ESC_CELLS.map(() => element("td", row, { class: "esc" })) };
     });
-    return { table, rows };
+    this.escColumns = ESC_CELLS.map(([name], i) => [name, [heads[i], ...this.drives.map(({ escs }) => escs[i])]]);
+  }
+
+  /** A text, "unknown" where this vessel told it before, nothing where it never has. */
+  read(name, text) {
+    if (text !== DASH) {
+      this.told.add(name);
+      this.filled.add(name);
+      return text;
+    }
+    return this.told.has(name) ? UNKNOWN : "";
   }
 
   show(vessel, byId, chosen) {
+    const silent = isSilent(vessel), troubles = troublesOf(vessel), whole = chosen || troubles.length > 0;
+    this.rank = troubles.length ? 0 : vessel.kind === "leader" ? 2 : 1;
     style(this.root, "--boat", colourOf(vessel));
-    this.root.className = `card${chosen ? " chosen" : ""}${isSilent(vessel) ? " stale" : ""}`;
+    const name = `card ${whole ? "whole" : "row"}${troubles.length ? " trouble" : ""}${chosen ? " chosen" : ""}${silent ? " stale" : ""}`;
+    if (this.root.className !== name) this.root.className = name;
     this.name.setAttribute("aria-pressed", String(chosen));
-    const leader = byId.get(vessel.leader);
-    const virtual = leader ? leader.kind === "leader" : false;
-    say(this.follows, vessel.leader === null || vessel.leader === 0 ? "" : virtual ? "follows leader" : `follows ${vessel.leader}`);
-    say(this.state, isClosing(vessel) ? closing(vessel) : vessel.state ?? (vessel.kind === "leader" ? "virtual" : ""));
-    this.state.className = `state ${isClosing(vessel) ? "closing" : vessel.state ?? ""}`;
-    say(this.why, isSilent(vessel) ? `silent for ${age(vessel.link_age_s)}` : vessel.held.join("; "));
-    say(this.text, vessel.text && vessel.text !== vessel.state ? `“${vessel.text}”` : "");
-    FACTS.forEach(([name, , read], i) => {
-      const [row, place] = this.facts[i], text = read(vessel);
-      if (text !== DASH) row.hidden = false;
+    this.showState(vessel, silent);
+    // what a silent vessel said last is known no more
+    FACTS.forEach(([fact, , read], i) => {
+      const text = this.read(fact, silent && fact !== "link_age_s" ? DASH : read(vessel));
+      const [row, place] = this.facts[i];
+      hide(row, !this.filled.has(fact) || (whole && !text));
       say(place, text);
-      place.className = name === "link_age_s" ? (isSilent(vessel) ? "age" : vessel[name] > LATE_S ? "late" : "") : "";
+      if (fact === "link_age_s") place.className = silent ? "age" : vessel[fact] > LATE_S ? "late" : "";
     });
-    this.showDrives(vessel);
+    if (!whole) return;
+    const leader = byId.get(vessel.leader);
+    say(this.follows, vessel.leader === null || vessel.leader === 0 ? "" : leader?.kind === "leader" ? "follows leader" : `follows ${vessel.leader}`);
+    say(this.why, troubles.join("; "));
+    say(this.text, vessel.text && vessel.text !== vessel.state ? `“${vessel.text}”` : "");
+    this.showDrives(silent ? { ...vessel, thrust_N: null, escs: [] } : vessel);
+  }
+
+  showState(vessel, silent) {
+    const state = silent ? null : vessel.state;
+    const unknown = silent || vessel.stateLost ? UNKNOWN : vessel.kind === "leader" ? "virtual" : "";
+    say(this.state, isClosing(vessel) && !silent ? "closing" : state ?? unknown);
+    const name = `state ${silent ? "" : isClosing(vessel) ? "closing" : state ?? ""}`;
+    if (this.state.className !== name) this.state.className = name;
   }
 
   showDrives({ thrust_N, limits_N, escs }) {
-    if (thrust_N || escs.length) this.drives.table.hidden = false;
-    if (escs.length) this.drives.table.className = "with-escs";
     const [low, high] = limits_N ?? [0, 0], wide = high - low;
+    for (const [name] of ESC_CELLS) for (const esc of escs) this.read(name, fixed(esc[name], 0));
     const percent = (value) => (wide > 0 ? (100 * (Math.min(Math.max(value, low), high) - low)) / wide : 50);
-    this.drives.rows.forEach((row, side) => {
+    this.drives.forEach((row, side) => {
       const thrust = thrust_N?.[side], zero = percent(0), end = known(thrust) ? percent(thrust) : zero;
-      say(row.thrust, fixed(thrust, 1));
+      say(row.thrust, this.read("thrust", fixed(thrust, 1)));
       style(row.bar, "--zero", `${zero.toFixed(1)}%`);
       style(row.bar, "--from", `${Math.min(zero, end).toFixed(1)}%`);
       style(row.bar, "--wide", `${Math.abs(end - zero).toFixed(1)}%`);
-      ESC_CELLS.forEach(([name, , digits], i) => say(row.escs[i], fixed(escs[side]?.[name], digits)));
+      ESC_CELLS.forEach(([name, , digits], i) => say(row.escs[i], this.read(name, fixed(escs[side]?.[name], digits))));
     });
+    for (const [name, cells] of this.escColumns) for (const cell of cells) hide(cell, !this.told.has(name));
+    hide(this.table, !this.told.has("thrust") && !this.escColumns.some(([name]) => this.told.has(name)));
   }
 }
 
@@ -109,6 +137,16 @@ class Cards {
     this.place = place;
     this.choose = choose;
     this.cards = new Map();
+    this.filled = new Set();
+    this.heads = element("div", place, { class: "heads", "aria-hidden": "true" });
+    element("span", this.heads);
+    this.headsOf = FACTS.slice(0, IN_ROWS).map(([name, text]) => [name, element("span", this.heads, { text })]);
+  }
+
+  clear() {
+    for (const card of this.cards.values()) card.root.remove();
+    this.cards.clear();
+    this.filled.clear();
   }
 
   show(vessels, chosen) {
@@ -120,18 +158,22 @@ class Cards {
       this.cards.delete(name);
     }
     for (const [name, vessel] of here) {
-      if (!this.cards.has(name)) {
-        this.cards.set(name, new Card(vessel, this.place, this.choose));
-        this.sort([...here.keys()]);
-      }
+      if (!this.cards.has(name)) this.cards.set(name, new Card(vessel, this.place, this.choose, this.filled));
       this.cards.get(name).show(vessel, byId, vessel.key === chosen);
     }
+    for (const [name, place] of this.headsOf) hide(place, !this.filled.has(name));
+    hide(this.heads, ![...this.cards.values()].some(({ rank }) => rank > 0));
+    this.sort([...here.keys()]);
   }
 
-  sort(order) {
-    const cards = order.map((name) => this.cards.get(name)).filter(Boolean);
-    cards.forEach((card, i) => {
-      if (this.place.children[i] !== card.root) this.place.insertBefore(card.root, this.place.children[i] ?? null);
+  /** Those in trouble first, then boats, virtual leaders last; the column heads before the rows. */
+  sort(names) {
+    const cards = names.map((name) => this.cards.get(name));
+    const order = [0, 1, 2].flatMap((rank) => cards.filter((card) => card.rank === rank).map(({ root }) => root));
+    const begin = cards.filter(({ rank }) => rank === 0).length;
+    order.splice(begin, 0, this.heads);
+    order.forEach((root, i) => {
+      if (this.place.children[i] !== root) this.place.insertBefore(root, this.place.children[i] ?? null);
     });
   }
 }

@@ -8,7 +8,7 @@ let theme = {};
 function readTheme() {
   const style = getComputedStyle(document.documentElement);
   theme = {};
-  for (const name of ["paper", "panel", "water", "grid", "ink", "soft", "line", "stale", "good", "warn", "bad", "calm", "hand", "odd"]) {
+  for (const name of ["paper", "panel", "water", "grid", "coast", "ink", "soft", "line", "stale", "good", "warn", "bad", "calm", "hand", "odd"]) {
     theme[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -26,6 +26,13 @@ function colourOf(vessel) {
   if (vessel.kind !== "boat") return theme.soft;
   const colour = CONFIG.colours[place(vessel.id) % CONFIG.colours.length];
   return dark.matches ? lighter(colour) : colour;
+}
+
+/** Black or white, whichever is read better on a colour that the canvas gives as "#rrggbb". */
+function readableOn(colour) {
+  const linear = (x) => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
+  const [r, g, b] = (colour.startsWith("#") ? [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16)) : colour.match(/\d+/g).map(Number)).map((x) => linear(x / 255));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000000" : "#ffffff";
 }
 
 function dashOf(vessel) {

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: MIT
-// What lies under the vessels: grid, trails, scale, north. It is drawn anew once a second and where the
+// What lies under the vessels: chart, grid, trails, scale, north. It is drawn anew once a second and where the
 // view has moved; between, what has been sailed since is drawn over it.
 const TRAIL_POINTS = 3000, FADES = 6; // of all trails together
 const FRESH_S = 1;
 
 class Ground {
-  constructor() {
+  constructor(chart) {
+    this.chart = chart;
     this.canvas = document.createElement("canvas");
     this.drawn = "";
     this.t_s = NaN;
   }
 
   /** Fills the canvas of `ctx`: `track(key)` of each vessel until `t_s`, the last `window_s` of it. */
-  draw(ctx, camera, vessels, track, [t_s, window_s]) {
+  draw(ctx, camera, vessels, track, [t_s, window_s, origin]) {
     const { width, height } = ctx.canvas;
-    const view = [width, height, camera.north, camera.east, camera.scale, window_s, dark.matches];
+    const view = [width, height, camera.north, camera.east, camera.scale, window_s, dark.matches, this.chart.version, origin];
     const wanted = [...view, ...vessels.map((vessel) => `${vessel.key} ${vessel.kind}`)].join();
     if (wanted !== this.drawn || !(t_s >= this.t_s && t_s < this.t_s + FRESH_S)) {
       [this.drawn, this.t_s] = [wanted, t_s];
-      this.renew(camera, vessels, track, [t_s - window_s, t_s], [width, height]);
+      this.renew(camera, vessels, track, [t_s - window_s, t_s, origin], [width, height]);
     }
     ctx.save();
     ctx.resetTransform(); // pixel on pixel
@@ -27,13 +28,14 @@ class Ground {
     for (const vessel of vessels) drawTail(ctx, camera, vessel, track(vessel.key), [this.t_s, t_s]);
   }
 
-  renew(camera, vessels, track, [from_s, to_s], [width, height]) {
+  renew(camera, vessels, track, [from_s, to_s, origin], [width, height]) {
     [this.canvas.width, this.canvas.height] = [width, height];
     const ctx = this.canvas.getContext("2d", { alpha: false });
     ctx.fillStyle = theme.water;
     ctx.fillRect(0, 0, width, height);
     ctx.scale(width / camera.width, height / camera.height);
     ctx.lineJoin = "round";
+    this.chart.draw(ctx, camera, origin);
     drawGrid(ctx, camera);
     const most = Math.min(600, Math.max(60, TRAIL_POINTS / vessels.length));
     for (const vessel of vessels) drawTrail(ctx, camera, vessel, track(vessel.key), [from_s, to_s, most]);

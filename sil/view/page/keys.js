@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What the reader touches: buttons, plots, keys.
+const PAN_PX = 60;
 const KEYS = {
+  m: () => measure(),
+  Escape: () => ruler.on && measure(),
   " ": () => togglePause(),
   f: () => centreOn("fleet"),
   "+": () => zoom(1.4), "=": () => zoom(1.4), "-": () => zoom(1 / 1.4),
@@ -9,6 +12,39 @@ const KEYS = {
   Home: () => player?.seek(source.begin_s),
   End: () => player?.seek(source.end_s),
 };
+
+const PANS = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+/** What a key does to the plan while the focus is on it; whether it does anything. */
+function keyedOnPlan({ key }) {
+  if (key in PANS) plan.camera.drag(...PANS[key].map((step) => PAN_PX * step));
+  else if (key === "Enter" && ruler.on) putEnd(plan.camera.width / 2, plan.camera.height / 2);
+  else return false;
+  schedule(true);
+  return true;
+}
+
+function measure() {
+  ruler.toggle();
+  byName("measure").setAttribute("aria-pressed", String(ruler.on));
+  say(byName("measured"), ruler.text());
+  schedule(true);
+}
+
+function putEnd(right, down) {
+  ruler.put(plan.camera.place(right, down));
+  say(byName("measured"), ruler.text());
+  schedule(true);
+}
+
+/** A click on the plan: where the pointer went up near where it went down. */
+function clicks(canvas, act) {
+  let down = [0, 0];
+  canvas.addEventListener("pointerdown", (event) => (down = [event.offsetX, event.offsetY]));
+  canvas.addEventListener("click", (event) => {
+    if (Math.hypot(event.offsetX - down[0], event.offsetY - down[1]) < 5) act(event.offsetX, event.offsetY);
+  });
+}
 
 function zoom(factor) {
   plan.camera.zoom(factor);
@@ -19,9 +55,13 @@ function zoom(factor) {
 function keyed(event) {
   if (byName("fleet").hidden || event.ctrlKey || event.altKey || event.metaKey) return;
   const focus = document.activeElement?.tagName;
+  if (focus === "CANVAS" && keyedOnPlan(event)) {
+    event.preventDefault();
+    return;
+  }
   const own = focus === "SELECT" || (focus === "BUTTON" && event.key === " ") || (focus === "INPUT" && event.key.length > 1 && !event.key.startsWith("Arrow"));
   const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-  if (own || !act || (!player && event.key.length > 1)) return;
+  if (own || !act || (!player && event.key.length > 1 && event.key !== "Escape")) return;
   event.preventDefault();
   act(event);
 }
@@ -33,10 +73,13 @@ function listen() {
   byName("farther").addEventListener("click", () => zoom(1 / 1.4));
   byName("centre").addEventListener("change", (event) => centreOn(event.target.value));
   byName("window").addEventListener("change", () => schedule(true));
-  for (const name of ["fleet", "failsafe"]) byName(`tab-${name}`).addEventListener("click", () => openPage(name));
+  for (const name of PAGES) byName(`tab-${name}`).addEventListener("click", () => openPage(name));
   document.addEventListener("keydown", keyed);
   steer(byName("plan"), plan.camera, () => schedule(true));
+  byName("measure").addEventListener("click", measure);
+  clicks(byName("plan"), (right, down) => ruler.on && putEnd(right, down));
   byName("plan").addEventListener("dblclick", (event) => {
+    if (ruler.on) return;
     const key = plan.under(event.offsetX, event.offsetY, shown?.vessels ?? []);
     centreOn(key ?? "fleet");
   });

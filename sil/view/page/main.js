@@ -4,11 +4,10 @@
 const PLAN_MS = 95, CARDS_MS = [250, 500], PLOTS_MS = [500, 2000], MANY = 8, MOST_PLOTTED = 40;
 const WINDOWS_S = [30, 60, 120, 300, 600];
 const byName = (id) => document.getElementById(id);
-const history_ = JSON.parse(byName("history").textContent);
-const isReplay = history_ !== null;
+const PAGES = ["fleet", "what-if"];
 
 readTheme();
-let source = null, player = null, plots = null, failsafe = null;
+let source = null, player = null, plots = null, whatIf = null;
 let paused = false, shown = null, drawing = false, touched = true, later = 0;
 const due = { plan: 0, cards: 0, plots: 0 };
 
@@ -28,7 +27,7 @@ function window_s() {
 
 function range(t_s) {
   const wide = window_s();
-  if (!isReplay) return [t_s - wide, t_s];
+  if (!player) return [t_s - wide, t_s];
   return Number.isFinite(wide) ? [Math.max(source.begin_s, t_s - wide), Math.max(t_s, source.begin_s + wide)] : [source.begin_s, source.end_s];
 }
 
@@ -37,20 +36,21 @@ function draw() {
   const now = performance.now(), every = touched;
   touched = false;
   if (!paused || shown === null) shown = source.frame;
-  const many = !isReplay && shown.vessels.length > MANY ? 1 : 0;
+  const many = !player && shown.vessels.length > MANY ? 1 : 0;
   const chosen = plan.camera.mode in { fleet: 0, free: 0 } ? null : plan.camera.mode;
   plan.draw(shown, window_s(), chosen);
-  due.plan = now + (isReplay ? 0 : PLAN_MS);
+  due.plan = now + (player ? 0 : PLAN_MS);
   if (every || now >= due.cards) {
     due.cards = now + CARDS_MS[many];
     cards.show(shown.vessels, chosen);
     tell(shown, chosen);
+    events.draw(source, player ? [source.begin_s, source.end_s] : range(shown.t_s), shown.t_s);
   }
   if (plots && (every || now >= due.plots)) {
     due.plots = now + PLOTS_MS[many];
     drawPlots(chosen, every);
   }
-  if (plots && isReplay) plots.cursor(shown.t_s);
+  if (plots && player) plots.cursor(shown.t_s);
   // what was not due yet is shown then, also if nothing more comes
   const wait = Math.max(0, Math.max(due.cards, plots ? due.plots : 0) - performance.now());
   clearTimeout(later);
@@ -62,7 +62,7 @@ let drawnPlots = "";
 function drawPlots(chosen, every) {
   const [from, to] = range(shown.t_s);
   const wanted = `${from} ${to} ${chosen} ${dark.matches} ${plots.charts.error.width}`;
-  if (isReplay && wanted === drawnPlots) return;
+  if (player && wanted === drawnPlots) return;
   if (paused && !every) return;
   drawnPlots = wanted;
   const plotted = shown.vessels.filter((vessel, i) => i < MOST_PLOTTED || vessel.key === chosen);
@@ -72,9 +72,12 @@ function drawPlots(chosen, every) {
 /** What is heard, the connection, the clock, whom the view can follow. */
 function tell(frame, chosen) {
   const [kind, text] = source.status;
-  say(byName("status"), paused && !isReplay ? "paused" : text);
-  byName("status").className = paused && !isReplay ? "warn" : kind;
+  say(byName("status"), paused && !player ? "paused" : text);
+  byName("status").className = paused && !player ? "warn" : kind;
   document.body.classList.toggle("cut", source.cut);
+  alarm(source.cut ? text : frame.heard?.alarm);
+  for (const [name, line] of Object.entries(fleetLine(frame.vessels))) say(byName(`line-${name}`), line);
+  byName("line-troubles").className = byName("line-troubles").textContent.startsWith("none") ? "good" : "bad";
   if (frame.heard) {
     const { address, bytes_per_s, damaged, ignored } = frame.heard;
     const garbage = source.garbage ? ` · ${source.garbage} frames not understood` : "";
@@ -82,11 +85,18 @@ function tell(frame, chosen) {
     say(byName("heard"), source.frames ? parts.join(" · ") + garbage : "");
   }
   byName("nothing").hidden = frame.vessels.length > 0;
+  say(byName("nothing"), frame.heard?.bytes_per_s > 0 ? "Bytes come in, but no vessel's HEARTBEAT is among them: check the speed in baud, and that this is MAVLink." : "Nothing is heard yet.");
   say(byName("clock"), clock(frame.t_s));
   say(byName("pause"), player ? (player.playing ? "Pause" : "Play") : paused ? "Go on" : "Pause");
   byName("pause").setAttribute("aria-label", byName("pause").textContent);
   const options = [["fleet", "whole fleet"], ["free", "free"], ...frame.vessels.map((vessel) => [vessel.key, nameOf(vessel)])];
   fill(byName("centre"), options, plan.camera.mode);
+}
+
+/** Why nothing is heard, in red; nothing where all is well. */
+function alarm(text) {
+  hide(byName("alarm"), typeof text !== "string");
+  say(byName("alarm"), typeof text === "string" ? text : "");
 }
 
 /** Gives a select its options, only where they are others. */
@@ -112,27 +122,45 @@ function togglePause() {
 }
 
 function openPage(name) {
-  for (const page of ["fleet", "failsafe"]) {
+  for (const page of PAGES) {
     byName(page).hidden = page !== name;
     byName(`tab-${page}`).setAttribute("aria-selected", String(page === name));
   }
-  if (name === "failsafe") {
-    failsafe ??= new Failsafe();
-    failsafe.offer((shown ?? source.frame).vessels);
+  if (name === "what-if") {
+    whatIf ??= new WhatIf();
+    whatIf.offer((shown ?? source.frame).vessels);
   }
   schedule(true);
 }
 
-const plan = new Plan(byName("plan"), { track: (key) => source.track(key) });
-const cards = new Cards(byName("cards"), (key) => centreOn(plan.camera.mode === key ? "fleet" : key));
-const windows = WINDOWS_S.map((s) => [`${s}`, s < 60 ? `${s} s` : `${s / 60} min`]);
-fill(byName("window"), isReplay ? [["0", "all"], ...windows] : windows, isReplay ? "0" : "60");
-
-if (isReplay) {
-  source = new ReplaySource(history_);
+/** Shows a history: one that came with the page, or all that a live view has heard. */
+function replay(history) {
+  document.body.className = "replay";
+  byName("title").textContent = document.title = history.title;
+  source = new ReplaySource(history);
   player = new Player(source, () => schedule(!player?.playing));
-} else {
-  source = new LiveSource((at_once) => schedule(at_once));
+  fill(byName("window"), [["0", "all"], ...WINDOWS], "0");
+  say(byName("heard"), "");
+  [paused, shown] = [false, null];
+  plan.camera.placed = false;
+  cards.clear();
+  plots?.follow(source);
+  player.begin(byName("plan"));
+  schedule(true);
+}
+
+const ruler = new Ruler();
+const chart = new SeaChart(() => schedule(true));
+const plan = new Plan(byName("plan"), { track: (key) => source.track(key) }, chart, ruler);
+const cards = new Cards(byName("cards"), (key) => centreOn(plan.camera.mode === key ? "fleet" : key));
+const events = new Events(byName("events"), byName("event-track"), ({ t_s, key }) => (player ? player.seek(t_s) : centreOn(key)));
+const WINDOWS = WINDOWS_S.map((s) => [`${s}`, s < 60 ? `${s} s` : `${s / 60} min`]);
+const given = JSON.parse(byName("history").textContent);
+
+if (given !== null) replay(given);
+else {
+  fill(byName("window"), WINDOWS, "60");
+  source = new LiveSource((at_once) => schedule(at_once), replay);
 }
 listen();
 schedule(true);
@@ -141,5 +169,5 @@ setTimeout(() => {
   plots = new Plots(source);
   schedule(true);
 }, 0);
-openPage(location.hash === "#failsafe" ? "failsafe" : "fleet");
-window.flotilla = { supervise, cleanFrame, plan, cards, get shown() { return shown; }, get source() { return source; }, get plots() { return plots; } };
+openPage(location.hash === "#what-if" ? "what-if" : "fleet");
+window.flotilla = { supervise, cleanFrame, plan, cards, chart, ruler, get shown() { return shown; }, get source() { return source; }, get plots() { return plots; }, get player() { return player; } };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The plan view: everything that is drawn of a frame, in order, on a canvas that fits its box.
 class Plan {
-  constructor(canvas, source) {
-    this.canvas = canvas;
+  constructor(canvas, source, chart, ruler) {
+    Object.assign(this, { canvas, ruler });
     this.source = source;
     this.camera = new Camera();
-    this.ground = new Ground();
+    this.ground = new Ground(chart);
     this.said = "";
   }
 
@@ -31,7 +31,7 @@ class Plan {
     camera.aim(frame.vessels);
     ctx.lineJoin = "round";
     const placed = frame.vessels.filter(isPlaced);
-    this.ground.draw(ctx, camera, placed, (key) => this.source.track(key), [frame.t_s, window_s]);
+    this.ground.draw(ctx, camera, placed, (key) => this.source.track(key), [frame.t_s, window_s, frame.origin]);
     const byId = new Map(placed.map((vessel) => [vessel.id, vessel]));
     for (const vessel of placed) {
       const leader = byId.get(vessel.leader);
@@ -40,35 +40,40 @@ class Plan {
     for (const vessel of frame.vessels) {
       if (vessel.slot) drawSlot(ctx, camera, vessel, byId.get(vessel.leader)?.psi_rad ?? vessel.psi_rad ?? 0);
     }
+    for (const vessel of placed.filter(({ kind }) => kind === "leader")) drawVirtual(ctx, camera, vessel);
     for (const vessel of placed.filter(({ kind }) => kind !== "leader")) {
       drawThrust(ctx, camera, vessel);
       drawHull(ctx, camera, vessel, vessel.key === chosen);
+      drawNumber(ctx, camera, vessel);
     }
-    for (const vessel of placed.filter(({ kind }) => kind === "leader")) drawVirtual(ctx, camera, vessel);
-    this.names(ctx, placed);
+    this.labels(ctx, placed);
+    this.ruler.draw(ctx, camera);
     this.describe(frame);
   }
 
-  /** Names beside the vessels, with the state where it is not FORMATION. */
-  names(ctx, placed) {
+  /** Beside a vessel, only what is not as it should be. */
+  labels(ctx, placed) {
     ctx.font = `600 ${FONT}`;
     const boats = placed.filter((vessel) => vessel.kind !== "leader");
     const middle = boats.reduce((sum, vessel) => sum + vessel.y_m, 0) / boats.length;
     for (const vessel of placed) {
-      const [right, middle_down] = this.camera.at(vessel.x_m, vessel.y_m);
-      // a virtual leader may be where a boat is
-      const down = middle_down - (vessel.kind === "leader" ? 14 : 0);
-      const beside = vessel.kind === "leader" ? 6 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 8;
-      const name = vessel.kind === "leader" ? "leader" : `${vessel.id}`;
-      const stale = isElsewhere(vessel);
-      const told = isSilent(vessel) ? `silent ${age(vessel.link_age_s)}` : stale ? `was here ${age(vessel.place_age_s)} ago` : isClosing(vessel) ? closing(vessel) : vessel.state === "FORMATION" ? null : vessel.state;
-      const width = ctx.measureText(name).width, more = told ? ctx.measureText(told).width + 5 : 0;
-      // to the west of a boat that is in the west, so that names of neighbours do not meet
-      const west = vessel.kind !== "leader" && vessel.y_m < middle - 1e-6 && right - beside - width - more > 0;
-      const begin = west ? right - beside - width - more : right + beside;
-      write(ctx, name, begin, down + 4, stale ? theme.stale : colourOf(vessel));
-      if (told) write(ctx, told, begin + width + 5, down + 4, theme[stale ? "stale" : isClosing(vessel) ? "calm" : STATE_THEME[told]]);
+      const [right, down] = this.camera.at(vessel.x_m, vessel.y_m), virtual = vessel.kind === "leader";
+      const [text, colour] = virtual ? ["leader", isElsewhere(vessel) ? "stale" : "ink"] : this.label(vessel);
+      if (!text) continue;
+      const beside = virtual ? 0.72 * ringPx(vessel, this.camera) + 3 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 6;
+      // to the west of a boat that is in the west, so that texts of neighbours do not meet
+      const width = ctx.measureText(text).width;
+      const west = !virtual && vessel.y_m < middle - 1e-6 && right - beside - width > 0;
+      write(ctx, text, west ? right - beside - width : right + beside, down + (virtual ? -beside : 4), theme[colour]);
     }
+  }
+
+  /** Text and colour of what is to be told of a boat. */
+  label(vessel) {
+    if (isSilent(vessel)) return [`silent ${age(vessel.link_age_s)}`, "stale"];
+    if (isElsewhere(vessel)) return [`was here ${age(vessel.place_age_s)} ago`, "stale"];
+    if (isClosing(vessel)) return [closing(vessel), "calm"];
+    return vessel.state === "FORMATION" ? [null] : [vessel.state, STATE_THEME[vessel.state]];
   }
 
   /** The key of the vessel at a pixel, or null. */

@@ -68,6 +68,12 @@ class Plots {
     this.charts = Object.fromEntries(Object.keys(LINES).map((name) => [name, this.make(name)]));
   }
 
+  /** Draws what another source tells from now on. */
+  follow(source) {
+    this.source = source;
+    this.kept.clear();
+  }
+
   make(name) {
     return new Chart(document.getElementById(`plot-${name}`), {
       type: "line",
@@ -89,6 +95,7 @@ class Plots {
     for (const [name, chart] of Object.entries(this.charts)) {
       chart.data.datasets = vessels.flatMap((vessel) => LINES[name].map((line) => this.line(vessel, line, from, to, chosen, vessels.length)));
       chart.data.datasets = chart.data.datasets.filter((line) => line.data.length);
+      hide(chart.canvas.closest("figure"), vessels.length > 0 && !chart.data.datasets.length);
       [chart.options.scales.x.min, chart.options.scales.x.max] = [from, to];
       chart.flotillaMarks = this.marksOf(name, vessels, chart);
       chart.update("none");
@@ -123,7 +130,7 @@ class Plots {
     }
     if (name !== "thrust") return [];
     const limits = [...new Set(vessels.flatMap((vessel) => vessel.limits_N ?? []))].sort((a, b) => a - b);
-    say(document.getElementById("thrust-note"), `stbd dashed${limitsText(limits)}`);
+    say(document.getElementById("thrust-note"), `port solid, stbd dashed${limitsText(limits)}`);
     const most = Math.max(0, ...chart.data.datasets.map(({ data }) => greatest(data, Math.abs)));
     const near = limits.filter((limit) => Math.abs(limit) < 2.5 * most);
     const scale = chart.options.scales.y;

@@ -11,7 +11,19 @@ class Player {
     [this.slider.min, this.slider.max] = [source.begin_s, source.end_s];
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
     this.timer = null;
+    this.speed.value = "4";
     this.seek(source.begin_s);
+  }
+
+  /** Begins by itself as soon as it is seen, unless the reader wants little to move. */
+  begin(place) {
+    if (window.matchMedia("(prefers-reduced-motion: reduce)").matches || this.source.end_s <= this.source.begin_s) return;
+    const watch = new IntersectionObserver((seen) => {
+      if (!seen.some(({ isIntersecting }) => isIntersecting)) return;
+      watch.disconnect();
+      if (!this.playing && this.source.t_s === this.source.begin_s) this.toggle();
+    });
+    watch.observe(place);
   }
 
   get playing() {

@@ -14,6 +14,7 @@ function cleanVessel(raw) {
   for (const name of NUMBERS) out[name] = numberOr(raw[name]);
   for (const name of ["slot", "thrust_N", "limits_N"]) out[name] = pair(raw[name]);
   out.state = STATES.includes(raw.state) ? raw.state : null;
+  out.stateLost = out.kind === "boat" && raw.state === null && !isSilent(out);
   out.held = Array.isArray(raw.held) ? raw.held.filter((x) => typeof x === "string") : [];
   out.text = textOr(raw.text);
   const escs = Array.isArray(raw.escs) ? raw.escs.slice(0, 2) : [];
@@ -21,7 +22,7 @@ function cleanVessel(raw) {
   return out;
 }
 
-/** A frame of what came over the wire; null where it is none. */
+/** A frame of what came over the wire; null where it is none. `over`: there will be no more. */
 function cleanFrame(text) {
   let raw;
   try {
@@ -29,18 +30,25 @@ function cleanFrame(text) {
   } catch {
     return null;
   }
+  if (raw?.over === true) return { over: true };
   if (raw === null || typeof raw !== "object" || !known(raw.t_s) || !Array.isArray(raw.vessels)) return null;
   const unique = new Map();
   for (const vessel of raw.vessels.map(cleanVessel)) if (vessel) unique.set(vessel.id, vessel);
   const vessels = [...unique.values()].sort((a, b) => a.id - b.id);
-  return { t_s: raw.t_s, heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
+  return { t_s: raw.t_s, origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
 }
 
 class LiveSource {
-  /** `changed` is called after each frame, and with true whenever the connection comes or goes. */
-  constructor(changed) {
+  /**
+   * `changed` is called after each frame, and with true whenever the connection comes or goes; `over`
+   * with the history of all that was heard, when nothing more will be.
+   */
+  constructor(changed, over) {
     this.changed = changed;
-    this.frame = { t_s: 0, heard: {}, vessels: [] };
+    this.over = over;
+    this.frame = { t_s: 0, origin: null, heard: {}, vessels: [] };
+    this.events = [];
+    this.changes = new Changes();
     this.tracks = new Map();
     this.garbage = 0;
     this.frames = 0;
@@ -82,16 +90,36 @@ class LiveSource {
     }
     clearTimeout(this.watchdog);
     this.watchdog = setTimeout(() => this.say("bad", "the view says nothing any more"), SILENT_MS);
+    if (frame.over) {
+      this.end();
+      return;
+    }
     this.tries = 0;
     this.frames += 1;
     this.status = ["good", "live"];
     // a view that was started again counts from 0
-    if (frame.t_s < this.frame.t_s - 1) this.tracks.clear();
+    if (frame.t_s < this.frame.t_s - 1) this.forget();
     this.frame = frame;
     const here = new Set(frame.vessels.map((vessel) => vessel.key));
     for (const key of this.tracks.keys()) if (!here.has(key)) this.tracks.delete(key);
-    for (const vessel of frame.vessels) this.track(vessel.key).push(frame.t_s, vessel);
+    for (const vessel of frame.vessels) {
+      this.track(vessel.key).push(frame.t_s, vessel);
+      this.events.push(...this.changes.of(frame.t_s, vessel));
+    }
+    if (this.events.length > MOST_EVENTS) this.events.splice(0, this.events.length - MOST_EVENTS);
     this.changed();
+  }
+
+  forget() {
+    this.tracks.clear();
+    [this.events, this.changes] = [[], new Changes()];
+  }
+
+  /** The view's server listens no more: from here on a replay. */
+  async end() {
+    this.socket.onclose = null;
+    this.socket.close();
+    this.over(await (await fetch("history")).json());
   }
 
   track(key) {

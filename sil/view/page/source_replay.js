@@ -36,6 +36,8 @@ class ReplaySource {
     this.begin_s = this.t[0] ?? 0;
     this.end_s = this.t[this.t.length - 1] ?? 0;
     this.status = ["good", "replay"];
+    this.origin = pair(history.origin_deg);
+    this.events = this.vessels.flatMap((vessel) => eventsOf(vessel, this.t)).sort((a, b) => a.t_s - b.t_s);
     this.tracks = new Map(this.vessels.map((vessel) => [vessel.key, this.trackOf(vessel)]));
     this.seek(this.begin_s);
   }
@@ -67,7 +69,7 @@ class ReplaySource {
     const span = this.t[after] - this.t[before];
     const share = span > 0 ? (this.t_s - this.t[before]) / span : 1;
     const vessels = this.vessels.map((vessel) => this.vesselAt(vessel, before, after, share));
-    this.frame = { t_s: this.t_s, heard: null, vessels };
+    this.frame = { t_s: this.t_s, origin: this.origin, heard: null, vessels };
   }
 
   vesselAt(vessel, before, after, share) {

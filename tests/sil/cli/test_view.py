@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What tools/view takes for what, and what it says of what it cannot take."""
 
-import socket
 import struct
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import pytest
 
 from sil.cli.main import main
 from sil.cli.view_command import source_of
-from sil.wire.mavlink_mcast import LOOPBACK
 from tests.sil.campaign.short import short
 from tests.sil.view.feed import BEAT, local, said
 
@@ -50,7 +48,8 @@ def test_a_file_is_a_tlog(tmp_path: Path) -> None:
     [
         ("nowhere", "no file, no folder and no MAVLink address"),
         ("mcast:x", "must be mcast:"),
-        ("mcast:239.255.145.67:14999:192.0.2.1", "mcast:239.255.145.67:14999:192.0.2.1: "),
+        ("mcast:239.255.145.67:14999:192.0.2.1", "no interface of this computer"),
+        ("udpin:192.0.2.1:14999", "no interface of this computer has that address"),
         (".", "is not the folder of a run"),
         (__file__, "is no tlog"),
     ],
@@ -63,11 +62,24 @@ def test_what_cannot_be_seen_is_told_in_one_line(
     assert told.startswith("error: ") and words in told and told.count("\n") == 1
 
 
-def test_an_address_that_is_taken_is_told(sailed: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with socket.create_server((LOOPBACK, 0)) as taken:
-        port = taken.getsockname()[1]
-        assert main(["view", str(sailed), "--bind", f"{LOOPBACK}:{port}"]) == 2
-    assert str(port) in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "a chart is a GeoJSON file"),
+        ('{"type": "Feature"}', "geometry"),
+        ('{"type": "Point", "coordinates": [1, 2]}', "no lines or polygons"),
+        ('{"type": "LineString", "coordinates": [[500000, 4000000]]}', "in degrees"),
+        ('{"type": "Sea"}', '"Sea" is no type of GeoJSON'),
+    ],
+)
+def test_a_chart_that_is_none_is_told(
+    content: str, words: str, sailed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "chart"
+    path.write_text(content)
+    assert main(["view", str(sailed), "--chart", str(path)]) == 2
+    told = capsys.readouterr().err
+    assert str(path) in told and words in told and told.count("\n") == 1
 
 
 @pytest.mark.parametrize("length", ["nan", "inf", "0", "-1", "long"])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The live page in Chromium, fed with a fleet that is made up."""
 
+import json
+
 import pytest
 
 from tests.sil.view.browser import Browser
@@ -90,11 +92,125 @@ def test_vessel_that_is_silent_is_greyed_and_one_that_is_gone_has_no_card(
     shown(browser, four)
     four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, link_age_s=12.3)])
     browser.until(f"{CARD} return card.classList.contains('stale')", "Boat 2")
-    assert word(browser, "Boat 2", ".held") == "silent for 12 s"
+    assert word(browser, "Boat 2", ".held") == "silent for 12 s, last heard in FORMATION"
+    assert word(browser, "Boat 2", ".state") == "unknown"
+    facts = f"{CARD} return [...card.querySelectorAll('dd')].map((d) => d.textContent)"
+    known = ["12 s ago"]
+    assert sorted(set(browser.run(facts, "Boat 2"))) == [*known, "unknown"]
     assert browser.run("return document.querySelectorAll('.card').length") == 2
     four.frames = lambda t_s: frame(t_s, [])
     browser.until("return !document.getElementById('nothing').hidden")
     assert browser.run("return document.querySelectorAll('.card').length") == 0
+
+
+def test_line_on_top_tells_how_the_fleet_is(browser: Browser, four: Feeder) -> None:
+    far = {"error_m": 9.5, "in_slot": 0.0}
+    lost = {"state": "COAST", "held": ["leader's state is not fresh"], "in_slot": 0.0}
+    near = {"error_m": 0.02, "in_slot": 1.0}
+    mixed = [(1, near), (2, near), (3, far), (4, {**near, **lost}), (5, {"link_age_s": 9.0})]
+    four.frames = lambda t_s: frame(t_s, [leader(t_s), *(boat(n, t_s, **c) for n, c in mixed)])
+    shown(browser, four)
+    line = "return [...document.querySelectorAll('#fleet-line > *')].map((x) => x.textContent)"
+    assert browser.until(f"{line}.every((text) => text) && (() => {{ {line} }})()") == [
+        "5 boats, 2 in their slots",
+        "2 in trouble",
+        "3 FORMATION, 1 COAST, 1 unknown",
+        "farthest from its slot: boat 3, 9.50 m",
+    ]
+    # a card with the reason for those in trouble, a row for the others
+    whole = "return [...document.querySelectorAll('.whole')].map((c) => c.ariaLabel)"
+    assert browser.run(whole) == ["Boat 4", "Boat 5"]
+    assert browser.run("return document.querySelectorAll('.row').length") == 4
+
+
+def test_columns_that_nobody_fills_are_not_drawn(browser: Browser, four: Feeder) -> None:
+    bare = {"battery_V": None, "thrust_N": None, "limits_N": None, "escs": []}
+    shown(browser, four, lambda t_s: frame(t_s, [boat(n, t_s, **bare) for n in (1, 2)]))
+    heads = """return [...document.querySelectorAll('.heads > span')].filter((x) =>
+      x.checkVisibility()).map((x) => x.textContent).filter(Boolean)"""
+    browser.until(f"return (() => {{ {heads} }})().length > 0")
+    assert browser.run(heads) == ["from slot", "speed"]
+    browser.until("return document.getElementById('plot-thrust').closest('figure').hidden")
+    assert not browser.run("return document.getElementById('plot-speed').closest('figure').hidden")
+    four.frames = fleet(2)
+    browser.until(f"return (() => {{ {heads} }})().length === 3")
+    browser.until("return !document.getElementById('plot-thrust').closest('figure').hidden")
+
+
+def test_what_is_told_no_more_is_unknown(browser: Browser, four: Feeder) -> None:
+    shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s)]))
+    four.frames = lambda t_s: frame(
+        t_s, [boat(1, t_s, battery_V=None, u_mps=None, state=None), boat(2, t_s)]
+    )
+    browser.until(f"{CARD} return card.classList.contains('trouble')", "Boat 1")
+    assert word(browser, "Boat 1", ".held") == "state unknown: no HEARTBEAT for more than 5 s"
+    facts = f"""{CARD} return Object.fromEntries([...card.querySelectorAll('dl > div')].map((row) =>
+      [...row.children].map((x) => x.textContent)))"""
+    told = browser.run(facts, "Boat 1")
+    assert told["battery"] == told["speed"] == "unknown" and told["heading"].endswith("°")
+
+
+def test_source_that_is_not_heard_is_told_in_red(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    assert browser.run("return document.getElementById('alarm').hidden")
+    told = "nothing heard for 3 s: check that the boats have power"
+    heard = {"address": "mcast:", "alarm": told, "bytes_per_s": 0}
+    four.frames = lambda t_s: json.dumps({"t_s": t_s, "heard": heard, "vessels": []})
+    browser.until("return !document.getElementById('alarm').hidden")
+    script = """const place = document.getElementById('alarm');
+      return [place.textContent, getComputedStyle(place).backgroundColor, place.role]"""
+    assert browser.run(script) == [told, "rgb(179, 38, 30)", "alert"]
+
+
+def test_events_are_listed_the_newest_first(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    told = "return [...document.querySelectorAll('#events .told')].map((x) => x.textContent)"
+    lost = {"held": ["leader's state is not fresh"], "state": "COAST", "text": "leader is lost"}
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **lost)])
+    browser.until("return flotilla.source.events.length === 3")
+    four.frames = lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, text="leader is lost")])
+    browser.until("return flotilla.source.events.length === 5")
+    browser.until("return document.querySelectorAll('#events .told').length === 5")
+    assert browser.run(told) == [
+        "nothing is missing any more",
+        "FORMATION",
+        "“leader is lost”",
+        "leader's state is not fresh",
+        "COAST",
+    ]
+
+
+def test_two_clicks_tell_the_distance_between_them(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    browser.run("document.getElementById('nearer').click()")
+    browser.run("document.getElementById('measure').click()")
+    box = "const b = document.getElementById('plan').getBoundingClientRect(); return [b.x, b.y]"
+    x, y = browser.run(box)
+    scale = browser.run("return flotilla.plan.camera.scale")
+    browser.click(x + 100, y + 200)
+    browser.click(x + 300, y + 200)
+    words = browser.run("return document.getElementById('measured').textContent")
+    far, bearing = words.split(", bearing ")
+    assert float(far.removesuffix(" m")) == pytest.approx(200.0 / scale, abs=2.0 / scale)
+    assert bearing == "090°"
+    browser.press("\ue00c")
+    assert browser.run("return document.getElementById('measured').textContent") == ""
+
+
+def test_map_is_moved_and_measured_by_keys(browser: Browser, four: Feeder) -> None:
+    shown(browser, four)
+    browser.run(
+        "document.getElementById('nearer').click(); document.getElementById('plan').focus()"
+    )
+    browser.press("m")
+    browser.press("\ue007")
+    for _ in range(2):
+        browser.press("\ue014")
+    browser.press("\ue007")
+    scale = browser.run("return flotilla.plan.camera.scale")
+    words = browser.run("return document.getElementById('measured').textContent")
+    far = float(words.split(" m")[0])
+    assert far == pytest.approx(120.0 / scale, rel=0.01) and words.endswith("bearing 090°")
 
 
 def test_page_says_what_is_heard(browser: Browser, four: Feeder) -> None:
@@ -141,13 +257,14 @@ def test_vessels_of_the_wrong_types_are_left_out_or_unknown(browser: Browser, fo
     cards = browser.run(
         "return [...document.querySelectorAll('.card h3')].map((c) => c.textContent)"
     )
-    assert cards == ["Vessel 6", "Boat 7", "Boat 8", "Vessel 9"]
+    # the last one's list of one text is a list of what it lacks
+    assert cards == ["Vessel 9", "Vessel 6", "Boat 7", "Boat 8"]
 
 
 def test_boat_that_holds_can_be_played_with_as_it_is(browser: Browser, four: Feeder) -> None:
     held = {"held": ["own state jumps"], "state": "HOLD"}
     shown(browser, four, lambda t_s: frame(t_s, [boat(1, t_s), boat(2, t_s, **held)]))
-    browser.run("document.getElementById('tab-failsafe').click()")
+    browser.run("document.getElementById('tab-what-if').click()")
     browser.run("document.querySelectorAll('#boats button')[1].click()")
     script = """const lost = [...document.querySelectorAll('#conditions input:not(:checked)')];
       return [document.querySelector('#verdict .state').textContent, lost.map((box) => box.id)]"""

@@ -43,9 +43,15 @@ def replayed(
     boat["texts"] = [[61.0, "leader is lost"]]
     path = folder / "run.html"
     path.write_text(page.page_with(told, "a run"), encoding="utf-8")
+    standing(browser, path)
+    return run
+
+
+def standing(browser: Browser, path: Path) -> None:
+    """Opens the page of a replay for a reader who prefers that nothing moves by itself."""
+    browser.still()
     browser.open(path.as_uri())
     browser.until("return flotilla.plots !== null && flotilla.shown !== null")
-    return run
 
 
 def seek(browser: Browser, t_s: float) -> None:
@@ -87,8 +93,9 @@ def test_between_samples_boats_are_between_also_where_the_heading_wraps(
 
 def test_card_says_the_state_of_that_time_and_why(browser: Browser, tmp_path: Path) -> None:
     replayed(browser, tmp_path)
+    browser.run(f"{CARD} card.querySelector('button').click()", "Boat 1")
     words = """return ['.state', '.held', '.said', '.follows'].map((place) =>
-      document.querySelector('.card:nth-child(2) ' + place).textContent)"""
+      document.querySelector('[aria-label="Boat 1"] ' + place).textContent)"""
     for t_s, wanted in (
         (5.0, ["HOLD", "", ""]),
         (10.0, ["FORMATION", "", ""]),
@@ -106,14 +113,56 @@ def test_card_has_what_the_escs_said(browser: Browser, tmp_path: Path) -> None:
     told["vessels"][1] |= {name: history.column(values) for name, values in rpm.items()}
     path = tmp_path / "run.html"
     path.write_text(page.page_with(told, "a run"), encoding="utf-8")
-    browser.open(path.as_uri())
-    browser.until("return flotilla.plots !== null && flotilla.shown !== null")
+    standing(browser, path)
     seek(browser, 25.0)
     rows = f"""{CARD} return [...card.querySelectorAll('tbody tr')].map((row) =>
-      [...row.querySelectorAll('.esc')].map((cell) => cell.textContent))"""
-    assert browser.run(rows, "Boat 1") == [["−250", *"––––"], ["–", "23.5", *"–––"]]
-    hidden = f"{CARD} return getComputedStyle(card.querySelector('.esc')).display"
-    assert browser.run(hidden, "Boat 2") == "none"
+      [...row.querySelectorAll('.esc:not([hidden])')].map((cell) => cell.textContent))"""
+    choose = f"{CARD} card.querySelector('button').click()"
+    browser.run(choose, "Boat 1")
+    # current, temperature and errors, which nobody tells, have no column
+    unknown = "unknown"
+    browser.until(f"{rows.replace('return', 'const found =')}; return found[0].length", "Boat 1")
+    assert browser.run(rows, "Boat 1") == [["−250", unknown], [unknown, "23.5"]]
+    browser.run(choose, "Boat 2")
+    browser.until(f"{CARD} return card.querySelector('table').hidden === false", "Boat 2")
+    assert browser.run(rows, "Boat 2") == [[], []]
+
+
+def test_replay_begins_by_itself_at_four_times(browser: Browser, tmp_path: Path) -> None:
+    replayed(browser, tmp_path)
+    browser.size(1200, 800)
+    browser.run("window.begin = performance.now(); location.reload()")
+    t_s, took_ms = browser.until("""return window.flotilla?.shown?.t_s > 6
+      && [flotilla.shown.t_s, performance.now()]""")
+    assert browser.run("return document.getElementById('speed').value") == "4"
+    # the page's clock begins with its loading
+    assert t_s <= 4.0 * took_ms / 1000.0
+
+
+def test_events_are_listed_and_one_that_is_chosen_is_gone_to(
+    browser: Browser, tmp_path: Path
+) -> None:
+    replayed(browser, tmp_path)
+    listed = """return [...document.querySelectorAll('#events li')].map((row) =>
+      [...row.querySelectorAll('span, b')].map((part) => part.textContent))"""
+    assert browser.until(f"{listed}.filter((row) => row.length)") == [
+        ["10.0 s", "Boat 1", "FORMATION"],
+        ["60.0 s", "Boat 1", "COAST"],
+        ["60.0 s", "Boat 1", "leader's state is not fresh"],
+        ["61.0 s", "Boat 1", "“leader is lost”"],
+    ]
+    browser.run("document.querySelectorAll('#events button')[1].click()")
+    browser.until("return Math.abs(flotilla.shown.t_s - 60) < 0.01")
+    current = "return document.querySelector('#events [aria-current]')?.textContent"
+    assert "not fresh" in browser.until(current)
+    # marks lie under the slider where the slider has that time
+    marks = """const track = document.getElementById('event-track');
+      const { data } = track.getContext('2d').getImageData(0, track.height - 1, track.width, 1);
+      return [...Array(track.width).keys()].filter((i) => data[4 * i + 3] > 0)
+        .map((i) => 100 * i / track.width)"""
+    found = browser.run(marks)
+    assert found and all(min(abs(at - t_s) for t_s in (10, 60, 61)) < 1.0 for at in found)
+    assert all(min(abs(at - t_s) for at in found) < 1.0 for t_s in (10, 60, 61))
 
 
 def test_replay_plays_at_its_speed_and_stops_at_the_end(browser: Browser, tmp_path: Path) -> None:
@@ -163,9 +212,7 @@ def test_click_into_a_plot_goes_to_that_time_and_every_plot_marks_it(
         {"type": "pointerDown", "button": 0},
         {"type": "pointerUp", "button": 0},
     ]
-    browser.call(
-        "POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": click}]}
-    )
+    browser.act({"type": "pointer", "id": "mouse", "actions": click})
     browser.until("return Math.abs(flotilla.shown.t_s - 50) < 2")
     marked = """return Object.values(flotilla.plots.charts).map(({ canvas, scales }) =>
       parseFloat(canvas.parentElement.querySelector('.cursor').style.left)
@@ -184,7 +231,7 @@ def test_plots_hold_the_whole_run_and_the_limits(browser: Browser, tmp_path: Pat
     assert lines == [2, 4, 3] and span == [0.0, DURATION_S]
     assert low <= -15.0 and high >= 20.0
     note = browser.run("return document.getElementById('thrust-note').textContent")
-    assert note == "stbd dashed, limits −15, 20"
+    assert note == "port solid, stbd dashed, limits −15, 20"
 
 
 def test_run_that_diverged_is_shown_up_to_there(browser: Browser, tmp_path: Path) -> None:

@@ -49,9 +49,7 @@ def test_drag_moves_the_plan_and_the_wheel_zooms_where_it_points(
         {"type": "pointerMove", "x": 380, "y": 340},
         {"type": "pointerUp", "button": 0},
     ]
-    browser.call(
-        "POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": drag}]}
-    )
+    browser.act({"type": "pointer", "id": "mouse", "actions": drag})
     browser.until("return flotilla.plan.camera.mode === 'free'")
     script = """const { north, east, scale } = flotilla.plan.camera;
       return [(north - arguments[0]) * scale, (east - arguments[1]) * scale]"""
@@ -70,9 +68,7 @@ def test_drag_moves_the_plan_and_the_wheel_zooms_where_it_points(
         "deltaX": 0,
         "deltaY": -300,
     }
-    browser.call(
-        "POST", "/actions", {"actions": [{"type": "wheel", "id": "wheel", "actions": [turn]}]}
-    )
+    browser.act({"type": "wheel", "id": "wheel", "actions": [turn]})
     browser.until("return flotilla.plan.camera.scale > arguments[0]", pointed[2])
     assert browser.run(under)[:2] == pytest.approx(pointed[:2], abs=2.0 / pointed[2])
 
@@ -90,6 +86,6 @@ def test_two_fingers_zoom(browser: Browser, four: Feeder) -> None:
         ]
         touch = {"pointerType": "touch"}
         fingers.append({"type": "pointer", "id": name, "parameters": touch, "actions": moves})
-    browser.call("POST", "/actions", {"actions": fingers})
+    browser.act(*fingers)
     browser.until("return flotilla.plan.camera.scale > 2.9 * arguments[0]", scale)
     assert browser.run("return flotilla.plan.camera.scale") == pytest.approx(3.0 * scale, rel=0.02)

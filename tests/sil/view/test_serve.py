@@ -167,6 +167,61 @@ def test_the_page_asks_for_nothing_elsewhere_and_a_replay_has_its_history() -> N
     assert list(numbers(json.loads(told.body)["t_s"])) == [0.0, 1.0]
 
 
+def test_where_a_port_is_taken_the_next_free_one_is() -> None:
+    history = {"title": "", "t_s": column([0.0]), "vessels": []}
+    with socket.create_server((LOOPBACK, 0)) as taken:
+        port = taken.getsockname()[1]
+        server = Server(history, (LOOPBACK, port))
+        assert server.is_elsewhere
+        assert port < int(server.url.rstrip("/").rpartition(":")[2]) < port + 20
+
+
+def test_over_source_is_a_replay_of_what_was_heard() -> None:
+    port = free_port()
+
+    async def run() -> tuple[str, dict[str, Any]]:
+        server = Server(Live(f"udpin:{LOOPBACK}:{port}", 1.0), (LOOPBACK, 0))
+        running = asyncio.ensure_future(server.run())
+        async with Sender(port, lambda: fleet_of(3)):
+            await frame_in_which(server.url, lambda frame: frame["t_s"] > 0.5)
+        page = await websocket_connect(f"ws{server.url.removeprefix('http')}live")
+        server.end()
+        while (message := await page.read_message()) is not None:
+            if message == '{"over":true}':
+                break
+        page.close()
+        client = AsyncHTTPClient()
+        told = json.loads((await client.fetch(f"{server.url}history")).body)
+        text = (await client.fetch(server.url)).body.decode()
+        running.cancel()
+        with suppress(asyncio.CancelledError):
+            await running
+        return text, told
+
+    text, told = asyncio.run(asyncio.wait_for(run(), _PATIENCE_S))
+    assert [vessel["id"] for vessel in told["vessels"]] == [1, 2, 3]
+    assert told["origin_deg"] == pytest.approx([1e-7, 2e-7])
+    assert numbers(told["t_s"])[-1] > 0.3 and f"udpin:{LOOPBACK}:{port}" in told["title"]
+    assert '<body class="replay">' in text
+
+
+def test_server_that_is_not_there_is_told_with_what_to_check() -> None:
+    async def use(url: str) -> dict[str, Any]:
+        return await frame_in_which(url, lambda frame: frame["heard"]["alarm"])
+
+    frame = served(Live(f"tcp:{LOOPBACK}:{free_port()}", 1.0), use)
+    assert "nothing listens there; check that the server runs" in frame["heard"]["alarm"]
+
+
+def test_silence_is_told_after_three_seconds() -> None:
+    async def use(url: str) -> dict[str, Any]:
+        return await frame_in_which(url, lambda frame: frame["heard"]["alarm"])
+
+    frame = served(Live(f"udpin:{LOOPBACK}:{free_port()}", 1.0), use)
+    assert 3.0 <= frame["t_s"] < 6.0
+    assert frame["heard"]["alarm"].startswith("nothing heard for 3 s: check that the boats")
+
+
 def test_another_sites_name_for_this_machine_opens_no_page() -> None:
     async def use(url: str) -> list[int]:
         client, port, codes = AsyncHTTPClient(), url.rstrip("/").rpartition(":")[2], []

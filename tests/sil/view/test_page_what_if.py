@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The failsafe panel: the supervisor in the browser against the firmware's."""
+"""The what-if panel: the supervisor in the browser against the firmware's."""
 
 import random
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ def panel(browser: Browser, tmp_path: Path) -> Browser:
     nothing = {"title": "nothing", "t_s": history.column([]), "vessels": []}
     path = tmp_path / "page.html"
     path.write_text(page.page_with(nothing, "nothing"), encoding="utf-8")
-    browser.open(f"{path.as_uri()}#failsafe")
+    browser.open(f"{path.as_uri()}#what-if")
     return browser
 
 
@@ -129,6 +129,13 @@ def test_row_that_decided_is_marked_in_the_whole_table(panel: Browser) -> None:
     marked = panel.run("return [...document.querySelectorAll('.decided')].map((r) => r.rowIndex)")
     row = flotilla.supervisor_table()[marked[0] - 1]
     assert len(marked) == 1 and row["to"] == "FAULT" and "bus_up" in row["lacks"]
+
+
+def test_panel_says_that_nothing_in_it_reaches_a_boat(panel: Browser) -> None:
+    script = """const told = document.getElementById('apart'), box = told.getBoundingClientRect();
+      return [told.textContent, box.top >= 0 && box.bottom <= innerHeight, box.width]"""
+    text, seen, width = panel.run(script)
+    assert text == "Nothing here reaches a boat" and seen and width > 600
 
 
 def test_panel_fits_a_phone(panel: Browser) -> None:

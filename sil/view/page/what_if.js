@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The failsafe panel: the supervisor to play with.
+// The what-if panel: the supervisor to play with. Nothing in it reaches a boat.
 const LONGEST_STORY = 30;
 const PUSHES = "propellers may turn", STANDS = "propellers stand still";
 
-class Failsafe {
+class WhatIf {
   constructor() {
     const { conditions, states, requests, choices } = CONFIG.supervisor;
     this.complaints = new Map(conditions.map(({ name, complaint }) => [name, complaint]));

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: MIT
+"""What a source that cannot be heard says to the operator: the problem, and what to check."""
+
+import errno
+import socket
+
+SILENT_S = (3, 10, 30, 60, 300, 1800)  # when it is told, and told again
+
+_REMEDIES = {
+    errno.EADDRINUSE: "another program uses it; close that program, or choose another port",
+    errno.EADDRNOTAVAIL: "no interface of this computer has that address; `ip address` lists them",
+    errno.ENODEV: "no interface of this computer can be used for it; `ip address` lists them",
+    errno.ENOENT: "there is no such device; check its cable, and `ls /dev/tty*` for its name",
+    errno.EACCES: "no permission; for a serial line: sudo usermod -aG dialout $USER",
+    errno.ECONNREFUSED: "nothing listens there; check that the server runs, its host and port",
+    errno.ENOTTY: "it is no serial line; check the name of the device",
+    errno.EBUSY: "another program uses it; close that program",
+    **dict.fromkeys(
+        (errno.ETIMEDOUT, errno.EHOSTUNREACH, errno.ENETUNREACH),
+        "that computer does not answer; check that it is switched on and in the same network",
+    ),
+}
+_SILENCE = {
+    "mcast": "check that the boats have power, and that their radio's program sends to this group",
+    "udpin": "check that the boats have power, and that their radio's program sends to this port",
+    "tcp": "check that the boats have power, and that the server passes on what it hears",
+}
+_LINE_SILENCE = "check that the boats have power, the radio's pairing and its speed in baud"
+
+
+def of_error(error: Exception) -> str:
+    """An error of the system as a sentence without its number."""
+    if isinstance(error, socket.gaierror):
+        return "no computer has that name; check its spelling, or give its address"
+    number = error.args[0] if error.args else 0
+    text = error.args[1] if len(error.args) > 1 else error
+    return _REMEDIES.get(number, str(text).lower())
+
+
+def of_silence(address: str, silent_s: float) -> str | None:
+    """The sentence for a source that is open and says nothing; None before 3 s."""
+    told = [s for s in SILENT_S if s <= silent_s]
+    if not told:
+        return None
+    remedy = _SILENCE.get(address.partition(":")[0], _LINE_SILENCE)
+    return f"nothing heard for {told[-1]} s: {remedy}"

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Which vessels are in trouble and why, and the line about the whole fleet.
+const UNASKED = ["MANUAL", "TEST"]; // what a boat lacks for FORMATION is no trouble there
+
+/** Why a vessel is in trouble, a sentence each; none where it is well. */
+function troublesOf(vessel) {
+  if (isSilent(vessel)) return [`silent for ${age(vessel.link_age_s)}${vessel.state ? `, last heard in ${vessel.state}` : ""}`];
+  const out = UNASKED.includes(vessel.state) ? [] : [...vessel.held];
+  if (!out.length && vessel.state === "FAULT") out.push("it reports a fault and gives no reason");
+  if (!out.length && vessel.state === "COAST") out.push("it coasts and gives no reason");
+  if (isElsewhere(vessel)) out.push(`position unknown: last heard ${age(vessel.place_age_s)} ago`);
+  if (vessel.stateLost) out.push("state unknown: no HEARTBEAT for more than 5 s");
+  return out;
+}
+
+/** What is said of all boats: in their slots, states, the worst distance, troubles. */
+function fleetLine(vessels) {
+  const boats = vessels.filter(({ kind }) => kind === "boat");
+  if (!boats.length) return { boats: vessels.length ? "No Flotilla boat among them" : "", states: "", worst: "", troubles: "" };
+  const heard = boats.filter((boat) => !isSilent(boat));
+  const count = `${boats.length} boat${boats.length > 1 ? "s" : ""}`;
+  const inSlot = heard.filter((boat) => boat.state === "FORMATION" && boat.in_slot >= 1).length;
+  const states = new Map();
+  for (const boat of boats) {
+    const state = (isSilent(boat) ? null : boat.state) ?? "unknown";
+    states.set(state, (states.get(state) ?? 0) + 1);
+  }
+  const worst = heard.filter((boat) => known(boat.error_m)).reduce((a, b) => (a && a.error_m >= b.error_m ? a : b), null);
+  const troubled = boats.filter((boat) => troublesOf(boat).length).length;
+  return {
+    boats: heard.some((boat) => known(boat.in_slot)) ? `${count}, ${inSlot} in ${boats.length > 1 ? "their slots" : "its slot"}` : count,
+    states: [...states].map(([state, n]) => `${n} ${state}`).join(", "),
+    worst: worst ? `farthest from its slot: boat ${worst.id}, ${metres(worst.error_m)}` : "",
+    troubles: troubled ? `${troubled} in trouble` : "none in trouble",
+  };
+}
