@@ -150,7 +150,7 @@ std::vector<Event> made_events(bool odometry) {
   return events;
 }
 
-/// The layout of sil/recording.py.
+/// The layout of sil/lockstep/recording.py.
 std::vector<Event> recorded_events(const char* path, unsigned boat) {
   std::ifstream file(path, std::ios::binary);
   const std::vector<std::uint8_t> content{std::istreambuf_iterator<char>(file), {}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Replays a recorded stream to one boat and digests its output.
 //
-// The stream has records as in sil/recording.py, of one boat, in its own clock: time (u64 µs), port
+// The stream has records as in sil/lockstep/recording.py, of one boat, in its own clock: time (u64 µs), port
 // (u16), length (u16), bytes. Ports: n: MAVLink of link n; 8: CAN, identifier (u32) and data; 32:
 // state of the bus, up (u8); 33: a control tick. The first record has port 34: number of links
 // (u32), and every parameter (float) in the order of their table.

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from sil.scenario import Scenario
+from sil.scenario.scenario import Scenario
 
 
 class _GivenUpError(Exception):
@@ -30,7 +30,11 @@ def nominal_run(
             raise _GivenUpError
 
     def sail() -> None:
-        from sil.campaign import nominal, report, table  # noqa: F401, PLC0415
+        from sil.campaign import (  # noqa: F401, PLC0415
+            campaign_report,
+            nominal,
+            table,
+        )
 
         try:
             nominal.write(out, scenario, dict(parameters), progress)

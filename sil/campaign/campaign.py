@@ -14,17 +14,17 @@ import flotilla
 from rich.console import Console
 from rich.markup import escape
 
-from sil import arguments, scenario
 from sil.campaign import runner, summary
 from sil.campaign.aside import nominal_run
-from sil.campaign.files import Folder, Identity
+from sil.campaign.campaign_files import Folder, Identity
 from sil.campaign.progress import bar
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import Batch, BatchResult, OtherCodeError, code
-from sil.policies import PolicyViolationError
-from sil.scenario import Scenario
-from sil.start import StartError
-from sil.world import check
+from sil.lockstep.policies import PolicyViolationError
+from sil.lockstep.start import StartError
+from sil.lockstep.world import check
+from sil.scenario import arguments, scenario
+from sil.scenario.scenario import Scenario
 
 _INTERRUPTED = 130
 BATCH, TRACES_BYTES = 25, 200e6
@@ -54,9 +54,9 @@ class Campaign:
 
 
 def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> int:
-    """As `sil.campaign.command.main`; the campaign began at `began_s` by time.perf_counter."""
+    """Sail the campaign of a command line. It began at `began_s` by time.perf_counter."""
     console = Console()
-    command = shlex.join(["python", "-m", "sil", *given])
+    command = shlex.join(["flotilla", *given])
     try:
         campaign = Campaign.of(options, command)
         if options.run is None:
@@ -78,16 +78,16 @@ def main(options: argparse.Namespace, given: Sequence[str], began_s: float) -> i
 def _replay(campaign: Campaign, run: int, console: Console) -> None:
     """Sail one run alone, with all that `python -m sil run` leaves."""
     # what draws pictures is not needed by a campaign's workers
-    from sil import run as single  # noqa: PLC0415
-    from sil.campaign import replay, report  # noqa: PLC0415
+    from sil.campaign import campaign_report, rerun  # noqa: PLC0415
+    from sil.report import one_run as single  # noqa: PLC0415
 
     folder = campaign.folder.path
-    replay.check(folder, campaign.identity, run)
-    out, parameters = replay.place(folder, run), dict(campaign.identity.parameters)
+    rerun.check(folder, campaign.identity, run)
+    out, parameters = rerun.place(folder, run), dict(campaign.identity.parameters)
     single.run(campaign.sampler.scenario(run), out, parameters, campaign.command, console)
-    if replay.is_finished(folder):
-        console.print(replay.told(folder, run))
-        report.write(folder)
+    if rerun.is_finished(folder):
+        console.print(rerun.told(folder, run))
+        campaign_report.write(folder)
 
 
 def _sail(
@@ -146,7 +146,7 @@ def _sail_left(
 def _most_runs(nominal: Scenario) -> int:
     """How many runs of a scenario are sailed in one go at most."""
     ticks, boats = nominal.duration_s * nominal.rate_hz, len(nominal.boat)
-    # eta and nu of every agent, tau of every boat, as sil.trace.Tracer holds them
+    # eta and nu of every agent, tau of every boat, as sil.lockstep.trace.Tracer holds them
     trace_bytes = 8.0 * ticks * (6 * (boats + 1) + 2 * boats)
     return max(1, min(BATCH, int(TRACES_BYTES / trace_bytes)))
 
@@ -160,7 +160,11 @@ def _finish(
 ) -> None:
     """Write the tables and campaign.json, tell what is in them."""
     # what workers need not have, and nobody waits for
-    from sil.campaign import report, table, worst  # noqa: PLC0415
+    from sil.campaign import (  # noqa: PLC0415
+        campaign_report,
+        table,
+        worst,
+    )
 
     folder, sampler = campaign.folder, campaign.sampler
     sailed = {run.run: run for result in results for run in result.runs}
@@ -181,6 +185,6 @@ def _finish(
         name = sampler.nominal.name
         _say(console, f"all runs of {name} are the same one: see [[vary]] in sil/CAMPAIGNS.md")
     worst.write(folder.path, sampler, dict(campaign.identity.parameters))
-    report.write(folder.path)
+    campaign_report.write(folder.path)
     folder.finish()
     console.print(f"results: {folder.path}", soft_wrap=True)

@@ -1,39 +1,28 @@
 # SPDX-License-Identifier: MIT
-"""python -m sil compare A B: whether campaign B is worse than A by more than chance."""
+"""Whether campaign B is worse than A by more than chance."""
 
 import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
 
-from sil import files
-from sil.campaign import change, comparison_table, figures, finished, pairs
+from sil.campaign import campaign_figures, change, comparison_table, finished, pairs
 from sil.campaign.change import Change
 from sil.campaign.pairs import Pairing
+from sil.common import files
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to argparse's subparsers."""
-    command = commands.add_parser(
-        "compare", help="tell whether campaign B is worse than campaign A: exit status 1 if so"
-    )
-    command.add_argument("a", type=Path, metavar="A", help="folder of a campaign")
-    command.add_argument("b", type=Path, metavar="B", help="folder of another of that scenario")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
-
-
-def main(options: argparse.Namespace, _: Sequence[str] = ()) -> int:
+def main(options: argparse.Namespace) -> int:
     """Exit status: 0, 1 where any figure of B is worse, 2 for a mistake of the caller."""
     try:
         pairing = pairs.pair(finished.read(options.a), finished.read(options.b))
         _need_runs(pairing)
-        found = figures.compare(pairing.a, pairing.b, paired=pairing.paired)
+        found = campaign_figures.compare(pairing.a, pairing.b, paired=pairing.paired)
         if options.json:
             files.replace(options.json, _json(pairing, found))
     except (OSError, ValueError) as error:
@@ -47,10 +36,10 @@ def _need_runs(pairing: Pairing) -> None:
     """ValueError where chance cannot be told from change."""
     for campaign in (pairing.a, pairing.b):
         count = campaign.runs.size
-        if count < figures.LEAST_RUNS:
+        if count < campaign_figures.LEAST_RUNS:
             what = f"{count} runs of {campaign.folder} can be compared"
             raise ValueError(
-                f"{what}; at least {figures.LEAST_RUNS} are needed: sail more, by --runs"
+                f"{what}; at least {campaign_figures.LEAST_RUNS} are needed: sail more, by --runs"
             )
 
 
@@ -79,7 +68,8 @@ def _show(console: Console, pairing: Pairing, found: Mapping[str, Change]) -> No
 def _json(pairing: Pairing, found: Mapping[str, Change]) -> bytes:
     """The comparison as JSON; infinite figures, and what a figure has not, are null."""
     entries: Sequence[Mapping[str, Any]] = [
-        {"figure": key, "what": figures.WHAT[key], **asdict(one)} for key, one in found.items()
+        {"figure": key, "what": campaign_figures.WHAT[key], **asdict(one)}
+        for key, one in found.items()
     ]
     content = {
         "a": str(pairing.a.folder),

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from rich import box
 from rich.table import Table
 
+from sil.campaign.campaign_figures import WHAT
 from sil.campaign.change import FALSE_ALARMS, MARGIN, Change, confidence
-from sil.campaign.figures import WHAT
 
 _STYLES = {"worse": "bold red", "better": "bold green", "same": None}
 

@@ -103,7 +103,7 @@ def _array(column: Any) -> npt.NDArray[Any]:
 def _header(folder: Path) -> dict[str, Any]:
     path = folder / "campaign.json"
     if not path.is_file():
-        make = f"python -m sil campaign SCENARIO --runs N --out {folder}"
+        make = f"flotilla campaign SCENARIO --runs N --out {folder}"
         raise ValueError(f"no campaign in {folder}: no campaign.json; make one with: {make}")
     try:
         header = json.loads(path.read_text(encoding="utf-8"))

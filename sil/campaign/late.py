@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from sil.campaign.outcome import SETTLED_S
+from sil.campaign.run_outcome import SETTLED_S
 from sil.plant.hull import Array
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from sil.lockstep.start import RunError
+from sil.lockstep.world import Progress, sail
 from sil.plant.hull import Array
-from sil.scenario import Scenario
-from sil.sections import Mismatch, WhiteNoise
-from sil.start import RunError
-from sil.world import Progress, sail
+from sil.scenario.scenario import Scenario
+from sil.scenario.sections import Mismatch, WhiteNoise
 
 NAME = "nominal.npz"
 _SAMPLE_S = 0.1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures of a campaign, after the paper's Figs. 1 and 2; paths are `sil.plots.formation`."""
+"""Pictures of a campaign, after the paper's Figs. 1 and 2; paths: `sil.report.plots.formation`."""
 
 import math
 from collections.abc import Sequence
@@ -13,15 +13,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from sil import metrics, plots
 from sil.campaign.finished import Columns
 from sil.campaign.samples import Samples
+from sil.common.colours import BLACK, GREY, colour_of
+from sil.lockstep import metrics
 from sil.plant.hull import Array
+from sil.report import plots
 
 MOST_BOATS = 6
 _LEAST_M, _NOMINAL_M = 1e-5, 1e-3
 _BANDS = (("p5", "p95", 0.28, "5–95 % of the runs"), ("p25", "p75", 0.45, "25–75 %"))
-_NOMINAL: dict[str, Any] = {"color": plots.BLACK, "lw": 1.0, "ls": (0, (6, 2, 1.2, 2))}
+_NOMINAL: dict[str, Any] = {"color": BLACK, "lw": 1.0, "ls": (0, (6, 2, 1.2, 2))}
 _ALL: dict[str, Any] = {"alpha": 0.11, "lw": 0}
 
 
@@ -69,7 +71,7 @@ def errors(name: str, shown: Errors, pairs: Sequence[str]) -> Figure:
 def _draw(axes: Axes, shown: Errors, boat: int, limits: tuple[float, float]) -> None:
     row = shown.envelopes["boat"] == boat
     band = {key: np.clip(values[row], *limits) for key, values in shown.envelopes.items()}
-    t_s, colour = shown.envelopes["t_s"][row], plots.colour(boat)
+    t_s, colour = shown.envelopes["t_s"][row], colour_of(boat)
     ok = shown.samples.error_m[boat - 1, shown.samples.ok]
     if ok.size:
         low, high = (np.clip(edge, *limits) for edge in (ok.min(axis=0), ok.max(axis=0)))
@@ -81,7 +83,7 @@ def _draw(axes: Axes, shown: Errors, boat: int, limits: tuple[float, float]) -> 
     if shown.nominal is not None:
         distance = metrics.distances(shown.nominal["error"][:, boat - 1])
         axes.plot(shown.nominal["t_s"], np.maximum(distance, 0.1 * limits[0]), **_NOMINAL)
-    axes.axhline(metrics.SETTLED_M, color=plots.GREY, lw=0.8, ls=(0, (1, 2)))
+    axes.axhline(metrics.SETTLED_M, color=GREY, lw=0.8, ls=(0, (1, 2)))
     # a run of less than a second has one sample
     axes.set_xlim(t_s[0], max(t_s[-1], t_s[0] + 1.0))
     _tell_infinite(axes, {key: values[row] for key, values in shown.envelopes.items()})
@@ -93,7 +95,7 @@ def _tell_infinite(axes: Axes, band: Columns) -> None:
     if lost:
         text = f"{lost} of {count} infinite"
         place = axes.text(0.98, 0.93, text, ha="right", va="top", transform=axes.transAxes)
-        place.set(fontsize=9, color=plots.BLACK, path_effects=[plots.HALO])
+        place.set(fontsize=9, color=BLACK, path_effects=[plots.HALO])
 
 
 def _worst_boats(envelopes: Columns, count: int) -> list[int]:
@@ -120,7 +122,7 @@ def _limits(shown: Errors) -> tuple[float, float]:
 
 
 def _legend(shown: Errors, lost: bool) -> list[Line2D | Patch]:
-    colour = plots.GREY
+    colour = GREY
     that = "all runs that did not diverge" if lost else "all runs"
     entries: list[Line2D | Patch] = [Line2D([], [], color=colour, lw=1.6, label="median")]
     entries += [

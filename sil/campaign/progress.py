@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from sil.scenario import Scenario
+from sil.scenario.scenario import Scenario
 
 
 @contextmanager

@@ -9,8 +9,8 @@ import logging
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from sil import pool
 from sil.campaign.work import Batch, BatchResult, OtherCodeError, failed, sail_batch
+from sil.common import pool
 
 Note = Callable[[BatchResult], None]
 _DIED = "the process died"

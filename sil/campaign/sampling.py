@@ -16,10 +16,10 @@ from zlib import crc32
 
 import numpy as np
 
-from sil import scenario
 from sil.campaign.varied import Value, Varied, array_of, at, complete_document, varied
-from sil.scenario import Scenario, ScenarioError
-from sil.toml_errors import KeyPath, Source, lay
+from sil.scenario import scenario
+from sil.scenario.scenario import Scenario, ScenarioError
+from sil.scenario.toml_errors import KeyPath, Source, lay
 
 Draws = dict[str, Value]
 """What a run's varied keys come to, by their dotted names: `boat.2.eta.3`."""

@@ -13,10 +13,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from sil.campaign import late
-from sil.campaign.outcome import RunResult, distances
+from sil.campaign.run_outcome import RunResult, distances
 from sil.campaign.work import BatchResult
-from sil.metrics import SETTLED_M
-from sil.scenario import Scenario
+from sil.lockstep.metrics import SETTLED_M
+from sil.scenario.scenario import Scenario
 
 _NAMED = 10
 """So many runs are told by number."""

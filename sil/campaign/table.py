@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from sil.campaign.outcome import RunResult, distances
+from sil.campaign.run_outcome import RunResult, distances
 from sil.campaign.sampling import Sampler
 from sil.plant.hull import Array
 

@@ -10,10 +10,10 @@ from typing import Any
 import flotilla
 import numpy as np
 
-from sil.agents import parameters_of
-from sil.scenario import Scenario
-from sil.sections import Vary
-from sil.toml_errors import KeyPath
+from sil.scenario.agents import parameters_of
+from sil.scenario.scenario import Scenario
+from sil.scenario.sections import Vary
+from sil.scenario.toml_errors import KeyPath
 
 Value = int | float | str
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Imported by the process that workers are forked from: they find the plant's kernels loaded."""
 
-from sil import scenario
-from sil.world import sail
+from sil.lockstep.world import sail
+from sil.scenario import scenario
 
 sail([scenario.load("diamond", ["duration_s=0.01", "white_noise.power=0.1"])], {})

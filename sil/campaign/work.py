@@ -12,9 +12,9 @@ from pathlib import Path
 import flotilla
 
 import sil
-from sil.campaign.outcome import RunResult, result_of
+from sil.campaign.run_outcome import RunResult, result_of
 from sil.campaign.sampling import Sampler
-from sil.world import sail
+from sil.lockstep.world import sail
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from sil import files
 from sil.campaign import finished, page_tables
 from sil.campaign.sampling import Sampler
-from sil.start import RunError
+from sil.common import files
+from sil.lockstep.start import RunError
+from sil.lockstep.world import World
 from sil.view.recorded import history_of, said_of
-from sil.world import World
 
 NAME = "worst.json"
 

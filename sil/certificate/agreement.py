@@ -16,13 +16,14 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from sil import metrics, scenario
-from sil.arguments import parameters_of
 from sil.certificate.chain import Depth, chain
-from sil.certificate.reference import references
-from sil.law import LAWS, Law
-from sil.start import RunError
-from sil.world import sail
+from sil.certificate.references import references
+from sil.lockstep import metrics
+from sil.lockstep.start import RunError
+from sil.lockstep.world import sail
+from sil.scenario import scenario
+from sil.scenario.arguments import parameters_of
+from sil.scenario.law import LAWS, Law
 
 DELAYS_S = (0.05, 0.1, 0.2)
 _SETTLED_S, _KEEP_S = 100.0, 0.05

@@ -10,20 +10,20 @@ from dataclasses import dataclass
 from functools import partial
 
 from sil.certificate import floquet, gains
+from sil.certificate.certified_fleet import fleet, parameters, vessel_of
 from sil.certificate.chain import Chain, chain
-from sil.certificate.fleet import fleet, parameters, vessel_of
 from sil.certificate.loop import Boat
 from sil.certificate.margins import Margins, margins
 from sil.certificate.monodromy import Points
 from sil.certificate.probe import deepest
-from sil.certificate.reference import Reference, references
+from sil.certificate.references import Reference, references
 from sil.certificate.sampled import SampledLoop, sampled_loop
 from sil.certificate.search import Search
 from sil.certificate.slots import SlotMotion
 from sil.certificate.small_gain import SmallGain, small_gain
 from sil.certificate.thrust import ThrustNeed, thrust_need
-from sil.scenario import Scenario
-from sil.start import RunError
+from sil.lockstep.start import RunError
+from sil.scenario.scenario import Scenario
 
 Progress = Callable[[str, float], None]
 

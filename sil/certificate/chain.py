@@ -26,7 +26,6 @@ from typing import Any
 import flotilla
 import numpy as np
 
-from sil.agents import parameters_of
 from sil.certificate import probe as probes
 from sil.certificate.probe import (
     PUSHED_BOAT,
@@ -38,9 +37,10 @@ from sil.certificate.probe import (
     chain_of,
     frequencies,
 )
-from sil.certificate.reference import Reference
+from sil.certificate.references import Reference
 from sil.plant.hull import Array
-from sil.scenario import Scenario
+from sil.scenario.agents import parameters_of
+from sil.scenario.scenario import Scenario
 
 MOST_DEPTH = 20  # no deeper chain is looked at, unless the scenario's is
 OFF_SLOT_M = 0.2

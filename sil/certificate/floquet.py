@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
-from sil.certificate.reference import Reference
+from sil.certificate.references import Reference
 from sil.plant.hull import Array, HullParameters
 
 Multipliers = npt.NDArray[np.complex128]

@@ -8,9 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sil import plots
 from sil.certificate.certificate import Leg
 from sil.certificate.chain import Chain, Gains
+from sil.common.colours import BLACK, COLOURS, GREY
+from sil.report import plots
 
 _WIDTH_IN, _PANEL_IN = 8.0, 3.6
 _SHOWN = (2, 3, 5, 10, 15, 20)
@@ -43,13 +44,13 @@ def gains(name: str, legs: Sequence[Leg]) -> Figure | None:
 def _draw(axes: Axes, chain: Chain, gains: Gains) -> None:
     depths = [d for d in _SHOWN if d < len(chain.path)] + [len(chain.path)]
     for k, depth in enumerate(depths):
-        colour = plots.COLOURS[k % len(plots.COLOURS)]
+        colour = COLOURS[k % len(COLOURS)]
         boat = f"root to boat {chain.path[depth - 1]}"
         axes.plot(gains.omega, gains.root[depth - 1], color=colour, label=boat)
     hop = "one hop" if not chain.reference else "one hop, boat 2 pushed"
-    (line,) = axes.plot(gains.omega, gains.hop, color=plots.BLACK, lw=2.2, label=hop)
+    (line,) = axes.plot(gains.omega, gains.hop, color=BLACK, lw=2.2, label=hop)
     line.set(linestyle=plots.DASHED)
-    axes.axhline(1.0, color=plots.GREY, lw=0.8)
+    axes.axhline(1.0, color=GREY, lw=0.8)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(_TICKS[0], 16.0)

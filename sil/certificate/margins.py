@@ -9,9 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from sil.certificate.chain import Chain, chain
-from sil.certificate.reference import Reference
-from sil.scenario import Scenario
-from sil.start import RunError
+from sil.certificate.references import Reference
+from sil.lockstep.start import RunError
+from sil.scenario.scenario import Scenario
 
 STEPS = 5  # of halving
 _MOST_DELAY_S, _MOST_SHARE = 1.0, 0.8

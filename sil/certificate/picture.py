@@ -8,12 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sil import plots
 from sil.certificate import verdict
 from sil.certificate.certificate import Case, Leg
 from sil.certificate.gains import CURVE_K_X
 from sil.certificate.small_gain import MOST_K_X
+from sil.common.colours import BLACK, FAINT, GREY, colour_of
 from sil.plant.hull import Array
+from sil.report import plots
 
 _WIDTH_IN, _PANEL_IN = 8.0, 4.2
 _LEAST, _MOST = -0.1, 1.0
@@ -47,14 +48,14 @@ def _draw(axes: Axes, leg: Leg) -> None:
     slowest = min(leg.cases, key=lambda case: min(case.curve_sampled))
     for boats, case in _distinct(leg.cases):
         _draw_case(axes, k_x, boats, case)
-    (line,) = axes.plot(k_x, slowest.curve_floquet, color=plots.BLACK, lw=1.0, zorder=4)
+    (line,) = axes.plot(k_x, slowest.curve_floquet, color=BLACK, lw=1.0, zorder=4)
     line.set(linestyle=plots.DASHED, label="eq:26, the paper's system")
     _certified(axes, slowest.small_gain.k_x_square_of_sum)
     chosen = slowest.setup.parameters["LAW_KX"]
-    axes.axvline(chosen, color=plots.GREY, lw=0.8, zorder=0)
+    axes.axvline(chosen, color=GREY, lw=0.8, zorder=0)
     by_height = axes.get_xaxis_transform()
     text = f" k_x = {chosen:g}"
-    axes.text(chosen, 0.97, text, color=plots.GREY, va="top", transform=by_height)
+    axes.text(chosen, 0.97, text, color=GREY, va="top", transform=by_height)
     values = np.concatenate(
         [[*c.curve_floquet, *c.curve_sampled, *c.curve_of_law, c.sampled.decay] for c in leg.cases]
     )
@@ -63,7 +64,7 @@ def _draw(axes: Axes, leg: Leg) -> None:
     axes.minorticks_off()
     low, high = max(_LEAST, min(0.0, values.min())), min(_MOST, max(0.05, values.max()))
     axes.set_ylim(low - 0.03 * (high - low), high + 0.25 * (high - low))
-    axes.axhline(0.0, color=plots.GREY, lw=0.8)
+    axes.axhline(0.0, color=GREY, lw=0.8)
 
 
 def _distinct(cases: Sequence[Case]) -> list[tuple[list[int], Case]]:
@@ -87,7 +88,7 @@ def _same_line(a: Sequence[float], b: Sequence[float]) -> bool:
 
 
 def _draw_case(axes: Axes, k_x: Array, boats: list[int], case: Case) -> None:
-    colour, name = plots.colour(boats[0]), verdict.name(sorted(boats))
+    colour, name = colour_of(boats[0]), verdict.name(sorted(boats))
     axes.plot(k_x, case.curve_sampled, color=colour, lw=2.2, label=f"sampled loop, {name}")
     if np.max(np.array(case.curve_of_law) - case.curve_sampled) > 1e-3:
         label = f"LAW_OBS_BW = LAW_CUR_BW = 0, {name}"
@@ -101,9 +102,9 @@ def _certified(axes: Axes, k_x: float | None) -> None:
     low = CURVE_K_X[0]
     if k_x is None or k_x < low:
         text = "small-gain test:\nno k_x from 0.01 on"
-        axes.text(low * 1.06, 0.97, text, color=plots.GREY, va="top", transform=by_height)
+        axes.text(low * 1.06, 0.97, text, color=GREY, va="top", transform=by_height)
         return
-    axes.axvspan(low, min(k_x, CURVE_K_X[-1]), color=plots.FAINT, zorder=-1)
+    axes.axvspan(low, min(k_x, CURVE_K_X[-1]), color=FAINT, zorder=-1)
     up_to = f"over {MOST_K_X:g}" if k_x >= MOST_K_X else f"{k_x:.3f}"
     text = f"small-gain test:\nk_x up to {up_to}"
-    axes.text(low * 1.06, 0.97, text, color=plots.GREY, va="top", transform=by_height)
+    axes.text(low * 1.06, 0.97, text, color=GREY, va="top", transform=by_height)

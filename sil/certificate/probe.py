@@ -18,11 +18,13 @@ from math import pi
 import numpy as np
 import numpy.typing as npt
 
-from sil.batch import Batch
-from sil.certificate.reference import Reference
+from sil.certificate.references import Reference
+from sil.lockstep.batch import Batch
+from sil.lockstep.start import RunError
+from sil.lockstep.world import sail
 from sil.plant.hull import Array
-from sil.scenario import Boat, Scenario
-from sil.sections import (
+from sil.scenario.scenario import Boat, Scenario
+from sil.scenario.sections import (
     Input,
     Leader,
     Mismatch,
@@ -34,8 +36,6 @@ from sil.sections import (
     WhiteNoise,
     Wind,
 )
-from sil.start import RunError
-from sil.world import sail
 
 WINDOW_S, SETTLING_S = 120.0, 60.0
 RUNS = 2  # of each kind

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
-from sil.certificate.reference import Reference
+from sil.certificate.references import Reference
 from sil.plant.hull import HullParameters
 
 MOST_K_X = 10.0

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from sil.certificate.certificate import Case, Certificate, Leg
 from sil.certificate.chain import too_deep
-from sil.metrics import SETTLED_M
+from sil.lockstep.metrics import SETTLED_M
 
 
 def holds(certificate: Certificate) -> bool:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sil import scenario
-from sil.live import LiveWorld, now_us
+from sil.live.live_world import LiveWorld, now_us
+from sil.scenario import scenario
 from sil.wire.dronecan import RAW_COMMAND
 from sil.wire.dronecan_transfer import message_subject
 from sil.wire.heartbeat import FORMATION

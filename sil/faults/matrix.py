@@ -5,12 +5,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sil.faults.outcome import Outcome
+from sil.faults.fault_outcome import Outcome
 from sil.faults.rows import Row
 from sil.faults.watch import CENTRED_S, STATES, States, Watch
+from sil.lockstep.start import RunError
+from sil.lockstep.world import Progress, Run, sail
 from sil.plant.hull import Array
-from sil.start import RunError
-from sil.world import Progress, Run, sail
 
 _NAMES = {number: name for name, number in STATES.items()}
 _OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]

@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, Strict, ValidationError
 
-from sil import scenario
-from sil.scenario import Scenario
-from sil.sections import Fault, NotNegative, Positive, Section
-from sil.toml_errors import Source
+from sil.scenario import scenario
+from sil.scenario.scenario import Scenario
+from sil.scenario.sections import Fault, NotNegative, Positive, Section
+from sil.scenario.toml_errors import Source
 
 FOLDER = Path(__file__).parent
 

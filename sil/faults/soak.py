@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sil import scenario
-from sil.batch import Batch
-from sil.bench_fleet import resident_now_kB
+from sil.bench.bench_fleet import resident_now_kB
 from sil.faults.rows import FOLDER
-from sil.faults.timeline import act
 from sil.faults.watch import STATES, ask
+from sil.lockstep.batch import Batch
+from sil.lockstep.policies import violations
+from sil.lockstep.recording import Recorder
+from sil.lockstep.start import start
+from sil.lockstep.timeline import act
 from sil.plant.hull import Array
-from sil.policies import violations
-from sil.recording import Recorder
-from sil.sections import Fault
-from sil.start import start
+from sil.scenario import scenario
+from sil.scenario.sections import Fault
 
 RECOVERED_S = 60.0
 _QUIET_S = (2.0, 6.0)

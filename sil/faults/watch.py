@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
-from sil.batch import Batch
 from sil.faults.rows import Row
+from sil.lockstep.batch import Batch
 from sil.plant.hull import Array
 from sil.wire.heartbeat import FORMATION, HOLD, MANUAL
 from sil.wire.operator import Operator

@@ -12,11 +12,11 @@ from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
-from sil.logs import candump, telemetry, tlog, track
+from sil.logs import candump, telemetry, tlog_reader, track
 from sil.logs.escs import EscBus, EscReport
 from sil.logs.output import Output
 from sil.logs.telemetry import Telemetry
-from sil.logs.tlog import Facts
+from sil.logs.tlog_reader import Facts
 from sil.logs.track import Track
 from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
 from sil.wire.tlog import Packet, packets
@@ -50,7 +50,7 @@ class _Vessel:
 
     def take(self, packet: Packet) -> bool:
         """Takes a packet of `tlog.NEEDED`; whether it was whole."""
-        message, t_ns, kind = tlog.decoded(packet), 1000 * packet.t_us, packet.message_id
+        message, t_ns, kind = tlog_reader.decoded(packet), 1000 * packet.t_us, packet.message_id
         if message is None:
             return False
         if kind in telemetry.MESSAGES:
@@ -75,7 +75,7 @@ def convert(tlogs: Sequence[Path], candumps: Sequence[Path], out: Path, progress
     facts: dict[Path, Facts] = {}
     done = 0
     for path in tlogs:
-        facts[path] = tlog.facts(path)
+        facts[path] = tlog_reader.facts(path)
         done += path.stat().st_size
         progress(done / size)
     origins = [origin for one in facts.values() for origin in one.origins.values()]
@@ -120,7 +120,7 @@ class _Boats:
         teller = path.parent if facts.owner is None else facts.owner
         for packet in packets(path.read_bytes(), self.damaged):
             length += packet.size
-            if packet.message_id not in tlog.NEEDED or not once.new(packet):
+            if packet.message_id not in tlog_reader.NEEDED or not once.new(packet):
                 continue
             if self._tellers.setdefault(packet.system, teller) == teller:
                 yield packet.t_us, length, partial(self._take, packet)

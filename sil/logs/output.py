@@ -28,7 +28,7 @@ from foxglove.messages import (
     Vector3,
 )
 
-from sil import files
+from sil.common import files
 from sil.logs import scene, schema
 from sil.wire.geodesy import LocalFrame
 

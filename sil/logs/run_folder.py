@@ -15,13 +15,13 @@ from zipfile import BadZipFile
 import numpy as np
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
+from sil.lockstep.recording import CAN_IN, MAVLINK_OUT, Recording, of_run
 from sil.logs.escs import EscBus
 from sil.logs.output import Output, Pose
 from sil.logs.telemetry import MESSAGES, Telemetry
 from sil.plant.hull import Array
-from sil.recording import CAN_IN, MAVLINK_OUT, Recording, of_run
+from sil.scenario.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
 from sil.wire.mavlink_frames import frames
-from sil.wiring import ORIGIN, VIRTUAL_LEADER_SYSTEM
 
 EPOCH_S = 946_684_800  # 2000-01-01 00:00:00 UTC
 RATE_HZ = 10.0

@@ -21,7 +21,7 @@ from foxglove.messages import (
 )
 from matplotlib.colors import to_rgb
 
-from sil.plots import BLACK, colour
+from sil.common.colours import BLACK, colour_of
 
 # A hull 1 m long, as in the pictures of a run: ahead, to port.
 _OUTLINE = ((0.5, 0.0), (0.2, 0.17), (-0.5, 0.14), (-0.5, -0.14), (0.2, -0.17))
@@ -44,7 +44,7 @@ def of(vessel: str, stamp: Timestamp, *, with_slot: bool) -> SceneUpdate:
 def _colour(vessel: str) -> Color:
     number = vessel.removeprefix("boat")
     known = number.isdecimal() and int(number)
-    red, green, blue = to_rgb(colour(int(number)) if known else BLACK)
+    red, green, blue = to_rgb(colour_of(int(number)) if known else BLACK)
     return Color(r=red, g=green, b=blue, a=1.0)
 
 

@@ -16,15 +16,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sil.agents import systems_of
 from sil.plant.hull import Array
-from sil.scenario import Scenario
+from sil.scenario.agents import systems_of
+from sil.scenario.scenario import Scenario
+from sil.scenario.wiring import VIRTUAL_LEADER_SYSTEM
 from sil.view.aboard import ESC_NUMBERS
-from sil.wiring import VIRTUAL_LEADER_SYSTEM
 
 MOST_SAMPLES = 1200
 _MOST_NUMBERS, _LEAST_SAMPLES = 500_000, 60
-LENGTH_M = 1.0  # of a hull that nobody knows the length of, as in `sil.plots`
+LENGTH_M = 1.0  # of a hull that nobody knows the length of, as in `sil.report.plots`
 SIDES = ("port", "stbd")  # of the ESCs
 COLUMNS = (
     "x_m",

@@ -14,7 +14,8 @@ from typing import Any
 
 import flotilla
 
-from sil import metrics, plots
+from sil.common.colours import COLOURS
+from sil.lockstep import metrics
 
 LIBRARY = Path("/usr/share/javascript/chart.js/chart.min.js")
 _PARTS = Path(__file__).parent / "page"
@@ -127,7 +128,7 @@ def drives() -> dict[str, list[str]]:
 def _page(title: str, history: Mapping[str, Any] | None, has_chart: bool) -> str:
     config = {
         "has_chart": has_chart,
-        "colours": plots.COLOURS,
+        "colours": COLOURS,
         "settled_m": metrics.SETTLED_M,
         "supervisor": json.loads(supervisor_json()),
     }

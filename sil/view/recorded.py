@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from sil import recording, scenario
+from sil.lockstep import recording
 from sil.plant.hull import Array
-from sil.scenario import Scenario
+from sil.scenario import scenario
+from sil.scenario.scenario import Scenario
+from sil.scenario.wiring import ORIGIN
 from sil.view import history
 from sil.view.history import Boat
 from sil.view.said import Said, said_in, said_live
-from sil.wiring import ORIGIN
 
 
 def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any]:

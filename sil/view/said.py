@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from sil.lockstep.recording import MAVLINK_OUT, Recording
 from sil.plant.hull import Array
-from sil.recording import MAVLINK_OUT, Recording
 from sil.view.changes import Changes
 from sil.view.history import SIDES, column
 from sil.view.vessel import Vessel
@@ -131,7 +131,7 @@ def _frames(data: Bytes, wanted: npt.NDArray[np.bool_], found: Places) -> tuple[
     """Writes (time in us, agent, begin, end) of the wanted frames that boats sent by radio.
 
     As many as `found` (F, 4) has room for; returns how many there are, and the last time of all
-    records. Layout: `sil.recording`.
+    records. Layout: `sil.lockstep.recording`.
     """
     at, count, t_us = 0, 0, 0
     while at + 12 <= data.size:

@@ -21,7 +21,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from sil.view import alarm, page
 from sil.view.chart import Chart
-from sil.view.live import FRAMES_PER_S, Live
+from sil.view.live_source import FRAMES_PER_S, Live
 
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "

@@ -7,7 +7,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[impo
 
 from sil.view import states
 from sil.view.aboard import Aboard
-from sil.view.motion import Motion
+from sil.view.seen_motion import Motion
 from sil.view.texts import Texts
 from sil.wire import mavlink_messages as messages
 from sil.wire.heartbeat import state_of

@@ -11,10 +11,10 @@ from contextlib import suppress
 import flotilla
 import numpy as np
 
-from sil import scenario
-from sil.batch import Batch
 from sil.faults.rows import FOLDER
-from sil.start import start
+from sil.lockstep.batch import Batch
+from sil.lockstep.start import start
+from sil.scenario import scenario
 from tests.clients.boat import Client
 from tests.linux.process import LOOPBACK, free_port
 

@@ -9,13 +9,13 @@ from statistics import fmean, median
 
 import pytest
 
-from sil import scenario
-from sil.metal.__main__ import BENCH, steady_stream
-from sil.metal.image import IMAGE, QEMU, QEMU_ARM64, play, play_arm64
-from sil.metal.size import sizes
-from sil.metal.stream import stream_of
-from sil.recording import Recording
-from sil.world import sail
+from sil.examine.metal.__main__ import BENCH, steady_stream
+from sil.examine.metal.image import IMAGE, QEMU, QEMU_ARM64, play, play_arm64
+from sil.examine.metal.size import sizes
+from sil.examine.metal.stream import stream_of
+from sil.lockstep.recording import Recording
+from sil.lockstep.world import sail
+from sil.scenario import scenario
 from tests import readme
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -23,8 +23,8 @@ from typing import Any, NamedTuple, Protocol
 import can
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil.ordinary_user import ordinary_user
-from sil.parameter_file import set_up
+from sil.live.ordinary_user import ordinary_user
+from sil.live.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
 from tests.dialect import dialect

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sil import scenario
-from sil.world import Run, World
+from sil.lockstep.world import Run, World
+from sil.scenario import scenario
 
 Sail = Callable[..., Run]
 

@@ -20,11 +20,11 @@ from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-unty
 from rich.console import Console
 from rich.progress import track
 
-from sil import scenario
-from sil.law import LAWS
-from sil.sections import Scalar
+from sil.lockstep.world import Run, sail
+from sil.scenario import scenario
+from sil.scenario.law import LAWS
+from sil.scenario.sections import Scalar
 from sil.wire.esc_node import EscNode
-from sil.world import Run, sail
 
 SCENARIOS = sorted(path.stem for path in (Path(scenario.__file__).parent / "scenarios").iterdir())
 HISTORIES = 1000

@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: MIT
 """The world once more, of Python classes and a loop: slow, one run, easy to change.
 
-What `sil.world` has to equal byte for byte, and where tests replace a unit or an ESC.
+What `sil.lockstep.world` has to equal byte for byte, and where tests replace a unit or an ESC.
 """
 
 import flotilla
 import numpy as np
 
-from sil.agents import clocks_of, parameters_of, slots_of
-from sil.bodies import bodies_of
-from sil.scenario import Scenario
-from sil.start import esc_intervals
-from sil.streams import Stream, generator
-from sil.trace import Tracer
+from sil.lockstep.start import esc_intervals
+from sil.lockstep.trace import Tracer
+from sil.lockstep.world import Run
+from sil.scenario.agents import clocks_of, parameters_of, slots_of
+from sil.scenario.fleet_bodies import bodies_of
+from sil.scenario.scenario import Scenario
+from sil.scenario.streams import Stream, generator
 from sil.wire.heartbeat import FORMATION, HOLD
 from sil.wire.link import Link
 from sil.wire.operator import Operator
-from sil.world import Run
 from tests.loop.vessel import Vessel, VirtualLeader
 from tests.target.reference_fleet import SplitMix64
 

@@ -24,18 +24,19 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from rich.progress import track
 
-from sil import metrics, scenario
 from sil.campaign.sampling import Sampler
+from sil.certificate.certified_fleet import fleet, parameters
 from sil.certificate.chain import chain
-from sil.certificate.fleet import fleet, parameters
 from sil.certificate.probe import deepest
-from sil.certificate.reference import references
+from sil.certificate.references import references
 from sil.certificate.sampled import sampled_loop
 from sil.certificate.thrust import thrust_need
-from sil.claims import PRODUCT
-from sil.scenario import Scenario
-from sil.start import RunError
-from sil.world import Run, sail
+from sil.lockstep import metrics
+from sil.lockstep.start import RunError
+from sil.lockstep.world import Run, sail
+from sil.results.claims import PRODUCT
+from sil.scenario import scenario
+from sil.scenario.scenario import Scenario
 
 MOST_BOATS, DURATION_S = 12, 120
 IN_SLOT_M, ASTRAY_M = 0.2, 1.0

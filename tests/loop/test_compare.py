@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sil.__main__ import main
-from sil.campaign import report
+from sil.campaign import campaign_report
+from sil.cli.main import main
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,9 @@ def sailed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "gain lower": ["--param", "LAW_KX=0.16"],
     }
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report, "write", lambda out: None)  # pictures have tests of their own
+        patch.setattr(
+            campaign_report, "write", lambda out: None
+        )  # pictures have tests of their own
         for name, change in changes.items():
             size = ["--runs", "24", "--workers", "2", "--set", "duration_s=80"]
             out = ["--out", str(folder / name)]

@@ -9,12 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import metrics, scenario
-from sil.recording import Recording
-from sil.replay import main, replay
-from sil.world import Run, World
+from sil.cli.main import main
+from sil.lockstep import metrics
+from sil.lockstep.recording import Recording
+from sil.lockstep.replay import replay
+from sil.lockstep.world import Run, World
+from sil.report.figures import REFERENCE
+from sil.scenario import scenario
 
-REFERENCE = Path(__file__).parent.parent / "reference" / "nominal_formation.csv"
 ROOT = Path(__file__).parent.parent.parent
 SHORT = "duration_s=10"
 
@@ -80,7 +82,7 @@ def test_the_recording_replays_bit_for_bit(diamond: tuple[Run, Path]) -> None:
     recording = Recording(path)
     assert recording.digest() == run.digest
     assert replay(recording) == [-1, -1, -1, -1]
-    assert main([str(path.parent)]) == 0
+    assert main(["replay", str(path.parent)]) == 0
 
 
 def test_a_replay_with_another_gain_differs_at_the_first_driven_tick(

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from sil import metrics
+from sil.lockstep import metrics
 from tests.loop.conftest import Sail
 
 PRODUCT = ("law=product", "link.everyone=true", "duration_s=60")

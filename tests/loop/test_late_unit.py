@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from sil import metrics
-from sil.agents import parameters_of, slots_of
-from sil.scenario import load
-from sil.world import Run, sail
+from sil.lockstep import metrics
+from sil.lockstep.world import Run, sail
+from sil.scenario.agents import parameters_of, slots_of
+from sil.scenario.scenario import load
 
 SEEDS = range(1, 6)
 MOST_TURN_RADPS = 1.2 * 0.8  # of LAW_R_MAX

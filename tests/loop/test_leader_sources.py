@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
-from sil import metrics, scenario
-from sil.results_readme import WANTED
+from sil.lockstep import metrics
+from sil.results.results_readme import WANTED
+from sil.scenario import scenario
+from sil.scenario.wiring import VIRTUAL_LEADER_SYSTEM
 from sil.wire.navigation_unit import NavigationUnit
-from sil.wiring import VIRTUAL_LEADER_SYSTEM
 from tests.loop.conftest import Sail
 from tests.loop.objects import ObjectWorld
 

@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sil import metrics, run, scenario
-from sil.__main__ import main
-from sil.live import LiveWorld, buses_of
-from sil.trace import Tracer
+from sil.cli.main import main
+from sil.live.live_world import LiveWorld, buses_of
+from sil.lockstep import metrics
+from sil.lockstep.trace import Tracer
+from sil.lockstep.world import Progress, Run
+from sil.report import one_run
+from sil.scenario import scenario
 from sil.view.history import numbers
 from sil.view.recorded import history_of_run
-from sil.world import Progress, Run
 from tests.live_buses import live_buses
 from tests.punctual import sail_punctually
 from tests.turns import some
@@ -105,7 +107,7 @@ class LeaderFallsSilent(LiveWorld):
 def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sil.run.LiveWorld", LeaderFallsSilent)
+    monkeypatch.setattr("sil.report.one_run.LiveWorld", LeaderFallsSilent)
     diamond = scenario.load("diamond", [f"duration_s={COASTING_RUN_S}"])
     pair = diamond.model_copy(update={"boat": diamond.boat[:2]})
     parameters = {"FS_LEADER_S": 1.0, "FS_COAST_S": 60.0}
@@ -115,7 +117,7 @@ def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
         nonlocal words, summary
         out, words = tmp_path / str(attempt), io.StringIO()
         with live_buses() as bus:
-            summary = run.live(pair, bus, out, parameters, "", Console(file=words))
+            summary = one_run.live(pair, bus, out, parameters, "", Console(file=words))
         return out
 
     out = sail_punctually(sail)

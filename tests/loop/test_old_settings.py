@@ -10,9 +10,9 @@ from functools import cache
 
 import pytest
 
-from sil import scenario
-from sil.claims import CLAIMS, PRODUCT, Bound
-from sil.world import Run, sail
+from sil.lockstep.world import Run, sail
+from sil.results.claims import CLAIMS, PRODUCT, Bound
+from sil.scenario import scenario
 
 # the share by which a figure differs that is as good; m: the reference tells a millimetre
 SHARE, WIRE_M = 1e-3, 2e-4

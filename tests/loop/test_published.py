@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sil import published, results, results_campaigns, results_readme, sailing, scenario
 from sil.campaign.finished import Campaign
-from sil.campaign.outcome import result_of
+from sil.campaign.run_outcome import result_of
 from sil.campaign.sampling import Sampler
-from sil.claims import CLAIMS
-from sil.results_table import decisive
-from sil.sailing import Job, Outcome
-from sil.world import Run, sail
+from sil.lockstep.world import Run, sail
+from sil.results import published, results, results_campaigns, results_readme, sailing
+from sil.results.claims import CLAIMS
+from sil.results.results_table import decisive
+from sil.results.sailing import Job, Outcome
+from sil.scenario import scenario
 
 # Figures are noted with 6 digits, and printed with 2 or 3.
 SHARE, LEAST = 1e-3, 1e-6

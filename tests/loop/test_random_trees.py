@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sil.scenario import Scenario
+from sil.scenario.scenario import Scenario
 from tests.loop.random_trees import IN_SLOTS, WANTED, End, certified, draw, ends, in_slots
 
 MUST_NOT_BE = {"driven astray", "spinning"}

@@ -7,10 +7,10 @@ The short form of `python -m sil campaign scatter --runs 1000`.
 import numpy as np
 import pytest
 
-from sil import scenario
-from sil.campaign.outcome import result_of
+from sil.campaign.run_outcome import result_of
 from sil.campaign.sampling import Sampler
-from sil.world import sail
+from sil.lockstep.world import sail
+from sil.scenario import scenario
 
 LEAST_M = 1.5
 

@@ -3,9 +3,9 @@
 
 import pytest
 
-from sil import scenario
 from sil.faults.rows import FOLDER
-from sil.world import sail
+from sil.lockstep.world import sail
+from sil.scenario import scenario
 
 
 @pytest.mark.parametrize("stream_mps", [[-0.7, 0.0], [0.4, 0.0], [0.0, 0.5]])

@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from sil import figures, metrics
+from sil.lockstep import metrics
+from sil.report import figures
 from tests.loop.conftest import Sail
 
 

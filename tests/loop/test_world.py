@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import metrics, scenario
-from sil.agents import clocks_of
-from sil.recording import Recording
-from sil.start import StartError
+from sil.lockstep import metrics
+from sil.lockstep.recording import Recording
+from sil.lockstep.start import StartError
+from sil.lockstep.world import Run, World
+from sil.lockstep.world import sail as sail_together
+from sil.scenario import scenario
+from sil.scenario.agents import clocks_of
 from sil.wire.esc_node import EscNode
-from sil.world import Run, World
-from sil.world import sail as sail_together
 from tests.loop.conftest import Sail
 from tests.loop.objects import ObjectWorld
 from tests.turns import some

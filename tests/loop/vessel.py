@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The oracle of `flotilla.Fleet` and `sil.world`: one vessel an object, slow and easy to read.
+"""The oracle of `flotilla.Fleet` and `sil.lockstep.world`: a vessel is an object, slow to sail.
 
 Each has its own clock; who says what to whom at a tick is what the fleet has to equal, to the byte.
 """
@@ -11,12 +11,18 @@ from typing import Any
 import flotilla
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
-from sil.clock import Clock
-from sil.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
+from sil.lockstep.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
+from sil.scenario.wiring import (
+    BATTERY_V,
+    ESC_NODES,
+    NAVIGATION_COMPONENT,
+    ORIGIN,
+    VIRTUAL_LEADER_SYSTEM,
+)
+from sil.wire.clock import Clock
 from sil.wire.esc_node import EscNode
 from sil.wire.link import Link
 from sil.wire.navigation_unit import NavigationUnit, Settings
-from sil.wiring import BATTERY_V, ESC_NODES, NAVIGATION_COMPONENT, ORIGIN, VIRTUAL_LEADER_SYSTEM
 
 Record = Callable[[int, int, bytes], None]
 Sensed = Sequence[float]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil.clock import Clock
-from sil.recording import CAN_IN
+from sil.lockstep.recording import CAN_IN
+from sil.wire.clock import Clock
 from sil.wire.geodesy import Geodetic
 from sil.wire.link import Link
 from sil.wire.navigation_unit import NavigationUnit, Settings

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sil.recording import CAN_IN
+from sil.lockstep.recording import CAN_IN
 from sil.wire.dronecan import ARMING_STATUS, GET_NODE_INFO, RAW_COMMAND, ArmingStatus, RawCommand
 from sil.wire.dronecan_transfer import DataType, FrameId, Kind, Publisher, split
 from tests.target.twin_fleets import H_US, alone

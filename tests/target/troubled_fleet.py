@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
+from sil.lockstep.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
 from tests.target.twin_fleets import H_US, LOCAL, Twins
 
 _HEAD = struct.Struct("<QHH")

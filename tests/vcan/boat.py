@@ -18,8 +18,8 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from sil.ordinary_user import ordinary_user
-from sil.parameter_file import set_up
+from sil.live.ordinary_user import ordinary_user
+from sil.live.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
 from tests.linux.process import PATIENT

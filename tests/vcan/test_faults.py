@@ -3,12 +3,12 @@
 
 import pytest
 
-from sil.faults import live
+from sil.faults import live_matrix
+from sil.faults.fault_outcome import Outcome
 from sil.faults.live_strikes import STRIKES
-from sil.faults.outcome import Outcome
-from sil.live import FLOTILLAD
+from sil.live.live_world import FLOTILLAD
 
-NAMES = [row.name for row in live.limits()]
+NAMES = [row.name for row in live_matrix.limits()]
 
 
 @pytest.fixture(scope="module")
@@ -16,10 +16,10 @@ def outcomes() -> dict[str, Outcome]:
     """One boat takes them all, one after the other; twice where this machine may have been late."""
     if not FLOTILLAD.exists():
         pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
-    first = {one.fault: one for one in live.sail()}
+    first = {one.fault: one for one in live_matrix.sail()}
     if all(one.passed for one in first.values()):
         return first
-    return {one.fault: one for one in live.sail()}
+    return {one.fault: one for one in live_matrix.sail()}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -48,6 +48,6 @@ def test_every_strike_has_limits() -> None:
 def test_whoever_is_beyond_a_limit_fails(
     seen: tuple[float | None, str, float, float | None], why: str
 ) -> None:
-    row = next(row for row in live.limits() if row.name == "stopped")
-    said = live.beyond(row, *seen)
+    row = next(row for row in live_matrix.limits() if row.name == "stopped")
+    said = live_matrix.beyond(row, *seen)
     assert [why in each for each in said] == ([True] if why else [])

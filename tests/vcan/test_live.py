@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import metrics
-from sil.__main__ import main
-from sil.live import FLOTILLAD
+from sil.cli.main import main
+from sil.live.live_world import FLOTILLAD
+from sil.lockstep import metrics
 from tests.punctual import sail_punctually
 
 DURATION_S = 40

@@ -42,7 +42,7 @@ void ClockOffset::answered(std::int64_t sent_us, std::int64_t read_us, std::int6
   const bool contradicts = lower > *upper_ + kRounded_us;
   disputed_ = contradicts || *upper_ - lower > kWidest_us;
   if (disputed_) {
-    begins_anew_ = contradicts && lower_;
+    begins_anew_ = contradicts;
     lower_.reset();
     return;
   }

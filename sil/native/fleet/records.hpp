@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A recording of a run's wires, in the layout of sil/recording.py.
+// A recording of a run's wires, in the layout of sil/lockstep/recording.py.
 #pragma once
 
 #include <array>

@@ -138,5 +138,17 @@ TEST_CASE(
   CHECK(std::abs(radio.error_ms(clock, 51'000'000)) <= 10.001);
 }
 
+TEST_CASE("a clock that is set ahead and back between two answers is known again") {
+  Radio radio{0, 0, 10'000, 0.0};
+  ClockOffset clock;
+  radio.talk(clock, 0, 20'050'000, true);
+  radio.offset_us -= kHour_us;
+  radio.talk(clock, 20'050'000, 20'450'000, true);
+  radio.offset_us += kHour_us;
+  radio.talk(clock, 20'450'000, 23'000'000, true);
+  CHECK(clock.was_answered());
+  CHECK(std::abs(radio.error_ms(clock, 23'000'000)) < 1);
+}
+
 }  // namespace
 }  // namespace flotilla::app

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sil.ordinary_user import ordinary_user
+from sil.live.ordinary_user import ordinary_user
 from tests.linux.process import LOOPBACK, PROGRAM, ROOT, RealSea
 
 SHIPPED = ROOT / "firmware" / "linux" / "boat.toml"

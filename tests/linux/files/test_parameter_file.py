@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sil.parameter_file import parameter_text
+from sil.live.parameter_file import parameter_text
 from tests.linux.process import PATIENT, STORAGE, RealSea, now_us
 from tests.target.stations import ACCEPTED, ARM, command_long
 

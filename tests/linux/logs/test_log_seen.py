@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from sil.view.history import numbers
-from sil.view.tlog import history_of_tlog
+from sil.view.tlog_history import history_of_tlog
 from tests.linux.process import RealSea
 from tests.target.stations import BOAT, LEADER
 

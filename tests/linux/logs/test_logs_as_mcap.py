@@ -10,7 +10,7 @@ import can
 import pytest
 from pymavlink import mavutil
 
-from sil.logs.__main__ import main
+from sil.cli.main import main
 from tests.linux.process import RealSea
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of
 from tests.target.bus import ESC_STATUS, type_of
@@ -29,7 +29,7 @@ def test_a_boats_own_logs_become_what_other_readers_see_in_them(
     assert sea.end() == 0
     (tlog,), (candump,) = folder.glob("*.tlog"), folder.glob("*.log")
     out = tmp_path / "boat.mcap"
-    assert main([str(folder), "--out", str(out)]) == 0
+    assert main(["convert", str(folder), "--out", str(out)]) == 0
     assert_schemas_are_by_topic(out)
     topics = messages_of(out)
     positions_are_pymavlinks(topics, tlog)

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sil import scenario
-from sil.campaign.outcome import RunResult
+from sil.campaign.run_outcome import RunResult
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import Batch, code
+from sil.scenario import scenario
 
 SHORT = """\
 base = "diamond"

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from sil import scenario
 from sil.campaign import nominal
 from sil.campaign.aside import nominal_run
-from sil.world import Progress
+from sil.lockstep.world import Progress
+from sil.scenario import scenario
 
 CALM = scenario.load("diamond", ["duration_s=1"])
 

@@ -13,11 +13,11 @@ import psutil
 import pyarrow.parquet as pq
 import pytest
 
-from sil import metrics
-from sil.__main__ import main
-from sil.campaign import campaign, nominal, report
-from sil.campaign.files import Folder
-from sil.scenario import load
+from sil.campaign import campaign, campaign_report, nominal
+from sil.campaign.campaign_files import Folder
+from sil.cli.main import main
+from sil.lockstep import metrics
+from sil.scenario.scenario import load
 from tests.sil.campaign.short import short
 from tests.sil.mistakes import assert_told_in_one_line
 from tests.turns import some
@@ -28,15 +28,15 @@ RUNS = 7
 # A campaign in batches of two whose process gets a signal once it has kept two of them.
 INTERRUPTED = """\
 import os, signal, sys
-from sil.__main__ import main
-from sil.campaign import campaign, files
+from sil.cli.main import main
+from sil.campaign import campaign, campaign_files
 signal.signal(signal.SIGINT, signal.default_int_handler)  # shells have background jobs ignore it
-keep = files.Folder.keep
+keep = campaign_files.Folder.keep
 def keep_and_stop(folder, result):
     keep(folder, result)
     if len(list(folder.path.glob("parts/*.npz"))) == 2:
         os.kill(os.getpid(), int(sys.argv[1]))
-files.Folder.keep = keep_and_stop
+campaign_files.Folder.keep = keep_and_stop
 campaign.BATCH = 2
 sys.exit(main(sys.argv[2:]))
 """
@@ -63,7 +63,7 @@ def sailed(scenario: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def _no_pictures(sailed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """They have tests of their own."""
-    monkeypatch.setattr(report, "write", lambda out: None)
+    monkeypatch.setattr(campaign_report, "write", lambda out: None)
 
 
 def assert_same(out: Path, sailed: Path) -> None:
@@ -151,7 +151,7 @@ def test_a_page_that_cannot_be_made_leaves_a_campaign_that_the_same_command_fini
 
     given = command(scenario, tmp_path, "--runs", "2")
     with monkeypatch.context() as patch:
-        patch.setattr(report, "write", fail)
+        patch.setattr(campaign_report, "write", fail)
         assert main(given) == 2
     parts = sorted(path.name for path in tmp_path.glob("parts/*.npz"))
     assert parts and main(given) == 0
@@ -175,7 +175,7 @@ def test_an_interrupted_campaign_goes_on_where_it_was(
         env={**os.environ, "CAMPAIGN_TEST": str(tmp_path)},
     )
     if number == signal.SIGINT:
-        assert child.returncode == 130 and "to go on: python -m sil campaign" in child.stdout
+        assert child.returncode == 130 and "to go on: flotilla campaign" in child.stdout
     else:
         assert child.returncode == -signal.SIGKILL
     assert "Traceback" not in child.stderr

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from sil.__main__ import main
-from sil.campaign import figures, finished, pairs
+from sil.campaign import campaign_figures, finished, pairs
+from sil.cli.main import main
 from tests.sil.campaign.made_up import Made
 
 A = Made()
@@ -83,7 +83,7 @@ def test_same_code_with_another_seed_raises_at_most_one_alarm_in_fifty(tmp_path:
         for number, place in enumerate(places):
             Made(runs=24, draw=100 + 2 * repetition + number).write(place, over_time=False)
         a, b = map(finished.read, places)
-        found = figures.compare(a, b, paired=False)
+        found = campaign_figures.compare(a, b, paired=False)
         alarms += [(repetition, key) for key, one in found.items() if one.verdict != "same"]
     assert len(alarms) <= 1, alarms
 
@@ -172,7 +172,7 @@ def test_folder_without_a_campaign_is_told_with_how_to_make_one(
 ) -> None:
     assert main(["compare", str(tmp_path / "none"), str(tmp_path)]) == 2
     error = capsys.readouterr().err
-    assert error.count("\n") == 1 and "python -m sil campaign SCENARIO" in error
+    assert error.count("\n") == 1 and "flotilla campaign SCENARIO" in error
 
 
 @pytest.mark.parametrize("name", ["campaign.json", "table.parquet", "draws.parquet"])

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sil import scenario
 from sil.campaign import nominal
-from sil.start import StartError
-from sil.world import sail
+from sil.lockstep.start import StartError
+from sil.lockstep.world import sail
+from sil.scenario import scenario
 
 
 def test_nominal_run_is_the_scenarios_in_hulls_that_are_known_and_without_white_noise(

@@ -10,14 +10,14 @@ import dask
 import distributed
 import pytest
 
-from sil import scenario
-from sil.__main__ import main
-from sil.campaign import campaign, report, runner
-from sil.campaign.files import Folder
+from sil.campaign import campaign, campaign_report, runner
+from sil.campaign.campaign_files import Folder
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import Batch, BatchResult, sail_batch
-from sil.scenario import Scenario
-from sil.world import sail
+from sil.cli.main import main
+from sil.lockstep.world import sail
+from sil.scenario import scenario
+from sil.scenario.scenario import Scenario
 from tests.sil.campaign.short import batch, sampler, short
 
 TABLES = ("table", "draws", "seconds", "envelopes")
@@ -42,7 +42,7 @@ def cluster() -> Iterator[distributed.LocalCluster]:
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 1}),
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
         ) as cluster,
     ):
         yield cluster
@@ -51,7 +51,7 @@ def cluster() -> Iterator[distributed.LocalCluster]:
 def test_a_cluster_that_loses_a_worker_makes_the_same_tables(
     cluster: distributed.LocalCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(report, "write", lambda out: None)
+    monkeypatch.setattr(campaign_report, "write", lambda out: None)
     given = ["campaign", str(short(tmp_path)), "--runs", "12", "--set", "duration_s=30.0"]
     assert main([*given, "--out", str(tmp_path / "here")]) == 0
     killed: list[int] = []

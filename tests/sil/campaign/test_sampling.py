@@ -9,10 +9,10 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from sil import scenario
 from sil.campaign.sampling import Sampler
-from sil.scenario import ScenarioError
-from sil.wiring import VIRTUAL_LEADER_SYSTEM
+from sil.scenario import scenario
+from sil.scenario.scenario import ScenarioError
+from sil.scenario.wiring import VIRTUAL_LEADER_SYSTEM
 from tests.sil.campaign.short import SHORT, sampler, short
 
 FREE = "[[vary]]\nkey = {key}\n{how}\n"

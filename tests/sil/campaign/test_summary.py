@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sil import scenario
 from sil.campaign import samples, summary
 from sil.campaign.finished import columns, read
-from sil.campaign.outcome import RunResult
+from sil.campaign.run_outcome import RunResult
 from sil.campaign.summary import Effort
+from sil.scenario import scenario
 from tests.sil.campaign.made_up import Made
 from tests.sil.campaign.short import result
 

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from sil.campaign import table
-from sil.campaign.outcome import RunResult
+from sil.campaign.run_outcome import RunResult
 from tests.sil.campaign.short import result, sampler
 
 FAILED = RunResult(2, 7, "failed", "lost its process")

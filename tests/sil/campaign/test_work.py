@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sil.campaign.outcome import RunResult
+from sil.campaign.run_outcome import RunResult
 from sil.campaign.work import OtherCodeError, sail_batch
 from tests.sil.campaign.short import batch, sampler
 from tests.turns import some

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import metrics
-from sil.__main__ import main
-from sil.campaign import finished, page_tables, report, worst
-from sil.start import StartError
+from sil.campaign import campaign_report, finished, page_tables, worst
+from sil.cli.main import main
+from sil.lockstep import metrics
+from sil.lockstep.start import StartError
+from sil.lockstep.world import sail
 from sil.view import history
-from sil.world import sail
 from tests.sil.campaign.made_up import Made
 from tests.sil.campaign.short import sampler, short
 from tests.turns import some
@@ -56,7 +56,7 @@ def test_campaign_of_which_every_run_diverged_has_no_worst_that_did_not(tmp_path
     (folder / worst.NAME).write_bytes(b"of another campaign")
     assert not worst.write(folder, chosen, {})
     assert worst.read(folder) is None
-    report.write(folder)
+    campaign_report.write(folder)
     assert "<p>None was sailed again.</p>" in (folder / "report.html").read_text(encoding="utf-8")
 
 

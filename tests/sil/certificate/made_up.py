@@ -3,11 +3,11 @@
 
 from collections.abc import Mapping, Sequence
 
-from sil import scenario
-from sil.certificate.fleet import fleet, parameters
+from sil.certificate.certified_fleet import fleet, parameters
 from sil.certificate.loop import Boat
-from sil.certificate.reference import Reference, references
-from sil.law import Law
+from sil.certificate.references import Reference, references
+from sil.scenario import scenario
+from sil.scenario.law import Law
 
 SINE = "leader.input.1.yaw_sine_Nm=0.0"
 AT_REST = (SINE, "leader.input.1.surge_N=0.0")

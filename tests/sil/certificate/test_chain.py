@@ -5,10 +5,10 @@ from functools import cache
 
 import pytest
 
-from sil import scenario
 from sil.certificate import agreement, chain
-from sil.certificate.reference import references
-from sil.law import Law
+from sil.certificate.references import references
+from sil.scenario import scenario
+from sil.scenario.law import Law
 
 
 @pytest.mark.parametrize("delay_s", agreement.DELAYS_S)

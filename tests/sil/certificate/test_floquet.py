@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from sil import scenario
 from sil.certificate import floquet
-from sil.certificate.reference import Reference, references
+from sil.certificate.references import Reference, references
 from sil.plant.hull import HullParameters
+from sil.scenario import scenario
 
 VESSEL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
 SINE = "leader.input.1.yaw_sine_Nm=0.0"

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from sil.certificate.loop import COMPONENTS, Loop, leader_rows
-from sil.certificate.reference import references
+from sil.certificate.references import references
+from sil.lockstep.world import World
 from sil.plant.hull import Array
-from sil.scenario import load
-from sil.world import World
+from sil.scenario.scenario import load
 from tests.sil.certificate.made_up import TURN, boat
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from sil.certificate import monodromy
 from sil.certificate.loop import COMPONENTS, Loop, leader_rows
-from sil.law import LAWS
+from sil.scenario.law import LAWS
 from tests.sil.certificate.made_up import AT_REST, SINE, TURN, boat
 from tests.turns import some
 

@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: MIT
 """The sampled loops' decay where theory or a simulation knows it, and verdicts on the rest."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from sil.certificate import floquet, sampled
 from sil.certificate.sampled import SampledLoop, quick_decay, sampled_loop, uncontrollable
-from sil.law import Law
+from sil.report.figures import REFERENCE as NOMINAL_RUN
+from sil.scenario.law import Law
 from tests.sil.certificate.made_up import AT_REST, SINE, TURN, behind, boat
 
-NOMINAL_RUN = Path(__file__).parents[2] / "reference" / "nominal_formation.csv"
 AT_50_HZ = ("rate_hz=50.0", "navigation.rate_hz=50.0")
 
 

@@ -4,12 +4,12 @@
 import numpy as np
 import pytest
 
-from sil import scenario
 from sil.certificate.motion import Motion, Series, body_from_ground
-from sil.certificate.reference import references
+from sil.certificate.references import references
 from sil.certificate.slots import slot_motion
 from sil.plant import hull
 from sil.plant.hull import Array, HullParameters
+from sil.scenario import scenario
 
 NOMINAL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
 LONG = HullParameters(2.0, 4.5, 1.4, 6.0, 30.0, 3.0, m23=0.2, crossflow=15.0, length_m=1.5)

@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from sil import scenario
 from sil.certificate.motion import motion_of
-from sil.certificate.reference import Reference, references
+from sil.certificate.references import Reference, references
 from sil.certificate.small_gain import SmallGain, small_gain
 from sil.plant.hull import HullParameters
-from sil.sections import Input
+from sil.scenario import scenario
+from sil.scenario.sections import Input
 
 VESSEL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from sil import scenario
 from sil.certificate import chain, margins, search, verdict
 from sil.certificate.certificate import Certificate, certify
+from sil.scenario import scenario
 from tests.sil.certificate.made_up import SINE
 
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sil.faults import matrix, rows, told
-from sil.faults.__main__ import main
-from sil.faults.outcome import Outcome
+from sil.cli.main import main
+from sil.faults import fault_report, matrix, rows
+from sil.faults.fault_outcome import Outcome
 from sil.faults.rows import Row
 from sil.faults.watch import STATES
-from sil.world import Run, sail
+from sil.lockstep.world import Run, sail
 from tests.sil.mistakes import assert_told_in_one_line
 
 FAULT = {"kind": "own_silent", "agent": 1, "at_s": 1.0, "for_s": 2.0}
@@ -138,7 +138,7 @@ def test_where_a_boat_may_go_on_the_fault_was_there_all_the_same() -> None:
 def test_the_command_writes_what_it_prints(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["--only", "esc_both_silent", "--out", str(tmp_path)]) == 0
+    assert main(["faults", "--only", "esc_both_silent", "--out", str(tmp_path)]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "1 passed, 0 failed"
     assert "esc_both_silent" in (tmp_path / "faults.json").read_text()
     assert (tmp_path / "faults.md").read_text().endswith("1 passed, 0 failed\n")
@@ -149,7 +149,7 @@ def test_the_command_fails_where_a_row_does(
 ) -> None:
     (row,) = (row for row in rows.read() if row.name == "own_silent")
     monkeypatch.setattr(rows, "read", lambda: (row.model_copy(update={"detected_s": 0.1}),))
-    assert main(["--out", str(tmp_path)]) == 1
+    assert main(["faults", "--out", str(tmp_path)]) == 1
     assert capsys.readouterr().out.splitlines()[-1] == "0 passed, 1 failed"
     assert "noticed after 0.45 s" in (tmp_path / "faults.md").read_text()
 
@@ -161,22 +161,25 @@ def test_a_matrix_that_is_interrupted_has_not_passed(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(matrix, "sail_all", interrupt)
-    assert main(["--out", str(tmp_path)]) == 130
-    assert capsys.readouterr().err == "interrupted: nothing was written\n"
+    assert main(["faults", "--out", str(tmp_path)]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
-    [(["--only", "kraken"], 'no fault has "kraken"'), (["--soak", "0"], "must be positive")],
+    [
+        (["--only", "kraken"], "--only kraken: no fault has that"),
+        (["--soak", "0"], "must be positive"),
+    ],
 )
 def test_mistakes_are_told_in_one_line(
     arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([*arguments, "--out", str(tmp_path)]) == 2
+    assert main(["faults", *arguments, "--out", str(tmp_path)]) == 2
     assert_told_in_one_line(said, capsys)
 
 
 def test_the_last_line_counts_what_passed_and_failed() -> None:
     well, ill = judged(*GOOD, **WELL), judged(*GOOD, **{**WELL, "detected_s": 0.0})
-    assert told.summary([well, ill, well]) == "2 passed, 1 failed"
+    assert fault_report.summary([well, ill, well]) == "2 passed, 1 failed"

@@ -5,7 +5,7 @@ import pytest
 
 from sil.faults import soak
 from sil.faults.soak import Soaked
-from sil.policies import PolicyViolationError
+from sil.lockstep.policies import PolicyViolationError
 
 MINUTES = 4.0
 

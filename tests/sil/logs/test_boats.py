@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sil.logs.__main__ import main
+from sil.cli.main import main
 from sil.wire.dronecan import ESC_STATUS, EscStatus
 from sil.wire.dronecan_transfer import Publisher
 from sil.wire.geodesy import LocalFrame
@@ -105,7 +105,7 @@ def log(tmp_path: Path) -> Path:
 
 def converted(*arguments: Path | str) -> dict[str, list[tuple[int, Any]]]:
     out = Path(arguments[-1])
-    assert main([*map(str, arguments[:-1]), "--out", str(out)]) == 0
+    assert main(["convert", *map(str, arguments[:-1]), "--out", str(out)]) == 0
     assert_schemas_are_by_topic(out)
     return messages_of(out)
 
@@ -282,7 +282,7 @@ def test_what_is_no_log_is_told_in_one_line_and_nothing_is_written(
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(content)
     given = path.parent if "folder" in name else path
-    assert main([str(given), "--out", str(tmp_path / "out.mcap")]) == 2
+    assert main(["convert", str(given), "--out", str(tmp_path / "out.mcap")]) == 2
     assert_told_in_one_line(said, capsys)
     assert not any(".mcap" in path.name for path in tmp_path.iterdir())
 
@@ -290,19 +290,19 @@ def test_what_is_no_log_is_told_in_one_line_and_nothing_is_written(
 def test_a_folder_that_is_not_there_is_told(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([str(log), "--out", str(tmp_path / "nowhere" / "out.mcap")]) == 2
+    assert main(["convert", str(log), "--out", str(tmp_path / "nowhere" / "out.mcap")]) == 2
     assert_told_in_one_line("nowhere: there is no such folder", capsys)
 
 
 def test_a_boats_folder_of_a_live_run_is_looked_into(log: Path, tmp_path: Path) -> None:
-    assert main([str(log.parent), "--out", str(tmp_path / "out.mcap")]) == 0
+    assert main(["convert", str(log.parent), "--out", str(tmp_path / "out.mcap")]) == 0
     assert (tmp_path / "out.mcap").stat().st_size > 0
 
 
 def test_a_full_disk_is_told_and_leaves_nothing(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([str(log), "--out", "/dev/full"]) == 2
+    assert main(["convert", str(log), "--out", "/dev/full"]) == 2
     assert_told_in_one_line("No space left", capsys)
 
 
@@ -357,6 +357,6 @@ def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) 
 def test_a_log_is_not_written_over(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     tlog = next(log.glob("*.tlog"))
     before = tlog.read_bytes()
-    assert main([str(log), "--out", str(tlog)]) == 2
+    assert main(["convert", str(log), "--out", str(tlog)]) == 2
     assert_told_in_one_line("is one of the logs", capsys)
     assert tlog.read_bytes() == before

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.logs.run_folder import NAME
 from tests.sil.logs.reading import messages_of, schemas_of
 from tests.turns import some

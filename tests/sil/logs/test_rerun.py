@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil.__main__ import main
+from sil.cli.main import main
 from sil.logs.run_folder import NAME
+from sil.scenario.wiring import ORIGIN
 from sil.wire.geodesy import LocalFrame
-from sil.wiring import ORIGIN
 
 ROOT = Path(__file__).parents[3]
 SAMPLES = 21

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil.__main__ import main
-from sil.logs.__main__ import main as convert
+from sil.cli.main import main
+from sil.cli.main import main as flotilla
 from sil.logs.run_folder import EPOCH_S, NAME
+from sil.scenario.wiring import ORIGIN
 from sil.wire.geodesy import LocalFrame
-from sil.wiring import ORIGIN
 from tests.sil.logs.reading import assert_schemas_are_by_topic, messages_of, schemas_of
 from tests.sil.mistakes import assert_told_in_one_line
 from tests.turns import some
@@ -121,14 +121,14 @@ def test_escs_and_ages_are_what_went_over_the_wires(folder: Path) -> None:
 
 def test_a_run_without_a_recording_tells_the_truth_alone(folder: Path, tmp_path: Path) -> None:
     shutil.copy(folder / "trace.npz", tmp_path)
-    assert convert([str(tmp_path), "--out", str(tmp_path / "out.mcap")]) == 0
+    assert flotilla(["convert", str(tmp_path), "--out", str(tmp_path / "out.mcap")]) == 0
     kinds = {topic.rpartition("/")[2] for topic in schemas_of(tmp_path / "out.mcap")}
     assert kinds == {"fix", "scene", "state", "law", "tf"}
 
 
 def test_the_converter_makes_the_same_file_of_the_folder(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "again.mcap"
-    assert convert([str(folder), "--out", str(out)]) == 0
+    assert flotilla(["convert", str(folder), "--out", str(out)]) == 0
     again, before = messages_of(out), messages_of(folder / NAME)
     assert {topic: len(said) for topic, said in again.items()} == {
         topic: len(said) for topic, said in before.items()
@@ -149,7 +149,7 @@ def test_a_damaged_run_is_told_and_leaves_nothing(
         shutil.copy(folder / kept, tmp_path)
     content = (tmp_path / name).read_bytes()
     (tmp_path / name).write_bytes(content[: len(content) // 2])
-    assert convert([str(tmp_path)]) == 2
+    assert flotilla(["convert", str(tmp_path)]) == 2
     assert_told_in_one_line(name, capsys)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["recording.bin", "trace.npz"]
 
@@ -160,12 +160,12 @@ def test_a_live_runs_log_has_nothing_of_an_earlier_runs_recording(
     shutil.copytree(folder, tmp_path / "live")
     summary = json.loads((folder / "summary.json").read_text())
     (tmp_path / "live" / "summary.json").write_text(json.dumps({**summary, "digest": None}))
-    assert convert([str(tmp_path / "live")]) == 0
+    assert flotilla(["convert", str(tmp_path / "live")]) == 0
     assert not any(
         topic.endswith("/status") for topic in some(messages_of(tmp_path / "live" / NAME))
     )
 
 
 def test_a_recording_alone_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert convert([str(folder / "recording.bin")]) == 2
+    assert flotilla(["convert", str(folder / "recording.bin")]) == 2
     assert_told_in_one_line("its folder is what can be converted", capsys)

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Hulls against an adaptive 8th-order solution, the reference run and their own physics."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from sil.plant import hull
 from sil.plant.hull import Array, HullParameters
+from sil.report.figures import REFERENCE
 
 NOMINAL = HullParameters(m11=1.012, m22=1.982, m33=0.354, d11=3.436, d22=18.99, d33=0.864)
 LIGHT = HullParameters(m11=0.6, m22=1.1, m33=0.2, d11=2.0, d22=8.0, d33=0.5)
-REFERENCE = Path(__file__).parents[2] / "reference" / "nominal_formation.csv"
+
 START = np.array([[1.46, 0.45, 1.33], [-3.45, 2.25, 1.02]])
 SPEED = np.array([[0.5, 0.1, -0.3], [0.2, -0.1, 0.4]])
 STILL = np.zeros((2, 2))

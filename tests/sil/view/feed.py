@@ -6,11 +6,11 @@ from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil import scenario
+from sil.lockstep.world import sail
 from sil.plant.hull import Array
-from sil.view.fleet import Fleet
+from sil.scenario import scenario
+from sil.view.seen_fleet import Fleet
 from sil.wire.mavlink_ear import Ear
-from sil.world import sail
 from tests.target.stations import Station
 
 Told = list[dict[str, Any]]

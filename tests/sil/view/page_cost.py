@@ -2,8 +2,8 @@
 """python -m tests.sil.view.page_cost: what the page of a live view costs a browser, measured.
 
 Debian's Chromium without a screen or a GPU shows `tools/view` hearing a line of boats, as
-`python -m sil.view.cost` has them. Its renderer runs the page; the others put pixels together,
-which a GPU does elsewhere, and carry bytes.
+`python -m sil.bench.page_cost` has them. Its renderer runs the page; the others put pixels
+together, which a GPU does elsewhere, and carry bytes.
 """
 
 import argparse
@@ -16,8 +16,8 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
-from sil import arguments
-from sil.view.cost import fleet_of, said_by, viewed
+from sil.bench.page_cost import fleet_of, said_by, viewed
+from sil.scenario import arguments
 from tests.sil.view.browser import chromium
 
 _WARM_UP_S = 30.0
@@ -56,6 +56,7 @@ def main(given: Sequence[str]) -> int:
             frames = browser.run(_FRAMES) - frames
             used, passed_s = used_s() - began, time.monotonic() - began_s
     print(f"{frames / passed_s:.1f} frames a second of {options.boats} boats, % of a core:")
+    print(f"{'all':>12} {100.0 * sum(used.values()) / passed_s:5.1f}")
     for kind, busy_s in used.most_common():
         print(f"{kind:>12} {100.0 * busy_s / passed_s:5.1f}")
     return 0

@@ -16,8 +16,8 @@ from typing import Any
 
 from PIL import Image, PngImagePlugin
 
-from sil import published
 from sil.plant.hull import Array
+from sil.results import published
 from sil.view import page
 from tests.sil.view.browser import chromium
 from tests.sil.view.feed import Listening, sail_and_look

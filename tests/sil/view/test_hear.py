@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from pymavlink import mavutil
 
-from sil.view.fleet import Fleet
 from sil.view.hear import Listener
+from sil.view.seen_fleet import Fleet
 from sil.wire.mavlink_mcast import LOOPBACK, Mouth
 from tests.linux.process import free_port
 from tests.sil.view.feed import BEAT, attitude, said

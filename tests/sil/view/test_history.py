@@ -8,12 +8,13 @@ import struct
 import numpy as np
 import pytest
 
-from sil import metrics, scenario
+from sil.lockstep import metrics
+from sil.lockstep.recording import MOST_BOATS
 from sil.plant.hull import Array
-from sil.recording import MOST_BOATS
+from sil.scenario import scenario
+from sil.scenario.wiring import VIRTUAL_LEADER_SYSTEM
 from sil.view import history
 from sil.view.history import Boat
-from sil.wiring import VIRTUAL_LEADER_SYSTEM
 
 OFFSET_M = np.array([[-3.0, 1.0], [2.0, -4.0]])
 TURNS = [0.0, 1.0]

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from tornado.websocket import websocket_connect
 
-from sil.__main__ import main
-from sil.live import build
+from sil.cli.main import main
+from sil.live.live_world import build
 from tests.linux.process import free_port
 from tests.live_buses import live_buses
 from tests.punctual import sail_punctually
@@ -67,7 +67,7 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[dict[str, Any]]
     def sail(attempt: int) -> Path:
         out = tmp_path_factory.mktemp(f"seen{attempt}")
         group = f"mcast:239.255.145.63:{free_port()}"
-        with live_buses() as bus, process("sil.view", group, "--bind", "127.0.0.1:0") as view:
+        with live_buses() as bus, process("sil", "view", group, "--bind", "127.0.0.1:0") as view:
             live = ["sil", "live", "diamond", "--bus", bus, "--duration", str(DURATION_S)]
             assert view.stdout is not None
             url = view.stdout.readline().split()[-1]

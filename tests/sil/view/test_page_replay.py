@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sil import metrics
+from sil.lockstep import metrics
 from sil.plant.hull import Array
 from sil.view import history, page
 from sil.view.history import Boat, numbers

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from sil import scenario
-from sil.run import run
+from sil.report.one_run import run
+from sil.scenario import scenario
 from sil.view.history import MOST_SAMPLES, most_samples, numbers
 from sil.view.recorded import history_of, history_of_run
 from tests.turns import some

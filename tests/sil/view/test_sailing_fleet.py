@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
-from sil import scenario
-from sil.live import LiveWorld, build
+from sil.live.live_world import LiveWorld, build
+from sil.scenario import scenario
 from sil.view import page
 from sil.view.history import numbers
-from sil.view.tlog import history_of_tlog
+from sil.view.tlog_history import history_of_tlog
 from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_mcast import group_of, listener
 from tests.linux.process import free_port
@@ -149,7 +149,7 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
         address = f"mcast:239.255.145.64:{free_port()}"
         ear = Ear(address)
         try:
-            with process("sil.view", address, "--bind", "127.0.0.1:0") as view:
+            with process("sil", "view", address, "--bind", "127.0.0.1:0") as view:
                 assert view.stdout is not None
                 browser.open(view.stdout.readline().split()[-1])
                 browser.until(LIVE)

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: MIT
+"""The folder of a campaign: what it is, the parts that are done, the tables in the end.
+
+`campaign.json` says what is sailed; while `parts/` is there it is not finished, and goes on where
+it was interrupted. Every file appears whole or not at all.
+"""
+
+import fcntl
+import io
+import json
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sil.campaign.run_outcome import RunResult
+from sil.campaign.work import BatchResult
+from sil.common import files
+
+_SAMPLES = ("error_m", "psi_rad")
+
+
+class CampaignError(ValueError):
+    """A folder that cannot be used: another campaign's, not finished; at work; damaged."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What makes two campaigns the same: every row of their tables follows from it.
+
+    `document` is that of the scenario with its overrides; `code` is `work.code()`.
+    """
+
+    scenario: str
+    document: Mapping[str, Any]
+    parameters: Mapping[str, float]
+    seed: int
+    runs: int
+    code: str
+
+
+class Folder:
+    """A campaign's folder."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._parts = path / "parts"
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Make the folder and keep others out; CampaignError where another one is at work in it."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        with (self.path / ".lock").open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise CampaignError(f"another command is at work in {self.path}") from None
+            yield
+
+    def check(self, identity: Identity) -> None:
+        """CampaignError where an unfinished campaign is there that is not this one."""
+        if not self._parts.is_dir():
+            return
+        known = self._known()
+        now = json.loads(json.dumps(asdict(identity)))
+        differences = [
+            difference for key in now for difference in _differences(key, known.get(key), now[key])
+        ]
+        if differences:
+            can = f"Finish that one first, by {known.get('command')}, or remove"
+            if known.get("code") != identity.code:
+                can = "What is here now cannot finish that one: remove"
+            raise CampaignError(
+                f"{self.path} holds an unfinished campaign that differs in "
+                f"{'; '.join(differences)}. {can} the folder, or choose another --out"
+            )
+
+    def _known(self) -> dict[str, Any]:
+        """What campaign.json says; CampaignError where it is damaged."""
+        path = self.path / "campaign.json"
+        try:
+            return dict(json.loads(path.read_text(encoding="utf-8")))
+        except (TypeError, ValueError) as error:
+            can = "remove the folder, or choose another --out"
+            raise CampaignError(f"{path} cannot be read: {error}; {can}") from None
+
+    def begin(
+        self, identity: Identity, command: str, say: Callable[[str], object] = print
+    ) -> list[BatchResult]:
+        """Begin the campaign, or go on with it: the results that are there.
+
+        What cannot be read of them is removed, which `say` is told.
+        """
+        self.check(identity)
+        self.path.mkdir(parents=True, exist_ok=True)
+        if not self._parts.is_dir():
+            self.write_json(identity, {"command": command})
+            self._parts.mkdir()
+        results = []
+        for path in sorted(self._parts.glob("*.npz")):
+            try:
+                results.append(_decoded(path.read_bytes()))
+            except Exception as error:  # whatever is wrong with it, its runs are sailed again
+                say(f"{path} cannot be read, its runs are sailed again: {error}")
+                path.unlink()
+        return results
+
+    def keep(self, result: BatchResult) -> None:
+        """Keep the results of a batch; its first run gives it a name."""
+        _replace(self._parts / f"{result.runs[0].run:06d}.npz", _encoded(result))
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write a file of the results."""
+        _replace(self.path / name, content)
+
+    def write_json(self, identity: Identity, more: Mapping[str, Any]) -> None:
+        """Write campaign.json: what the campaign is, and `more`."""
+        text = json.dumps(files.plain({**asdict(identity), **more}), indent=1, allow_nan=False)
+        _replace(self.path / "campaign.json", f"{text}\n".encode())
+
+    def finish(self) -> None:
+        """All is written: the parts are no longer needed."""
+        shutil.rmtree(self._parts)
+
+
+def _replace(path: Path, content: bytes) -> None:
+    try:
+        files.replace(path, content)
+    except OSError as error:
+        # a full disk does not say what it was to hold
+        raise OSError(error.errno, error.strerror, str(path)) from None
+
+
+def _differences(key: str, was: Any, now: Any) -> Iterator[str]:
+    if isinstance(was, dict) and isinstance(now, dict):
+        for name in sorted({*was, *now}):
+            yield from _differences(f"{key}.{name}", was.get(name), now.get(name))
+    elif was != now:
+        yield "its code" if key == "code" else f"{key}: {json.dumps(was)}, now {json.dumps(now)}"
+
+
+def _encoded(result: BatchResult) -> bytes:
+    """A batch's results as an .npz file: all but the samples as JSON, which keeps every bit."""
+    names = [field.name for field in fields(RunResult) if field.name not in _SAMPLES]
+    runs = [{name: getattr(run, name) for name in names} for run in result.runs]
+    sailed = [run for run in result.runs if run.boats]
+    samples = {name: np.array([getattr(run, name) for run in sailed]) for name in _SAMPLES}
+    buffer = io.BytesIO()
+    about = np.array(json.dumps({"runs": runs, "busy_s": result.busy_s}))
+    # numpy's stubs take any keyword for its own options
+    np.savez(buffer, about=about, **samples)  # type: ignore[arg-type]
+    return buffer.getvalue()
+
+
+def _decoded(content: bytes) -> BatchResult:
+    with np.load(io.BytesIO(content), allow_pickle=False) as part:
+        about = json.loads(str(part["about"]))
+        samples = iter(zip(*(part[name] for name in _SAMPLES), strict=True))
+    runs = []
+    for run in about["runs"]:
+        run |= {name: tuple(run[name]) for name in ("boats", "states")}
+        of_run = dict(zip(_SAMPLES, next(samples), strict=True)) if run["boats"] else {}
+        runs.append(RunResult(**run, **of_run))
+    return BatchResult(tuple(runs), about["busy_s"])

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""A run of a campaign sailed again, alone: whether it belongs to the campaign in its folder."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from sil.campaign import finished
+from sil.campaign.campaign_files import CampaignError, Identity
+from sil.campaign.finished import Campaign
+from sil.campaign.run_outcome import motion_digest
+
+_WHAT = ("scenario", "document", "parameters", "seed")
+
+
+def place(folder: Path, run: int) -> Path:
+    """Where a run that is sailed again leaves its files."""
+    return folder / "runs" / str(run)
+
+
+def check(folder: Path, identity: Identity, run: int) -> None:
+    """CampaignError where `folder` has a campaign that is not `identity`, or has no such run.
+
+    Of other code it may be: `is_same` tells whether the boats moved as they did.
+    """
+    path = folder / "campaign.json"
+    if not path.is_file():
+        return
+    try:
+        known = json.loads(path.read_text(encoding="utf-8"))
+        runs = int(known["runs"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise CampaignError(f"{path} cannot be read: {error!r}") from None
+    now = json.loads(json.dumps(asdict(identity)))
+    others = [key for key in _WHAT if known.get(key) != now[key]]
+    if others:
+        raise CampaignError(
+            f"{folder} holds a campaign with other {', '.join(others)}, made by "
+            f"{known.get('command')}; to replay a run add --run to that, or choose another --out"
+        )
+    if not 0 <= run < runs:
+        raise CampaignError(f"{folder} holds runs 0 to {runs - 1}, no run {run}")
+
+
+def is_finished(folder: Path) -> bool:
+    """Whether the campaign in `folder` has its tables."""
+    return (folder / "table.parquet").is_file() and not (folder / "parts").is_dir()
+
+
+def is_same(campaign: Campaign, run: int) -> bool:
+    """Whether the run was sailed again and moved, bit for bit, as the campaign's table has it."""
+    trace = place(campaign.folder, run) / "trace.npz"
+    if not trace.is_file():
+        return False
+    with np.load(trace) as arrays:
+        digest = motion_digest({name: arrays[name] for name in ("t_s", "eta", "nu")})
+    return digest in campaign.digest[campaign.runs == run]
+
+
+def told(folder: Path, run: int) -> str:
+    """A sentence on the run that was just sailed, of a campaign that is finished."""
+    if is_same(finished.read(folder), run):
+        return f"run {run}: the same motion as in the campaign's table, bit for bit"
+    return f"[bold red]run {run}: not the motion of the campaign's table: other code or machine"

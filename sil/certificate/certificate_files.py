@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""The certificate as files: certificate.json, decay.png, chain.png, each whole or not at all."""
+
+import io
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from sil.certificate import certificate_report, gain_picture, notes, picture, verdict
+from sil.certificate.certificate import Case, Certificate, Leg
+from sil.certificate.chain import Chain
+from sil.certificate.gains import CURVE_K_X
+from sil.common import files
+
+_LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
+
+
+def check(folder: Path, also: Path | None) -> None:
+    """See whether `write` could write there, and leave nothing; OSError names the path given."""
+    _check_folder(folder, folder)
+    if also is not None:
+        if also.is_dir():
+            raise OSError(f"{also}: is a folder")
+        _check_folder(also.parent, also)
+
+
+def _check_folder(folder: Path, told: Path) -> None:
+    with _naming(told):
+        there = next(path for path in (folder, *folder.parents) if os.path.lexists(path))
+        tempfile.TemporaryFile(dir=there).close()
+
+
+def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
+    """Write both files into a folder, which is made, the JSON also to `also`.
+
+    OSError names the path given.
+    """
+    name, legs = certificate.scenario.name, certificate.legs
+    pictures = {"decay.png": picture.decay(name, legs), "chain.png": gain_picture.gains(name, legs)}
+    with _naming(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for file, figure in pictures.items():
+            png = io.BytesIO()
+            if figure is not None:
+                figure.savefig(png, format="png")
+                files.replace(folder / file, png.getvalue())
+            else:
+                (folder / file).unlink(missing_ok=True)
+    text = (json.dumps(document(certificate), indent=2, allow_nan=False) + "\n").encode()
+    with _naming(folder):
+        files.replace(folder / "certificate.json", text)
+    if also is not None:
+        with _naming(also):
+            also.parent.mkdir(parents=True, exist_ok=True)
+            files.replace(also, text)
+
+
+def document(certificate: Certificate) -> dict[str, Any]:
+    """What certificate.json says: SI units, complex numbers as [real, imaginary], ∞ as null."""
+    scenario = certificate.scenario
+    said = {
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "certified": verdict.holds(certificate),
+        "verdict": verdict.sentence(certificate),
+        "notes": notes.notes(certificate),
+        "legs": [_leg(leg) for leg in certificate.legs],
+        "search": None if certificate.search is None else asdict(certificate.search),
+    }
+    told: dict[str, Any] = files.plain(said)
+    return told
+
+
+def _leg(leg: Leg) -> dict[str, Any]:
+    reference, any_T = leg.reference, leg.reference.kind == "turning"
+    return {
+        "from_s": leg.from_s,
+        "kind": reference.kind,
+        "omega_max_radps": reference.omega_max,
+        "omega_dot_max_radps2": reference.omega_dot_max,
+        "omega_bar": reference.omega_bar,
+        "T_s": None if any_T else reference.T_s,
+        "T": certificate_report.period(reference),
+        "mu": None if any_T else reference.mu,
+        "mu_per_T_radps2": reference.mu / reference.T_s if reference.T_s else 0.0,
+        "persistently_exciting": reference.mu > 0.0,
+        "cases": [_case(case) for case in leg.cases],
+        "chain": _chain(leg),
+    }
+
+
+def _chain(leg: Leg) -> dict[str, Any] | str | None:
+    chain = leg.chain
+    if not isinstance(chain, Chain) or leg.margins is None:
+        return chain if isinstance(chain, str) else None
+    told = {"certified": chain.certified, "holds": chain.holds, "margins": asdict(leg.margins)}
+    return {**asdict(chain), **told}
+
+
+def _case(case: Case) -> dict[str, Any]:
+    own = case.setup.parameters
+    loop, need = case.sampled, case.thrust
+    return {
+        "boats": case.boats,
+        "parameters": {name: x for name, x in own.items() if name.startswith(_LAW)},
+        "small_gain": asdict(case.small_gain),
+        "floquet": asdict(case.floquet),
+        "sampled": {**asdict(loop), "outcome": loop.outcome, "holds": loop.holds},
+        "thrust": {**asdict(need), "given": need.given},
+        "decay_against_k_x": {
+            "k_x": list(CURVE_K_X) if case.curve_sampled else [],
+            "floquet": case.curve_floquet,
+            "sampled": case.curve_sampled,
+            "sampled_of_law": case.curve_of_law,
+        },
+    }
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Errors about what is made for `path` speak of `path`."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"{path}: {error.strerror}") from None

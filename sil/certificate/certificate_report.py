@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: MIT
+"""The certificate for people: tables for a terminal of 80 columns."""
+
+import math
+from collections.abc import Iterable
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from sil.certificate import notes, verdict
+from sil.certificate.certificate import Case, Certificate, Leg
+from sil.certificate.chain import Chain
+from sil.certificate.margins import Margins
+from sil.certificate.references import Reference
+from sil.certificate.report_search import search_rows
+from sil.certificate.small_gain import MOST_K_X
+
+_SHOWN = 3  # components of the slowest mode
+_KINDS = {
+    "periodic": "periodic",
+    "turning": "a constant turn",
+    "straight": "a straight leg",
+    "rest": "at rest",
+}
+
+
+def tell(certificate: Certificate, console: Console) -> None:
+    """Print everything, the verdict last."""
+    for leg in certificate.legs:
+        console.print(_reference_table(leg))
+        console.print(_cases_table(leg))
+        if isinstance(leg.chain, Chain) and leg.margins is not None:
+            console.print(_chain_table(leg.chain, leg.margins))
+    if certificate.search is not None:
+        table = _table("The gains with the fastest decay, by a coarse search")
+        console.print(_filled(table, search_rows(certificate, certificate.search)))
+    for note in notes.notes(certificate):
+        console.print(f"[dim]{note}")
+    colour = "green" if verdict.holds(certificate) else "red"
+    console.print(f"[bold {colour}]{verdict.sentence(certificate)}")
+
+
+def _reference_table(leg: Leg) -> Table:
+    reference = leg.reference
+    since = notes.listed(leg.from_s)
+    table = _table(f"The leader from {since} s on: {_KINDS[reference.kind]}")
+    rows = [
+        ("max |ω_d|", f"{reference.omega_max:.4f} rad/s"),
+        ("max |ω̇_d|", f"{reference.omega_dot_max:.4f} rad/s²"),
+        ("T", period(reference)),
+        ("μ (eq:PE)", _excitation(reference)),
+    ]
+    return _filled(table, rows)
+
+
+def period(reference: Reference) -> str:
+    """T of eq:PE, or why there is none."""
+    if reference.T_s is None:
+        return "none: nothing turns"
+    if reference.kind == "turning":
+        return "any; taken short, which the formulas like best"
+    return f"{reference.T_s:.3f} s, the period of the input"
+
+
+def _excitation(reference: Reference) -> str:
+    if reference.mu == 0.0:
+        return "0: no persistent excitation, the paper's theorem does not apply"
+    if reference.kind == "turning":
+        return f"T × {reference.omega_max**2:.4g} rad²/s²"
+    return f"{reference.mu:.4g} rad²/s"
+
+
+def _cases_table(leg: Leg) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column(no_wrap=True, style="dim")
+    for case in leg.cases:
+        table.add_column(verdict.name(case.boats), justify="right")
+    columns = [[*_theory(case), *_loops(case), *_propellers(case)] for case in leg.cases]
+    for row in zip(*columns, strict=True):
+        table.add_row(row[0][0], *(text for _, text in row))
+    return table
+
+
+def _theory(case: Case) -> Iterable[tuple[str, str]]:
+    test, own = case.small_gain, case.setup.parameters
+    yield "k_x, k_ψ (1/s)", f"{own['LAW_KX']:g}, {own['LAW_KPSI']:g}"
+    yield "greatest ω̄_d by eq:bound (rad/s)", _number(test.bound)
+    yield "  holds", "yes" if test.bound_holds else "no"
+    yield "γ1 (eq:gamma1)", _number(test.gamma1)
+    yield "γ2 (eq:gamma2)", _number(test.gamma2)
+    yield "γ1 γ2, to be under 1", _number(test.product)
+    yield "  largest k_x (1/s)", _or_none(test.k_x_product)
+    yield "eq:above with (1 + k_x)²", _number(test.above_square_of_sum)
+    yield "  largest k_x (1/s)", _or_none(test.k_x_square_of_sum)
+    yield "eq:above with 1 + k_x²", _number(test.above_sum_of_squares)
+    yield "  largest k_x (1/s)", _or_none(test.k_x_sum_of_squares)
+    yield "least k_du, Prop. 1 (kg/s)", f"{test.k_du_least:.3g}"
+    yield "  k_du", f"{own['LAW_KDU']:g}"
+
+
+def _loops(case: Case) -> Iterable[tuple[str, str]]:
+    floquet, loop = case.floquet, case.sampled
+    values = "\n".join(_multiplier(value) for value in floquet.multipliers)
+    yield f"eq:26, |multipliers| in {floquet.period_s:.4g} s", values
+    yield "  decay (1/s)", f"{floquet.decay:z.4f}"
+    yield f"sampled loop, radius in {loop.window_s:.4g} s", f"{loop.radius:.5g}"
+    yield "  decay (1/s)", f"{loop.decay:z.4f}"
+    yield "  slowest is in", ", ".join([*loop.slowest][:_SHOWN])
+    yield "  decay with LAW_OBS_BW =\n    LAW_CUR_BW = 0 (1/s)", f"{loop.decay_of_law:z.4f}"
+    yield "  neutral: a hull without way", str(loop.neutral)
+    x, y, psi = loop.error
+    yield "  off the slot (m)", f"{math.hypot(x, y):.4f}" if loop.steady else "not steady"
+    yield "    heading (°)", f"{math.degrees(psi):.3f}" if loop.steady else ""
+
+
+def _propellers(case: Case) -> Iterable[tuple[str, str]]:
+    need, pair = case.thrust, case.setup.propellers
+    limits = f"{-pair.reverse_max_N:.3g} … {pair.forward_max_N:.3g}"
+    yield "propellers can give (N)", limits.replace("-", "−")
+    span = f"{need.least_N:z.2f} … {need.most_N:z.2f}"
+    yield "  the slot needs (N)", span.replace("-", "−")
+    yield "  left (%)", f"{100.0 * need.margin:.1f}".replace("-", "−")
+    yield "  least left", f"{need.side}, {'ahead' if need.direction == 'forward' else 'astern'}"
+    yield "    into the window (s)", f"{need.at_s:.1f}"
+
+
+def _chain_table(chain: Chain, margins: Margins) -> Table:
+    most = len(chain.depths)
+    depth = f"{chain.certified}" + (", or more" if chain.certified == most else "")
+    last = chain.depths[len(chain.path) - 1]
+    rows = [
+        ("every boat steers by", "the reference" if chain.reference else "the boat before it"),
+        ("greatest gain of a hop in yaw, surge", _most(chain.yaw.hop, chain.surge.hop)),
+        (
+            f"  from the root to boat {chain.path[-1]}",
+            _most(*(axis.root[len(chain.path) - 1] for axis in (chain.yaw, chain.surge))),
+        ),
+        (
+            "its peak yaw rate, speed, RMS off slot",
+            f"{last.yaw_rate:.2g} rad/s, {last.speed:.2g} m/s, {last.off_slot_m:.2g} m",
+        ),
+        ("certified to depth (FORM_DEPTH)", depth),
+        ("more radio delay that it bears (s)", f"{margins.delay_s:.2f}"),
+        ("hull off the model that it bears (%)", f"{100.0 * margins.mismatch:.0f}"),
+    ]
+    return _filled(_table(f"The longest chain: {len(chain.path)} boats"), rows)
+
+
+def _most(yaw: list[float], surge: list[float]) -> str:
+    return f"{max(yaw):.3g}, {max(surge):.3g}"
+
+
+def _table(title: str) -> Table:
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, show_header=False)
+    table.add_column(no_wrap=True, style="dim")
+    table.add_column()
+    return table
+
+
+def _filled(table: Table, rows: Iterable[tuple[str, str]]) -> Table:
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def _multiplier(value: complex) -> str:
+    # what is smaller is the integrator's tolerance
+    return f"{abs(value):.3g}" if abs(value) > 1e-9 else "< 1e-9"
+
+
+def _or_none(value: float | None) -> str:
+    if value is None:
+        return "none"
+    return f"over {MOST_K_X:g}" if value >= MOST_K_X else f"{value:.4f}"
+
+
+def _number(value: float) -> str:
+    return "∞" if math.isinf(value) else f"{value:.4g}"

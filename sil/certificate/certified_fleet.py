@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""The boats of a scenario behind one reference, those that are alike together."""
+
+from collections.abc import Mapping
+
+import flotilla
+import numpy as np
+
+from sil.certificate.loop import Boat
+from sil.certificate.references import Reference
+from sil.certificate.slots import SlotMotion, slot_motion
+from sil.plant.hull import HullParameters
+from sil.scenario.agents import parameters_of
+from sil.scenario.fleet_bodies import hulls_of
+from sil.scenario.scenario import Scenario
+
+_NOT_OF_THE_LOOP = ("MAV_SYSID", "FORM_LEADER")
+_ALIKE = 1e-4  # rad, m/s, rad/s
+
+
+def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
+    """All parameters of every boat's firmware; ValueError for one that it refuses."""
+    defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
+    every = []
+    for own in parameters_of(scenario, overrides):
+        flotilla.Helm(own)
+        every.append({**defaults, **own})
+    return every
+
+
+def vessel_of(own: Mapping[str, float]) -> HullParameters:
+    """The vessel that a firmware with these parameters believes in."""
+    return HullParameters(
+        *(own[f"VES_{name}"] for name in ("M11", "M22", "M33", "D11", "D22", "D33"))
+    )
+
+
+def fleet(
+    scenario: Scenario, reference: Reference, firmware: list[dict[str, float]]
+) -> list[tuple[list[int], SlotMotion, Boat]]:
+    """Boats (their numbers) whose loops are alike, slot and loop of the first of them.
+
+    `firmware`: from `parameters`. Each boat's leader moves as that one's own slot wants it.
+    """
+    motions = [reference.motion]
+    hulls, pairs = hulls_of(scenario), scenario.propeller_pairs()
+    current = scenario.water.current_mps
+    groups: list[tuple[list[int], SlotMotion, Boat]] = []
+    for agent, (boat, own) in enumerate(zip(scenario.boat, firmware, strict=True), start=1):
+        leader = motions[boat.follows]
+        offset_m = np.array([own["FORM_OFS_N"], own["FORM_OFS_E"]])
+        slot = slot_motion(hulls[agent], np.array(current), leader, offset_m, _turns(own))
+        motions.append(slot.motion)
+        rates = (scenario.boat_unit(boat).rate_hz, scenario.rate_hz)
+        setup = Boat(hulls[agent], pairs[agent - 1], own, current, *rates, leader, slot.motion)
+        for agents, _, other in groups:
+            if _same_loop(setup, other):
+                agents.append(agent)
+                break
+        else:
+            groups.append(([agent], slot, setup))
+    return groups
+
+
+def _turns(own: Mapping[str, float]) -> bool:
+    return own.get("FORM_FRAME", 0.0) == 1.0
+
+
+def _same_loop(a: Boat, b: Boat) -> bool:
+    # a slot that does not turn is a shift, which no loop feels
+    places = () if _turns(a.parameters) else ("FORM_OFS_N", "FORM_OFS_E")
+    passed = {*_NOT_OF_THE_LOOP, *places}
+    own, other = (
+        ({k: v for k, v in x.parameters.items() if k not in passed}, x.hull, x.propellers)
+        for x in (a, b)
+    )
+    if own != other or a.navigation_hz != b.navigation_hz:
+        return False
+    at_s = a.leader.times_s
+    headings = np.abs(a.leader.eta(at_s)[:, 2] - b.leader.eta(at_s)[:, 2]).max()
+    speeds = np.abs(a.leader.nu(at_s) - b.leader.nu(at_s)).max()
+    return bool(headings < _ALIKE and speeds < _ALIKE)

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: MIT
+"""Times the firmware and the simulation and counts instructions; --live: flotillad's latencies.
+
+Needs valgrind and the program flotilla_bench: tools/bench provides both and calls this.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+EXAMPLES = ("tools/bench", "tools/bench --live --seconds 60", "tools/bench --json out/bench.json")
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
+    parser.add_argument("--live", action="store_true", help="latencies of flotillad on a live bus")
+    parser.add_argument("--bus", default="mcast:5", help="bus of boat 1 for --live (mcast:5)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="how long for --live (60)")
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Measure and print tables."""
+    from rich.console import Console
+
+    from sil.bench.bench import tell
+
+    tell(options.json, Console(), (options.bus, options.seconds) if options.live else None)
+    return 0

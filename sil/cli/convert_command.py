@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+"""Converts boats' logs, or a run's folder, to an MCAP file for Foxglove, Lichtblick or Rerun.
+
+Takes telemetry logs (*.tlog) and candump logs of `flotillad --log DIR`, DIR itself, those of
+several boats at once; or the folder of one run.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+EXAMPLES = ("flotilla convert out/diamond", "flotilla convert boat1/log boat2/log --out both.mcap")
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("logs", nargs="+", type=Path, metavar="TLOG|CANDUMP|FOLDER")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE.mcap", help="(beside the first of the logs)"
+    )
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Convert them."""
+    from rich.console import Console
+
+    from sil.logs.convert import convert
+
+    convert(options.logs, options.out, Console())
+    return 0

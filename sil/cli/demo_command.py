@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""Four boats close up into the paper's diamond; the report is out/demo/report.html.
+
+With --live they sail in real time, a flotillad process each, and a page in the browser shows them
+and, in a terminal, plays back what it heard when they have sailed.
+Further options go to `flotilla run`, or with --live to `flotilla live`.
+"""
+
+import argparse
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+
+EXAMPLES = ("flotilla demo", "flotilla demo --live", "flotilla demo --law product")
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--live", action="store_true", help="in real time, shown in the browser")
+    parser.add_argument("others", nargs=argparse.REMAINDER, metavar="…", help="of run, or of live")
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Sail it."""
+    from sil.cli.main import main as flotilla
+
+    if not options.live:
+        return flotilla(["run", "diamond", "--out", "out/demo", *options.others])
+    from sil.live.live_world import build
+
+    print("building flotillad", flush=True)
+    build(print)
+    view = subprocess.Popen([sys.executable, "-m", "sil", "view", "mcast:"])
+    try:
+        live = ["live", "diamond", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
+        status = flotilla([*live, "--param", "SR_SLOW=5", *options.others])
+        if status == 0 and sys.stdin.isatty():
+            view.send_signal(signal.SIGUSR1)
+            print("the run is over; its page plays it back until Ctrl-C", flush=True)
+            with suppress(KeyboardInterrupt):
+                view.wait()
+        return status
+    finally:
+        view.terminate()
+        view.wait()
+        print("to play it back: flotilla view out/live")

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""Sails a scenario in real time, a flotillad process a boat, on a CAN bus for each.
+
+Exit status: 0, 1 where a boat broke a rule of the firmware, 2 for a mistake of the caller.
+"""
+
+import argparse
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from sil.scenario import arguments
+
+EXAMPLES = (
+    "flotilla live diamond --bus mcast:0",
+    "tools/with-vcan flotilla live diamond --bus socketcan:vcan0",
+    "flotilla live diamond --bus mcast:0 --mavlink mcast:    # and elsewhere: flotilla view mcast:",
+)
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    arguments.add_to(parser, out="folder of the results (out/SCENARIO)")
+    parser.add_argument(
+        "--bus",
+        required=True,
+        metavar="mcast:N|socketcan:NAMEn",
+        help="bus of boat 1, as mcast:0 or socketcan:vcan0; boat i takes the next one",
+    )
+    parser.add_argument(
+        "--mavlink",
+        metavar="mcast:[GROUP:PORT[:ADDRESS]]|udpout:HOST:PORT",
+        help="repeat the radio's messages there, for flotilla view and ground stations",
+    )
+    parser.add_argument("--duration", type=float, help="seconds (the scenario's)")
+
+
+def main(options: argparse.Namespace, given: Sequence[str]) -> int:
+    """Sail it; `given` is what the caller typed."""
+    import can
+    from rich.console import Console
+
+    from sil.lockstep.start import StartError
+    from sil.report import one_run
+    from sil.scenario import scenario
+
+    overrides = list(options.set)
+    if options.seed is not None:
+        overrides.append(f"seed={options.seed}")
+    if options.duration is not None:
+        overrides.append(f"duration_s={options.duration}")
+    chosen = scenario.load(options.scenario, overrides, options.law)
+    out = options.out or Path("out") / chosen.name
+    parameters = arguments.parameters_of(options.param)
+    repeat = shlex.join(["flotilla", *given])
+    try:
+        one_run.live(chosen, options.bus, out, parameters, repeat, Console(), options.mavlink)
+    except (StartError, can.CanError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    (out / "run.mcap").unlink(missing_ok=True)  # of an earlier run
+    return 0

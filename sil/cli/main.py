@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""The command line: flotilla VERB, or python -m sil VERB."""
+
+import argparse
+import difflib
+import errno
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from sil import ROOT
+
+_VERBS = {
+    "demo": "four boats sail the paper's diamond; --live: in real time, shown in the browser",
+    "run": "sail a scenario in lockstep, as fast as possible",
+    "live": "sail a scenario in real time, a flotillad process a boat",
+    "campaign": "sail a scenario many times, each run with its own draws",
+    "compare": "is campaign B worse than campaign A?",
+    "certify": "do these gains hold the formation? answered before sailing",
+    "view": "show a fleet in the browser, live or recorded",
+    "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
+    "replay": "feed a recording to its boats again: the same answers, bit for bit?",
+    "faults": "sail the matrix of faults, or hours of random ones",
+    "bench": "time the firmware and the simulation, count instructions",
+    "results": "sail all that the project publishes, and renew its pages",
+}
+# Each of these first builds what it runs.
+_TOOLS = {
+    "fuzz": "feed random bytes, frames, files and histories to the firmware",
+    "fixed": "prove the errors of the fixed-point functions",
+    "metal": "play a stream to a Cortex-M4 under qemu; instructions and memory",
+    "flakes": "run tests over and over: does one ever come out otherwise?",
+    "reference": "renew the generated tables of the firmware's pages",
+}
+_INTERRUPTED = 130
+
+
+def main(given: Sequence[str] | None = None) -> int:
+    """Exit status: 0 as wanted, 1 a limit missed, 2 a mistake of the caller, 130 interrupted."""
+    given = sys.argv[1:] if given is None else list(given)
+    if not given or given[0] in ("-h", "--help"):
+        print(_overview())
+        return 0 if given else 2
+    verb, *others = given
+    try:
+        if verb in _TOOLS:
+            return _tool(verb, others)
+        if verb not in _VERBS:
+            raise ValueError(f'unknown command "{verb}"{_near(verb)}; flotilla --help lists them')
+        command = import_module(f"sil.cli.{verb}_command")
+        parser = argparse.ArgumentParser(
+            prog=f"flotilla {verb}",
+            description=command.__doc__,
+            epilog="examples:\n" + "".join(f"  {line}\n" for line in command.EXAMPLES),
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        command.add_to(parser)
+        status: int = command.main(parser.parse_args(others), given)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return _INTERRUPTED
+    except (OSError, ValueError) as error:
+        print(f"error: {sentence(error)}", file=sys.stderr)
+        return 2
+    return status
+
+
+def sentence(error: Exception) -> str:
+    """What went wrong, where, and what helps; without numbers of the operating system."""
+    if not isinstance(error, OSError) or error.errno is None:
+        return str(error)
+    if error.errno == errno.EAFNOSUPPORT:
+        return (
+            "this kernel has no CAN sockets (AF_CAN): run the command under tools/with-vcan, "
+            "or use --bus mcast:0"
+        )
+    if error.errno == errno.ENODEV:
+        return "there is no such CAN interface: ip link lists them; tools/with-vcan provides vcan0"
+    place = f"{error.filename}: " if error.filename else ""
+    return f"{place}{error.strerror}"
+
+
+def _overview() -> str:
+    lines = ["usage: flotilla VERB …; flotilla VERB --help has examples", ""]
+    for verbs in (_VERBS, _TOOLS):
+        lines += [f"  {verb:11}{what}" for verb, what in verbs.items()] + [""]
+    return "\n".join(lines).rstrip()
+
+
+def _near(verb: str) -> str:
+    near = difflib.get_close_matches(verb, [*_VERBS, *_TOOLS], 1)
+    return f'; did you mean "{near[0]}"?' if near else ""
+
+
+def _tool(name: str, arguments: Sequence[str]) -> int:
+    path = ROOT / "tools" / name
+    if not path.exists():
+        raise ValueError(f"{name} needs the project's source tree: {path} does not exist")
+    sys.stdout.flush()
+    os.execv(path, [str(path), *arguments])  # noqa: S606

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""Sails a scenario in lockstep, as fast as possible, and leaves a report.
+
+Exit status: 0, 1 where a boat broke a rule of the firmware, 2 for a mistake of the caller.
+"""
+
+import argparse
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sil.scenario import arguments
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from sil.scenario.scenario import Scenario
+
+EXAMPLES = (
+    "flotilla run diamond",
+    "flotilla run diamond --seed 2 --param LAW_KX=0.3 --set link.delay_s=0.1 --out out/late",
+    "flotilla run my_scenario.toml --law paper",
+)
+_CHAIN = 4
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    arguments.add_to(parser, out="folder of the results (out/SCENARIO)")
+    parser.add_argument(
+        "--mcap", action="store_true", help="leave run.mcap too, for Foxglove, Lichtblick, Rerun"
+    )
+
+
+def main(options: argparse.Namespace, given: Sequence[str]) -> int:
+    """Sail it; `given` is what the caller typed."""
+    from rich.console import Console
+
+    from sil.lockstep.policies import PolicyViolationError
+    from sil.lockstep.start import StartError
+    from sil.report import one_run
+    from sil.scenario import scenario
+
+    overrides = list(options.set)
+    if options.seed is not None:
+        overrides.append(f"seed={options.seed}")
+    chosen = scenario.load(options.scenario, overrides, options.law)
+    out = options.out or Path("out") / chosen.name
+    parameters = arguments.parameters_of(options.param)
+    console = Console()
+    try:
+        _tell_depth(chosen, parameters, console)
+        one_run.run(chosen, out, parameters, shlex.join(["flotilla", *given]), console)
+        _leave_mcap(out, options.mcap, console)
+    except PolicyViolationError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    except StartError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Console") -> None:
+    """Warn of a chain of boats that is deeper than certified; three in a line are not looked at."""
+    from sil.certificate.probe import deepest
+
+    if len(deepest(chosen)) < _CHAIN:
+        return
+    from sil.certificate.chain import chain, too_deep
+    from sil.certificate.references import references
+    from sil.lockstep.start import RunError
+
+    try:
+        for reference in references(chosen):
+            if reference.kind == "rest":
+                continue
+            found = chain(chosen, reference, parameters, most=len(deepest(chosen)))
+            if not found.holds:
+                console.print(f"[bold red]warning: not certified: {too_deep(found)}")
+                return
+    except (RunError, ValueError):
+        return  # the run itself says it
+
+
+def _leave_mcap(out: Path, wanted: bool, console: "Console") -> None:
+    """Write the log of the run in `out`; unwanted, none of an earlier run stays there."""
+    path = out / "run.mcap"
+    if not wanted:
+        path.unlink(missing_ok=True)
+        return
+    from rich.progress import Progress
+
+    from sil.logs import run_folder
+
+    with Progress(console=console) as shown:
+        task = shown.add_task(path.name, total=1.0)
+        run_folder.convert(out, path, lambda share: shown.update(task, completed=share))
+    console.print(f"log: {path}", soft_wrap=True)

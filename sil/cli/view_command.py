@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""Shows a fleet on a page in the browser, as it sails now or as it was recorded; it only listens.
+
+SOURCE is a live fleet: mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT,
+/dev/TTY[:BAUD]; or what was recorded: a tlog, the folder of a run, or that of a campaign, whose
+worst run is shown.
+"""
+
+import argparse
+from collections.abc import Sequence
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sil.view.live_source import Live
+
+EXAMPLES = (
+    "flotilla view mcast:                  # a live run with --mavlink mcast:, or real boats",
+    "flotilla view /dev/ttyUSB0:57600      # a telemetry radio",
+    "flotilla view out/diamond             # a run",
+    "flotilla view out/live/boat1/log/*.tlog",
+)
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("source", metavar="SOURCE", help="as above")
+    parser.add_argument(
+        "--bind",
+        default="127.0.0.1:8321",
+        metavar="HOST:PORT",
+        help="where the page is served (127.0.0.1:8321, else the next free port; 0: any); with "
+        "0.0.0.0:8321 who can reach this machine sees it",
+    )
+    parser.add_argument(
+        "--chart",
+        type=Path,
+        metavar="FILE",
+        help="drawn under the boats: coastlines as GeoJSON, or raster MBTiles",
+    )
+    parser.add_argument(
+        "--length", type=_metres, metavar="M", help="of boats (a scenario's, or 1 m)"
+    )
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Serve the page until interrupted."""
+    from sil.view.chart import Chart
+    from sil.view.page import PageError
+    from sil.view.serve import serve
+    from sil.wire.mavlink_mcast import host_and_port
+
+    bind = host_and_port(options.bind, least=0)
+    try:
+        chart = None if options.chart is None else Chart(options.chart)
+        serve(source_of(options.source, options.length), bind, chart)
+    except KeyboardInterrupt:
+        pass  # that is how it ends
+    except PageError as error:
+        raise ValueError(str(error)) from None
+    return 0
+
+
+def source_of(text: str, length_m: float | None) -> "Live | dict[str, Any]":
+    """What there is to be seen; ValueError or OSError where it cannot be."""
+    from sil.lockstep.recording import MAGIC
+    from sil.view.history import LENGTH_M
+    from sil.view.live_source import Live
+    from sil.view.recorded import history_of_run
+    from sil.view.tlog_history import history_of_tlog
+
+    path = Path(text)
+    if (path / "campaign.json").is_file():
+        return _worst_of(path, length_m)
+    if path.is_dir():
+        return history_of_run(path, length_m)
+    if path.is_file():
+        with path.open("rb") as file:
+            is_recording = file.read(len(MAGIC)) == MAGIC
+        if is_recording:
+            return history_of_run(path.parent, length_m)
+        return history_of_tlog(path, length_m or LENGTH_M)
+    return Live(text, length_m or LENGTH_M)
+
+
+def _worst_of(folder: Path, length_m: float | None) -> dict[str, Any]:
+    from sil.campaign import worst
+
+    history = worst.read(folder)
+    if history is None:
+        raise ValueError(f"{folder}: a campaign without {worst.NAME}, no run to play back")
+    if length_m is not None:
+        for vessel in history["vessels"]:
+            vessel["length_m"] = length_m
+    return history
+
+
+def _metres(text: str) -> float:
+    """A length; ValueError."""
+    length_m = float(text)
+    if not 0.0 < length_m < inf:
+        raise ValueError(text)
+    return length_m

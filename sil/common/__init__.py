@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Files and processes; knows nothing of boats."""

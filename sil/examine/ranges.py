@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""How great the numbers of the law become in Q16.16, file by file, in all scenarios.
+
+Takes a native module whose Q16 notes its values (tests/core/observed_q16.hpp). Each file of
+firmware/core states within which magnitude it is tested: at most a quarter of what Q16.16 can hold,
+and no number of a scenario may be greater. `tools/fixed --ranges` prints the table.
+"""
+
+import argparse
+import ctypes
+import importlib.util
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from sil import ROOT
+from sil.scenario import law, scenario
+
+CORE = ROOT / "firmware" / "core"
+FOLDER = ROOT / "build" / "ranges" / "sil" / "native" / "module"
+MARGIN = 4.0
+_END = 32768.0
+_STATED = re.compile(r"^// Q16\.16: tested within ±([\d,]+)", re.MULTILINE)
+_SEEN = re.compile(r"/core/core/(?:\w+/)?(\w+\.hpp):(\d+) (\d+)$", re.MULTILINE)
+# No scenario has a leader that falls silent, which is what COAST is for.
+_SILENCE = "fault=[{kind='radio_silent', agent=0, at_s=20.0, for_s=8.0}]"
+
+
+@dataclass(frozen=True)
+class Most:
+    """The greatest magnitude that a file's numbers took, on which line and in which run."""
+
+    magnitude: float
+    line: int
+    run: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """A file of core, what it states and what was seen; None where that is nothing."""
+
+    file: str
+    stated: float | None
+    most: Most | None
+
+    @property
+    def kept(self) -> bool:
+        """Whether its numbers are within what it states, and that has the margin."""
+        if self.stated is None:
+            return self.most is None
+        return self.stated * MARGIN <= _END and (
+            self.most is None or self.most.magnitude <= self.stated
+        )
+
+
+def observed(folder: Path = FOLDER) -> ctypes.CDLL:
+    """Make the module of `folder` be `flotilla`, for whoever imports it after this.
+
+    RuntimeError where another one was imported before.
+    """
+    (path,) = folder.glob("flotilla.*.so")
+    if "flotilla" in sys.modules:
+        raise RuntimeError("flotilla was imported before")
+    spec = importlib.util.spec_from_file_location("flotilla", path)
+    assert spec is not None
+    assert spec.loader is not None
+    sys.modules["flotilla"] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    library = ctypes.CDLL(str(path))
+    library.q16_take_seen.restype = ctypes.c_char_p
+    return library
+
+
+def seen(text: str, run: str) -> dict[str, Most]:
+    """What the module's lines `FILE:LINE RAW` say of the run named `run`, by file of core."""
+    most: dict[str, Most] = {}
+    for file, line, raw in _SEEN.findall(text):
+        most = merged(most, {file: Most(int(raw) / 65536, int(line), run)})
+    return most
+
+
+def merged(a: Mapping[str, Most], b: Mapping[str, Most]) -> dict[str, Most]:
+    """The greater of both, by file."""
+    both = dict(a)
+    for file, most in b.items():
+        if file not in both or both[file].magnitude < most.magnitude:
+            both[file] = most
+    return both
+
+
+def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
+    """What each run of all scenarios took, `seconds` of them at most."""
+    from sil.lockstep.start import RunError  # noqa: PLC0415 these import flotilla
+    from sil.lockstep.world import sail  # noqa: PLC0415
+
+    for path in sorted(scenario.FOLDER.glob("*.toml")):
+        silence = [_SILENCE] if path.stem == "diamond" else []
+        for chosen in law.LAWS:
+            if (path.stem, chosen) == ("diamond_frame1", "paper"):
+                continue  # it asks for thousands of newtons: FAULT, in Q16, is right
+            whole = scenario.load(path, [*silence, "scalar='q16'"], chosen)
+            one = whole.model_copy(update={"duration_s": min(whole.duration_s, seconds)})
+            library.q16_take_seen()
+            (run,) = sail([one], {})
+            if isinstance(run, RunError):
+                raise run
+            yield seen(library.q16_take_seen().decode(), f"{one.name}, {chosen}")
+
+
+def stated(core: Path = CORE) -> dict[str, float]:
+    """Within which magnitude each file of core says that it is tested, where it does."""
+    found = {}
+    for path in core.rglob("*.hpp"):
+        if said := _STATED.search(path.read_text(encoding="utf-8")):
+            found[path.name] = float(said[1].replace(",", ""))
+    return found
+
+
+def rows(says: Mapping[str, float], most: Mapping[str, Most]) -> list[Row]:
+    """Every file that states a range or that took a value."""
+    return [Row(file, says.get(file), most.get(file)) for file in sorted(says.keys() | most.keys())]
+
+
+def for_terminal(found: Iterable[Row]) -> Table:
+    """The table for the terminal, margins to Q16.16's end; what is out of its range is red."""
+    grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
+    for place, head in enumerate(("file:line", "greatest", "stated", "margin", "run")):
+        grid.add_column(head, justify="right" if 1 <= place <= 3 else "left", no_wrap=True)
+    for row in found:
+        file, most = Path(row.file).stem, row.most
+        grid.add_row(
+            f"{file}:{most.line}" if most else file,
+            f"{most.magnitude:,.1f}" if most else "–",
+            f"{row.stated:,g}" if row.stated else "none",
+            f"{_END / most.magnitude:,.0f}" if most and most.magnitude else "–",
+            most.run if most else "–",
+            style=None if row.kept else "bold red",
+        )
+    return grid
+
+
+def main(arguments: list[str]) -> int:
+    """Exit status: 0, 1 where a file's numbers leave what it states, or that has no margin."""
+    parser = argparse.ArgumentParser(prog="tools/fixed --ranges", description=__doc__)
+    parser.add_argument("--seconds", type=float, default=300.0, help="of each run, at most (300)")
+    options = parser.parse_args(arguments)
+    console = Console()
+    most: dict[str, Most] = {}
+    runs = sail_all(observed(), options.seconds)
+    for of_run in track(runs, "sailing", console=console):
+        most = merged(most, of_run)
+    found = rows(stated(), most)
+    console.print(for_terminal(found))
+    return 0 if all(row.kept for row in found) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

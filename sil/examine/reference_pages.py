@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: MIT
+"""The tables of the firmware's pages, from the firmware's own lists."""
+
+import sys
+from pathlib import Path
+
+import flotilla
+
+from sil import ROOT
+from sil.examine import policy_page, supervisor_page
+
+PAGE = ROOT / "firmware" / "README.md"
+
+
+def parameter_table() -> str:
+    """Every parameter as a Markdown table."""
+    lines = ["| name | unit | default | range | change | meaning |", "|---|---|---|---|---|---|"]
+    for p in flotilla.parameter_list():
+        span = f"{p['least']:.6g} … {p['greatest']:.6g}" + (", whole" if p["integer"] else "")
+        default, unit = f"{p['default']:.6g}", p["unit"] or "–"
+        cells = [f"`{p['name']}`", unit, default, span, p["change"], p["sentence"]]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+TABLES = {
+    PAGE: {"parameters": parameter_table},
+    supervisor_page.PAGE: {
+        "choices": supervisor_page.choice_table,
+        "conditions": supervisor_page.condition_table,
+        "losses": supervisor_page.loss_table,
+        "diagram": supervisor_page.diagram,
+        "transitions": supervisor_page.transition_table,
+    },
+    policy_page.PAGE: {"policies": policy_page.table},
+}
+
+
+def page(path: Path, text: str) -> str:
+    """The page with each table between its `<!-- name -->` and `<!-- end -->` lines renewed."""
+    for name, table in TABLES[path].items():
+        begin, end = f"<!-- {name}: made by tools/reference -->\n", "<!-- end -->"
+        before, found, rest = text.partition(begin)
+        _, ended, behind = rest.partition(end)
+        if not (found and ended) or begin in behind:
+            raise ValueError(f"{path}: no place for the table of {name}")
+        text = f"{before}{begin}{table()}\n{end}{behind}"
+    return text
+
+
+def main() -> int:
+    """Renews the pages."""
+    for path in TABLES:
+        path.write_text(page(path, path.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""The tables of firmware/SUPERVISOR.md: all of it asked of the firmware's own table."""
+
+from collections import defaultdict
+from collections.abc import Iterable
+
+import flotilla
+
+from sil import ROOT
+
+PAGE = ROOT / "firmware" / "SUPERVISOR.md"
+PUSHING = ("MANUAL", "FORMATION", "COAST", "TEST")
+DEFAULT = ("FS_LEADER_ACT 1", "FS_GCS_ACT 0")
+ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "TEST": "test"}
+NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
+
+
+def after(
+    state: str, request: str, lost: Iterable[str] = (), chosen: tuple[str, ...] = DEFAULT
+) -> str:
+    """Where a request leads if only `lost` is not met; a choice of 2 is neither 0 nor 1."""
+    met = [name for name in (*NAMES, *chosen) if name not in lost and not name.endswith(" 2")]
+    return str(flotilla.supervise(state, request, met)["state"])
+
+
+def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
+    """A Markdown table."""
+    first, *others = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
+    return "\n".join([first, "|" + "---|" * (first.count(" | ") + 1), *others])
+
+
+def condition_table() -> str:
+    """Every condition: name, bit of COND or COND2, what the boat says without it, limit, need."""
+    rows = []
+    for c in flotilla.supervisor_conditions():
+        name = c["name"]
+        needed = ["to arm"] if after("DISARMED", "arm", [name]) == "DISARMED" else []
+        needed += [
+            f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
+        ]
+        # What no request needs is for thrust.
+        needed = needed or [f"for thrust in {state}" for state in PUSHING if stills(state, name)]
+        limit = f"`{c['limit']}`" if c["limit"] else ""
+        value, bit = divmod(c["bit"], 24)
+        where = f"{bit} of `COND2`" if value else str(bit)
+        rows.append([f"`{name}`", where, c["complaint"], limit, ", ".join(needed)])
+    head = ("condition", "bit of `COND`", "where it is not met the boat says", "limit", "needed")
+    return table(head, rows)
+
+
+def stills(state: str, name: str) -> bool:
+    """Whether propellers stand still in a state, asked nothing, if only that is not met."""
+    return not flotilla.supervise(state, "arm", [n for n in NAMES if n != name])["drives"]
+
+
+def way_back(state: str, fallen: str) -> str:
+    """How a boat that fell from a state comes back to it when all is well again."""
+    if after(fallen, "nothing") == state:
+        return "by itself"
+    request = ASKED.get(state, "nothing")
+    if after(fallen, request) == state:
+        return "asked for"
+    return "disarm first"
+
+
+def loss_table() -> str:
+    """What the loss of each condition leads to in each armed state, and how the boat comes back."""
+    states = [s for s in flotilla.STATES if s not in ("DISARMED", "FAULT")]
+    groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
+    for name in NAMES:
+        cells = []
+        for state in states:
+            fallen = after(state, "nothing", [name, *(["leader_fresh"] * (state == "COAST"))])
+            if fallen == state:
+                cells.append("")
+            else:
+                back = "FORMATION" if state == "COAST" else state
+                cells.append(f"{fallen}; {way_back(back, fallen)}")
+        groups[tuple(cells)].append(f"`{name}`")
+    rows = [["<br>".join(names), *cells] for cells, names in groups.items() if any(cells)]
+    return table(("lost", *(f"in {s}" for s in states)), rows)
+
+
+def choice_table() -> str:
+    """What each choice of action does when the leader or the ground stations are lost."""
+    rows = []
+    for parameter, lost in (("FS_LEADER_ACT", "leader_fresh"), ("FS_GCS_ACT", "gcs_heard")):
+        for number in (0, 1, 2):
+            others = [c for c in DEFAULT if not c.startswith(parameter)]
+            chosen = (f"{parameter} {number}", *others)
+            held = after("FORMATION", "nothing", [lost], chosen)
+            free = after("FORMATION", "nothing", [lost, "sticks_fresh"], chosen)
+            over = after("COAST", "nothing", [lost, "coast_running"], chosen)
+            then = f"{free}, then {over}" if free == "COAST" else free
+            default = " (default)" if f"{parameter} {number}" in DEFAULT else ""
+            rows.append([f"`{parameter}` {number}{default}", then, held if held != free else then])
+    return table(("choice", "FORMATION goes to", "with fresh sticks"), rows)
+
+
+def transition_table() -> str:
+    """The supervisor's table, row by row."""
+    rows = [
+        [
+            "any" if len(row["from"]) == len(flotilla.STATES) else ", ".join(row["from"]),
+            row["request"],
+            ", ".join(row["needs"]),
+            ", ".join(row["lacks"]),
+            row["to"],
+        ]
+        for row in flotilla.supervisor_table()
+    ]
+    return table(("in state", "asked", "all of", "or lost one of", "goes to"), rows)
+
+
+def edges() -> dict[tuple[str, str], list[str]]:
+    """Transitions of a boat in each state: asked for, lost, or come back; all but disarming."""
+    out: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for state in flotilla.STATES:
+        for request in ("arm", "HOLD", *ASKED.values()):
+            to = after(state, request, chosen=DEFAULT)
+            if to != state and to != after(state, "nothing"):
+                out[state, to].append(request)
+        if after(state, "nothing") != state:
+            out[state, after(state, "nothing")].append("all is well again")
+        for name in NAMES:
+            away = ["leader_fresh"] if state == "COAST" else []
+            to = after(state, "nothing", [*away, name])
+            if to != state and name not in away:
+                out[state, to].append(f"no {name}")
+    return out
+
+
+def diagram() -> str:
+    """A Mermaid flowchart; solid: asked for, dotted: by itself."""
+    lines = ["```mermaid", "flowchart TD"]
+    for (state, to), causes in edges().items():
+        asked = [c for c in causes if not c.startswith(("no ", "all "))]
+        lost = [c for c in causes if c.startswith(("no ", "all "))]
+        if asked:
+            lines.append(f'  {state} -->|"{", ".join(asked)}"| {to}')
+        if lost:
+            lines.append(f'  {state} -.->|"{"<br>".join(lost)}"| {to}')
+    for kind, states in (("pushes", PUSHING), ("stopped", set(flotilla.STATES) - set(PUSHING))):
+        lines.append(f"  class {','.join(s for s in flotilla.STATES if s in states)} {kind}")
+    lines += ["  classDef pushes stroke-width:3px", "  classDef stopped stroke-dasharray:4", "```"]
+    return "\n".join(lines)

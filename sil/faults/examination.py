@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT
+"""Sails the matrix of faults, or random ones, and prints which limits were kept."""
+
+from pathlib import Path
+
+import rich.progress
+from rich.console import Console
+
+from sil.faults import fault_report, live_matrix, matrix, rows
+from sil.faults.soak import Soaked, soak
+
+
+def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
+    """Sail the matrix, the rows with `only` in their names; exit status 1 where a limit is missed.
+
+    Leaves faults.md and faults.json in `out`. `live`: the live rows too; NoVcanError: no vcan.
+    """
+    chosen = [row for row in rows.read() if only is None or only in row.name]
+    if not chosen:
+        raise ValueError(f"--only {only}: no fault has that in its name")
+    with rich.progress.Progress(console=console) as bar:
+        task = bar.add_task(f"{len(chosen)} faults", total=1.0)
+        done = matrix.sail_all(chosen, lambda share: bar.update(task, completed=share))
+        if live:
+            again = bar.add_task("live faults", total=1.0)
+            done += live_matrix.rows(lambda share: bar.update(again, completed=share))
+    console.print(fault_report.table(done))
+    fault_report.write(out, done)
+    console.print(f"results: {out}/faults.md", soft_wrap=True)
+    print(fault_report.summary(done))
+    return int(not all(one.passed for one in done))
+
+
+def soak_for(hours: float, seed: int, console: Console) -> int:
+    """Sail random faults for so many hours; exit status 1 where a boat did not recover."""
+    if not hours > 0.0:
+        raise ValueError(f"--soak {hours:g}: must be positive")
+    bar = rich.progress.Progress(console=console)
+    with bar:
+        task = bar.add_task(f"{hours:g} h of faults", total=1.0)
+
+        def show(share: float, soaked: Soaked) -> None:
+            label = f"{hours:g} h: {soaked.faults.total()} faults, {soaked.resident_MB[-1]:.0f} MB"
+            bar.update(task, completed=share, description=label)
+
+        soaked = soak(hours, seed, show)
+    console.print(fault_report.soak_table(soaked))
+    console.print("resident, MB:", " ".join(f"{size:.1f}" for size in soaked.resident_MB))
+    for wrong in soaked.wrong:
+        console.print(f"[bold red]{wrong}")
+    console.print(f"seed {seed}, digest {soaked.digest}")
+    failed = len(soaked.wrong)
+    print(f"{soaked.faults.total() - failed} passed, {failed} failed")
+    return int(failed > 0)

@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: MIT
+"""The live world: real flotillad processes on a real bus, hulls and ESCs in real time.
+
+Each boat has a flotillad, a CAN bus and two UDP links: its navigation unit and its radio. This
+process is everything else: hulls, navigation units, ESCs, the virtual leader, the radio between
+them all, and the operator. It takes what arrives when it arrives, and on a grid of control ticks
+it carries the hulls on and sends the state of that instant, stamped with that instant.
+"""
+
+import select
+import subprocess
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+import flotilla
+import numpy as np
+
+from sil import ROOT
+from sil.live.live_vessel import LiveBoat, LiveLeader
+from sil.lockstep.start import StartError, esc_intervals
+from sil.lockstep.trace import Tracer
+from sil.lockstep.world import Progress
+from sil.plant.hull import Array
+from sil.plant.sensors import Sensors
+from sil.scenario.agents import clocks_of, parameters_of, slots_of
+from sil.scenario.fleet_bodies import bodies_of
+from sil.scenario.scenario import Scenario
+from sil.scenario.streams import SENSOR_STREAMS, Stream, generator
+from sil.wire.heartbeat import FORMATION
+from sil.wire.link import Link
+from sil.wire.mavlink_mcast import Mouth
+from sil.wire.operator import Operator
+
+FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
+
+_PATIENCE_S = 30.0
+_LAST_MCAST_BUS = 9
+_RETRY_US = 500_000
+_NOT_ARMED = (None, "DISARMED", "FAULT")
+
+
+def now_us() -> int:
+    """The world's time: the clock that flotillad reads too."""
+    return time.monotonic_ns() // 1000
+
+
+def buses_of(first: str, boats: int) -> list[str]:
+    """Addresses of the boats' buses: the first is boat 1's, boat i takes the next one.
+
+    ValueError where `first` is neither mcast:N nor socketcan:NAMEn.
+    """
+    scheme, _, channel = first.partition(":")
+    digits = len(channel) - len(channel.rstrip("0123456789"))
+    if (
+        scheme not in ("mcast", "socketcan")
+        or digits == 0
+        or (scheme == "mcast") != (digits == len(channel))
+    ):
+        raise ValueError(f'--bus "{first}": must be mcast:N or socketcan:NAMEn, as socketcan:vcan0')
+    name, number = channel[:-digits], int(channel[-digits:])
+    last = number + boats - 1
+    if scheme == "mcast" and last > _LAST_MCAST_BUS:
+        raise ValueError(
+            f'--bus "{first}": {boats} boats need mcast:{number} to mcast:{last}, '
+            f"the last is mcast:{_LAST_MCAST_BUS}"
+        )
+    return [f"{scheme}:{name}{number + i}" for i in range(boats)]
+
+
+class LiveWorld:
+    """One scenario, ready to be sailed once in real time. A context manager.
+
+    `bus`: address of boat 1's bus. `mavlink`: where all that is said over the radio is repeated, as
+    `sil.wire.mavlink_mcast.Mouth` has it; None is nowhere. ValueError where one is none;
+    can.CanError or OSError where it cannot be opened.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        bus: str,
+        param_overrides: dict[str, float],
+        mavlink: str | None = None,
+    ) -> None:
+        self._scenario = scenario
+        link_rng = generator(scenario.seed, Stream.LINKS)
+        clocks = clocks_of(scenario)
+        self._parameters = parameters_of(scenario, param_overrides)
+        self._command: Array = np.zeros((len(scenario.boat), 2))
+        # Compiled now, not when the boats are under way.
+        Tracer([scenario], bodies_of([scenario]), [slots_of(self._parameters)]).step(
+            0, self._command, np.zeros(len(scenario.boat), np.uint8)
+        )
+        self._bodies = bodies_of([scenario])
+        self._sensors = Sensors(
+            [scenario.navigation.noise],
+            [[generator(scenario.seed, stream)] for stream in SENSOR_STREAMS],
+            self._bodies,
+            1.0 / scenario.rate_hz,
+        )
+        self._h_us = round(1e6 / scenario.rate_hz)
+        self._operator = Operator()
+        self._leader = LiveLeader(scenario.leader_unit(), clocks[0])
+        self.late_us = 0
+        self.release_unix_s = 0.0
+        with ExitStack() as opened:
+            mouths = [Mouth(address) for address in (mavlink,) if address is not None]
+            for mouth in mouths:
+                opened.callback(mouth.close)
+            self.boats: list[LiveBoat] = []
+            for agent, address in enumerate(buses_of(bus, len(scenario.boat)), start=1):
+                own = self._parameters[agent - 1]
+                self.boats.append(LiveBoat(scenario, agent, address, own, clocks[agent]))
+                opened.callback(self.boats[-1].close)
+            self._opened = opened.pop_all()
+        agents: list[LiveLeader | LiveBoat] = [self._leader, *self.boats]
+        for pair in scenario.pairs():
+            ends = [agents[agent] for agent in pair]
+            for sender, receiver in (ends, ends[::-1]):
+                link = Link(link_rng, **scenario.link.quality)
+                sender.outbox.append(link)
+                receiver.inbox.append(link)
+        for vessel in agents:
+            vessel.outbox += mouths
+
+    def __enter__(self) -> "LiveWorld":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._opened.close()
+
+    def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
+        """Starts the boats' processes and sails the scenario, in real time."""
+        for boat in self.boats:
+            folder = out / f"boat{boat.system}"
+            boat.start(program, folder, f"--log={folder / 'log'}")
+        tick_us = self._start()
+        self.release_unix_s = time.time() + 1e-6 * (tick_us - now_us())
+        tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])
+        for k in range(tracer.ticks):
+            for i, boat in enumerate(self.boats):
+                self._command[i] = boat.command(tick_us)
+            told = self._operator.state
+            states = [flotilla.STATES.index(told[boat.system]) for boat in self.boats]
+            tracer.step(k, self._command, np.array(states, np.uint8))
+            tick_us += self._h_us
+            self._until(tick_us)
+            self._send(tick_us)
+            if k % 100 == 0:
+                progress(k / tracer.ticks)
+        progress(1.0)
+        return tracer
+
+    def _start(self) -> int:
+        """Arms the boats and puts them into FORMATION, all hulls held; the tick when that was."""
+        operator, boats = self._operator, self.boats
+        begin_us = tick_us = now_us()
+        ask_us = begin_us + 2_000_000
+        while tick_us < begin_us + 1e6 * _PATIENCE_S:
+            if tick_us >= ask_us:
+                ask_us = tick_us + _RETRY_US
+                ready = not any(operator.state.get(boat.system) in _NOT_ARMED for boat in boats)
+                for boat, parameters in zip(boats, self._parameters, strict=True):
+                    for interval in esc_intervals(parameters.get("SR_SLOW", 1.0)):
+                        boat.radio.send(operator.set_interval(boat.system, *interval))
+                    boat.radio.send(operator.arm(boat.system))
+                    if ready:
+                        boat.radio.send(operator.set_mode(boat.system, FORMATION))
+            tick_us += self._h_us
+            self._until(tick_us)
+            self._send(tick_us)
+            if all(operator.state.get(boat.system) == "FORMATION" for boat in boats):
+                return tick_us
+            self._check_processes()
+        words = [
+            f"boat {boat.system}: {operator.text.get(boat.system, 'says nothing')}"
+            for boat in boats
+            if operator.state.get(boat.system) != "FORMATION"
+        ]
+        raise StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
+
+    def _check_processes(self) -> None:
+        for boat in self.boats:
+            if boat.process is not None and (status := boat.process.poll()) is not None:
+                raise StartError(f"boat {boat.system}: {boat.last_words(status)}")
+
+    def _until(self, tick_us: int) -> None:
+        """Takes what arrives until `tick_us`, when it arrives."""
+        waiting = [fd for boat in self.boats for fd in boat.descriptors()]
+        while True:
+            t_us = now_us()
+            for boat in self.boats:
+                boat.listen(t_us, self._operator)
+            self._leader.listen(t_us)
+            left_us = tick_us - now_us()
+            if left_us <= 0:
+                self.late_us = max(self.late_us, -left_us)
+                return
+            select.select(waiting, [], [], 1e-6 * left_us)
+
+    def _send(self, tick_us: int) -> None:
+        """The state of the instant `tick_us` to everybody whom it concerns."""
+        self._sensors.measure()
+        eta, nu = self._sensors.eta.tolist(), self._sensors.nu.tolist()
+        rpm = self._bodies.rpm.tolist()
+        self._leader.send(tick_us, eta[0], nu[0])
+        for i, boat in enumerate(self.boats):
+            boat.send(tick_us, eta[i + 1], nu[i + 1], rpm[i])
+
+
+def build(say: Callable[[str], None]) -> Path:
+    """The flotillad of this checkout, built where it is older than its sources."""
+    if not (ROOT / "CMakeLists.txt").exists():
+        return FLOTILLAD
+    command = [str(ROOT / "tools" / "build"), "release", "flotillad"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        say(done.stdout + done.stderr)
+        raise StartError("flotillad could not be built")
+    return FLOTILLAD

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Sails scenarios in lockstep: the firmware and the plant, tick by tick."""

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The report of one run: figures, pictures, page."""

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: MIT
+"""Sails one scenario, in lockstep or live, and leaves its results in a folder."""
+
+import json
+import os
+import shutil
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from math import hypot
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rich.progress
+from rich.console import Console
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from sil.common import files
+from sil.live.live_world import LiveWorld
+from sil.live.live_world import build as build_flotillad
+from sil.lockstep import metrics
+from sil.lockstep.metrics import Summary
+from sil.lockstep.world import Progress, Run, World
+from sil.plant.hull import Array
+from sil.report import run_report
+from sil.scenario.scenario import Scenario
+from sil.view.recorded import history_of, said_of
+
+# Boats stop where their own state is 0.5 s old, which is the firmware's default.
+_LATE_US = 300_000
+
+
+def run(
+    scenario: Scenario,
+    out: Path,
+    param_overrides: dict[str, float],
+    command: str,
+    console: Console,
+) -> Summary:
+    """Sail `scenario`, show progress and a table, write the results into `out`.
+
+    Writes recording.bin, trace.npz, summary.json, the pictures and report.html, each whole or not
+    at all. `command` is what a reader types to repeat the run. Raises ValueError for a parameter
+    that the firmware refuses, StartError where the boats cannot be put into FORMATION,
+    PolicyViolationError where one breaks a rule of the firmware; the recording is there then.
+    """
+    world = World(scenario, param_overrides)
+    out.mkdir(parents=True, exist_ok=True)
+    began_s = time.perf_counter()
+    with _bar(scenario, console) as progress:
+        result = world.run(out / "recording.bin", progress)
+    wall_s = time.perf_counter() - began_s
+    return _finish(scenario, out, result, wall_s, command, console)
+
+
+def live(
+    scenario: Scenario,
+    bus: str,
+    out: Path,
+    param_overrides: dict[str, float],
+    command: str,
+    console: Console,
+    mavlink: str | None = None,
+) -> Summary:
+    """Sail `scenario` in real time, a flotillad a boat, and leave the same results but no digest.
+
+    `bus` is the address of boat 1's bus; `mavlink` is where what is said over the radio is
+    repeated. Raises as `run`, and OSError or can.CanError where the
+    bus or the other address cannot be opened.
+    """
+    if scenario.fault:
+        raise ValueError("faults of a scenario happen in lockstep runs only: tools/faults --live")
+    program = build_flotillad(console.print)
+    out.mkdir(parents=True, exist_ok=True)
+    _remove_earlier(out, len(scenario.boat))
+    began_s = time.perf_counter()
+    with (
+        LiveWorld(scenario, bus, param_overrides, mavlink) as world,
+        _bar(scenario, console) as progress,
+    ):
+        tracer = world.run(program, out, progress)
+        console.print(f"the world was {world.late_us / 1000:.1f} ms behind its time at most")
+        if world.late_us > _LATE_US:
+            console.print(
+                "[bold red]this machine was too slow for real time: the boats were told too late"
+            )
+    result = Run(tracer.trace(0), tracer.seconds(0), None)
+    wall_s = time.perf_counter() - began_s
+    return _finish(scenario, out, result, wall_s, command, console, world.release_unix_s)
+
+
+def _remove_earlier(out: Path, boats: int) -> None:
+    """Of an earlier run in the folder: what a live run does not leave, and its boats' logs."""
+    for name in ("recording.bin", "run.mcap"):
+        (out / name).unlink(missing_ok=True)
+    for system in range(1, boats + 1):
+        (out / f"boat{system}" / "flotillad.log").unlink(missing_ok=True)
+        shutil.rmtree(out / f"boat{system}" / "log", ignore_errors=True)
+
+
+@contextmanager
+def _bar(scenario: Scenario, console: Console) -> Iterator[Progress]:
+    bar = rich.progress.Progress(
+        TextColumn(f"{scenario.name}: sailing {scenario.duration_s:g} s"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        console=console,
+    )
+    with bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda share: bar.update(task, completed=share)
+
+
+def _finish(
+    scenario: Scenario,
+    out: Path,
+    result: Run,
+    wall_s: float,
+    command: str,
+    console: Console,
+    release_unix_s: float | None = None,
+) -> Summary:
+    trace = result.trace
+    # of what diverged, figures are not finite
+    with np.errstate(all="ignore"):
+        boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states)
+        separation_m = metrics.min_separation_m(trace["eta"])
+    summary: Summary = {
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "duration_s": scenario.duration_s,
+        "wall_s": wall_s,
+        "real_time_factor": scenario.duration_s / wall_s,
+        "digest": result.digest,
+        "release_unix_s": release_unix_s,
+        "boats": boats,
+        "min_separation_m": separation_m,
+    }
+    recorded = out / "recording.bin" if result.digest is not None else None
+    said = said_of(out, trace, recorded, release_unix_s)
+    if said is not None:
+        for boat, heard in zip(boats, said.boats, strict=False):
+            if heard.is_closing():
+                boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
+    replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
+    write(out, summary, trace, command, replayed)
+    console.print(run_report.table(summary))
+    for boat in summary["boats"]:
+        if "closing_m" in boat:
+            console.print(f"[bold yellow]boat {boat['id']} closing, {boat['closing_m']:.1f} m")
+        others = {name: s for name, s in boat["states"].items() if name != "FORMATION"}
+        if others:
+            told = ", ".join(f"{s:.1f} s in {name}" for name, s in others.items())
+            console.print(f"[bold red]boat {boat['id']} was not always in FORMATION: {told}")
+    digest = result.digest[:16] if result.digest else "none"
+    console.print(
+        f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "
+        f"{summary['real_time_factor']:.0f} × real time; digest {digest}"
+    )
+    console.print(f"results: {out}/report.html", soft_wrap=True)
+    return summary
+
+
+def write(
+    out: Path,
+    summary: Summary,
+    trace: Mapping[str, Array],
+    command: str,
+    told: Mapping[str, Any] | None = None,
+) -> None:
+    """Write trace.npz, summary.json and the report into the existing folder `out`.
+
+    `told`: the history that the report replays, by default what the trace tells. What is not finite
+    in the summary is null in summary.json.
+    """
+    part = out / ".trace.part.npz"
+    # numpy's stubs take any keyword for its own options
+    np.savez_compressed(part, **trace)  # type: ignore[arg-type]
+    os.replace(part, out / "trace.npz")
+    content = json.dumps(files.plain(dict(summary)), indent=2, allow_nan=False)
+    files.replace(out / "summary.json", f"{content}\n".encode())
+    run_report.write(out, summary, trace, command, told)

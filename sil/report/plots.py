@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of a run, drawn from the trace (arrays as in trace.npz, see `sil.lockstep.metrics`)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from sil.common.colours import BLACK, COLOURS, FAINT, GREY, colour_of
+from sil.lockstep import metrics
+from sil.plant.hull import Array
+
+_WIDTH_IN = 8.0
+_SHOWN_SAMPLES = 3000
+_FARTHEST_M = 1e6
+DASHED = (0, (4, 3))
+HALO = patheffects.withStroke(linewidth=3, foreground="white")
+# outline of a hull of length 1, body axes: forward, starboard
+_OUTLINE = np.array([[0.5, 0.0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]])
+STYLE: dict[Any, Any] = {
+    "figure.dpi": 200,
+    "font.size": 10.5,
+    "axes.titlesize": 12,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": GREY,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#eaeaea",
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+}
+
+
+def formation(name: str, trace: Mapping[str, Array]) -> Figure:
+    """Paths north up and east right, with the formation at evenly spaced times.
+
+    One map of the first fifth of the run, in which the formation closes up, one of all of it; or
+    of as much as can be drawn where an agent's state is not finite from some tick on.
+    """
+    count = _drawable(trace["eta"])
+    t_s, eta = trace["t_s"][:count], trace["eta"][:count]
+    first = min(max(2, count // 5), count)
+    whole = "the whole run"
+    if count < trace["t_s"].size:
+        whole = f"up to {t_s[-1]:.2f} s: then an agent is beyond all bounds"
+    windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, whole: count}
+    shapes = [_height_to_width(eta[:end]) for end in windows.values()]
+    with matplotlib.rc_context(STYLE):
+        height_in = _WIDTH_IN * sum(shapes) + 2.0
+        figure = Figure(figsize=(_WIDTH_IN, height_in), layout="constrained")
+        maps = figure.subplots(2, 1, height_ratios=shapes)
+        for axes, (title, end) in zip(maps, windows.items(), strict=True):
+            axes.set_title(title)
+            draw_map(axes, t_s[:end], eta[:end], formations=6, hull_share=1.0 / 45.0)
+        handles, labels = maps[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
+    return figure
+
+
+def errors(name: str, trace: Mapping[str, Array]) -> Figure:
+    """Distance of each boat from its slot over time, logarithmic, with the settling level."""
+    t_s = trace["t_s"]
+    step = _step(t_s)
+    # zero has no logarithm
+    distance = np.maximum(metrics.distances(trace["error"][::step]), 1e-9)
+    distance[~(distance < _FARTHEST_M)] = np.nan
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(_WIDTH_IN, 4.6), layout="constrained")
+        axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
+        lost = "" if np.isfinite(distance).all() else "; a line ends where it is beyond all bounds"
+        axes.set_title(f"{name}: distance of each boat from its slot{lost}")
+        axes.set_ylabel("formation error |e| (m)")
+        for i in range(distance.shape[1]):
+            axes.plot(t_s[::step], distance[:, i], color=colour_of(i + 1))
+        axes.axhline(metrics.SETTLED_M, color=BLACK, lw=1.0, ls=DASHED)
+        by_level = axes.get_yaxis_transform()
+        level = f"settled: {metrics.SETTLED_M} m"
+        axes.text(0.01, metrics.SETTLED_M * 0.9, level, fontsize=9.5, va="top", transform=by_level)
+        third = t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
+        axes.axvspan(third, t_s[-1], color=FAINT, zorder=0)
+        by_time = axes.get_xaxis_transform()
+        axes.text(third, 0.97, " last third: RMS, maximum", color=GREY, va="top", transform=by_time)
+        axes.set_xlim(t_s[0], t_s[-1])
+        _label_ends(axes, _last_finite(distance))
+    return figure
+
+
+def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
+    """Port and starboard thrust of each boat over time, on one scale; short peaks as numbers."""
+    t_s, values = trace["t_s"], trace["thrust"]
+    step, count = _step(t_s), values.shape[1]
+    low, high = np.quantile(values[np.isfinite(values)], [0.001, 0.999])
+    margin = 0.1 * max(high - low, 0.1)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(_WIDTH_IN, 1.0 + 1.4 * count), layout="constrained")
+        rows = figure.subplots(count, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+        for i, axes in enumerate(rows):
+            axes.plot(t_s[::step], values[::step, i, 0], color=COLOURS[1], label="port")
+            axes.plot(t_s[::step], values[::step, i, 1], color=COLOURS[2], label="starboard")
+            axes.set_ylabel(f"boat {i + 1} (N)")
+            least, most = np.fmin.reduce(values[:, i], None), np.fmax.reduce(values[:, i], None)
+            if least < low - margin or most > high + margin:
+                text = f"from {least:.1f} to {most:.1f} N".replace("-", "−")
+                axes.text(1.0, 1.0, text, color=GREY, ha="right", transform=axes.transAxes)
+        rows[0].set_ylim(low - margin, high + margin)
+        rows[0].set_xlim(t_s[0], t_s[-1])
+        rows[0].set_title(f"{name}: propeller thrust")
+        rows[-1].set_xlabel("time since release (s)")
+        handles, labels = rows[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share: float) -> None:
+    """Paths of `eta` (T, N+1, 3), north up, with the formation at evenly spaced times.
+
+    A hull is drawn 1 m long, or longer: `hull_share` of the paths' extent.
+    """
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="east (m)", ylabel="north (m)")
+    axes.margins(0.05)
+    path = eta[:: _step(t_s)]
+    north, east = path[..., 0], path[..., 1]
+    extent_m = float(max(np.ptp(north), np.ptp(east), 1.0))
+    (leader,) = axes.plot(east[:, 0], north[:, 0], color=BLACK, lw=1.0, zorder=3)
+    leader.set(linestyle=DASHED, label="virtual leader")
+    for boat in range(1, eta.shape[1]):
+        label = f"boat {boat}"
+        axes.plot(east[:, boat], north[:, boat], color=colour_of(boat), lw=1.0, label=label)
+    axes.plot(east[0, 1:], north[0, 1:], "o", ms=11, mfc="none", mec=GREY, label="start")
+    length_m = max(1.0, hull_share * extent_m)
+    order = _around(eta[-1, 1:])
+    for k in np.linspace(0, t_s.size - 1, formations).astype(int):
+        poses = eta[k, 1:]
+        ring = poses[[*order, order[0]]]
+        axes.plot(ring[:, 1], ring[:, 0], color=GREY, lw=0.8, zorder=4)
+        hulls = PolyCollection([_outline(pose, length_m) for pose in poses], zorder=5)
+        hulls.set(
+            facecolor=[colour_of(i + 1) for i in range(len(poses))], edgecolor="white", lw=0.4
+        )
+        axes.add_collection(hulls)
+        top = poses[np.argmax(poses[:, 0])]
+        text = axes.annotate(
+            f"{t_s[k]:.0f} s", (top[1], top[0]), (0, 9), textcoords="offset points"
+        )
+        text.set(ha="center", fontsize=9.5, zorder=6, path_effects=[HALO])
+
+
+def _around(eta: Array) -> list[int]:
+    """Boats in the order in which they stand around their middle: joined, lines do not cross."""
+    north, east = (eta[:, :2] - eta[:, :2].mean(axis=0)).T
+    return list(np.argsort(np.arctan2(east, north)))
+
+
+def _outline(pose: Array, length_m: float) -> Array:
+    """Outline (K, 2) as [east north] of a hull at [x y ψ]."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    forward, starboard = length_m * _OUTLINE.T
+    north, east = cos * forward - sin * starboard, sin * forward + cos * starboard
+    return np.column_stack([pose[1] + east, pose[0] + north])
+
+
+def _label_ends(axes: Axes, values: Array) -> None:
+    """Name the boats beside the ends of their lines, moved apart where they would overlap."""
+    gap = 0.06
+    low, high = np.log10(axes.get_ylim())
+    wanted = (np.log10(values) - low) / (high - low)
+    order = np.argsort(wanted)
+    steps = gap * np.arange(order.size)
+    # pushed up from below and down from above; the mean leaves a bunch around its place
+    pushed_up = np.maximum.accumulate(wanted[order] - steps) + steps
+    pushed_down = np.minimum.accumulate((wanted[order] - steps)[::-1])[::-1] + steps
+    for i, place in zip(order, (pushed_up + pushed_down) / 2.0, strict=True):
+        text = axes.text(1.01, place, f"boat {i + 1}", color=colour_of(i + 1), va="center")
+        text.set_transform(axes.transAxes)
+
+
+def _drawable(eta: Array) -> int:
+    """How many ticks of `eta` (T, N+1, 3) there are before an agent is nowhere near its start."""
+    # "not less" rather than "more": NaN is nowhere
+    lost = ~(np.abs(eta[..., :2] - eta[0, :, :2]) < _FARTHEST_M) | ~np.isfinite(eta[..., 2:])
+    lost_ticks = np.flatnonzero(lost.any(axis=(1, 2)))
+    return max(1, int(lost_ticks[0])) if lost_ticks.size else len(eta)
+
+
+def _last_finite(values: Array) -> Array:
+    """Of each column of `values` (T, N) the last that is finite (N); the settling level if none."""
+    found = np.full(values.shape[1], metrics.SETTLED_M)
+    for row in values:
+        found = np.where(np.isfinite(row), row, found)
+    return found
+
+
+def _height_to_width(eta: Array) -> float:
+    north_m, east_m = np.ptp(eta[..., 0]), np.ptp(eta[..., 1])
+    return float(np.clip(north_m / max(east_m, 1e-9), 0.35, 0.8))
+
+
+def _step(t_s: Array) -> int:
+    return max(1, t_s.size // _SHOWN_SAMPLES)

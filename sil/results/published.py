@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""What the project's pages publish, noted in results/figures.json run by run.
+
+The pages' tables are made from this file, and tests hold it against what they sail.
+"""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sil import ROOT
+from sil.common import files
+from sil.results import results_campaigns, results_readme, results_table
+from sil.results.results_campaigns import MonteCarlo
+from sil.results.results_readme import Measured
+from sil.results.results_table import Row
+from sil.results.sailing import Job, Outcome
+
+PAGE, README = ROOT / "sil" / "RESULTS.md", ROOT / "README.md"
+PICTURES = ROOT / "sil" / "results"
+FIGURES = PICTURES / "figures.json"
+_DIGITS = 6
+
+
+class Published(NamedTuple):
+    """Every figure: of each run of the law's table, of the Monte Carlo, of the README's runs."""
+
+    outcomes: list[Outcome]
+    campaigns: list[MonteCarlo]
+    measured: Measured
+
+    @property
+    def table(self) -> list[Row]:
+        """The law's table."""
+        return results_table.rows(self.outcomes)
+
+
+def encoded(published: Published) -> bytes:
+    """As figures.json: a run a line, numbers of 6 digits; null is never, or nowhere."""
+    runs = [
+        {
+            "scenario": outcome.job.scenario,
+            "law": outcome.job.law,
+            "seed": outcome.job.seed,
+            "failure": outcome.failure,
+            "figures": outcome.figures,
+        }
+        for outcome in published.outcomes
+    ]
+    campaigns = ",\n".join(
+        f'{{"scenario": {_line(name)}, "ended": {_line(ended)}, "late_m": {_line(late_m)}, '
+        f'"runs_m": {_lines(runs_m)}}}'
+        for name, ended, late_m, runs_m in published.campaigns
+    )
+    return (
+        f'{{"measured": {_line(published.measured)},\n"runs": {_lines(runs)},\n'
+        f'"campaigns": [{campaigns}]}}\n'
+    ).encode()
+
+
+def decoded(content: bytes) -> Published:
+    """What `encoded` has made."""
+    document = json.loads(content)
+    outcomes = [
+        Outcome(
+            Job(run["scenario"], run["law"], run["seed"]),
+            run["failure"],
+            figures=_numbers(run["figures"]),
+        )
+        for run in document["runs"]
+    ]
+    campaigns = [
+        MonteCarlo(
+            one["scenario"],
+            Counter(one["ended"]),
+            _numbers(one["late_m"]),
+            _numbers(one["runs_m"]),
+        )
+        for one in document["campaigns"]
+    ]
+    return Published(outcomes, campaigns, _numbers(document["measured"]))
+
+
+def noted() -> Published:
+    """The figures that the project publishes."""
+    return decoded(FIGURES.read_bytes())
+
+
+def pages(published: Published) -> dict[Path, str]:
+    """The pages with the figures in their places; ValueError where one has no place for them."""
+    table = published.table
+    return {
+        PAGE: _filled(
+            PAGE,
+            {
+                results_table.BEGIN: results_table.for_page(table),
+                results_campaigns.BEGIN: results_campaigns.for_page(published.campaigns),
+            },
+        ),
+        README: _filled(
+            README,
+            {
+                results_readme.MEASURED_BEGIN: results_readme.for_measured(
+                    table, published.measured
+                ),
+                results_readme.LAW_BEGIN: results_readme.for_law(table, published.campaigns),
+            },
+        ),
+    }
+
+
+def check_places() -> None:
+    """ValueError where a page has no place for its figures."""
+    _filled(PAGE, dict.fromkeys((results_table.BEGIN, results_campaigns.BEGIN), ""))
+    _filled(README, dict.fromkeys((results_readme.MEASURED_BEGIN, results_readme.LAW_BEGIN), ""))
+
+
+def _filled(path: Path, sections: dict[str, str]) -> str:
+    text = path.read_text(encoding="utf-8")
+    for begin, content in sections.items():
+        text = results_table.between(text, begin, content)
+    return text
+
+
+def _lines(values: Iterable[Any]) -> str:
+    return "[\n" + ",\n".join(map(_line, values)) + "]"
+
+
+def _line(value: Any) -> str:
+    return json.dumps(files.plain(_rounded(value)), ensure_ascii=False, allow_nan=False)
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_rounded(item) for item in value]
+    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
+
+
+def _numbers(value: Any) -> Any:
+    """Figures with infinity where the file has null."""
+    if isinstance(value, dict):
+        return {key: _numbers(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_numbers(item) for item in value]
+    return math.inf if value is None else value

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Scenario files: read, checked, and turned into agents, bodies and links."""

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""The agents of a scenario as others know them: system ids, parameters of the firmware, clocks."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from sil.plant.hull import Array
+from sil.scenario.scenario import Scenario
+from sil.scenario.streams import Stream, generator
+from sil.scenario.wiring import VIRTUAL_LEADER_SYSTEM
+from sil.wire.clock import Clock
+from sil.wire.navigation_unit import Settings
+
+_SYSTEMS = 250
+
+
+def systems_of(scenario: Scenario) -> list[int]:
+    """System id of every agent, the virtual leader first: boat i has i, beyond 250 from 1 again.
+
+    Whoever hears several of them can tell them apart, unless more follow one than there are ids:
+    no boat has its leader's id, nor that of its leader's leader, nor another follower's.
+    """
+    systems = [VIRTUAL_LEADER_SYSTEM]
+    # What each agent hears: first itself, its leader, then its followers.
+    heard = [[VIRTUAL_LEADER_SYSTEM]]
+    for agent, boat in enumerate(scenario.boat, start=1):
+        near = heard[boat.follows]
+        taken = near if len(near) < _SYSTEMS else near[:2]
+        system = (agent - 1) % _SYSTEMS + 1
+        while system in taken:
+            system = system % _SYSTEMS + 1
+        systems.append(system)
+        near.append(system)
+        heard.append([system, systems[boat.follows]])
+    return systems
+
+
+def parameters_of(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
+    """Firmware parameters of every boat: its place, the scenario's, then `overrides`."""
+    systems = systems_of(scenario)
+    return [
+        {
+            "MAV_SYSID": systems[agent],
+            "FORM_LEADER": systems[boat.follows],
+            "FORM_OFS_N": boat.offset_m[0],
+            "FORM_OFS_E": boat.offset_m[1],
+            "CTL_RATE": scenario.rate_hz,
+            **scenario.firmware_parameters(boat),
+            **overrides,
+        }
+        for agent, boat in enumerate(scenario.boat, start=1)
+    ]
+
+
+def slots_of(parameters: Sequence[Mapping[str, float]]) -> Array:
+    """Each boat's FORM_OFS_N, FORM_OFS_E and FORM_FRAME (N, 3), of its firmware's parameters."""
+    names = ("FORM_OFS_N", "FORM_OFS_E", "FORM_FRAME")
+    return np.array([[own.get(name, 0.0) for name in names] for own in parameters])
+
+
+def clocks_of(scenario: Scenario) -> list[Clock]:
+    """A clock for every agent, as wrong as the scenario wants."""
+    rng = generator(scenario.seed, Stream.CLOCKS)
+    clocks = scenario.clocks
+    return [
+        Clock(
+            round(1e6 * clocks.offset_s * rng.random()), clocks.drift_ppm * rng.uniform(-1.0, 1.0)
+        )
+        for _ in range(len(scenario.boat) + 1)
+    ]
+
+
+def units_of(scenario: Scenario) -> list[Settings]:
+    """What the navigation unit of every agent says, the virtual leader's first."""
+    return [scenario.leader_unit(), *(scenario.boat_unit(boat) for boat in scenario.boat)]

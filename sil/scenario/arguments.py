@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""What several commands have in common on the command line."""
+
+import argparse
+import difflib
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from sil.scenario.law import LAWS
+
+
+def add_to(command: argparse.ArgumentParser, out: str) -> None:
+    """Add a scenario and what is said of it; `out` describes the folder of the results."""
+    command.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
+    command.add_argument("--out", type=Path, metavar="DIR", help=out)
+    command.add_argument(
+        "--seed", type=int, metavar="N", help="seed of every random number (the scenario's)"
+    )
+    command.add_argument(
+        "--law",
+        choices=LAWS,
+        help="in place of the scenario's LAW_* but LAW_KDU and LAW_KDR, which belong to its vessel",
+    )
+    command.add_argument(
+        "--param",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a firmware parameter of every boat; repeatable",
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a key of the scenario, as link.delay_s=0.1 or boat.2.eta=[0,0,0]; repeatable",
+    )
+
+
+def add_workers_to(command: argparse.ArgumentParser) -> None:
+    """Add how many processes may sail at once."""
+    command.add_argument(
+        "--workers",
+        type=count,
+        default=os.cpu_count(),
+        metavar="N",
+        help="processes of this machine (CPUs)",
+    )
+
+
+def count(text: str) -> int:
+    """A number of things, at least one."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return number
+
+
+def parameters_of(texts: list[str]) -> dict[str, float]:
+    """Parameters from `NAME=VALUE` texts; ValueError says which is not of that form."""
+    values = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        try:
+            values[name.strip()] = float(value)
+        except ValueError:
+            raise ValueError(f'--param "{text}": must be NAME=VALUE, VALUE a number') from None
+    if values:
+        _check_names(values)
+    return values
+
+
+def _check_names(given: Iterable[str]) -> None:
+    import flotilla  # noqa: PLC0415 where there is nothing to check, nothing is imported
+
+    names = [parameter["name"] for parameter in flotilla.parameter_list()]
+    for name in given:
+        if name not in names:
+            near = difflib.get_close_matches(name, names, 1, 0.4)
+            hint = f'; did you mean "{near[0]}"?' if near else ""
+            raise ValueError(f"--param: unknown parameter {name}{hint}")

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""What a `[[fault]]` must not say."""
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+from sil.plant.sensors import SensorNoise
+from sil.scenario.sections import Fault
+from sil.scenario.toml_errors import KeyPath
+
+_SHARES = {"frame_loss", "radio_loss", "byte_errors"}
+_VALUED = {
+    *_SHARES,
+    "own_jump",
+    "own_noisy",
+    "own_clock",
+    "esc_voltage",
+    "impostor",
+    "replay",
+    "clock",
+}
+_BOATS = {"own_noisy", "bus_off", "frame_loss", "restart", "gcs_silent"}
+_MOST = 1e6  # metres, seconds: what flotilla.Fleet takes
+
+
+def is_escs(fault: Fault) -> bool:
+    """Whether it happens to ESCs."""
+    return fault.kind.startswith("esc_")
+
+
+def fault_contradictions(
+    faults: Sequence[Fault], boats: int, noise: SensorNoise
+) -> Iterator[tuple[KeyPath, str]]:
+    """Key and problem of each mistake, of a scenario with so many boats and so noisy units."""
+    for index, fault in enumerate(faults, start=1):
+        for name, problem in _problems(fault, boats, noise):
+            key = ("fault", str(index), name)
+            given = getattr(fault, name)
+            shown = f'"{given}"' if isinstance(given, str) else given
+            yield key, f'"{".".join(key)}" = {shown}: {problem}'
+    for (one, first), (other, second) in combinations(enumerate(faults, start=1), 2):
+        if _meet(first, second):
+            key = ("fault", str(other), "at_s")
+            same = f"fault {one} is the same one at the same time"
+            yield key, f'"{".".join(key)}" = {second.at_s}: {same}'
+
+
+def _meet(one: Fault, other: Fault) -> bool:
+    """Whether the end of one would be the other's."""
+    if (one.kind, one.agent) != (other.kind, other.agent):
+        return False
+    both = one.esc == other.esc or "both" in (one.esc, other.esc)
+    return both and _begin_s(one) < _end_s(other) and _begin_s(other) < _end_s(one)
+
+
+def _begin_s(fault: Fault) -> float:
+    return fault.at_s - (fault.value if fault.kind == "replay" else 0.0)
+
+
+def _end_s(fault: Fault) -> float:
+    return math.inf if fault.for_s is None else fault.at_s + fault.for_s
+
+
+def _problems(fault: Fault, boats: int, noise: SensorNoise) -> Iterator[tuple[str, str]]:
+    kind = fault.kind
+    if fault.agent > boats:
+        yield "agent", f"there are agents 0 to {boats}"
+    if fault.agent == 0 and (is_escs(fault) or kind in _BOATS):
+        yield "agent", f"the virtual leader cannot have {kind}"
+    if fault.esc != "both" and not is_escs(fault):
+        yield "esc", f"{kind} is none of ESCs"
+    if kind in _SHARES and not 0.0 <= fault.value <= 1.0:
+        yield "value", f"a share from 0 to 1 is lost by {kind}"
+    if kind not in _VALUED and fault.value:
+        yield "value", f"{kind} has none"
+    if kind in _VALUED and "value" not in fault.model_fields_set:
+        yield "value", f"{kind} needs one"
+    if abs(fault.value) > _MOST:
+        yield "value", f"must be from {-_MOST:g} to {_MOST:g}"
+    if kind == "replay" and not 0.0 < fault.value <= fault.at_s:
+        yield "value", "must be positive, and no more than at_s: what was said so long ago"
+    if kind == "own_noisy" and fault.value < 0.0:
+        yield "value", "must not be negative"
+    if kind == "own_noisy" and not noise.sigma.any():
+        yield "kind", "[navigation] has no noise to multiply"

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: MIT
+"""Scenarios: TOML files that say who sails where, in what hull, over what radio.
+
+`sil/scenarios/diamond.toml` shows every key with its unit; `sil/README.md` lists the scenarios. A
+file with `base = "NAME"` is that scenario with its own keys over it, boats by number: `[boat.2]`.
+"""
+
+import difflib
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, Strict, ValidationError
+
+from sil import ROOT
+from sil.plant.hull import HullParameters
+from sil.plant.propeller import PropellerParameters
+from sil.plant.weather import steps_of
+from sil.scenario import law, toml_errors
+from sil.scenario.fault_errors import fault_contradictions
+from sil.scenario.law import Law
+from sil.scenario.sections import (
+    Boat,
+    Clocks,
+    Fault,
+    Leader,
+    Link,
+    Mismatch,
+    Navigation,
+    NotNegative,
+    Parameters,
+    Positive,
+    Propellers,
+    Scalar,
+    Section,
+    Unit,
+    Vary,
+    Vessel,
+    Water,
+    Waves,
+    WhiteNoise,
+    Wind,
+)
+from sil.scenario.toml_errors import KeyPath, ScenarioError
+from sil.wire.navigation_unit import Settings
+
+__all__ = ["Boat", "Leader", "Propellers", "Scenario", "ScenarioError", "Vessel", "load"]
+
+FOLDER = ROOT / "sil" / "scenarios"
+
+
+class Scenario(Section):
+    """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
+
+    `name` is the file's unless the file gives another. A campaign draws no start at which two boats
+    are nearer than `start_apart_m`.
+    """
+
+    name: str
+    duration_s: Positive
+    seed: Annotated[int, Field(ge=0)] = 1
+    law: Law = "product"
+    scalar: Scalar = "float"
+    rate_hz: Annotated[float, Field(ge=50.0, le=1000.0)] = 100.0
+    start_apart_m: NotNegative = 0.0
+    vessel: Vessel = Vessel()
+    propellers: Propellers = Propellers()
+    navigation: Navigation = Navigation()
+    water: Water = Water()
+    wind: Wind = Wind()
+    waves: Waves = Waves()
+    white_noise: WhiteNoise = WhiteNoise()
+    mismatch: Mismatch = Mismatch()
+    link: Link = Link()
+    clocks: Clocks = Clocks()
+    leader: Leader
+    parameters: Parameters = Field(default_factory=dict)
+    boat: Annotated[tuple[Boat, ...], Strict(False), Field(min_length=1)]
+    fault: Annotated[tuple[Fault, ...], Strict(False)] = ()
+    vary: Annotated[tuple[Vary, ...], Strict(False)] = ()
+
+    def vessels(self) -> list[Vessel]:
+        """Vessel of every agent as the file has it, the virtual leader first."""
+        deviations = [Vessel(), *(boat.vessel for boat in self.boat)]
+        return [
+            Vessel(**_merged(self.vessel, own)) if own.model_fields_set else self.vessel
+            for own in deviations
+        ]
+
+    def hulls(self) -> list[HullParameters]:
+        """Hull of every agent, the virtual leader first; a mismatch is not in them."""
+        return [vessel.hull for vessel in self.vessels()]
+
+    def propeller_pairs(self) -> list[PropellerParameters]:
+        """Propellers of every boat, boat 1 first."""
+        deviations = [boat.propellers for boat in self.boat]
+        return [PropellerParameters(**_merged(self.propellers, own)) for own in deviations]
+
+    def leader_unit(self) -> Settings:
+        """What the virtual leader says."""
+        own = self.leader.navigation.model_dump(exclude_unset=True)
+        return Settings(**{"rate_hz": self.navigation.rate_hz, **own})
+
+    def boat_unit(self, boat: Boat) -> Settings:
+        """What the navigation unit of `boat` says."""
+        common = self.navigation.model_dump(include=set(Unit.model_fields))
+        return Settings(**{**common, **boat.navigation.model_dump(exclude_unset=True)})
+
+    def pairs(self) -> list[tuple[int, int]]:
+        """Agents that hear each other: leader and follower, then, where all do, the other boats."""
+        pairs = [(boat.follows, agent) for agent, boat in enumerate(self.boat, start=1)]
+        if self.link.everyone:
+            boats = range(1, len(self.boat) + 1)
+            pairs += [pair for pair in combinations(boats, 2) if pair not in pairs]
+        return pairs
+
+    def firmware_parameters(self, boat: Boat) -> dict[str, float]:
+        """Firmware parameters that the file gives `boat`: the law's, those of all, its own."""
+        return {**law.parameters(self.law), **self.parameters, **boat.parameters}
+
+
+def load(
+    name_or_path: str | Path, overrides: Sequence[str] = (), law_override: Law | None = None
+) -> Scenario:
+    """Read a scenario: a name in `sil/scenarios`, or the path of a TOML file.
+
+    `law_override` takes the place of the file's law and of its gains, as
+    `sil.scenario.law.impose` says; `overrides` lie over that. They are `KEY=VALUE`: dotted keys,
+    boats counted from 1, values as TOML has them (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`)
+    or bare words (`scalar=q16`).
+
+    Raises ScenarioError, whose text names file, line and key (or the override) and what is allowed.
+    """
+    return check(read(name_or_path, overrides, law_override))
+
+
+def read(
+    name_or_path: str | Path, overrides: Sequence[str] = (), law_override: Law | None = None
+) -> toml_errors.Source:
+    """The document that `load` makes a scenario of: complete, not yet checked."""
+    path = _find(name_or_path)
+    source = _read(path)
+    source.document.setdefault("name", path.stem)
+    if law_override is not None:
+        law.impose(law_override, source.document)
+    for override in overrides:
+        source.override(override)
+    return source
+
+
+def check(source: toml_errors.Source) -> Scenario:
+    """The scenario of a document; ScenarioError as `load`."""
+    try:
+        scenario = Scenario.model_validate(source.document)
+    except ValidationError as error:
+        raise source.errors(error, Scenario) from None
+    for key, problem in _contradictions(scenario):
+        raise source.error(key, problem)
+    return scenario
+
+
+def _read(path: Path) -> toml_errors.Source:
+    source = toml_errors.Source.read(path)
+    if "base" in source.document:
+        name = source.document.pop("base")
+        try:
+            base = toml_errors.Source.read(_find(name))
+        except (ScenarioError, TypeError) as error:
+            raise source.error(("base",), f'"base": {error}') from None
+        if "base" in base.document:
+            raise source.error(("base",), f'"base" = "{name}": that scenario has a base itself')
+        source.lay_over(base)
+    return source
+
+
+def _find(name_or_path: str | Path) -> Path:
+    path = Path(name_or_path)
+    if path.suffix == ".toml":
+        return path
+    known = sorted(file.stem for file in FOLDER.glob("*.toml"))
+    if str(name_or_path) not in known:
+        near = difflib.get_close_matches(str(name_or_path), known, 1)
+        hint = f'did you mean "{near[0]}"? There' if near else "there"
+        raise ScenarioError(f'unknown scenario "{name_or_path}"; {hint} are {", ".join(known)}')
+    return FOLDER / f"{name_or_path}.toml"
+
+
+def _merged(common: Section, own: Section) -> dict[str, Any]:
+    return {**common.model_dump(), **own.model_dump(exclude_unset=True)}
+
+
+def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    key: KeyPath
+    for index, boat in enumerate(scenario.boat, start=1):
+        if boat.follows >= index:
+            key = ("boat", str(index), "follows")
+            allowed = f"boat {index} may follow agents 0 to {index - 1}"
+            yield key, f'"{".".join(key)}" = {boat.follows}: {allowed}'
+    yield from _unit_contradictions(scenario)
+    yield from fault_contradictions(scenario.fault, len(scenario.boat), scenario.navigation.noise)
+    noise = scenario.white_noise
+    if noise.power:
+        try:
+            steps_of(noise.sample_s, 1e-6 * round(1e6 / scenario.rate_hz))
+        except ValueError as error:
+            key = ("white_noise", "sample_s")
+            yield key, f'"{".".join(key)}" = {noise.sample_s}: {error}'
+    for index, vessel in enumerate(scenario.vessels()):
+        if vessel.m23**2 >= vessel.m22 * vessel.m33:
+            key = ("boat", str(index), "vessel", "m23") if index else ("vessel", "m23")
+            yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be under m22 m33'
+    starts = [segment.from_s for segment in scenario.leader.input]
+    for index in range(1, len(starts)):
+        if starts[index] <= starts[index - 1]:
+            key = ("leader", "input", str(index + 1), "from_s")
+            later = f"must be later than {starts[index - 1]}"
+            yield key, f'"{".".join(key)}" = {starts[index]}: {later}'
+
+
+def _unit_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    units: list[tuple[KeyPath, Settings]] = [(("leader", "navigation"), scenario.leader_unit())]
+    for index, boat in enumerate(scenario.boat, start=1):
+        units.append((("boat", str(index), "navigation"), scenario.boat_unit(boat)))
+    common = scenario.navigation.model_dump(include=set(Unit.model_fields))
+    units.insert(0, (("navigation",), Settings(**common)))
+    for place, unit in units:
+        path = ".".join(place)
+        for name in ("rate_hz", "attitude_rate_hz"):
+            if getattr(unit, name) > scenario.rate_hz:
+                ticks = f"the world ticks at rate_hz = {scenario.rate_hz}"
+                yield (*place, name), f'"{path}.{name}" = {getattr(unit, name)}: {ticks}'
+        if unit.attitude_rate_hz and unit.message not in ("local", "global"):
+            key = f'"{path}.attitude_rate_hz" = {unit.attitude_rate_hz}'
+            yield (*place, "attitude_rate_hz"), f'{key}: "{unit.message}" sends no ATTITUDE'
+        if any(unit.origin_m) and unit.message != "local":
+            key = f'"{path}.origin_m" = {list(unit.origin_m)}'
+            yield (*place, "origin_m"), f'{key}: only "local" has an origin of its own'

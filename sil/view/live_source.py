@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""A live view: what is heard at an address, as frames for the page."""
+
+import json
+import time
+from collections import deque
+from collections.abc import Iterable
+from typing import Any
+
+from sil.view import alarm
+from sil.view.hear import Listener
+from sil.view.seen_fleet import Fleet
+from sil.view.tlog_history import Watch
+from sil.wire.mavlink_ear import Message
+
+FRAMES_PER_S = 10
+_WINDOW_S = 1.0
+
+
+class Live:
+    """Listens at `address` from `run` on; `length_m`: of boats. Raises as `Listener`."""
+
+    def __init__(self, address: str, length_m: float) -> None:
+        self._listener = Listener(address)
+        self._fleet = Fleet(length_m)
+        self._watch = Watch(self._fleet)
+        self._began_s = time.monotonic()
+        self._bytes, self._heard_s = 0, 0.0
+        self._heard: deque[tuple[float, int]] = deque([(0.0, 0)])
+
+    async def run(self) -> None:
+        """Listens until it is cancelled."""
+        await self._listener.run(self._take)
+
+    def _take(self, heard: Iterable[Message]) -> None:
+        now_s = self._now_s()
+        for message in heard:
+            self._watch.hear(now_s, message)
+
+    def _now_s(self) -> float:
+        return time.monotonic() - self._began_s
+
+    def look(self) -> None:
+        """Keeps what there is to see now, for a replay; to be called with every frame's time."""
+        self._watch.wait(self._now_s())
+
+    def history(self) -> dict[str, Any]:
+        """All that was seen since the beginning, to be replayed."""
+        return self._watch.history(f"Replay of what was heard at {self._listener.address}")
+
+    def frame(self) -> dict[str, Any]:
+        """What there is to show now."""
+        now_s = self._now_s()
+        vessels = self._fleet.vessels(now_s)
+        ear = self._listener.ear
+        return {
+            "t_s": round(now_s, 3),
+            "origin_deg": self._fleet.origin_deg,
+            "heard": {
+                "address": self._listener.address,
+                "alarm": self._alarm(now_s),
+                "bytes_per_s": self._bytes_per_s(now_s, ear.heard),
+                "damaged": ear.damaged,
+                "ignored": self._fleet.ignored,
+                "vessels": len(vessels),
+            },
+            "vessels": vessels,
+        }
+
+    def text(self) -> str:
+        """The frame as JSON."""
+        return json.dumps(self.frame(), separators=(",", ":"), allow_nan=False)
+
+    def _alarm(self, now_s: float) -> str | None:
+        """Why nothing is heard, and what to check."""
+        if self._listener.trouble is not None:
+            return f"{self._listener.address}: {self._listener.trouble}"
+        if self._listener.ear.heard != self._bytes:
+            self._bytes, self._heard_s = self._listener.ear.heard, now_s
+        return alarm.of_silence(self._listener.address, now_s - self._heard_s)
+
+    def _bytes_per_s(self, now_s: float, heard: int) -> int:
+        """Of the last second, or since the last frame where that was longer ago."""
+        while len(self._heard) > 1 and now_s - self._heard[1][0] >= _WINDOW_S:
+            self._heard.popleft()
+        since_s, before = self._heard[0]
+        self._heard.append((now_s, heard))
+        return round((heard - before) / max(now_s - since_s, 0.1))

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: MIT
+"""All vessels that are heard, in one local frame. Times are the listener's, s."""
+
+from collections.abc import Iterable
+from math import cos, hypot, radians
+from typing import Any, NamedTuple
+
+from sil.view.seen_motion import Origin, Place
+from sil.view.vessel import Vessel
+from sil.wire import mavlink_messages as messages
+from sil.wire.geodesy import LocalFrame
+from sil.wire.mavlink_ear import Message
+
+SILENT_S, FORGOTTEN_S = 5.0, 60.0
+_CARRIED_S = 3.0
+_ELSEWHERE_M = 50_000.0
+_FAR_M = 1e6
+_PATIENCE_S = 2.0
+_M_PER_DEGE7 = 0.0111
+
+
+class Pose(NamedTuple):
+    """North, east (m), heading (rad), where it is known."""
+
+    x: float
+    y: float
+    psi: float | None
+
+
+class Fleet:
+    """Vessels by system id; at most 255.
+
+    The frame begins at the first origin that is heard, and anew where all that are heard now are
+    50 km away from it. A vessel that is silent for 60 s is forgotten. `length_m`: of boats, which
+    do not say how long they are.
+    """
+
+    def __init__(self, length_m: float) -> None:
+        self.systems: dict[int, Vessel] = {}
+        self.unknown = 0
+        self.origin: Origin | None = None
+        self._length_m = length_m
+        self._frames: dict[Origin, LocalFrame] = {}
+        self._slots: dict[int, tuple[float, float]] = {}  # north, east of the leader
+
+    @property
+    def ignored(self) -> int:
+        """Messages so far of systems that are no vessels."""
+        return self.unknown + sum(v.messages for v in self.systems.values() if v.kind is None)
+
+    @property
+    def origin_deg(self) -> list[float] | None:
+        """Latitude and longitude where the frame begins."""
+        return None if self.origin is None else [1e-7 * self.origin[0], 1e-7 * self.origin[1]]
+
+    def hear(self, heard: Iterable[Message], now_s: float) -> None:
+        """Takes messages that came at `now_s`."""
+        for message in heard:
+            vessel = self.systems.get(message.system)
+            if message.fields is None:
+                # Nobody could check it: it is nobody's sign of life.
+                self.unknown += vessel is None or vessel.kind is None
+                continue
+            if vessel is None:
+                vessel = self.systems[message.system] = Vessel(message.system, now_s)
+            vessel.hear(message, now_s)
+            if message.number == messages.GPS_GLOBAL_ORIGIN:
+                self._look_at_origin(vessel, now_s)
+            elif message.number == messages.POSITION_TARGET_LOCAL_NED:
+                self._anchor_slot(vessel, now_s)
+
+    def vessels(self, now_s: float) -> list[dict[str, Any]]:
+        """The vessels as the page has them, by id; what is not known is None."""
+        for vessel in tuple(self.systems.values()):
+            if now_s - vessel.heard_s > FORGOTTEN_S:
+                del self.systems[vessel.system]
+                self._slots.pop(vessel.system, None)
+                self.unknown += vessel.messages if vessel.kind is None else 0
+        if self.origin is None:
+            self._look_at_globe(now_s)
+        known = sorted(k for k, v in self.systems.items() if v.kind is not None)
+        return [self._told(self.systems[system], now_s) for system in known]
+
+    def _told(self, vessel: Vessel, now_s: float) -> dict[str, Any]:
+        vessel.motion.forget(vessel.heard_s - SILENT_S)
+        pose, place = self._pose(vessel), vessel.motion.place
+        u, v = vessel.motion.body_velocity
+        at_s, value = vessel.heard_s, vessel.value
+        e_x, e_y, leader = value("E_X"), value("E_Y"), value("LEADER")
+        error_m = None if e_x is None or e_y is None else hypot(e_x, e_y)
+        thrust, limits = (value("T_PORT"), value("T_STBD")), (value("T_MIN"), value("T_MAX"))
+        return {
+            "id": vessel.system,
+            "kind": vessel.kind,
+            "x_m": _round(pose and pose.x, 3),
+            "y_m": _round(pose and pose.y, 3),
+            "place_age_s": None if place is None else round(max(0.0, now_s - place.t_s), 2),
+            "psi_rad": _round(pose.psi if pose else vessel.motion.psi_rad, 4),
+            "u_mps": _round(u, 3),
+            "v_mps": _round(v, 3),
+            "length_m": self._length_m,
+            "leader": None if leader is None else int(leader),
+            "slot": self._slot(vessel, now_s),
+            "error_m": _round(error_m, 4),
+            "in_slot": value("IN_SLOT"),
+            "thrust_N": _pair(thrust),
+            "limits_N": _pair(limits),
+            "state": vessel.state if at_s - vessel.beat_s <= SILENT_S else None,
+            "held": vessel.held(),
+            "text": vessel.texts.last or None,
+            "link_age_s": round(max(0.0, now_s - at_s), 2),
+            "leader_age_s": _round(value("LEAD_AGE"), 3),
+            "battery_V": _round(vessel.aboard.battery_V(at_s), 2),
+            "escs": vessel.aboard.escs(at_s),
+        }
+
+    # -- where it is in the view's frame
+
+    def _pose(self, vessel: Vessel) -> Pose | None:
+        place, psi = vessel.motion.place, vessel.motion.psi_rad
+        return None if place is None else self._seen(place, psi, vessel.motion.origin)
+
+    def _seen(self, place: Place, psi: float | None, origin: Origin | None) -> Pose | None:
+        """A place that was told, in the view's frame."""
+        if place.on_globe:
+            if self.origin is None:
+                return None
+            frame = LocalFrame(int(place.x), int(place.y), 0.001 * self.origin[2])
+            x, y = 0.0, 0.0
+        elif abs(place.x) + abs(place.y) > _FAR_M:
+            return None
+        elif origin == self.origin:
+            return Pose(place.x, place.y, psi)
+        elif origin is None or self.origin is None:
+            return None
+        else:
+            frame, x, y = self._frame(origin), place.x, place.y
+        north, east, heading = frame.seen_from(self._frame(self.origin), x, y, psi or 0.0)
+        return Pose(north, east, None if psi is None else heading)
+
+    def _frame(self, origin: Origin) -> LocalFrame:
+        if origin not in self._frames:
+            if len(self._frames) > 300:
+                self._frames.clear()
+            self._frames[origin] = LocalFrame(*origin[:2], 0.001 * origin[2])
+        return self._frames[origin]
+
+    def _look_at_origin(self, vessel: Vessel, now_s: float) -> None:
+        told = vessel.motion.origin
+        if told is None or (self.origin is not None and _apart_m(told, self.origin) < _ELSEWHERE_M):
+            return
+        others = [v for v in self.systems.values() if now_s - v.heard_s < SILENT_S]
+        origins = [v.motion.origin for v in others if v.motion.origin is not None]
+        if self.origin is None or all(_apart_m(o, self.origin) > _ELSEWHERE_M for o in origins):
+            self.origin = told
+            self._slots.clear()
+            self.systems = {v.system: v for v in others}
+
+    def _look_at_globe(self, now_s: float) -> None:
+        """Where nobody tells an origin, the first place on the globe is one."""
+        for vessel in self.systems.values():
+            place = vessel.motion.place
+            waited = now_s - vessel.since_s > _PATIENCE_S and vessel.kind is not None
+            if waited and place is not None and place.on_globe:
+                self.origin = int(place.x), int(place.y), 0
+                return
+
+    # -- slots
+
+    def _anchor_slot(self, vessel: Vessel, now_s: float) -> None:
+        """A slot is told seldom; between, it goes with the leader."""
+        slot, leader = self._told_slot(vessel), self._leader_pose(vessel, now_s)
+        self._slots.pop(vessel.system, None)
+        if slot is not None and leader is not None:
+            self._slots[vessel.system] = slot.x - leader.x, slot.y - leader.y
+
+    def _slot(self, vessel: Vessel, now_s: float) -> tuple[float, float] | None:
+        if not vessel.slot_is_told():
+            return None
+        offset, leader = self._slots.get(vessel.system), self._leader_pose(vessel, now_s)
+        if offset is not None and leader is not None:
+            return round(leader.x + offset[0], 3), round(leader.y + offset[1], 3)
+        slot = self._told_slot(vessel)
+        return None if slot is None else (round(slot.x, 3), round(slot.y, 3))
+
+    def _told_slot(self, vessel: Vessel) -> Pose | None:
+        motion = vessel.motion
+        if motion.slot is None:
+            return None
+        return self._seen(Place(motion.slot_s, False, *motion.slot), None, motion.origin)
+
+    def _leader_pose(self, vessel: Vessel, now_s: float) -> Pose | None:
+        number = vessel.value("LEADER")
+        leader = None if number is None else self.systems.get(int(number))
+        if leader is None or (place := leader.motion.place) is None:
+            return None
+        return self._pose(leader) if now_s - place.t_s < _CARRIED_S else None
+
+
+def _apart_m(a: Origin, b: Origin) -> float:
+    """Distance of two origins, roughly."""
+    east = cos(radians(1e-7 * a[0])) * (
+        (a[1] - b[1] + 1_800_000_000) % 3_600_000_000 - 1_800_000_000
+    )
+    return _M_PER_DEGE7 * hypot(a[0] - b[0], east)
+
+
+def _round(number: float | None, digits: int) -> float | None:
+    return None if number is None else round(number, digits)
+
+
+def _pair(numbers: tuple[float | None, float | None]) -> tuple[float, float] | None:
+    first, second = numbers
+    return None if first is None or second is None else (round(first, 3), round(second, 3))

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: MIT
+"""The history of a tlog: what a view would have shown while it was written."""
+
+from collections.abc import Iterator
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sil.view.aboard import ESC_NUMBERS
+from sil.view.changes import Changes
+from sil.view.history import COLUMNS, LENGTH_M, SIDES, column, most_samples
+from sil.view.seen_fleet import Fleet
+from sil.view.vessel import Vessel
+from sil.wire import mavlink_messages as messages
+from sil.wire.mavlink_ear import Ear, Message
+from sil.wire.tlog import packets
+
+_LONGEST_GAP_S = 3600.0
+_FIRST_STEP_S = 0.1
+_MOMENT_S = 0.001
+# Where a column is not a number of the frame by its own name.
+_PLACES = {
+    "slot_x_m": ("slot", 0),
+    "slot_y_m": ("slot", 1),
+    "thrust_port_N": ("thrust_N", 0),
+    "thrust_stbd_N": ("thrust_N", 1),
+}
+_ESCS = {f"{s}_{name}": (side, name) for side, s in enumerate(SIDES) for name in ESC_NUMBERS}
+_NOTHING = [nan] * len(COLUMNS)
+Told = dict[str, Any]
+
+
+def history_of_tlog(path: Path, length_m: float = LENGTH_M) -> dict[str, Any]:
+    """The history of a tlog; `length_m`: of its boats. ValueError where it has no messages.
+
+    Its clock may have been set meanwhile: steps back, and ahead by more than an hour, are no time.
+    """
+    watch = Watch(Fleet(length_m))
+    for t_s, message in messages_of(path.read_bytes()):
+        watch.hear(t_s, message)
+    if not watch.times:
+        raise ValueError(f"{path} is no tlog: no MAVLink message is in it")
+    return watch.history(path.name)
+
+
+class Watch:
+    """Looks at a fleet at even times; where those get too many, at half as many."""
+
+    def __init__(self, fleet: Fleet) -> None:
+        self.times: list[float] = []
+        self._last_s = 0.0
+        self._step_s = _FIRST_STEP_S
+        self._fleet = fleet
+        self._told: dict[int, _Told] = {}
+
+    def hear(self, t_s: float, message: Message) -> None:
+        """Takes a message that came at `t_s`."""
+        self.wait(t_s)
+        self._last_s = t_s
+        self._fleet.hear([message], t_s)
+        if message.number in (messages.HEARTBEAT, messages.STATUSTEXT, messages.NAMED_VALUE_FLOAT):
+            vessel = self._fleet.systems.get(message.system)
+            if vessel is not None and vessel.kind is not None:
+                self._told.setdefault(vessel.system, _Told()).note(t_s, vessel)
+
+    def wait(self, t_s: float) -> None:
+        """Nothing else came until `t_s`."""
+        while len(self.times) * self._step_s <= t_s:
+            self._look(len(self.times) * self._step_s)
+
+    def history(self, title: str) -> Told:
+        """What was seen, with what the vessels told last."""
+        self._look(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
+        return {
+            "title": title,
+            "origin_deg": self._fleet.origin_deg,
+            "t_s": column(self.times),
+            "vessels": [
+                told.history(len(self.times)) for _, told in sorted(self._told.items()) if told.last
+            ],
+        }
+
+    def _look(self, t_s: float) -> None:
+        for vessel in self._fleet.vessels(t_s):
+            self._told.setdefault(vessel["id"], _Told()).look(len(self.times), vessel)
+        self.times.append(t_s)
+        if len(self.times) >= most_samples(max(1, len(self._told))):
+            self._step_s *= 2.0
+            for told in self._told.values():
+                told.halve(len(self.times))
+            self.times = self.times[::2]
+
+
+class _Told:
+    """What one vessel told over time."""
+
+    def __init__(self) -> None:
+        self.last: Told = {}
+        self._rows: list[list[float]] = []
+        self._leader: int | None = None
+        self._limits_N: tuple[float, float] | None = None
+        self._states, self._held, self._texts = Changes(), Changes(), Changes()
+
+    def look(self, index: int, vessel: Told) -> None:
+        """The view's sample of that index."""
+        self._fill(index)
+        self._rows.append([_number(vessel, name) for name in COLUMNS])
+        self.last = vessel
+        self._leader = self._leader if vessel["leader"] is None else vessel["leader"]
+        self._limits_N = vessel["limits_N"] or self._limits_N
+
+    def note(self, t_s: float, vessel: Vessel) -> None:
+        """What it says of itself now."""
+        self._states.note(t_s, vessel.state)
+        self._held.note(t_s, list(vessel.held()))
+        self._texts.note(t_s, vessel.texts.last or None)
+
+    def halve(self, samples: int) -> None:
+        """Every other one of so many samples is left out."""
+        self._fill(samples)
+        self._rows = self._rows[::2]
+
+    def history(self, samples: int) -> Told:
+        """The vessel as a history has it."""
+        self._fill(samples)
+        columns = zip(COLUMNS, np.array(self._rows).T, strict=True)
+        return {
+            **{name: self.last[name] for name in ("id", "kind", "length_m")},
+            "limits_N": self._limits_N and list(self._limits_N),
+            "leader": self._leader,
+            **{name: column(values) for name, values in columns if not np.isnan(values).all()},
+            "states": self._states.list,
+            "held": self._held.list,
+            "texts": self._texts.list,
+        }
+
+    def _fill(self, samples: int) -> None:
+        self._rows += [_NOTHING] * (samples - len(self._rows))
+
+
+def _number(vessel: Told, column_name: str) -> float:
+    if column_name in _ESCS:
+        side, name = _ESCS[column_name]
+        value = vessel["escs"][side][name] if vessel["escs"] else None
+    else:
+        name, place = _PLACES.get(column_name, (column_name, None))
+        value = vessel[name]
+        if value is not None and place is not None:
+            value = value[place]
+    return nan if value is None else float(value)
+
+
+def messages_of(data: bytes) -> Iterator[tuple[float, Message]]:
+    """Seconds since the first message, and each message; what is damaged is left out.
+
+    So is what nobody can check: what is no log has bytes that look like it.
+    """
+    ear, t_s, before_us = Ear(stream=False), 0.0, -1
+    for packet in packets(data, []):
+        for message in ear.hear(packet.frame):
+            if message.fields is None:
+                continue
+            step_s = 1e-6 * (packet.t_us - before_us) if before_us >= 0 else 0.0
+            t_s += step_s if 0.0 < step_s < _LONGEST_GAP_S else 0.0
+            before_us = packet.t_us
+            yield t_s, message

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""certificate.json and decay.png of a scenario with two kinds of boats and two legs."""
+
+import io
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from sil.certificate import certificate_files, certificate_report, chain, margins, search
+from sil.certificate.certificate import Certificate, certify
+from sil.scenario import scenario
+from tests.turns import some
+
+INPUTS = "leader.input=[{surge_N = 2.0}, {from_s = 100.0}]"
+
+
+@pytest.fixture(scope="module")
+def two_legs() -> Certificate:
+    patch = pytest.MonkeyPatch()
+    patch.setattr(search, "SEARCH_CYCLES", 0)
+    patch.setattr(margins, "STEPS", 0)
+    patch.setattr(chain, "MOST_DEPTH", 0)
+    try:
+        chosen = scenario.load("diamond", [INPUTS, "boat.3.parameters={LAW_KX = 0.4}"], "product")
+        return certify(chosen, {}, lambda what, share: None)
+    finally:
+        patch.undo()
+
+
+@pytest.fixture(scope="module")
+def written(two_legs: Certificate, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("certificate")
+    certificate_files.write(two_legs, folder, None)
+    return folder
+
+
+def test_nothing_is_left_half_written(written: Path) -> None:
+    assert {file.name for file in written.iterdir()} == {
+        "certificate.json",
+        "decay.png",
+        "chain.png",
+    }
+    assert (written / "decay.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_folder_that_cannot_be_made_is_told_by_its_name_and_nothing_is_left(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "file").touch()
+    for folder, also in (("file/out", None), ("out", "file/also.json"), ("out", ".")):
+        other = None if also is None else tmp_path / also
+        with pytest.raises(OSError, match=re.escape(str(other or tmp_path / folder))):
+            certificate_files.check(tmp_path / folder, other)
+    certificate_files.check(tmp_path / "new" / "out", tmp_path / "new" / "also.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_file_that_cannot_be_replaced_leaves_no_part(two_legs: Certificate, tmp_path: Path) -> None:
+    (tmp_path / "decay.png").mkdir()
+    with pytest.raises(OSError, match=re.escape(str(tmp_path))):
+        certificate_files.write(two_legs, tmp_path, None)
+    assert [path.name for path in tmp_path.iterdir()] == ["decay.png"]
+
+
+def test_link_is_followed_and_stays_a_link(two_legs: Certificate, tmp_path: Path) -> None:
+    file, link = tmp_path / "target.json", tmp_path / "link.json"
+    file.touch()
+    link.symlink_to(file)
+    certificate_files.write(two_legs, tmp_path, link)
+    assert link.is_symlink() and json.loads(file.read_text("utf-8"))["scenario"] == "diamond"
+
+
+def test_document_has_every_leg_and_every_kind_of_boat(written: Path) -> None:
+    document: dict[str, Any] = json.loads((written / "certificate.json").read_text("utf-8"))
+    legs = document["legs"]
+    assert [leg["kind"] for leg in legs] == ["straight", "rest"]
+    for leg in legs:
+        assert [case["boats"] for case in leg["cases"]] == [[1, 2, 4], [3]]
+    moving, still = (leg["cases"][1] for leg in legs)
+    assert moving["parameters"]["LAW_KX"] == 0.4
+    curve = moving["decay_against_k_x"]
+    assert len(curve["k_x"]) == len(curve["floquet"]) == len(curve["sampled"]) > 20
+    assert still["decay_against_k_x"]["sampled"] == []
+
+
+def test_what_is_infinite_is_null(written: Path) -> None:
+    document = json.loads((written / "certificate.json").read_text("utf-8"))
+    still = document["legs"][1]["cases"][0]["small_gain"]
+    assert still["product"] is None and still["gamma1"] is None and still["bound"] == 0.0
+
+
+def test_terminal_of_80_columns_shows_every_number_whole(two_legs: Certificate) -> None:
+    console = Console(width=80, record=True, file=io.StringIO())
+    certificate_report.tell(two_legs, console)
+    text = console.export_text()
+    assert "…" not in text.replace(" … ", "") and "boats 1, 2, 4" in text
+    for case in some(two_legs.legs[0].cases):
+        assert f"{case.sampled.decay:.4f}" in text

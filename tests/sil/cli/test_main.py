@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""The command line: mistakes are told in one line and change nothing."""
+
+import errno
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sil import cli
+from sil.cli.main import main, sentence
+from tests.sil.mistakes import assert_told_in_one_line
+
+COMMANDS = Path(cli.__file__).parent.glob("*_command.py")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ["run", "dimond"],
+            'unknown scenario "dimond"; did you mean "diamond"?',
+        ),
+        (["campain", "diamond"], 'unknown command "campain"; did you mean "campaign"?'),
+        (["run", "nowhere.toml"], "nowhere.toml: No such file"),
+        (["run", "diamond", "--set", "link.dely_s=1"], 'did you mean "delay_s"?'),
+        (["run", "diamond", "--set", "duration_s=-1"], "greater than 0"),
+        (["run", "diamond", "--set", "navigation.rate_hz=400"], "the world ticks at rate_hz = 100"),
+        (["run", "diamond", "--seed", "-1"], "greater than or equal to 0"),
+        (["run", "diamond", "--param", "LAW_KX"], "must be NAME=VALUE"),
+        (["run", "diamond", "--param", "LAW_KX=9"], "LAW_KX = 9.0 is out of range"),
+        (["run", "diamond", "--param", "LAW_KZ=1"], 'unknown parameter LAW_KZ; did you mean "'),
+        (["run", "diamond", "--param", "LAW_K=1"], 'unknown parameter LAW_K; did you mean "'),
+    ],
+)
+def test_a_mistake_is_told_in_one_line(
+    arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main([*arguments, "--out", str(out)]) == 2
+    assert_told_in_one_line(said, capsys)
+    assert not out.exists()
+
+
+def test_results_that_cannot_be_written_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    assert main(["run", "turning", "--out", str(tmp_path / "file")]) == 2
+    assert "file" in capsys.readouterr().err
+
+
+def test_help_lists_every_command_and_imports_none_of_them() -> None:
+    program = "import sys; from sil.cli.main import main; main(['--help']); print(*sys.modules)"
+    *lines, modules = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    for verb in ("run", "live", "demo", "campaign", "compare", "certify", "results", "fuzz"):
+        assert any(line.split()[:1] == [verb] for line in lines)
+    assert not {"numpy", "flotilla", "matplotlib", "rich"} & set(modules.split())
+
+
+@pytest.mark.parametrize("verb", sorted(path.stem.partition("_")[0] for path in COMMANDS))
+def test_help_of_a_command_has_examples_and_is_quick(verb: str) -> None:
+    program = (
+        f"import sys; from sil.cli.main import main\n"
+        f"try: main(['{verb}', '--help'])\n"
+        f"finally: print(*sys.modules)"
+    )
+    *lines, modules = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    assert f"usage: flotilla {verb}" in lines[0]
+    examples = lines[lines.index("examples:") + 1 :]
+    assert any(f"flotilla {verb}" in line or f"tools/{verb}" in line for line in examples)
+    assert not {"numpy", "flotilla", "matplotlib", "rich"} & set(modules.split())
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (OSError(errno.EAFNOSUPPORT, "Address family not supported"), "tools/with-vcan"),
+        (OSError(errno.ENODEV, "No such device"), "no such CAN interface"),
+        (FileNotFoundError(errno.ENOENT, "No such file", "a.toml"), "a.toml: No such file"),
+        (ValueError("as it is"), "as it is"),
+    ],
+)
+def test_errors_are_sentences_without_numbers(error: Exception, words: str) -> None:
+    assert words in sentence(error) and "Errno" not in sentence(error)

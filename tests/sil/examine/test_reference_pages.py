@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""The reference pages say what the firmware says."""
+
+from pathlib import Path
+
+import flotilla
+import pytest
+
+from sil.examine import reference_pages, supervisor_page
+from tests.turns import some
+
+
+@pytest.mark.parametrize("path", reference_pages.TABLES, ids=lambda path: path.name)
+def test_the_tables_of_the_firmwares_pages_are_those_of_the_firmware(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert reference_pages.page(path, text) == text, "run tools/reference"
+
+
+def test_a_page_that_lost_its_marks_is_an_error() -> None:
+    with pytest.raises(ValueError, match="no place for the table of parameters"):
+        reference_pages.page(reference_pages.PAGE, "")
+
+
+def row_of(table: str, name: str) -> list[str]:
+    (line,) = [line for line in table.splitlines() if f"`{name}`" in line]
+    return [cell.strip() for cell in line.split("|")[2:-1]]
+
+
+def test_the_page_tells_what_a_loss_does_and_how_the_boat_comes_back() -> None:
+    losses = supervisor_page.loss_table()
+    assert row_of(losses, "escs_online") == ["FAULT; disarm first"] * 5
+    assert row_of(losses, "leader_fresh") == ["", "", "COAST; by itself", "", ""]
+    assert row_of(losses, "own_fresh") == ["", "", "HOLD; asked for", "HOLD; asked for", ""]
+    assert row_of(losses, "coast_running")[3] == "HOLD; asked for"
+
+
+def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit() -> None:
+    conditions = supervisor_page.condition_table()
+    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for FORMATION"]
+    assert row_of(conditions, "gcs_heard")[-2:] == ["`FS_GCS_S`", "to arm, for FORMATION"]
+    assert row_of(conditions, "sticks_centred")[-2:] == ["", "for thrust in MANUAL"]
+    assert row_of(conditions, "sticks_fresh")[-2:] == ["", "for MANUAL"]
+    assert all(name in conditions for name in some(supervisor_page.NAMES))
+
+
+def test_the_page_tells_what_each_choice_does() -> None:
+    choices = supervisor_page.choice_table()
+    assert "| `FS_LEADER_ACT` 1 (default) | COAST, then HOLD | COAST, then HOLD |" in choices
+    assert "| `FS_GCS_ACT` 2 | HOLD | MANUAL |" in choices
+
+
+def test_the_diagram_shows_each_state_and_no_way_out_of_fault_but_disarming() -> None:
+    edges = supervisor_page.edges()
+    assert {to for _, to in edges} | {"DISARMED"} == set(flotilla.STATES)
+    assert not [to for state, to in edges if state == "FAULT"]
+    assert edges["COAST", "FORMATION"] == ["all is well again"]
+    assert edges["DISARMED", "HOLD"] == ["arm"]

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""Recordings: whole or not at all, and never mistaken for something else."""
+
+import struct
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from sil.lockstep.recording import Recorder, Recording
+
+RECORDS = [(0, 256, b""), (10_000, 280, b"\x01\x02"), (2**40, 65535, bytes(range(256)))]
+
+
+def packed(t_us: int, port: int, data: bytes) -> bytes:
+    return struct.pack("<QHH", t_us, port, len(data)) + data
+
+
+def record(path: Path | None) -> str:
+    with Recorder(path, {"boats": []}) as recorder:
+        recorder.write(packed(*RECORDS[0]))
+        recorder.write(b"".join(packed(*one) for one in RECORDS[1:]))
+        return recorder.finish()
+
+
+def break_off(path: Path) -> None:
+    with Recorder(path, {}) as recorder:
+        recorder.write(packed(0, 0, b"half"))
+        raise RuntimeError
+
+
+def test_what_was_recorded_is_read_back_with_its_digest(tmp_path: Path) -> None:
+    digest = record(tmp_path / "recording.bin")
+    recording = Recording(tmp_path / "recording.bin")
+    assert list(recording) == RECORDS
+    assert recording.header == {"boats": []}
+    assert recording.digest() == digest == record(None)
+
+
+def test_a_run_that_breaks_off_leaves_the_recording_before_it(tmp_path: Path) -> None:
+    digest = record(tmp_path / "recording.bin")
+    with pytest.raises(RuntimeError):
+        break_off(tmp_path / "recording.bin")
+    assert Recording(tmp_path / "recording.bin").digest() == digest
+    assert [path.name for path in tmp_path.iterdir()] == ["recording.bin"]
+
+
+def test_a_file_cut_off_anywhere_is_an_error_and_never_a_crash(tmp_path: Path) -> None:
+    record(tmp_path / "recording.bin")
+    whole = (tmp_path / "recording.bin").read_bytes()
+    boundaries = 0
+    for length in range(len(whole)):
+        (tmp_path / "cut.bin").write_bytes(whole[:length])
+        with suppress(ValueError):
+            boundaries += list(Recording(tmp_path / "cut.bin")) != RECORDS
+    # Between two records nothing shows that there were more.
+    assert boundaries == len(RECORDS)
+
+
+def test_another_file_is_no_recording(tmp_path: Path) -> None:
+    (tmp_path / "x").write_bytes(b"PK\x03\x04 something else")
+    with pytest.raises(ValueError, match="not a recording"):
+        Recording(tmp_path / "x")

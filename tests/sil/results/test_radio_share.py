@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""Radios that several boats share, and what a signature costs: pymavlink checks those that are."""
+
+from pathlib import Path
+
+import flotilla
+import pytest
+from rich.console import Console
+
+from sil.lockstep.recording import CAN_IN, HOST, MAVLINK_OUT, Recording
+from sil.lockstep.world import World
+from sil.results import radio_share
+from sil.results.radio_share import BOAT, PROFILE, RADIO, SELDOM, SIGNATURE
+from sil.scenario import scenario
+from sil.wire.clock import Clock
+from sil.wire.mavlink_frames import frames
+from tests.dialect import dialect
+
+KEY = bytes(range(32))
+NOW_S, EPOCH_S = 1_790_000_000, 1_420_070_400  # MAVLink counts from 2015
+
+
+def frames_of(recording: Recording, signs: bool) -> list[bytes]:
+    """Frames that boat 2 sends by radio when it is fed the recording's inputs."""
+    header = recording.header["boats"][BOAT - 1]
+    boat = flotilla.Boat(header["parameters"], header["links"], header["scalar"])
+    if signs:
+        boat.secure(KEY, NOW_S * 1_000_000)
+        boat.set_signing(RADIO, "accept")
+    clock = Clock(**header["clock"])
+    said, ticked_us = b"", -1
+    for t_us, port, data in recording:
+        agent, channel = port >> 8, port & 0xFF
+        if agent != BOAT:
+            continue
+        assert channel < HOST
+        if channel < CAN_IN:
+            boat.on_mavlink(data, clock.at(t_us), channel)
+        elif channel < MAVLINK_OUT:
+            boat.on_can(int.from_bytes(data[:4], "little"), data[4:], clock.at(t_us))
+        elif t_us != ticked_us:
+            ticked_us = t_us
+            said += dict(boat.tick(clock.at(t_us)).mavlink).get(RADIO, b"")
+    return [frame for *_, frame in frames(said)]
+
+
+def test_a_signature_is_13_bytes_a_frame_and_pymavlink_finds_each_one_good(tmp_path: Path) -> None:
+    World(scenario.load("diamond", ["duration_s=20"], "product"), {}).run(
+        tmp_path / "run.bin", lambda _: None
+    )
+    recording = Recording(tmp_path / "run.bin")
+    plain, signed = frames_of(recording, signs=False), frames_of(recording, signs=True)
+    port = (BOAT << 8) + MAVLINK_OUT + RADIO
+    assert b"".join(plain) == b"".join(data for _, where, data in recording if where == port)
+    # a tick has room for less that is signed: what is left over comes in the next, or after the end
+    wanted = sum(len(frame) + SIGNATURE for frame in plain)
+    assert sum(map(len, signed)) == pytest.approx(wanted, rel=0.02)
+    ear = dialect().MAVLink(None)
+    ear.signing.secret_key = KEY
+    ear.signing.timestamp = (NOW_S - EPOCH_S) * 100_000
+    heard = [ear.parse_buffer(frame) for frame in signed]
+    assert all(len(each) == 1 and each[0].get_signed() for each in heard)
+    assert ear.signing.sig_count == len(signed) and ear.signing.badsig_count == 0
+
+
+def test_one_boat_with_its_profile_leaves_three_fifths_of_a_radio(tmp_path: Path) -> None:
+    usual, seldom = radio_share.one(tmp_path, {}), radio_share.one(tmp_path, SELDOM)
+    assert seldom["share"] <= radio_share.TARGET_SHARE < usual["share"]
+    assert seldom["bytes_per_s"].keys() == usual["bytes_per_s"].keys()
+    for name in ("ATTITUDE", "LOCAL_POSITION_NED", "FORMATION_REFERENCE", "HEARTBEAT"):
+        assert seldom["bytes_per_s"][name] == pytest.approx(usual["bytes_per_s"][name], rel=0.01)
+
+
+@pytest.mark.parametrize("delay_s", [0.1, 0.2])
+@pytest.mark.parametrize("loss", [0.0, 0.1])
+def test_eight_boats_with_their_profile_share_a_radio_and_keep_their_slots(
+    delay_s: float, loss: float, tmp_path: Path
+) -> None:
+    weather = (f"link.delay_s={delay_s}", f"link.loss={loss}")
+    radio = radio_share.eight(tmp_path, PROFILE, *weather)
+    assert radio["share"] <= radio_share.EIGHT_SHARE
+    assert radio["rms_m"] <= radio_share.EIGHT_RMS_M
+    assert "NAMED_VALUE_FLOAT" in radio["bytes_per_s"]  # telemetry is slowed, not off
+
+
+def test_the_table_tells_shares_and_parameters_to_paste(tmp_path: Path) -> None:
+    radio: radio_share.Radio = {"bytes_per_s": {"HEARTBEAT": 34.0}, "share": 0.5, "rms_m": 0.02}
+    console = Console(record=True, width=100)
+    console.print(radio_share.table({"one boat": radio, "profile 8": radio}))
+    told = console.export_text()
+    assert "50.0 %" in told and "0.020" in told and "HEARTBEAT" in told
+    assert f"profile 8: {radio_share.pasted(PROFILE)}" in told
+    assert radio_share.pasted(SELDOM) == "--param SR_SLOW=0.25"

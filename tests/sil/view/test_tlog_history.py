@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""Histories of tlogs: the picture that a view would have shown."""
+
+import random
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pymavlink import mavutil
+
+from sil.plant.hull import Array
+from sil.scenario import scenario
+from sil.view.history import MOST_SAMPLES, numbers
+from sil.view.tlog_history import history_of_tlog, messages_of
+from sil.wire.mavlink_frames import frames
+from tests.sil.view.feed import BEAT, attitude, local, said, sail_and_look
+
+START_US = 1_700_000_000_000_000
+DURATION_S = 30
+
+
+def record(t_us: int, data: bytes) -> bytes:
+    return b"".join(struct.pack(">Q", t_us) + frame for *_, frame in frames(data))
+
+
+@pytest.fixture(scope="module")
+def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Array]:
+    """A tlog of all that is said in a run of `diamond`, and the truth each tick."""
+    content, truth = bytearray(), []
+
+    def look(k: int, chunks: list[bytes], eta: Array) -> None:
+        truth.append(eta.copy())
+        for chunk in chunks:
+            content.extend(record(START_US + 10_000 * k, chunk))
+
+    sail_and_look(
+        look,
+        f"duration_s={DURATION_S}",
+        "parameters.SR_STATE=20",
+        "fault=[{kind='radio_silent', agent=0, at_s=15.0}]",
+    )
+    path = tmp_path_factory.mktemp("tlog") / "fleet.tlog"
+    path.write_bytes(content)
+    return path, np.array(truth)
+
+
+def by_id(history: dict[str, Any]) -> dict[int, dict[str, Any]]:
+    return {vessel["id"]: vessel for vessel in history["vessels"]}
+
+
+def test_every_message_that_pymavlink_reads_is_read_at_its_time(
+    sailed: tuple[Path, Array],
+) -> None:
+    log = mavutil.mavlogfile(str(sailed[0]))
+    theirs = [(m._timestamp - 1e-6 * START_US, m.get_msgId()) for m in iter(log.recv_msg, None)]
+    log.close()
+    ours = [(t_s, m.number) for t_s, m in messages_of(sailed[0].read_bytes())]
+    known = {number for _, number in ours}
+    theirs = [(t_s, number) for t_s, number in theirs if number in known]
+    known = {number for _, number in theirs}
+    ours = [(t_s, number) for t_s, number in ours if number in known]
+    assert [number for _, number in ours] == [number for _, number in theirs]
+    assert [t_s for t_s, _ in ours] == pytest.approx([t_s for t_s, _ in theirs], abs=1e-4)
+
+
+def test_boats_are_played_back_where_they_were(sailed: tuple[Path, Array]) -> None:
+    history, truth = history_of_tlog(sailed[0], 1.5), sailed[1]
+    t_s, vessels = numbers(history["t_s"]), by_id(history)
+    assert list(vessels) == [1, 2, 3, 4, 100] and t_s[-1] == pytest.approx(DURATION_S, abs=0.2)
+    late = (t_s > 3.0) & (t_s < DURATION_S)
+    ticks = np.round(100.0 * t_s[late]).astype(int)
+    for agent in range(1, 5):
+        for axis, name in enumerate(("x_m", "y_m")):
+            shown = numbers(vessels[agent][name])[late]
+            # what was told up to 0.05 s before, at some 1.5 m/s
+            np.testing.assert_allclose(shown, truth[ticks, agent, axis], atol=0.12)
+        assert vessels[agent]["length_m"] == 1.5 and vessels[agent]["limits_N"] == [-50.0, 50.0]
+    follows = [boat.follows for boat in scenario.load("diamond").boat]
+    assert [vessels[i]["leader"] for i in (1, 2, 3, 4)] == [follow or 100 for follow in follows]
+    assert vessels[100]["kind"] == "leader"
+
+
+def test_states_and_what_held_them_are_played_back(sailed: tuple[Path, Array]) -> None:
+    vessel = by_id(history_of_tlog(sailed[0]))[1]
+    assert [state for _, state in vessel["states"]] == ["FORMATION", "COAST", "HOLD"]
+    assert 15.5 < vessel["states"][1][0] < 17.0
+    assert vessel["held"][-1][1] == ["leader's state is not fresh"]
+    ages = numbers(by_id(history_of_tlog(sailed[0]))[100]["link_age_s"])
+    assert ages[-1] == pytest.approx(0.0, abs=1.0)
+
+
+def test_what_the_escs_said_is_played_back_and_what_nobody_said_has_no_column(
+    sailed: tuple[Path, Array],
+) -> None:
+    vessels = by_id(history_of_tlog(sailed[0]))
+    for side in ("port", "stbd"):
+        rpm, voltage_V = (
+            numbers(vessels[2][f"{side}_rpm"]),
+            numbers(vessels[2][f"{side}_voltage_V"]),
+        )
+        assert np.nanmax(np.abs(rpm)) > 100 and np.nanmax(voltage_V) == np.nanmin(voltage_V) == 24.0
+        assert f"{side}_temperature_C" not in vessels[2] and f"{side}_rpm" not in vessels[100]
+
+
+def test_damage_costs_no_more_than_what_is_damaged(
+    sailed: tuple[Path, Array], tmp_path: Path
+) -> None:
+    rng, content = random.Random(4), bytearray(sailed[0].read_bytes())
+    whole = sum(1 for _ in messages_of(bytes(content)))
+    for _ in range(50):
+        content[rng.randrange(len(content))] ^= 0xFF
+    del content[:5], content[-3:]
+    assert whole - 110 <= sum(1 for _ in messages_of(bytes(content))) < whole
+    path = tmp_path / "damaged.tlog"
+    path.write_bytes(content)
+    assert len(history_of_tlog(path)["vessels"]) == 5
+
+
+def written(path: Path, times_us: list[int]) -> Path:
+    wire = [record(t, said(1, BEAT, attitude(0.0), local(1e-6 * t, 0.0))) for t in times_us]
+    path.write_bytes(b"".join(wire))
+    return path
+
+
+def test_a_long_log_has_no_more_samples_than_a_page_takes(tmp_path: Path) -> None:
+    path = written(tmp_path / "long.tlog", [500_000 * k for k in range(20_000)])
+    history = history_of_tlog(path)
+    t_s, x_m = numbers(history["t_s"]), numbers(history["vessels"][0]["x_m"])
+    assert MOST_SAMPLES // 2 - 2 <= t_s.size <= MOST_SAMPLES
+    assert np.allclose(np.diff(t_s[:-1]), t_s[1] - t_s[0], rtol=1e-3)
+    known = ~np.isnan(x_m)
+    assert known.sum() > t_s.size - 3
+    np.testing.assert_allclose(x_m[known], t_s[known], atol=0.6)
+
+
+def test_a_clock_that_is_set_while_the_log_is_written_is_no_time(tmp_path: Path) -> None:
+    times_us = [10_000_000 + 100_000 * k for k in range(50)]
+    times_us += [START_US + 100_000 * k for k in range(50)] + [
+        9_000_000 + 100_000 * k for k in range(50)
+    ]
+    t_s = numbers(history_of_tlog(written(tmp_path / "set.tlog", times_us))["t_s"])
+    assert t_s[-1] == pytest.approx(14.7, abs=0.3)
+
+
+def test_a_vessel_that_comes_late_or_goes_is_not_known_before_and_after(tmp_path: Path) -> None:
+    wire = b"".join(
+        record(1_000_000 * k, said(1, BEAT, local(0.0, 0.0)))
+        + (record(1_000_000 * k, said(2, BEAT, local(1.0, 0.0))) if 20 < k < 40 else b"")
+        for k in range(150)
+    )
+    path = tmp_path / "late.tlog"
+    path.write_bytes(wire)
+    history = history_of_tlog(path)
+    t_s, x_m = numbers(history["t_s"]), numbers(by_id(history)[2]["x_m"])
+    assert np.isnan(x_m[t_s < 20.5]).all() and np.isnan(x_m[t_s > 101]).all()
+    assert (x_m[(t_s > 22) & (t_s < 98)] == 1.0).all()
+
+
+@pytest.mark.parametrize("content", [b"", b"no log at all", bytes(1000), b"\xfd" * 1000])
+def test_a_file_that_is_no_tlog_is_told(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "x.tlog"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match="is no tlog"):
+        history_of_tlog(path)
+
+
+def test_bytes_that_only_look_like_unknown_messages_are_no_tlog(tmp_path: Path) -> None:
+    path = tmp_path / "other.bin"
+    unknown = bytes([0xFD, 1, 0, 0, 7, 1, 1, 0xEE, 0xEE, 0xEE, 5, 9, 9])
+    path.write_bytes(bytes(8) + 4 * unknown)
+    with pytest.raises(ValueError, match="no MAVLink message is in it"):
+        history_of_tlog(path)
