@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Four boats close up into the paper's diamond; the report is out/demo/report.html.
 
-With --live they sail in real time, a flotillad process each, and a page in the browser shows them.
+With --live they sail in real time, a flotillad process each, and a page in the browser shows them
+and, in a terminal, plays back what it heard when they have sailed.
 Further options go to `flotilla run`, or with --live to `flotilla live`.
 """
 
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
 EXAMPLES = ("flotilla demo", "flotilla demo --live", "flotilla demo --law product")
 
@@ -17,27 +19,29 @@ EXAMPLES = ("flotilla demo", "flotilla demo --live", "flotilla demo --law produc
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--live", action="store_true", help="in real time, shown in the browser")
-    parser.add_argument("others", nargs=argparse.REMAINDER, metavar="…", help="of run, or of live")
 
 
-def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     """Sail it."""
     from sil.cli.main import main as flotilla
 
+    others = [text for text in given[1:] if text != "--live"]
+
     if not options.live:
-        return flotilla(["run", "diamond", "--out", "out/demo", *options.others])
+        return flotilla(["run", "diamond", "--out", "out/demo", *others])
     from sil.live.live_world import build
 
     print("building flotillad", flush=True)
     build(print)
     view = subprocess.Popen([sys.executable, "-m", "sil", "view", "mcast:"])
-    live = ["live", "diamond", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
     try:
-        status = flotilla([*live, "--param", "SR_SLOW=5", *options.others])
-        view.send_signal(signal.SIGUSR1)  # from now on it plays back what it heard
-        print("the page plays the run back until Ctrl-C; again with: flotilla view out/live")
-        if sys.stdin.isatty():
-            view.wait()
+        live = ["live", "diamond", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
+        status = flotilla([*live, "--param", "SR_SLOW=5", *others])
+        if status == 0 and sys.stdin.isatty():
+            view.send_signal(signal.SIGUSR1)
+            print("the run is over; its page plays it back until Ctrl-C", flush=True)
+            with suppress(KeyboardInterrupt):
+                view.wait()
         return status
     finally:
         view.terminate()

@@ -56,7 +56,10 @@ def main(given: Sequence[str] | None = None) -> int:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         command.add_to(parser)
-        status: int = command.main(parser.parse_args(others), given)
+        options, further = parser.parse_known_args(others)
+        if further and verb != "demo":  # which passes them on
+            parser.error(f"unrecognized arguments: {' '.join(further)}")
+        status: int = command.main(options, given)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return _INTERRUPTED

@@ -17,7 +17,7 @@ from selenium.webdriver.remote.command import Command
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 MISSING = "no chromium or no chromedriver: apt-get install chromium chromium-driver"
-_PATIENCE_S = 8.0
+_PATIENCE_S = 60.0
 _INSIDE = ("", "127.0.0.1", "localhost", "[::1]")
 _FLAGS = (
     "--headless=new",

@@ -56,6 +56,7 @@ def main(given: Sequence[str]) -> int:
             frames = browser.run(_FRAMES) - frames
             used, passed_s = used_s() - began, time.monotonic() - began_s
     print(f"{frames / passed_s:.1f} frames a second of {options.boats} boats, % of a core:")
+    print(f"{'all':>12} {100.0 * sum(used.values()) / passed_s:5.1f}")
     for kind, busy_s in used.most_common():
         print(f"{kind:>12} {100.0 * busy_s / passed_s:5.1f}")
     return 0

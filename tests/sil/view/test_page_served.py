@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """tools/view's own server and page in Chromium, fed with what real boats said."""
 
+import json
 import random
 import signal
 import socket
@@ -30,7 +31,7 @@ STATE = f"{CARD} return card && card.querySelector('.state').textContent === arg
 
 
 @contextmanager
-def shown(browser: Browser, *arguments: str) -> Iterator[None]:
+def shown(browser: Browser, *arguments: str) -> Iterator["subprocess.Popen[str]"]:
     """The page of a view that runs by itself, open; it is closed before the view ends."""
     view = subprocess.Popen(
         [sys.executable, "-m", "sil", "view", *arguments, "--bind", f"{LOOPBACK}:0"],
@@ -40,7 +41,7 @@ def shown(browser: Browser, *arguments: str) -> Iterator[None]:
     try:
         assert view.stdout is not None
         browser.open(view.stdout.readline().split()[-1])
-        yield
+        yield view
     finally:
         browser.open("about:blank")
         view.send_signal(signal.SIGINT)
@@ -134,3 +135,28 @@ def test_a_run_is_played_back(browser: Browser, tmp_path: Path) -> None:
     with shown(browser, str(tmp_path / "run")):
         browser.until("return document.querySelectorAll('.card').length === 5")
         browser.until(STATE, "Boat 1", "FORMATION")
+
+
+def test_view_that_is_over_goes_on_as_a_replay_over_the_chart(
+    browser: Browser, lost: Said, tmp_path: Path
+) -> None:
+    port, coast = free_port(), tmp_path / "coast.geojson"
+    # a line from the west to the east through the frame's origin
+    line = [[2.295 - 0.01, 48.7], [2.295 + 0.01, 48.7]]
+    coast.write_text(json.dumps({"type": "LineString", "coordinates": line}))
+    with shown(browser, f"udpin:{LOOPBACK}:{port}", "--chart", str(coast)) as view:
+        with saying(port, lost):
+            browser.until(STATE, "Boat 4", "FORMATION")
+            drawn = """const { camera, canvas } = flotilla.plan;
+              const [x, y] = camera.at(0, flotilla.shown.vessels[0].y_m + 1.5);
+              const { data } = canvas.getContext('2d').getImageData(x - 2, y - 4, 4, 8);
+              return [...Array(32).keys()].some((i) =>
+                data[4 * i] === 0x8a && data[4 * i + 1] === 0x6d && data[4 * i + 2] === 0x3b)"""
+            browser.until("return flotilla.chart.about !== null && flotilla.chart.path && true")
+            browser.until(drawn)
+        view.send_signal(signal.SIGUSR1)
+        browser.until("return flotilla.player?.playing && flotilla.shown !== null")
+        assert browser.run("return document.getElementById('speed').value") == "4"
+        assert "what was heard" in browser.run("return document.title")
+        assert [v["id"] for v in browser.run("return flotilla.shown.vessels")] == [1, 2, 3, 4, 100]
+        browser.until("return flotilla.shown.t_s === flotilla.source.end_s")

@@ -26,11 +26,11 @@ _PATIENCE_S = 20.0
 Use = Callable[[str], Awaitable[Any]]
 
 
-def served(source: Any, use: Use) -> Any:
+def served(source: Any, use: Use, port: int = 0) -> Any:
     """What `use` makes of the URL of a running server."""
 
     async def run() -> Any:
-        server = Server(source, (LOOPBACK, 0))
+        server = Server(source, (LOOPBACK, port))
         running = asyncio.ensure_future(server.run())
         try:
             async with asyncio.timeout(_PATIENCE_S):
@@ -167,13 +167,17 @@ def test_the_page_asks_for_nothing_elsewhere_and_a_replay_has_its_history() -> N
     assert list(numbers(json.loads(told.body)["t_s"])) == [0.0, 1.0]
 
 
+async def said_url(url: str) -> str:
+    assert (await AsyncHTTPClient().fetch(url)).code == 200
+    return url
+
+
 def test_where_a_port_is_taken_the_next_free_one_is() -> None:
     history = {"title": "", "t_s": column([0.0]), "vessels": []}
     with socket.create_server((LOOPBACK, 0)) as taken:
         port = taken.getsockname()[1]
-        server = Server(history, (LOOPBACK, port))
-        assert server.is_elsewhere
-        assert port < int(server.url.rstrip("/").rpartition(":")[2]) < port + 20
+        url = served(history, said_url, port)
+        assert port < int(url.rstrip("/").rpartition(":")[2]) < port + 20
 
 
 def test_over_source_is_a_replay_of_what_was_heard() -> None:
