@@ -318,7 +318,8 @@ void bind_fleet(nb::module_& m) {
       .def("snapshot", &PyFleet::snapshot, "agent"_a, "As Boat.snapshot.")
       .def("parameters", &PyFleet::parameters, "agent"_a, "As Boat.parameters.")
       .def("take_records", &PyFleet::take_records, "run"_a,
-           "What went over the run's wires since the last call, as sil/lockstep/recording.py has it; needs "
+           "What went over the run's wires since the last call, as sil/lockstep/recording.py has "
+           "it; needs "
            "record=True.")
       .def("violations", &PyFleet::violations,
            "What each boat has broken first of flotilla.policies(), in the order of time: (agent, "

@@ -25,7 +25,7 @@ from tests.punctual import sail_punctually
 from tests.sil.view.browser import Browser
 from tests.sil.view.live_page import LIVE, word
 from tests.sil.view.test_live_fleet import process
-from tests.sil.view.test_page_replay import seek
+from tests.sil.view.test_page_replay import seek, standing
 from tests.turns import some
 
 ROOT = Path(__file__).parents[3]
@@ -206,8 +206,7 @@ def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> N
     away_m = np.hypot(numbers(boat["x_m"]) - then[1]["x_m"], numbers(boat["y_m"]) - then[1]["y_m"])
     path = tlog.with_suffix(".html")
     path.write_text(page.page_with(history, "boat 1"), encoding="utf-8")
-    browser.open(path.as_uri())
-    browser.until("return flotilla.plots !== null && flotilla.shown !== null")
+    standing(browser, path)
     seek(browser, float(numbers(history["t_s"])[np.nanargmin(away_m)]))
     now = shown(browser)
     for system in (1, 2, 100):  # whom boat 1 hears
