@@ -5,6 +5,7 @@ Each push sails the law's table, `mismatch` with the seeds that its figures are 
 runs of the Monte Carlo; --all sails every seed and run, and draws the pictures.
 """
 
+import argparse
 import io
 import math
 from functools import cache
@@ -16,6 +17,7 @@ from PIL import Image
 from sil.campaign.finished import Campaign
 from sil.campaign.run_outcome import result_of
 from sil.campaign.sampling import Sampler
+from sil.cli import results_command
 from sil.lockstep.world import Run, sail
 from sil.results import published, results, results_campaigns, results_readme, sailing
 from sil.results.claims import CLAIMS
@@ -86,9 +88,9 @@ def test_pages_have_the_figures_that_are_noted() -> None:
 
 
 def test_every_run_of_the_pages_is_noted_and_all_but_the_missed_bounds_are_reached() -> None:
-    parser = results.argparse.ArgumentParser()
-    results.add_to(parser.add_subparsers())
-    assert list(BY_JOB) == results.jobs(parser.parse_args(["results"])), RENEW
+    parser = argparse.ArgumentParser()
+    results_command.add_to(parser)
+    assert list(BY_JOB) == results.jobs(parser.parse_args([])), RENEW
     assert [str(o.job) for o in NOTED.outcomes if o.failure] == []
     assert [(row.scenario, row.bound.key) for row in NOTED.table if not row.reached] == MISSED
     assert list(CAMPAIGNS) == list(results_campaigns.NAMES.values()), RENEW
