@@ -50,7 +50,7 @@ ACCEPTED = 0
 
 _STEP_US = 10_000
 _LONGEST_S = 0.1
-_PATIENCE_S = 5.0
+_PATIENCE_S = 30.0
 _RETRY_US = 50_000
 _MESSAGE = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | 0xFFFF80
 #: What the ESCs hear; a flood of anything else does not reach this process.
