@@ -19,6 +19,7 @@
 #include "app/version.hpp"
 #include "fleet_binding.hpp"
 #include "helm.hpp"
+#include "route.hpp"
 #include "snapshot.hpp"
 #include "supervisor.hpp"
 #include "values.hpp"
@@ -205,6 +206,7 @@ NB_MODULE(flotilla, m) {
         "may change, and a sentence.");
   m.def("metadata", &metadata,
         "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
+  bind_route(m);
   bind_supervisor(m);
   bind_helm(m);
   bind_fleet(m);

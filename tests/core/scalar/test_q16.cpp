@@ -7,6 +7,7 @@
 #include "core/manual.hpp"
 #include "core/piloted_boat.hpp"
 #include "core/reference.hpp"
+#include "core/route.hpp"
 #include "core/scalar/overflow.hpp"
 #include "core/station.hpp"
 #include "core/supervisor.hpp"

@@ -8,6 +8,7 @@
 #include "core/manual.hpp"
 #include "core/piloted_boat.hpp"
 #include "core/reference.hpp"
+#include "core/route.hpp"
 #include "core/station.hpp"
 #include "core/strict_scalar.hpp"
 #include "core/supervisor.hpp"
