@@ -17,6 +17,7 @@ from sil.lockstep.start import start
 from sil.lockstep.trace import Tracer
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
+from sil.scenario.virtual_leaders import VirtualLeaders
 
 SIZES = (1, 4, 100, 1000)
 ROUNDS = 3
@@ -122,12 +123,14 @@ def _steps(batch: Batch) -> Iterator[tuple[float, float]]:
         raise ready_us
     batch.fleet.profile()
     tracer = Tracer(batch.scenarios, batch.bodies, batch.slots, _KEEP_S)
+    leaders = VirtualLeaders(batch.scenarios)
     for k in range(tracer.ticks):
         began_s = time.perf_counter()
         if k > 0:
             batch.tick(ready_us + k * batch.h_us)
         ticked_s = time.perf_counter()
-        tracer.step(k, batch.command, batch.states)
+        leaders.advance(k, batch.bodies, batch.command)
+        tracer.note(k, batch.states)
         yield ticked_s - began_s, time.perf_counter() - ticked_s
 
 

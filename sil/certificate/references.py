@@ -16,6 +16,7 @@ import numpy as np
 from sil.certificate.motion import Motion, motion_of
 from sil.plant import hull
 from sil.plant.hull import Array
+from sil.scenario.route import route
 from sil.scenario.scenario import Scenario
 from sil.scenario.sections import Input, Leader
 
@@ -73,13 +74,35 @@ def references(scenario: Scenario) -> list[Reference]:
 
 def _segments(scenario: Scenario) -> Iterator[tuple[Input, float]]:
     """Inputs, the idle one before the first among them, each with its end."""
-    inputs = list(scenario.leader.input)
+    inputs = _inputs_of_route(scenario) or list(scenario.leader.input)
     if not inputs or inputs[0].from_s > 0.0:
         inputs.insert(0, Input())
     ends = [*(later.from_s for later in inputs[1:]), math.inf]
     for segment, end_s in zip(inputs, ends, strict=True):
         if segment.from_s < scenario.duration_s:
             yield segment, min(end_s, scenario.duration_s)
+
+
+def _inputs_of_route(scenario: Scenario) -> list[Input]:
+    """Inputs by which the leader's hull sails as its route does: straight, and its sharpest turns.
+
+    From when the route first does so; none where there are no waypoints.
+    """
+    if not scenario.leader.waypoints:
+        return []
+    motion = route(scenario.leader, scenario.boat, scenario.step_s, scenario.ticks)
+    sailed = motion[: scenario.ticks]
+    own = scenario.hulls()[0]
+    steady = {0: sailed[:, 3].argmax(), 1: sailed[:, 5].argmax(), 2: sailed[:, 5].argmin()}
+    inputs = []
+    for tick in sorted(set(steady.values())):
+        u, r = sailed[tick, 3], sailed[tick, 5]
+        v = -own.m11 * u * r / own.d22 if own.d22 > 0.0 else 0.0
+        surge = (own.d11 + own.d11_quadratic * abs(u)) * u - own.m22 * v * r
+        yaw = (own.d33 + own.d33_quadratic * abs(r)) * r + (own.m22 - own.m11) * u * v
+        from_s = tick * scenario.step_s
+        inputs.append(Input(from_s=from_s, surge_N=float(surge), yaw_Nm=float(yaw)))
+    return inputs
 
 
 class _Agent:

@@ -28,6 +28,7 @@ from sil.scenario.agents import clocks_of, parameters_of, slots_of
 from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.scenario import Scenario
 from sil.scenario.streams import SENSOR_STREAMS, Stream, generator
+from sil.scenario.virtual_leaders import VirtualLeaders
 from sil.wire.heartbeat import FORMATION
 from sil.wire.link import Link
 from sil.wire.mavlink_mcast import Mouth
@@ -90,8 +91,11 @@ class LiveWorld:
         self._parameters = parameters_of(scenario, param_overrides)
         self._command: Array = np.zeros((len(scenario.boat), 2))
         # Compiled now, not when the boats are under way.
-        Tracer([scenario], bodies_of([scenario]), [slots_of(self._parameters)]).step(
-            0, self._command, np.zeros(len(scenario.boat), np.uint8)
+        spare = bodies_of([scenario])
+        self._leaders = VirtualLeaders([scenario])
+        self._leaders.advance(0, spare, self._command)
+        Tracer([scenario], spare, [slots_of(self._parameters)]).note(
+            0, np.zeros(len(scenario.boat), np.uint8)
         )
         self._bodies = bodies_of([scenario])
         self._sensors = Sensors(
@@ -144,7 +148,8 @@ class LiveWorld:
                 self._command[i] = boat.command(tick_us)
             told = self._operator.state
             states = [flotilla.STATES.index(told[boat.system]) for boat in self.boats]
-            tracer.step(k, self._command, np.array(states, np.uint8))
+            self._leaders.advance(k, self._bodies, self._command)
+            tracer.note(k, np.array(states, np.uint8))
             tick_us += self._h_us
             self._until(tick_us)
             self._send(tick_us)

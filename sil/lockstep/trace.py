@@ -34,9 +34,7 @@ class Tracer:
         self._bodies = bodies
         self._slots = slots
         self._follows = [boat.follows for boat in first.boat]
-        self.h_s = 1e-6 * round(1e6 / first.rate_hz)
-        self.ticks = round(first.duration_s / self.h_s) + 1
-        self._reference = _reference(scenarios, self.ticks, self.h_s)
+        self.h_s, self.ticks = first.step_s, first.ticks
         self._every = 1 if keep_s is None else max(1, round(keep_s / self.h_s))
         kept, boats = len(range(0, self.ticks, self._every)), len(first.boat)
         self._eta: Array = np.empty((bodies.runs, kept, boats + 1, 3))
@@ -45,13 +43,12 @@ class Tracer:
         self._counts = np.zeros((bodies.runs * boats, len(flotilla.STATES)), np.int64)
         _note_truth(0, bodies.eta, bodies.nu, self._eta, self._nu)
 
-    def step(self, k: int, command: Array, states: Ints) -> None:
-        """Carry the bodies from tick `k` to the next one under `command` (R N, 2), and note both.
+    def note(self, k: int, states: Ints) -> None:
+        """Note the bodies, which were just carried from tick `k` to the next one.
 
         `states` (R N): of the boats at tick k, as `flotilla.STATES` counts them.
         """
         bodies = self._bodies
-        bodies.advance(command, self._reference[k], self.h_s)
         truth = (bodies.eta, bodies.nu, bodies.tau)
         _note(k, self._every, *truth, states, self._eta, self._nu, self._tau, self._counts)
 
@@ -76,16 +73,6 @@ class Tracer:
             {name: n * self.h_s for name, n in zip(flotilla.STATES, count, strict=True) if n}
             for count in counts
         ]
-
-
-def _reference(scenarios: Sequence[Scenario], ticks: int, h_s: float) -> Array:
-    """Inputs (ticks, 3, R, 2) of the virtual leaders, R = 1 where they are all the same."""
-    t_s = np.arange(ticks) * np.float64(h_s)
-    times = t_s[:, None] + np.array([0.0, 0.5 * h_s, h_s])
-    leaders = [one.leader for one in scenarios]
-    if all(leader.input == leaders[0].input for leader in leaders):
-        leaders = leaders[:1]
-    return np.stack([leader.tau(times) for leader in leaders], axis=2)
 
 
 @njit(cache=True)

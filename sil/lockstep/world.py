@@ -20,6 +20,7 @@ from sil.lockstep.trace import Tracer
 from sil.plant.hull import Array
 from sil.scenario.agents import parameters_of
 from sil.scenario.scenario import Scenario
+from sil.scenario.virtual_leaders import VirtualLeaders
 
 Progress = Callable[[float], None]
 # Is called after each tick from the release on, before the hulls move: the batch, which of the
@@ -165,6 +166,7 @@ class _Order:
     ) -> list[Run | RunError]:
         """Release the hulls of all runs and sail to the scenarios' end."""
         tracer = Tracer(batch.scenarios, batch.bodies, batch.slots, self.keep_s)
+        leaders = VirtualLeaders(batch.scenarios)
         faults = timeline.Timeline(batch)
         for k in range(tracer.ticks):
             t_us = ready_us + k * batch.h_us
@@ -173,7 +175,8 @@ class _Order:
                 batch.tick(t_us)
             if self.watch is not None:
                 self.watch(batch, members, k, t_us)
-            tracer.step(k, batch.command, batch.fleet.states)
+            leaders.advance(k, batch.bodies, batch.command)
+            tracer.note(k, batch.fleet.states)
             if k % 100 == 0:
                 self.progress(done + share * k / tracer.ticks)
                 if len(violations(batch)) == len(members):

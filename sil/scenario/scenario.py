@@ -6,8 +6,9 @@ file with `base = "NAME"` is that scenario with its own keys over it, boats by n
 """
 
 import difflib
+import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,9 +18,11 @@ from sil import ROOT
 from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.plant.weather import steps_of
-from sil.scenario import law, toml_errors
+from sil.scenario import formation, law, toml_errors
 from sil.scenario.fault_errors import fault_contradictions
+from sil.scenario.formation import Formation
 from sil.scenario.law import Law
+from sil.scenario.route import half_width_m, route, sharpest
 from sil.scenario.sections import (
     Boat,
     Clocks,
@@ -46,6 +49,9 @@ from sil.scenario.toml_errors import KeyPath, ScenarioError
 from sil.wire.navigation_unit import Settings
 
 __all__ = ["Boat", "Leader", "Propellers", "Scenario", "ScenarioError", "Vessel", "load"]
+
+_SHORTEST_LEG_M = 0.1
+_INNERMOST = 0.8  # of a corner's radius: the farthest that a slot may be abeam of the leader
 
 FOLDER = ROOT / "sil" / "scenarios"
 
@@ -75,10 +81,21 @@ class Scenario(Section):
     link: Link = Link()
     clocks: Clocks = Clocks()
     leader: Leader
+    formation: Formation | None = None
     parameters: Parameters = Field(default_factory=dict)
     boat: Annotated[tuple[Boat, ...], Strict(False), Field(min_length=1)]
     fault: Annotated[tuple[Fault, ...], Strict(False)] = ()
     vary: Annotated[tuple[Vary, ...], Strict(False)] = ()
+
+    @property
+    def step_s(self) -> float:
+        """Period of the control ticks, which the plant is carried by."""
+        return 1e-6 * round(1e6 / self.rate_hz)
+
+    @property
+    def ticks(self) -> int:
+        """Ticks from the release to the end, both counted."""
+        return round(self.duration_s / self.step_s) + 1
 
     def vessels(self) -> list[Vessel]:
         """Vessel of every agent as the file has it, the virtual leader first."""
@@ -142,10 +159,16 @@ def read(
     path = _find(name_or_path)
     source = _read(path)
     source.document.setdefault("name", path.stem)
+    # The route and the shape first: they make the boats, which other overrides may change.
+    makers = [text for text in overrides if text.lstrip().startswith(("leader.", "formation."))]
+    for override in makers:
+        source.override(override)
+    formation.expand(source)
     if law_override is not None:
         law.impose(law_override, source.document)
     for override in overrides:
-        source.override(override)
+        if override not in makers:
+            source.override(override)
     return source
 
 
@@ -210,12 +233,39 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
         if vessel.m23**2 >= vessel.m22 * vessel.m33:
             key = ("boat", str(index), "vessel", "m23") if index else ("vessel", "m23")
             yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be under m22 m33'
+    yield from _route_contradictions(scenario)
     starts = [segment.from_s for segment in scenario.leader.input]
     for index in range(1, len(starts)):
         if starts[index] <= starts[index - 1]:
             key = ("leader", "input", str(index + 1), "from_s")
             later = f"must be later than {starts[index - 1]}"
             yield key, f'"{".".join(key)}" = {starts[index]}: {later}'
+
+
+def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    points = scenario.leader.waypoints
+    if not points:
+        return
+    if len(points) == 1:
+        yield ("leader", "waypoints"), '"leader.waypoints": must be two or more'
+        return
+    for number, (a, b) in enumerate(pairwise(points), start=2):
+        if math.dist(a, b) < _SHORTEST_LEG_M:
+            near = f"waypoint {number} is less than {_SHORTEST_LEG_M} m from the one before"
+            yield ("leader", "waypoints"), f'"leader.waypoints": {near}'
+            return
+    # Nearer to the middle of the turn than this a slot would nearly stand still, or go astern.
+    width_m = half_width_m(scenario.boat)
+    motion = route(scenario.leader, scenario.boat, scenario.step_s, scenario.ticks)
+    curvature, number = sharpest(motion)
+    if width_m * curvature > _INNERMOST:
+        wanted = width_m / _INNERMOST
+        yield (
+            ("leader", "waypoints"),
+            f'"leader.waypoints": the corner at waypoint {number} has a radius of '
+            f"{1 / curvature:.1f} m, slots {width_m:.1f} m abeam that turn with the leader need "
+            f"{wanted:.1f} m: make legs longer, corner_radius_m greater, or slots nearer",
+        )
 
 
 def _unit_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:

@@ -203,13 +203,20 @@ class Input(Section):
 class Leader(Section):
     """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input.
 
-    Its unit says what it says itself, at the boats' rate unless it has its own.
+    Or `waypoints`, places north and east (m): it begins at the first one with its bow to the
+    second one, sails straight legs at `speed_mps` and rounds the corners, on arcs of at least
+    `corner_radius_m` where the legs have room for that, and rests at the last one. It is then a
+    reference, no hull: the current does not set it. Its unit says what it says itself, at the
+    boats' rate unless it has its own.
     """
 
     eta: Triple = (0.0, 0.0, 0.0)
     nu: Triple = (0.0, 0.0, 0.0)
     navigation: Unit = Unit()
     input: Annotated[tuple[Input, ...], Strict(False)] = ()
+    waypoints: Annotated[tuple[Pair, ...], Strict(False)] = ()
+    speed_mps: Positive = 0.5
+    corner_radius_m: NotNegative | None = None
 
     def tau(self, t_s: Array) -> Array:
         """Input [X N] (..., 2) in N, N m at times `t_s` (...) after release; 0 before the first."""

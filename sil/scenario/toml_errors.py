@@ -68,7 +68,7 @@ class Source:
 
         ScenarioError where a key has no place there.
         """
-        for path, value in _leaves(self.document):
+        for path, value in leaves(self.document):
             try:
                 lay(base.document, path, value)
             except LookupError as error:
@@ -152,10 +152,11 @@ def _names(dotted: str) -> KeyPath:
     return tuple(name.strip(" \t\"'") for name in dotted.split("."))
 
 
-def _leaves(table: dict[str, Any], at: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+def leaves(table: dict[str, Any], at: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+    """Paths and values of what is no table in `table`."""
     for key, value in table.items():
         if isinstance(value, dict) and value:
-            yield from _leaves(value, (*at, key))
+            yield from leaves(value, (*at, key))
         else:
             yield (*at, key), value
 

@@ -12,7 +12,6 @@ import argparse
 import hashlib
 import itertools
 import random
-from pathlib import Path
 from typing import get_args
 
 import flotilla
@@ -26,7 +25,7 @@ from sil.scenario.law import LAWS
 from sil.scenario.sections import Scalar
 from sil.wire.esc_node import EscNode
 
-SCENARIOS = sorted(path.stem for path in (Path(scenario.__file__).parent / "scenarios").iterdir())
+SCENARIOS = sorted(path.stem for path in scenario.FOLDER.glob("*.toml"))
 HISTORIES = 1000
 TICK_US = 10_000
 OWN, LEADER, OPERATOR = 1, 100, 255

@@ -14,6 +14,7 @@ from sil.scenario.agents import clocks_of, parameters_of, slots_of
 from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.scenario import Scenario
 from sil.scenario.streams import Stream, generator
+from sil.scenario.virtual_leaders import VirtualLeaders
 from sil.wire.heartbeat import FORMATION, HOLD
 from sil.wire.link import Link
 from sil.wire.operator import Operator
@@ -62,11 +63,13 @@ class ObjectWorld:
     def run(self) -> Run:
         release_us = self.start()
         tracer = Tracer([self.scenario], self.bodies, [slots_of(self.parameters)])
+        leaders = VirtualLeaders([self.scenario])
         for k in range(tracer.ticks):
             if k > 0:
                 self.tick(release_us + k * self.h_us)
             states = [flotilla.STATES.index(boat.state) for boat in self.boats]
-            tracer.step(k, self.command, np.array(states, np.uint8))
+            leaders.advance(k, self.bodies, self.command)
+            tracer.note(k, np.array(states, np.uint8))
         return Run(tracer.trace(0), tracer.seconds(0), None)
 
     def start(self) -> int:

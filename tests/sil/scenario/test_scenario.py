@@ -14,9 +14,10 @@ from sil.plant.hull import HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.scenario.agents import parameters_of
 from sil.scenario.fleet_bodies import bodies_of
+from sil.scenario.formation import Formation
 from sil.scenario.law import Law
 from sil.scenario.scenario import FOLDER, Propellers, Scenario, ScenarioError, Vessel, load
-from sil.scenario.sections import Fault, FaultKind
+from sil.scenario.sections import Fault, FaultKind, Leader
 from sil.wire.navigation_unit import Settings
 
 TWO_BOATS = """\
@@ -44,6 +45,9 @@ parameters = { LAW_KX = 0.3 }
 [boat.vessel]
 m11 = 2.0
 """
+
+
+ROUTE = {"waypoints", "speed_mps", "corner_radius_m"}
 
 
 def written(folder: Path, text: str) -> Path:
@@ -101,9 +105,16 @@ def test_diamond_shows_every_key() -> None:
     text = (FOLDER / "diamond.toml").read_text(encoding="utf-8")
     document = tomllib.loads(text)
     # of what it has none, it shows what there would be
-    assert set(Scenario.model_fields) - document.keys() == {"name", "vary", "fault"}
+    assert set(Scenario.model_fields) - document.keys() == {
+        "name",
+        "vary",
+        "fault",
+        "formation",
+    }
     assert all(kind in text for kind in get_args(FaultKind))
-    assert all(f"\n# {key} = " in text for key in Fault.model_fields)
+    shown = (*Fault.model_fields, *Formation.model_fields, *ROUTE)
+    assert all(f"\n# {key} = " in text for key in shown)
+    assert document["leader"].keys() | ROUTE | {"navigation"} == Leader.model_fields.keys()
     for section in ("vessel", "propellers", "water", "wind", "waves", "white_noise", "mismatch"):
         model = Scenario.model_fields[section].annotation
         assert document[section].keys() == model.model_fields.keys(), section

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""`[formation]`: boats of a scenario by the shape of their formation instead of one by one."""
+
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, Field, ValidationError
+
+from sil.scenario.sections import Positive, Section
+from sil.scenario.toml_errors import Source, lay, leaves
+
+Shape = Literal["line", "column", "vee", "diamond", "circle"]
+Place = tuple[float, float]
+
+
+class Formation(Section):
+    """Boats in a shape around the virtual leader, all behind it: their slots and their starts.
+
+    "line": abreast; "column": one behind the other, the first at the leader's place; "vee": as
+    geese fly; "diamond": a square of boats, one corner ahead; "circle": around the leader, the
+    first ahead. `spacing_m`: between neighbours. `turns`: the shape turns with the leader's
+    heading; else every slot keeps its bearing from it.
+    """
+
+    shape: Shape
+    boats: Annotated[int, Field(ge=1, le=200)]
+    spacing_m: Positive
+    turns: bool = True
+
+
+def slots(formation: Formation) -> list[Place]:
+    """Slots ahead and to starboard of the leader, m, boat 1 first; ValueError where none fit."""
+    return _SHAPES[formation.shape](formation.boats, formation.spacing_m)
+
+
+class _Shaped(BaseModel):
+    """What `expand` needs of a document, so that errors name its keys."""
+
+    formation: Formation
+
+
+def expand(source: Source) -> None:
+    """Complete a document: its leader's start by its waypoints, its boats by `[formation]`.
+
+    Single boats keep what `[boat.N]` says of them. ScenarioError where the formation is none, and
+    where a file gives a leader both waypoints and what they stand for.
+    """
+    document = source.document
+    leader = document.get("leader")
+    if isinstance(leader, dict) and _is_route(leader.get("waypoints")):
+        for key in ("eta", "nu", "input"):
+            if ("leader", key) in source.lines or ("leader", key, "1") in source.lines:
+                raise source.error(("leader", key), f'"leader.{key}": "leader.waypoints" says it')
+            leader.pop(key, None)
+        first, second = leader["waypoints"][:2]
+        leader["eta"] = [*map(float, first), math.atan2(second[1] - first[1], second[0] - first[0])]
+    if "formation" not in document:
+        return
+    try:
+        shaped = _Shaped.model_validate({"formation": document["formation"]}).formation
+    except ValidationError as error:
+        raise source.errors(error, _Shaped) from None
+    if ("boat",) in source.lines:
+        raise source.error(("boat",), '"boat": [formation] makes the boats; [boat.2] changes one')
+    own = document.get("boat")
+    try:
+        boats = boats_of(shaped, leader if isinstance(leader, dict) else {})
+    except ValueError as error:
+        raise source.error(("formation",), f'"formation": {error}') from None
+    for number, changes in own.items() if isinstance(own, dict) else ():
+        if not number.isdecimal() or not 1 <= int(number) <= len(boats):
+            raise source.error(("boat", number), f'"boat.{number}": from 1 to {len(boats)}')
+        for path, value in leaves(changes):
+            lay(boats[int(number) - 1], path, value)
+    document["boat"] = boats
+
+
+def _is_route(points: Any) -> bool:
+    """Two places at least; else the scenario's own check says what is wrong."""
+    return (
+        isinstance(points, list)
+        and len(points) > 1
+        and all(
+            isinstance(point, list)
+            and len(point) == 2
+            and all(isinstance(x, int | float) for x in point)
+            for point in points
+        )
+    )
+
+
+def boats_of(formation: Formation, leader: dict[str, Any]) -> list[dict[str, Any]]:
+    """The tables of the scenario's boats, at rest in their slots with the leader's heading.
+
+    `leader`: its table. ValueError as `slots`.
+    """
+    north, east, course = leader.get("eta", (0.0, 0.0, 0.0))
+    cos, sin = math.cos(course), math.sin(course)
+    boats = []
+    for ahead, starboard in slots(formation):
+        turned = (cos * ahead - sin * starboard, sin * ahead + cos * starboard)
+        offset = (ahead, starboard) if formation.turns else turned
+        boats.append(
+            {
+                "follows": 0,
+                "offset_m": list(offset),
+                "eta": [north + turned[0], east + turned[1], course],
+                "parameters": {"FORM_FRAME": 1.0} if formation.turns else {},
+            }
+        )
+    return boats
+
+
+def _line(boats: int, spacing_m: float) -> list[Place]:
+    return [(0.0, spacing_m * (i - 0.5 * (boats - 1))) for i in range(boats)]
+
+
+def _column(boats: int, spacing_m: float) -> list[Place]:
+    return [(-spacing_m * i, 0.0) for i in range(boats)]
+
+
+def _vee(boats: int, spacing_m: float) -> list[Place]:
+    step = spacing_m * math.sqrt(0.5)
+    rows = [((i + 1) // 2, -1 if i % 2 else 1) for i in range(boats)]
+    return [(-step * row, side * step * row) for row, side in rows]
+
+
+def _diamond(boats: int, spacing_m: float) -> list[Place]:
+    side = math.isqrt(boats)
+    if side * side != boats:
+        near = f"{side * side} or {(side + 1) ** 2}"
+        raise ValueError(f"a diamond has 1, 4, 9, 16 … boats: {boats} is none of them, {near} are")
+    step = spacing_m * math.sqrt(0.5)
+    return [(step * (side - 1 - i - j), step * (i - j)) for i in range(side) for j in range(side)]
+
+
+def _circle(boats: int, spacing_m: float) -> list[Place]:
+    radius = 0.5 * spacing_m / math.sin(math.pi / boats) if boats > 1 else 0.0
+    angles = [2.0 * math.pi * i / boats for i in range(boats)]
+    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
+
+
+_SHAPES: dict[Shape, Callable[[int, float], list[Place]]] = {
+    "line": _line,
+    "column": _column,
+    "vee": _vee,
+    "diamond": _diamond,
+    "circle": _circle,
+}
+assert set(_SHAPES) == set(get_args(Shape))

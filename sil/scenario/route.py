@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT
+"""The reference along a virtual leader's waypoints, made by the firmware's own planner."""
+
+from collections.abc import Sequence
+
+import flotilla
+import numpy as np
+
+from sil.plant.hull import Array
+from sil.scenario.sections import Boat, Leader
+
+# Limits of a reference along waypoints, which small boats and those of two metres can follow.
+ACCELERATION_MPS2 = 0.1
+YAW_RATE_RADPS = 0.35
+YAW_ACCELERATION_RADPS2 = 0.15
+# Radius of a corner of which nothing is said: the slot on the inside keeps steerage way.
+_SMALLEST_M, _WIDE = 2.0, 2.5
+_ANY_DISTANCE_M = 1e6
+_UNDER_WAY_MPS = 0.01
+
+
+def route(leader: Leader, boats: Sequence[Boat], step_s: float, ticks: int) -> Array:
+    """Motion (ticks + 1, 10) of a leader along waypoints, as `flotilla.sail_route` returns it."""
+    width_m = half_width_m(boats)
+    radius_m = leader.corner_radius_m
+    if radius_m is None:
+        radius_m = max(_SMALLEST_M, _WIDE * width_m)
+    points = np.zeros((len(leader.waypoints), 5))
+    points[:, :2] = leader.waypoints
+    points[:, 2] = leader.speed_mps
+    points[:, 3] = _ANY_DISTANCE_M
+    limits = (ACCELERATION_MPS2, YAW_RATE_RADPS, YAW_ACCELERATION_RADPS2)
+    motion: Array = flotilla.sail_route(points, *limits, radius_m, width_m, step_s, ticks + 1)
+    return motion
+
+
+def half_width_m(boats: Sequence[Boat]) -> float:
+    """Distance to port or starboard of the outermost slot that turns with the virtual leader."""
+    places = [(0.0, True)]
+    for boat in boats:
+        side, turns = places[boat.follows]
+        turns = turns and boat.parameters.get("FORM_FRAME", 0.0) == 1.0
+        places.append((side + boat.offset_m[1] if turns else 0.0, turns))
+    return max(abs(side) for side, _ in places)
+
+
+def sharpest(motion: Array) -> tuple[float, int]:
+    """Greatest curvature of a route's motion, 1/m, and the waypoint where that is, from 1."""
+    under_way = motion[motion[:, 3] > _UNDER_WAY_MPS]
+    curvature = np.abs(under_way[:, 5]) / under_way[:, 3]
+    if curvature.size == 0 or curvature.max() == 0.0:
+        return 0.0, 1
+    at = int(curvature.argmax())
+    return float(curvature[at]), round(under_way[at, 9]) + 1
