@@ -6,6 +6,7 @@ Names, defaults and ranges are the models'; what a key means is its comment in d
 
 import re
 from collections.abc import Iterator
+from types import UnionType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -93,7 +94,8 @@ def _meaning(name: str, key: str, said: dict[tuple[str, str], str]) -> str:
 def _section(field: FieldInfo) -> tuple[type[Section] | None, bool]:
     """The model of a table, and whether the file may have many of it."""
     many = get_origin(field.annotation) is tuple
-    inner = get_args(field.annotation)[0] if many else field.annotation
+    optional = get_origin(field.annotation) is UnionType
+    inner = get_args(field.annotation)[0] if many or optional else field.annotation
     return (inner, many) if isinstance(inner, type) and issubclass(inner, Section) else (None, many)
 
 

@@ -106,3 +106,12 @@ def test_input_after_the_end_of_the_run_is_no_reference() -> None:
     inputs = "[{surge_N = 2.0}, {from_s = 60.0}]"
     ended = scenario.load("diamond", ["duration_s=50.0", f"leader.input={inputs}"])
     assert [r.kind for r in references(ended)] == ["straight"]
+
+
+def test_a_route_is_examined_straight_and_in_its_sharpest_turns() -> None:
+    found = references(scenario.load("square"))
+    assert [one.kind for one in found] == ["rest", "straight", "turning"]
+    speed = np.hypot(*found[1].motion.nu_periodic.values[0, :2])
+    assert speed == pytest.approx(0.6)
+    # Rounded with 15 m at the speed that the outermost slot can keep, 6 m farther out.
+    assert found[2].omega_max == pytest.approx(0.6 / (15.0 + 6.0), rel=0.01)
