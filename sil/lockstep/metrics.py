@@ -53,6 +53,7 @@ class Summary(TypedDict):
     release_unix_s: float | None
     boats: list[BoatSummary]
     min_separation_m: float | None
+    hull_m: float  # length of the longest hull
 
 
 def formation_error(

@@ -5,7 +5,7 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import hypot
 from pathlib import Path
@@ -23,12 +23,14 @@ from sil.lockstep import metrics
 from sil.lockstep.metrics import Summary
 from sil.lockstep.world import Progress, Run, World
 from sil.plant.hull import Array
-from sil.report import run_report
+from sil.report import run_report, verdict
 from sil.scenario.scenario import Scenario
+from sil.view.history import boats_of
 from sil.view.recorded import history_of, said_of
 
 # Boats stop where their own state is 0.5 s old, which is the firmware's default.
 _LATE_US = 300_000
+_COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
 
 
 def run(
@@ -127,6 +129,8 @@ def _finish(
     with np.errstate(all="ignore"):
         boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states)
         separation_m = metrics.min_separation_m(trace["eta"])
+    afloat = boats_of(scenario)
+    limits_N = [boat.limits_N for boat in afloat if boat.limits_N is not None]
     summary: Summary = {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -137,6 +141,7 @@ def _finish(
         "release_unix_s": release_unix_s,
         "boats": boats,
         "min_separation_m": separation_m,
+        "hull_m": max(boat.length_m for boat in afloat),
     }
     recorded = out / "recording.bin" if result.digest is not None else None
     said = said_of(out, trace, recorded, release_unix_s)
@@ -145,15 +150,15 @@ def _finish(
             if heard.is_closing():
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
-    write(out, summary, trace, command, replayed)
+    write(out, summary, trace, command, replayed, limits_N)
+    found = verdict.of_run(summary)
+    console.print(f"[bold {_COLOURS[found.level]}]{found.text}", soft_wrap=True)
     console.print(run_report.table(summary))
     for boat in summary["boats"]:
         if "closing_m" in boat:
             console.print(f"[bold yellow]boat {boat['id']} closing, {boat['closing_m']:.1f} m")
-        others = {name: s for name, s in boat["states"].items() if name != "FORMATION"}
-        if others:
-            told = ", ".join(f"{s:.1f} s in {name}" for name, s in others.items())
-            console.print(f"[bold red]boat {boat['id']} was not always in FORMATION: {told}")
+        if coasted := boat["states"].get("COAST"):
+            console.print(f"[bold yellow]boat {boat['id']} was {coasted:.1f} s in COAST")
     digest = result.digest[:16] if result.digest else "none"
     console.print(
         f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "
@@ -169,10 +174,12 @@ def write(
     trace: Mapping[str, Array],
     command: str,
     told: Mapping[str, Any] | None = None,
+    limits_N: Sequence[tuple[float, float]] = (),
 ) -> None:
     """Write trace.npz, summary.json and the report into the existing folder `out`.
 
-    `told`: the history that the report replays, by default what the trace tells. What is not finite
+    `told`: the history that the report replays, by default what the trace tells; `limits_N`: of
+    each boat's propellers. What is not finite
     in the summary is null in summary.json.
     """
     part = out / ".trace.part.npz"
@@ -181,4 +188,4 @@ def write(
     os.replace(part, out / "trace.npz")
     content = json.dumps(files.plain(dict(summary)), indent=2, allow_nan=False)
     files.replace(out / "summary.json", f"{content}\n".encode())
-    run_report.write(out, summary, trace, command, told)
+    run_report.write(out, summary, trace, command, told, limits_N)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Pictures of a run, drawn from the trace (arrays as in trace.npz, see `sil.lockstep.metrics`)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib
@@ -11,13 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from sil.common.colours import BLACK, COLOURS, FAINT, GREY, colour_of
+from sil.common.colours import BAD, BLACK, COLOURS, FAINT, GREY, colour_of
 from sil.lockstep import metrics
 from sil.plant.hull import Array
 
 _WIDTH_IN = 8.0
 _SHOWN_SAMPLES = 3000
 _FARTHEST_M = 1e6
+_AT_LIMIT = 1e-3  # of the range between the limits
 DASHED = (0, (4, 3))
 HALO = patheffects.withStroke(linewidth=3, foreground="white")
 # outline of a hull of length 1, body axes: forward, starboard
@@ -95,8 +96,14 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
     return figure
 
 
-def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
-    """Port and starboard thrust of each boat over time, on one scale; short peaks as numbers."""
+def thrust(
+    name: str, trace: Mapping[str, Array], limits_N: Sequence[tuple[float, float]] = ()
+) -> Figure:
+    """Port and starboard thrust of each boat over time, on one scale; short peaks as numbers.
+
+    `limits_N`: of each boat, least and greatest thrust of one propeller. They are lines where the
+    scale reaches that far; where a propeller gives no more than a limit, the time is marked.
+    """
     t_s, values = trace["t_s"], trace["thrust"]
     step, count = _step(t_s), values.shape[1]
     low, high = np.quantile(values[np.isfinite(values)], [0.001, 0.999])
@@ -108,17 +115,42 @@ def thrust(name: str, trace: Mapping[str, Array]) -> Figure:
             axes.plot(t_s[::step], values[::step, i, 0], color=COLOURS[1], label="port")
             axes.plot(t_s[::step], values[::step, i, 1], color=COLOURS[2], label="starboard")
             axes.set_ylabel(f"boat {i + 1} (N)")
+            if limits_N:
+                _mark_limits(axes, t_s, values[:, i], limits_N[i])
             least, most = np.fmin.reduce(values[:, i], None), np.fmax.reduce(values[:, i], None)
             if least < low - margin or most > high + margin:
                 text = f"from {least:.1f} to {most:.1f} N".replace("-", "−")
-                axes.text(1.0, 1.0, text, color=GREY, ha="right", transform=axes.transAxes)
+                axes.text(
+                    1.0, 1.0, text, color=GREY, ha="right", va="bottom", transform=axes.transAxes
+                )
         rows[0].set_ylim(low - margin, high + margin)
         rows[0].set_xlim(t_s[0], t_s[-1])
-        rows[0].set_title(f"{name}: propeller thrust")
+        figure.suptitle(f"{name}: propeller thrust", x=0.01, ha="left")
         rows[-1].set_xlabel("time since release (s)")
         handles, labels = rows[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
+
+
+def _mark_limits(axes: Axes, t_s: Array, thrust_N: Array, limits_N: tuple[float, float]) -> None:
+    """Lines at the limits, and a mark along the top while either propeller is at one."""
+    low, high = limits_N
+    for limit in limits_N:
+        axes.axhline(limit, color=BAD, lw=0.9, ls=DASHED, zorder=1)
+    slack = _AT_LIMIT * (high - low)
+    full = ((thrust_N >= high - slack) | (thrust_N <= low + slack)).any(axis=1)
+    share = float(full.mean())
+    text = f"limits {low:g} and {high:g} N".replace("-", "−")
+    if share > 0.0:
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], full, [False]])))
+        begins, ends = t_s[edges[::2]], t_s[edges[1::2] - 1]
+        shown = np.maximum(ends - begins, 1e-3 * np.ptp(t_s))  # a single tick is to be seen too
+        along_top = axes.get_xaxis_transform()
+        spans = list(zip(begins, shown, strict=True))
+        axes.broken_barh(spans, (0.94, 0.06), transform=along_top, color=BAD)
+        text += f"; at one for {share:.1%} of the time"
+    colour = BAD if share > 0.0 else GREY
+    axes.text(0.0, 1.0, text, color=colour, fontsize=9, va="bottom", transform=axes.transAxes)
 
 
 def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share: float) -> None:

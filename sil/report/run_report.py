@@ -4,7 +4,7 @@
 import base64
 import io
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -18,7 +18,7 @@ from sil.common import files
 from sil.common.colours import colour_of
 from sil.lockstep.metrics import BoatSummary, Summary
 from sil.plant.hull import Array
-from sil.report import plots
+from sil.report import plots, verdict
 from sil.view import history
 from sil.view import page as view
 
@@ -43,18 +43,20 @@ def write(
     trace: Mapping[str, Array],
     command: str,
     told: Mapping[str, Any] | None = None,
+    limits_N: Sequence[tuple[float, float]] = (),
 ) -> None:
     """Write formation.png, errors.png, thrust.png and report.html into an existing directory.
 
     `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. `told`: the
     run's history as `sil.view.history` has it, for the replay; by default what the trace tells.
+    `limits_N`: of each boat's propellers, as `plots.thrust` draws them.
     Each file appears whole or not at all.
     """
     name = summary["scenario"]
     pictures = {
         "formation": _png(plots.formation(name, trace)),
         "errors": _png(plots.errors(name, trace)),
-        "thrust": _png(plots.thrust(name, trace)),
+        "thrust": _png(plots.thrust(name, trace, limits_N)),
     }
     for stem, picture in pictures.items():
         files.replace(directory / f"{stem}.png", picture)
@@ -80,6 +82,7 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
     `pictures` are PNG by stem, `replay` is HTML.
     """
     separation = summary["min_separation_m"]
+    found = verdict.of_run(summary)
     return _PAGE.substitute(
         {stem: base64.b64encode(picture).decode() for stem, picture in pictures.items()},
         style=STYLE,
@@ -88,6 +91,8 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
         seed=summary["seed"],
         duration=f"{summary['duration_s']:g} s",
         speed=f"{summary['real_time_factor']:.1f} × real time",
+        level=found.level,
+        verdict=escape(found.text),
         separation="one boat" if separation is None else f"{separation:.2f} m",
         digest=summary["digest"] or "none: a live run",
         command=escape(command),

@@ -42,6 +42,7 @@ def made_up_run(ticks: int = 2001) -> tuple[Summary, dict[str, Array]]:
         "digest": "ab" * 32,
         "boats": metrics.boats(t_s, error, thrust, states),
         "min_separation_m": metrics.min_separation_m(eta),
+        "hull_m": 1.0,
     }
     trace = {"t_s": t_s, "eta": eta, "nu": 0.0 * eta, "error": error, "thrust": thrust}
     return summary, trace

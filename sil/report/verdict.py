@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""What a run comes to, in one line, for the first line of its report and of the terminal."""
+
+import math
+from typing import Literal, NamedTuple
+
+from sil.lockstep.metrics import BoatSummary, Summary
+
+_SAILS = ("FORMATION", "COAST")
+
+
+class Verdict(NamedTuple):
+    """One line, and its level.
+
+    "bad": boats came too near, or one was in neither FORMATION nor COAST; "fair": one does not stay
+    in its slot to the end.
+    """
+
+    level: Literal["good", "fair", "bad"]
+    text: str
+
+
+def of_run(summary: Summary) -> Verdict:
+    """The verdict of a run.
+
+    Boats are in their slots where they stay within 0.05 m of them to the end (settling time). Two
+    boats are too near where their reference points come nearer than a hull is long.
+    """
+    boats = summary["boats"]
+    wrong = [*_states(boats), *_separation(summary)]
+    settled = [boat["settling_time_s"] for boat in boats if boat["settling_time_s"] is not None]
+    in_slots = len(settled) == len(boats)
+    parts = [f"{len(settled)} of {len(boats)} in their slots"]
+    if in_slots:
+        parts[0] += f" after {max(settled):.0f} s"
+    worst = max(boats, key=lambda boat: _size(boat["max_error_m"]))
+    if math.isfinite(worst["max_error_m"]):
+        parts.append(f"worst {length(worst['max_error_m'])}")
+    else:
+        wrong.append(f"boat {worst['id']} is beyond all bounds")
+    least_m = summary["min_separation_m"]
+    if least_m is not None:
+        parts.append(f"closest two boats {least_m:.2f} m")
+    level: Literal["good", "fair", "bad"] = "bad" if wrong else "good" if in_slots else "fair"
+    return Verdict(level, "; ".join([*parts, *wrong]))
+
+
+def _states(boats: list[BoatSummary]) -> list[str]:
+    told = []
+    for boat in boats:
+        lost = {name: s for name, s in boat["states"].items() if name not in _SAILS and s > 0.0}
+        if lost:
+            seconds = ", ".join(f"{s:.1f} s in {name}" for name, s in lost.items())
+            told.append(f"boat {boat['id']} was {seconds}")
+    return told
+
+
+def _separation(summary: Summary) -> list[str]:
+    least_m, hull_m = summary["min_separation_m"], summary["hull_m"]
+    # "not over" rather than "under": NaN is no distance
+    if least_m is None or least_m >= hull_m:
+        return []
+    return [f"two boats came nearer than a hull is long, {hull_m:g} m"]
+
+
+def length(metres: float) -> str:
+    """A distance for people: millimetres where it is short."""
+    return f"{1000.0 * metres:.1f} mm" if metres < 0.01 else f"{metres:.2f} m"
+
+
+def _size(metres: float) -> float:
+    return math.inf if math.isnan(metres) else metres

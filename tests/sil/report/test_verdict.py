@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""The first line of a run's report."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sil.lockstep.metrics import BoatSummary, Summary
+from sil.report import verdict
+
+
+def boat(number: int, **changes: Any) -> BoatSummary:
+    told: Any = {
+        "id": number,
+        "rms_error_m": 0.0001,
+        "max_error_m": 0.0002,
+        "final_error": {"x_m": 0.0, "y_m": 0.0, "psi_rad": 0.0},
+        "settling_time_s": 59.7,
+        "thrust_rms_N": 1.0,
+        "thrust_step_rms_N": 0.0,
+        "states": {"FORMATION": 300.0, "HOLD": 0.0},
+    }
+    return {**told, **changes}
+
+
+def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: float = 1.0) -> Summary:
+    return {
+        "scenario": "pair",
+        "seed": 1,
+        "duration_s": 300.0,
+        "wall_s": 1.0,
+        "real_time_factor": 300.0,
+        "digest": None,
+        "release_unix_s": None,
+        "boats": list(boats),
+        "min_separation_m": separation_m,
+        "hull_m": hull_m,
+    }
+
+
+def test_good_run_says_when_how_well_and_how_near() -> None:
+    found = verdict.of_run(summary(boat(1, settling_time_s=12.0), boat(2)))
+    assert found.level == "good"
+    assert found.text == "2 of 2 in their slots after 60 s; worst 0.2 mm; closest two boats 1.18 m"
+
+
+def test_single_boat_has_no_neighbour() -> None:
+    found = verdict.of_run(summary(boat(1), separation_m=None))
+    assert found == ("good", "1 of 1 in their slots after 60 s; worst 0.2 mm")
+
+
+def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
+    found = verdict.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=0.213)))
+    assert found.level == "fair"
+    assert found.text.startswith("1 of 2 in their slots; worst 0.21 m")
+
+
+@pytest.mark.parametrize(
+    ("least_m", "hull_m", "level"), [(1.18, 1.0, "good"), (1.18, 2.0, "bad"), (np.nan, 1.0, "bad")]
+)
+def test_boats_nearer_than_a_hull_is_long_are_bad(
+    least_m: float, hull_m: float, level: str
+) -> None:
+    found = verdict.of_run(summary(boat(1), boat(2), separation_m=least_m, hull_m=hull_m))
+    assert found.level == level
+    assert ("nearer than a hull is long" in found.text) == (level == "bad")
+
+
+def test_boat_that_left_formation_is_bad_and_one_that_coasted_is_not() -> None:
+    coasted = boat(1, states={"FORMATION": 295.0, "COAST": 5.0})
+    held = boat(2, states={"FORMATION": 280.0, "HOLD": 20.0})
+    assert verdict.of_run(summary(coasted)).level == "good"
+    found = verdict.of_run(summary(coasted, held))
+    assert found.level == "bad"
+    assert found.text.endswith("; boat 2 was 20.0 s in HOLD")
+
+
+@pytest.mark.parametrize("lost", [np.nan, np.inf])
+def test_boat_that_is_nowhere_is_bad(lost: float) -> None:
+    found = verdict.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=lost)))
+    assert found.level == "bad"
+    assert found.text.endswith("; boat 2 is beyond all bounds")
