@@ -16,10 +16,11 @@ from sil.campaign.samples import Samples
 from sil.common import files
 from sil.common.colours import colour_of
 from sil.plant.hull import Array
-from sil.report import plots, run_report
+from sil.report import plots, run_report, verdict
 from sil.report.comparison import png
 from sil.view import page as view
 
+_COPY = '<button type="button" class="copy">Copy</button>'
 _PAGE = Template((Path(__file__).parent / "report.html").read_text(encoding="utf-8"))
 
 
@@ -44,7 +45,7 @@ def page(
 
     `worst_told`: the history of the worst run, as worst.json has it.
     """
-    header, ended = campaign.header, page_tables.outcomes(campaign)
+    header, found = campaign.header, verdict.of_campaign(page_tables.ended(campaign))
     last_lost, more = page_tables.lost(campaign)
     speed, wall_s = header.get("boat_seconds_per_s"), header.get("wall_s")
     return _PAGE.substitute(
@@ -56,12 +57,13 @@ def page(
         duration=f"{sampled.t_s.max(initial=0.0):g} s",
         wall="–" if wall_s is None else f"{wall_s:.1f} s",
         speed="–" if speed is None else f"{speed:,.0f} boat-seconds per second",
-        **ended,
+        level=found.level,
+        verdict=escape(found.text),
         late=f"{sampled.late_s:g}",
         formation=_formation(campaign, trace),
         errors=_errors(campaign, sampled, trace),
         percentiles=_table(page_tables.ERRORS, page_tables.errors(campaign, sampled)),
-        of=_of(campaign, ended[FAILED]),
+        of=_of(campaign),
         lost=_replays(campaign, page_tables.LOST, last_lost),
         more=f"and {more} more, in table.parquet" if more else "",
         worst=_replays(campaign, page_tables.WORST, page_tables.worst(campaign)),
@@ -80,8 +82,8 @@ def _replay(told: dict[str, Any] | None) -> str:
     return view.frame_with(told, told["title"])
 
 
-def _of(campaign: Campaign, failed: int) -> str:
-    count = campaign.runs.size
+def _of(campaign: Campaign) -> str:
+    count, failed = campaign.runs.size, int((campaign.outcome == FAILED).sum())
     return (
         f"{count - failed} of {count} runs; {failed} failed are not in it" if failed else "all runs"
     )
@@ -130,7 +132,7 @@ def _replays(campaign: Campaign, head: Sequence[str], rows: Iterable[tuple[int, 
     for run, cells in rows:
         replayed = rerun.is_same(campaign, run)
         link = f'<a href="runs/{run}/report.html">report</a>' if replayed else "not replayed"
-        again = f"<code>{escape(f'{command} --run {run}')}</code>"
+        again = f"<code>{escape(f'{command} --run {run}')}</code> {_COPY}"
         texts.append([*(escape(cell) for cell in cells), again, link])
     return _html([*map(escape, head), "replay it with", ""], texts) if texts else "<p>None.</p>"
 

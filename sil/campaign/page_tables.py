@@ -2,13 +2,16 @@
 """Tables of a campaign's report: heads, and rows of text."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from sil.campaign.finished import DIVERGED, FAILED, OK, Campaign
+from sil.campaign.finished import DIVERGED, FAILED, Campaign
 from sil.campaign.samples import Samples
 from sil.plant.hull import Array
+from sil.report.verdict import Ended
+from sil.view.history import LENGTH_M
 
 Row = list[str]
 PERCENTS = (5.0, 25.0, 50.0, 75.0, 95.0, 100.0)
@@ -113,9 +116,24 @@ def separation(campaign: Campaign) -> str:
     )
 
 
-def outcomes(campaign: Campaign) -> dict[str, int]:
-    """How many runs ended how."""
-    return {name: int(np.sum(campaign.outcome == name)) for name in (OK, DIVERGED, FAILED)}
+def ended(campaign: Campaign) -> Ended:
+    """How the runs ended, for the verdict."""
+    hull_m = _hull_m(campaign.header.get("document", {}))
+    least_m = campaign.cells["min_separation_m"][:, 0]
+    return Ended(
+        runs=campaign.runs.size,
+        settled=int(np.sum(np.isfinite(campaign.worst("settling_time_s")) & campaign.ok)),
+        near=int(np.sum(campaign.ok & (least_m < hull_m))) if campaign.boats > 1 else None,
+        diverged=int(np.sum(campaign.outcome == DIVERGED)),
+        failed=int(np.sum(campaign.outcome == FAILED)),
+        hull_m=hull_m,
+    )
+
+
+def _hull_m(document: Mapping[str, Any]) -> float:
+    """Length of the longest hull of a scenario's document."""
+    tables = [document, *document.get("boat", [])]
+    return max(table.get("vessel", {}).get("length_m") or LENGTH_M for table in tables)
 
 
 def number(value: float, digits: int) -> str:

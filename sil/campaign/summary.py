@@ -15,8 +15,9 @@ from rich.table import Table
 from sil.campaign import late
 from sil.campaign.run_outcome import RunResult, distances
 from sil.campaign.work import BatchResult
-from sil.lockstep.metrics import SETTLED_M
+from sil.report import verdict
 from sil.scenario.scenario import Scenario
+from sil.view.history import boats_of
 
 _NAMED = 10
 """So many runs are told by number."""
@@ -87,13 +88,29 @@ def _settled(run: RunResult) -> bool:
     return all(boat["settling_time_s"] is not None for boat in run.boats)
 
 
+def _ended(nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]) -> verdict.Ended:
+    hull_m = max(boat.length_m for boat in boats_of(nominal))
+    least_m = [run.min_separation_m for run in runs if run.outcome == "ok"]
+    near = sum(apart is not None and apart < hull_m for apart in least_m)
+    outcomes = told["outcomes"]
+    return verdict.Ended(
+        runs=len(runs),
+        settled=told["settled_runs"],
+        near=near if len(nominal.boat) > 1 else None,
+        diverged=outcomes["diverged"],
+        failed=outcomes["failed"],
+        hull_m=hull_m,
+    )
+
+
 def show(
     console: Console, nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]
 ) -> None:
-    """Print `figures`, and which runs did not end well."""
+    """Print `figures`, and which runs diverged or failed."""
     error, failed = told["error"], told["outcomes"]["failed"]
     of = f"{error['runs']} of {len(runs)} runs; {failed} failed are not in it"
     whose = of if failed else f"{len(runs)} runs"
+    console.print(verdict.of_campaign(_ended(nominal, runs, told)).marked, soft_wrap=True)
     title = f"{nominal.name}: |e| from {error['from_s']:g} s on, {whose}"
     console.print(title, soft_wrap=True)
     table = Table(min_width=50)
@@ -105,8 +122,6 @@ def show(
     if told["closest"] is not None:
         run, distance_m = told["closest"]["run"], told["closest"]["distance_m"]
         console.print(f"closest two boats: {distance_m:.3f} m, in run {run}")
-    settled = f"{told['settled_runs']} of {len(runs)} runs"
-    console.print(f"every boat within {SETTLED_M} m of its slot in the end: {settled}")
     for outcome in ("diverged", "failed"):
         those = [run for run in runs if run.outcome == outcome]
         for run in those[:_NAMED]:

@@ -30,7 +30,6 @@ from sil.view.recorded import history_of, said_of
 
 # Boats stop where their own state is 0.5 s old, which is the firmware's default.
 _LATE_US = 300_000
-_COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
 
 
 def run(
@@ -151,8 +150,7 @@ def _finish(
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     write(out, summary, trace, command, replayed, limits_N)
-    found = verdict.of_run(summary)
-    console.print(f"[bold {_COLOURS[found.level]}]{found.text}", soft_wrap=True)
+    console.print(verdict.of_run(summary).marked, soft_wrap=True)
     console.print(run_report.table(summary))
     for boat in summary["boats"]:
         if "closing_m" in boat:

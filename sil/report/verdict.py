@@ -6,7 +6,11 @@ from typing import Literal, NamedTuple
 
 from sil.lockstep.metrics import BoatSummary, Summary
 
+_COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
 _SAILS = ("FORMATION", "COAST")
+
+
+Level = Literal["good", "fair", "bad"]
 
 
 class Verdict(NamedTuple):
@@ -16,8 +20,13 @@ class Verdict(NamedTuple):
     in its slot to the end.
     """
 
-    level: Literal["good", "fair", "bad"]
+    level: Level
     text: str
+
+    @property
+    def marked(self) -> str:
+        """The line in its colour, as rich prints it."""
+        return f"[bold {_COLOURS[self.level]}]{self.text}"
 
 
 def of_run(summary: Summary) -> Verdict:
@@ -41,7 +50,7 @@ def of_run(summary: Summary) -> Verdict:
     least_m = summary["min_separation_m"]
     if least_m is not None:
         parts.append(f"closest two boats {least_m:.2f} m")
-    level: Literal["good", "fair", "bad"] = "bad" if wrong else "good" if in_slots else "fair"
+    level: Level = "bad" if wrong else "good" if in_slots else "fair"
     return Verdict(level, "; ".join([*parts, *wrong]))
 
 
@@ -61,6 +70,33 @@ def _separation(summary: Summary) -> list[str]:
     if least_m is None or least_m >= hull_m:
         return []
     return [f"two boats came nearer than a hull is long, {hull_m:g} m"]
+
+
+class Ended(NamedTuple):
+    """How many runs of a campaign ended how; a run may have settled and be too near.
+
+    `settled`: every boat stays within 0.05 m of its slot to the end; `near`: two boats' reference
+    points came nearer than the longest hull is long, `hull_m`; None for single boats.
+    """
+
+    runs: int
+    settled: int
+    near: int | None
+    diverged: int
+    failed: int
+    hull_m: float
+
+
+def of_campaign(ended: Ended) -> Verdict:
+    """The verdict of a campaign."""
+    parts = [f"{ended.settled} of {ended.runs} runs settled"]
+    if ended.near is not None:
+        which = f"in {ended.near or 'none'}"
+        parts.append(f"{which} two boats came nearer than a hull is long ({ended.hull_m:g} m)")
+    parts += [f"{ended.diverged or 'none'} diverged", f"{ended.failed or 'none'} failed"]
+    bad = (ended.near or 0) + ended.diverged + ended.failed > 0
+    level: Level = "bad" if bad else "good" if ended.settled == ended.runs else "fair"
+    return Verdict(level, "; ".join(parts))
 
 
 def length(metres: float) -> str:

@@ -81,3 +81,16 @@ def test_boat_that_is_nowhere_is_bad(lost: float) -> None:
     found = verdict.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=lost)))
     assert found.level == "bad"
     assert found.text.endswith("; boat 2 is beyond all bounds")
+
+
+def test_campaign_tells_how_its_runs_ended() -> None:
+    good = verdict.Ended(runs=20, settled=20, near=0, diverged=0, failed=0, hull_m=1.0)
+    assert verdict.of_campaign(good) == (
+        "good",
+        "20 of 20 runs settled; in none two boats came nearer than a hull is long (1 m); "
+        "none diverged; none failed",
+    )
+    assert verdict.of_campaign(good._replace(settled=19)).level == "fair"
+    for count in ("near", "diverged", "failed"):
+        assert verdict.of_campaign(good._replace(**{count: 1})).level == "bad"
+    assert "nearer" not in verdict.of_campaign(good._replace(near=None)).text
