@@ -16,7 +16,7 @@ from sil.campaign.samples import Samples
 from sil.common import files
 from sil.common.colours import colour_of
 from sil.plant.hull import Array
-from sil.report import plots, run_report, verdict
+from sil.report import headline, plots, run_report
 from sil.report.comparison import png
 from sil.view import page as view
 
@@ -45,7 +45,7 @@ def page(
 
     `worst_told`: the history of the worst run, as worst.json has it.
     """
-    header, found = campaign.header, verdict.of_campaign(page_tables.ended(campaign))
+    header, found = campaign.header, headline.of_campaign(page_tables.ended(campaign))
     last_lost, more = page_tables.lost(campaign)
     speed, wall_s = header.get("boat_seconds_per_s"), header.get("wall_s")
     return _PAGE.substitute(

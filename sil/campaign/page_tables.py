@@ -10,7 +10,7 @@ import numpy as np
 from sil.campaign.finished import DIVERGED, FAILED, Campaign
 from sil.campaign.samples import Samples
 from sil.plant.hull import Array
-from sil.report.verdict import Ended
+from sil.report.headline import Ended
 from sil.view.history import LENGTH_M
 
 Row = list[str]

@@ -15,7 +15,7 @@ from rich.table import Table
 from sil.campaign import late
 from sil.campaign.run_outcome import RunResult, distances
 from sil.campaign.work import BatchResult
-from sil.report import verdict
+from sil.report import headline
 from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
 
@@ -88,12 +88,12 @@ def _settled(run: RunResult) -> bool:
     return all(boat["settling_time_s"] is not None for boat in run.boats)
 
 
-def _ended(nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]) -> verdict.Ended:
+def _ended(nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]) -> headline.Ended:
     hull_m = max(boat.length_m for boat in boats_of(nominal))
     least_m = [run.min_separation_m for run in runs if run.outcome == "ok"]
     near = sum(apart is not None and apart < hull_m for apart in least_m)
     outcomes = told["outcomes"]
-    return verdict.Ended(
+    return headline.Ended(
         runs=len(runs),
         settled=told["settled_runs"],
         near=near if len(nominal.boat) > 1 else None,
@@ -110,7 +110,7 @@ def show(
     error, failed = told["error"], told["outcomes"]["failed"]
     of = f"{error['runs']} of {len(runs)} runs; {failed} failed are not in it"
     whose = of if failed else f"{len(runs)} runs"
-    console.print(verdict.of_campaign(_ended(nominal, runs, told)).marked, soft_wrap=True)
+    console.print(headline.of_campaign(_ended(nominal, runs, told)).marked, soft_wrap=True)
     title = f"{nominal.name}: |e| from {error['from_s']:g} s on, {whose}"
     console.print(title, soft_wrap=True)
     table = Table(min_width=50)

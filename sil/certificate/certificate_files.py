@@ -1,22 +1,29 @@
 # SPDX-License-Identifier: MIT
-"""The certificate as files: certificate.json, decay.png, chain.png, each whole or not at all."""
+"""The certificate as files, each whole or not at all: a page, certificate.json and pictures."""
 
+import base64
 import io
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from html import escape
 from pathlib import Path
+from string import Template
 from typing import Any
+
+from rich.console import Console
 
 from sil.certificate import certificate_report, gain_picture, notes, picture, verdict
 from sil.certificate.certificate import Case, Certificate, Leg
 from sil.certificate.chain import Chain
 from sil.certificate.gains import CURVE_K_X
 from sil.common import files
+from sil.report import run_report
 
+_PAGE = Template((Path(__file__).parent / "certificate.html").read_text(encoding="utf-8"))
 _LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
 
 
@@ -36,21 +43,24 @@ def _check_folder(folder: Path, told: Path) -> None:
 
 
 def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
-    """Write both files into a folder, which is made, the JSON also to `also`.
+    """Write page, JSON and pictures into a folder, which is made, the JSON also to `also`.
 
     OSError names the path given.
     """
     name, legs = certificate.scenario.name, certificate.legs
     pictures = {"decay.png": picture.decay(name, legs), "chain.png": gain_picture.gains(name, legs)}
+    drawn: list[bytes] = []
     with _naming(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for file, figure in pictures.items():
-            png = io.BytesIO()
-            if figure is not None:
-                figure.savefig(png, format="png")
-                files.replace(folder / file, png.getvalue())
-            else:
+            if figure is None:
                 (folder / file).unlink(missing_ok=True)
+                continue
+            png = io.BytesIO()
+            figure.savefig(png, format="png")
+            files.replace(folder / file, png.getvalue())
+            drawn.append(png.getvalue())
+        files.replace(folder / "certificate.html", page(certificate, drawn).encode())
     text = (json.dumps(document(certificate), indent=2, allow_nan=False) + "\n").encode()
     with _naming(folder):
         files.replace(folder / "certificate.json", text)
@@ -58,6 +68,26 @@ def write(certificate: Certificate, folder: Path, also: Path | None) -> None:
         with _naming(also):
             also.parent.mkdir(parents=True, exist_ok=True)
             files.replace(also, text)
+
+
+def page(certificate: Certificate, pictures: Sequence[bytes]) -> str:
+    """The certificate as one HTML page that needs no other file; `pictures` are PNG."""
+    terminal = Console(record=True, width=110, file=io.StringIO(), force_terminal=True)
+    certificate_report.tell(certificate, terminal)
+    code = "<pre>{code}</pre>"
+    return _PAGE.substitute(
+        style=run_report.STYLE,
+        scenario=escape(certificate.scenario.name),
+        level="good" if verdict.holds(certificate) else "bad",
+        verdict=escape(verdict.sentence(certificate)),
+        pictures="\n".join(map(_picture, pictures)),
+        tables=terminal.export_html(inline_styles=True, code_format=code),
+    )
+
+
+def _picture(png: bytes) -> str:
+    data = base64.b64encode(png).decode()
+    return f'<img alt="How fast small errors decay" src="data:image/png;base64,{data}">'
 
 
 def document(certificate: Certificate) -> dict[str, Any]:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The certificate for people: tables for a terminal of 80 columns."""
+"""The certificate for people: the verdict, then tables for a terminal of 80 columns.
+
+Numbers in brackets are those of Wang and Loría's equations.
+"""
 
 import math
 from collections.abc import Iterable
@@ -26,7 +29,9 @@ _KINDS = {
 
 
 def tell(certificate: Certificate, console: Console) -> None:
-    """Print everything, the verdict last."""
+    """Print everything, the verdict first."""
+    colour = "green" if verdict.holds(certificate) else "red"
+    console.print(f"[bold {colour}]{verdict.sentence(certificate)}")
     for leg in certificate.legs:
         console.print(_reference_table(leg))
         console.print(_cases_table(leg))
@@ -37,8 +42,6 @@ def tell(certificate: Certificate, console: Console) -> None:
         console.print(_filled(table, search_rows(certificate, certificate.search)))
     for note in notes.notes(certificate):
         console.print(f"[dim]{note}")
-    colour = "green" if verdict.holds(certificate) else "red"
-    console.print(f"[bold {colour}]{verdict.sentence(certificate)}")
 
 
 def _reference_table(leg: Leg) -> Table:
@@ -46,10 +49,10 @@ def _reference_table(leg: Leg) -> Table:
     since = notes.listed(leg.from_s)
     table = _table(f"The leader from {since} s on: {_KINDS[reference.kind]}")
     rows = [
-        ("max |ω_d|", f"{reference.omega_max:.4f} rad/s"),
-        ("max |ω̇_d|", f"{reference.omega_dot_max:.4f} rad/s²"),
-        ("T", period(reference)),
-        ("μ (eq:PE)", _excitation(reference)),
+        ("greatest yaw rate |ω_d|", f"{reference.omega_max:.4f} rad/s"),
+        ("greatest yaw acceleration |ω̇_d|", f"{reference.omega_dot_max:.4f} rad/s²"),
+        ("period T", period(reference)),
+        ("persistent excitation μ (26)", _excitation(reference)),
     ]
     return _filled(table, rows)
 
@@ -84,25 +87,25 @@ def _cases_table(leg: Leg) -> Table:
 
 def _theory(case: Case) -> Iterable[tuple[str, str]]:
     test, own = case.small_gain, case.setup.parameters
-    yield "k_x, k_ψ (1/s)", f"{own['LAW_KX']:g}, {own['LAW_KPSI']:g}"
-    yield "greatest ω̄_d by eq:bound (rad/s)", _number(test.bound)
+    yield "gains k_x, k_ψ (1/s)", f"{own['LAW_KX']:g}, {own['LAW_KPSI']:g}"
+    yield "bound on yaw motion ω̄_d (27) (rad/s)", _number(test.bound)
     yield "  holds", "yes" if test.bound_holds else "no"
-    yield "γ1 (eq:gamma1)", _number(test.gamma1)
-    yield "γ2 (eq:gamma2)", _number(test.gamma2)
-    yield "γ1 γ2, to be under 1", _number(test.product)
+    yield "small gain, position γ1 (38)", _number(test.gamma1)
+    yield "small gain, sway γ2 (40)", _number(test.gamma2)
+    yield "  γ1 γ2, to be under 1", _number(test.product)
     yield "  largest k_x (1/s)", _or_none(test.k_x_product)
-    yield "eq:above with (1 + k_x)²", _number(test.above_square_of_sum)
+    yield "estimate (41) with (1 + k_x)²", _number(test.above_square_of_sum)
     yield "  largest k_x (1/s)", _or_none(test.k_x_square_of_sum)
-    yield "eq:above with 1 + k_x²", _number(test.above_sum_of_squares)
+    yield "estimate (41) with 1 + k_x²", _number(test.above_sum_of_squares)
     yield "  largest k_x (1/s)", _or_none(test.k_x_sum_of_squares)
-    yield "least k_du, Prop. 1 (kg/s)", f"{test.k_du_least:.3g}"
+    yield "least k_du, Proposition 1 (kg/s)", f"{test.k_du_least:.3g}"
     yield "  k_du", f"{own['LAW_KDU']:g}"
 
 
 def _loops(case: Case) -> Iterable[tuple[str, str]]:
     floquet, loop = case.floquet, case.sampled
     values = "\n".join(_multiplier(value) for value in floquet.multipliers)
-    yield f"eq:26, |multipliers| in {floquet.period_s:.4g} s", values
+    yield f"paper's nominal loop (24),\n  |multipliers| in {floquet.period_s:.4g} s", "\n" + values
     yield "  decay (1/s)", f"{floquet.decay:z.4f}"
     yield f"sampled loop, radius in {loop.window_s:.4g} s", f"{loop.radius:.5g}"
     yield "  decay (1/s)", f"{loop.decay:z.4f}"

@@ -12,8 +12,9 @@ def notes(certificate: Certificate) -> list[str]:
     """What was left out, and what need not be in."""
     scenario = certificate.scenario
     texts = [
-        "The small-gain test is sufficient only: not to pass it proves nothing. It and eq:26 are "
-        "about the paper's law; the sampled loop is that of the firmware, extensions and all.",
+        "The small-gain test is sufficient only: not to pass it proves nothing. It and the nominal "
+        "loop (24) are about the paper's law; the sampled loop is that of the firmware, extensions "
+        "and all.",
         "Links: no boat acts on its leader, so that a late, rare or lost message of a leader is in "
         "no loop: it adds states of delay, no feedback, and moves no multiplier. How it amplifies "
         "motions from boat to boat is in the gains of the chain, which are those of small motions "

@@ -49,7 +49,7 @@ def _draw(axes: Axes, leg: Leg) -> None:
     for boats, case in _distinct(leg.cases):
         _draw_case(axes, k_x, boats, case)
     (line,) = axes.plot(k_x, slowest.curve_floquet, color=BLACK, lw=1.0, zorder=4)
-    line.set(linestyle=plots.DASHED, label="eq:26, the paper's system")
+    line.set(linestyle=plots.DASHED, label="the paper's nominal loop (24)")
     _certified(axes, slowest.small_gain.k_x_square_of_sum)
     chosen = slowest.setup.parameters["LAW_KX"]
     axes.axvline(chosen, color=GREY, lw=0.8, zorder=0)

@@ -23,7 +23,7 @@ from sil.lockstep import metrics
 from sil.lockstep.metrics import Summary
 from sil.lockstep.world import Progress, Run, World
 from sil.plant.hull import Array
-from sil.report import run_report, verdict
+from sil.report import headline, run_report
 from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
 from sil.view.recorded import history_of, said_of
@@ -150,7 +150,7 @@ def _finish(
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
     write(out, summary, trace, command, replayed, limits_N)
-    console.print(verdict.of_run(summary).marked, soft_wrap=True)
+    console.print(headline.of_run(summary).marked, soft_wrap=True)
     console.print(run_report.table(summary))
     for boat in summary["boats"]:
         if "closing_m" in boat:

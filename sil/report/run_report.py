@@ -18,7 +18,7 @@ from sil.common import files
 from sil.common.colours import colour_of
 from sil.lockstep.metrics import BoatSummary, Summary
 from sil.plant.hull import Array
-from sil.report import plots, verdict
+from sil.report import headline, plots
 from sil.view import history
 from sil.view import page as view
 
@@ -82,7 +82,7 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
     `pictures` are PNG by stem, `replay` is HTML.
     """
     separation = summary["min_separation_m"]
-    found = verdict.of_run(summary)
+    found = headline.of_run(summary)
     return _PAGE.substitute(
         {stem: base64.b64encode(picture).decode() for stem, picture in pictures.items()},
         style=STYLE,

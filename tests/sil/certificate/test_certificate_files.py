@@ -2,6 +2,7 @@
 """certificate.json and decay.png of a scenario with two kinds of boats and two legs."""
 
 import io
+import html
 import json
 import re
 from pathlib import Path
@@ -40,11 +41,21 @@ def written(two_legs: Certificate, tmp_path_factory: pytest.TempPathFactory) -> 
 
 def test_nothing_is_left_half_written(written: Path) -> None:
     assert {file.name for file in written.iterdir()} == {
+        "certificate.html",
         "certificate.json",
         "decay.png",
         "chain.png",
     }
     assert (written / "decay.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_page_begins_with_the_verdict_and_names_no_label_of_the_papers_source(
+    written: Path,
+) -> None:
+    page = (written / "certificate.html").read_text(encoding="utf-8")
+    said = json.loads((written / "certificate.json").read_text(encoding="utf-8"))["verdict"]
+    assert page.index(html.escape(said)) < page.index("<img ") < page.index("small gain, position")
+    assert "eq:" not in page
 
 
 def test_folder_that_cannot_be_made_is_told_by_its_name_and_nothing_is_left(

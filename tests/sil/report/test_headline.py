@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sil.lockstep.metrics import BoatSummary, Summary
-from sil.report import verdict
+from sil.report import headline
 
 
 def boat(number: int, **changes: Any) -> BoatSummary:
@@ -40,18 +40,18 @@ def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: floa
 
 
 def test_good_run_says_when_how_well_and_how_near() -> None:
-    found = verdict.of_run(summary(boat(1, settling_time_s=12.0), boat(2)))
+    found = headline.of_run(summary(boat(1, settling_time_s=12.0), boat(2)))
     assert found.level == "good"
     assert found.text == "2 of 2 in their slots after 60 s; worst 0.2 mm; closest two boats 1.18 m"
 
 
 def test_single_boat_has_no_neighbour() -> None:
-    found = verdict.of_run(summary(boat(1), separation_m=None))
+    found = headline.of_run(summary(boat(1), separation_m=None))
     assert found == ("good", "1 of 1 in their slots after 60 s; worst 0.2 mm")
 
 
 def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
-    found = verdict.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=0.213)))
+    found = headline.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=0.213)))
     assert found.level == "fair"
     assert found.text.startswith("1 of 2 in their slots; worst 0.21 m")
 
@@ -62,7 +62,7 @@ def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
 def test_boats_nearer_than_a_hull_is_long_are_bad(
     least_m: float, hull_m: float, level: str
 ) -> None:
-    found = verdict.of_run(summary(boat(1), boat(2), separation_m=least_m, hull_m=hull_m))
+    found = headline.of_run(summary(boat(1), boat(2), separation_m=least_m, hull_m=hull_m))
     assert found.level == level
     assert ("nearer than a hull is long" in found.text) == (level == "bad")
 
@@ -70,27 +70,27 @@ def test_boats_nearer_than_a_hull_is_long_are_bad(
 def test_boat_that_left_formation_is_bad_and_one_that_coasted_is_not() -> None:
     coasted = boat(1, states={"FORMATION": 295.0, "COAST": 5.0})
     held = boat(2, states={"FORMATION": 280.0, "HOLD": 20.0})
-    assert verdict.of_run(summary(coasted)).level == "good"
-    found = verdict.of_run(summary(coasted, held))
+    assert headline.of_run(summary(coasted)).level == "good"
+    found = headline.of_run(summary(coasted, held))
     assert found.level == "bad"
     assert found.text.endswith("; boat 2 was 20.0 s in HOLD")
 
 
 @pytest.mark.parametrize("lost", [np.nan, np.inf])
 def test_boat_that_is_nowhere_is_bad(lost: float) -> None:
-    found = verdict.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=lost)))
+    found = headline.of_run(summary(boat(1), boat(2, settling_time_s=None, max_error_m=lost)))
     assert found.level == "bad"
     assert found.text.endswith("; boat 2 is beyond all bounds")
 
 
 def test_campaign_tells_how_its_runs_ended() -> None:
-    good = verdict.Ended(runs=20, settled=20, near=0, diverged=0, failed=0, hull_m=1.0)
-    assert verdict.of_campaign(good) == (
+    good = headline.Ended(runs=20, settled=20, near=0, diverged=0, failed=0, hull_m=1.0)
+    assert headline.of_campaign(good) == (
         "good",
         "20 of 20 runs settled; in none two boats came nearer than a hull is long (1 m); "
         "none diverged; none failed",
     )
-    assert verdict.of_campaign(good._replace(settled=19)).level == "fair"
+    assert headline.of_campaign(good._replace(settled=19)).level == "fair"
     for count in ("near", "diverged", "failed"):
-        assert verdict.of_campaign(good._replace(**{count: 1})).level == "bad"
-    assert "nearer" not in verdict.of_campaign(good._replace(near=None)).text
+        assert headline.of_campaign(good._replace(**{count: 1})).level == "bad"
+    assert "nearer" not in headline.of_campaign(good._replace(near=None)).text
