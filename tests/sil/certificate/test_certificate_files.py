@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """certificate.json and decay.png of a scenario with two kinds of boats and two legs."""
 
-import io
 import html
+import io
 import json
 import re
 from pathlib import Path
