@@ -49,7 +49,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       closed_complaint_due_(30 * kSecond_us),
       double_due_(10 * kSecond_us),
       time_complaint_due_(30 * kSecond_us),
-      quality_due_(10 * kSecond_us) {
+      quality_due_(10 * kSecond_us),
+      late_due_(10 * kSecond_us) {
   core::take_overflow<S>();
   configure();
 }
@@ -331,6 +332,11 @@ void Boat<S>::complain(std::int64_t now_us) {
     Sentence two;
     two << "two vessels use system id " << static_cast<float>(*system);
     vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
+  }
+  if (const auto system = pilot_.late_neighbour(now_us); system && late_due_.due(now_us)) {
+    Sentence late;
+    late << "vessel " << static_cast<float>(*system) << " heard 3 s late: not kept clear of";
+    vehicle_.send_statustext(link::mav::kSeverityWarning, {late.text()}, counters_);
   }
   if (pilot_.take_stranger() && quality_due_.due(now_us)) {
     vehicle_.send_statustext(link::mav::kSeverityWarning,

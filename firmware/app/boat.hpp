@@ -213,7 +213,7 @@ class Boat {
   int idle_ticks_ = 0;  // in a row, in which time did not go on
   Schedule complaint_due_, slot_complaint_due_, place_complaint_due_;
   Schedule unsaved_complaint_due_, closed_complaint_due_;
-  Schedule double_due_, time_complaint_due_, quality_due_;
+  Schedule double_due_, time_complaint_due_, quality_due_, late_due_;
   Settled slot_too_fast_, slot_astern_, untimed_;
   core::Astray astray_ = core::Astray::kNo;  // as told to the operator
   bool latency_told_ = false;

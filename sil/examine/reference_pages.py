@@ -8,6 +8,7 @@ import flotilla
 
 from sil import ROOT
 from sil.examine import (
+    fault_page,
     message_page,
     module_page,
     policy_page,
@@ -39,6 +40,7 @@ TABLES = {
         "transitions": supervisor_page.transition_table,
     },
     message_page.PAGE: {"messages": message_page.table},
+    fault_page.PAGE: {"faults": fault_page.table},
     policy_page.PAGE: {"policies": policy_page.table},
     scenario_page.PAGE: {"scenarios": scenario_page.scenario_table, "keys": scenario_page.tables},
     module_page.PAGE: {

@@ -2,6 +2,7 @@
 """Sails the rows of the matrix of faults in lockstep, and judges each against its limits."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,8 +36,16 @@ def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[O
         level_N = np.abs(command) * most_N
         begins_s = row.begins_s if row.fence_m is None else _left_s(row, run)
         told = _Seen(row, 1.0 / one.rate_hz, watch.states[i, :ticks], level_N, _error_m(row, run))
-        outcomes.append(told.judge(begins_s))
+        outcomes.append(_heard(row, watch.texts[i], told.judge(begins_s)))
     return outcomes
+
+
+def _heard(row: Row, texts: Sequence[str], outcome: Outcome) -> Outcome:
+    """The outcome, failed where the boat did not send the row's words."""
+    if row.told is None or any(row.told in text for text in texts):
+        return outcome
+    why = f'"{row.told}" was not told, but {sorted(set(texts))}'
+    return replace(outcome, passed=False, why="; ".join(filter(None, (outcome.why, why))))
 
 
 def _left_s(row: Row, run: Run) -> float:

@@ -28,7 +28,8 @@ class Row(Section):
     `operator` who disarms, arms and says FOLLOW, and never before he does. `hold_s`: the operator
     says HOLD so long after the fault's beginning. `home_s`: so long after it he arms the boat, out
     of FAULT too, and drives it by sticks that he centres 2 s later only: it pushes from then on,
-    not before. `fence_m`: its FS_FENCE_M; then the fault is to
+    not before. `told`: it sends a STATUSTEXT with these words
+    after the beginning. `fence_m`: its FS_FENCE_M; then the fault is to
     have left it.
     """
 
@@ -46,6 +47,7 @@ class Row(Section):
     recovered_s: Positive | None = None
     hold_s: Positive | None = None
     home_s: Positive | None = None
+    told: str | None = None
     fence_m: Positive | None = None
     set: dict[str, Any] = Field(default_factory=dict)
 

@@ -17,6 +17,7 @@ from sil.lockstep.start import start
 from sil.lockstep.timeline import act
 from sil.plant.hull import Array
 from sil.scenario import scenario
+from sil.scenario.fault_kinds import KINDS
 from sil.scenario.sections import Fault
 
 RECOVERED_S = 60.0
@@ -27,27 +28,7 @@ _WARM, _MOST_MB = 3, 5.0  # hours until memory is what it will be; growth from t
 _OFF_S = 0.27  # what an ESC does without a command
 _OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
 
-# Kind: least and greatest value, whether either sign will do; agents 0 and up, or 1 and up.
-_KINDS: dict[str, tuple[float, float, bool, int]] = {
-    "own_silent": (0.0, 0.0, False, 0),
-    "own_frozen": (0.0, 0.0, False, 0),
-    "own_jump": (1.0, 30.0, True, 0),
-    "own_noisy": (2.0, 10.0, False, 1),
-    "own_clock": (3600.0, 3600.0, True, 0),
-    "esc_silent": (0.0, 0.0, False, 1),
-    "esc_stuck": (0.0, 0.0, False, 1),
-    "esc_reversed": (0.0, 0.0, False, 1),
-    "esc_reboot": (0.0, 0.0, False, 1),
-    "bus_off": (0.0, 0.0, False, 1),
-    "frame_loss": (0.01, 1.0, False, 1),
-    "radio_silent": (0.0, 0.0, False, 0),
-    "radio_loss": (0.1, 1.0, False, 0),
-    "byte_errors": (0.001, 0.3, False, 0),
-    "impostor": (5.0, 50.0, True, 0),
-    "replay": (0.5, 4.0, False, 0),
-    "clock": (3600.0, 3600.0, True, 0),
-    "restart": (0.0, 0.0, False, 1),
-}
+_KINDS = [kind for kind in KINDS.values() if kind.drawn is not None]
 
 
 @dataclass
@@ -155,17 +136,19 @@ class _Sea:
 
     def _drawn(self) -> Fault:
         rng = self._rng
-        kind = list(_KINDS)[int(rng.integers(len(_KINDS)))]
-        low, high, signed, first = _KINDS[kind]
-        value = float(rng.uniform(low, high)) * (-1.0 if signed and rng.random() < 0.5 else 1.0)
+        kind = _KINDS[int(rng.integers(len(_KINDS)))]
+        assert kind.drawn is not None
+        negative = kind.least < 0.0 and rng.random() < 0.5
+        value = float(rng.uniform(*kind.drawn)) * (-1.0 if negative else 1.0)
         for_s = float(rng.uniform(0.2, 8.0))
+        esc = ("port", "stbd", "both")[int(rng.integers(3))]
         found = {
-            "kind": kind,
-            "agent": int(rng.integers(first, self._batch.boats + 1)),
+            "kind": kind.name,
+            "agent": int(rng.integers(0 if kind.leaders else 1, self._batch.boats + 1)),
             "at_s": 0.0,
-            "for_s": for_s + (value if kind == "replay" else 0.0),
+            "for_s": for_s + (value if kind.name == "replay" else 0.0),
             "value": value,
-            "esc": ("port", "stbd", "both")[int(rng.integers(3))] if first else "both",
+            "esc": esc if kind.owner == "ESCs" else "both",
         }
         return Fault.model_validate(found)
 

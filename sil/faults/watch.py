@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is seen of the boats while a matrix of faults is sailed, and the operator who helps."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import flotilla
 import numpy as np
@@ -12,6 +12,7 @@ from sil.faults.rows import Row
 from sil.lockstep.batch import Batch
 from sil.plant.hull import Array
 from sil.wire.heartbeat import FORMATION, HOLD, MANUAL
+from sil.wire.mavlink_frames import frames
 from sil.wire.operator import Operator
 
 _RETRY_S, _STICKS_S = 0.5, 0.1
@@ -23,15 +24,18 @@ STATES: dict[str, int] = {name: i for i, name in enumerate(flotilla.STATES)}
 
 
 class Watch:
-    """Of each row its boat's `states` (rows, ticks), and what its motors are told (rows, ticks, 2).
+    """What happens to each row's boat.
 
-    The operator asks every half a second from a fault's end on, where a row has one.
+    Its `states` (rows, ticks), what its motors are told (rows, ticks, 2), and for rows with `told`
+    the STATUSTEXT `texts` since the fault began. The operator asks every half a second from a
+    fault's end on, where a row has one.
     """
 
     def __init__(self, rows: Sequence[Row], ticks: int) -> None:
         self._rows, self._pilot = rows, Operator()
         self.states: States = np.zeros((len(rows), ticks), np.uint8)
         self.commands: Array = np.zeros((len(rows), ticks, 2))
+        self.texts: list[list[str]] = [[] for _ in rows]
 
     def __call__(self, batch: Batch, members: Sequence[int], tick: int, t_us: int) -> None:
         """Tick `tick` of those rows has been."""
@@ -40,6 +44,8 @@ class Watch:
             row = self._rows[member]
             self.states[member, tick] = states[run, row.boat - 1]
             self.commands[member, tick] = batch.command[run * batch.boats + row.boat - 1]
+            if row.told and t_s >= row.begins_s:
+                self.texts[member] += _texts(batch.fleet.sent(batch.row(run, row.boat)))
             late_s = t_s - row.ends_s
             if row.recovery == "operator" and late_s > -1e-9 and _due(late_s, batch.h_us):
                 ask(batch, batch.agents(run), states[run].tolist(), t_us)
@@ -75,6 +81,13 @@ def ask(
 def set_mode(batch: Batch, agent: int, mode: int, t_us: int) -> None:
     """The operator asks an agent of the fleet for a mode."""
     batch.fleet.command([agent], t_us, mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode)))
+
+
+def _texts(sent: bytes) -> Iterator[str]:
+    """The STATUSTEXTs in what a boat sent in a tick."""
+    for message_id, _, _, frame in frames(sent):
+        if message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
+            yield mavlink.MAVLink(None).decode(bytearray(frame)).text
 
 
 def _due(late_s: float, h_us: int, every_s: float = _RETRY_S) -> bool:

@@ -6,27 +6,14 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 from sil.plant.sensors import SensorNoise
+from sil.scenario.fault_kinds import KINDS
 from sil.scenario.sections import Fault
 from sil.scenario.toml_errors import KeyPath
-
-_SHARES = {"frame_loss", "radio_loss", "byte_errors"}
-_VALUED = {
-    *_SHARES,
-    "own_jump",
-    "own_noisy",
-    "own_clock",
-    "esc_voltage",
-    "impostor",
-    "replay",
-    "clock",
-}
-_BOATS = {"own_noisy", "bus_off", "frame_loss", "restart", "gcs_silent"}
-_MOST = 1e6  # metres, seconds: what flotilla.Fleet takes
 
 
 def is_escs(fault: Fault) -> bool:
     """Whether it happens to ESCs."""
-    return fault.kind.startswith("esc_")
+    return KINDS[fault.kind].owner == "ESCs"
 
 
 def fault_contradictions(
@@ -63,24 +50,22 @@ def _end_s(fault: Fault) -> float:
 
 
 def _problems(fault: Fault, boats: int, noise: SensorNoise) -> Iterator[tuple[str, str]]:
-    kind = fault.kind
+    kind, known = fault.kind, KINDS[fault.kind]
     if fault.agent > boats:
         yield "agent", f"there are agents 0 to {boats}"
-    if fault.agent == 0 and (is_escs(fault) or kind in _BOATS):
+    if fault.agent == 0 and not known.leaders:
         yield "agent", f"the virtual leader cannot have {kind}"
     if fault.esc != "both" and not is_escs(fault):
         yield "esc", f"{kind} is none of ESCs"
-    if kind in _SHARES and not 0.0 <= fault.value <= 1.0:
-        yield "value", f"a share from 0 to 1 is lost by {kind}"
-    if kind not in _VALUED and fault.value:
-        yield "value", f"{kind} has none"
-    if kind in _VALUED and "value" not in fault.model_fields_set:
-        yield "value", f"{kind} needs one"
-    if abs(fault.value) > _MOST:
-        yield "value", f"must be from {-_MOST:g} to {_MOST:g}"
+    if not known.unit:
+        if fault.value:
+            yield "value", f"{kind} has none"
+    elif "value" not in fault.model_fields_set:
+        yield "value", f"{kind} needs one ({known.unit})"
+    elif not known.least <= fault.value <= known.greatest:
+        limits = f"from {known.least:g} to {known.greatest:g}"
+        yield "value", f"{kind} has a value {limits} ({known.unit})"
     if kind == "replay" and not 0.0 < fault.value <= fault.at_s:
         yield "value", "must be positive, and no more than at_s: what was said so long ago"
-    if kind == "own_noisy" and fault.value < 0.0:
-        yield "value", "must not be negative"
     if kind == "own_noisy" and not noise.sigma.any():
         yield "kind", "[navigation] has no noise to multiply"

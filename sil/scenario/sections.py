@@ -2,7 +2,7 @@
 """The tables of a scenario file; `sil/scenarios/diamond.toml` shows every key with its unit."""
 
 from dataclasses import fields
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
@@ -11,6 +11,7 @@ from sil.plant.hull import Array, HullParameters
 from sil.plant.sensors import SensorNoise
 from sil.plant.waves import WATER_KGPM3
 from sil.plant.wind import Windage
+from sil.scenario.fault_kinds import KINDS
 from sil.wire.navigation_unit import Message
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -242,37 +243,17 @@ class Boat(Section):
     navigation: Unit = Unit()
 
 
-FaultKind = Literal[
-    "own_silent",
-    "own_frozen",
-    "own_jump",
-    "own_noisy",
-    "own_clock",
-    "esc_silent",
-    "esc_stuck",
-    "esc_reversed",
-    "esc_reboot",
-    "esc_voltage",
-    "bus_off",
-    "frame_loss",
-    "radio_silent",
-    "radio_loss",
-    "byte_errors",
-    "impostor",
-    "replay",
-    "clock",
-    "restart",
-    "gcs_silent",
-]
+if TYPE_CHECKING:
+    FaultKind = str
+else:
+    FaultKind = Literal[tuple(KINDS)]
 
 
 class Fault(Section):
     """What goes wrong with an agent from `at_s` after the release on, for `for_s` or to the end.
 
-    `value`: metres (own_jump, impostor), seconds (own_clock, clock, replay), volts
-    (esc_voltage), a share (frame_loss, radio_loss, byte_errors) or a factor (own_noisy). `esc`:
-    whose, where it is one of ESCs.
-    `sil/native/fleet/fault.hpp` says what each kind is.
+    sil/docs/FAULTS.md has the kinds, and the unit of `value` of each. `esc`: whose, where it is one
+    of ESCs.
     """
 
     kind: FaultKind

@@ -114,6 +114,11 @@ class Pilot {
     return leader_.doubled(now_us) ? std::optional(leader_.system()) : std::nullopt;
   }
 
+  /// A vessel that is not kept clear of because its messages come too late.
+  std::optional<std::uint8_t> late_neighbour(std::int64_t now_us) const {
+    return neighbours_.watches() ? neighbours_.late(now_us) : std::nullopt;
+  }
+
   /// An ODOMETRY in a frame without north was refused since the last call.
   bool take_frame_complaint() {
     const bool own = own_.track().take_frame_complaint(), leader = leader_.take_frame_complaint();

@@ -139,7 +139,10 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
     return false;
   } else {
     const std::int64_t ahead_us = std::min(vessel.ahead_us + since_us / kDrift, arrived_us);
-    if (arrived_us - ahead_us > kForgotten_us) return false;
+    if (arrived_us - ahead_us > kForgotten_us) {
+      vessel.late_us = now_us;
+      return false;
+    }
     vessel.ahead_us = ahead_us;
   }
   vessel.dated = true;
@@ -168,7 +171,8 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   double farthest_m = distance_m.value_or(kNowhere);
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
-    const bool free = v.system == 0 || now_us - v.true_us > kForgotten_us;
+    const std::int64_t heard_us = std::max(v.true_us, v.late_us.value_or(v.true_us));
+    const bool free = v.system == 0 || now_us - heard_us > kForgotten_us;
     const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
                                                      convert::number(v.east_m - own.east_m))
                                    : std::numeric_limits<double>::max();
@@ -182,6 +186,14 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   place->system = system;
   place->true_us = now_us;
   return place;
+}
+
+std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
+  for (const Vessel& v : vessels_) {
+    const bool hidden = v.system != 0 && now_us - v.true_us > kForgotten_us;
+    if (hidden && v.late_us && now_us - *v.late_us <= kForgotten_us) return v.system;
+  }
+  return std::nullopt;
 }
 
 bool Neighbours::has_way(const Vessel& vessel) const {

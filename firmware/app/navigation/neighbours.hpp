@@ -38,6 +38,10 @@ class Neighbours {
   template <class S>
   bool clear(const convert::Position& own, const core::Vec2<S>& moved_n, std::int64_t now_us) const;
 
+  /// A vessel that is not tracked because its messages come more than three seconds late: their
+  /// states are too old to keep apart by. Its system id; nothing is known of silent vessels.
+  std::optional<std::uint8_t> late(std::int64_t now_us) const;
+
   /// Links of the tree to us from a virtual leader, or from a leader that sends no depth.
   std::uint8_t depth() const;
 
@@ -54,6 +58,7 @@ class Neighbours {
     link::GpsGlobalOrigin origin{};  ///< of its local frame
     std::int64_t true_us = 0;        ///< when its state was true, by our clock
     std::int64_t ahead_us = 0;       ///< of our clock before its stamps, by the promptest message
+    std::optional<std::int64_t> late_us{};  ///< when a message last came too late to be used
   };
 
   void take_heartbeat(link::Address from, const link::Heartbeat& message);

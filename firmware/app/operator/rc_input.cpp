@@ -33,7 +33,9 @@ bool RcInput::hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch
   heard_us_ = now_us;
   sticks_ = {share_of(throttle), share_of(steering)};
   const bool was_on = std::exchange(on_, turned > kSwitchedOn_us), law = core::law_drives(state);
-  const bool moved = std::max(std::abs(sticks_.surge), std::abs(sticks_.yaw)) > kMoved;
+  if (!std::exchange(resting_, law)) rest_ = sticks_;
+  const bool moved =
+      std::max(std::abs(sticks_.surge - rest_.surge), std::abs(sticks_.yaw - rest_.yaw)) > kMoved;
   if (on_ || (law && moved)) {
     pilots_ = true;
     if (law) asks_ = Request::kManual;

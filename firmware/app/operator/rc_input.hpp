@@ -10,8 +10,9 @@
 
 namespace flotilla::app {
 
-/// The pilot takes over to MANUAL by the switch, or by moving a stick while the law drives; the switch
-/// turned off ends in HOLD. Channels as on ArduPilot's Rover: 1 steers, 3 gives thrust.
+/// The pilot takes over to MANUAL by the switch, or by moving a stick away from where it rested when
+/// the law began to drive, so that a throttle may rest at its lower end; the switch turned off ends
+/// in HOLD. Channels as on ArduPilot's Rover: 1 steers, 3 gives thrust.
 class RcInput {
  public:
   /// Pulses of the channels from 1 on, µs; switch_channel counts from 1. The sticks, if the pilot has
@@ -24,9 +25,9 @@ class RcInput {
   std::optional<core::Request> take_request(core::State state, std::int64_t now_us);
 
  private:
-  Sticks sticks_;
+  Sticks sticks_, rest_;
   std::int64_t heard_us_ = 0;
-  bool on_ = false, pilots_ = false;
+  bool on_ = false, pilots_ = false, resting_ = false;  // resting_: rest_ is known and holds
   std::optional<core::Request> asks_;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The faults around a boat, by name.
+// The table of faults: scenarios, error messages, the soak and the reference page read it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -11,43 +12,122 @@
 namespace flotilla::fleet {
 
 enum class FaultKind : std::uint8_t {
-  kOwnSilent,    ///< the navigation unit is off
-  kOwnFrozen,    ///< it repeats its state from the fault's start, with new stamps
-  kOwnJump,      ///< it reports a position `value` m farther north
-  kOwnClock,     ///< its clock runs `value` s ahead of the vessel's
-  kEscSilent,    ///< sends nothing, but obeys commands
-  kEscStuck,     ///< keeps the command of the fault's start, whatever it receives
-  kEscReversed,  ///< turns the other way, and reports that it does not
-  kEscReboot,    ///< is off, and restarts at the end
-  kEscVoltage,   ///< reports a battery of `value` V
-  kBusOff,       ///< no CAN frame passes, and the host knows it
-  kFrameLoss,    ///< this share of CAN frames is lost, both ways
-  kRadioSilent,  ///< the radio is off, both ways
-  kRadioLoss,    ///< this share of chunks is lost, both ways
-  kByteErrors,   ///< this share of the radio's bytes is damaged, both ways
-  kImpostor,     ///< a second vehicle with the same system id, `value` m north of this one
-  kReplay,       ///< messages sent since the fault's start are repeated `value` s later
-  kClock,        ///< the whole vessel's clock jumps by `value` s, and back at the end
-  kRestart,      ///< the boat's process is killed; a new one starts at the end
+  kOwnSilent,
+  kOwnFrozen,
+  kOwnJump,
+  kOwnNoisy,
+  kOwnClock,
+  kOwnPoorFix,
+  kOwnImpostor,
+  kPilot,
+  kEscSilent,
+  kEscStuck,
+  kEscReversed,
+  kEscReboot,
+  kEscVoltage,
+  kBusOff,
+  kFrameLoss,
+  kStopSwitch,
+  kRadioSilent,
+  kRadioLoss,
+  kByteErrors,
+  kRadioLate,
+  kImpostor,
+  kReplay,
+  kClock,
+  kRestart,
+  kGcsSilent,
 };
-constexpr std::size_t kFaultKinds = 18;
-constexpr std::array<std::string_view, kFaultKinds> kFaultNames{
-    "own_silent",   "own_frozen",  "own_jump",    "own_clock", "esc_silent", "esc_stuck",
-    "esc_reversed", "esc_reboot",  "esc_voltage", "bus_off",   "frame_loss", "radio_silent",
-    "radio_loss",   "byte_errors", "impostor",    "replay",    "clock",      "restart"};
 
-/// Whether only boats can have it; a leader has only a unit and a radio.
-constexpr bool is_boats(FaultKind kind) {
+/// The part that fails. What fails in the world is not on a boat's wires: the caller of Fleet does it.
+enum class FaultOwner : std::uint8_t { kUnit, kEscs, kBus, kRadio, kVessel, kWorld };
+constexpr std::array<std::string_view, 6> kOwnerNames{"navigation unit", "ESCs",   "bus",
+                                                      "radio",           "vessel", "world"};
+
+struct Range {
+  double least, greatest;
+};
+
+struct FaultRow {
+  FaultKind kind;
+  std::string_view name;
+  FaultOwner owner;
+  bool leaders;                ///< a leader can have it too
+  std::string_view unit;       ///< of its value; empty: it takes none
+  Range allowed;               ///< values
+  std::optional<Range> drawn;  ///< by a soak, with either sign if `allowed` has both; none: never
+  std::string_view meaning;
+};
+
+constexpr Range kNoValue{0, 0}, kAny{-1e6, 1e6}, kPositive{0, 1e6}, kShare{0, 1};
+
+// clang-format off
+constexpr std::array kFaults = [] {
   using enum FaultKind;
-  return (kind >= kEscSilent && kind <= kFrameLoss) || kind == kRestart;
-}
-constexpr bool is_escs(FaultKind kind) {
-  return kind >= FaultKind::kEscSilent && kind <= FaultKind::kEscVoltage;
-}
-constexpr bool is_share(FaultKind kind) {
-  using enum FaultKind;
-  return kind == kFrameLoss || kind == kRadioLoss || kind == kByteErrors;
-}
+  using enum FaultOwner;
+  constexpr std::nullopt_t kNever = std::nullopt;
+  return std::to_array<FaultRow>({
+      {kOwnSilent, "own_silent", kUnit, true, "", kNoValue, kNoValue,
+       "the navigation unit is off"},
+      {kOwnFrozen, "own_frozen", kUnit, true, "", kNoValue, kNoValue,
+       "it repeats its state from the fault's start, with new stamps"},
+      {kOwnJump, "own_jump", kUnit, true, "m", kAny, Range{1, 30},
+       "it reports a position so far north of the true one"},
+      {kOwnNoisy, "own_noisy", kWorld, false, "factor", kPositive, Range{2, 10},
+       "its noise is multiplied"},
+      {kOwnClock, "own_clock", kUnit, true, "s", kAny, Range{3600, 3600},
+       "its clock runs so far ahead of the vessel's"},
+      {kOwnPoorFix, "own_poor_fix", kUnit, false, "", kNoValue, kNoValue,
+       "its GPS_RAW_INT reports no fix, and a good one afterwards; before, it sends none"},
+      {kOwnImpostor, "own_impostor", kUnit, false, "m", kAny, Range{20, 500},
+       "a second unit on its link, of the same system and a lower component id, so far north"},
+      {kPilot, "pilot", kUnit, false, "share", {-1, 1}, Range{0.4, 1},
+       "RC_CHANNELS: the switch (channels 5 to 16) is on, the throttle at that share; both rest "
+       "afterwards"},
+      {kEscSilent, "esc_silent", kEscs, false, "", kNoValue, kNoValue,
+       "sends nothing, but obeys commands"},
+      {kEscStuck, "esc_stuck", kEscs, false, "", kNoValue, kNoValue,
+       "keeps the command of the fault's start, whatever it receives"},
+      {kEscReversed, "esc_reversed", kEscs, false, "", kNoValue, kNoValue,
+       "turns the other way, and reports that it does not"},
+      {kEscReboot, "esc_reboot", kEscs, false, "", kNoValue, kNoValue,
+       "is off, and restarts at the end"},
+      {kEscVoltage, "esc_voltage", kEscs, false, "V", kAny, kNever,
+       "reports that battery voltage"},
+      {kBusOff, "bus_off", kBus, false, "", kNoValue, kNoValue,
+       "no CAN frame passes, and the host knows it"},
+      {kFrameLoss, "frame_loss", kBus, false, "share", kShare, Range{0.01, 1},
+       "that share of CAN frames is lost, both ways"},
+      {kStopSwitch, "stop_switch", kBus, false, "", kNoValue, kNoValue,
+       "a DroneCAN stop switch (Button) is pressed"},
+      {kRadioSilent, "radio_silent", kRadio, true, "", kNoValue, kNoValue,
+       "the radio is off, both ways"},
+      {kRadioLoss, "radio_loss", kRadio, true, "share", kShare, Range{0.1, 1},
+       "that share of chunks is lost, both ways"},
+      {kByteErrors, "byte_errors", kRadio, true, "share", kShare, Range{0.001, 0.3},
+       "that share of the radio's bytes is damaged, both ways"},
+      {kRadioLate, "radio_late", kRadio, true, "s", kPositive, Range{0.5, 10},
+       "vessels hear each other so much later, both ways; the ground station is not affected"},
+      {kImpostor, "impostor", kRadio, true, "m", kAny, Range{5, 50},
+       "a second vehicle with the same system id, so far north of this one"},
+      {kReplay, "replay", kRadio, true, "s", kPositive, Range{0.5, 4},
+       "messages are repeated so much later, byte for byte"},
+      {kClock, "clock", kVessel, true, "s", kAny, Range{3600, 3600},
+       "the whole vessel's clock jumps ahead, and back at the end"},
+      {kRestart, "restart", kVessel, false, "", kNoValue, kNoValue,
+       "the boat's process is killed; a new one starts at the end"},
+      {kGcsSilent, "gcs_silent", kWorld, false, "", kNoValue, kNever,
+       "its ground station is silent; needs FS_GCS_S"},
+  });
+}();
+// clang-format on
+constexpr std::size_t kFaultKinds = kFaults.size();
+
+constexpr const FaultRow& row_of(FaultKind kind) { return kFaults[static_cast<std::size_t>(kind)]; }
+static_assert(std::ranges::all_of(kFaults,
+                                  [](const FaultRow& row) { return &row == &row_of(row.kind); }));
+
+constexpr bool is_escs(FaultKind kind) { return row_of(kind).owner == FaultOwner::kEscs; }
 
 struct Fault {
   FaultKind kind;

@@ -108,6 +108,7 @@ void Fleet<S>::measure(Station& s, const TickArrays& arrays, std::vector<std::ui
   const Sensed truth = sensed(arrays, s.agent);
   if (!s.faults) return s.unit.tick(s.now_us, truth, out);
   const Sensed told = s.faults->measured(truth);
+  s.faults->say_beside(s.now_us, out);
   if (s.faults->has(FaultKind::kOwnSilent)) return;
   s.unit.tick(s.now_us + s.faults->unit_ahead_us(), told, out);
 }
@@ -188,6 +189,7 @@ void Fleet<S>::put_on_bus(Vessel& v, std::int64_t t_us, const double* rpm) {
   const Station& s = v.station;
   frames_.clear();
   v.escs.tick(s.now_us - s.jumped_us, rpm, frames_);
+  if (s.faults) s.faults->put_on_bus(s.now_us, frames_);
   for (const link::CanFrame& frame : frames_) {
     if (s.faults && (s.has(FaultKind::kRestart) || !s.faults->passes_bus())) continue;
     if (records_) s.run->records.frame(t_us, s.number, Wire::kCanIn, frame.id, frame.bytes());

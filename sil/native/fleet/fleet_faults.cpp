@@ -14,6 +14,8 @@ namespace {
 
 using enum FaultKind;
 
+constexpr std::uint8_t kComponentOnboardComputer = 191;  // lower than the navigation unit's
+
 std::int64_t microseconds(double s) { return std::llround(1e6 * s); }
 
 void check_time(std::int64_t shown_us) {
@@ -30,7 +32,8 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
     check_time(now_us + microseconds(fault.value));
     s.was_set = true;
   }
-  if (fault.kind == kClock && s.faults && s.faults->has(kClock)) clear_fault(agent, fault, t_us);
+  const bool shifts = fault.kind == kClock || fault.kind == kRadioLate;
+  if (shifts && s.has(fault.kind)) clear_fault(agent, fault, t_us);
   if (is_escs(fault.kind)) {
     boats_[agents_[agent].index].escs.set_fault(fault, now_us - s.jumped_us);
     return;
@@ -44,6 +47,16 @@ void Fleet<S>::set_fault(std::size_t agent, const Fault& fault, std::int64_t t_u
       const link::Address like_it{s.system, link::mav::kComponentAutopilot};
       return s.faults->set_impostor(NavigationUnit(like_it, s.unit.settings()));
     }
+    case kOwnPoorFix:
+      return s.unit.tell_fix(false);
+    case kOwnImpostor: {
+      const link::Address beside{s.system, kComponentOnboardComputer};
+      return s.faults->set_own_impostor(NavigationUnit(beside, s.unit.settings()));
+    }
+    case kPilot:
+      return s.unit.tell_pilot(fault.value);
+    case kRadioLate:
+      return delay_radio(s, fault.value);
     case kClock:
       return shift_clock(s, microseconds(fault.value), t_us);
     case kRestart:
@@ -64,6 +77,9 @@ void Fleet<S>::clear_fault(std::size_t agent, const Fault& fault, std::int64_t t
   const double value = s.faults->value(fault.kind);
   s.faults->clear(fault.kind);
   if (fault.kind == kBusOff) report_bus(boats_[agents_[agent].index], t_us);
+  if (fault.kind == kOwnPoorFix) s.unit.tell_fix(true);
+  if (fault.kind == kPilot) s.unit.tell_pilot(std::nullopt);
+  if (fault.kind == kRadioLate) delay_radio(s, -value);
   if (fault.kind == kClock) shift_clock(s, -microseconds(value), t_us);
   if (s.faults->none()) s.faults.reset();
 }
@@ -73,6 +89,12 @@ void Fleet<S>::shift_clock(Station& s, std::int64_t by_us, std::int64_t t_us) {
   s.clock.offset_us += by_us;
   s.jumped_us += by_us;
   if (records_) s.run->records.host(t_us, s.number, HostEvent::kClock, s.clock.offset_us);
+}
+
+template <class S>
+void Fleet<S>::delay_radio(const Station& s, double by_s) {
+  for (const std::uint32_t link : s.inbox) links_[link].delay_more(by_s);
+  for (const std::uint32_t link : s.outbox) links_[link].delay_more(by_s);
 }
 
 template <class S>

@@ -11,9 +11,9 @@
 namespace flotilla::fleet {
 namespace {
 
-constexpr MessageType kHeartbeat{0, 50}, kAttitude{30, 39}, kLocalPositionNed{32, 185},
-    kGlobalPositionInt{33, 104}, kGpsGlobalOrigin{49, 39}, kTimesync{111, 34},
-    kFollowTarget{144, 127}, kOdometry{331, 91};
+constexpr MessageType kHeartbeat{0, 50}, kGpsRawInt{24, 24}, kAttitude{30, 39},
+    kLocalPositionNed{32, 185}, kGlobalPositionInt{33, 104}, kGpsGlobalOrigin{49, 39},
+    kRcChannels{65, 118}, kTimesync{111, 34}, kFollowTarget{144, 127}, kOdometry{331, 91};
 constexpr std::uint8_t kTypeGeneric = 0, kEstimatorGpsIns = 5, kMavlinkVersion = 3;
 constexpr std::uint16_t kUnknownHeading = 65535;
 
@@ -63,6 +63,8 @@ NavigationUnit::NavigationUnit(link::Address self, const UnitSettings& settings)
       writer_(self),
       state_rate_(settings.rate_hz),
       slow_rate_(1.0),
+      fix_rate_(5.0),
+      pilot_rate_(20.0),
       delay_us_(whole_us(settings.delay_s)),
       every_us_(whole_us(settings.dropout_every_s)),
       dropout_us_(whole_us(settings.dropout_s)) {
@@ -101,7 +103,9 @@ void NavigationUnit::answer(Out& out) {
 void NavigationUnit::tell_due(std::int64_t now_us, const Sensed& sensed, Out& out) {
   const bool attitude_due = attitude_rate_ && attitude_rate_->due(now_us);
   const bool state_due = state_rate_.due(now_us);
+  if (pilot_ && pilot_rate_.due(now_us)) pilot(now_us, out);
   if (drops_out(now_us)) return;
+  if (fix_ && fix_rate_.due(now_us)) fix(now_us, out);
   if (attitude_due) attitude(now_us, sensed, out);
   if (state_due) tell(now_us, sensed, out);
 }
@@ -164,6 +168,25 @@ void NavigationUnit::follow_target(std::int64_t now_us, const Sensed& s, Out& ou
                 single(0.001 * settings_.origin[2]), std::array{single(north), single(east), 0.0F},
                 zeros, quaternion(s.eta[2]), rates, zeros,
                 static_cast<std::uint8_t>(kFollowPosition | kFollowVelocity | kFollowAttitude));
+}
+
+void NavigationUnit::fix(std::int64_t now_us, Out& out) {
+  constexpr std::uint8_t kNoFix = 1, kFix3d = 3;
+  constexpr std::uint16_t kUnknown = 65535, kHdop = 80;  // 0.8
+  writer_.write(out, kGpsRawInt, now_us, settings_.origin, *fix_ ? kHdop : kUnknown, kUnknown,
+                kUnknown, kUnknown, *fix_ ? kFix3d : kNoFix,
+                static_cast<std::uint8_t>(*fix_ ? 14 : 0));
+}
+
+void NavigationUnit::pilot(std::int64_t now_us, Out& out) {
+  constexpr std::uint8_t kChannels = 16, kThrottle = 2, kFirstSwitch = 4, kRssiUnknown = 255;
+  std::array<std::uint16_t, 18> pulses_us{};
+  std::fill_n(pulses_us.begin(), kFirstSwitch, std::uint16_t{1500});
+  std::fill_n(pulses_us.begin() + kFirstSwitch, kChannels - kFirstSwitch,
+              static_cast<std::uint16_t>(pilot_->throttle ? 1900 : 1100));
+  pulses_us[kThrottle] =
+      static_cast<std::uint16_t>(1500 + std::lround(400 * pilot_->throttle.value_or(0)));
+  writer_.write(out, kRcChannels, boot_ms(now_us), pulses_us, kChannels, kRssiUnknown);
 }
 
 // Splits by the frames' length bytes. After bytes that are no frame, lengths are not trusted: any

@@ -46,6 +46,13 @@ class NavigationUnit {
   /// Takes any bytes; the next tick answers TIMESYNC requests to this unit.
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us);
 
+  /// From now on it also sends GPS_RAW_INT, with or without a fix.
+  void tell_fix(bool good) { fix_ = good; }
+
+  /// From now on it also sends RC_CHANNELS: the throttle's share of full deflection while the pilot
+  /// has the switch on, else everything at rest.
+  void tell_pilot(std::optional<double> throttle) { pilot_ = Pilot{throttle}; }
+
   bool tells_degrees() const { return settings_.message >= StateMessage::kGlobal; }
   const UnitSettings& settings() const { return settings_; }
 
@@ -53,6 +60,9 @@ class NavigationUnit {
   struct Request {
     std::int64_t ts1_ns;
     std::int64_t arrived_us;
+  };
+  struct Pilot {
+    std::optional<double> throttle;
   };
   using Out = std::vector<std::uint8_t>;
   struct Waiting {
@@ -70,13 +80,17 @@ class NavigationUnit {
   void odometry(std::int64_t now_us, const Sensed& sensed, Out& out);
   void global(std::int64_t now_us, const Sensed& sensed, Out& out);
   void follow_target(std::int64_t now_us, const Sensed& sensed, Out& out);
+  void fix(std::int64_t now_us, Out& out);
+  void pilot(std::int64_t now_us, Out& out);
   void take_timesync(std::span<const std::uint8_t> frame, const link::FrameHeader& header,
                      std::int64_t now_us);
 
   link::Address self_;
   UnitSettings settings_;
   FrameWriter writer_;
-  Rate state_rate_, slow_rate_;
+  Rate state_rate_, slow_rate_, fix_rate_, pilot_rate_;
+  std::optional<bool> fix_;
+  std::optional<Pilot> pilot_;
   std::optional<Rate> attitude_rate_;
   std::vector<Request> requests_;
   std::int64_t delay_us_, every_us_, dropout_us_;

@@ -29,7 +29,7 @@ std::span<const std::uint8_t> Channel::send(std::span<const std::uint8_t> data,
     damaged_[at / 8] = static_cast<std::uint8_t>(damaged_[at / 8] ^ 1U << at % 8);
     data = damaged_;
   }
-  if (in_flight_.empty() && quality_ == LinkQuality{}) return data;
+  if (in_flight_.empty() && quality_ == LinkQuality{} && late_s_ == 0) return data;
   launch(data, now_us);
   return {};
 }
@@ -42,7 +42,7 @@ void Channel::launch(std::span<const std::uint8_t> data, std::int64_t now_us) {
     arrival_us = free_us_;
   }
   if (quality_.loss > 0 && random_.uniform() < quality_.loss) return;
-  double latency_s = quality_.delay_s;
+  double latency_s = quality_.delay_s + late_s_;
   if (quality_.jitter_s > 0) latency_s += quality_.jitter_s * random_.uniform();
   in_flight_.push_back(
       {arrival_us + rounded_us(1e6 * latency_s), ++sent_, Bytes(data.begin(), data.end())});

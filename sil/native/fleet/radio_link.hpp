@@ -34,6 +34,7 @@ class Channel {
   explicit Channel(std::uint64_t seed) : random_(seed) {}
 
   void set(const LinkQuality& quality) { quality_ = quality; }
+  void delay_more(double by_s) { late_s_ += by_s; }
   void corrupt(std::size_t bit) { bit_ = bit; }
 
   /// The chunk if it arrives at once; empty if it is delayed or lost.
@@ -59,6 +60,7 @@ class Channel {
   void launch(std::span<const std::uint8_t> data, std::int64_t now_us);
 
   LinkQuality quality_;
+  double late_s_ = 0;  // beyond its quality's delay
   SplitMix64 random_;
   std::int64_t free_us_ = 0;
   std::uint64_t sent_ = 0;
@@ -73,6 +75,9 @@ class RadioLink {
 
   /// Applies from now on; chunks in flight arrive as they would have.
   void set(const LinkQuality& quality);
+
+  /// Every later chunk is so much later than its quality says, on top of earlier calls.
+  void delay_more(double by_s) { channel().delay_more(by_s); }
 
   /// Flips one bit of the next chunk sent, counted modulo its length.
   void corrupt(std::size_t bit) { channel().corrupt(bit); }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "link/dronecan/messages.hpp"
+
 namespace flotilla::fleet {
 namespace {
 
@@ -38,6 +40,7 @@ void VesselFaults::clear(FaultKind kind) {
   active_.reset(static_cast<std::size_t>(kind));
   if (kind == kOwnFrozen) frozen_.reset();
   if (kind == kImpostor) impostor_.reset();
+  if (kind == kOwnImpostor) own_impostor_.reset();
   if (kind == kReplay) to_repeat_.clear();
 }
 
@@ -52,6 +55,22 @@ Sensed VesselFaults::measured(const Sensed& truth) {
   }
   if (has(kOwnJump)) move_north(told_.eta, told_.degE7, value(kOwnJump));
   return told_.sensed();
+}
+
+void VesselFaults::say_beside(std::int64_t now_us, Bytes& out) {
+  if (!own_impostor_) return;
+  Pose pose = truth_;
+  move_north(pose.eta, pose.degE7, value(kOwnImpostor));
+  own_impostor_->tick(now_us + kImpostorAhead_us, pose.sensed(), out);
+}
+
+void VesselFaults::put_on_bus(std::int64_t now_us, std::vector<link::CanFrame>& out) {
+  if (!has(kStopSwitch) || !button_rate_.due(now_us)) return;
+  constexpr std::uint8_t kNode = 50, kPriority = 24, kPressTime = 10;
+  constexpr link::DataType type = link::Button::kType;
+  constexpr std::array payload{link::Button::kSafety, kPressTime};
+  split_transfer({kPriority, type.kind, type.id, kNode, 0}, type, button_id_++ & 0x1FU, payload,
+                 std::span(&out.emplace_back(), 1));
 }
 
 std::int64_t VesselFaults::unit_ahead_us() const {

@@ -13,6 +13,7 @@
 #include "fleet/fault.hpp"
 #include "fleet/navigation_unit.hpp"
 #include "fleet/radio_link.hpp"
+#include "link/dronecan/can_frame.hpp"
 
 namespace flotilla::fleet {
 
@@ -29,6 +30,15 @@ class VesselFaults {
 
   /// The unit that impersonates the vessel's.
   void set_impostor(NavigationUnit&& unit) { impostor_.emplace(std::move(unit)); }
+
+  /// The second unit on the navigation link.
+  void set_own_impostor(NavigationUnit&& unit) { own_impostor_.emplace(std::move(unit)); }
+
+  /// Appends what the second unit sends; measured() has the truth.
+  void say_beside(std::int64_t now_us, Bytes& out);
+
+  /// Appends the frames of other nodes on the bus.
+  void put_on_bus(std::int64_t now_us, std::vector<link::CanFrame>& out);
 
   /// The unit's measurement of the truth; valid until the next call.
   Sensed measured(const Sensed& truth);
@@ -67,7 +77,9 @@ class VesselFaults {
   std::array<SplitMix64, kFaultKinds> random_{make_random()};
   Pose truth_{}, told_{};
   std::optional<Pose> frozen_;
-  std::optional<NavigationUnit> impostor_;
+  std::optional<NavigationUnit> impostor_, own_impostor_;
+  Rate button_rate_{10.0};
+  std::uint8_t button_id_ = 0;
   std::deque<Said> to_repeat_;
   Bytes aired_, heard_;
 

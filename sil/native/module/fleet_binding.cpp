@@ -58,7 +58,7 @@ class PyFleet {
 
   /// The agent, after checking that it can have the fault.
   static std::size_t with(const auto& fleet, std::size_t i, const Fault& fault) {
-    if (is_boats(fault.kind)) boat(fleet, i);
+    if (!row_of(fault.kind).leaders) boat(fleet, i);
     return agent(fleet, i);
   }
 
@@ -253,9 +253,31 @@ void bind_fleet(nb::module_& m) {
         return out;
       },
       "The rules that every boat of a Fleet is watched by in every tick: (group, name).");
-  nb::list faults;
-  for (const std::string_view name : kFaultNames) faults.append(nb::str(name.data(), name.size()));
-  m.attr("FAULTS") = nb::tuple(faults);
+  m.def(
+      "fault_list",
+      [] {
+        const auto text = [](std::string_view words) {
+          return nb::str(words.data(), words.size());
+        };
+        nb::list out;
+        for (const FaultRow& row : kFaults) {
+          nb::dict fault;
+          fault["name"] = text(row.name);
+          fault["owner"] = text(kOwnerNames[static_cast<std::size_t>(row.owner)]);
+          fault["leaders"] = row.leaders;
+          fault["unit"] = text(row.unit);
+          fault["least"] = row.allowed.least;
+          fault["greatest"] = row.allowed.greatest;
+          fault["drawn"] = nb::none();
+          if (row.drawn) fault["drawn"] = nb::make_tuple(row.drawn->least, row.drawn->greatest);
+          fault["meaning"] = text(row.meaning);
+          out.append(fault);
+        }
+        return out;
+      },
+      "The faults of a scenario: name; owner, the part that fails (\"world\": not on a fleet's "
+      "wires); leaders: virtual leaders can have it too; unit, least and greatest of its value, no "
+      "unit where it takes none; drawn: the range that a soak draws from, if it does; meaning.");
   nb::class_<PyFleet>(
       m, "Fleet",
       "Everything that is on a wire in lockstep runs, many at once: navigation units, boats with "
@@ -300,15 +322,12 @@ void bind_fleet(nb::module_& m) {
            "run's ground station (255/190).")
       .def("heartbeat", &PyFleet::heartbeat, "agents"_a, "t_us"_a,
            "HEARTBEAT of that ground station, over the radio to each of these boats.")
-      .def(
-          "set_fault", &PyFleet::set_fault, "agent"_a, "kind"_a, "t_us"_a, "value"_a = 0.0,
-          "esc"_a = nb::none(), "seed"_a = 0,
-          "Something goes wrong from the next tick on. kind: one of flotilla.FAULTS; value: metres "
-          "(own_jump, impostor), seconds (own_clock, clock, replay), volts (esc_voltage) or a "
-          "share "
-          "(frame_loss, radio_loss, byte_errors); esc: \"port\", \"stbd\" or None for both; seed: "
-          "of what is "
-          "lost or damaged.")
+      .def("set_fault", &PyFleet::set_fault, "agent"_a, "kind"_a, "t_us"_a, "value"_a = 0.0,
+           "esc"_a = nb::none(), "seed"_a = 0,
+           "Something goes wrong from the next tick on. kind: a name of flotilla.fault_list(), "
+           "which has "
+           "the meaning and unit of value; esc: \"port\", \"stbd\" or None for both; seed: decides "
+           "what is lost or damaged.")
       .def("clear_fault", &PyFleet::clear_fault, "agent"_a, "kind"_a, "t_us"_a,
            "esc"_a = nb::none(), "It is over; nothing happens where there is none.")
       .def_prop_ro("states", &PyFleet::states,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -14,7 +15,6 @@ namespace nb = nanobind;
 namespace flotilla::fleet {
 namespace {
 
-constexpr double kMaxValue = 1e6;
 constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 127 years; a clock adds as much
 // Longjumeau, as everywhere in the SIL: any place will do.
 constexpr std::array<std::int32_t, 3> kOrigin{487'000'000, 22'950'000, 40'000};
@@ -125,12 +125,16 @@ Order order_from(int command, const nb::sequence& params) {
 }
 
 Fault fault_from(const std::string& kind, double value, const nb::object& esc, std::uint64_t seed) {
-  const auto* const found = std::find(kFaultNames.begin(), kFaultNames.end(), kind);
-  if (found == kFaultNames.end()) refuse("kind: one of flotilla.FAULTS, not \"" + kind + "\"");
-  Fault out{static_cast<FaultKind>(found - kFaultNames.begin()), value, std::nullopt, seed};
-  if (!within(value, -kMaxValue, kMaxValue)) refuse("value: a number from -1e6 to 1e6");
-  if (is_share(out.kind) && !within(value, 0, 1)) refuse("value: a share from 0 to 1");
-  if (out.kind == FaultKind::kReplay && value < 0) refuse("value: seconds, not negative");
+  const auto* const row = std::ranges::find(kFaults, kind, &FaultRow::name);
+  if (row == kFaults.end()) refuse("kind: none of flotilla.fault_list() is \"" + kind + "\"");
+  if (row->owner == FaultOwner::kWorld) refuse("kind: " + kind + " is not on a fleet's wires");
+  const auto [least, greatest] = row->unit.empty() ? kAny : row->allowed;
+  if (!within(value, least, greatest)) {
+    std::array<char, 96> range{};
+    std::snprintf(range.data(), range.size(), "value: a number from %g to %g", least, greatest);
+    refuse(kind + ": " + range.data());
+  }
+  Fault out{row->kind, value, std::nullopt, seed};
   if (esc.is_none()) return out;
   std::string name;
   if (!is_escs(out.kind)) refuse("esc: only a fault of ESCs has one");

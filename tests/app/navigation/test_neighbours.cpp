@@ -108,8 +108,22 @@ TEST_CASE("a state that is five seconds late is none: its vessel is forgotten, n
   w.sail(0, 10 * kSecond_us, 0);
   w.sail(15 * kSecond_us, 60 * kSecond_us, 5 * kSecond_us);
   CHECK(w.look(60 * kSecond_us).count == 0);
+  CHECK(w.neighbours.late(60 * kSecond_us) == 5);
+  CHECK_FALSE(w.neighbours.late(63 * kSecond_us));  // silent
   w.tell(60 * kSecond_us, 60 * kSecond_us);
+  CHECK_FALSE(w.neighbours.late(60 * kSecond_us));
   CHECK(w.off_m(60 * kSecond_us) == doctest::Approx(0).epsilon(0.05));
+}
+
+TEST_CASE("a vessel that is heard too late keeps its entry: it is no new one that seems prompt") {
+  Sailing w;
+  w.sail(0, 10 * kSecond_us, 0);
+  w.sail(15 * kSecond_us, 20 * kSecond_us, 5 * kSecond_us);
+  w.hear(6, beat(), 20 * kSecond_us);
+  w.hear(6, at(40, 0), 20 * kSecond_us);
+  w.sail(20 * kSecond_us, 25 * kSecond_us, 5 * kSecond_us);
+  CHECK(w.neighbours.late(25 * kSecond_us) == 5);
+  CHECK(w.look(20 * kSecond_us).count == 1);
 }
 
 TEST_CASE("who was late at first is known to have been by the first prompt message") {

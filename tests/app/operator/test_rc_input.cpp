@@ -76,9 +76,9 @@ TEST_CASE("a stick that is moved takes over from the law, and from nobody else")
   for (const auto& [steering, throttle] : {std::pair{1500, 1630}, std::pair{1500, 1370},
                                            std::pair{1630, 1500}, std::pair{1370, 1500}}) {
     Transmitter t;
+    t.hear(State::kFormation);
+    CHECK_FALSE(t.request());
     t.set(static_cast<std::uint16_t>(steering), static_cast<std::uint16_t>(throttle), 1000);
-    t.hear(State::kHold);
-    CHECK_FALSE(t.rc.sticks());
     t.hear(State::kFormation);
     CHECK(t.request() == Request::kManual);
     t.set(1500, 1500, 1000);
@@ -93,6 +93,36 @@ TEST_CASE("a stick that is moved takes over from the law, and from nobody else")
   still.set(1600, 1400, 1000);
   still.hear(State::kFormation);
   CHECK_FALSE(still.request());
+}
+
+TEST_CASE("a throttle that rests at its lower end is not moved; one that leaves it is") {
+  Transmitter t;
+  t.set(1500, 1000, 1000);
+  for (const State state : {State::kDisarmed, State::kHold, State::kFormation, State::kCoast}) {
+    t.hear(state);
+    CHECK_FALSE(t.request());
+    CHECK_FALSE(t.rc.sticks());
+  }
+  t.set(1500, 1210, 1000);  // 0.3 beyond the end of its travel at 1100
+  t.hear(State::kCoast);
+  CHECK_FALSE(t.request());
+  t.set(1500, 1230, 1000);
+  t.hear(State::kFormation);
+  CHECK(t.request() == Request::kManual);
+  CHECK(t.rc.sticks());
+}
+
+TEST_CASE("sticks rest where they are when the law begins to drive") {
+  Transmitter t;
+  t.set(1500, 1000, 1000);
+  t.hear(State::kHold);
+  t.set(1500, 1500, 1000);  // centred for MANUAL
+  t.hear(State::kManual);
+  t.hear(State::kFormation);
+  CHECK_FALSE(t.request());
+  t.set(1500, 1000, 1000);
+  t.hear(State::kFormation);
+  CHECK(t.request() == Request::kManual);
 }
 
 TEST_CASE("pulses are shares of full thrust ahead and of full moment to starboard") {

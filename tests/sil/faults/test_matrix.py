@@ -89,6 +89,14 @@ def test_a_boat_is_driven_home_by_sticks_that_were_at_neutral(
     assert why in outcome.why
 
 
+def test_a_boat_that_does_not_tell_the_rows_words_fails() -> None:
+    row = Row.model_validate({"name": "it", "fault": [FAULT], "states": ["HOLD"], "told": "fix"})
+    well = judged(*GOOD, **WELL)
+    assert matrix._heard(row, ["HOLD", "poor navigation: fix"], well) == well
+    silent = matrix._heard(row, ["HOLD"], well)
+    assert not silent.passed and silent.why == "\"fix\" was not told, but ['HOLD']"
+
+
 def test_thrust_may_last_as_long_as_the_row_says() -> None:
     spells = (GOOD[0], ("HOLD", 3, 5.0), ("HOLD", 27, 0.0), GOOD[2])
     assert judged(*spells, **WELL, off_s=0.3).passed

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: MIT
+"""The table of sil/docs/FAULTS.md: every kind of fault, from the table in C++."""
+
+from sil import ROOT
+from sil.scenario.fault_kinds import KINDS, Kind
+
+PAGE = ROOT / "sil" / "docs" / "FAULTS.md"
+
+
+def table() -> str:
+    """The faults, each as a row of a Markdown table."""
+    lines = ["| kind | fails | value | agents | meaning |", "|---|---|---|---|---|"]
+    for name, kind in KINDS.items():
+        agents = "all" if kind.leaders else "boats"
+        cells = (f"`{name}`", kind.owner, _value(kind), agents, kind.meaning)
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _value(kind: Kind) -> str:
+    return f"{kind.unit}, {kind.least:g} … {kind.greatest:g}" if kind.unit else "–"
