@@ -23,7 +23,7 @@ EXAMPLES = (
     "flotilla run diamond --seed 2 --param LAW_KX=0.3 --set link.delay_s=0.1 --out out/late",
     "flotilla run my_scenario.toml --law paper",
 )
-_CHAIN = 4
+_CHAIN = 5
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +64,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
 
 
 def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Console") -> None:
-    """Warn of a chain of boats that is deeper than certified; three in a line are not looked at."""
+    """Warn of a chain of boats that is deeper than certified; four in a line are not looked at."""
     from sil.certificate.probe import deepest
 
     if len(deepest(chosen)) < _CHAIN:

@@ -107,7 +107,7 @@ class LeaderFallsSilent(LiveWorld):
 def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sil.report.one_run.LiveWorld", LeaderFallsSilent)
+    monkeypatch.setattr("sil.live.live_world.LiveWorld", LeaderFallsSilent)
     diamond = scenario.load("diamond", [f"duration_s={COASTING_RUN_S}"])
     pair = diamond.model_copy(update={"boat": diamond.boat[:2]})
     parameters = {"FS_LEADER_S": 1.0, "FS_COAST_S": 60.0}
