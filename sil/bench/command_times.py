@@ -16,7 +16,7 @@ from rich.table import Table
 
 _ROUNDS = 5
 _RUNS = 100
-_COMMANDS = (
+_COMMANDS: tuple[tuple[str, ...], ...] = (
     ("--help",),
     ("run", "diamond"),
     ("campaign", "paper_monte_carlo", "--runs", str(_RUNS)),
@@ -34,9 +34,8 @@ def tell(console: Console) -> None:
     for words, _ in track(rounds, console=console, transient=True):
         found.setdefault(words, []).append(_once(words))
     for words, times in found.items():
-        wall_s, sailing_s, cpu_s = (
-            statistics.median(column) for column in zip(*times, strict=True)
-        )
+        medians = [statistics.median(column) for column in zip(*times, strict=True)]
+        wall_s, sailing_s, cpu_s = medians
         sailed = f"{sailing_s:.2f}" if sailing_s else "–"
         table.add_row(" ".join(words), f"{wall_s:.2f}", sailed, f"{cpu_s:.2f}")
     console.print(table)

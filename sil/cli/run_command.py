@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sil.cli.out_folder import claim
 from sil.scenario import arguments
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     if options.seed is not None:
         overrides.append(f"seed={options.seed}")
     chosen = scenario.load(options.scenario, overrides, options.law)
-    out = options.out or Path("out") / chosen.name
+    out = claim(options.out or Path("out") / chosen.name, "summary.json", chosen.name)
     parameters = arguments.parameters_of(options.param)
     console = Console()
     try:

@@ -22,7 +22,7 @@ THERE = ROOT / "build/cortex-m/tests/cortex_m"
 _TITLES = {"sin": "sin, within ±π", "sin_far": "sin, within ±32768", "cos": "cos, within ±π"}
 
 
-class Row(NamedTuple):
+class MeasuredFunction(NamedTuple):
     """One function. Errors: the largest, in LSB of Q16; times: ns a call; NaN: libfixmath has none.
 
     Instructions of a call on the Cortex-M4: Q16's; newlib's float without the processor's floating
@@ -42,7 +42,7 @@ class Row(NamedTuple):
     instructions_fpu: int
 
 
-def measure(arguments: int) -> list[Row]:
+def measure(arguments: int) -> list[MeasuredFunction]:
     """Of that many arguments of every function, or a few more. The programs are built already."""
     command = [str(HERE), str(arguments)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)  # noqa: S603
@@ -52,7 +52,7 @@ def measure(arguments: int) -> list[Row]:
         name, count, *figures = line.split()
         e, e_libfixmath, e_float, ns, ns_libfixmath, ns_float = map(float, figures)
         rows.append(
-            Row(
+            MeasuredFunction(
                 *(name, int(count), e, e_libfixmath, e_float, ns, ns_libfixmath, ns_float),
                 *(int(hard[f"q16.{name}"]), int(soft[f"float.{name}"]), int(hard[f"float.{name}"])),
             )
@@ -73,7 +73,7 @@ def _number(x: float, form: str) -> str:
     return "" if math.isnan(x) else format(x, form)
 
 
-def tables(rows: list[Row]) -> list[Table]:
+def tables(rows: list[MeasuredFunction]) -> list[Table]:
     """What the command prints: errors, times, instructions; a line for each function."""
     return [
         _table(

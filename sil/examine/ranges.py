@@ -43,7 +43,7 @@ class Most:
 
 
 @dataclass(frozen=True)
-class Row:
+class FileRange:
     """A file of core, what it states and what was seen; None where that is nothing."""
 
     file: str
@@ -123,12 +123,15 @@ def stated(core: Path = CORE) -> dict[str, float]:
     return found
 
 
-def rows(says: Mapping[str, float], most: Mapping[str, Most]) -> list[Row]:
+def rows(says: Mapping[str, float], most: Mapping[str, Most]) -> list[FileRange]:
     """Every file that states a range or that took a value."""
-    return [Row(file, says.get(file), most.get(file)) for file in sorted(says.keys() | most.keys())]
+    return [
+        FileRange(file, says.get(file), most.get(file))
+        for file in sorted(says.keys() | most.keys())
+    ]
 
 
-def for_terminal(found: Iterable[Row]) -> Table:
+def for_terminal(found: Iterable[FileRange]) -> Table:
     """The table for the terminal, margins to Q16.16's end; what is out of its range is red."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     for place, head in enumerate(("file:line", "greatest", "stated", "margin", "run")):

@@ -16,7 +16,7 @@ from sil.common import files
 from sil.results import results_campaigns, results_readme, results_table
 from sil.results.results_campaigns import MonteCarlo
 from sil.results.results_readme import Measured
-from sil.results.results_table import Row
+from sil.results.results_table import PublishedBound
 from sil.results.sailing import Job, Outcome
 
 PAGE = ROOT / "sil" / "docs" / "RESULTS.md"
@@ -34,7 +34,7 @@ class Published(NamedTuple):
     measured: Measured
 
     @property
-    def table(self) -> list[Row]:
+    def table(self) -> list[PublishedBound]:
         """The law's table."""
         return results_table.rows(self.outcomes)
 

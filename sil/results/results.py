@@ -22,6 +22,7 @@ from sil.campaign.finished import Campaign
 from sil.common import files
 from sil.report import comparison
 from sil.results import (
+    SEEDS,
     published,
     results_campaigns,
     results_fleets,
@@ -31,10 +32,9 @@ from sil.results import (
 )
 from sil.results.claims import BASELINE, CLAIMS, LAWS, PRODUCT
 from sil.results.published import PICTURES, Published
-from sil.results.results_table import Row
+from sil.results.results_table import PublishedBound
 from sil.results.sailing import Job, Outcome, sail_all
 
-SEEDS = 40
 _INTERRUPTED = 130
 
 
@@ -154,7 +154,7 @@ def picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
     return comparison.png(comparison.picture(name, claim.limit_m, claim.map_s, baseline, product))
 
 
-def _json(table: Sequence[Row], outcomes: Sequence[Outcome]) -> bytes:
+def _json(table: Sequence[PublishedBound], outcomes: Sequence[Outcome]) -> bytes:
     bounds = [
         {
             "scenario": row.scenario,

@@ -5,11 +5,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sil.results import SEEDS
 from sil.results.claims import CLAIMS, PRODUCT
 from sil.results.results_table import percentile, told
 from sil.results.sailing import Job, Outcome
 
-_SEEDS = 40
 # of the S-curve: surge_N 2 is 0.58 m/s, 3.436 is 1.0 m/s; a yaw moment of 0.3024 N m is 0.35 rad/s
 _S_CURVE = "yaw_sine_Nm=0.3, yaw_sine_rad_s=0.3"
 _FASTER = (
@@ -49,7 +49,7 @@ class Case:
 
 _CALM = "≤ 0.02 m; ≤ 1.15 × the root's"
 _CAPS = "≤ LAW_R_MAX 0.8 rad/s, LAW_U_MAX 1.5 m/s; nobody silently out of formation"
-_MANY = tuple(range(1, _SEEDS + 1))
+_MANY = tuple(range(1, SEEDS + 1))
 CASES = (
     Case("20 in a line, 0.2 s radio, all hear all", _CALM, "line20"),
     Case("the same, 30 % lost", _CALM, "line20", _LOSSY),

@@ -10,7 +10,7 @@ from sil.lockstep.world import World
 from sil.results import radio_share
 from sil.results.claims import BASELINE
 from sil.results.results_campaigns import MonteCarlo
-from sil.results.results_table import Row, told
+from sil.results.results_table import PublishedBound, told
 from sil.scenario import scenario
 
 Measured = dict[str, float]
@@ -73,7 +73,7 @@ def _radio(folder: Path) -> Measured:
     }
 
 
-def for_measured(table: Sequence[Row], measured: Measured) -> str:
+def for_measured(table: Sequence[PublishedBound], measured: Measured) -> str:
     """The table of what boats did, in Markdown."""
     (deviation,) = (row for row in table if row.bound.key == "deviation_from_reference")
     leaders = "only `GLOBAL_POSITION_INT`, only `FOLLOW_TARGET`, or from an origin 2 km away"
@@ -107,7 +107,7 @@ def for_measured(table: Sequence[Row], measured: Measured) -> str:
     return _markdown(("", "measured", "wanted"), "|---|---|---|", lines)
 
 
-def for_law(table: Sequence[Row], campaigns: Sequence[MonteCarlo]) -> str:
+def for_law(table: Sequence[PublishedBound], campaigns: Sequence[MonteCarlo]) -> str:
     """The table of the law beside the paper's, in Markdown."""
     head = "300 s in lockstep, worst boat: RMS distance from the slot over the last third"
     lines: list[tuple[str, ...]] = []

@@ -18,7 +18,7 @@ _PERCENTILE = 0.95
 
 
 @dataclass(frozen=True)
-class Row:
+class PublishedBound:
     """A bound of a scenario and the two laws' figures.
 
     A figure is infinite for never, None where a run failed, NaN where the bound asks for none.
@@ -54,7 +54,7 @@ class Row:
         ]
 
 
-def rows(outcomes: Sequence[Outcome]) -> list[Row]:
+def rows(outcomes: Sequence[Outcome]) -> list[PublishedBound]:
     """The table of the scenarios that `outcomes` have, in their order."""
     found = []
     for name in dict.fromkeys(outcome.job.scenario for outcome in outcomes):
@@ -64,11 +64,11 @@ def rows(outcomes: Sequence[Outcome]) -> list[Row]:
         }
         for bound in CLAIMS[name].bounds:
             baseline, product = (percentile(runs, bound, law) for law, runs in laws.items())
-            found.append(Row(name, bound, baseline, product, len(laws[PRODUCT])))
+            found.append(PublishedBound(name, bound, baseline, product, len(laws[PRODUCT])))
     return found
 
 
-def for_terminal(table: Sequence[Row]) -> Table:
+def for_terminal(table: Sequence[PublishedBound]) -> Table:
     """The table for the terminal; what was missed is red."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for place, column in enumerate(COLUMNS):
@@ -81,7 +81,7 @@ def for_terminal(table: Sequence[Row]) -> Table:
     return grid
 
 
-def for_page(table: Sequence[Row]) -> str:
+def for_page(table: Sequence[PublishedBound]) -> str:
     """The table in Markdown, and a picture for each scenario."""
     lines = [f"| {' | '.join(COLUMNS)} |", "|---|---|--:|--:|--:|---|"]
     for row in table:

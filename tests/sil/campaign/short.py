@@ -7,7 +7,7 @@ import numpy as np
 
 from sil.campaign.run_outcome import RunResult
 from sil.campaign.sampling import Sampler
-from sil.campaign.work import Batch, code
+from sil.campaign.work import Share, code
 from sil.scenario import scenario
 
 SHORT = """\
@@ -39,8 +39,8 @@ def sampler(folder: Path, more: str = "", overrides: tuple[str, ...] = ()) -> Sa
     return Sampler(scenario.read(short(folder, more), overrides))
 
 
-def batch(sampler: Sampler, runs: tuple[int, ...]) -> Batch:
-    return Batch(runs, sampler, {}, code())
+def batch(sampler: Sampler, runs: tuple[int, ...]) -> Share:
+    return Share(runs, sampler, {}, code())
 
 
 def result(run: int, error_m: list[list[float]], outcome: str = "ok") -> RunResult:
