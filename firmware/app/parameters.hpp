@@ -77,7 +77,6 @@ constexpr float separation_m(const Parameters& p) {
 }
 
 /// Describes the first contradiction between parameters that are each valid; nothing if none.
-
 std::optional<std::string_view> contradiction(const Parameters& parameters);
 
 }  // namespace flotilla::app
