@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tracks the vessels around by their MAVLink messages, and decides who has the right of way.
+// Tracks nearby vessels by their MAVLink messages, and decides which have the right of way.
 #pragma once
 
 #include <array>

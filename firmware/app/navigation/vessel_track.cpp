@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kLongestRepeat_us = 1'000'000;  // between two states
 
-/// Time to extrapolate a track over, s; nobody uses a track after ten.
+/// Time to extrapolate a track over, s; capped at 10 s, as no older track is used.
 template <class S>
 S carried(std::int64_t us) {
   return convert::seconds<S>(std::min<std::int64_t>(us, 10'000'000));

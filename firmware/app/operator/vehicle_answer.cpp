@@ -8,8 +8,9 @@ namespace {
 namespace mav = link::mav;
 using core::Request;
 
-/// Whether a request drives the boat or leads to that. Addressed to the whole system, such a
-/// request is for the autopilot, not for its companion; a request that stops the boat is for both.
+/// Whether a request drives the boat or prepares it for driving. Addressed to the whole system,
+/// such a request is for the autopilot, not for its companion; a request that stops the boat is for
+/// both.
 bool drives(Request request) {
   return request == Request::kArm || request == Request::kManual ||
          request == Request::kFormation || request == Request::kTest;
