@@ -114,7 +114,7 @@ def test_a_program_that_is_not_the_packages_version_is_taken_back(
     before = harbour.version()
     wrong = newer(good, "wrong", flotillad='#!/bin/sh\necho "flotillad 0.0 (00000000)"\n')
     status, words = harbour.flash(wrong)
-    assert status == 1 and "it is to be flotillad 0.1" in words, words
+    assert status == 1 and "expected flotillad 0.1" in words, words
     assert f"back: {before}" in words and harbour.version() == before
 
 
