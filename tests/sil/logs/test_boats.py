@@ -245,7 +245,7 @@ def test_damaged_bytes_of_a_tlog_are_left_out_and_counted(
     content[middle : middle + 40] = b"\xfd" * 40
     path.write_bytes(content[:-3])
     topics = converted(log, tmp_path / "out.mcap")
-    told = re.search(r"(\d+) bytes of the logs are damaged", capsys.readouterr().out)
+    told = re.search(r"skipped (\d+) damaged bytes of the logs", capsys.readouterr().out)
     assert told and 40 < int(told[1]) < 400
     assert STEPS - 3 <= len(topics["/boat2/state"]) <= STEPS
     assert {state.x_m for _, state in topics["/boat2/state"]} <= {north_m(s) for s in range(STEPS)}
@@ -268,10 +268,10 @@ def test_a_candump_log_that_is_cut_off_loses_its_last_line_only(
     [
         ("empty.tlog", b"", "empty.tlog: the file is empty"),
         ("empty.log", b"", "empty.log: the file is empty"),
-        ("noise.tlog", bytes(range(256)) * 40, "holds no MAVLink packet"),
-        ("noise.log", b"(yesterday) can0\n" * 9, "holds no CAN frame"),
+        ("noise.tlog", bytes(range(256)) * 40, "contains no MAVLink packet"),
+        ("noise.log", b"(yesterday) can0\n" * 9, "contains no CAN frame"),
         ("missing.tlog", None, "missing.tlog: No such file"),
-        ("folder/readme.txt", b"nothing", "neither a run's folder nor one with logs"),
+        ("folder/readme.txt", b"nothing", "neither the folder of a run nor one with logs"),
     ],
 )
 def test_what_is_no_log_is_told_in_one_line_and_nothing_is_written(
@@ -358,5 +358,5 @@ def test_a_log_is_not_written_over(log: Path, capsys: pytest.CaptureFixture[str]
     tlog = next(log.glob("*.tlog"))
     before = tlog.read_bytes()
     assert main(["convert", str(log), "--out", str(tlog)]) == 2
-    assert_told_in_one_line("is one of the logs", capsys)
+    assert_told_in_one_line("is one of the logs to convert", capsys)
     assert tlog.read_bytes() == before
