@@ -51,7 +51,7 @@ def test_a_file_is_a_tlog(tmp_path: Path) -> None:
         ("mcast:239.255.145.67:14999:192.0.2.1", "no interface of this computer"),
         ("udpin:192.0.2.1:14999", "no interface of this computer has that address"),
         (".", "is not the folder of a run"),
-        (__file__, "is no tlog"),
+        (__file__, "is not a tlog"),
     ],
 )
 def test_what_cannot_be_seen_is_told_in_one_line(
@@ -67,9 +67,9 @@ def test_what_cannot_be_seen_is_told_in_one_line(
     [
         ("", "a chart is a GeoJSON file"),
         ('{"type": "Feature"}', "geometry"),
-        ('{"type": "Point", "coordinates": [1, 2]}', "no lines or polygons"),
+        ('{"type": "Point", "coordinates": [1, 2]}', "contains no lines or polygons"),
         ('{"type": "LineString", "coordinates": [[500000, 4000000]]}', "in degrees"),
-        ('{"type": "Sea"}', '"Sea" is no type of GeoJSON'),
+        ('{"type": "Sea"}', '"Sea" is not a GeoJSON type'),
     ],
 )
 def test_a_chart_that_is_none_is_told(

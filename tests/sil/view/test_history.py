@@ -133,5 +133,5 @@ def test_history_of_many_boats_stays_one_that_a_page_can_carry(boats: int) -> No
 
 
 def test_column_that_no_history_has_is_refused() -> None:
-    with pytest.raises(ValueError, match="no columns of a history: speed"):
+    with pytest.raises(ValueError, match="unknown columns of a history: speed"):
         history.vessel(Boat(1), "boat", {"speed": [1.0]})

@@ -162,7 +162,7 @@ def test_a_vessel_that_comes_late_or_goes_is_not_known_before_and_after(tmp_path
 def test_a_file_that_is_no_tlog_is_told(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "x.tlog"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match="is no tlog"):
+    with pytest.raises(ValueError, match="is not a tlog"):
         history_of_tlog(path)
 
 
@@ -170,5 +170,5 @@ def test_bytes_that_only_look_like_unknown_messages_are_no_tlog(tmp_path: Path) 
     path = tmp_path / "other.bin"
     unknown = bytes([0xFD, 1, 0, 0, 7, 1, 1, 0xEE, 0xEE, 0xEE, 5, 9, 9])
     path.write_bytes(bytes(8) + 4 * unknown)
-    with pytest.raises(ValueError, match="no MAVLink message is in it"):
+    with pytest.raises(ValueError, match="it contains no MAVLink message"):
         history_of_tlog(path)
