@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""The published results: what is sailed for them, their limits, their pages."""
+"""The published results: the runs, their limits, their pages."""
