@@ -38,14 +38,14 @@ def test_a_boat_that_keeps_the_limits_passes() -> None:
 @pytest.mark.parametrize(
     ("spells", "keys", "why"),
     [
-        (GOOD, {"detected_s": 0.2}, "noticed after 0.30 s, not 0.2 s"),
+        (GOOD, {"detected_s": 0.2}, "detected after 0.30 s, not 0.2 s"),
         (GOOD, {"recovered_s": 1.2}, "back after 1.30 s, not 1.2 s"),
         (GOOD, {"states": ["COAST"]}, "HOLD, not COAST"),
         (GOOD, {"then": "FAULT", "then_s": 9.0}, "HOLD for 3.00 s, then FORMATION"),
-        ((("FORMATION", 60, 5.0),), {}, "not noticed; HOLD wanted"),
+        ((("FORMATION", 60, 5.0),), {}, "not detected; expected HOLD"),
         ((*GOOD[:1], ("HOLD", 30, 0.0)), {}, "not back in FORMATION"),
-        ((*GOOD[:1], ("HOLD", 30, 0.5), GOOD[2]), {}, "0.50 N told where none was wanted"),
-        ((*GOOD[:1], ("HOLD", 5, 0.0), GOOD[2]), {}, "before the operator said so"),
+        ((*GOOD[:1], ("HOLD", 30, 0.5), GOOD[2]), {}, "0.50 N commanded where none is allowed"),
+        ((*GOOD[:1], ("HOLD", 5, 0.0), GOOD[2]), {}, "before the operator's command"),
         ((("HOLD", 5, 0.0), *GOOD), {}, "left FORMATION before anything went wrong"),
         (
             (GOOD[0], ("COAST", 5, 4.0), ("COAST", 5, 4.5), GOOD[2]),
@@ -151,7 +151,7 @@ def test_the_command_fails_where_a_row_does(
     monkeypatch.setattr(rows, "read", lambda: (row.model_copy(update={"detected_s": 0.1}),))
     assert main(["faults", "--out", str(tmp_path)]) == 1
     assert capsys.readouterr().out.splitlines()[-1] == "0 passed, 1 failed"
-    assert "noticed after 0.45 s" in (tmp_path / "faults.md").read_text()
+    assert "detected after 0.45 s" in (tmp_path / "faults.md").read_text()
 
 
 def test_a_matrix_that_is_interrupted_has_not_passed(
@@ -169,7 +169,7 @@ def test_a_matrix_that_is_interrupted_has_not_passed(
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--only", "kraken"], "--only kraken: no fault has that"),
+        (["--only", "kraken"], "--only kraken: no fault's name contains that"),
         (["--soak", "0"], "must be positive"),
     ],
 )
