@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What happens to processes, buses and disks, and how a flotillad on vcan0 takes it."""
+"""Faults of processes, buses and disks, and the response of a flotillad on vcan0."""
 
 import pytest
 
@@ -13,7 +13,7 @@ NAMES = [row.name for row in live_matrix.limits()]
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Outcome]:
-    """One boat takes them all, one after the other; twice where this machine may have been late."""
+    """All faults with one boat, one after another; twice if this machine may have been late."""
     if not FLOTILLAD.exists():
         pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
     first = {one.fault: one for one in live_matrix.sail()}
