@@ -67,7 +67,7 @@ def test_systemd_hears_of_start_life_and_end_from_the_control_loop(
     assert set(manager.heard) == {"READY=1", "WATCHDOG=1", "STOPPING=1"}
 
 
-def test_a_service_manager_that_does_not_read_holds_nothing_up(sea: RealSea) -> None:
+def test_a_service_manager_that_does_not_read_delays_nothing(sea: RealSea) -> None:
     with tempfile.TemporaryDirectory() as folder:
         deaf = Manager(f"{folder}/notify")
         sea.start(environment=deaf.environment | {"WATCHDOG_USEC": "1000"})

@@ -162,7 +162,7 @@ def test_boat_i_takes_the_next_bus() -> None:
 
 
 @pytest.mark.parametrize("bus", ["", "mcast", "mcast:", "mcast:x", "vcan0", "socketcan:can", "x:0"])
-def test_a_bus_that_is_none_is_told(
+def test_an_invalid_bus_is_told(
     bus: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     assert main(["live", "diamond", "--bus", bus, "--out", str(tmp_path)]) == 2

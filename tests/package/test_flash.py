@@ -140,7 +140,7 @@ def told(good: Path) -> str:
     return f"flotillad 0.1 ({revision})"
 
 
-def test_a_lost_connection_is_a_no(harbour: Harbour, good: Path) -> None:
+def test_a_lost_connection_rolls_back(harbour: Harbour, good: Path) -> None:
     assert harbour.flash(good)[0] == 0
     before = harbour.version()
     harbour.root.put(newer(good, "lost"), "/tmp/flotillad.deb")

@@ -45,7 +45,7 @@ def test_every_strike_has_limits() -> None:
         ((0.1, "HOLD", 0.0, 60.0), "back after 60.00 s"),
     ],
 )
-def test_whoever_is_beyond_a_limit_fails(
+def test_an_outcome_beyond_a_limit_fails(
     seen: tuple[float | None, str, float, float | None], why: str
 ) -> None:
     row = next(row for row in live_matrix.limits() if row.name == "stopped")

@@ -122,7 +122,7 @@ def test_a_boat_without_any_link_is_a_mistake(tmp_path: Path) -> None:
     assert "no MAVLink link" in mistake("--can=mcast:5", f"--state-dir={tmp_path}")
 
 
-def test_root_is_told_to_be_somebody_else(tmp_path: Path) -> None:
+def test_root_is_told_to_run_it_as_another_user(tmp_path: Path) -> None:
     if os.geteuid() != 0:
         pytest.skip("only root can try")
     done = subprocess.run(

@@ -50,7 +50,7 @@ def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: 
     sea.arm()
 
 
-def test_who_sets_a_parameter_of_a_new_boat_has_set_it_up(sea: RealSea) -> None:
+def test_setting_a_parameter_of_a_new_boat_sets_it_up(sea: RealSea) -> None:
     sea.set_up = False
     sea.start()
     sea.until(sea.ready)

@@ -297,7 +297,7 @@ def test_a_serial_port_that_vanishes_does_not_stop_the_boat_and_is_opened_again(
     assert sea.driven()
 
 
-def test_a_serial_port_that_nobody_reads_does_not_hold_the_boat_up(
+def test_a_serial_port_that_nobody_reads_does_not_delay_the_boat(
     sea: RealSea, tmp_path: Path, opened: ExitStack
 ) -> None:
     deaf = Serial(tmp_path / "ttyS0")

@@ -111,7 +111,7 @@ def test_json_says_what_the_table_does(compare: Callable[..., Compared], tmp_pat
     assert first["ratio"] == pytest.approx(1.2) and first["low"] <= 1.2 <= first["high"]
 
 
-def test_one_boat_has_nobody_to_come_close_to(compare: Callable[..., Compared]) -> None:
+def test_a_single_boat_has_no_separation(compare: Callable[..., Compared]) -> None:
     status, said = compare(Made(boats=1), Made(boats=1, gain=1.1))
     assert status == 1 and "closest two boats" not in said
 

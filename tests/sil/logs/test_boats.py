@@ -274,7 +274,7 @@ def test_a_candump_log_that_is_cut_off_loses_its_last_line_only(
         ("folder/readme.txt", b"nothing", "neither the folder of a run nor one with logs"),
     ],
 )
-def test_what_is_no_log_is_told_in_one_line_and_nothing_is_written(
+def test_a_file_that_is_not_a_log_is_told_in_one_line_and_nothing_is_written(
     name: str, content: bytes | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / name
@@ -326,7 +326,7 @@ def test_no_damage_is_more_than_what_it_hits(
 
 
 @pytest.mark.parametrize("place", [(math.nan, 0.0), (math.inf, 0.0), (1e30, 1e30)])
-def test_a_place_that_is_none_is_not_told(place: tuple[float, float], tmp_path: Path) -> None:
+def test_an_invalid_position_is_left_out(place: tuple[float, float], tmp_path: Path) -> None:
     d, pen = dialect(), Pen()
     pen.put(START_US, 1, 1, d.MAVLink_gps_global_origin_message(*ORIGIN[::-1], 0))
     pen.put(START_US, 4, 1, d.MAVLink_gps_global_origin_message(*ORIGIN, 0))

@@ -147,7 +147,7 @@ def test_drifting_sea_hull_only_loses_energy_whatever_it_does() -> None:
         assert gained == pytest.approx(-1e-4 * middle @ drag_of(SEA, middle), rel=1e-4)
 
 
-def test_hull_whose_inertia_is_none_is_refused() -> None:
+def test_hull_without_valid_inertia_is_refused() -> None:
     with pytest.raises(ValueError, match="m23 = 90"):
         hull.stack([HullParameters(85, 162, 41, 1, 1, 1, m23=90.0)])
 

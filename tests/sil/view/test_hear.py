@@ -146,7 +146,7 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
         "udpout:127.0.0.1:14550",
     ],
 )
-def test_an_address_that_is_none_is_told(address: str) -> None:
+def test_an_invalid_address_is_told(address: str) -> None:
     with pytest.raises(ValueError, match=f'^"{address}": '):
         Listener(address)
 

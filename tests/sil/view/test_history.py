@@ -94,7 +94,7 @@ def test_trace_without_velocities_and_thrusts_has_no_such_columns() -> None:
     assert "u_mps" not in boat and "thrust_port_N" not in boat and "error_m" in boat
 
 
-def test_run_that_diverged_has_no_numbers_where_it_is_nowhere() -> None:
+def test_diverged_run_has_nan_where_it_is_not_finite() -> None:
     run = trace()
     run["eta"][3000:, 1] = np.inf
     run["error"][3000:, 0] = np.nan
