@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad as a process: start, end, violent end, standstill, and what it costs."""
+"""flotillad as a process: start, end, kill, standstill, and its cost."""
 
 import os
 import signal
@@ -38,7 +38,7 @@ LINUX_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 
 def silence(sea: RealSea) -> None:
-    """Nobody but the boat is there."""
+    """Silence everybody but the boat."""
     sea.own.on = sea.leader.on = sea.escs_on = False
 
 
@@ -257,7 +257,7 @@ def test_a_second_controller_on_the_bus_is_a_fault_and_forbids_arming(sea: RealS
     assert not sea.armed
 
 
-# The kernel cuts what is sent into 40 datagrams (UDP_SEGMENT): no other Python is fast enough.
+# The kernel splits each send into 40 datagrams (UDP_SEGMENT); otherwise Python is too slow.
 FLOOD = """
 import pathlib, socket, sys
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as flood:
@@ -288,7 +288,7 @@ def test_a_flood_on_one_link_does_not_stop_the_control_loop(sea: RealSea) -> Non
 
 
 def cpu_s(pid: int) -> float:
-    """User and system time so far: proc(5)."""
+    """User and system time so far, s: proc(5)."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / LINUX_TICKS_PER_S
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What systemd hears, and what happens where it has not given the rights that were asked for."""
+"""flotillad's notifications to systemd, and its behaviour without the requested rights."""
 
 import select
 import signal
@@ -17,7 +17,7 @@ WATCHDOG_US = 300_000
 
 
 class Manager:
-    """The socket of a service manager, by path or, with @, in the abstract namespace."""
+    """A service manager's socket, by path or, with @, in the abstract namespace."""
 
     def __init__(self, name: str) -> None:
         self.environment = {"NOTIFY_SOCKET": name, "WATCHDOG_USEC": str(WATCHDOG_US)}
@@ -72,7 +72,7 @@ def test_a_service_manager_that_does_not_read_delays_nothing(sea: RealSea) -> No
         deaf = Manager(f"{folder}/notify")
         sea.start(environment=deaf.environment | {"WATCHDOG_USEC": "1000"})
         sea.enter_formation()
-        sea.until(lambda: len(sea.raw_commands()) > 150)  # its queue holds a dozen or so
+        sea.until(lambda: len(sea.raw_commands()) > 150)  # its queue holds about a dozen
         assert select.select([deaf.socket], [], [], 0)[0]
         assert sea.end() == 0
         deaf.socket.close()

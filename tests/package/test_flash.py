@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""tools/flash and a boat: real ssh, packages and flotillad; only systemd is stood in for."""
+"""tools/flash and a boat: real ssh, packages and flotillad; only systemd is replaced."""
 
 import os
 import subprocess
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.nightly
 
 
 class Harbour:
-    """The boat's computer, with sshd, and the ssh that finds it under the name `boat`."""
+    """The boat's computer with sshd, and an ssh configuration that names it `boat`."""
 
     def __init__(self, root: Root, folder: Path) -> None:
         self.root = root
@@ -55,7 +55,7 @@ class Harbour:
             wrapper.chmod(0o755)
 
     def flash(self, package: Path) -> tuple[int, str]:
-        """Exit status and words of tools/flash, without the set-up."""
+        """Exit status and output of tools/flash, without tools/setup."""
         path = f"PATH={self._folder / 'bin'}:{os.environ['PATH']}"
         flash = SOURCES / "tools" / "flash.py"
         done = subprocess.run(
@@ -135,7 +135,7 @@ def test_a_boat_that_does_not_answer_gets_its_old_package_and_its_parameters_bac
 
 
 def told(good: Path) -> str:
-    """What the package's program says of itself."""
+    """The version that the package's program prints."""
     revision = run(["dpkg-deb", "--field", str(good), "Version"]).split(".")[2][:8]
     return f"flotillad 0.1 ({revision})"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad's words for who configures it: the shipped file, mistakes, help and version."""
+"""flotillad's configuration: the shipped file, error messages, help and version."""
 
 import os
 import re
@@ -28,7 +28,7 @@ def run(*options: object) -> subprocess.CompletedProcess[str]:
 
 
 def mistake(*options: object) -> str:
-    """The one line about it."""
+    """The only line that flotillad prints about a mistake."""
     done = run(*options)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("flotillad: ") and done.stderr.endswith("\n")

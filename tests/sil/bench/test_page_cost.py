@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The measure of what a view costs: it measures what it says."""
+"""The measurements of a view's cost print figures."""
 
 import pytest
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Verdicts on figures of runs whose change is known because it was put in."""
+"""Verdicts on figures of runs with a known, artificial change."""
 
 import math
 from functools import partial

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Campaigns beside each other: what changed is told, chance is not."""
+"""Comparison of campaigns: real changes are reported, random ones are not."""
 
 import json
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Compared = tuple[int, str]
 
 @pytest.fixture
 def compare(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[..., Compared]:
-    """Exit status and what was said of two campaigns, which become folders a and b."""
+    """Compare two campaigns, written to folders a and b; exit status and output."""
 
     def run(a: Made, b: Made, *more: str) -> Compared:
         places = [str(made.write(tmp_path / name)) for name, made in (("a", a), ("b", b))]

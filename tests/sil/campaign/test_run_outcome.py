@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is left of a run, from made-up traces whose answers are known."""
+"""The results of a run, from made-up traces with known answers."""
 
 import hashlib
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws of a campaign: what they are, that nothing moves them, what cannot be drawn."""
+"""Draws of a campaign: distributions, independence, errors."""
 
 import math
 from itertools import combinations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The linearisation over a window: its instants, its products, and what they leave out."""
+"""The linearisation over a window: its instants, its products, and their limits."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The sampled loops' decay where theory or a simulation knows it, and verdicts on the rest."""
+"""The sampled loops' decay, compared with theory or simulation, and the verdicts."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tools/view takes for what, and what it says of what it cannot take."""
+"""The sources that tools/view accepts, and its errors for others."""
 
 import struct
 from pathlib import Path

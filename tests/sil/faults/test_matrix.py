@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The matrix of faults judges what a boat did by its limits, and by nothing else."""
+"""The matrix of faults judges a boat's response by the row's limits alone."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ TICKS = 100
 
 
 def judged(*spells: tuple[str, int, float], **keys: Any) -> Outcome:
-    """Of a boat that was in those states so many ticks (of 0.1 s), told so much thrust (N)."""
+    """The outcome of a boat with these spells: state, ticks of 0.1 s, commanded thrust (N)."""
     row = Row.model_validate({"name": "it", "fault": [FAULT], "states": ["HOLD"], **keys})
     states = np.concatenate([np.full(n, STATES[name], np.uint8) for name, n, _ in spells])
     thrust_N = np.concatenate([np.full((n, 2), level) for _, n, level in spells])
@@ -111,7 +111,7 @@ NAMES = [row.name for row in rows.read()]
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Outcome]:
-    """Of all rows, sailed together."""
+    """The outcomes of all rows, sailed together."""
     return {one.fault: one for one in matrix.sail_all(rows.read())}
 
 
@@ -123,7 +123,7 @@ def test_boats_take_every_fault_of_the_matrix_within_its_limits(
 
 
 def test_where_a_boat_may_go_on_the_fault_was_there_all_the_same() -> None:
-    """Such a row passes without its fault, too: then the wires would be those of a good day."""
+    """Such a row would pass without its fault too, so compare the wires with an undisturbed run."""
     may_go_on = [row for row in rows.read() if "FORMATION" in row.states]
     assert len(may_go_on) >= 10
     ill = [row.scenario() for row in may_go_on]

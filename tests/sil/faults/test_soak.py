@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A soak is random by its seed, recovers from every fault, and says what it could not."""
+"""A soak depends only on its seed, recovers from every fault, and reports failures."""
 
 import pytest
 

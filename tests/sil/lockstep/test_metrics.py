@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Numbers of summary.json from made-up traces whose answers are known."""
+"""Figures of summary.json from made-up traces with known answers."""
 
 import math
 
@@ -129,7 +129,7 @@ def test_closest_encounter_is_between_boats_and_leaves_the_virtual_leader_out() 
 
 
 def drifting(boats: int, ticks: int, seed: int) -> Array:
-    """Poses (ticks, boats + 1, 3) of boats at random that move at random."""
+    """Random poses (ticks, boats + 1, 3) of boats that move randomly."""
     rng = np.random.default_rng(seed)
     return 50.0 * rng.normal(size=(boats + 1, 3)) + np.cumsum(
         rng.normal(size=(ticks, boats + 1, 3)), axis=0

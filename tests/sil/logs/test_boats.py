@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Boats' logs become MCAP files that say what the boats said; damage is counted and left out."""
+"""Boats' logs converted to MCAP have the boats' messages; damage is counted and skipped."""
 
 import math
 import re
@@ -49,7 +49,7 @@ def north_m(step: int) -> float:
 
 
 def write_boat(path: Path, boat: int = 2, leader: int = 1, offset_us: int = 0) -> None:
-    """Five seconds at 10 Hz of a boat and its leader, whose frame begins elsewhere."""
+    """Write 5 s at 10 Hz of a boat and its leader, whose frame has another origin."""
     pen = Pen()
     elsewhere = LocalFrame(*ORIGIN[:2], 488.0).moved(100.0, 50.0).origin_degE7
     d = dialect()
@@ -82,7 +82,7 @@ def write_boat(path: Path, boat: int = 2, leader: int = 1, offset_us: int = 0) -
 
 
 def write_candump(path: Path, bus: str = "vcan0") -> None:
-    """The two ESCs' status at 10 Hz."""
+    """Write the two ESCs' status at 10 Hz."""
     publishers = [Publisher(ESC_STATUS, 16, 31 + index) for index in (0, 1)]
     with can.CanutilsLogWriter(path) as writer:
         for step in range(STEPS):
@@ -338,7 +338,7 @@ def test_an_invalid_position_is_left_out(place: tuple[float, float], tmp_path: P
     (tmp_path / "boat.tlog").write_bytes(pen.content)
     topics = converted(tmp_path / "boat.tlog", tmp_path / "out.mcap")
     assert [(state.x_m, state.y_m) for _, state in topics["/boat4/state"]] == [(1.0, 2.0)]
-    assert "/tf" not in topics  # nobody said where the bow is
+    assert "/tf" not in topics  # the heading is unknown
 
 
 def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A run's MCAP file says what the run was."""
+"""A run's MCAP file agrees with the run."""
 
 import json
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures of made-up runs: what they show is in their axes."""
+"""Pictures of made-up runs, checked by their axes' content."""
 
 import io
 

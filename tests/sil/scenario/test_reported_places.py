@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where boats are in the coordinates that their units tell."""
+"""Boats' positions in the coordinates that their units send."""
 
 import math
 

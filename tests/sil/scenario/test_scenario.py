@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Scenario files: what they mean, and that every mistake names file, line, key and remedy."""
+"""Scenario files: their meaning; errors name file, line, key and remedy."""
 
 import re
 import tomllib
@@ -57,7 +57,7 @@ def written(folder: Path, text: str) -> Path:
 
 
 def complaint(folder: Path, text: str, *overrides: str) -> str:
-    """What the person who wrote `text` is told, without the folder."""
+    """The error message for a file with `text`, without the folder's name."""
     with pytest.raises(ScenarioError) as caught:
         load(written(folder, text), overrides)
     return str(caught.value).replace(f"{folder}/", "")

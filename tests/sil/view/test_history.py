@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Histories that a replay page plays, of traces that were made up."""
+"""Histories for a replay page, from made-up traces."""
 
 import base64
 import json

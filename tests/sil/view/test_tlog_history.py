@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Histories of tlogs: the picture that a view would have shown."""
+"""Histories of tlogs: equal to what a live view would have shown."""
 
 import random
 import struct
@@ -27,7 +27,7 @@ def record(t_us: int, data: bytes) -> bytes:
 
 @pytest.fixture(scope="module")
 def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Array]:
-    """A tlog of all that is said in a run of `diamond`, and the truth each tick."""
+    """A tlog of all radio traffic of a run of `diamond`, and the truth at each tick."""
     content, truth = bytearray(), []
 
     def look(k: int, chunks: list[bytes], eta: Array) -> None:
