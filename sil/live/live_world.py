@@ -90,7 +90,7 @@ class LiveWorld:
         clocks = clocks_of(scenario)
         self._parameters = parameters_of(scenario, param_overrides)
         self._command: Array = np.zeros((len(scenario.boat), 2))
-        # Compiled now, not when the boats are under way.
+        # Compile the kernels now, not while the boats are under way.
         spare = bodies_of([scenario])
         self._leaders = VirtualLeaders([scenario])
         self._leaders.advance(0, spare, self._command)

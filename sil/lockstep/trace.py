@@ -17,7 +17,7 @@ Ints = npt.NDArray[np.integer]
 
 
 class Tracer:
-    """Advances the bodies of R runs of one shape and collects their traces and states.
+    """Collects the traces of R runs of one shape and their boats' states, tick by tick.
 
     `slots`: of each run, from `sil.scenario.agents.slots_of`. `keep_s`: interval of the samples
     kept, rounded to ticks; None: every tick.
@@ -44,7 +44,7 @@ class Tracer:
         _note_truth(0, bodies.eta, bodies.nu, self._eta, self._nu)
 
     def note(self, k: int, states: Ints) -> None:
-        """Note the bodies, which were just carried from tick `k` to the next one.
+        """Record the bodies, which were just advanced from tick `k` to the next one.
 
         `states` (R N): the boats' at tick k, as indices of `flotilla.STATES`.
         """
