@@ -33,7 +33,7 @@ BATCH, TRACES_BYTES = 25, 200e6
 
 @dataclass(frozen=True)
 class Campaign:
-    """What is sailed, into which folder, and the command that does so."""
+    """A campaign to sail: its scenario, its folder and its command line."""
 
     sampler: Sampler
     identity: Identity
@@ -144,7 +144,7 @@ def _sail_left(
 
 
 def _most_runs(nominal: Scenario) -> int:
-    """How many runs of a scenario are sailed in one go at most."""
+    """The greatest number of runs of a scenario in one batch."""
     ticks, boats = nominal.duration_s * nominal.rate_hz, len(nominal.boat)
     # eta and nu of every agent, tau of every boat, as sil.lockstep.trace.Tracer holds them
     trace_bytes = 8.0 * ticks * (6 * (boats + 1) + 2 * boats)

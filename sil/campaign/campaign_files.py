@@ -30,7 +30,7 @@ class CampaignError(ValueError):
 
 @dataclass(frozen=True)
 class Identity:
-    """What makes two campaigns the same: every row of their tables follows from it.
+    """The identity of a campaign: it determines every row of the tables.
 
     `document` is that of the scenario with its overrides; `code` is `work.code()`.
     """
@@ -80,7 +80,7 @@ class Folder:
             )
 
     def _known(self) -> dict[str, Any]:
-        """What campaign.json says; CampaignError where it is damaged."""
+        """The content of campaign.json; CampaignError if it is damaged."""
         path = self.path / "campaign.json"
         try:
             return dict(json.loads(path.read_text(encoding="utf-8")))
@@ -123,7 +123,7 @@ class Folder:
         _replace(self.path / "campaign.json", f"{text}\n".encode())
 
     def finish(self) -> None:
-        """All is written: the parts are no longer needed."""
+        """Delete the parts once everything is written."""
         shutil.rmtree(self._parts)
 
 

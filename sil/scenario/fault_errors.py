@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a `[[fault]]` must not say."""
+"""Checks of a scenario's `[[fault]]` entries."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -21,18 +21,18 @@ _VALUED = {
     "clock",
 }
 _BOATS = {"own_noisy", "bus_off", "frame_loss", "restart", "gcs_silent"}
-_MOST = 1e6  # metres, seconds: what flotilla.Fleet takes
+_MOST = 1e6  # metres, seconds: the limit of flotilla.Fleet
 
 
 def is_escs(fault: Fault) -> bool:
-    """Whether it happens to ESCs."""
+    """Whether it is a fault of ESCs."""
     return fault.kind.startswith("esc_")
 
 
 def fault_contradictions(
     faults: Sequence[Fault], boats: int, noise: SensorNoise
 ) -> Iterator[tuple[KeyPath, str]]:
-    """Key and problem of each mistake, of a scenario with so many boats and so noisy units."""
+    """Key and problem of each mistake, given the scenario's boats and navigation noise."""
     for index, fault in enumerate(faults, start=1):
         for name, problem in _problems(fault, boats, noise):
             key = ("fault", str(index), name)
@@ -47,7 +47,7 @@ def fault_contradictions(
 
 
 def _meet(one: Fault, other: Fault) -> bool:
-    """Whether the end of one would be the other's."""
+    """Whether ending one fault would also end the other."""
     if (one.kind, one.agent) != (other.kind, other.agent):
         return False
     both = one.esc == other.esc or "both" in (one.esc, other.esc)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A campaign that takes little: two boats, a second, draws of several kinds."""
+"""A short campaign: two boats, one second, draws of several kinds."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ def batch(sampler: Sampler, runs: tuple[int, ...]) -> Share:
 
 
 def result(run: int, error_m: list[list[float]], outcome: str = "ok") -> RunResult:
-    """A run of which all figures are made up but the distances (N, S)."""
+    """A made-up run with the given distances (N, S)."""
     boats = tuple(
         {"rms_error_m": 0.1 * run + i, "settling_time_s": None} for i in range(len(error_m))
     )

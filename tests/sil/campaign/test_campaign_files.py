@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A campaign's folder: what is kept, bit for bit, and that no campaign goes on as another."""
+"""A campaign's folder: results bit for bit; a campaign never continues as another one."""
 
 import errno
 import json

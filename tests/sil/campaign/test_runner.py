@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Campaigns on a Dask cluster: as on this machine, though a worker dies."""
+"""Campaigns on a Dask cluster: equal to local ones, even if a worker dies."""
 
 import os
 import signal
@@ -24,7 +24,7 @@ TABLES = ("table", "draws", "seconds", "envelopes")
 
 
 class Fatal(Sampler):
-    """Ends the process that is to sail run 1, once it has sailed something.
+    """A sampler that kills the process that is to sail run 1, once that has sailed something.
 
     Dask does not start a worker again that ends while it starts.
     """
@@ -38,7 +38,7 @@ class Fatal(Sampler):
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[distributed.LocalCluster]:
-    """Two workers, each a process; a task that loses its worker twice is given up."""
+    """Two worker processes; a task that kills two workers is given up."""
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 1}),
         distributed.LocalCluster(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The fixed-point functions beside others', of few arguments."""
+"""The comparison of fixed-point functions, with few arguments."""
 
 import math
 import shutil

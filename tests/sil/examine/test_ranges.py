@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Ranges of the law's numbers in Q16.16: measured in every scenario, judged by what core states."""
+"""Ranges of the law's numbers in Q16.16, measured in every scenario, against core's statements."""
 
 import io
 import subprocess

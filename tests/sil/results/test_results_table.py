@@ -15,7 +15,7 @@ from sil.results.sailing import Job, Outcome
 
 
 def outcomes(name: str, paper: list[float | None], product: list[float | None]) -> list[Outcome]:
-    """A run a figure, all of its figures the same; None is a run that failed."""
+    """One run per given figure, with all its figures equal; None is a failed run."""
     keys = [bound.key for bound in CLAIMS[name].bounds]
     return [
         Outcome(Job(name, law, seed), failure="" if figure is not None else "rammed a pier")
@@ -145,7 +145,7 @@ def test_projects_page_has_the_marks_and_every_bound_in_order() -> None:
 
 
 def wanted(page: str) -> list[list[str]]:
-    """Lines of the table but for its figures."""
+    """Lines of the table without the figures."""
     lines = [line.split(" | ") for line in page.partition(END)[0].splitlines()]
     return [[*cells[:2], cells[4]] for cells in lines if len(cells) == len(COLUMNS)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reports in Chromium: the page that they carry plays."""
+"""Reports in Chromium: their embedded page plays."""
 
 from pathlib import Path
 
