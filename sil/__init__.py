@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The software-in-the-loop world: plant, sensors, wire, scenarios, metrics, reports."""
+"""Software-in-the-loop simulation: plant, sensors, wire, scenarios, metrics, reports."""
 
 import os
 from pathlib import Path
 
-# Matrices are small here: OpenBLAS's threads would take time from each other and from the processes
-# beside them, and their number would decide the last bits. numpy reads this when it is imported.
+# Matrices are small here: OpenBLAS's threads would slow each other and parallel processes down, and
+# their number would change the last bits of results. numpy reads this when it is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).resolve().parents[1]  # of the source tree

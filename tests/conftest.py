@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The option --all: tests marked `nightly` run only with it. The longest files come first."""
+"""Tests marked `nightly` run only with --all; the longest files run first."""
 
 import gc
 
@@ -7,7 +7,7 @@ import pytest
 
 import sil  # noqa: F401 (before anything imports numpy: it sets the threads)
 
-# One worker has a whole file: those that take longest, or wait in real time, must not begin last.
+# A file runs in one worker: the longest ones, and those in real time, must start first.
 FIRST = (
     "tests/loop/test_live.py",
     "tests/loop/test_published.py",
@@ -39,5 +39,5 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish() -> None:
-    # thousands of tests and all their modules: the collector need not look at them again and again
+    # keep the collector from scanning thousands of tests and their modules again and again
     gc.freeze()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which lines, branches and MC/DC pairs of the firmware the C++ tests or the fuzz corpora reach.
+"""Measures the firmware's lines, branches and MC/DC pairs that C++ tests or fuzz corpora reach.
 
 Reads clang's profiles of programs built by the preset `coverage`; a template counts once, by the
 instantiation that is reached best.
@@ -25,7 +25,7 @@ LIMITS = {"core": (1.0, 1.0), "link": (0.95, 0.90), "app": (0.95, 0.90)}
 
 @dataclass
 class Count:
-    """Of things that can be reached, those that were."""
+    """Number of items, and how many of them were reached."""
 
     reached: int = 0
     all: int = 0
@@ -37,7 +37,7 @@ class Count:
 
     @property
     def share(self) -> float:
-        """1 where there is nothing to reach."""
+        """Share of items that were reached; 1 if there are none."""
         return self.reached / self.all if self.all else 1.0
 
     def __str__(self) -> str:
@@ -46,7 +46,7 @@ class Count:
 
 @dataclass
 class Coverage:
-    """Of a file or a room."""
+    """Coverage of a file or a room."""
 
     lines: Count = field(default_factory=Count)
     branches: Count = field(default_factory=Count)
@@ -64,7 +64,7 @@ class Coverage:
 
 
 def read(programs: Sequence[Path], name: str) -> dict[str, Coverage]:
-    """By file, room/name; `name`: that of the profiles, NAME-*.profraw."""
+    """Coverage by file, room/name, from the profiles NAME-*.profraw."""
     merged = PROFILES / f"{name}.profdata"
     raw = sorted(PROFILES.glob(f"{name}-*.profraw"))
     subprocess.run([f"llvm-profdata-{LLVM}", "merge", "-sparse", *raw, "-o", merged], check=True)
@@ -77,7 +77,7 @@ def read(programs: Sequence[Path], name: str) -> dict[str, Coverage]:
     )
     files: dict[str, Coverage] = {}
     for entry in json.loads(out.stdout)["data"][0]["files"]:
-        # Headers are seen through the build tree's links.
+        # Headers are found through links in the build tree.
         path = Path(entry["filename"]).resolve()
         if path.is_relative_to(ROOT / "firmware"):
             key = str(path.relative_to(ROOT / "firmware"))
@@ -86,7 +86,7 @@ def read(programs: Sequence[Path], name: str) -> dict[str, Coverage]:
 
 
 def rooms(files: dict[str, Coverage]) -> dict[str, Coverage]:
-    """The sums of those that have limits."""
+    """Coverage by room, for rooms with limits."""
     sums = {room: Coverage() for room in LIMITS}
     for name, file in files.items():
         room = sums.get(name.split("/")[0])
@@ -100,7 +100,7 @@ def rooms(files: dict[str, Coverage]) -> dict[str, Coverage]:
 
 
 def print_table(files: dict[str, Coverage]) -> None:
-    """Files that miss something, then rooms."""
+    """Print files without full coverage, then rooms."""
     print(f"{'':28} {'lines':>23}   {'branches':>23}   {'MC/DC':>23}")
     for name, file in sorted(files.items()):
         whole = file.lines.share == 1 and file.branches.share == 1
@@ -111,7 +111,7 @@ def print_table(files: dict[str, Coverage]) -> None:
 
 
 def failures(files: dict[str, Coverage]) -> list[str]:
-    """What is below its limit, a sentence each."""
+    """One sentence for each figure below its limit."""
     out = []
     for name, room in rooms(files).items():
         if not (room.lines.all and room.branches.all):
@@ -130,7 +130,7 @@ def failures(files: dict[str, Coverage]) -> list[str]:
 
 
 def run_tests() -> list[Path]:
-    """Runs the C++ tests, leaves their profiles; the programs."""
+    """Run the C++ tests, which write profiles; the programs."""
     PROFILES.mkdir(parents=True, exist_ok=True)
     for old in PROFILES.glob("tests-*"):
         old.unlink()
@@ -143,7 +143,7 @@ def run_tests() -> list[Path]:
 
 
 def main() -> int:
-    """Exit status 1 below a limit."""
+    """Exit status 1 if coverage is below a limit."""
     files = read(run_tests(), "tests")
     print_table(files)
     failed = failures(files)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""pymavlink for our own dialect: its wheel lacks messages that we send."""
+"""pymavlink generated from our own dialect: the wheel lacks messages that we send."""
 
 import contextlib
 import functools
@@ -20,7 +20,7 @@ INCLUDED = ("common", "standard", "minimal")
 
 @functools.cache
 def dialect() -> ModuleType:
-    """Our dialect in Python, generated once a session from the firmware's XML."""
+    """Our dialect as a module, generated once per session from the firmware's XML."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for xml in (OURS, *(WHEEL / f"{included}.xml" for included in INCLUDED)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The multicast buses of live simulations: 1 to 4, of one test on this machine at a time."""
+"""A lock on multicast buses 1 to 4 for live simulations: one test per machine at a time."""
 
 import fcntl
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from pathlib import Path
 
 @contextmanager
 def live_buses() -> Iterator[str]:
-    """The address of boat 1's bus, once no other test sails there."""
+    """Wait until the buses are free; the address of boat 1's bus."""
     with Path("/tmp/flotilla-mcast-live.lock").open("a") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield "mcast:1"

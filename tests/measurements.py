@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables of the page of measurements, for the tests that hold their figures."""
+"""Reads the tables of the page of measurements for tests that verify its figures."""
 
 import math
 import re
@@ -9,7 +9,7 @@ PAGE = Path(__file__).parents[1] / "sil" / "docs" / "MEASUREMENTS.md"
 
 
 def row(name: str) -> list[str]:
-    """The cells after the first of the one row whose first cell is, or begins with, `name`."""
+    """The other cells of the only row whose first cell begins with `name`."""
     lines = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
     cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
     found = [others for first, *others in cells if re.match(rf"{re.escape(name)}\b", first)]
@@ -18,7 +18,7 @@ def row(name: str) -> list[str]:
 
 
 def printed(figure: float, cell: str) -> str:
-    """The figure with as many decimals as `cell` has; nothing where there is none, NaN."""
+    """The figure with as many decimals as `cell` has; empty for NaN."""
     decimals = len(cell.partition(".")[2])
     return "" if math.isnan(figure) else f"{figure:,.{decimals}f}"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Live runs that are judged only where the machine had the time for them."""
+"""Judges live runs only if the machine was fast enough for real time."""
 
 import json
 from collections.abc import Callable
@@ -11,10 +11,10 @@ _MOST_LATE = 0.02  # of the ticks
 
 
 def sail_punctually(sail: Callable[[int], Path]) -> Path:
-    """The folder of a live run that was in time, the second one if need be; else skip the test.
+    """The folder of a punctual live run, at the second attempt if necessary; else skip the test.
 
-    A boat that is late in more than 2 % of its ticks may stop, rightly: what it was told is too
-    old. `sail` makes the run, given which it is, 0 or 1, and returns its folder.
+    A boat that is late in more than 2 % of its ticks may rightly stop, as its data are too old.
+    `sail` makes attempt 0 or 1 and returns the run's folder.
     """
     told = []
     for attempt in range(2):
@@ -29,6 +29,6 @@ def sail_punctually(sail: Callable[[int], Path]) -> Path:
 
 
 def _lateness(folder: Path) -> float:
-    """The share of a boat's ticks that came more than a period late."""
+    """The share of a boat's ticks that were late by more than a period."""
     stats = json.loads((folder / "stats.json").read_text(encoding="utf-8"))
     return float(stats["overruns"] / stats["ticks"])

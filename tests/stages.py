@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Runs every check as a graph of stages, side by side where they do not need one another.
+"""Runs every check as a graph of stages, in parallel where they are independent.
 
-Each stage writes out/test/STAGE.log, which is printed where the stage fails. Exit status 1 where a
-stage fails, runs no test, or, with --no-skip or CI=true, skips a test.
+Each stage writes out/test/STAGE.log, which is printed if the stage fails. Exit status 1 if a stage
+fails, runs no test, or, with --no-skip or CI=true, skips a test.
 """
 
 import argparse
@@ -20,13 +20,13 @@ from xml.etree import ElementTree
 
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "test"
-IMPOSSIBLE = 77  # the exit status of tools/with-vcan where there is no vcan
+IMPOSSIBLE = 77  # exit status of tools/with-vcan if vcan is unavailable
 NOT_JUDGED = "not judged: "
 SLOWEST = 25
 PROGRESS_S = 60
-#: Targets of the release build: the programs that tests start.
+#: Targets of the release build that tests run.
 RELEASE = "flotillad flotilla_bench socketcan_tests"
-#: Tests of what other builds make: packages, the image, programs with sanitizers.
+#: Tests that need other builds: packages, the image, programs with sanitizers.
 OF_BUILDS = (
     "tests/package",
     "tests/cortex_m",
@@ -37,7 +37,7 @@ OF_BUILDS = (
 
 @dataclass(frozen=True)
 class Stage:
-    """`commands` run one after another, after the stages `after`; `tests`: whether they test."""
+    """`commands` run in sequence after the stages `after`; `tests`: whether they run tests."""
 
     name: str
     commands: tuple[str, ...]
@@ -47,7 +47,7 @@ class Stage:
 
 @dataclass
 class Result:
-    """Of one stage. `why` is empty where it passed."""
+    """The result of a stage; `why`: the reason of a failure, empty if it passed."""
 
     stage: Stage
     wall_s: float = 0
@@ -83,7 +83,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
-        # less urgent than vcan, whose boats are late where others take the processor
+        # lower priority than vcan, whose boats must not be late
         Stage("python", (f"nice -n 5 {pytest} {junit.format('python')} --ignore=tests/vcan "
                          f"{ignored} --numprocesses 3 --dist loadfile --no-loadscope-reorder"
                          f"{every} {words}",),
@@ -104,7 +104,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
 
 
 def run(stage: Stage) -> Result:
-    """Its commands until one fails; nobody waits for their input."""
+    """Run a stage's commands until one fails, without standard input."""
     result = Result(stage)
     begin = time.monotonic()
     log = OUT / f"{stage.name}.log"
@@ -136,12 +136,12 @@ def run(stage: Stage) -> Result:
 
 
 def last_line(log: Path) -> str:
-    """Of a stage's words."""
+    """The last line of a stage's log."""
     return log.read_text(errors="replace").strip().splitlines()[-1]
 
 
 def count(result: Result, log: Path) -> None:
-    """The tests of pytest and ctest in their reports, of doctest and the fuzzer in their words."""
+    """Count the tests of pytest and ctest in their reports, of doctest and fuzzer in the log."""
     for case in test_cases(result.stage.name):
         skipped = case.find("skipped")
         if case.find("failure") is not None or case.find("error") is not None:
@@ -164,13 +164,13 @@ def count(result: Result, log: Path) -> None:
 
 
 def test_cases(name: str) -> list[ElementTree.Element]:
-    """Of the stage's report, if it has one."""
+    """The test cases in the stage's report; none without a report."""
     report = OUT / f"{name}.xml"
     return list(ElementTree.parse(report).iter("testcase")) if report.exists() else []
 
 
 def run_all(todo: list[Stage], told: Callable[[Result], None]) -> list[Result]:
-    """Each stage as soon as those that it needs have passed."""
+    """Run each stage as soon as the stages it needs have passed."""
     results: dict[str, Result] = {}
     with concurrent.futures.ThreadPoolExecutor(len(todo)) as pool:
         running: dict[concurrent.futures.Future[Result], str] = {}
@@ -194,7 +194,7 @@ def run_all(todo: list[Stage], told: Callable[[Result], None]) -> list[Result]:
 
 
 def tell(result: Result) -> None:
-    """A stage has ended: a line, and all that it wrote where it failed."""
+    """Print a line for a finished stage, and its log if it failed."""
     verdict = "FAILED" if result.why else "passed"
     print(f"{result.stage.name:12}{verdict}  {clock(result.wall_s)}", flush=True)
     log = OUT / f"{result.stage.name}.log"
@@ -203,12 +203,12 @@ def tell(result: Result) -> None:
 
 
 def clock(seconds: float) -> str:
-    """Minutes and seconds."""
+    """Format as minutes and seconds."""
     return f"{int(seconds) // 60:3}:{int(seconds) % 60:02}"
 
 
 def print_slowest(todo: list[Stage]) -> None:
-    """The tests that took longest, of all stages."""
+    """Print the slowest tests of all stages."""
     cases = [(float(case.get("time") or 0), case) for s in todo for case in test_cases(s.name)]
     cases.sort(key=lambda one: -one[0])
     print(f"\nslowest {SLOWEST} tests")
@@ -217,7 +217,7 @@ def print_slowest(todo: list[Stage]) -> None:
 
 
 def verdict(results: list[Result], *, no_skip: bool) -> int:
-    """Prints what took how long, what was not tested, and the sums; the exit status."""
+    """Print times, skipped tests and sums; the exit status."""
     print(f"\n{'stage':12}{'wall':>7}{'CPU':>8}{'passed':>8}{'failed':>8}{'skipped':>9}")
     for r in results:
         numbers = f"{r.passed:8}{r.failed:8}{len(r.skipped):9}" if r.stage.tests else ""
@@ -242,7 +242,7 @@ def verdict(results: list[Result], *, no_skip: bool) -> int:
 
 
 def arguments(words: list[str]) -> argparse.Namespace:
-    """Of tools/test."""
+    """Parse the arguments of tools/test."""
     parser = argparse.ArgumentParser(prog="tools/test", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--all", action="store_true", help="the nightly tests too: 45 minutes instead of 12")
@@ -254,12 +254,12 @@ def arguments(words: list[str]) -> argparse.Namespace:
     options.no_skip |= os.environ.get("CI") == "true"
     names = [stage.name for stage in stages(argparse.Namespace(**vars(options) | {"only": None}))]
     if options.only and options.only not in names:
-        parser.error(f"no stage {options.only} (there are: {', '.join(names)})")
+        parser.error(f"unknown stage {options.only}; choose from {', '.join(names)}")
     return options
 
 
 def main() -> int:
-    """All stages, then the verdict."""
+    """Run all stages and print the verdict."""
     options = arguments(sys.argv[1:])
     todo = stages(options)
     shutil.rmtree(OUT, ignore_errors=True)

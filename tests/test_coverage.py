@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Coverage has limits that are not kept where nothing was counted."""
+"""Coverage limits, which are missed if nothing was counted."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tests.coverage import SUPERVISOR, Count, Coverage, failures
 
 
 def covered(lines: int, branches: int, mcdc: int = 100) -> Coverage:
-    """So many of 100."""
+    """Coverage of that many of 100 lines, branches and MC/DC pairs."""
     return Coverage(Count(lines, 100), Count(branches, 100), Count(mcdc, 100))
 
 

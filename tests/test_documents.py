@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""No link of a page is dead, and no file is named that there is not."""
+"""All links of the pages work, and all files that they name exist."""
 
 import importlib.util
 import re
@@ -24,7 +24,7 @@ def prose(page: Path) -> str:
 
 
 def anchors(page: Path) -> set[str]:
-    """Those of its headings, as GitHub makes them."""
+    """The anchors of its headings, by GitHub's rules."""
     heads = re.findall(r"^#+ (.+)$", prose(page), re.M)
     return {re.sub(r"[^\w\- ]", "", head).strip().lower().replace(" ", "-") for head in heads}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The stages of tools/test: what fails a run, and what is told at its end."""
+"""The stages of tools/test: what makes a run fail, and its final report."""
 
 from pathlib import Path
 
@@ -23,7 +23,7 @@ def ended(todo: list[Stage], *, no_skip: bool = False) -> int:
 
 
 def reporting(tmp_path: Path, message: str) -> Stage:
-    """A stage whose report has one skipped test beside one that passed."""
+    """A stage whose report contains a passed and a skipped test."""
     sailed = '<testcase classname="boat" name="floats" time="1"/>'
     report = f"<testsuite>{sailed}{CASE.format(message)}</testsuite>"
     return Stage("boats", (f"echo '{report}' > {tmp_path}/boats.xml",), tests=True)
@@ -94,4 +94,4 @@ def test_every_stage_comes_after_those_that_it_needs(words: list[str]) -> None:
 def test_a_stage_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         stages.arguments(["--only", "nonsense"])
-    assert "there are: lint, release, vcan" in capsys.readouterr().err
+    assert "choose from lint, release, vcan" in capsys.readouterr().err

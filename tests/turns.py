@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Against loops of tests that assert nothing because they run zero times."""
+"""Guards against test loops that run zero times and so assert nothing."""
 
 from collections.abc import Iterable
 from typing import TypeVar
@@ -8,7 +8,7 @@ T = TypeVar("T")
 
 
 def some(things: Iterable[T]) -> list[T]:
-    """All of them; fails where there is none."""
+    """The same items; fails if there are none."""
     found = list(things)
     assert found, "nothing to look at"
     return found

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Installs flotillad on a boat by ssh: `tools/flash`.
 
-The boat keeps the new package only when it is told so: it has to answer by MAVLink, over a link of
-its own configuration that programs of the boat reach (`udpin:`), as the version that was sent.
-Nothing is needed on the boat but Debian: its bash hands bytes from the ssh connection to the link.
+The boat keeps the new package only if it then answers over MAVLink with the version that was sent,
+on a link of its configuration that local programs can reach (`udpin:`). The boat needs nothing but
+Debian: its bash relays bytes between the ssh connection and the link.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ ME = (255, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER)
 
 
 class TroubleError(Exception):
-    """What ends the work, in words for who started it."""
+    """Stops the installation; the text is for the operator."""
 
 
 class Answer(NamedTuple):
-    """What a boat has said by MAVLink."""
+    """A boat's answer by MAVLink."""
 
     armed: bool
-    revision: str  #: eight characters, empty where it did not say
+    revision: str  #: eight characters, empty if it sent none
 
 
 class Link(NamedTuple):
-    """A UDP port of the boat, as programs on it reach it; whether it takes signed messages only."""
+    """A UDP port of the boat, seen from the boat; `signed`: it accepts signed messages only."""
 
     host: str
     port: int
@@ -51,7 +51,7 @@ class Link(NamedTuple):
 
 
 class Boat:
-    """The boat's shell. Connections share one log-in, whose password ssh may ask for."""
+    """The boat's shell. Connections share one login, for which ssh may ask a password."""
 
     def __init__(self, host: str, folder: Path) -> None:
         self.host = host
@@ -61,11 +61,11 @@ class Boat:
         self._sudo = [] if self.say("id", "-u") == "0" else ["sudo", "-n"]
 
     def words(self, *command: str) -> list[str]:
-        """What runs a command on the boat."""
+        """The local command line that runs a command on the boat."""
         return ["ssh", *self._options, self.host, shlex.join(command)]
 
     def say(self, *command: str) -> str:
-        """The output of a command on the boat."""
+        """The output of a command on the boat; TroubleError if it fails."""
         done = subprocess.run(
             self.words(*command),
             stdin=subprocess.DEVNULL,
@@ -78,19 +78,19 @@ class Boat:
         return done.stdout.strip()
 
     def copy(self, *files: tuple[Path, str]) -> None:
-        """Files of this machine to paths on the boat."""
+        """Copy local files to paths on the boat; TroubleError if that fails."""
         for file, target in files:
             words = ["scp", "-q", *self._options, str(file), f"{self.host}:{target}"]
             if subprocess.run(words, check=False).returncode:
                 raise TroubleError(f"{self.host}: {file.name} could not be copied")
 
     def install(self, folder: str) -> subprocess.Popen[str]:
-        """tools/flash-install, which waits for our verdict."""
+        """Start tools/flash-install on the boat; it installs, then waits for our verdict."""
         words = self.words(*self._sudo, "bash", f"{folder}/flash-install", folder)
         return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def link(self) -> Link | None:
-        """The first one in its configuration that programs of the boat reach."""
+        """The first link of its configuration that programs on the boat can reach."""
         config = tomllib.loads(self.say("cat", CONFIG))
         links, secret = config.get("mavlink", []), bool(config.get("signing-key"))
         for text in links if isinstance(links, list) else [links]:
@@ -103,9 +103,9 @@ class Boat:
         return None
 
     def ask(self, link: Link, seconds: float) -> Answer | None:
-        """Who answers there, with its version where that comes in time; None: nobody."""
+        """Ask the boat on `link` for its state and version; None: no answer within `seconds`."""
         there = f"/dev/udp/{link.host}/{link.port}"
-        # One direction ends the other: a port that nobody has opened yet cuts the line.
+        # Either direction's end ends both: a port not open yet closes the connection.
         relay = f"exec 3<>{there} 4<&0; cat <&3 & cat <&4 >&3 & wait -n; kill $(jobs -p)"
         until = time.monotonic() + seconds
         answer = None
@@ -124,7 +124,7 @@ class Boat:
 
 
 def converse(line: subprocess.Popen[bytes], until: float) -> Answer | None:
-    """What the boat says until all is said, the line is cut or the time is up."""
+    """The boat's answer, as complete as it is when the line closes or the time is up."""
     assert line.stdin is not None
     assert line.stdout is not None
     codec = mavlink.MAVLink(None, *ME)
@@ -157,35 +157,35 @@ def converse(line: subprocess.Popen[bytes], until: float) -> Answer | None:
 
 
 def version_of(package: Path) -> tuple[str, str]:
-    """What `flotillad --version` has to say, and the commit in it."""
+    """The expected output of `flotillad --version`, and the commit in it."""
     words = ["dpkg-deb", "--field", str(package), "Version"]
     text = subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip()
     found = re.match(r"([0-9.]+)\+[0-9]+\.([0-9a-f]{8})", text)
     if not found:
-        raise TroubleError(f"{package}: no package of tools/package")
+        raise TroubleError(f"{package}: not a package made by tools/package")
     return f"flotillad {found[1]} ({found[2]})", found[2]
 
 
 def judge(boat: Boat, said: str, package: Path) -> str | None:
-    """Why the boat must not keep what it has installed."""
+    """Why the boat must not keep the new package; None: it may."""
     version, revision = version_of(package)
     if said != f"installed: {version}":
-        return f"it is to be {version}, and says: {said or 'nothing'}"
+        return f"expected {version}, but the boat reports: {said or 'nothing'}"
     link = boat.link()
     if link is None:
-        return f"{CONFIG} has no udpin link that programs of the boat reach"
+        return f"{CONFIG} has no udpin link that programs on the boat can reach: add one"
     print(f"waiting for the boat at udp {link.host}:{link.port} of {boat.host} ...", flush=True)
     answer = boat.ask(link, PATIENCE_S)
     if answer is None:
         return f"no HEARTBEAT within {PATIENCE_S:.0f} s"
     if answer.revision != revision and not (link.signed and not answer.revision):
-        return f"who answers is {answer.revision or 'silent about its version'}, not {revision}"
+        return f"the boat answers with version {answer.revision or 'unknown'}, not {revision}"
     return None
 
 
 def refuse_armed(boat: Boat) -> None:
-    """A boat that pushes is left alone."""
-    with contextlib.suppress(TroubleError):  # the first time there is no configuration
+    """Exit if the boat is armed: its propellers may turn."""
+    with contextlib.suppress(TroubleError):  # before the first installation: no configuration
         link = boat.link()
         answer = boat.ask(link, 3.0) if link else None
         if answer is None or not answer.armed:
@@ -194,7 +194,7 @@ def refuse_armed(boat: Boat) -> None:
 
 
 def flash(boat: Boat, package: Path) -> None:
-    """Raises TroubleError where the boat is what it was before."""
+    """Install `package`; TroubleError if the boat refused it or rolled back."""
     refuse_armed(boat)
     folder = boat.say("mktemp", "--directory")
     install = SOURCES / "tools" / "flash-install"
@@ -218,17 +218,17 @@ def flash(boat: Boat, package: Path) -> None:
     installer.wait()
     if why:
         raise TroubleError(
-            f"{boat.host}: {why}; {end or 'the connection is lost: it goes back by itself'}"
+            f"{boat.host}: {why}; {end or 'connection lost: the boat rolls back by itself'}"
         )
     if end != "kept":
-        raise TroubleError(f"{boat.host}: the connection is lost: it goes back by itself")
+        raise TroubleError(f"{boat.host}: connection lost: the boat rolls back by itself")
 
 
 def main() -> None:
-    """From the command line to an exit status."""
+    """Parse the command line, build the package if none is given, install it."""
     parser = argparse.ArgumentParser(prog="tools/flash", description=__doc__)
-    parser.add_argument("HOST", help="as ssh takes it: root, or a user with sudo without password")
-    parser.add_argument("PACKAGE", nargs="?", type=Path, help="instead of this tree's")
+    parser.add_argument("HOST", help="ssh destination: root, or a user with passwordless sudo")
+    parser.add_argument("PACKAGE", nargs="?", type=Path, help="install this .deb, not this tree's")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="flash-") as folder:
         try:

@@ -15,14 +15,14 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
-// ESCs want to see zeros after they were armed, before they are driven.
+// Followers keep the formation's reference through a COAST of their leader shorter than this.
 constexpr std::int64_t kShortCoast_us = 1'000'000;
-// 285 years: in ns it still fits 64 bits, and no clock says so in earnest.
+// 285 years: fits 64 bits even in ns, and lies beyond any real clock.
 constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
 
-/// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that it is more than the limit.
+/// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that the figure exceeds the limit.
 Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
   Sentence out;
   out << "slot needs " << hundredths(portable::ceil(100 * needed)) << limit_is << limit;
@@ -65,7 +65,7 @@ std::int64_t Boat<S>::monotonic(std::int64_t now) {
   }
   ++counters_.clock_went_back;
   if (!behind_since_us_) behind_since_us_ = now_us;
-  // A clock that was set back and goes on from there is followed again.
+  // The clock was set back and runs on from there: follow it.
   if (now_us - *behind_since_us_ > kSecond_us) clock_shift_us_ += now_us_ - now_us;
   return now_us_;
 }
@@ -88,7 +88,8 @@ void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
   note_range();
 }
 
-/// The flag is the thread's, of all its boats: each takes what its own calls have raised.
+/// The overflow flag is shared by all boats of a thread, so each call clears it first and collects
+/// it here.
 template <class S>
 void Boat<S>::note_range() {
   overflow_ = core::take_overflow<S>() || overflow_;
@@ -107,7 +108,8 @@ void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   }
 }
 
-/// From the own navigation unit, by its cable or with its signature.
+/// Accepts the time only from the own system: signed, or on a link without signing (the unit's
+/// cable).
 template <class S>
 void Boat<S>::learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us) {
   if (received_.from.system != vehicle_.self().system) return;
@@ -127,7 +129,8 @@ void Boat<S>::set_clock() {
   links_.signing().set_clock(link::signing_time(host_.unix_us), set || learnt_unix_us_);
 }
 
-/// Nothing more of the message that is waited for will come; another may be hidden behind it.
+/// The rest of an incomplete message will not come; the bytes behind its start may hold another
+/// one.
 template <class S>
 void Boat<S>::give_up(std::size_t link, std::int64_t now_us) {
   while (links_.give_up(link, counters_)) take_all(link, now_us);
@@ -172,7 +175,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
     more = vehicle_.answer(counters_);
     note_state(now_us);
     if (!vehicle_.take_change()) continue;
-    // What was set is in force before the next request: another leader, say, was not heard yet.
+    // A change applies before the next request is judged: a new leader, say, is not yet heard.
     configure();
     vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
   }
@@ -180,7 +183,8 @@ void Boat<S>::supervise(std::int64_t now_us) {
   note_state(now_us);
 }
 
-/// A stop that is followed by other requests in the same tick was one all the same.
+/// Called after each answered request, so that leaving FORMATION and returning within one tick
+/// restarts the pilot.
 template <class S>
 void Boat<S>::note_state(std::int64_t now_us) {
   const core::State was = std::exchange(last_state_, state());
@@ -211,7 +215,7 @@ void Boat<S>::configure() {
 
 template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
-  // Where time stands still nothing grows old, and nothing can be trusted.
+  // With a stopped clock no data ever become stale, so nothing can be trusted.
   if (idle_ticks_ > max_idle_ticks_) return 0;
   const bool sails = core::law_drives(state());
   core::Conditions met =
@@ -226,7 +230,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
   if (vehicle_.doubled(now_us)) met &= ~core::kSoleVessel;
-  if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until it is asked for anew
+  if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
   return met;
 }
 
@@ -237,7 +241,7 @@ bool Boat<S>::coasts_on(std::int64_t now_us) const {
   return now_us - *since_us < configuration().failsafes.coast_us && pilot_.can_coast();
 }
 
-/// When this tick's place is known; the next one goes by it.
+/// Called once this tick's position is known; the result enters the next tick's conditions.
 template <class S>
 void Boat<S>::look_at_limits(std::int64_t now_us) {
   const auto& [failsafes, propulsion] =
@@ -291,7 +295,7 @@ void Boat<S>::steer(std::int64_t now_us) {
   const bool drive = supervisor_.may_drive(conditions_, now_us);
   if (!drive || !core::law_drives(state())) law_output_ = {};
   const core::Thrust<S> desired = drive ? desired_thrust(now_us, dt) : core::Thrust<S>{};
-  // COAST does not know the leader: what is told of it is what is heard of it.
+  // In COAST the law follows a dead-reckoned leader; telemetry reports the error to the one heard.
   const bool by_law = drive && state() == core::State::kFormation;
   if (!by_law && seen()) {
     const auto slot = pilot_.look(now_us);
@@ -300,11 +304,11 @@ void Boat<S>::steer(std::int64_t now_us) {
   }
   slot_astern_.look(law_output_.astern && seen() && configuration().formation.judges_station,
                     now_us);
-  // Asked once more, of conditions that are looked at anew.
+  // Checked again after allocation, with newly evaluated conditions.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
   note_range();
-  // A number overflowed, so the thrust may be wrong. FAULT follows with the next tick's conditions.
+  // After an overflow the thrust may be wrong. The next tick's conditions lead to FAULT.
   if (overflow_) thrust_ = thrusters_.step(false, desired, dt);
 }
 
@@ -355,7 +359,7 @@ void Boat<S>::complain(std::int64_t now_us) {
   tell_latency();
 }
 
-/// Once, where there is some and the law goes on with it.
+/// Reports a newly estimated latency of 0.03 s or more, and whether it is compensated.
 template <class S>
 void Boat<S>::tell_latency() {
   constexpr double kWorthAWord_s = 0.03;
@@ -370,7 +374,7 @@ void Boat<S>::tell_latency() {
                            counters_);
 }
 
-/// To who may still set a parameter, once two seconds of TIMESYNC have not told the age.
+/// While disarmed, warns if TIMESYNC has not determined a state's age within 2 s.
 template <class S>
 void Boat<S>::complain_of_time(std::int64_t now_us) {
   const core::Conditions missing = ~conditions_ & (core::kOwnTimed | core::kLeaderTimed);
@@ -382,7 +386,8 @@ void Boat<S>::complain_of_time(std::int64_t now_us) {
   });
 }
 
-/// Of a slot that was too fast for two seconds: a leader's noise is not worth a word.
+/// Warns of a slot that has been too fast for 2 s; shorter excesses are noise of the leader's
+/// state.
 template <class S>
 void Boat<S>::complain_of_slot(std::int64_t now_us) {
   const auto [u, r] = convert::in_double(law_output_.too_fast);
@@ -396,7 +401,7 @@ void Boat<S>::complain_of_slot(std::int64_t now_us) {
   if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
 }
 
-/// With figures, in the tick before COAST or HOLD; the state's own sentence has none.
+/// Gives the figures, one tick before COAST or HOLD, whose own message has none.
 template <class S>
 void Boat<S>::complain_of_station() {
   const core::Astray was = std::exchange(astray_, pilot_.astray());
@@ -420,7 +425,7 @@ void Boat<S>::complain_of_station() {
   vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);
 }
 
-/// Why exactly the slot is not sound, at once and every ten seconds, to who wants to sail.
+/// While armed, tells why the slot is not sound: at once, then every 10 s.
 template <class S>
 void Boat<S>::complain_of_place(std::int64_t now_us) {
   if ((conditions_ & core::kSlotSound) != 0 || !core::armed(state())) return;
@@ -437,7 +442,8 @@ void Boat<S>::complain_of_place(std::int64_t now_us) {
   vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);
 }
 
-/// As it is armed, or learns it then: so far down, no certificate says that the line stays calm.
+/// Warns when the boat is armed, or when it learns then, that it is deeper in the tree than
+/// certified.
 template <class S>
 void Boat<S>::complain_of_depth(std::int64_t now_us) {
   const std::size_t depth = pilot_.tree_place().depth(now_us);
@@ -462,7 +468,8 @@ void Boat<S>::tell(std::int64_t now_us) {
   }
 }
 
-/// Followers of a boat that coasts for longer follow itself: it comes to rest.
+/// Followers of a boat in FORMATION, or in COAST for less than 1 s, follow the formation's
+/// reference; after that they follow the boat itself, which comes to rest.
 template <class S>
 std::optional<link::FormationReference> Boat<S>::reference(std::int64_t now_us) const {
   const auto since_us = supervisor_.coasting_since_us();

@@ -46,7 +46,7 @@ void Limits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
   if (!fence_m || inside(*fence_m, seen)) met_ |= core::kInsideFence;
 }
 
-/// A boat that is not armed is at home: there it will be armed.
+/// A disarmed boat is inside: arming makes its position the new home.
 bool Limits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
   return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};

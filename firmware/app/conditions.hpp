@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the supervisor is told of ESCs, voltage, place and the operator's choices; Vehicle, Pilot and
-// the host say the rest.
+// The supervisor's conditions that depend on ESCs, voltage, position and the operator's choices;
+// the others come from Vehicle, Pilot and the host.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@
 
 namespace flotilla::app {
 
-/// FS_LEADER_ACT and FS_GCS_ACT.
+/// FS_LEADER_ACT and FS_GCS_ACT as conditions.
 core::Conditions choices_of(const Configuration::Failsafes& failsafes);
 
-/// What the bus tells of both propellers' ESCs, and of others that would drive them.
+/// Whether both ESCs are online and obey, and no other node commands them.
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
                                std::int64_t now_us);
 
-/// Becomes what it is told when that has been so for two seconds; false at first.
+/// Debounces a condition: takes a new value once it has lasted 2 s; initially false.
 class Settled {
  public:
   void look(bool now, std::int64_t now_us) {
@@ -40,17 +40,17 @@ class Settled {
   std::optional<std::int64_t> differs_since_us_;
 };
 
-/// The operator's limits, FS_BATT_V and FS_FENCE_M: what is not known does not keep to them.
+/// The operator's limits FS_BATT_V and FS_FENCE_M. An unknown voltage or position violates them.
 class Limits {
  public:
   struct Seen {
     std::int64_t now_us = 0;
     bool armed = false;
-    std::optional<convert::Position> place{};  ///< where it is asked for, fresh and has an origin
+    std::optional<convert::Position> place{};  ///< if needed, fresh, with a known origin
     std::array<std::optional<link::EscStatus>, 2> escs{};
   };
 
-  /// Whether look() makes use of the place.
+  /// Whether look() needs the position.
   bool asks_place(const Configuration::Failsafes& failsafes, bool armed) const {
     return !home_ || (armed && !was_armed_) || failsafes.fence_m;
   }
@@ -60,7 +60,7 @@ class Limits {
 
   core::Conditions conditions() const { return met_; }
 
-  /// Where the boat was first seen, then where it was last armed.
+  /// The first known position; after arming, the position where the boat was last armed.
   std::optional<Home> home() const { return home_; }
 
  private:
@@ -69,7 +69,7 @@ class Limits {
   core::Conditions met_ = 0;
   Settled battery_good_;
   std::optional<convert::Position> left_from_;
-  std::optional<Home> home_;  // the same place on the globe
+  std::optional<Home> home_;  // left_from_ as a global position
   bool was_armed_ = false;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every number an operator may set, with its unit, default, range and description.
+// All parameters that an operator may set, each with unit, default, range and description.
 #pragma once
 
 #include <array>
@@ -70,13 +70,13 @@ const ParameterInfo* find_parameter(std::string_view name);
 /// Whether the value is finite, in range, and of the kind required: whole or ±1.
 bool is_valid(const ParameterInfo& info, float value);
 
-/// The distance to keep from other vessels, m: FS_SEP_M, or by the boat's length.
+/// Distance to keep from other vessels, m: FS_SEP_M; if negative, derived from the boat's length.
 constexpr float separation_m(const Parameters& p) {
-  constexpr float kLengths = 1.2F;  // at which slots two lengths apart are sailed as without
+  constexpr float kLengths = 1.2F;  // does not disturb slots two lengths apart
   return p.FS_SEP_M < 0 ? kLengths * p.BOAT_LEN : p.FS_SEP_M;
 }
 
-/// A sentence on the first parameters that are valid alone but contradict each other.
+/// Describes the first contradiction between parameters that are each valid; nothing if none.
 std::optional<std::string_view> contradiction(const Parameters& parameters);
 
 }  // namespace flotilla::app

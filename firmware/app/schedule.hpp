@@ -7,7 +7,8 @@
 
 namespace flotilla::app {
 
-/// Due on a grid that starts at the first call; after a gap once, and the grid restarts.
+/// Due on a time grid that starts at the first call. After a gap it is due once, and the grid
+/// restarts.
 class Schedule {
  public:
   Schedule() = default;
@@ -21,7 +22,7 @@ class Schedule {
     return interval_us_ > 0 && now_us + early_us_ >= next_us_;
   }
 
-  /// The same, up to half an interval early: for news, which should not wait.
+  /// Like waits(), but up to half an interval early: for news that should not wait.
   bool waits_early(std::int64_t now_us) const { return waits(now_us + interval_us_ / 2); }
 
   /// Time from which waits() is true.

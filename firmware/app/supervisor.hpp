@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The safety decision: the boat's state, what was requested and granted, and whether it may drive. The
-// rules are core/supervisor.hpp's table; here is what the table needs to remember.
+// The safety decision: the boat's state, the outcome of requests, and whether it may drive. The
+// rules are the table of core/supervisor.hpp; this class adds the memory that they need.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace flotilla::app {
 
-/// Shares of full thrust ahead and of full moment to starboard.
+/// Stick positions, −1 … 1: shares of full thrust ahead and of full moment to starboard.
 struct Sticks {
   double surge = 0, yaw = 0;
 };
@@ -28,40 +28,41 @@ class Supervisor {
  public:
   struct Decision {
     bool granted;
-    bool changed;              ///< the state
-    core::Conditions missing;  ///< as core::Verdict's
+    bool changed;              ///< the state has changed
+    core::Conditions missing;  ///< as in core::Verdict
   };
 
   core::State state() const { return state_; }
 
-  /// One of `mode`: of the state, and as last requested.
+  /// Mode numbers of namespace mode: of the present state, and of the last granted mode request.
   std::uint8_t mode() const;
   std::uint8_t intended_mode() const { return intended_mode_; }
 
   const Sticks& sticks() const { return sticks_; }
   const std::optional<MotorTest>& motor_test() const { return test_; }  ///< the last one
 
-  /// Since when in COAST; nothing in other states.
+  /// Time at which COAST began; nothing in other states.
   std::optional<std::int64_t> coasting_since_us() const { return coast_us_; }
 
-  /// The conditions that sticks and motor test make.
+  /// The conditions that depend on the sticks and the motor test.
   core::Conditions conditions(std::int64_t now_us) const;
 
-  /// Applies the automatic transitions. Requests are judged by these conditions until the next call.
+  /// Applies the automatic transitions. Later requests are judged by these conditions, too.
   Decision apply_conditions(core::Conditions conditions, std::int64_t now_us);
 
   Decision request(core::Request request, std::int64_t now_us);
   Decision request_test(const MotorTest& test, std::int64_t now_us);
 
-  /// This test runs, or has just ended and its answer was lost: it is neither prolonged nor run again.
+  /// Whether this test is running or, if the request is a retransmission, ended less than 2 s ago:
+  /// it is then neither prolonged nor run again.
   bool is_repeated(const MotorTest& test, bool repeated, std::int64_t now_us) const;
 
-  /// Ignored while another operator holds the sticks: the first keeps them until silent for 0.5 s,
-  /// in MANUAL until HOLD has followed.
+  /// Ignored while another operator holds the sticks, unless `wins`. An operator holds them until
+  /// silent for 0.5 s, in MANUAL until the state has changed to HOLD.
   void take_sticks(const Sticks& sticks, link::Address from, std::int64_t now_us,
                    bool wins = false);
 
-  /// Thrust is allowed. The first 0.2 s after arming are zeros, which ESCs need to see.
+  /// Whether thrust is allowed. Not in the first 0.2 s after arming: ESCs must see zeros first.
   bool may_drive(core::Conditions conditions, std::int64_t now_us) const;
 
  private:
@@ -74,7 +75,7 @@ class Supervisor {
   Sticks sticks_;
   link::Address sticks_from_{};
   std::optional<std::int64_t> sticks_us_;
-  bool centred_ = false;  // core::kSticksCentred, while they are fresh
+  bool centred_ = false;  // core::kSticksCentred while the sticks are fresh
   std::optional<MotorTest> test_;
   std::int64_t test_end_us_ = 0;
   std::int64_t armed_us_ = 0;

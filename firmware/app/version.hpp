@@ -12,7 +12,8 @@ constexpr std::uint8_t kVersionMinor = 1;
 /// First eight characters of the source's git commit; "unknown" if built without git.
 std::string_view source_revision();
 
-/// "FLOT" before a boat's system id: the uid by which ground stations recognise it.
+/// Upper half of a boat's uid ("FLOT"); the system id is added. Ground stations identify it by
+/// that.
 constexpr std::uint64_t kUidFamily = 0x464C'4F54'0000'0000;
 
 }  // namespace flotilla::app

@@ -10,7 +10,7 @@
 //  F, R    forward and reverse maximum of one propeller   N      0.1 … 500
 //  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
 //
-// Not in paper, which has no thrust limits.
+// Not in paper, which assumes unlimited thrust.
 //
 // Q16.16: tested within ±1,000 (F + R, N)
 #pragma once

@@ -97,7 +97,8 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b,
   return desired;
 }
 
-/// Among other vessels: the boat, and the velocities that lead it to its slot and along with it.
+/// Input of the separation: the boat, and the velocities that lead it to its slot and along with
+/// it.
 template <class S>
 SeparationInput<S> separation_input(const ControllerParams<S>& params, S psi,
                                     const Traffic<S>& traffic, const Slot<S>& slot,

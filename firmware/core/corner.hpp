@@ -12,10 +12,10 @@
 //
 //  symbol  meaning                                             unit   tested range
 //  Δ       change of course                                    rad    ±2.6
-//  θ_0     what a clothoid turns in a sharp corner             rad    0 … 1
+//  θ_0     turn of each clothoid in a sharp corner             rad    0 … 1
 //  R       radius of the arc                                   m      0 … 500
 //
-// Not in paper: there the virtual leader's input is given. The clothoids keep its yaw acceleration
+// Not in paper, where the virtual leader's input is given. The clothoids keep the yaw acceleration
 // finite: r = κ u, ṙ = u²/(R L_c) at a constant speed u.
 //
 // Q16.16: tested within ±1500 (T, m)
@@ -41,7 +41,7 @@ CornerShape<S> corner_shape(S turn, S theta_0) {
   const S theta = S(0.5) * abs(turn);
   const S c = min(theta, theta_0);
   const S c2 = c * c;
-  // The first terms of the integrals' series: the rest is below 2e-6 at θ_c = 1.
+  // First terms of the integrals' series; the remainder is below 2e-6 at θ_c = 1.
   const S along = S(1) - c2 * (S(0.1) - c2 * (S(0.00462962963) - c2 * S(0.000106837607)));
   const S across =
       c * (S(0.33333333333333333) -

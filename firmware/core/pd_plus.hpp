@@ -7,7 +7,7 @@
 //  symbol      meaning                       unit        tested range
 //  k_du, k_dr  velocity gains, surge, yaw    kg/s, kg m²/s  0 … 100
 //
-// Source: paper (eq:mas-underactuated-control), the two actuated rows written out.
+// Source: paper (eq:mas-underactuated-control), its two actuated rows.
 //
 // Q16.16: tested within ±1,000 (wrench, N)
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A vessel that sails a route, as a reference that boats can follow: straight legs, rounded corners,
+// Motion of a vessel along a route, made for boats to follow: straight legs, rounded corners, and
 // limited speed, acceleration, yaw rate and yaw acceleration.
 //
 //   θ_0 = ½ r_max²/ṙ_max        ρ = min(r_max, √(2 θ_c ṙ_max))         yaw rate of the corner
@@ -10,13 +10,13 @@
 //
 //  symbol       meaning                                              unit      tested range
 //  u_leg        speed of the leg                                     m/s       0.05 … 5
-//  l            straight way that is left to the next corner         m         0 … 3000
+//  l            distance to the next corner                          m         0 … 3000
 //  b            distance of the outermost slot from the leader       m         0 … 100
 //
-// Where a leg ends in a wait, at the last waypoint, and before a turn of more than 150°, the vessel
-// stops on the waypoint, waits, and turns on the spot.
+// At a waypoint with a wait, at the last one, and before a turn of more than 150° the vessel stops
+// on the waypoint, waits, and turns on the spot.
 //
-// Not in paper: there the virtual leader's input is given.
+// Not in paper, where the virtual leader's input is given.
 //
 // Q16.16: tested within ±3000 (places, m)
 #pragma once
@@ -44,10 +44,10 @@ struct Waypoint {
   Vec2<S> place{};
   S speed{};  ///< of the leg that ends here
   S reach{};  ///< how far the curve may pass from it
-  S wait{};   ///< s; 0: sails on
+  S wait{};   ///< s; 0: does not stop here
 };
 
-/// The first is where the vessel begins; two successive ones are at least kShortestLeg apart.
+/// The vessel starts at the first waypoint; successive ones are at least kShortestLeg apart.
 template <class S>
 using Waypoints = std::span<const Waypoint<S>>;
 inline constexpr int kShortestLeg_mm = 100;
@@ -57,15 +57,15 @@ enum class RoutePhase { kLeg, kCorner, kWait, kTurn, kArrived };
 template <class S>
 struct RouteState {
   RoutePhase phase = RoutePhase::kArrived;
-  std::size_t next = 0;  ///< waypoint ahead, or that the vessel turns or waits at
-  Motion<S> motion{};    ///< moved_n: the place, as the waypoints'
+  std::size_t next = 0;  ///< waypoint ahead, or where the vessel turns or waits
+  Motion<S> motion{};    ///< moved_n: position in the waypoints' frame
   Corner<S> corner{};    ///< at `next`
-  S speed_at_end{};      ///< of the straight part
+  S speed_at_end{};      ///< at the end of the straight part
   Vec2<S> from{};        ///< where the straight part or the corner begins
-  S course{};            ///< there
+  S course{};            ///< at `from`
   S length{};            ///< of the straight part or the corner
-  S way{};               ///< on it
-  S left{};              ///< of the wait, s
+  S way{};               ///< distance covered on it
+  S left{};              ///< rest of the wait, s
   Carry<S> way_rest{}, north_rest{}, east_rest{};
 };
 
@@ -77,7 +77,7 @@ struct Leg {
   S course{};
 };
 
-/// From waypoint i − 1 to i.
+/// The leg from waypoint i − 1 to i.
 template <class S>
 Leg<S> leg(Waypoints<S> points, std::size_t i) {
   const Vec2<S>&a = points[i - 1].place, &b = points[i].place;
@@ -97,7 +97,7 @@ bool stops_at(Waypoints<S> points, std::size_t i) {
          S(2.6) < abs(turn_at(points, i));
 }
 
-/// The corner at waypoint i, at which the vessel does not stop, and its speed.
+/// The corner at waypoint i, where the vessel does not stop, and the speed in it.
 template <class S>
 struct Rounding {
   Corner<S> corner{};
@@ -112,7 +112,7 @@ Rounding<S> rounding(const RouteParams<S>& params, Waypoints<S> points, std::siz
   const S theta_0 = min(S(0.5) * params.yaw_rate * (params.yaw_rate / params.yaw_accel), S(1));
   const CornerShape<S> shape = corner_shape(turn, theta_0);
   const S rho = min(params.yaw_rate, sqrt(S(2) * shape.clothoid * params.yaw_accel));
-  // Half of a leg for each of its ends: the other half is for the next corner, or to stop.
+  // Each end may use half of a leg: the other half is for the next corner, or for stopping.
   const S room = S(0.5) * min(leg(points, i).length, leg(points, i + 1).length);
   S R = max(params.radius, speed / rho);
   if (room < R * shape.tangent) R = room / shape.tangent;
@@ -124,7 +124,7 @@ Rounding<S> rounding(const RouteParams<S>& params, Waypoints<S> points, std::siz
 /// The corner at waypoint i, and the speed into it from which all later ones can be reached.
 template <class S>
 Rounding<S> ahead(const RouteParams<S>& params, Waypoints<S> points, std::size_t i) {
-  constexpr std::size_t kHorizon = 8;  // beyond it the vessel is taken to stop
+  constexpr std::size_t kHorizon = 8;  // beyond it a stop is assumed
   std::size_t j = points.size() - 1 < i + kHorizon ? points.size() - 1 : i + kHorizon;
   Rounding<S> out{};
   for (; j >= i; --j) {
@@ -154,7 +154,7 @@ void begin_leg(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>&
   state.way = S(0);
 }
 
-/// What follows the straight part, the corner or the turn that has just ended.
+/// Begins what follows the straight part, corner or turn that has just ended.
 template <class S>
 void begin_next(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state) {
   Motion<S>& motion = state.motion;
@@ -169,7 +169,7 @@ void begin_next(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>
     state.length = state.corner.length;
     state.way = S(0);
   } else {
-    // The corner's end, exactly: what rounding has left of it ends here.
+    // Set the corner's end exactly, to discard the rounding errors of its integration.
     const S course = leg(points, state.next + 1).course;
     const Vec2<S> on = to_north_east(course, Vec2<S>{state.corner.tangent, S(0)});
     ++state.next;
@@ -177,7 +177,7 @@ void begin_next(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>
   }
 }
 
-/// Moves the vessel by ds on the present part; not beyond its end.
+/// Moves the vessel by ds along the present part; ds must not exceed the rest of it.
 template <class S>
 void move(RouteState<S>& state, S ds) {
   Motion<S>& motion = state.motion;
@@ -197,7 +197,7 @@ void move(RouteState<S>& state, S ds) {
 
 }  // namespace route
 
-/// The vessel at rest at the first waypoint, with its bow to the second one.
+/// The vessel at rest at the first waypoint, heading for the second.
 template <class S>
 RouteState<S> route_start(const RouteParams<S>& params, Waypoints<S> points) {
   RouteState<S> state;
@@ -210,7 +210,7 @@ RouteState<S> route_start(const RouteParams<S>& params, Waypoints<S> points) {
   return state;
 }
 
-/// h seconds on. pace: share of the legs' speeds, 0 … 1; less lets boats catch up that lag.
+/// Advances by h seconds. pace: share of the legs' speeds, 0 … 1; below 1, lagging boats catch up.
 template <class S>
 void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState<S>& state, S pace,
                    S h) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keeps clear of other vessels: changes ν* where the law would lead too near to one.
+// Keeps clear of other vessels: changes ν* if the law would lead the boat too near to one.
 //
 //   D(w)    = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
 //   D(w) < k_y D_min for a vessel with right of way, w: desired now, or straight to the slot
@@ -66,12 +66,12 @@ struct SeparationParams {
   S reaction = S(0.4);  ///< t_r, s
 
   // Distances over D_min.
-  S hold = S(1.1);   ///< k_h: no boat goes nearer
-  S yield = S(1.4);  ///< k_y: a boat begins to yield; above k_h, or nobody had room to pass
-  S end = S(1.5);    ///< k_e: it ends; above k_y, or it would begin again at once
+  S hold = S(1.1);   ///< k_h: no boat approaches further
+  S yield = S(1.4);  ///< k_y: yielding begins; above k_h, or nobody would have room to pass
+  S end = S(1.5);    ///< k_e: yielding ends; above k_y, or it would begin again at once
 
   // Costs of a velocity: of a difference of U, and of s(w) = 1.
-  S settling = S(0.5);  ///< c_s: of sailing along with the slot, which passes nobody in formation
+  S settling = S(0.5);  ///< c_s: of settling for w_S, with which a boat passes nobody in formation
   S change = S(0.3);    ///< c_b: of another choice than before
   S danger = S(10);     ///< c_d: far above the others
 
@@ -228,7 +228,7 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
   return best;
 }
 
-/// Whether the boat must yield that sails with w, and the least predicted distance.
+/// Whether a boat that sails with w must yield, and the least predicted distance.
 template <class S>
 Separation<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
                       const SeparationInput<S>& in, const Vec2<S>& w) {

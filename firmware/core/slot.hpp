@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The slot's position and motion, as of a vessel that sails along the slot's path.
+// The slot's position and motion, as those of a vessel that sails along the slot's path.
 //
 //   frame 0: d north and east of the leader          frame 1: d ahead and to starboard, turning
 //   w = [u_L − r_L d_y  v_L + r_L d_x]               velocity of the slot, leader's axes (frame 1)

@@ -17,7 +17,7 @@
 //
 // Not in paper. A boat that still closes up may be far away, so its progress counts, not its
 // distance. At a limit of speed, yaw rate or thrust it must make progress in half the time. While
-// it yields to another vessel, t stands still; after that it closes up anew.
+// it yields to another vessel, t stands still; after that it closes up again.
 //
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once

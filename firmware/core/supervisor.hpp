@@ -37,13 +37,13 @@ constexpr std::size_t kRequests = 8;
 /// A set of conditions; a set bit means that all is well.
 using Conditions = std::uint64_t;
 constexpr Conditions kOwnFresh = 1U << 0U;         ///< own state is younger than its limit
-constexpr Conditions kLeaderFresh = 1U << 1U;      ///< so is the leader's; both origins are known
+constexpr Conditions kLeaderFresh = 1U << 1U;      ///< the same of the leader's; both origins known
 constexpr Conditions kEscsOnline = 1U << 2U;       ///< both ESCs report good health
 constexpr Conditions kBusUp = 1U << 3U;            ///< the CAN interface is up and not bus-off
 constexpr Conditions kSoleController = 1U << 4U;   ///< no other node commands or arms ESCs
 constexpr Conditions kParametersSaved = 1U << 5U;  ///< stored parameters were read, or saved since
 constexpr Conditions kSticksFresh = 1U << 6U;      ///< MANUAL_CONTROL is younger than 0.5 s
-constexpr Conditions kTestRunning = 1U << 7U;      ///< a motor test was requested, is not over
+constexpr Conditions kTestRunning = 1U << 7U;      ///< a requested motor test is not over
 constexpr Conditions kOwnLive = 1U << 8U;          ///< own state is not frozen
 constexpr Conditions kOwnSteady = 1U << 9U;        ///< own state does not jump
 constexpr Conditions kLeaderLive = 1U << 10U;      ///< leader's state is not frozen
@@ -64,8 +64,8 @@ constexpr Conditions kOwnTimed = 1U << 24U;     ///< the own state's age is know
 constexpr Conditions kLeaderTimed = 1U << 25U;  ///< the same of the leader's state
 constexpr Conditions kOwnGood = 1U << 26U;      ///< the own unit does not call its estimate poor
 constexpr Conditions kSoleVessel = 1U << 27U;   ///< no other vessel uses the boat's system id
-constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral; in MANUAL: were so since it began
-constexpr Conditions kLeaderNear = 1U << 29U;     ///< who is followed is within FORM_DIST_MAX
+constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, or were once in this MANUAL
+constexpr Conditions kLeaderNear = 1U << 29U;     ///< the followed vessel is within FORM_DIST_MAX
 constexpr unsigned kConditionCount = 30;          ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = Conditions{1} << kConditionCount;
@@ -92,7 +92,7 @@ constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.
 constexpr Conditions kManualBegins = kSticksFresh | kSound;
 constexpr Conditions kManualDrive = kManualBegins | kSticksCentred;
-// Nor do its arming, whatever the battery and the fence.
+// Arming needs no own state either, and ignores battery and fence.
 constexpr Conditions kArming = kSound | kSoleVessel | kGcsHeard | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kSound;
 constexpr Conditions kAllConditions = kLeaderLossHolds - 1;
@@ -131,7 +131,7 @@ constexpr std::array<Row, 29> kTable{{
     {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
     {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
     {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
-    // Requests. What FORMATION lacks at arming is told; such a boat is armed for MANUAL only.
+    // Requests. The first kArm row reports what FORMATION lacks: it arms for MANUAL only.
     {in(State::kDisarmed), Request::kArm, kArming, kFormationBegins, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
@@ -153,8 +153,9 @@ constexpr std::array<Row, 29> kTable{{
 struct Verdict {
   State state;
   bool granted;  ///< a row matched; for Request::kNone: an automatic transition
-  /// Of a refused request: the unmet conditions, none if no row allows it in this state. Of an
-  /// automatic transition: the conditions whose loss caused it. Of arming: what FORMATION lacks.
+  /// After a refused request: the unmet conditions, none if no row allows it in this state. After
+  /// an automatic transition: the conditions whose loss caused it. After arming: those that
+  /// FORMATION still lacks.
   Conditions missing;
 };
 

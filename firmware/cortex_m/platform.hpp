@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The platform's functions: of a microcontroller, or of a PC for comparison.
+// Functions that the platform supplies: a microcontroller, or a PC for comparison.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// I/O through a debugger, or QEMU, without an operating system. Source: ARM, "Semihosting for
+// I/O without an operating system, through a debugger or QEMU. Source: ARM, "Semihosting for
 // AArch32 and AArch64", 2.0.
 #include "cortex_m/semihosting.hpp"
 

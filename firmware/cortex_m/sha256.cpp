@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
-// After them: it relies on both.
+// mavlink_sha256.h relies on the two headers above.
 #define MAVLINK_HELPER static inline
 #include <mavlink_sha256.h>
 

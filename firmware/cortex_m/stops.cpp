@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the libraries end on fatal errors. Their own versions would print by printf, from a heap.
+// The libraries' hooks for fatal errors. Their own versions would call printf, which needs a heap.
 #include "cortex_m/platform.hpp"
 #include "cortex_m/semihosting.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Counts instructions by the processor's timer: under `qemu -icount shift=0` an instruction takes 1
-// ns, and the MPS2 boards' timer runs at 25 MHz.
+// Counts instructions with the processor's timer: under `qemu -icount shift=0` an instruction takes
+// 1 ns, and the MPS2 boards' timer runs at 25 MHz.
 #include "cortex_m/platform.hpp"
 
 namespace flotilla::target {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Counters of received, sent and discarded data. They wrap; they inform people, and decide nothing.
+// Counters of received, sent and discarded data, for people: they wrap, and no decision uses them.
 #pragma once
 
 #include <cstdint>

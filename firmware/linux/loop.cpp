@@ -28,7 +28,7 @@ constexpr std::chrono::milliseconds kReopen{100};
 constexpr int kFarewellTicks = 10;
 // A stored signing timestamp further ahead of the clock than this is reported.
 constexpr std::uint64_t kStampsPerSecond = 100'000, kWorthSaying = 60 * kStampsPerSecond;
-// Read at once; the timer is checked before the rest: a flood must not stop the tick.
+// Most frames and chunks read before the timer is checked again: a flood must not stop the tick.
 constexpr int kMaxFrames = 256, kMaxChunks = 64;
 constexpr std::int64_t kReadBeforeTick_us = 1000;
 
@@ -48,8 +48,8 @@ FileDescriptor catch_signals() {
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
-  ::signal(SIGHUP, SIG_IGN);   // the terminal has closed, or somebody wants a reload: we sail on
-  ::signal(SIGPIPE, SIG_IGN);  // the reader of our messages may end; we go on
+  ::signal(SIGHUP, SIG_IGN);   // closed terminal, or a reload: we sail on
+  ::signal(SIGPIPE, SIG_IGN);  // the reader of our output may end: we sail on
   return FileDescriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
 }
 

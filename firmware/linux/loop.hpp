@@ -28,8 +28,8 @@ namespace flotilla::target {
 
 class Loop {
  public:
-  /// Opens what is there; the rest is retried. Throws std::runtime_error that names a mistake in the
-  /// configuration.
+  /// Opens the devices that are present; the others are retried. Throws std::runtime_error that
+  /// names a mistake in the configuration.
   explicit Loop(const Config& config);
 
   /// Ticks until SIGTERM or SIGINT, stops the propellers, saves; returns the exit status.
@@ -72,7 +72,7 @@ class Loop {
 
   std::int64_t heard_us_ = 0;  // first bytes since the last tick; 0: none
   Statistics statistics_;
-  std::list<RepeatingThread> openers_;  // one a device: none waits for another
+  std::list<RepeatingThread> openers_;  // one per device: none waits for another
 };
 
 }  // namespace flotilla::target

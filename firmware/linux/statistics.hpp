@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How late the control loop was, and what its links and bus counted: a JSON file, written at exit.
+// The control loop's latencies and the counters of links and bus, written to a JSON file at exit.
 #pragma once
 
 #include <cstdint>

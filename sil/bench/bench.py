@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Times the firmware and the simulation, and counts the firmware's instructions.
 
-Times are medians of several runs; machines are noisy, instructions are not. Instructions are those
-of the firmware alone: the difference of two runs of different length under callgrind.
+Times are noisy, so they are medians of several runs; instruction counts are exact. Instructions are
+those of the firmware alone: the difference of two runs of different length under callgrind.
 """
 
 import json
@@ -37,7 +37,7 @@ BOAT = 2  # has a leader that is a boat, and a follower
 
 
 class Figure(TypedDict):
-    """One line of the result; None where it was not measured or has no target."""
+    """One line of the result; None: not measured, or no target."""
 
     what: str
     median_us: float
@@ -59,7 +59,7 @@ def _time_us(case: list[str], n: int) -> float:
 
 
 def instructions(case: list[str], n: int) -> int:
-    """Of the firmware in one of `n` ticks of a case of flotilla_bench."""
+    """Instructions of the firmware per tick, over `n` ticks of a case of flotilla_bench."""
 
     def total(ticks: int) -> int:
         valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
@@ -81,7 +81,7 @@ def _figure(what: str, case: list[str], n: int, per: int, target_us: float | Non
 
 
 def _diamond(folder: Path) -> tuple[float, list[str]]:
-    """Seconds of wall time for a second of `diamond`; the case that replays one of its boats."""
+    """Wall time per second of `diamond`, and the case that replays one of its boats."""
     chosen = scenario.load("diamond", [f"duration_s={DIAMOND_S}"])
     World(scenario.load("diamond", ["duration_s=0.1"]), {}).run(folder / "warm.bin", lambda _: None)
     walls = []
@@ -97,7 +97,7 @@ def _diamond(folder: Path) -> tuple[float, list[str]]:
 
 
 def measure(progress: Progress) -> dict[str, Any]:
-    """All figures, as --json writes them."""
+    """Measure all figures, in the form that --json writes."""
     rounds = bench_fleet.ROUNDS * len(bench_fleet.SIZES)
     task = progress.add_task("measuring", total=6 + rounds)
     figures: list[Figure] = []
@@ -136,7 +136,7 @@ def measure(progress: Progress) -> dict[str, Any]:
 
 
 def measure_live(bus: str, seconds: float, folder: Path, progress: Progress) -> dict[str, Any]:
-    """Latencies of boat 2's flotillad in `diamond`, its share of a core and its memory."""
+    """Measure boat 2's flotillad in `diamond`: latencies, share of a core, memory."""
     chosen = scenario.load("diamond", [f"duration_s={seconds}"])
     program = build_flotillad(print)
     task = progress.add_task(f"sailing {seconds:g} s on {bus}", total=1.0)

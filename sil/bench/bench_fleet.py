@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What fleets cost: boats of one spanning tree in lockstep, by number; speed, memory, stages."""
+"""Cost of a fleet in lockstep by its size: speed, memory, stages of a tick."""
 
 import multiprocessing
 import os
@@ -21,7 +21,7 @@ from sil.scenario.virtual_leaders import VirtualLeaders
 
 SIZES = (1, 4, 100, 1000)
 ROUNDS = 3
-# Each measurement sails about so many boat-seconds, but no less than so many seconds.
+# Boat-seconds per measurement, and the least duration, s.
 _BOAT_SECONDS, _LEAST_S = 4000.0, 4.0
 _KEEP_S = 1.0
 
@@ -32,7 +32,7 @@ _STAGES = {
 
 
 class FleetFigure(TypedDict):
-    """Of one size: medians of several rounds; `stages_us` are those of a boat-tick."""
+    """Figures of one size, medians of several rounds; `stages_us`: per boat and tick."""
 
     boats: int
     boat_seconds_per_s: float
@@ -41,10 +41,10 @@ class FleetFigure(TypedDict):
 
 
 def tree(boats: int, duration_s: float) -> Scenario:
-    """`diamond` with so many boats: boat i follows boat i/2, boat 1 the virtual leader.
+    """`diamond` with that many boats: boat i follows boat i/2, boat 1 the virtual leader.
 
-    Each level lies 4 m behind the one before it, boats of the last one 2 m beside each other; all
-    start in their slots.
+    Each level is 4 m behind the one before, boats of the last level 2 m apart; all start in their
+    slots.
     """
     levels = boats.bit_length()
     slots = [(0.0, 0.0)]
@@ -62,7 +62,7 @@ def tree(boats: int, duration_s: float) -> Scenario:
 
 
 def measure(advance: Callable[[], None]) -> list[FleetFigure]:
-    """Sail every size several times, turn about, each in a process of its own."""
+    """Sail every size several times, in alternation, each in its own process."""
     rounds: dict[int, list[FleetFigure]] = {size: [] for size in SIZES}
     context = multiprocessing.get_context("spawn")
     for _ in range(ROUNDS):
@@ -88,8 +88,8 @@ def _median(rounds: list[FleetFigure]) -> FleetFigure:
 
 
 def sail(boats: int, duration_s: float) -> FleetFigure:
-    """Sail a fleet of that size twice: as it is, and with a look at the clock at every stage."""
-    # A second's compilation and its memory are nobody's share.
+    """Sail a fleet of that size twice: as it is, and with every stage timed."""
+    # Exclude compilation and its memory from the measurement.
     for _ in _steps(_batch(tree(1, 0.1), profile=False)):
         pass
     before_kB = resident_now_kB()
@@ -117,7 +117,7 @@ def _batch(one: Scenario, *, profile: bool) -> Batch:
 
 
 def _steps(batch: Batch) -> Iterator[tuple[float, float]]:
-    """Sail to the end: of each tick the seconds of what is on wires, and of what is not."""
+    """Sail to the end; for each tick the seconds for fleet and wires, and for the plant."""
     ready_us = start(batch)[0]
     if not isinstance(ready_us, int):
         raise ready_us
@@ -135,7 +135,7 @@ def _steps(batch: Batch) -> Iterator[tuple[float, float]]:
 
 
 def resident_now_kB() -> float:
-    """Memory of this process."""
+    """Resident memory of this process, kB."""
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * os.sysconf("SC_PAGESIZE") / 1000.0
 
@@ -154,7 +154,7 @@ def table(figures: list[FleetFigure]) -> Table:
 
 
 def told(figures: list[FleetFigure]) -> str:
-    """Cost and memory of the largest fleet beside the next smaller one, with their targets."""
+    """Cost and memory of the largest fleet compared with the next smaller one, with targets."""
     large, small = figures[-1], figures[-2]
     cost = small["boat_seconds_per_s"] / large["boat_seconds_per_s"]
     more = large["boats"] - small["boats"]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""python -m sil.bench.page_cost: what a live view of many boats costs this machine, measured.
+"""python -m sil.bench.page_cost: measures the cost of a live view of many boats.
 
-A line of boats sails in lockstep first; what they say over the radio is then said again in real
-time to a server as `tools/view` runs it, with a page that reads every frame. The boats' SR_STATE is
-10 Hz, every other rate the firmware's default.
+A line of boats sails in lockstep first. Its radio traffic is then replayed in real time to a server
+as `tools/view` runs it, while a client reads every frame. The boats' SR_STATE is 10 Hz, every other
+rate the firmware's default.
 """
 
 import argparse
@@ -30,7 +30,7 @@ Said = list[tuple[float, bytes]]
 
 
 class Cost(NamedTuple):
-    """Of the server: its share of a core, what it sends, its resident memory in bytes."""
+    """The server's share of a core, frames sent, and resident memory in bytes."""
 
     core: float
     frames_per_s: float
@@ -39,7 +39,7 @@ class Cost(NamedTuple):
 
 
 def fleet_of(boats: int) -> Scenario:
-    """A line of so many boats, each behind the one before."""
+    """A line of that many boats, each behind the one before."""
     nominal = scenario.read("diamond", ["duration_s=10", "parameters.SR_STATE=10"])
     first = nominal.document["boat"][0]
     nominal.document["boat"] = [
@@ -50,7 +50,7 @@ def fleet_of(boats: int) -> Scenario:
 
 
 def said_by(fleet: Scenario) -> Said:
-    """What all say over the radio in a run: seconds since its release, and chunks."""
+    """All radio traffic of a run: seconds since its release, and chunks."""
     said: Said = []
 
     def watch(batch: Any, _: Sequence[int], k: int, __: int) -> None:
@@ -65,7 +65,7 @@ def said_by(fleet: Scenario) -> Said:
 
 
 async def _watch(url: str, frames: list[int]) -> None:
-    """A page that reads what it is sent."""
+    """A client that reads every frame."""
     page = await websocket_connect(f"ws{url.removeprefix('http')}live")
     try:
         while (message := await page.read_message()) is not None:
@@ -94,7 +94,7 @@ async def _measured(url: str, server: int, seconds: float) -> Cost:
 
 
 def _say(said: Said, port: int, stop: threading.Event) -> None:
-    """Says it in real time, again and again."""
+    """Send the traffic in real time, repeatedly, until `stop`."""
     began_s, turn_s = time.monotonic(), 0.0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         while True:
@@ -108,7 +108,7 @@ def _say(said: Said, port: int, stop: threading.Event) -> None:
 
 @contextmanager
 def viewed(said: Said) -> Iterator[tuple[str, int]]:
-    """A server that hears it, as `tools/view` runs it: the page's address, the process's id."""
+    """A server as `tools/view` runs it, which receives the traffic: page's address, process id."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind((LOOPBACK, 0))
         port = probe.getsockname()[1]
@@ -139,7 +139,7 @@ def main(given: Sequence[str]) -> int:
     with viewed(said) as (url, server):
         cost = asyncio.run(_measured(url, server, options.seconds))
     span_s, total = said[-1][0], sum(len(data) for _, data in said)
-    print(f"{options.boats} boats and their leader say {total / span_s / 1000:.1f} kB/s")
+    print(f"{options.boats} boats and their leader send {total / span_s / 1000:.1f} kB/s")
     print(f"the page is sent {cost.frames_per_s:.1f} frames a second of {cost.frame_bytes} bytes")
     print(f"the server takes {100.0 * cost.core:.1f} % of a core, {cost.memory / 1e6:.0f} MB")
     return 0

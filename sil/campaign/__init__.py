@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Campaigns: many runs of one scenario, each with its own draws, and what they come to."""
+"""Campaigns: many runs of one scenario, each with its own draws, and their results."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What this process does while others sail the runs of a campaign."""
+"""Tasks of this process while others sail the runs of a campaign."""
 
 import threading
 from collections.abc import Callable, Iterator, Mapping

@@ -19,7 +19,7 @@ from sil.campaign.aside import nominal_run
 from sil.campaign.campaign_files import Folder, Identity
 from sil.campaign.progress import bar
 from sil.campaign.sampling import Sampler
-from sil.campaign.work import Batch, BatchResult, OtherCodeError, code
+from sil.campaign.work import OtherCodeError, Share, ShareResult, code
 from sil.lockstep.policies import PolicyViolationError
 from sil.lockstep.start import StartError
 from sil.lockstep.world import check
@@ -33,7 +33,7 @@ BATCH, TRACES_BYTES = 25, 200e6
 
 @dataclass(frozen=True)
 class Campaign:
-    """What is sailed, into which folder, and the command that does so."""
+    """A campaign to sail: its scenario, its folder and its command line."""
 
     sampler: Sampler
     identity: Identity
@@ -111,24 +111,24 @@ def _say(console: Console, text: str) -> None:
 
 
 def _sail_left(
-    campaign: Campaign, options: argparse.Namespace, results: list[BatchResult], console: Console
+    campaign: Campaign, options: argparse.Namespace, results: list[ShareResult], console: Console
 ) -> summary.Effort:
     """Sail the runs that are not among `results`, and add them."""
     identity, folder, sampler = campaign.identity, campaign.folder, campaign.sampler
     done = {run.run for result in results for run in result.runs}
     left = [run for run in range(identity.runs) if run not in done]
 
-    def batches(least: int) -> list[Batch]:
+    def batches(least: int) -> list[Share]:
         size = min(_most_runs(sampler.nominal), -(-len(left) // least))
         return [
-            Batch(tuple(left[i : i + size]), sampler, identity.parameters, identity.code)
+            Share(tuple(left[i : i + size]), sampler, identity.parameters, identity.code)
             for i in range(0, len(left), max(1, size))
         ]
 
     effort = summary.Effort()
     with bar(sampler.nominal, identity.runs, len(done), console) as advance:
 
-        def note(result: BatchResult) -> None:
+        def note(result: ShareResult) -> None:
             folder.keep(result)
             results.append(result)
             effort.add(result)
@@ -144,7 +144,7 @@ def _sail_left(
 
 
 def _most_runs(nominal: Scenario) -> int:
-    """How many runs of a scenario are sailed in one go at most."""
+    """The greatest number of runs of a scenario in one batch."""
     ticks, boats = nominal.duration_s * nominal.rate_hz, len(nominal.boat)
     # eta and nu of every agent, tau of every boat, as sil.lockstep.trace.Tracer holds them
     trace_bytes = 8.0 * ticks * (6 * (boats + 1) + 2 * boats)
@@ -153,7 +153,7 @@ def _most_runs(nominal: Scenario) -> int:
 
 def _finish(
     campaign: Campaign,
-    results: Sequence[BatchResult],
+    results: Sequence[ShareResult],
     effort: summary.Effort,
     began_s: float,
     console: Console,

@@ -14,7 +14,7 @@ from sil.plant.hull import Array
 
 @dataclass(frozen=True)
 class Figure:
-    """A quantile over runs of a number that each run has; `least`: less of it is as good as that.
+    """A quantile over runs of a figure; values below `least` count as `least`.
 
     `of`: the number of every run (R), infinite where the run has none because it went wrong.
     `of_ok`: only runs that went well in both campaigns have it.

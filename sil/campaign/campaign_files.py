@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from sil.campaign.run_outcome import RunResult
-from sil.campaign.work import BatchResult
+from sil.campaign.work import ShareResult
 from sil.common import files
 
 _SAMPLES = ("error_m", "psi_rad")
@@ -30,7 +30,7 @@ class CampaignError(ValueError):
 
 @dataclass(frozen=True)
 class Identity:
-    """What makes two campaigns the same: every row of their tables follows from it.
+    """The identity of a campaign: it determines every row of the tables.
 
     `document` is that of the scenario with its overrides; `code` is `work.code()`.
     """
@@ -80,7 +80,7 @@ class Folder:
             )
 
     def _known(self) -> dict[str, Any]:
-        """What campaign.json says; CampaignError where it is damaged."""
+        """The content of campaign.json; CampaignError if it is damaged."""
         path = self.path / "campaign.json"
         try:
             return dict(json.loads(path.read_text(encoding="utf-8")))
@@ -90,7 +90,7 @@ class Folder:
 
     def begin(
         self, identity: Identity, command: str, say: Callable[[str], object] = print
-    ) -> list[BatchResult]:
+    ) -> list[ShareResult]:
         """Begin the campaign, or go on with it: the results that are there.
 
         What cannot be read of them is removed, which `say` is told.
@@ -109,7 +109,7 @@ class Folder:
                 path.unlink()
         return results
 
-    def keep(self, result: BatchResult) -> None:
+    def keep(self, result: ShareResult) -> None:
         """Keep the results of a batch; its first run gives it a name."""
         _replace(self._parts / f"{result.runs[0].run:06d}.npz", _encoded(result))
 
@@ -123,7 +123,7 @@ class Folder:
         _replace(self.path / "campaign.json", f"{text}\n".encode())
 
     def finish(self) -> None:
-        """All is written: the parts are no longer needed."""
+        """Delete the parts once everything is written."""
         shutil.rmtree(self._parts)
 
 
@@ -143,7 +143,7 @@ def _differences(key: str, was: Any, now: Any) -> Iterator[str]:
         yield "its code" if key == "code" else f"{key}: {json.dumps(was)}, now {json.dumps(now)}"
 
 
-def _encoded(result: BatchResult) -> bytes:
+def _encoded(result: ShareResult) -> bytes:
     """A batch's results as an .npz file: all but the samples as JSON, which keeps every bit."""
     names = [field.name for field in fields(RunResult) if field.name not in _SAMPLES]
     runs = [{name: getattr(run, name) for name in names} for run in result.runs]
@@ -156,7 +156,7 @@ def _encoded(result: BatchResult) -> bytes:
     return buffer.getvalue()
 
 
-def _decoded(content: bytes) -> BatchResult:
+def _decoded(content: bytes) -> ShareResult:
     with np.load(io.BytesIO(content), allow_pickle=False) as part:
         about = json.loads(str(part["about"]))
         samples = iter(zip(*(part[name] for name in _SAMPLES), strict=True))
@@ -165,4 +165,4 @@ def _decoded(content: bytes) -> BatchResult:
         run |= {name: tuple(run[name]) for name in ("boats", "states")}
         of_run = dict(zip(_SAMPLES, next(samples), strict=True)) if run["boats"] else {}
         runs.append(RunResult(**run, **of_run))
-    return BatchResult(tuple(runs), about["busy_s"])
+    return ShareResult(tuple(runs), about["busy_s"])

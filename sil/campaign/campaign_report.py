@@ -111,7 +111,7 @@ def errors_figure(campaign: Campaign, sampled: Samples, trace: dict[str, Array] 
 
 
 def _pairs(campaign: Campaign) -> list[str]:
-    """What each boat is called: with its leader, where campaign.json says who that is."""
+    """Each boat's label: with its leader if campaign.json names it."""
     boats = campaign.header.get("document", {}).get("boat", [])
     names = []
     for i in range(campaign.boats):

@@ -53,7 +53,7 @@ def of_ratio(
 ) -> Change:
     """Compare the quantile `share` of figures `a`, `b` of runs (R), which may be infinite.
 
-    Figures under `least` are taken for that much. `tests`: how many figures are compared at once.
+    Figures below `least` count as `least`. `tests`: how many figures are compared at once.
     `paired`: a[k] and b[k] are one run's.
     """
     logs = tuple(np.log(np.clip(values, least, _NEVER)) for values in (a, b))

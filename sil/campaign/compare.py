@@ -33,7 +33,7 @@ def main(options: argparse.Namespace) -> int:
 
 
 def _need_runs(pairing: Pairing) -> None:
-    """ValueError where chance cannot be told from change."""
+    """ValueError if there are too few runs to tell chance from change."""
     for campaign in (pairing.a, pairing.b):
         count = campaign.runs.size
         if count < campaign_figures.LEAST_RUNS:

@@ -27,7 +27,7 @@ def table(found: Mapping[str, Change]) -> Table:
 
 
 def note(*, paired: bool) -> str:
-    """What the table's numbers are."""
+    """Explain the table's numbers."""
     own = "; B/A is the median of the runs' own ratios" if paired else ""
     return (
         f"Medians over the runs where it does not say otherwise{own}. Better, worse: all of the "

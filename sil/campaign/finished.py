@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The folder of a campaign, read: campaign.json and the Parquet page_tables."""
+"""Reads the folder of a campaign: campaign.json and the Parquet tables."""
 
 import json
 from dataclasses import dataclass

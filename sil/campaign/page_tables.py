@@ -13,7 +13,7 @@ from sil.plant.hull import Array
 from sil.report.headline import Ended
 from sil.view.history import LENGTH_M
 
-Row = list[str]
+Cells = list[str]
 PERCENTS = (5.0, 25.0, 50.0, 75.0, 95.0, 100.0)
 ERRORS = (
     "boat",
@@ -32,7 +32,7 @@ LOST = ("run", "outcome", "reason")
 MOST_WORST, MOST_LOST = 5, 20
 
 
-def errors(campaign: Campaign, samples: Samples) -> list[Row]:
+def errors(campaign: Campaign, samples: Samples) -> list[Cells]:
     """Percentiles of |e| of each boat over late seconds and all runs, and its settling."""
     settling_s = campaign.cells["settling_time_s"]
     settled = ~np.isnan(settling_s) & campaign.ok[:, None]
@@ -51,7 +51,7 @@ def errors(campaign: Campaign, samples: Samples) -> list[Row]:
     return rows
 
 
-def thrust(campaign: Campaign) -> list[Row]:
+def thrust(campaign: Campaign) -> list[Cells]:
     """Median and 95th percentile over the runs that did not diverge, a row a boat."""
     ok = campaign.ok
     columns = [campaign.cells[name][ok] for name in ("thrust_rms_N", "thrust_step_rms_N")]
@@ -62,7 +62,7 @@ def thrust(campaign: Campaign) -> list[Row]:
     ]
 
 
-def states(campaign: Campaign) -> tuple[Row, list[Row]]:
+def states(campaign: Campaign) -> tuple[Cells, list[Cells]]:
     """Head and rows: mean seconds a run in each state that occurs, and in how many runs it does."""
     seconds = {
         name.removeprefix("s_"): values[campaign.outcome != FAILED]
@@ -77,7 +77,7 @@ def states(campaign: Campaign) -> tuple[Row, list[Row]]:
     return ["boat", *seconds], rows
 
 
-def worst(campaign: Campaign) -> list[tuple[int, Row]]:
+def worst(campaign: Campaign) -> list[tuple[int, Cells]]:
     """Runs, the worst first, of those that did not diverge: by their worst boat's 95 % of |e|."""
     error_m = np.nan_to_num(campaign.cells["error_p95_m"], nan=np.inf)
     ok = np.flatnonzero(campaign.ok)
@@ -92,7 +92,7 @@ def worst(campaign: Campaign) -> list[tuple[int, Row]]:
     return rows
 
 
-def lost(campaign: Campaign) -> tuple[list[tuple[int, Row]], int]:
+def lost(campaign: Campaign) -> tuple[list[tuple[int, Cells]], int]:
     """The first runs that diverged or failed, with their reasons; and how many more there are."""
     found = np.flatnonzero(~campaign.ok)
     rows = []
@@ -123,7 +123,7 @@ def ended(campaign: Campaign) -> Ended:
     return Ended(
         runs=campaign.runs.size,
         settled=int(np.sum(np.isfinite(campaign.worst("settling_time_s")) & campaign.ok)),
-        near=int(np.sum(campaign.ok & (least_m < hull_m))) if campaign.boats > 1 else None,
+        near=int(np.sum(least_m < hull_m)) if campaign.boats > 1 else None,
         diverged=int(np.sum(campaign.outcome == DIVERGED)),
         failed=int(np.sum(campaign.outcome == FAILED)),
         hull_m=hull_m,

@@ -56,7 +56,7 @@ def pair(a: Campaign, b: Campaign) -> Pairing:
 
 
 def _shape(campaign: Campaign) -> tuple[Any, Any, Any]:
-    """What runs must share to be compared: duration, rate, who follows whom; None where untold."""
+    """Properties that runs must share to be compared: duration, rate, leaders; None if unknown."""
     document = campaign.header.get("document", {})
     follows = [boat.get("follows") for boat in document.get("boat", [])]
     return document.get("duration_s"), document.get("rate_hz"), follows
@@ -81,7 +81,7 @@ def _draw_alike(a: Campaign, b: Campaign) -> bool:
 
 
 def _draws(campaign: Campaign) -> dict[tuple[int, str], tuple[str, ...]]:
-    """What was drawn, by run and key."""
+    """The drawn values, by run and key."""
     table = columns(campaign.folder, "draws")
     run, key = table.pop("run"), table.pop("key")
     row = np.isin(run, campaign.runs)
@@ -92,7 +92,7 @@ def _draws(campaign: Campaign) -> dict[tuple[int, str], tuple[str, ...]]:
 
 
 def _told(a: dict[str, Any], b: dict[str, Any]) -> list[str]:
-    """What was sailed differently, a line a key."""
+    """The differences of the two campaigns, one line per key."""
     found = [
         line
         for name in ("document", "parameters", "code")

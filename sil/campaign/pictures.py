@@ -29,7 +29,7 @@ _ALL: dict[str, Any] = {"alpha": 0.11, "lw": 0}
 
 @dataclass(frozen=True)
 class Errors:
-    """What the picture of the errors shows: envelopes.parquet, samples, nominal.npz if any."""
+    """The data of the errors' picture: envelopes.parquet, samples, nominal.npz if any."""
 
     envelopes: Columns
     samples: Samples

@@ -16,7 +16,7 @@ _WHAT = ("scenario", "document", "parameters", "seed")
 
 
 def place(folder: Path, run: int) -> Path:
-    """Where a run that is sailed again leaves its files."""
+    """The folder of a run that is sailed again."""
     return folder / "runs" / str(run)
 
 

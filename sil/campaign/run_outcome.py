@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is left of a run of a campaign: its outcome, figures of each boat, a sample a second."""
+"""The result of a campaign's run: outcome, figures of each boat, one sample per second."""
 
 import hashlib
 from collections.abc import Mapping, Sequence

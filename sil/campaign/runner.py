@@ -9,18 +9,18 @@ import logging
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from sil.campaign.work import Batch, BatchResult, OtherCodeError, failed, sail_batch
+from sil.campaign.work import OtherCodeError, Share, ShareResult, failed, sail_batch
 from sil.common import pool
 
-Note = Callable[[BatchResult], None]
+Note = Callable[[ShareResult], None]
 _DIED = "the process died"
 _TASKS = 4  # for each thread of a cluster
 
 
-def locally(batches: Sequence[Batch], workers: int, note: Note) -> None:
+def locally(batches: Sequence[Share], workers: int, note: Note) -> None:
     """Sail batches in `workers` processes of this machine."""
 
-    def told(_: Batch, result: BatchResult) -> None:
+    def told(_: Share, result: ShareResult) -> None:
         note(result)
 
     for batch in pool.run(sail_batch, batches, workers, told):
@@ -31,7 +31,7 @@ def locally(batches: Sequence[Batch], workers: int, note: Note) -> None:
 
 
 def on_cluster(
-    batches_for: Callable[[int], Sequence[Batch]],
+    batches_for: Callable[[int], Sequence[Share]],
     address: str,
     note: Note,
     say: Callable[[str], object] = print,
@@ -66,17 +66,17 @@ def _threads(client: Any) -> int:
     return max(1, threads)
 
 
-def _sail(client: Any, batches: Sequence[Batch], note: Note) -> None:
+def _sail(client: Any, batches: Sequence[Share], note: Note) -> None:
     from distributed import KilledWorker, as_completed  # noqa: PLC0415
 
-    batch_of: dict[str, Batch] = {}
+    batch_of: dict[str, Share] = {}
 
-    def submit(some: Sequence[Batch]) -> list[Any]:
+    def submit(some: Sequence[Share]) -> list[Any]:
         futures: list[Any] = client.map(sail_batch, some, pure=False)
         batch_of.update(zip((future.key for future in futures), some, strict=True))
         return futures
 
-    suspects: list[Batch] = []
+    suspects: list[Share] = []
     under_way = as_completed(submit(batches))
     for future in under_way:
         batch = batch_of.pop(future.key)

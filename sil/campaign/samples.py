@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The distances |e| of all boats in all runs, a sample a second."""
+"""The distances |e| of all boats in all runs, one sample per second."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ class Samples:
 
     @property
     def late_s(self) -> float:
-        """From when on boats are held to be in formation."""
+        """The time from which boats count as in formation, s."""
         return late.from_s(float(self.t_s.max(initial=0.0)))
 
     def late_percentiles(self, percents: tuple[float, ...]) -> Array:

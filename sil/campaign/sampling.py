@@ -77,7 +77,7 @@ class Sampler:
         return int(self._generator(run, "seed").integers(2**53))
 
     def draws(self, run: int) -> Draws:
-        """What the varied keys are in run `run`; ScenarioError where no start was wide enough."""
+        """The drawn values of run `run`; ScenarioError if all drawn starts were too close."""
         return {".".join(path): value for path, value in self._drawn(run).items()}
 
     def scenario(self, run: int) -> Scenario:

@@ -14,7 +14,7 @@ from rich.table import Table
 
 from sil.campaign import late
 from sil.campaign.run_outcome import RunResult, distances
-from sil.campaign.work import BatchResult
+from sil.campaign.work import ShareResult
 from sil.report import headline
 from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
@@ -32,7 +32,7 @@ class Effort:
     busy_s: float = 0.0
     wall_s: float = 0.0
 
-    def add(self, result: BatchResult) -> None:
+    def add(self, result: ShareResult) -> None:
         """Count a batch."""
         self.runs += len(result.runs)
         self.busy_s += result.busy_s
@@ -90,7 +90,7 @@ def _settled(run: RunResult) -> bool:
 
 def _ended(nominal: Scenario, runs: Sequence[RunResult], told: Mapping[str, Any]) -> headline.Ended:
     hull_m = max(boat.length_m for boat in boats_of(nominal))
-    least_m = [run.min_separation_m for run in runs if run.outcome == "ok"]
+    least_m = [run.min_separation_m for run in runs]
     near = sum(apart is not None and apart < hull_m for apart in least_m)
     outcomes = told["outcomes"]
     return headline.Ended(

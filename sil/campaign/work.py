@@ -18,7 +18,7 @@ from sil.lockstep.world import sail
 
 
 @dataclass(frozen=True)
-class Batch:
+class Share:
     """Runs of a campaign, by number, and what they are to be sailed with.
 
     `code`: what `code()` is where the campaign was started, `parameters` those of `--param`.
@@ -29,13 +29,13 @@ class Batch:
     parameters: Mapping[str, float]
     code: str
 
-    def singles(self) -> Iterator["Batch"]:
+    def singles(self) -> Iterator["Share"]:
         """Each of its runs as a batch of its own."""
         return (replace(self, runs=(run,)) for run in self.runs)
 
 
 @dataclass(frozen=True)
-class BatchResult:
+class ShareResult:
     """Results of a batch, and the seconds that a core was busy with it."""
 
     runs: tuple[RunResult, ...]
@@ -58,7 +58,7 @@ def code() -> str:
     return digest.hexdigest()
 
 
-def sail_batch(batch: Batch) -> BatchResult:
+def sail_batch(batch: Share) -> ShareResult:
     """Sail a batch; a run that fails leaves a result that says why.
 
     Raises OtherCodeError where the figures would not be those of the campaign's other workers.
@@ -66,17 +66,17 @@ def sail_batch(batch: Batch) -> BatchResult:
     began_s = time.perf_counter()
     if batch.code != code():
         raise OtherCodeError("a worker has another version or build of flotilla")
-    return BatchResult(tuple(_results(batch)), time.perf_counter() - began_s)
+    return ShareResult(tuple(_results(batch)), time.perf_counter() - began_s)
 
 
-def failed(batch: Batch, reason: str) -> BatchResult:
+def failed(batch: Share, reason: str) -> ShareResult:
     """The result of a batch of which no run could be sailed."""
     seeds = [batch.sampler.seed_of(run) for run in batch.runs]
     runs = zip(batch.runs, seeds, strict=True)
-    return BatchResult(tuple(RunResult(run, seed, "failed", reason) for run, seed in runs), 0.0)
+    return ShareResult(tuple(RunResult(run, seed, "failed", reason) for run, seed in runs), 0.0)
 
 
-def _results(batch: Batch) -> list[RunResult]:
+def _results(batch: Share) -> list[RunResult]:
     try:
         scenarios = [batch.sampler.scenario(run) for run in batch.runs]
         outcomes = sail(scenarios, dict(batch.parameters))

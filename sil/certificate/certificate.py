@@ -39,7 +39,7 @@ class Floquet:
 
 @dataclass(frozen=True)
 class Case:
-    """Boats that are alike behind one reference, and what became of them.
+    """Equal boats behind one reference, and their results.
 
     `curve_*`: decay, 1/s, at `gains.CURVE_K_X`; empty behind a leader at rest.
     """
@@ -73,7 +73,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Certificate:
-    """All that was found; `search` is None where the leader never moves."""
+    """All results; `search` is None if the leader never moves."""
 
     scenario: Scenario
     legs: list[Leg]

@@ -28,7 +28,7 @@ _LAW = ("LAW_", "VES_", "THR_", "FORM_FRAME")
 
 
 def check(folder: Path, also: Path | None) -> None:
-    """See whether `write` could write there, and leave nothing; OSError names the path given."""
+    """Check that `write` can write there, leaving no file; OSError names the path given."""
     _check_folder(folder, folder)
     if also is not None:
         if also.is_dir():
@@ -91,7 +91,7 @@ def _picture(png: bytes) -> str:
 
 
 def document(certificate: Certificate) -> dict[str, Any]:
-    """What certificate.json says: SI units, complex numbers as [real, imaginary], ∞ as null."""
+    """The content of certificate.json: SI, complex numbers as [real, imaginary], ∞ as null."""
     scenario = certificate.scenario
     said = {
         "scenario": scenario.name,
@@ -153,7 +153,7 @@ def _case(case: Case) -> dict[str, Any]:
 
 @contextmanager
 def _naming(path: Path) -> Iterator[None]:
-    """Errors about what is made for `path` speak of `path`."""
+    """Makes errors about temporary files name `path` instead."""
     try:
         yield
     except OSError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The boats of a scenario behind one reference, those that are alike together."""
+"""The boats of a scenario behind one reference, with equal boats grouped together."""
 
 from collections.abc import Mapping
 
@@ -29,7 +29,7 @@ def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str
 
 
 def vessel_of(own: Mapping[str, float]) -> HullParameters:
-    """The vessel that a firmware with these parameters believes in."""
+    """The vessel model of a firmware with these parameters."""
     return HullParameters(
         *(own[f"VES_{name}"] for name in ("M11", "M22", "M33", "D11", "D22", "D33"))
     )

@@ -51,14 +51,14 @@ _OF_PLACE = ("MAV_SYSID", "FORM_LEADER", "FORM_OFS_N", "FORM_OFS_E")
 
 @dataclass(frozen=True)
 class Limits:
-    """What ends a chain: rad/s, m/s, m RMS."""
+    """The limits of a chain: rad/s, m/s, m RMS."""
 
     yaw_rate: float
     speed: float
     off_slot_m: float
 
     def holds(self, depth: "Depth") -> bool:
-        """Whether a boat at some depth keeps to them."""
+        """Whether a boat at some depth keeps the limits."""
         return (
             depth.yaw_rate <= self.yaw_rate
             and depth.speed <= self.speed

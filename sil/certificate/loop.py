@@ -36,7 +36,7 @@ COMPONENTS = (
 
 @dataclass(frozen=True)
 class Boat:
-    """All that a boat's loop depends on; `parameters`: the firmware's.
+    """Everything on which a boat's loop depends; `parameters`: the firmware's.
 
     `current` (2), m/s, north and east; `slot`: its own motion on its slot; `rate_hz` of the ticks.
     """
@@ -136,7 +136,7 @@ class Loop:
 
 
 def leader_rows(leader: Motion, times_s: Array) -> Array:
-    """What a boat learns of its leader at the times (T): pose, velocity and its rates (T, 9)."""
+    """The leader's motion at times (T), as a boat receives it: pose, velocity, its rates (T, 9)."""
     return np.hstack([leader.eta(times_s), leader.nu(times_s), leader.nu_dot(times_s)])
 
 

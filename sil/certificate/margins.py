@@ -19,7 +19,7 @@ _MOST_DELAY_S, _MOST_SHARE = 1.0, 0.8
 
 @dataclass(frozen=True)
 class Margins:
-    """What the chain bears beyond the scenario: s of radio delay, share of mass and damping."""
+    """The chain's margins beyond the scenario: s of radio delay, share of mass and damping."""
 
     delay_s: float
     mismatch: float

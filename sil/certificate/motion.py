@@ -45,7 +45,7 @@ class Series:
 
     @cached_property
     def _spectrum(self) -> Spectrum:
-        """The mean and the harmonics (H, k) that are no rounding."""
+        """The mean and the harmonics (H, k) above rounding errors."""
         spectrum = np.fft.rfft(self.values, axis=0) / len(self.values)
         large = np.abs(spectrum).max(axis=1) > _NOISE * np.abs(self.values).max(initial=1e-300)
         top = int(np.flatnonzero(large)[-1]) if large.any() else 0

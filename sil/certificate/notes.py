@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a certificate does not say: what was left out of it, and what need not be in."""
+"""Notes on a certificate: effects that it leaves out, and those that it need not cover."""
 
 from collections.abc import Iterable
 
@@ -9,7 +9,7 @@ _NOT_LINEARISED = ("THR_SLEW", "THR_DEAD")
 
 
 def notes(certificate: Certificate) -> list[str]:
-    """What was left out, and what need not be in."""
+    """The effects left out, and those that need not be covered."""
     scenario = certificate.scenario
     texts = [
         "The small-gain test is sufficient only: not to pass it proves nothing. It and the nominal "

@@ -39,7 +39,7 @@ ESTIMATES = ("LAW_CUR_BW", "LAW_OBS_BW")
 
 @dataclass(frozen=True)
 class SampledLoop:
-    """What becomes of small deviations of one boat.
+    """The stability of small deviations of one boat.
 
     `radius`: largest |multiplier| over one window of `window_s`, the neutral ones left out; `decay`
     in 1/s, under 0 growth; `decay_of_law` with `ESTIMATES` 0: those of current and unknown forces

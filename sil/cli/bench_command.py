@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Times the firmware and the simulation and counts instructions; --live: flotillad's latencies.
 
+--commands: how long `--help`, a run and a campaign take, and what of that is sailing.
+
 Needs valgrind and the program flotilla_bench: tools/bench provides both and calls this.
 """
 
@@ -8,13 +10,19 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-EXAMPLES = ("tools/bench", "tools/bench --live --seconds 60", "tools/bench --json out/bench.json")
+EXAMPLES = (
+    "tools/bench",
+    "flotilla bench --commands",
+    "tools/bench --live --seconds 60",
+    "tools/bench --json out/bench.json",
+)
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there too")
     parser.add_argument("--live", action="store_true", help="latencies of flotillad on a live bus")
+    parser.add_argument("--commands", action="store_true", help="time what users wait for")
     parser.add_argument("--bus", default="mcast:5", help="bus of boat 1 for --live (mcast:5)")
     parser.add_argument("--seconds", type=float, default=60.0, help="how long for --live (60)")
 
@@ -23,6 +31,11 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     """Measure and print tables."""
     from rich.console import Console
 
+    if options.commands:
+        from sil.bench import command_times
+
+        command_times.tell(Console())
+        return 0
     from sil.bench.bench import tell
 
     tell(options.json, Console(), (options.bus, options.seconds) if options.live else None)

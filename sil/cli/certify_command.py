@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sil.cli.out_folder import claim
 from sil.scenario import arguments
 
 if TYPE_CHECKING:
@@ -44,7 +45,8 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     chosen = scenario.load(options.scenario, overrides, options.law)
     parameters = arguments.parameters_of(options.param)
     certified_fleet.parameters(chosen, parameters)  # refuses mistaken ones before all is computed
-    out = options.out or Path("out") / "certify" / chosen.name
+    folder = options.out or Path("out") / "certify" / chosen.name
+    out = claim(folder, "certificate.json", chosen.name)
     certificate_files.check(out, options.json)
     certificate = _computed(chosen, parameters, console)
     certificate_files.write(certificate, out, options.json)

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from sil.cli.out_folder import claim
 from sil.scenario import arguments
 
 EXAMPLES = (
@@ -51,7 +52,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     if options.duration is not None:
         overrides.append(f"duration_s={options.duration}")
     chosen = scenario.load(options.scenario, overrides, options.law)
-    out = options.out or Path("out") / chosen.name
+    out = claim(options.out or Path("out") / chosen.name, "summary.json", chosen.name)
     parameters = arguments.parameters_of(options.param)
     repeat = shlex.join(["flotilla", *given])
     try:

@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from sil.results import SEEDS
 from sil.scenario import arguments
 
 EXAMPLES = (
@@ -16,7 +17,6 @@ EXAMPLES = (
     "flotilla results --only turning --only straight",
     "flotilla results --fleets",
 )
-SEEDS = 40
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:

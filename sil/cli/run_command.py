@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sil.cli.out_folder import claim
 from sil.scenario import arguments
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ EXAMPLES = (
     "flotilla run diamond --seed 2 --param LAW_KX=0.3 --set link.delay_s=0.1 --out out/late",
     "flotilla run my_scenario.toml --law paper",
 )
-_CHAIN = 4
+_CHAIN = 5
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +48,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     if options.seed is not None:
         overrides.append(f"seed={options.seed}")
     chosen = scenario.load(options.scenario, overrides, options.law)
-    out = options.out or Path("out") / chosen.name
+    out = claim(options.out or Path("out") / chosen.name, "summary.json", chosen.name)
     parameters = arguments.parameters_of(options.param)
     console = Console()
     try:
@@ -64,7 +65,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
 
 
 def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Console") -> None:
-    """Warn of a chain of boats that is deeper than certified; three in a line are not looked at."""
+    """Warn of a chain of boats that is deeper than certified; four in a line are not looked at."""
     from sil.certificate.probe import deepest
 
     if len(deepest(chosen)) < _CHAIN:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Files and processes; knows nothing of boats."""
+"""Files, worker processes and colours; independent of boats."""

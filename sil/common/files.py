@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Files of results: each appears whole or not at all, and JSON has no NaN."""
+"""Result files: written atomically; JSON contains no NaN."""
 
 import math
 import os
@@ -8,7 +8,7 @@ from typing import Any
 
 
 def replace(path: Path, content: bytes) -> None:
-    """Write `path` whole or not at all; a device, pipe or link is written to, not replaced."""
+    """Write `path` atomically; a device, pipe or link is written to, not replaced."""
     if path.is_symlink() or (path.exists() and not path.is_file()):
         path.write_bytes(content)
         return
@@ -21,7 +21,7 @@ def replace(path: Path, content: bytes) -> None:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON has it: complex numbers as [real, imaginary], what is not finite as null."""
+    """Convert a value for JSON: complex to [real, imaginary], non-finite numbers to null."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tasks in processes of this machine: one that kills its process is told, and costs no other."""
+"""Tasks in local processes; a task that kills its process is reported and costs no other task."""
 
 import multiprocessing
 import os
@@ -17,12 +17,12 @@ Result = TypeVar("Result")
 
 
 def prepare(modules: Sequence[str]) -> None:
-    """Begin to import, in a process of its own, what the workers will need.
+    """Begin to import the modules that the workers need, in a separate process.
 
-    They are forked from that process, which has no threads, unlike this one.
+    The workers are forked from that process because, unlike this one, it has no threads.
     """
     multiprocessing.set_forkserver_preload(list(modules))
-    # What is ignored now is ignored by that process too: Ctrl-C is this one's affair.
+    # That process inherits ignored signals: only this one handles Ctrl-C.
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         forkserver.ensure_running()
@@ -36,10 +36,10 @@ def run(
     workers: int,
     note: Callable[[Task, Result], None],
 ) -> list[Task]:
-    """`function` of each task, in `workers` processes; `note` is given the results as they come.
+    """Run `function` on each task in `workers` processes; calls `note` with each result.
 
-    Returns the tasks that killed their process each time, twice: beside others, then alone. An
-    exception of `function` or `note`, or an interrupt, ends the processes and is raised.
+    Returns the tasks that killed their process twice: beside others, then alone. An exception of
+    `function` or `note`, or an interrupt, ends the processes and is raised.
     """
     suspects: list[Task] = []
     waiting = deque(tasks)
@@ -57,14 +57,14 @@ def _until_broken(
     workers: int,
     note: Callable[[Task, Result], None],
 ) -> list[Task]:
-    """Take tasks from `waiting` until none is left or a process dies; those it was to blame for."""
+    """Run tasks from `waiting` until none is left or a process dies; the tasks then in flight."""
     context = multiprocessing.get_context("forkserver")
     others = multiprocessing.active_children()
     futures: dict[Future[Result], Task] = {}
     with ProcessPoolExecutor(workers, context, _begin) as pool:
         try:
             while waiting or futures:
-                # no more than these are lost with a process
+                # limits the tasks that are in flight when a process dies
                 while waiting and len(futures) < 2 * workers:
                     futures[pool.submit(function, waiting[0])] = waiting[0]
                     waiting.popleft()
@@ -84,7 +84,7 @@ def _until_broken(
 
 
 def _begin() -> None:
-    """Begin a worker: Ctrl-C is the parent's affair, whose death is the worker's own."""
+    """Initialise a worker: it leaves Ctrl-C to the parent, and dies with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None

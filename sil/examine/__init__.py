@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Examines the firmware: ranges of its numbers, processors, flaky tests, generated pages."""
+"""Examines the firmware: number ranges, microcontroller, flaky tests, generated pages."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The fixed-point functions beside libfixmath's and the C libraries' float: errors, times, costs.
+"""Compares the fixed-point functions with libfixmath and the C libraries' float.
 
-Errors and times are those of this processor, instructions those of an emulated Cortex-M4. What the
-arguments are: tests/core/fixed_compared.cpp, tests/core/fixed_rivals.hpp.
+Errors and times are measured on this processor, instructions on an emulated Cortex-M4. The
+arguments are in tests/core/fixed_compared.cpp and tests/core/fixed_rivals.hpp.
 """
 
 import math
@@ -22,11 +22,11 @@ THERE = ROOT / "build/cortex-m/tests/cortex_m"
 _TITLES = {"sin": "sin, within ±π", "sin_far": "sin, within ±32768", "cos": "cos, within ±π"}
 
 
-class Row(NamedTuple):
-    """One function. Errors: the largest, in LSB of Q16; times: ns a call; NaN: libfixmath has none.
+class MeasuredFunction(NamedTuple):
+    """One function: largest errors in LSB of Q16, times in ns per call; NaN: libfixmath lacks it.
 
-    Instructions of a call on the Cortex-M4: Q16's; newlib's float without the processor's floating
-    point unit, and with it.
+    Instructions per call on the Cortex-M4: of Q16, and of newlib's float without and with the
+    processor's floating point unit.
     """
 
     name: str
@@ -42,8 +42,8 @@ class Row(NamedTuple):
     instructions_fpu: int
 
 
-def measure(arguments: int) -> list[Row]:
-    """Of that many arguments of every function, or a few more. The programs are built already."""
+def measure(arguments: int) -> list[MeasuredFunction]:
+    """Measure every function with at least that many arguments; requires the built programs."""
     command = [str(HERE), str(arguments)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)  # noqa: S603
     soft, hard = (play(b"", THERE / f"fixed_instructions_{abi}") for abi in ("soft", "hard"))
@@ -52,7 +52,7 @@ def measure(arguments: int) -> list[Row]:
         name, count, *figures = line.split()
         e, e_libfixmath, e_float, ns, ns_libfixmath, ns_float = map(float, figures)
         rows.append(
-            Row(
+            MeasuredFunction(
                 *(name, int(count), e, e_libfixmath, e_float, ns, ns_libfixmath, ns_float),
                 *(int(hard[f"q16.{name}"]), int(soft[f"float.{name}"]), int(hard[f"float.{name}"])),
             )
@@ -73,8 +73,8 @@ def _number(x: float, form: str) -> str:
     return "" if math.isnan(x) else format(x, form)
 
 
-def tables(rows: list[Row]) -> list[Table]:
-    """What the command prints: errors, times, instructions; a line for each function."""
+def tables(rows: list[MeasuredFunction]) -> list[Table]:
+    """The printed tables: errors, times, instructions; one line per function."""
     return [
         _table(
             "largest error, LSB of Q16",
@@ -119,7 +119,7 @@ def tables(rows: list[Row]) -> list[Table]:
 
 
 def main() -> int:
-    """Exit status 1 where an error of ours reaches one LSB."""
+    """Exit status 1 if an error of ours reaches one LSB."""
     rows = measure(ARGUMENTS)
     Console().print(*tables(rows), sep="\n")
     return 0 if all(row.error < 1 for row in rows) else 1

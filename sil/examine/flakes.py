@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What does not come out the same every time: the tests, and the digests of lockstep runs."""
+"""Finds flaky tests, and lockstep runs whose digest is not reproducible."""
 
 import argparse
 import os
@@ -22,9 +22,9 @@ from sil.scenario.scenario import FOLDER
 
 _LONGEST_S = 30.0
 _NONE = "no digest: "
-_FINE = (0, 77)  # 77: no vcan here
+_FINE = (0, 77)  # 77: skipped for want of vcan
 Task = tuple[str, int]  # scenario, number of the run
-# As tools/test has them, without what only a change of the source could change.
+# The commands of tools/test, except those whose result depends on the sources alone.
 SUITE = (
     ("ctest", "--preset", "dev", "--parallel", "2"),
     ("tools/with-vcan", "build/release/tests/socketcan_tests"),
@@ -34,7 +34,7 @@ SUITE = (
 
 
 def digest_of(task: Task) -> str:
-    """Digest of the first seconds of a scenario, or why there is none."""
+    """Digest of a scenario's first seconds, or the reason for a failure."""
     chosen = scenario.load(task[0])
     short = chosen.model_copy(update={"duration_s": min(chosen.duration_s, _LONGEST_S)})
     (run,) = sail([short], {}, digest=True)
@@ -42,9 +42,9 @@ def digest_of(task: Task) -> str:
 
 
 def lockstep(runs: int, console: Console, digest: Callable[[Task], str] = digest_of) -> int:
-    """Sail every scenario in turn, `runs` in all; how many differed from the first of theirs.
+    """Sail every scenario in turn, `runs` in all; how many runs differ from their scenario's first.
 
-    One that failed is none that came out the same, however often it did.
+    A failed run counts as different, even if it fails every time.
     """
     names = sorted(path.stem for path in FOLDER.glob("*.toml"))
     tasks: list[Task] = [(names[i % len(names)], i) for i in range(runs)]
@@ -73,9 +73,9 @@ def lockstep(runs: int, console: Console, digest: Callable[[Task], str] = digest
 def suite(
     rounds: int, log: Path, console: Console, commands: Sequence[Sequence[str]] = SUITE
 ) -> int:
-    """Run all tests `rounds` times; how many rounds failed. What they print goes to `log`.
+    """Run all tests `rounds` times; how many rounds failed. Their output goes to `log`.
 
-    The commands of a round run side by side: it is over sooner, and other load finds more.
+    The commands of a round run in parallel: that is faster, and the load exposes more.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     failed = 0
@@ -93,7 +93,7 @@ def suite(
             console.print(
                 f"round {number} of {rounds}: {told} ({time.monotonic() - began_s:.0f} s)"
             )
-    console.print(f"suite: {rounds} rounds, {failed} failed; what they printed: {log}")
+    console.print(f"suite: {rounds} rounds, {failed} failed; output: {log}")
     return failed
 
 
@@ -105,7 +105,7 @@ def _run(command: Sequence[str]) -> subprocess.CompletedProcess[bytes]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Exit status: 0 where everything came out the same, 1 where not."""
+    """Exit status: 0 if everything was reproducible, else 1."""
     parser = argparse.ArgumentParser(prog="tools/flakes", description=__doc__)
     parser.add_argument(
         "--suite", type=int, default=20, metavar="N", help="rounds of all tests (20)"

@@ -10,7 +10,7 @@ PAGE = ROOT / "firmware" / "docs" / "MESSAGES.md"
 
 
 def table() -> str:
-    """Every message of the firmware's list by number, in the dialect's own words."""
+    """Every message of the firmware's list by number, described in the dialect's words."""
     messages = listed((HERE / "messages.txt").read_text(encoding="utf-8"), dialect())
     lines = ["| number | message | a boat reads it | what it is for |", "|--:|---|---|---|"]
     for message in sorted(messages, key=lambda message: int(message.wire.id)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The parts of sil/docs/MODULE.md: the native module's stub, and what a snapshot has."""
+"""The generated parts of sil/docs/MODULE.md: the native module's stub, a snapshot's keys."""
 
 import re
 from pathlib import Path
@@ -35,13 +35,13 @@ MEANINGS = {
 
 
 def stub() -> str:
-    """The stub that is installed beside the module, as a block of code."""
+    """The stub that is installed with the module, as a block of code."""
     text = Path(flotilla.__file__).with_name("flotilla.pyi").read_text(encoding="utf-8")
     return f"```python\n{text.rstrip()}\n```"
 
 
 def snapshot_table() -> str:
-    """Every key of `Boat.snapshot()`, the keys within it, and what they mean."""
+    """Every key of `Boat.snapshot()`, its nested keys, and their meaning."""
     lines = ["| key | keys within | meaning |", "|---|---|---|"]
     for key, value in flotilla.Boat({}).snapshot().items():
         named = key in ("conditions", "counters") or not isinstance(value, dict)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The table of sil/docs/POLICIES.md: the rules that every boat is watched by."""
+"""The table of sil/docs/POLICIES.md: the rules that every boat must obey."""
 
 import flotilla
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""How great the numbers of the law become in Q16.16, file by file, in all scenarios.
+"""The largest magnitude of the law's numbers in Q16.16, by file, over all scenarios.
 
-Takes a native module whose Q16 notes its values (tests/core/observed_q16.hpp). Each file of
-firmware/core states within which magnitude it is tested: at most a quarter of what Q16.16 can hold,
-and no number of a scenario may be greater. `tools/fixed --ranges` prints the table.
+Uses a native module whose Q16 records its values (tests/core/observed_q16.hpp). Each file of
+firmware/core states its tested range, at most a quarter of the range of Q16.16; no number in any
+scenario may exceed it. `tools/fixed --ranges` prints the table.
 """
 
 import argparse
@@ -29,13 +29,13 @@ MARGIN = 4.0
 _END = 32768.0
 _STATED = re.compile(r"^// Q16\.16: tested within ±([\d,]+)", re.MULTILINE)
 _SEEN = re.compile(r"/core/core/(?:\w+/)?(\w+\.hpp):(\d+) (\d+)$", re.MULTILINE)
-# No scenario has a leader that falls silent, which is what COAST is for.
+# A silent leader, to exercise COAST: no scenario has one.
 _SILENCE = "fault=[{kind='radio_silent', agent=0, at_s=20.0, for_s=8.0}]"
 
 
 @dataclass(frozen=True)
 class Most:
-    """The greatest magnitude that a file's numbers took, on which line and in which run."""
+    """The greatest magnitude of a file's numbers, with its line and run."""
 
     magnitude: float
     line: int
@@ -43,8 +43,8 @@ class Most:
 
 
 @dataclass(frozen=True)
-class Row:
-    """A file of core, what it states and what was seen; None where that is nothing."""
+class FileRange:
+    """A file of core, its stated range and its observed maximum; None if it has none."""
 
     file: str
     stated: float | None
@@ -52,7 +52,7 @@ class Row:
 
     @property
     def kept(self) -> bool:
-        """Whether its numbers are within what it states, and that has the margin."""
+        """Whether its numbers are within the stated range, and that range has the margin."""
         if self.stated is None:
             return self.most is None
         return self.stated * MARGIN <= _END and (
@@ -61,9 +61,9 @@ class Row:
 
 
 def observed(folder: Path = FOLDER) -> ctypes.CDLL:
-    """Make the module of `folder` be `flotilla`, for whoever imports it after this.
+    """Make later imports of `flotilla` use the module in `folder`.
 
-    RuntimeError where another one was imported before.
+    RuntimeError if `flotilla` was already imported.
     """
     (path,) = folder.glob("flotilla.*.so")
     if "flotilla" in sys.modules:
@@ -79,7 +79,7 @@ def observed(folder: Path = FOLDER) -> ctypes.CDLL:
 
 
 def seen(text: str, run: str) -> dict[str, Most]:
-    """What the module's lines `FILE:LINE RAW` say of the run named `run`, by file of core."""
+    """Parse the module's lines `FILE:LINE RAW` of the run named `run`: maxima by file of core."""
     most: dict[str, Most] = {}
     for file, line, raw in _SEEN.findall(text):
         most = merged(most, {file: Most(int(raw) / 65536, int(line), run)})
@@ -96,7 +96,7 @@ def merged(a: Mapping[str, Most], b: Mapping[str, Most]) -> dict[str, Most]:
 
 
 def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
-    """What each run of all scenarios took, `seconds` of them at most."""
+    """Sail every scenario, at most `seconds` each; the maxima of each run."""
     from sil.lockstep.start import RunError  # noqa: PLC0415 these import flotilla
     from sil.lockstep.world import sail  # noqa: PLC0415
 
@@ -104,7 +104,7 @@ def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
         silence = [_SILENCE] if path.stem == "diamond" else []
         for chosen in law.LAWS:
             if (path.stem, chosen) == ("diamond_frame1", "paper"):
-                continue  # it asks for thousands of newtons: FAULT, in Q16, is right
+                continue  # it demands thousands of newtons, for which Q16 rightly enters FAULT
             whole = scenario.load(path, [*silence, "scalar='q16'"], chosen)
             one = whole.model_copy(update={"duration_s": min(whole.duration_s, seconds)})
             library.q16_take_seen()
@@ -115,7 +115,7 @@ def sail_all(library: ctypes.CDLL, seconds: float) -> Iterator[dict[str, Most]]:
 
 
 def stated(core: Path = CORE) -> dict[str, float]:
-    """Within which magnitude each file of core says that it is tested, where it does."""
+    """The tested range that each file of core states, if it does."""
     found = {}
     for path in core.rglob("*.hpp"):
         if said := _STATED.search(path.read_text(encoding="utf-8")):
@@ -123,13 +123,16 @@ def stated(core: Path = CORE) -> dict[str, float]:
     return found
 
 
-def rows(says: Mapping[str, float], most: Mapping[str, Most]) -> list[Row]:
-    """Every file that states a range or that took a value."""
-    return [Row(file, says.get(file), most.get(file)) for file in sorted(says.keys() | most.keys())]
+def rows(says: Mapping[str, float], most: Mapping[str, Most]) -> list[FileRange]:
+    """Every file that states a range or had a value."""
+    return [
+        FileRange(file, says.get(file), most.get(file))
+        for file in sorted(says.keys() | most.keys())
+    ]
 
 
-def for_terminal(found: Iterable[Row]) -> Table:
-    """The table for the terminal, margins to Q16.16's end; what is out of its range is red."""
+def for_terminal(found: Iterable[FileRange]) -> Table:
+    """The table for the terminal, with margins to Q16.16's limit; violations are red."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     for place, head in enumerate(("file:line", "greatest", "stated", "margin", "run")):
         grid.add_column(head, justify="right" if 1 <= place <= 3 else "left", no_wrap=True)
@@ -147,7 +150,7 @@ def for_terminal(found: Iterable[Row]) -> Table:
 
 
 def main(arguments: list[str]) -> int:
-    """Exit status: 0, 1 where a file's numbers leave what it states, or that has no margin."""
+    """Exit status: 0; 1 if a file's numbers exceed its stated range, or that has no margin."""
     parser = argparse.ArgumentParser(prog="tools/fixed --ranges", description=__doc__)
     parser.add_argument("--seconds", type=float, default=300.0, help="of each run, at most (300)")
     options = parser.parse_args(arguments)

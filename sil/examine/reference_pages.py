@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables of the reference pages, from the firmware's own lists and the scenario's models."""
+"""Regenerates the reference pages' tables from the firmware's lists and the scenario's models."""
 
 import sys
 from pathlib import Path
@@ -52,7 +52,7 @@ TABLES = {
 
 
 def page(path: Path, text: str) -> str:
-    """The page with each table between its `<!-- name -->` and `<!-- end -->` lines renewed."""
+    """Replace each table of the page between its `<!-- name -->` and `<!-- end -->` lines."""
     for name, table in TABLES[path].items():
         begin, end = f"<!-- {name}: made by tools/reference -->\n", "<!-- end -->"
         before, found, rest = text.partition(begin)
@@ -64,7 +64,7 @@ def page(path: Path, text: str) -> str:
 
 
 def main() -> int:
-    """Renews the pages."""
+    """Regenerate the pages."""
     for path in TABLES:
         path.write_text(page(path, path.read_text(encoding="utf-8")), encoding="utf-8")
     return 0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The tables of sil/docs/SCENARIOS.md: the scenarios, and every key of a scenario file.
 
-Names, defaults and ranges are the models'; what a key means is its comment in diamond.toml.
+Names, defaults and ranges come from the models; a key's meaning is its comment in diamond.toml.
 """
 
 import re
@@ -24,7 +24,7 @@ _BOUNDS = {"gt": "> {}", "ge": "≥ {}", "lt": "< {}", "le": "≤ {}"}
 
 
 def scenario_table() -> str:
-    """Every scenario of the project: how many boats, how long, and its first comment."""
+    """Every scenario of the project: number of boats, duration and first comment."""
     lines = ["| scenario | boats | seconds | about |", "|---|--:|--:|---|"]
     for path in sorted(FOLDER.glob("*.toml")):
         about = " ".join(_head(path.read_text(encoding="utf-8")))
@@ -35,7 +35,7 @@ def scenario_table() -> str:
 
 
 def _head(text: str) -> Iterator[str]:
-    """The lines of the first paragraph of the comment that a file begins with."""
+    """The lines of the first paragraph of a file's opening comment."""
     for line in text.splitlines():
         if not line.startswith("# "):
             return
@@ -50,7 +50,7 @@ def tables() -> str:
 
 
 def meanings(text: str) -> dict[tuple[str, str], str]:
-    """The comment behind each (table, key) of a scenario file; of a table where the key is ""."""
+    """The comment after each (table, key) of a scenario file; a table's own has the key ""."""
     said: dict[tuple[str, str], str] = {}
     at = ("", "")
     for line in text.splitlines():
@@ -86,13 +86,13 @@ def _tables(
 
 
 def _meaning(name: str, key: str, said: dict[tuple[str, str], str]) -> str:
-    """What a table's key means; where its own comment is missing, as in another table."""
+    """The meaning of a table's key; without a comment of its own, that of its namesake."""
     others = (says for (_, other), says in said.items() if other == key)
     return said.get((name, key)) or said.get((key, "")) or next(filter(None, others), "")
 
 
 def _section(field: FieldInfo) -> tuple[type[Section] | None, bool]:
-    """The model of a table, and whether the file may have many of it."""
+    """The model of a table, and whether it is an array of tables; None: a plain key."""
     many = get_origin(field.annotation) is tuple
     optional = get_origin(field.annotation) is UnionType
     inner = get_args(field.annotation)[0] if many or optional else field.annotation
@@ -133,6 +133,6 @@ def _kinds(annotation: Any) -> Iterator[Any]:
 
 
 def _metadata(annotation: Any) -> Iterator[Any]:
-    """What `Annotated` says within a union, as `Positive | None`."""
+    """The metadata of `Annotated` types within a union such as `Positive | None`."""
     for one in get_args(annotation):
         yield from getattr(one, "__metadata__", ())

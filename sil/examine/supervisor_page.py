@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables of firmware/docs/SUPERVISOR.md: all of it asked of the firmware's own table."""
+"""The tables of firmware/docs/SUPERVISOR.md, computed with the firmware's own table."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
 def after(
     state: str, request: str, lost: Iterable[str] = (), chosen: tuple[str, ...] = DEFAULT
 ) -> str:
-    """Where a request leads if only `lost` is not met; a choice of 2 is neither 0 nor 1."""
+    """The state after a request when only `lost` is unmet; a choice of 2 is neither 0 nor 1."""
     met = [name for name in (*NAMES, *chosen) if name not in lost and not name.endswith(" 2")]
     return str(flotilla.supervise(state, request, met)["state"])
 
@@ -30,7 +30,7 @@ def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
 
 
 def condition_table() -> str:
-    """Every condition: name, bit of COND or COND2, what the boat says without it, limit, need."""
+    """Every condition: name, bit of COND or COND2, the boat's message if unmet, limit, need."""
     rows = []
     for c in flotilla.supervisor_conditions():
         name = c["name"]
@@ -38,7 +38,7 @@ def condition_table() -> str:
         needed += [
             f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
         ]
-        # What no request needs is for thrust.
+        # A condition that no request needs is needed for thrust.
         needed = needed or [f"for thrust in {state}" for state in PUSHING if stills(state, name)]
         limit = f"`{c['limit']}`" if c["limit"] else ""
         value, bit = divmod(c["bit"], 24)
@@ -49,12 +49,12 @@ def condition_table() -> str:
 
 
 def stills(state: str, name: str) -> bool:
-    """Whether propellers stand still in a state, asked nothing, if only that is not met."""
+    """Whether the propellers stop in a state, without a request, if only `name` is unmet."""
     return not flotilla.supervise(state, "arm", [n for n in NAMES if n != name])["drives"]
 
 
 def way_back(state: str, fallen: str) -> str:
-    """How a boat that fell from a state comes back to it when all is well again."""
+    """How a boat that fell from a state returns to it once all conditions are met."""
     if after(fallen, "nothing") == state:
         return "by itself"
     request = ASKED.get(state, "nothing")
@@ -64,7 +64,7 @@ def way_back(state: str, fallen: str) -> str:
 
 
 def loss_table() -> str:
-    """What the loss of each condition leads to in each armed state, and how the boat comes back."""
+    """The effect of losing each condition in each armed state, and the boat's way back."""
     states = [s for s in flotilla.STATES if s not in ("DISARMED", "FAULT")]
     groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
     for name in NAMES:
@@ -82,7 +82,7 @@ def loss_table() -> str:
 
 
 def choice_table() -> str:
-    """What each choice of action does when the leader or the ground stations are lost."""
+    """The effect of each failsafe choice when the leader or the ground stations are lost."""
     rows = []
     for parameter, lost in (("FS_LEADER_ACT", "leader_fresh"), ("FS_GCS_ACT", "gcs_heard")):
         for number in (0, 1, 2):
@@ -113,7 +113,7 @@ def transition_table() -> str:
 
 
 def edges() -> dict[tuple[str, str], list[str]]:
-    """Transitions of a boat in each state: asked for, lost, or come back; all but disarming."""
+    """A boat's transitions: requested, by a loss, or by a recovery; all but disarming."""
     out: dict[tuple[str, str], list[str]] = defaultdict(list)
     for state in flotilla.STATES:
         for request in ("arm", "HOLD", *ASKED.values()):
@@ -131,7 +131,7 @@ def edges() -> dict[tuple[str, str], list[str]]:
 
 
 def diagram() -> str:
-    """A Mermaid flowchart; solid: asked for, dotted: by itself."""
+    """A Mermaid flowchart; solid: requested, dotted: automatic."""
     lines = ["```mermaid", "flowchart TD"]
     for (state, to), causes in edges().items():
         asked = [c for c in causes if not c.startswith(("no ", "all "))]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""What goes wrong: timed lines of scenarios, and the matrix of faults with its limits."""
+"""The matrix of faults with its limits, in lockstep and live, and random faults for hours."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Sails the matrix of faults, or random ones, and prints which limits were kept."""
+"""Sails the matrix of faults, or random faults, and prints which limits were kept."""
 
 from pathlib import Path
 
@@ -11,13 +11,13 @@ from sil.faults.soak import Soaked, soak
 
 
 def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
-    """Sail the matrix, the rows with `only` in their names; exit status 1 where a limit is missed.
+    """Sail the rows with `only` in their names, or all; exit status 1 if a limit is missed.
 
-    Leaves faults.md and faults.json in `out`. `live`: the live rows too; NoVcanError: no vcan.
+    Writes faults.md and faults.json to `out`. `live`: also the live rows; NoVcanError without vcan.
     """
     chosen = [row for row in rows.read() if only is None or only in row.name]
     if not chosen:
-        raise ValueError(f"--only {only}: no fault has that in its name")
+        raise ValueError(f"--only {only}: no fault's name contains that; see matrix.toml")
     with rich.progress.Progress(console=console) as bar:
         task = bar.add_task(f"{len(chosen)} faults", total=1.0)
         done = matrix.sail_all(chosen, lambda share: bar.update(task, completed=share))
@@ -32,7 +32,7 @@ def sail(out: Path, only: str | None, console: Console, *, live: bool) -> int:
 
 
 def soak_for(hours: float, seed: int, console: Console) -> int:
-    """Sail random faults for so many hours; exit status 1 where a boat did not recover."""
+    """Sail random faults for `hours`; exit status 1 if a boat did not recover."""
     if not hours > 0.0:
         raise ValueError(f"--soak {hours:g}: must be positive")
     bar = rich.progress.Progress(console=console)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""What came of one row of the matrix of faults."""
+"""The outcome of one row of the matrix of faults."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One fault, as the boat that had to notice it took it.
+    """The response to a fault of the boat that had to detect it.
 
-    `detected_s`: from the fault's beginning until the boat left FORMATION, None where it went on;
-    `state`: the one it went to, or all in turn; `thrust_after_N`: the greatest that its propellers
-    were told after that, within the row's limit of time; `recovered_s`: from the fault's end until
-    it was in FORMATION for good; `why`: what is not as the limits have it, empty where it passed.
+    `detected_s`: from the fault's beginning until the boat left FORMATION; None if it did not.
+    `state`: the state it changed to, or all in turn. `thrust_after_N`: the greatest commanded
+    thrust once the row's time limit for stopping had passed. `recovered_s`: from the fault's end
+    until the boat was in FORMATION for good. `why`: the limits that were missed, empty if none.
     """
 
     fault: str

@@ -17,7 +17,7 @@ _COLUMNS = ("fault", "detected after", "state", "thrust after", "recovered after
 
 
 def table(outcomes: Sequence[Outcome]) -> Table:
-    """For a terminal; what failed says why."""
+    """A table for the terminal; failures give the reason."""
     out = Table(title="faults")
     for name in _COLUMNS:
         justify: JustifyMethod = "right" if "after" in name else "left"
@@ -29,7 +29,7 @@ def table(outcomes: Sequence[Outcome]) -> Table:
 
 
 def soak_table(soaked: Soaked) -> Table:
-    """How often each fault was, and how long it took until all were in FORMATION again."""
+    """How often each fault occurred, and the slowest recovery of all boats to FORMATION."""
     out = Table("fault", "times", "slowest recovery, s", title="soak")
     for kind, times in sorted(soaked.faults.items()):
         out.add_row(kind, str(times), f"{soaked.slowest_s.get(kind, float('nan')):.1f}")
@@ -43,7 +43,7 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 
 
 def write(out: Path, outcomes: Sequence[Outcome]) -> None:
-    """Write faults.json and faults.md into a folder, which is made."""
+    """Write faults.json and faults.md into a folder, which is created."""
     out.mkdir(parents=True, exist_ok=True)
     content = json.dumps([files.plain(asdict(one)) for one in outcomes], indent=2, allow_nan=False)
     files.replace(out / "faults.json", f"{content}\n".encode())

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The live rows of the matrix of faults: a flotillad process on vcan0, in real time.
 
-python -m sil.faults.live_matrix sails them, under tools/with-vcan where there is no vcan0, and
-prints the outcome of each; the last line is `N passed, N failed`. Exit status: 0 all passed, 1 not
-all, 2 they could not be sailed, 77 no vcan is available.
+python -m sil.faults.live_matrix sails them, under tools/with-vcan if there is no vcan0, and prints
+each outcome; the last line is `N passed, N failed`. Exit status: 0 all passed, 1 some failed, 2
+they could not be sailed, 77 no vcan is available.
 """
 
 import argparse
@@ -38,16 +38,16 @@ _SPEAK_S = 0.5
 
 
 class NoVcanError(RuntimeError):
-    """Live rows need a vcan interface; the text says why there is none."""
+    """Live rows need a vcan interface; the text gives the reason that there is none."""
 
 
 class Row(Section):
-    """A fault that lasts `for_s`, and what may come of it.
+    """A fault that lasts `for_s`, and its limits.
 
-    It is noticed within `detected_s`: the boat has left FORMATION, or its propellers stand still;
-    where `state` is FORMATION, the operator has been told. `state`: the boat's after the fault,
-    before anybody helps. No thrust later than `off_s` after it was noticed. All is well again
-    within `recovered_s` of the fault's end.
+    Within `detected_s` it is detected: the boat leaves FORMATION or its propellers stop; if `state`
+    is FORMATION, the operator is told. `state`: the boat's state after the fault, before anybody
+    helps. No thrust later than `off_s` after the detection. The boat has recovered within
+    `recovered_s` of the fault's end.
     """
 
     name: str
@@ -68,7 +68,7 @@ def limits() -> tuple[Row, ...]:
 
 
 def rows(progress: Progress = lambda _: None) -> list[Outcome]:
-    """Sail all rows; NoVcanError, or StartError where the boat does not get going."""
+    """Sail all rows; NoVcanError, or StartError if the boat does not reach FORMATION."""
     outcomes = []
     words = [str(ROOT / "tools" / "with-vcan"), sys.executable, "-m", __spec__.name, "--json"]
     with subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:  # noqa: S603
@@ -77,14 +77,14 @@ def rows(progress: Progress = lambda _: None) -> list[Outcome]:
             outcomes.append(Outcome(**json.loads(line)))
             progress(len(outcomes) / len(limits()))
     if process.returncode == IMPOSSIBLE:
-        raise NoVcanError("this machine gives no vcan; tools/with-vcan has said why")
+        raise NoVcanError("no vcan on this machine; tools/with-vcan printed the reason above")
     if len(outcomes) != len(limits()):
         raise StartError(f"the live rows ended with status {process.returncode}")
     return outcomes
 
 
 def sail() -> Iterator[Outcome]:
-    """The rows one after the other, here, where there is a vcan0."""
+    """Sail the rows one after the other in this process; requires vcan0."""
     with _disk() as folder, closing(LiveOuting(folder)) as outing:
         outing.begin(FLOTILLAD)
         for row in limits():
@@ -122,7 +122,7 @@ def _sail(outing: LiveOuting, row: Row, strike: Strike) -> Outcome:
 def beyond(
     row: Row, detected_s: float | None, state: str, thrust_N: float, recovered_s: float | None
 ) -> list[str]:
-    """What is beyond the row's limits."""
+    """The limits of the row that were missed."""
     why = []
     if detected_s is None or detected_s > row.detected_s:
         why.append(f"noticed after {_seconds(detected_s)}, not {row.detected_s:g} s")
@@ -141,7 +141,7 @@ def _execute(*command: str) -> None:
 
 @contextmanager
 def _disk() -> Iterator[Path]:
-    """A folder whose `state` is a disk that is soon full."""
+    """A folder whose subfolder `state` is a small disk."""
     with tempfile.TemporaryDirectory(prefix="flotilla-live-") as name:
         folder = Path(name)
         disk = folder / "state"
@@ -167,9 +167,9 @@ def _line(one: Outcome) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """See the module."""
+    """Run the module's command line."""
     parser = argparse.ArgumentParser(prog="python -m sil.faults.live_matrix", description=__doc__)
-    parser.add_argument("--json", action="store_true", help="one line of JSON a row, sailed here")
+    parser.add_argument("--json", action="store_true", help="sail here, one line of JSON per row")
     inside = parser.parse_args(arguments).json
     if INTERFACE not in {name for _, name in socket.if_nameindex()} and inside:
         print(f"error: no {INTERFACE} here", file=sys.stderr)

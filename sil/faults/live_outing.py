@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One flotillad process on vcan0 behind a virtual leader, in real time, and its operator."""
+"""One boat with a flotillad process on vcan0 behind a virtual leader, in real time."""
 
 import socket
 import struct
@@ -29,11 +29,11 @@ _PARAMETERS = {"FS_NAV_S": 0.7, "FS_LEADER_S": 3.0, "FS_ESC_S": 3.0}
 
 
 class LiveOuting(LiveWorld):
-    """`state` is what the boat says that it is in, "silent" before its first word.
+    """`state`: the boat's state by its last HEARTBEAT, "silent" before the first.
 
-    `noticed_us`: when what `watch` was asked to watch happened; None while it has not.
-    `thrust_N`: time (us) and the greatest thrust that a propeller is told, tick by tick;
-    `commands`: time of each RawCommand on the bus, and whether it says anything but zeros.
+    `noticed_us`: when the event given to `watch` happened; None before. `thrust_N`: time (us) and
+    the greatest commanded thrust of a propeller, tick by tick; `commands`: time of each RawCommand
+    on the bus, and whether it contains anything but zeros.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -54,37 +54,37 @@ class LiveOuting(LiveWorld):
         self._ear = _ear()
 
     def begin(self, program: Path) -> None:
-        """From nothing to a boat that drives in FORMATION. StartError where it does not."""
+        """Start the boat and bring it into FORMATION with thrust; StartError if that fails."""
         self._program = program
         self.start()
         self._tick_us = self._start()
         self.wait(self.drives, "thrust")
 
     def start(self) -> None:
-        """A process, whatever became of the one before. Its parameters and logs are on `disk`."""
+        """Start a new flotillad process; its parameters and logs are on `disk`."""
         self.forget()
         assert self._program is not None
         self.boat.start(self._program, self.folder, f"--log={self.disk / 'log'}")
 
     def close(self) -> None:
-        """Ends the process."""
+        """End the process and close the sockets."""
         self._ear.close()
         self._opened.close()
 
     # Time
 
     def run_for(self, seconds: float) -> None:
-        """Everybody goes on."""
+        """Sail on for `seconds`."""
         end_us = now_us() + round(1e6 * seconds)
         while now_us() < end_us:
             self._turn()
 
     def watch(self, happened: Callable[[], bool]) -> None:
-        """At every tick from now on, until it has happened."""
+        """Check for an event at every tick from now on, until it happens."""
         self.noticed_us, self._watched = None, happened
 
     def first(self, happened: Callable[[], bool], seconds: float) -> float | None:
-        """After how many seconds it has happened; None where it has not in that time."""
+        """Seconds until the event; None if it does not happen within `seconds`."""
         begin_us = now_us()
         while not happened():
             if now_us() - begin_us > 1e6 * seconds:
@@ -93,12 +93,12 @@ class LiveOuting(LiveWorld):
         return 1e-6 * (now_us() - begin_us)
 
     def wait(self, happened: Callable[[], bool], what: str) -> None:
-        """TimeoutError where it does not happen."""
+        """Wait for an event; TimeoutError if it does not happen."""
         if self.first(happened, _PATIENCE_S) is None:
             raise TimeoutError(f"no {what}: {self.state}, {self.text!r}")
 
     def execute(self, *command: str) -> None:
-        """A program of the system, which may take longer than a boat waits for words."""
+        """Run a system program and sail on meanwhile: it may outlast the boat's timeouts."""
         with subprocess.Popen(command) as process:  # noqa: S603
             self.wait(lambda: process.poll() is not None, f"end of {command[0]}")
         if process.returncode != 0:
@@ -119,14 +119,14 @@ class LiveOuting(LiveWorld):
             self.noticed_us = now_us()
 
     def _hear(self) -> None:
-        with suppress(OSError):  # nothing more, or the interface is not there
+        with suppress(OSError):  # no more frames, or no interface
             while True:
                 can_id, size, data = _FRAME.unpack(self._ear.recv(_FRAME.size))
                 if can_id & _SUBJECT_MASK == message_subject(RAW_COMMAND):
                     self.commands.append((now_us(), any(data[: size - 1])))
 
     def reopen(self) -> None:
-        """After the interface was made anew."""
+        """Reopen the bus after its interface was recreated."""
         self.boat.reopen()
         self._ear.close()
         self._ear = _ear()
@@ -135,7 +135,7 @@ class LiveOuting(LiveWorld):
 
     @property
     def state(self) -> str:
-        """As the last heartbeat has it."""
+        """The state in the last HEARTBEAT."""
         return self._operator.state.get(SYSTEM, "silent")
 
     @property
@@ -144,24 +144,24 @@ class LiveOuting(LiveWorld):
         return self._operator.text.get(SYSTEM, "")
 
     def forget(self) -> None:
-        """Nothing was heard so far."""
+        """Forget the state and text received so far."""
         for heard in (self._operator.state, self._operator.text):
             heard.pop(SYSTEM, None)
 
     def say(self, data: bytes) -> None:
-        """By radio."""
+        """Send to the boat by radio."""
         self.boat.radio.send(data)
 
     def drives(self) -> bool:
-        """In FORMATION, and a propeller turns."""
+        """Whether the boat is in FORMATION and a propeller turns."""
         return self.state == "FORMATION" and any(self.boat.command(now_us()))
 
     def rests(self) -> bool:
-        """Both ESCs tell their motors to stand still."""
+        """Whether both ESCs command their motors to stop."""
         return not any(self.boat.command(now_us()))
 
     def help(self, well: Callable[[], bool], seconds: float) -> float | None:
-        """The operator disarms, arms and says FOLLOW until all is well; how long that took."""
+        """As operator, disarm, arm and set FORMATION until `well`; seconds taken, None: in vain."""
         asked_us = 0
 
         def there() -> bool:
@@ -185,12 +185,12 @@ class LiveOuting(LiveWorld):
 
 
 def greatest_N(thrust_N: Sequence[tuple[int, float]], from_us: int, to_us: int) -> float:
-    """Of those between two times."""
+    """The greatest thrust between two times, us; 0 without any."""
     return max((level for t_us, level in thrust_N if from_us <= t_us <= to_us), default=0.0)
 
 
 def _ear() -> socket.socket:
-    """Hears the bus as a stranger does."""
+    """A socket that receives all frames on the bus."""
     ear = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
     ear.setblocking(False)
     ear.bind((INTERFACE,))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What can be done to a flotillad, its bus and its disk on a live machine, and undone."""
+"""Faults of a live flotillad, its bus and its disk: how to inject and end them."""
 
 import errno
 import os
@@ -26,7 +26,7 @@ def _nothing(_: LiveOuting) -> str:
 
 
 def _words(outing: LiveOuting) -> str:
-    """What flotillad has written on its standard error."""
+    """The content of flotillad's log file."""
     return (outing.folder / "flotillad.log").read_text()
 
 
@@ -41,9 +41,9 @@ def _left(outing: LiveOuting) -> bool:
 
 @dataclass(frozen=True)
 class Strike:
-    """A fault's beginning and end, when it is noticed, what is wrong while it lasts.
+    """How a fault begins and ends, when it counts as detected, what is wrong during it.
 
-    `well`: whether it is over and forgotten, with an operator's help.
+    `well`: whether the boat has recovered, with the operator's help.
     """
 
     begin: Callable[[LiveOuting], None]
@@ -73,14 +73,14 @@ def _start(outing: LiveOuting) -> None:
 
 
 def _error_frame(kind: int) -> None:
-    """As a controller's driver tells every program."""
+    """Send an error frame, as a CAN controller's driver does."""
     with closing(socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)) as can:
         can.bind((INTERFACE,))
         can.send(struct.pack("=IB3x8s", socket.CAN_ERR_FLAG | kind, 8, b""))
 
 
 def _go_bus_off(outing: LiveOuting) -> None:
-    outing.boat.escs_speak = False  # such a controller hears nothing, and here nobody else does
+    outing.boat.escs_speak = False  # a controller in bus-off receives nothing
     _error_frame(_CAN_ERR_BUSOFF)
 
 
@@ -90,9 +90,9 @@ def _restart_controller(outing: LiveOuting) -> None:
 
 
 def _link(kind: int, flags: int = 0, change: int = 0) -> Callable[[LiveOuting], None]:
-    """A word to the kernel about the interface, done when it returns: rtnetlink(7).
+    """Change the interface by rtnetlink(7), finished on return.
 
-    ip(8) says the same, after a time that would be the boat's.
+    Starting ip(8) instead would take time during which the boat sails on.
     """
 
     def ask(_: LiveOuting) -> None:
@@ -123,7 +123,7 @@ def _parameters(outing: LiveOuting) -> Path:
 
 
 def _fill(outing: LiveOuting) -> None:
-    """To the last byte; then there is something to be saved."""
+    """Fill the disk to the last byte, then set parameters, which the boat must save."""
     with _ballast(outing).open("wb", buffering=0) as ballast:
         try:
             while True:
@@ -136,12 +136,12 @@ def _fill(outing: LiveOuting) -> None:
 
 
 def _empty(outing: LiveOuting) -> None:
-    """Nobody says anything: the boat tries again by itself."""
+    """Free the disk, without a command to the boat: it retries by itself."""
     _ballast(outing).unlink()
 
 
 def _half_written(outing: LiveOuting) -> str:
-    """What is kept is the old or the new, whole; logs end with a whole line."""
+    """Which file is incomplete: saved parameters must be whole, logs end with a whole line."""
     for log in outing.disk.glob("log/*.log"):
         if not log.read_bytes().endswith(b"\n"):
             return f"{log.name} ends within a line"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Sails the rows of the matrix of faults in lockstep, and judges each against its limits."""
+"""Sails the rows of the matrix of faults in lockstep and judges each by its limits."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,11 +15,11 @@ from sil.plant.hull import Array
 
 _NAMES = {number: name for name, number in STATES.items()}
 _OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
-_STEP_N = 0.01  # thrust is told in steps of a few mN
+_STEP_N = 0.01  # RawCommand quantises thrust to a few mN
 
 
 def sail_all(rows: Sequence[Row], progress: Progress = lambda _: None) -> list[Outcome]:
-    """Sail the rows together; ValueError or ScenarioError where one of them cannot be."""
+    """Sail the rows together; ValueError or ScenarioError if one of them is invalid."""
     scenarios = [row.scenario() for row in rows]
     longest = max(round(one.duration_s * one.rate_hz) + 1 for one in scenarios)
     watch = Watch(rows, longest)
@@ -49,7 +49,7 @@ def _heard(row: Row, texts: Sequence[str], outcome: Outcome) -> Outcome:
 
 
 def _left_s(row: Row, run: Run) -> float:
-    """When it leaves its fence, which is around where it started."""
+    """Time at which the boat leaves its fence, a circle around its start."""
     eta = run.trace["eta"][:, row.boat, :2]
     away_m = np.hypot(*(eta - eta[0]).T)
     return float(run.trace["t_s"][np.argmax(away_m > (row.fence_m or 0.0))])
@@ -61,7 +61,7 @@ def _error_m(row: Row, run: Run) -> Array:
 
 
 class _Seen:
-    """One boat's run, by ticks: its states, the thrusts told, the distance from its slot."""
+    """One boat's run by ticks: states, commanded thrusts, distance from its slot."""
 
     def __init__(self, row: Row, h_s: float, states: States, thrust_N: Array, error_m: Array):
         self._row, self._h_s, self._states, self._error_m = row, h_s, states, error_m
@@ -70,7 +70,7 @@ class _Seen:
         self._why: list[str] = []
 
     def judge(self, begins_s: float) -> Outcome:
-        """What came of what began then, and whether that is as the row has it."""
+        """The outcome of the fault that begins at `begins_s`, judged by the row's limits."""
         row = self._row
         self._begin = round(begins_s / self._h_s)
         self._end = max(self._begin, round(row.ends_s / self._h_s))
@@ -94,14 +94,14 @@ class _Seen:
         wanted = " or ".join(row.states)
         if self._left is None:
             if "FORMATION" not in row.states:
-                self._why.append(f"not noticed; {wanted} wanted")
+                self._why.append(f"not detected; expected {wanted}")
             return
         state = _NAMES[int(self._states[self._left])]
         if state not in row.states:
             self._why.append(f"{state}, not {wanted}")
         assert detected_s is not None
         if row.detected_s is not None and detected_s > row.detected_s + 1e-9:
-            self._why.append(f"noticed after {detected_s:.2f} s, not {row.detected_s:g} s")
+            self._why.append(f"detected after {detected_s:.2f} s, not {row.detected_s:g} s")
         if row.then is not None:
             self._check_next(state, row.then, row.then_s)
 
@@ -116,16 +116,16 @@ class _Seen:
             self._why.append(f"{state} for {lasted_s:.2f} s, then {ended_in}")
 
     def _check_return(self) -> None:
-        """Whoever needs an operator waits for him."""
+        """A boat that needs the operator must not return to FORMATION before."""
         begun = np.flatnonzero(np.isin(self._states[self._begin : self._end], _OFF))
         if self._row.recovery != "operator" or not len(begun):
             return
         waiting = self._states[self._begin + int(begun[0]) : self._end]
         if (waiting == STATES["FORMATION"]).any():
-            self._why.append("back in FORMATION before the operator said so")
+            self._why.append("back in FORMATION before the operator's command")
 
     def _check_way_home(self) -> None:
-        """The sticks drive it to the end, but not before they were at neutral."""
+        """The sticks must drive it at the end, but not before they were at neutral."""
         if self._row.home_s is None:
             return
         manual = self._states == STATES["MANUAL"]
@@ -146,7 +146,7 @@ class _Seen:
             self._why.append(f"{farthest_m:.2f} m from its slot, not {row.error_m:g} m")
 
     def _thrust_after(self) -> float:
-        """The greatest where there should be none; else, the greatest in COAST."""
+        """The greatest thrust where there should be none; without such ticks, that in COAST."""
         if self._left is None:
             return 0.0
         begin, late = self._left, round(self._row.off_s / self._h_s)
@@ -157,7 +157,7 @@ class _Seen:
             still[lag:] &= off[:-lag]
         thrust_N = float(self._thrust_N[still].max(initial=0.0))
         if thrust_N > 0.0:
-            self._why.append(f"{thrust_N:.2f} N told where none was wanted")
+            self._why.append(f"{thrust_N:.2f} N commanded where none is allowed")
         coast = self._states == STATES["COAST"]
         rise_N = float(np.diff(self._thrust_N)[coast[1:]].max(initial=0.0))
         if rise_N > _STEP_N:
@@ -181,7 +181,7 @@ class _Seen:
         return recovered_s
 
     def _went(self) -> str:
-        """The states it went through until the fault was over and until it was well again."""
+        """The states it went through until the fault ended and until it had recovered."""
         if self._left is None:
             return "FORMATION"
         after = self._states[self._left :]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The rows of `matrix.toml`: what goes wrong, and the limits of what may come of it."""
+"""The rows of `matrix.toml`: faults, and the limits of their effects."""
 
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -17,20 +17,18 @@ State = Literal["DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAU
 
 
 class Row(Section):
-    """A fault, or several at once, and how `boat` has to take it.
+    """A fault, or several at once, and the required response of `boat`.
 
-    `states`: what it may change to, "FORMATION" where it may go on; within `detected_s` of the
-    beginning. `then`: what that state has to end in, within `then_s` of its own beginning. No
-    thrust later than `off_s` after HOLD, FAULT or DISARMED began, whatever `but` is told: an ESC
-    that takes no commands. In COAST thrust never rises. `error_m`: the greatest distance from the
-    slot while it is in FORMATION without anybody's help. Afterwards it is back in FORMATION within
-    `recovered_s` of the fault's end (of its beginning, where it has none): by itself, or by an
-    `operator` who disarms, arms and says FOLLOW, and never before he does. `hold_s`: the operator
-    says HOLD so long after the fault's beginning. `home_s`: so long after it he arms the boat, out
-    of FAULT too, and drives it by sticks that he centres 2 s later only: it pushes from then on,
-    not before. `told`: it sends a STATUSTEXT with these words
-    after the beginning. `fence_m`: its FS_FENCE_M; then the fault is to
-    have left it.
+    `states`: the states it may change to within `detected_s` of the beginning; "FORMATION" allows
+    it to go on. `then`: the state that must follow within `then_s`. No thrust later than `off_s`
+    after HOLD, FAULT or DISARMED began, except for the ESC `but`, which takes no commands. In COAST
+    thrust never rises. `error_m`: the greatest distance from the slot while it is in FORMATION
+    without help. Within `recovered_s` of the fault's end (of its beginning, if it has no end) it is
+    back in FORMATION: by itself, or by an `operator` who disarms, arms and sets FORMATION, and
+    never before that. `hold_s`: the operator sets HOLD that long after the fault's beginning.
+    `home_s`: that long after it the operator arms the boat, from FAULT too, and drives it by sticks
+    that are centred 2 s later: only then may it push. `told`: words of a STATUSTEXT that it must
+    send after the beginning. `fence_m`: its FS_FENCE_M; the fault is then that it leaves its fence.
     """
 
     name: Annotated[str, Field(pattern="^[a-z0-9_]+$")]
@@ -53,17 +51,17 @@ class Row(Section):
 
     @property
     def begins_s(self) -> float:
-        """When it goes wrong, after the release; 0 where it is to leave its fence."""
+        """Time of the first fault after the release; 0 if the fault is leaving the fence."""
         return min((fault.at_s for fault in self.fault), default=0.0)
 
     @property
     def ends_s(self) -> float:
-        """When all is well again; where that is never, when it went wrong."""
+        """Time when the faults end; if they never do, their beginning."""
         ends = [fault.at_s + fault.for_s for fault in self.fault if fault.for_s is not None]
         return max(ends, default=self.begins_s)
 
     def scenario(self) -> Scenario:
-        """What is sailed; ScenarioError names the row."""
+        """The scenario to sail; ScenarioError names the row."""
         source = scenario.read(FOLDER / "pair.toml")
         for key, value in self.set.items():
             source.override(f"{key}={_toml(value)}")
@@ -79,7 +77,7 @@ class _Matrix(Section):
 
 
 def read(path: Path = FOLDER / "matrix.toml") -> tuple[Row, ...]:
-    """The rows of a file; ScenarioError says what is wrong with it."""
+    """Read the rows of a file; ScenarioError if it is invalid."""
     source = Source.read(path)
     try:
         return _Matrix.model_validate(source.document).row

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Hours of random faults, one after another, of four boats in lockstep, with an operator's help."""
+"""Hours of random faults, one after another, for four boats in lockstep, with an operator."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -24,8 +24,8 @@ RECOVERED_S = 60.0
 _QUIET_S = (2.0, 6.0)
 _WELL_S = 3.0
 _RETRY_S = 0.5
-_WARM, _MOST_MB = 3, 5.0  # hours until memory is what it will be; growth from then on
-_OFF_S = 0.27  # what an ESC does without a command
+_WARM, _MOST_MB = 3, 5.0  # hours until memory is steady; greatest growth after that
+_OFF_S = 0.27  # an ESC stops within this time without a command
 _OFF = [STATES[name] for name in ("DISARMED", "HOLD", "FAULT")]
 
 _KINDS = [kind for kind in KINDS.values() if kind.drawn is not None]
@@ -33,7 +33,7 @@ _KINDS = [kind for kind in KINDS.values() if kind.drawn is not None]
 
 @dataclass
 class Soaked:
-    """What came of it: `slowest_s` recovery by kind, what went wrong, MB at each hour, digest."""
+    """The result: faults and `slowest_s` recovery by kind, failures, MB at each hour, digest."""
 
     faults: Counter[str] = field(default_factory=Counter)
     slowest_s: dict[str, float] = field(default_factory=dict)
@@ -43,11 +43,11 @@ class Soaked:
 
 
 def soak(hours: float, seed: int, progress: Callable[[float, Soaked], None]) -> Soaked:
-    """Sail so many hours; `progress` is told of the share that is done every simulated minute.
+    """Sail for `hours`; calls `progress` with the share done every simulated minute.
 
-    A fault that is not recovered from, all boats in FORMATION, within RECOVERED_S of its end is
-    wrong and ends the soak; so is thrust told in DISARMED, HOLD or FAULT to an ESC that listens,
-    and a rule of the firmware that is broken, and memory that grows after the first hours.
+    Failures, which end the soak: not all boats back in FORMATION within RECOVERED_S of a fault's
+    end; thrust commanded in DISARMED, HOLD or FAULT to an ESC that obeys; a broken rule of the
+    firmware; memory that grows after the first hours.
     """
     source = scenario.read(FOLDER / "soak.toml", [f"seed={seed}"])
     one = scenario.check(source)
@@ -65,17 +65,17 @@ def soak(hours: float, seed: int, progress: Callable[[float, Soaked], None]) -> 
 
 
 class _Sea:
-    """The boats, and the one fault that is on or is being recovered from."""
+    """The boats, and the one fault that is active or being recovered from."""
 
     def __init__(self, batch: Batch, rng: np.random.Generator, soaked: Soaked) -> None:
         self._batch, self._rng, self._soaked = batch, rng, soaked
         self._h_s = 1e-6 * batch.h_us
         self._tau: Array = batch.scenarios[0].leader.tau(np.zeros(3))[:, None, :]
         self._fault: Fault | None = None
-        self._next = self._in(rng.uniform(*_QUIET_S))  # tick of what comes next
+        self._next = self._in(rng.uniform(*_QUIET_S))  # tick of the next event
         self._ended: int | None = None
-        self._well = 0  # since when all have been in FORMATION
-        self._off = np.zeros(batch.boats, int)  # ticks in a row without leave to drive
+        self._well = 0  # tick since which all have been in FORMATION
+        self._off = np.zeros(batch.boats, int)  # consecutive ticks in which thrust is forbidden
 
     def _in(self, time_s: float) -> int:
         return max(1, round(time_s / self._h_s))
@@ -130,7 +130,7 @@ class _Sea:
             self._fault = self._ended = None
             self._next = k + self._in(self._rng.uniform(*_QUIET_S))
         elif late_s > RECOVERED_S:
-            self._soaked.wrong.append(f"{self._fault!r}: not recovered from at tick {k}: {states}")
+            self._soaked.wrong.append(f"{self._fault!r}: not recovered by tick {k}: {states}")
         elif (k - self._ended) % self._in(_RETRY_S) == 0:
             ask(self._batch, self._batch.agents(0), states, t_us)
 
@@ -160,4 +160,4 @@ class _Sea:
         if fault is not None and fault.kind == "esc_stuck":
             told[fault.agent - 1, {"port": [0], "stbd": [1], "both": [0, 1]}[fault.esc]] = 0.0
         if (told.max(axis=1)[self._off > self._in(_OFF_S)] > 0.0).any():
-            self._soaked.wrong.append(f"{fault!r}: thrust without leave at tick {k}")
+            self._soaked.wrong.append(f"{fault!r}: forbidden thrust at tick {k}")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Sails a scenario in real time, a flotillad process a boat."""
+"""Sails a scenario in real time with one flotillad process per boat."""

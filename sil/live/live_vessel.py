@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The vessels of a live run: a flotillad each, and what is wired to it."""
+"""The vessels of a live run: each boat's flotillad with its bus and links, the virtual leader."""
 
 import signal
 import socket
@@ -30,14 +30,14 @@ _LOOPBACK = "127.0.0.1"
 
 
 class Outlet(Protocol):
-    """Where what a vessel says over the radio goes: to another one, or to who listens."""
+    """A destination of a vessel's radio: another vessel or a listener."""
 
     def send(self, data: bytes, t_us: int) -> None:
-        """Takes a chunk that is said at `t_us`."""
+        """Accept a chunk sent at `t_us`."""
 
 
 class _Udp:
-    """One end of a UDP link whose other end is a flotillad that talks first."""
+    """One end of a UDP link; the flotillad at the other end sends first."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -55,7 +55,7 @@ class _Udp:
         return chunks
 
     def send(self, data: bytes) -> None:
-        # A flotillad that was killed refuses; MAVLink repeats itself.
+        # A killed flotillad's port refuses; losing a datagram is harmless, MAVLink repeats itself.
         if self._peer is not None and data:
             with suppress(ConnectionRefusedError):
                 self.socket.sendto(data, self._peer)
@@ -64,7 +64,7 @@ class _Udp:
 class LiveBoat:
     """A flotillad, its bus with two ESCs, its navigation unit and its radio.
 
-    `escs_speak`: whether the ESCs' frames get onto the bus.
+    `escs_speak`: whether the ESCs' frames are sent on the bus.
     """
 
     def __init__(
@@ -104,12 +104,12 @@ class LiveBoat:
         return can.Bus(interface=scheme, channel=channel)
 
     def reopen(self) -> None:
-        """After the bus's interface was made anew."""
+        """Reopen the bus after its interface was recreated."""
         self.can.shutdown()
         self.can = self._open()
 
     def start(self, program: Path, folder: Path, *more: str) -> None:
-        """Starts the flotillad, with `more` options; its words go to `folder`/flotillad.log."""
+        """Start the flotillad with `more` options; its output goes to `folder`/flotillad.log."""
         folder.mkdir(parents=True, exist_ok=True)
         self._words = folder / "flotillad.log"
         set_up(folder / "state", self._parameters)
@@ -126,12 +126,12 @@ class LiveBoat:
             )
 
     def last_words(self, status: int) -> str:
-        """Why its flotillad left with that status, as far as it said."""
+        """The last line that its flotillad printed, or its exit status if there is none."""
         lines = self._words.read_text(encoding="utf-8", errors="replace").splitlines()
-        return lines[-1] if lines else f"flotillad left with status {status}, see {self._words}"
+        return lines[-1] if lines else f"flotillad ended with status {status}, see {self._words}"
 
     def close(self) -> None:
-        """Asks the flotillad to leave, and sees to it."""
+        """Terminate the flotillad, kill it after 5 s; close bus and sockets."""
         if self.process is not None and self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
             try:
@@ -144,13 +144,13 @@ class LiveBoat:
         self.radio.socket.close()
 
     def descriptors(self) -> list[int]:
-        """What to wait for."""
+        """The descriptors to wait for: bus, navigation, radio."""
         sockets = (self.navigation.socket, self.radio.socket)
         return [self.can.fileno(), *(s.fileno() for s in sockets)]
 
     def listen(self, t_us: int, operator: Operator) -> None:
-        """Takes what has arrived from the flotillad and from the radio."""
-        with suppress(can.CanError):  # the interface is down, or gone
+        """Process everything that has arrived from the flotillad and the radio."""
+        with suppress(can.CanError):  # the interface is down or gone
             while (message := self.can.recv(0.0)) is not None:
                 if not message.is_error_frame:
                     for esc in self._escs:
@@ -166,23 +166,23 @@ class LiveBoat:
                 self.radio.send(data)
 
     def send(self, t_us: int, eta: list[float], nu: list[float], rpm: list[float]) -> None:
-        """The state of the instant `t_us` and what the ESCs have to say."""
+        """Send the state at `t_us` and the ESCs' frames."""
         self.navigation.send(self._unit.tick(self._clock.at(t_us), eta, nu))
         for esc, shaft in zip(self._escs, rpm, strict=True):
             for can_id, data in esc.tick(t_us, shaft, BATTERY_V, float("nan")):
-                # A full queue loses a report; the next one comes in 40 ms.
+                # A full queue loses a report; the next one follows in 40 ms.
                 with suppress(can.CanError):
                     if self.escs_speak:
                         self.can.send(can.Message(arbitration_id=can_id, data=data))
 
     def command(self, t_us: int) -> tuple[float, float]:
-        """What the ESCs tell their motors now, in [-1, 1]: port, starboard."""
+        """The ESCs' current commands to their motors, in [-1, 1]: port, starboard."""
         port, stbd = self._escs
         return port.command(t_us), stbd.command(t_us)
 
 
 class LiveLeader:
-    """Agent 0: sends its state over the radio of its followers."""
+    """Agent 0, the virtual leader: sends its state by radio to its followers."""
 
     def __init__(self, navigation: Settings, clock: Clock) -> None:
         self.inbox: list[Link] = []
@@ -193,13 +193,13 @@ class LiveLeader:
         )
 
     def listen(self, t_us: int) -> None:
-        """Takes what has come over the radio."""
+        """Process everything that has arrived by radio."""
         for link in self.inbox:
             for data in link.receive(t_us):
                 self._unit.on_mavlink(data, self._clock.at(t_us))
 
     def send(self, t_us: int, eta: list[float], nu: list[float]) -> None:
-        """Its state of the instant `t_us`."""
+        """Send its state at `t_us`."""
         data = self._unit.tick(self._clock.at(t_us), eta, nu)
         if data:
             for link in self.outbox:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The live world: real flotillad processes on a real bus, hulls and ESCs in real time.
 
-Each boat has a flotillad, a CAN bus and two UDP links: its navigation unit and its radio. This
+Each boat has a flotillad, a CAN bus and two UDP links: to its navigation unit and its radio. This
 process is everything else: hulls, navigation units, ESCs, the virtual leader, the radio between
-them all, and the operator. It takes what arrives when it arrives, and on a grid of control ticks
-it carries the hulls on and sends the state of that instant, stamped with that instant.
+them all, and the operator. It processes input as it arrives. At each control tick it steps the
+hulls and sends their state, stamped with the time of the tick.
 """
 
 import select
@@ -43,14 +43,14 @@ _NOT_ARMED = (None, "DISARMED", "FAULT")
 
 
 def now_us() -> int:
-    """The world's time: the clock that flotillad reads too."""
+    """The world's time, us: the monotonic clock, which flotillad reads too."""
     return time.monotonic_ns() // 1000
 
 
 def buses_of(first: str, boats: int) -> list[str]:
-    """Addresses of the boats' buses: the first is boat 1's, boat i takes the next one.
+    """Addresses of the boats' buses: `first` for boat 1, the next number for each further boat.
 
-    ValueError where `first` is neither mcast:N nor socketcan:NAMEn.
+    ValueError unless `first` is mcast:N or socketcan:NAMEn.
     """
     scheme, _, channel = first.partition(":")
     digits = len(channel) - len(channel.rstrip("0123456789"))
@@ -65,7 +65,7 @@ def buses_of(first: str, boats: int) -> list[str]:
     if scheme == "mcast" and last > _LAST_MCAST_BUS:
         raise ValueError(
             f'--bus "{first}": {boats} boats need mcast:{number} to mcast:{last}, '
-            f"the last is mcast:{_LAST_MCAST_BUS}"
+            f"but mcast:{_LAST_MCAST_BUS} is the last one"
         )
     return [f"{scheme}:{name}{number + i}" for i in range(boats)]
 
@@ -73,9 +73,9 @@ def buses_of(first: str, boats: int) -> list[str]:
 class LiveWorld:
     """One scenario, ready to be sailed once in real time. A context manager.
 
-    `bus`: address of boat 1's bus. `mavlink`: where all that is said over the radio is repeated, as
-    `sil.wire.mavlink_mcast.Mouth` has it; None is nowhere. ValueError where one is none;
-    can.CanError or OSError where it cannot be opened.
+    `bus`: address of boat 1's bus. `mavlink`: address to which all radio traffic is repeated, as
+    for `sil.wire.mavlink_mcast.Mouth`; None: nowhere. ValueError for an invalid address;
+    can.CanError or OSError if it cannot be opened.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class LiveWorld:
         clocks = clocks_of(scenario)
         self._parameters = parameters_of(scenario, param_overrides)
         self._command: Array = np.zeros((len(scenario.boat), 2))
-        # Compiled now, not when the boats are under way.
+        # Compile the kernels now, not while the boats are under way.
         spare = bodies_of([scenario])
         self._leaders = VirtualLeaders([scenario])
         self._leaders.advance(0, spare, self._command)
@@ -136,7 +136,7 @@ class LiveWorld:
         self._opened.close()
 
     def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
-        """Starts the boats' processes and sails the scenario, in real time."""
+        """Start the boats' processes and sail the scenario; the motion since the release."""
         for boat in self.boats:
             folder = out / f"boat{boat.system}"
             boat.start(program, folder, f"--log={folder / 'log'}")
@@ -159,7 +159,7 @@ class LiveWorld:
         return tracer
 
     def _start(self) -> int:
-        """Arms the boats and puts them into FORMATION, all hulls held; the tick when that was."""
+        """Arm the boats and set FORMATION while the hulls are held; the tick (us) of success."""
         operator, boats = self._operator, self.boats
         begin_us = tick_us = now_us()
         ask_us = begin_us + 2_000_000
@@ -180,7 +180,7 @@ class LiveWorld:
                 return tick_us
             self._check_processes()
         words = [
-            f"boat {boat.system}: {operator.text.get(boat.system, 'says nothing')}"
+            f"boat {boat.system}: {operator.text.get(boat.system, 'no STATUSTEXT received')}"
             for boat in boats
             if operator.state.get(boat.system) != "FORMATION"
         ]
@@ -192,7 +192,7 @@ class LiveWorld:
                 raise StartError(f"boat {boat.system}: {boat.last_words(status)}")
 
     def _until(self, tick_us: int) -> None:
-        """Takes what arrives until `tick_us`, when it arrives."""
+        """Process input as it arrives until `tick_us`."""
         waiting = [fd for boat in self.boats for fd in boat.descriptors()]
         while True:
             t_us = now_us()
@@ -206,7 +206,7 @@ class LiveWorld:
             select.select(waiting, [], [], 1e-6 * left_us)
 
     def _send(self, tick_us: int) -> None:
-        """The state of the instant `tick_us` to everybody whom it concerns."""
+        """Measure and send each vessel's state, stamped `tick_us`."""
         self._sensors.measure()
         eta, nu = self._sensors.eta.tolist(), self._sensors.nu.tolist()
         rpm = self._bodies.rpm.tolist()
@@ -216,12 +216,12 @@ class LiveWorld:
 
 
 def build(say: Callable[[str], None]) -> Path:
-    """The flotillad of this checkout, built where it is older than its sources."""
+    """Path of flotillad; in a checkout, rebuilt if older than its sources; StartError."""
     if not (ROOT / "CMakeLists.txt").exists():
         return FLOTILLAD
     command = [str(ROOT / "tools" / "build"), "release", "flotillad"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     if done.returncode != 0:
         say(done.stdout + done.stderr)
-        raise StartError("flotillad could not be built")
+        raise StartError("flotillad could not be built; see the compiler's output above")
     return FLOTILLAD

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad does not run as root, and in many a container there is nobody else."""
+"""Runs flotillad as an ordinary user: it refuses root, the only user of many containers."""
 
 import os
 
@@ -7,10 +7,10 @@ NOBODY = 65534
 
 
 def ordinary_user() -> list[str]:
-    """Words before a program that make it another user's where we are root: setpriv (util-linux).
+    """Command prefix that drops root's identity if we are root, by setpriv (util-linux).
 
-    Nobody's, and without a right of root's but one: it gets at the files of the run, which are
-    root's (CAP_DAC_OVERRIDE).
+    The program then runs as nobody; of root's capabilities it keeps only CAP_DAC_OVERRIDE, because
+    the files of the run belong to root.
     """
     if os.geteuid() != 0:
         return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The file in which a flotillad keeps its parameters: who has none is not armed."""
+"""flotillad's parameter file; a boat without saved parameters does not arm."""
 
 import zlib
 from collections.abc import Mapping
@@ -9,14 +9,14 @@ import flotilla
 
 
 def parameter_text(values: Mapping[str, float], *lines: str) -> str:
-    """A whole file, with other `lines` before its checksum."""
+    """The file's content; further `lines` precede the checksum."""
     named = [f"{name} = {value:.9g}" for name, value in values.items()]
     body = "\n".join(["flotilla-parameters 1", *named, *lines]) + "\n"
     return body + f"crc32 = {zlib.crc32(body.encode()):08X}\n"
 
 
 def set_up(state_dir: Path, values: Mapping[str, float]) -> None:
-    """Saves every parameter, these values and else the defaults, unless some were saved before."""
+    """Save all parameters, defaults where `values` has none, unless the folder has some already."""
     file = state_dir / "parameters.txt"
     if file.exists() or file.with_name("parameters.txt.previous").exists():
         return

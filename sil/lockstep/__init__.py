@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Sails scenarios in lockstep: the firmware and the plant, tick by tick."""
+"""Sails scenarios in lockstep: firmware and plant advance tick by tick."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Runs of one shape that are sailed together: everything on their wires in one flotilla.Fleet.
+"""Runs of one shape, sailed together: one flotilla.Fleet holds all their boats and wires.
 
-The firmware learns nothing but what arrives as bytes; the hulls are moved by nothing but decoded
-frames. At each tick time t the units send the state at t, the boats tick, leaders before their
-followers, and the plant is carried to t + h under the commands that the ESCs then hold.
+The firmware's only input are bytes; only decoded frames move the hulls. At each tick time t the
+units send the state at t, the boats tick, leaders before their followers, and the plant advances to
+t + h under the ESCs' commands of that time.
 """
 
 from collections.abc import Sequence
@@ -24,19 +24,18 @@ from sil.scenario.scenario import Scenario
 from sil.scenario.streams import SENSOR_STREAMS, Stream, generator
 from sil.scenario.wiring import VIRTUAL_LEADER_SYSTEM
 
-# Ticks after which the records of a fleet are taken: a few hundred kB of one boat's, no more.
+# Ticks between two collections of a fleet's records, to limit memory.
 _TAKE = 32
 _GCS_US = 1_000_000
 
 
 class Batch:
-    """R runs of N boats each, ready to be sailed once; nothing of a run depends on another.
+    """R independent runs of N boats each, ready to be sailed once.
 
     Agents of `fleet` are the rows of `bodies`: the virtual leaders, then the boats, run by run.
-    `command` (R N, 2): what the ESCs told their motors in the last tick. `sensors`: of all agents.
-    `without_gcs`: agents that hear no heartbeats of their ground station, which those with FS_GCS_S
-    do. `recorders`: to be set to those of the runs, where there are any. ValueError where the
-    firmware refuses a parameter.
+    `command` (R N, 2): the ESCs' commands to their motors in the last tick. `sensors`: of all
+    agents. `without_gcs`: agents whose ground station is silent; others with FS_GCS_S hear one.
+    `recorders`: one per run; set them to record. ValueError if the firmware refuses a parameter.
     """
 
     def __init__(
@@ -73,7 +72,7 @@ class Batch:
                 self.fleet.add_boat(run, own, *self._aboard(run, agent))
             self.slots.append(slots_of(parameters))
             self._connect(run, scenario)
-            # Whoever cannot do without a ground station has one.
+            # Boats with a ground station timeout (FS_GCS_S) get a ground station.
             waits = zip(self.agents(run), parameters, strict=True)
             self._gcs += [agent for agent, own in waits if own.get("FS_GCS_S", 0.0) > 0.0]
         self.bodies = bodies_of(scenarios)
@@ -86,7 +85,7 @@ class Batch:
         )
 
     def _aboard(self, run: int, agent: int) -> tuple[Any, Any]:
-        """Unit and clock of a run's agent, as the fleet takes them."""
+        """Unit and clock of a run's agent, as arguments of flotilla.Fleet."""
         unit, clock = self._units[run][agent], self._clocks[run][agent]
         origin = self._told.origins[self.row(run, agent)]
         faults = (unit.delay_s, unit.timesync, unit.dropout_every_s, unit.dropout_s)
@@ -102,16 +101,16 @@ class Batch:
                 self.fleet.connect(sender, receiver, **scenario.link.quality, seed=seed)
 
     def row(self, run: int, agent: int) -> int:
-        """The fleet's number of a run's agent."""
+        """The fleet's index of a run's agent."""
         return run if agent == 0 else len(self.scenarios) + run * self.boats + agent - 1
 
     def agents(self, run: int) -> range:
-        """The fleet's numbers of a run's boats."""
+        """The fleet's indices of a run's boats."""
         begin = self.row(run, 1)
         return range(begin, begin + self.boats)
 
     def header(self, run: int) -> dict[str, Any]:
-        """What a replay builds the boats of a run from."""
+        """The recording's header, from which a replay builds the boats of a run."""
         boats = [
             {
                 "parameters": self.fleet.parameters(agent),
@@ -125,12 +124,12 @@ class Batch:
 
     @property
     def states(self) -> Ints:
-        """States (R, N) after the last tick, as `flotilla.STATES` counts them."""
+        """States (R, N) after the last tick, as indices of `flotilla.STATES`."""
         states: Ints = self.fleet.states
         return states.reshape(-1, self.boats)
 
     def tick(self, t_us: int) -> None:
-        """Everything that goes over a wire at `t_us`; the hulls stay where they are."""
+        """Exchange all messages of the tick `t_us`; does not move the hulls."""
         self.sensors.measure()
         eta = self._told.poses(self.sensors.eta)
         told = (eta, self.sensors.nu, self._told.degE7)
@@ -142,6 +141,6 @@ class Batch:
             self.take()
 
     def take(self) -> None:
-        """Hand what has been on the wires to the recorders."""
+        """Pass the collected records to the recorders."""
         for run, recorder in enumerate(self.recorders):
             recorder.write(self.fleet.take_records(run))

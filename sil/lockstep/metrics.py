@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Numbers of a run: formation errors of the truth, settling, effort, separation.
+"""Figures of a run: true formation errors, settling, effort, separation.
 
 Trace arrays as in trace.npz, SI: T control ticks from release (t = 0) on, N boats, agent 0 the
 virtual leader. Errors in metres are √(e_x² + e_y²).
@@ -36,13 +36,11 @@ class BoatSummary(TypedDict):
     thrust_rms_N: float
     thrust_step_rms_N: float
     states: dict[str, float]
-    closing_m: NotRequired[
-        float
-    ]  # how far it was from its slot, which it had not reached at the end
+    closing_m: NotRequired[float]  # final distance from its slot, if it did not reach it
 
 
 class Summary(TypedDict):
-    """summary.json. A live run has no digest, but the instant of its t_s 0."""
+    """summary.json. A live run has, instead of a digest, the UNIX time of its t_s = 0."""
 
     scenario: str
     seed: int
@@ -61,9 +59,9 @@ def formation_error(
 ) -> Array:
     """Formation errors [e_x e_y e_ψ] (T, N, 3) of boats 1 … N; e_ψ in (−π, π].
 
-    `eta` (T, N+1, 3); boat i follows agent `follows[i-1]`, its slot `offset_m[i-1]` [north east]
-    of it, or [forward starboard] of it where `turns[i-1]` (FORM_FRAME 1; by default none does).
-    e_ψ is taken against the leader's heading in either case.
+    `eta` (T, N+1, 3); boat i follows agent `follows[i-1]`. Its slot is at `offset_m[i-1]` from it,
+    [north east], or [forward starboard] if `turns[i-1]` (FORM_FRAME 1; by default false).
+    e_ψ is relative to the leader's heading in either case.
     Source: Wang and Loría, eq:formation-error.
     """
     error = np.empty((len(eta), len(follows), 3))
@@ -81,7 +79,7 @@ def _formation_error(
     turns: npt.NDArray[np.bool_],
     error: Array,
 ) -> None:
-    """Write the errors (T, N, 3), e_ψ not wrapped."""
+    """Fill in the errors (T, N, 3), e_ψ not wrapped."""
     for k in range(eta.shape[0]):
         for i in range(follows.size):
             leader, own = eta[k, follows[i]], eta[k, i + 1]
@@ -97,10 +95,10 @@ def _formation_error(
 
 
 def wrap(angle: Array) -> Array:
-    """The angle, rad, in (−π, π]; NaN where it is not finite."""
+    """Wrap an angle, rad, to (−π, π]; NaN if it is not finite."""
     with np.errstate(invalid="ignore"):
         wrapped = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
-    # the modulus of a tiny negative number is rounded up to 2π
+    # the modulus of a tiny negative number rounds up to 2π
     return np.where(wrapped <= -np.pi, np.pi, wrapped)
 
 
@@ -108,12 +106,12 @@ def wrap(angle: Array) -> Array:
 def boats(
     t_s: Array, error: Array, thrust: Array, states: Sequence[Mapping[str, float]]
 ) -> list[BoatSummary]:
-    """Entries of summary.json, one a boat.
+    """Entries of summary.json, one per boat.
 
     t_s (T), error (T, N, 3), thrust (T, N, 2) in N, states (N): seconds spent in each state.
-    RMS and maximum error are over the last third of the run, RMS thrust is over all of it;
-    `thrust_step_rms_N` is that of the propeller that changes more, over the last third. Of what
-    diverged, figures are not finite.
+    RMS and maximum error are over the last third of the run, RMS thrust over all of it;
+    `thrust_step_rms_N` is that of the propeller that changes more, over the last third. Figures of
+    a diverged run are not finite.
     """
     distance = distances(error)
     last_third = t_s >= t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
@@ -137,7 +135,7 @@ def boats(
 
 
 def thrust_step_rms_N(thrust: Array) -> Array:
-    """RMS of the change from tick to tick of thrusts (T, ...): (...), N; 0 for a single tick."""
+    """RMS change per tick of thrusts (T, ...): (...), N; 0 for a single tick."""
     change = np.diff(thrust, axis=0)
     return np.asarray(np.sqrt(np.sum(np.square(change), axis=0) / max(1, len(change))))
 
@@ -148,8 +146,8 @@ def distances(error: Array) -> Array:
 
 
 def settling_time_s(t_s: Array, distance: Array) -> float | None:
-    """Time after which `distance` (T) stays under 0.05 m; None if it does not at the end."""
-    # "not under" rather than "over": NaN has not settled
+    """Time after which `distance` (T) stays below 0.05 m; None if it ends above."""
+    # "not below" rather than "above": NaN has not settled
     outside = np.flatnonzero(~(distance < SETTLED_M))
     if outside.size == 0:
         return 0.0
@@ -159,7 +157,10 @@ def settling_time_s(t_s: Array, distance: Array) -> float | None:
 
 
 def min_separation_m(eta: Array) -> float | None:
-    """Smallest distance between two real boats of eta (T, N+1, 3), ever; None for a single boat."""
+    """Smallest distance between two boats over the run, eta (T, N+1, 3); None for a single boat.
+
+    The virtual leader does not count.
+    """
     if eta.shape[1] <= 2:
         return None
     return float(np.sqrt(_least_square(eta)))
@@ -167,10 +168,10 @@ def min_separation_m(eta: Array) -> float | None:
 
 @njit(cache=True)
 def _least_square(eta: Array) -> float:
-    """Square of the smallest distance; infinite where no two places are known.
+    """Square of the smallest distance; infinite if no two positions are known.
 
-    Only boats that are less apart along x than the smallest distance so far are compared: they are
-    kept in the order of x, which changes little from tick to tick.
+    Boats are kept sorted by x, an order that changes little from tick to tick, and compared only
+    while their distance along x is less than the smallest distance so far.
     """
     n = eta.shape[1] - 1
     x, y, order = np.empty(n), np.empty(n), np.arange(1, n + 1)
@@ -178,7 +179,7 @@ def _least_square(eta: Array) -> float:
     for k in range(eta.shape[0]):
         for i in range(n):
             boat = order[i]
-            # a boat that is nowhere is behind all others
+            # sort unknown positions (NaN) to the end
             key = eta[k, boat, 0] if not np.isnan(eta[k, boat, 0]) else np.inf
             at = i
             while at > 0 and x[at - 1] > key:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a run is in which a boat broke one of the firmware's rules, `flotilla.policies()`."""
+"""Violations of the firmware's rules, `flotilla.policies()`, as errors of runs."""
 
 from pathlib import Path
 
@@ -8,11 +8,11 @@ from sil.lockstep.start import RunError
 
 
 class PolicyViolationError(RunError):
-    """A boat broke a rule: which boat, when, which rule, and where the recording is."""
+    """A boat broke a rule; the text names boat, time, rule and recording."""
 
 
 def violations(batch: Batch, recording: Path | None = None) -> dict[int, PolicyViolationError]:
-    """The first violation of each run that has one; `recording`: where a single run's is kept."""
+    """The first violation of each run that has one; `recording`: path of a single run's."""
     first: dict[int, PolicyViolationError] = {}
     kept = "" if recording is None else f"; recording: {recording}"
     for agent, t_us, rule in batch.fleet.violations():

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Everything that went over a wire in a run: its digest, and the file from which it is replayed.
+"""The recording of everything on a run's wires: its digest, and the file for a replay.
 
-A record is time (u64 us of the world), port (u16), length (u16), bytes, little endian. A port is
+A record is time (u64, us of the world), port (u16), length (u16), bytes, little endian. A port is
 256 × agent + channel (below); a CAN frame's bytes are its identifier (u32) and data.
 `recording.bin` is b"FLOTILLA", the length (u32) of a JSON header, the header, the records; the
-digest is the SHA-256 of the records. The header has what each boat is built from: {"boats":
-[{"parameters", "links", "scalar", "clock": {"offset_us", "drift_ppm"}}]}.
+digest is the SHA-256 of the records. The header describes the construction of each boat:
+{"boats": [{"parameters", "links", "scalar", "clock": {"offset_us", "drift_ppm"}}]}.
 """
 
 import hashlib
@@ -18,24 +18,24 @@ from typing import Any, BinaryIO, Self
 MAGIC = b"FLOTILLA"
 _HEAD = struct.Struct("<QHH")
 _LENGTH = struct.Struct("<I")
-MOST_BOATS = 255  # an agent is eight bits of a port
+MOST_BOATS = 255  # an agent has eight bits of a port
 
-# Channels: which of an agent's wires, and which way.
+# Channels: an agent's wire and the direction.
 MAVLINK_IN = 0  # + link, to the boat
 CAN_IN = 8
 MAVLINK_OUT = 16  # + link, from the boat
 CAN_OUT = 24
-HOST = 32  # what its host told the boat or did to it: event (u8), value (i64)
+HOST = 32  # an event of the boat's host: event (u8), value (i64)
 
-# Events of a host: the bus is up (1) or down (0); the boat's clock is so many us ahead of the
-# world's from now on; the boat's process was killed, and a new one has its parameters.
+# Events of a host: the bus is up (1) or down (0); the boat's clock is now that many us ahead of the
+# world's; the boat's process was killed and restarted with its parameters.
 BUS, CLOCK, RESTART = range(3)
 
 
 class Recorder:
-    """Digests records and writes them to a file, which appears whole or not at all.
+    """Computes the digest of records and writes them to a file, atomically.
 
-    A context manager; `path` None writes no file.
+    A context manager; with `path` None it writes no file.
     """
 
     def __init__(self, path: Path | None, header: dict[str, Any]) -> None:
@@ -51,19 +51,19 @@ class Recorder:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Throws the file away where it is not finished."""
+        """Delete an unfinished file."""
         if self._path is not None and self._file is not None:
             self._file.close()
             _part(self._path).unlink(missing_ok=True)
 
     def write(self, records: bytes) -> None:
-        """Adds whole records."""
+        """Append whole records."""
         self._sha256.update(records)
         if self._file is not None:
             self._file.write(records)
 
     def finish(self) -> str:
-        """Puts the file into its place; SHA-256, in hexadecimal, of the records."""
+        """Finish the file; SHA-256, in hexadecimal, of the records."""
         if self._path is not None and self._file is not None:
             self._file.close()
             _part(self._path).replace(self._path)
@@ -75,9 +75,9 @@ def _part(path: Path) -> Path:
 
 
 class Recording:
-    """A recording.bin that was read. ValueError where the file is none, or cut off.
+    """The content of a recording.bin; ValueError if it is invalid or truncated.
 
-    `records`: the bytes of all of them.
+    `records`: the bytes of all records.
     """
 
     def __init__(self, path: Path) -> None:
@@ -112,14 +112,14 @@ class Recording:
 
 
 def of_run(folder: Path, digest: str | None) -> Path | None:
-    """The recording in the folder of a run whose summary.json tells `digest`; None where none is.
+    """The recording in a run's folder, whose summary.json has `digest`; None if there is none.
 
-    A live run has no digest and leaves none: one that is there is of an earlier run. ValueError for
-    one that is not that of the summary.
+    A live run has no digest: a recording in its folder is of an earlier run and not returned.
+    ValueError if the recording does not match the digest.
     """
     path = folder / "recording.bin"
     if digest is None or not path.is_file():
         return None
     if Recording(path).digest() != digest:
-        raise ValueError(f"{path}: damaged, or not of the run that summary.json tells of")
+        raise ValueError(f"{path}: damaged, or not the recording of the run in summary.json")
     return path

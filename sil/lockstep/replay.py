@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Replays a recording: the same bytes and frames at the same times must give the same answers."""
+"""Replays a recording: equal bytes and frames at equal times must give equal output."""
 
 import struct
 from dataclasses import replace
@@ -25,7 +25,7 @@ _HOST_EVENT = struct.Struct("<Bq")
 
 
 class _Twin:
-    """A boat built like the recorded one, that hears what that one heard."""
+    """A boat built like the recorded one, fed with its recorded input."""
 
     def __init__(self, header: dict[str, Any]) -> None:
         self._links, self._scalar = header["links"], header["scalar"]
@@ -58,7 +58,7 @@ class _Twin:
             self._boat.on_mavlink(data, self._clock.at(t_us), channel)
 
     def differs(self) -> bool:
-        """Ticks the twin where the recorded boat last ticked, if it did, and compares."""
+        """Tick the twin at the recorded boat's last tick, if any; whether the outputs differ."""
         if not self._recorded:
             return False
         out = self._boat.tick(self._clock.at(self.ticked_us))
@@ -69,7 +69,7 @@ class _Twin:
 
 
 def replay(recording: Recording) -> list[int]:
-    """For each boat, the world's time in us of the first tick that came out different, or -1."""
+    """For each boat, the world's time in us of the first tick that differs, or -1."""
 
     def compare(boat: int) -> None:
         if twins[boat].differs() and first[boat] < 0:
@@ -81,8 +81,7 @@ def replay(recording: Recording) -> list[int]:
         boat, channel = (port >> 8) - 1, port & 0xFF
         if boat < 0:  # the virtual leader
             continue
-        # A boat's answers stand together in the recording; what it hears next, or its next tick,
-        # ends them.
+        # The output records of a tick are contiguous; the boat's next input or tick ends them.
         answers = MAVLINK_OUT <= channel < HOST
         if not answers or t_us != twins[boat].ticked_us:
             compare(boat)

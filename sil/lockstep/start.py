@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How runs begin: an operator arms the boats and puts them into FORMATION, all hulls held."""
+"""The start of runs: an operator arms the boats and sets FORMATION while the hulls are held."""
 
 from collections import defaultdict
 
@@ -22,24 +22,24 @@ _CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
 
 
 class RunError(RuntimeError):
-    """Why a run left no figures."""
+    """A run ended without figures; the text gives the reason."""
 
 
 class StartError(RunError):
-    """The boats could not be armed or put into FORMATION; says which, and the boat's reason."""
+    """Boats could not be armed or put into FORMATION; the text names them and their reasons."""
 
 
 def esc_intervals(slow_Hz: float) -> list[tuple[float, float]]:
-    """ESC_STATUS and ESC_INFO, which boats tell who asks: message and us, for an SR_SLOW."""
+    """Message ids and intervals, us, of ESC_STATUS and ESC_INFO, which boats send on request."""
     if slow_Hz <= 0:
         return []
     return [(float(ESC_STATUS), 1e6 / slow_Hz), (float(ESC_INFO), 1e6 * max(5, 1 / slow_Hz))]
 
 
 def start(batch: Batch) -> list[int | StartError]:
-    """Arm all boats and put them into FORMATION; when each run's were, us, or why they were not.
+    """Arm all boats and put them into FORMATION; for each run the time of success, us, or an error.
 
-    Every run is asked at the same times whatever the others do, until the last one is ready.
+    Every run receives commands at the same times, independent of the others, until all are ready.
     """
     ready: dict[int, int | StartError] = {}
     runs = range(len(batch.scenarios))
@@ -69,7 +69,7 @@ def _ask(batch: Batch, run: int, t_us: int) -> None:
             command([agent], t_us, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, interval)
         command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
         if _DISARMED not in states:
-            # All of them in one tick, or back to HOLD first and once more.
+            # All boats in one tick; a boat that is not in HOLD goes there first.
             modes = (FORMATION,) if state == _HOLD else (HOLD, FORMATION)
             for mode in modes:
                 command([agent], t_us, mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode)))
@@ -86,6 +86,6 @@ def _refusal(batch: Batch, run: int, operators: dict[int, Operator]) -> StartErr
     boats = zip(batch.agents(run), batch.states[run].tolist(), strict=True)
     for boat, (agent, state) in enumerate(boats, start=1):
         if state != _IN_FORMATION:
-            text = next(iter(operators[agent].text.values()), "says nothing")
+            text = next(iter(operators[agent].text.values()), "no STATUSTEXT received")
             words.append(f"boat {boat}: {text}")
     return StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The `[[fault]]` lines of runs that are sailed together, each at its tick."""
+"""Applies the `[[fault]]` entries of runs that are sailed together, each at its tick."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from sil.scenario.streams import Stream, generator
 
 
 def check(scenario: Scenario) -> None:
-    """ValueError where a fault would turn a clock back to before its beginning."""
+    """ValueError if a fault would turn a clock back to before its start."""
     clocks = clocks_of(scenario)
     for number, fault in enumerate(scenario.fault, start=1):
         if fault.kind in ("clock", "own_clock"):
@@ -25,7 +25,7 @@ def check(scenario: Scenario) -> None:
             if shown_s < 0.0:
                 raise ValueError(
                     f"fault {number}: agent {fault.agent}'s clock would be turned back to before "
-                    f"its beginning, by {-shown_s:.0f} s; clocks.offset_s sets it going earlier"
+                    f"its start, by {-shown_s:.0f} s; raise clocks.offset_s to start it earlier"
                 )
 
 
@@ -39,10 +39,10 @@ class _Event:
 
 
 class Timeline:
-    """What happens to the runs of `batch`, at which tick after the release.
+    """The faults of the runs of `batch`, by tick after the release.
 
-    A replay listens from `value` seconds before its time on. Whatever is to happen at the release
-    or before happens with the first tick after it. The shortest fault lasts a tick.
+    A replay fault listens from `value` seconds before its time on. Events at or before the release
+    take place at the first tick after it. The shortest fault lasts one tick.
     """
 
     def __init__(self, batch: Batch) -> None:
@@ -52,18 +52,18 @@ class Timeline:
             for run, scenario in enumerate(batch.scenarios)
             for event in _events(run, scenario, 1e-6 * batch.h_us)
         ]
-        # What ends makes room for what begins at the same tick.
+        # At equal ticks, faults end before others begin.
         self._events = deque(sorted(events, key=lambda event: (event.tick, event.begins)))
 
     def apply(self, tick: int, t_us: int) -> None:
-        """What happens before tick `tick`, at `t_us`."""
+        """Apply the events due before tick `tick`, at `t_us`."""
         while self._events and self._events[0].tick <= tick:
             event = self._events.popleft()
             act(self._batch, event.run, event.fault, event.begins, t_us, event.seed)
 
 
 def act(batch: Batch, run: int, fault: Fault, begins: bool, t_us: int, seed: int = 0) -> None:
-    """Let a fault of a run begin, or end, at `t_us`."""
+    """Begin or end a fault of a run at `t_us`."""
     row = batch.row(run, fault.agent)
     if fault.kind == "own_noisy":
         batch.sensors.worse[row] = fault.value if begins else 1.0

@@ -19,8 +19,8 @@ Ints = npt.NDArray[np.integer]
 class Tracer:
     """Collects the traces of R runs of one shape and their boats' states, tick by tick.
 
-    `slots`: of each run, where its boats' are, as `sil.scenario.agents.slots_of` has it. `keep_s`:
-    only every so many seconds are kept, rounded to ticks; None is every tick.
+    `slots`: of each run, from `sil.scenario.agents.slots_of`. `keep_s`: interval of the samples
+    kept, rounded to ticks; None: every tick.
     """
 
     def __init__(
@@ -44,9 +44,9 @@ class Tracer:
         _note_truth(0, bodies.eta, bodies.nu, self._eta, self._nu)
 
     def note(self, k: int, states: Ints) -> None:
-        """Note the bodies, which were just carried from tick `k` to the next one.
+        """Record the bodies, which were just advanced from tick `k` to the next one.
 
-        `states` (R N): of the boats at tick k, as `flotilla.STATES` counts them.
+        `states` (R N): the boats' at tick k, as indices of `flotilla.STATES`.
         """
         bodies = self._bodies
         truth = (bodies.eta, bodies.nu, bodies.tau)
@@ -88,7 +88,7 @@ def _note(
     tau_out: Array,
     counts: Ints,
 ) -> None:
-    """Tau and states of tick k, eta and nu of the next one; `_out` (R, kept, ...)."""
+    """Store tau and states of tick k, eta and nu of the next; `_out` (R, kept, ...)."""
     for boat in range(states.shape[0]):
         counts[boat, states[boat]] += 1
     if k % every == 0:
@@ -104,7 +104,7 @@ def _note(
 
 @njit(cache=True)
 def _note_truth(at: int, eta: Array, nu: Array, eta_out: Array, nu_out: Array) -> None:
-    """Eta and nu, leaders first, then boats, to place `at` of their runs."""
+    """Store eta and nu (leaders first, then boats) at index `at` of their runs."""
     runs, agents = eta_out.shape[0], eta_out.shape[2]
     for run in range(runs):
         for i in range(agents):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The lockstep world: a virtual clock, hulls, and every vessel ticked in turn in one thread.
+"""The lockstep world: a virtual clock, hulls, and all vessels ticked in turn in one thread.
 
-One run or many at once, it is the same code, and the same bits: see `sil.lockstep.batch`.
+One run or many use the same code and give the same bits: see `sil.lockstep.batch`.
 """
 
 from collections.abc import Callable, Hashable, Sequence
@@ -23,14 +23,14 @@ from sil.scenario.scenario import Scenario
 from sil.scenario.virtual_leaders import VirtualLeaders
 
 Progress = Callable[[float], None]
-# Is called after each tick from the release on, before the hulls move: the batch, which of the
-# scenarios each of its runs is, number of the tick, time in us.
+# Called after each tick from the release on, before the hulls move: the batch, the index of each
+# run's scenario, number of the tick, time in us.
 Watch = Callable[[Batch, Sequence[int], int, int], None]
 
 
 @dataclass(frozen=True)
 class Run:
-    """What is left of a run: `trace` as in trace.npz, seconds in each state, digest."""
+    """The result of a run: `trace` as in trace.npz, seconds in each state, digest."""
 
     trace: dict[str, Array]
     states: list[dict[str, float]]
@@ -40,8 +40,8 @@ class Run:
 class World:
     """One scenario, ready to be sailed.
 
-    `param_overrides` go to every boat, over what the scenario says. ValueError where the firmware
-    refuses a parameter; it names the parameter.
+    `param_overrides` apply to every boat and override the scenario. ValueError, naming the
+    parameter, if the firmware refuses one.
     """
 
     def __init__(self, scenario: Scenario, param_overrides: dict[str, float]) -> None:
@@ -50,11 +50,11 @@ class World:
         self._overrides = param_overrides
 
     def run(self, recording: Path, progress: Progress) -> Run:
-        """Sails the scenario; writes `recording`, calls `progress` with the share that is done.
+        """Sail the scenario; writes `recording`, calls `progress` with the share done.
 
-        A fleet for which a recording has no room leaves none, and no digest. StartError where the
-        boats cannot be put into FORMATION; PolicyViolationError where one breaks a rule, with the
-        recording up to then.
+        A fleet too large for a recording has none, and no digest. StartError if the boats cannot
+        be put into FORMATION; PolicyViolationError if one breaks a rule, with the recording up to
+        then.
         """
         scenarios = [self._scenario]
         room = len(self._scenario.boat) <= MOST_BOATS
@@ -66,7 +66,7 @@ class World:
 
 
 def check(scenario: Scenario, param_overrides: dict[str, float]) -> None:
-    """ValueError where a boat's firmware refuses a parameter, or a fault cannot happen; says it."""
+    """ValueError if a boat's firmware refuses a parameter or a fault is impossible."""
     for own in parameters_of(scenario, param_overrides):
         flotilla.Boat(own, links=2, scalar=scenario.scalar)
     timeline.check(scenario)
@@ -82,20 +82,19 @@ def sail(
     progress: Progress = lambda _: None,
     watch: Watch | None = None,
 ) -> list[Run | RunError]:
-    """Sail scenarios together; a run, or why there was none, of each, in their order.
+    """Sail scenarios together; for each, in their order, a run or the error that prevented it.
 
-    A run is the same bit for bit whatever it is sailed with. `record`: where the recording of a
-    single scenario is written; `digest`: whether runs have one all the same. `keep_s`: what the
-    traces keep, every so many seconds; None is every tick, as figures of the whole run need it.
-    `progress` is called with the share that is done; `watch` may look at everything. Where the
-    firmware refuses a parameter that is a StartError too; where a boat breaks a rule it is a
-    PolicyViolationError, whatever else came of the run. ValueError for records of more boats than
-    they have room for.
+    A run is the same bit for bit whatever it is sailed with. `record`: file for the recording of a
+    single scenario; `digest`: compute digests also without a recording. `keep_s`: interval of the
+    traces' samples; None: every tick, which figures of the whole run need. `progress` is called
+    with the share done, `watch` after each tick. A parameter that the firmware refuses is a
+    StartError; a broken rule is a PolicyViolationError, whatever else happened in the run.
+    ValueError for recordings of more boats than they can hold.
     """
     if record is not None and len(scenarios) != 1:
-        raise ValueError("a recording is of one run")
+        raise ValueError("only a single run can be recorded")
     if (record or digest) and any(len(one.boat) > MOST_BOATS for one in scenarios):
-        raise ValueError(f"a recording has room for {MOST_BOATS} boats")
+        raise ValueError(f"a recording holds at most {MOST_BOATS} boats")
     results: dict[int, Run | RunError] = {}
     alike: dict[Hashable, list[int]] = {}
     for i, scenario in enumerate(scenarios):
@@ -112,7 +111,7 @@ def sail(
 
 
 def _shape(scenario: Scenario) -> Hashable:
-    """What runs must have in common to be sailed as one batch."""
+    """The properties that runs must share to be sailed as one batch."""
     follows = tuple(boat.follows for boat in scenario.boat)
     times = scenario.duration_s, scenario.rate_hz, scenario.white_noise.sample_s
     return follows, times, scenario.scalar
@@ -120,7 +119,7 @@ def _shape(scenario: Scenario) -> Hashable:
 
 @dataclass(frozen=True)
 class _Order:
-    """What `sail` was asked for besides the scenarios."""
+    """The options of `sail`."""
 
     param_overrides: dict[str, float]
     record: Path | None
@@ -135,7 +134,7 @@ class _Order:
         scenarios: Sequence[Scenario],
         results: dict[int, Run | RunError],
     ) -> None:
-        """Sail those of the scenarios that are `members`, which are of one shape."""
+        """Sail the scenarios with the indices `members`, which are of one shape."""
         with ExitStack() as opened:
             chosen = [scenarios[i] for i in members]
             batch = Batch(chosen, self.param_overrides, record=self.digest)
@@ -156,7 +155,7 @@ class _Order:
         for run, (i, t) in enumerate(zip(members, ready, strict=True)):
             if isinstance(t, StartError):
                 results[i] = broken.get(run, t)
-        # Those that were ready at the same time sail together, from the beginning.
+        # Runs that were ready at the same time sail together, again from the start.
         for t_us in sorted({t for t in ready if isinstance(t, int)}):
             together = [i for i, t in zip(members, ready, strict=True) if t == t_us]
             self.sail(together, scenarios, results)
@@ -170,7 +169,7 @@ class _Order:
         faults = timeline.Timeline(batch)
         for k in range(tracer.ticks):
             t_us = ready_us + k * batch.h_us
-            if k > 0:  # the tick of the release has been
+            if k > 0:  # the start has already done the tick of the release
                 faults.apply(k, t_us)
                 batch.tick(t_us)
             if self.watch is not None:
@@ -191,6 +190,6 @@ class _Order:
         ]
 
     def _finish(self, batch: Batch) -> list[str]:
-        """Put the recordings into their places; the digests of those that there are."""
+        """Finish the recordings; their digests."""
         batch.take()
         return [recorder.finish() for recorder in batch.recorders]

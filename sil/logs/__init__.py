@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Runs and boats' logs as MCAP files, which other people's programs open; sil/docs/LOGS.md."""
+"""Converts runs and boats' logs to MCAP, which common viewers open; sil/docs/LOGS.md."""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The logs of one boat or several, telemetry and CAN, as one MCAP file.
+"""Merges the telemetry and CAN logs of one or several boats into one MCAP file.
 
-A vessel's messages are taken from its own tlog where that is among them, else from all that heard
-it. What goes out over several links is in a tlog as often; the same payload counts once in 0.2 s.
+A vessel's messages come from its own tlog if that is given, else from the first tlogs that contain
+any. A tlog contains a message once for each link it was sent on; equal payloads within 0.2 s count
+once.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -29,7 +30,7 @@ Teller = int | Path
 
 
 class Done(NamedTuple):
-    """What came of it: vessels by name, messages written, bytes that could not be read."""
+    """Result of a conversion: names of vessels, messages written, damaged bytes."""
 
     vessels: list[str]
     messages: int
@@ -37,7 +38,7 @@ class Done(NamedTuple):
 
 
 class _Vessel:
-    """All that one system says."""
+    """The messages of one MAVLink system."""
 
     def __init__(self, output: Output, name: str, facts: Iterable[Facts], system: int) -> None:
         components = [c for one in facts for c in one.components.get(system, ())]
@@ -49,7 +50,7 @@ class _Vessel:
         self.has_bus = False
 
     def take(self, packet: Packet) -> bool:
-        """Takes a packet of `tlog.NEEDED`; whether it was whole."""
+        """Process a packet of `tlog_reader.NEEDED`; False if it is damaged."""
         message, t_ns, kind = tlog_reader.decoded(packet), 1000 * packet.t_us, packet.message_id
         if message is None:
             return False
@@ -66,10 +67,10 @@ class _Vessel:
 
 
 def convert(tlogs: Sequence[Path], candumps: Sequence[Path], out: Path, progress: Progress) -> Done:
-    """Write `out` of the logs' contents; their own UNIX times.
+    """Write the logs' contents to `out`, with the logs' own UNIX times.
 
-    A candump log is that of the boat whose tlog lies in the same folder, else named after its bus.
-    Raises ValueError for a file that is no log, OSError for one that cannot be read.
+    A candump log belongs to the boat whose tlog is in the same folder, else it is named after its
+    bus. Raises ValueError for a file that is not a log, OSError for one that cannot be read.
     """
     size = sum(path.stat().st_size for path in (*tlogs, *tlogs, *candumps))
     facts: dict[Path, Facts] = {}
@@ -90,32 +91,32 @@ def convert(tlogs: Sequence[Path], candumps: Sequence[Path], out: Path, progress
                 progress(min(1.0, done / size))
         boats.end()
         if not output.messages:
-            raise ValueError("these logs say nothing of any boat")
+            raise ValueError("these logs contain no message of any boat")
         output.write(out)
         progress(1.0)
         return Done(sorted(output.vessels), output.messages, sum(boats.damaged))
 
 
-# Time in us, bytes of the file up to there since the last one, what is to be done.
+# Time in us, bytes of the file since the previous record, action.
 _Record = tuple[int, int, Callable[[], None]]
 
 
 class _Boats:
-    """The vessels of all logs; `damaged`: lengths of what could not be read."""
+    """The vessels of all logs; `damaged`: lengths of unreadable parts, bytes."""
 
     def __init__(self, output: Output, facts: dict[Path, Facts]) -> None:
         self.damaged: list[int] = []
         self._output = output
         self._facts = facts
         self._leaders = {system for one in facts.values() for system in one.leaders}
-        # Whose logs tell of a system: a boat's own ones, else those that do so first.
+        # The source of each system's messages: its own logs, else the first that contain any.
         self._tellers: dict[int, Teller] = {
             one.owner: one.owner for one in facts.values() if one.owner is not None
         }
         self._vessels: dict[int, _Vessel] = {}
 
     def packets(self, path: Path) -> Iterator[_Record]:
-        """What a tlog says."""
+        """The records of a tlog."""
         facts, once, length = self._facts[path], _Once(), 0
         teller = path.parent if facts.owner is None else facts.owner
         for packet in packets(path.read_bytes(), self.damaged):
@@ -127,7 +128,7 @@ class _Boats:
                 length = 0
 
     def frames(self, path: Path) -> Iterator[_Record]:
-        """What a candump log says. ValueError where there is no frame in it."""
+        """The records of a candump log; ValueError if it contains no frame."""
         name = candump.bus_of(path)
         owners = {one.owner for tlog, one in self._facts.items() if tlog.parent == path.parent}
         if len(owners) == 1 and (owner := owners.pop()) is not None:
@@ -140,7 +141,7 @@ class _Boats:
         )
 
     def end(self) -> None:
-        """There is no more."""
+        """Finish after the last record."""
         for vessel in self._vessels.values():
             vessel.telemetry.end()
 
@@ -150,7 +151,7 @@ class _Boats:
 
     def _vessel(self, system: int) -> _Vessel:
         if system not in self._vessels:
-            # what its own log says counts first
+            # its own log takes precedence
             facts = sorted(self._facts.values(), key=lambda one: one.owner != system)
             self._vessels[system] = _Vessel(self._output, self._name(system), facts, system)
         return self._vessels[system]
@@ -160,7 +161,7 @@ class _Boats:
 
 
 class _Once:
-    """Tells a packet from its copies on other links."""
+    """Recognises copies of a packet from other links."""
 
     def __init__(self) -> None:
         self._now: set[tuple[int, int, int, bytes]] = set()
@@ -168,7 +169,7 @@ class _Once:
         self._since_us = 0
 
     def new(self, packet: Packet) -> bool:
-        """Whether its like was not there in the last 0.2 s."""
+        """Whether no equal packet was seen in the last 0.2 s."""
         if not 0 <= packet.t_us - self._since_us < _TWICE_US:
             self._now, self._before, self._since_us = set(), self._now, packet.t_us
         key = (packet.system, packet.component, packet.message_id, packet.payload)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Logs as `candump -L` writes them: (1700000000.123456) can0 0704060A#FF7C0200C1."""
+"""Reads logs of `candump -L`, with lines as (1700000000.123456) can0 0704060A#FF7C0200C1."""
 
 import re
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ _LINE = re.compile(
 
 
 class Frame(NamedTuple):
-    """One frame with its time, UNIX us, the bus's name, and how many bytes of the file it is."""
+    """One frame: time (UNIX us), name of the bus, length of its line in bytes."""
 
     t_us: int
     bus: str
@@ -23,7 +23,7 @@ class Frame(NamedTuple):
 
 
 def frames(path: Path, damaged: list[int]) -> Iterator[Frame]:
-    """The frames of a log; appends the lengths of lines that are none, or cut off, to `damaged`."""
+    """The frames of a log; appends the lengths of invalid or truncated lines to `damaged`."""
     with path.open("rb") as file:
         for line in file:
             found = _LINE.fullmatch(line)
@@ -41,7 +41,7 @@ def frames(path: Path, damaged: list[int]) -> Iterator[Frame]:
 
 
 def bus_of(path: Path) -> str:
-    """The name of the bus of the first frame. ValueError where there is none in the file."""
+    """The bus of the first frame; ValueError if the file contains none."""
     for frame in frames(path, []):
         return frame.bus
-    raise ValueError(f"{path}: holds no CAN frame, it is no candump log")
+    raise ValueError(f"{path}: contains no CAN frame; expected a log of `candump -L`")

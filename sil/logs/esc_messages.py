@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""ESC_INFO and ESC_STATUS, which pymavlink's wheel does not know: frames of MAVLink 2."""
+"""Decodes ESC_INFO and ESC_STATUS (MAVLink 2), which pymavlink's wheel lacks."""
 
 from math import nan
 from typing import Any
@@ -10,12 +10,12 @@ from sil.wire.mavlink_messages import ESC_INFO
 _GROUP = 4
 _UNKNOWN_TEMPERATURE = 32767
 
-#: Of each ESC's index, fields of `sil.logs.schema.ESC`.
+#: By ESC index: fields of `sil.logs.schema.ESC`.
 Escs = dict[int, dict[str, float]]
 
 
 def decode(message_id: int, frame: bytes) -> Escs:
-    """The ESCs of a whole frame; of ESC_INFO those that are there. ValueError for a wrong CRC."""
+    """The ESCs of a whole frame, in ESC_INFO those online; ValueError for a wrong checksum."""
     heard = list(Ear(stream=False).hear(frame))
     if len(heard) != 1 or not heard[0].fields:
         raise ValueError(f"message {message_id} with a wrong checksum")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What motor controllers say, on CAN or by their boat, as `/BOAT/esc/INDEX`."""
+"""Writes ESC telemetry, from CAN or from the boat's MAVLink, to `/BOAT/esc/INDEX`."""
 
 from sil.logs.esc_messages import Escs
 from sil.logs.output import Output
@@ -11,7 +11,7 @@ _ZERO_degC = 273.15
 
 
 class EscBus:
-    """Hears the esc.Status of the frames on a boat's bus."""
+    """Decodes esc.Status from the frames on a boat's bus."""
 
     def __init__(self, output: Output, boat: str) -> None:
         self._output = output
@@ -19,7 +19,7 @@ class EscBus:
         self._receiver = Receiver({_SUBJECT: ESC_STATUS})
 
     def on_frame(self, t_us: int, can_id: int, data: bytes) -> None:
-        """Takes a frame (29-bit identifier) at its time in the log."""
+        """Process a frame (29-bit identifier) at its time in the log."""
         payload = self._receiver.on_frame(can_id, data, t_us)
         if payload is None:
             return
@@ -39,7 +39,7 @@ class EscBus:
 
 
 class EscReport:
-    """What a boat says of its ESCs: each ESC_STATUS, with what the last ESC_INFO said."""
+    """A boat's report of its ESCs: each ESC_STATUS with the values of the last ESC_INFO."""
 
     def __init__(self, output: Output, boat: str) -> None:
         self._output = output
@@ -47,11 +47,11 @@ class EscReport:
         self._info: Escs = {}
 
     def on_info(self, escs: Escs) -> None:
-        """Of an ESC_INFO."""
+        """Keep the values of an ESC_INFO."""
         self._info.update(escs)
 
     def on_status(self, t_ns: int, escs: Escs) -> None:
-        """Of an ESC_STATUS; an index that nobody has, all zeros, is none."""
+        """Write an ESC_STATUS; skips unused indices, whose values are all zero."""
         for index, values in escs.items():
             if index in self._info or any(values.values()):
                 known = {**self._info.get(index, {}), **values}

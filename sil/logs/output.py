@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""An MCAP file while it is written: the topics of vessels, in Foxglove's schemas and ours.
+"""Writes an MCAP file: the vessels' topics, in Foxglove's schemas and ours.
 
-Poses are north-east-down, as everywhere here; what a three-dimensional view shows (`/tf`, scenes)
-is turned into x east, y north, z up, and x ahead, y to port, z up aboard. Times are UNIX, ns.
+Poses are north-east-down, as everywhere here. For three-dimensional views (`/tf`, scenes) they are
+converted to x east, y north, z up, and in the vessel to x ahead, y port, z up. Times are UNIX, ns.
 """
 
 import io
@@ -33,20 +33,20 @@ from sil.logs import scene, schema
 from sil.wire.geodesy import LocalFrame
 
 WORLD = "world"
-FAR_M = 1e7  # nothing on the globe is so far away
+FAR_M = 1e7  # farther positions are taken for invalid
 _SECOND_NS = 1_000_000_000
 
-#: Latitude and longitude (degE7) and altitude (mm) where a local frame begins.
+#: Origin of a local frame: latitude and longitude (degE7), altitude (mm).
 Origin = tuple[int, int, int]
 
 
 def frame_of(origin: Origin) -> LocalFrame:
-    """The local frame that begins there."""
+    """The local frame with this origin."""
     return LocalFrame(*origin[:2], 0.001 * origin[2])
 
 
 class Pose(NamedTuple):
-    """Where a vessel is in the world's frame and how it moves; body axes."""
+    """A vessel's pose in the world's frame and its velocity in body axes."""
 
     x_m: float
     y_m: float
@@ -57,10 +57,10 @@ class Pose(NamedTuple):
 
 
 class Output:
-    """Collects messages; nothing is on the disk before `write`. A context manager.
+    """Collects messages in memory until `write`. A context manager.
 
-    `origin`: of the world's frame (degE7, degE7, mm), None where nobody has said it; then no vessel
-    has a LocationFix.
+    `origin`: of the world's frame (degE7, degE7, mm); None if unknown: then there are no
+    LocationFix messages.
     """
 
     def __init__(self, origin: Origin | None) -> None:
@@ -85,14 +85,14 @@ class Output:
         self._writer.close()
 
     def write(self, path: Path) -> None:
-        """Ends the file and puts it into its place, whole or not at all."""
+        """Finish the file and write it atomically."""
         self._writer.close()
         files.replace(path, self._buffer.getvalue())
 
     def pose(self, t_ns: int, vessel: str, pose: Pose) -> None:
-        """`/VESSEL/state`, `/VESSEL/fix` and `/tf`; with the first one what it looks like.
+        """Write `/VESSEL/state`, `/VESSEL/fix` and `/tf`, with the first pose also the scene.
 
-        A place that is none, or off the globe, is not told; without a heading nothing is in `/tf`.
+        Skips positions that are not finite or farther than FAR_M; without a heading, skips `/tf`.
         """
         if not (abs(pose.x_m) < FAR_M and abs(pose.y_m) < FAR_M):
             return
@@ -104,7 +104,7 @@ class Output:
         self._fix(t_ns, vessel, pose)
 
     def slot(self, t_ns: int, vessel: str, x_m: float, y_m: float) -> None:
-        """Where a vessel is to be, north and east of the world's origin: `/tf`."""
+        """Write a vessel's slot, north and east of the world's origin, to `/tf`."""
         if not (abs(x_m) < FAR_M and abs(y_m) < FAR_M):
             return
         if vessel not in self._with_slot:
@@ -113,7 +113,7 @@ class Output:
         self._transform(t_ns, f"{vessel}/slot", x_m, y_m, 0.0)
 
     def own(self, t_ns: int, topic: str, name: str, values: dict[str, Any]) -> None:
-        """A message of our own: `name` and its `values` are those of `sil.logs.schema`."""
+        """Write a message of our own schema: `name` and `values` as in `sil.logs.schema`."""
         channel = self._own.get(topic)
         if channel is None:
             self.vessels.add(topic.split("/")[1])
@@ -127,7 +127,7 @@ class Output:
         self.messages += 1
 
     def log(self, t_ns: int, vessel: str, level: LogLevel, text: str) -> None:
-        """What a vessel said, or that its state changed: `/VESSEL/log`."""
+        """Write a vessel's text or change of state to `/VESSEL/log`."""
         line = Log(timestamp=_stamp(t_ns), level=level, message=text, name=vessel)
         if vessel not in self._logs:
             self._logs[vessel] = LogChannel(f"/{vessel}/log", context=self._context)
@@ -163,7 +163,7 @@ class Output:
         self.messages += 1
 
     def _draw(self, t_ns: int, vessel: str) -> None:
-        """All of it again with its slot: who opens a log in the middle sees the last message."""
+        """Write the whole scene, also when only the slot is new: a viewer may see only the last."""
         if vessel not in self._scenes:
             self._scenes[vessel] = SceneUpdateChannel(f"/{vessel}/scene", context=self._context)
         drawn = scene.of(vessel, _stamp(t_ns), with_slot=vessel in self._with_slot)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A run's folder as one MCAP file: the truth of trace.npz ten times a second, and the recording.
+"""Converts a run's folder to one MCAP file: the truth of trace.npz at 10 Hz, and the recording.
 
-Poses, errors and thrusts are the truth; states, words, what the law wants, ages and ESCs are what
-went over the boats' wires. The release, t = 0, is EPOCH_S; what was before it is before it.
+Poses, errors and thrusts are the simulation's truth; states, texts, the law's values, ages and ESCs
+come from the boats' recorded messages. The release, t = 0, is at EPOCH_S.
 """
 
 import json
@@ -26,16 +26,16 @@ from sil.wire.mavlink_frames import frames
 EPOCH_S = 946_684_800  # 2000-01-01 00:00:00 UTC
 RATE_HZ = 10.0
 NAME = "run.mcap"
-_RADIO = 1  # the link
+_RADIO = 1  # number of the radio's link
 _US = 1_000_000
 
 Progress = Callable[[float], None]
 
 
 def convert(folder: Path, out: Path, progress: Progress) -> int:
-    """Write `out` of a run's folder; how many messages it has.
+    """Convert a run's folder to `out`; the number of messages.
 
-    A live run has no recording; then only the truth is told. ValueError for a file that is damaged.
+    A live run has no recording; then only the truth is written. ValueError for a damaged file.
     """
     trace = _trace(folder / "trace.npz")
     t_us = np.rint(1e6 * trace["t_s"]).astype(np.int64)
@@ -54,7 +54,7 @@ def convert(folder: Path, out: Path, progress: Progress) -> int:
 
 
 def _recording(folder: Path) -> Path | None:
-    """Without a summary any that is there counts."""
+    """The run's recording, if there is one; without a summary, any recording is accepted."""
     try:
         digest = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["digest"]
     except (OSError, ValueError, KeyError, TypeError):
@@ -79,7 +79,7 @@ def _trace(path: Path) -> dict[str, Array]:
 
 
 def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t_ns: int) -> None:
-    """Everything of one sample; what is not finite is not told."""
+    """Write one sample; skips vessels whose pose is not finite."""
     for agent, (eta, nu) in enumerate(zip(trace["eta"][k], trace["nu"][k], strict=True)):
         pose = Pose(*eta.tolist(), *nu.tolist())
         if not np.isfinite(pose).all():
@@ -105,7 +105,7 @@ def _tell(output: Output, wires: "_Wires", trace: Mapping[str, Array], k: int, t
 
 
 class _Wires:
-    """What went over the boats' wires, told up to a time; `boats`: telemetry by agent."""
+    """The boats' recorded messages, written up to a given time; `boats`: telemetry by agent."""
 
     def __init__(self, output: Output, path: Path | None, boats: int, last_us: int) -> None:
         agents = range(1, boats + 1)
@@ -116,13 +116,13 @@ class _Wires:
         self._release_us = 0
         if path is not None:
             recording = Recording(path)
-            # the last tick of the trace is the last one that is recorded
+            # trace and recording end with the same tick
             self._release_us = max(t_us for t_us, _, _ in recording) - last_us
             self._records = iter(recording)
         self._next = next(self._records, None)
 
     def until(self, t_us: int) -> None:
-        """Tells what was up to `t_us` after the release."""
+        """Write everything up to `t_us` after the release."""
         while self._next is not None and self._next[0] - self._release_us <= t_us:
             at_us, port, data = self._next
             agent, channel = port >> 8, port & 0xFF

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a vessel looks like in a three-dimensional view: a hull, and a ring around its slot."""
+"""A vessel in three-dimensional views: a hull, and a ring around its slot."""
 
 from functools import partial
 from math import cos, pi, sin
@@ -23,7 +23,7 @@ from matplotlib.colors import to_rgb
 
 from sil.common.colours import BLACK, colour_of
 
-# A hull 1 m long, as in the pictures of a run: ahead, to port.
+# Outline of a hull 1 m long, as in a run's pictures: ahead, to port.
 _OUTLINE = ((0.5, 0.0), (0.2, 0.17), (-0.5, 0.14), (-0.5, -0.14), (0.2, -0.17))
 _RING_M, _CORNERS = 0.3, 24
 _FOREVER = Duration(sec=0)
@@ -31,7 +31,7 @@ _HERE = Pose(position=Vector3(), orientation=Quaternion(w=1.0))
 
 
 def of(vessel: str, stamp: Timestamp, *, with_slot: bool) -> SceneUpdate:
-    """The entities of `vessel`, a name that ends in its number; they move with its frames."""
+    """The entities of `vessel`, whose name ends in its number; they move with its frames."""
     own = _colour(vessel)
     entity = partial(SceneEntity, timestamp=stamp, lifetime=_FOREVER, frame_locked=True)
     entities = [entity(frame_id=vessel, id=vessel, triangles=[_hull(own)], texts=[_name(vessel)])]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The messages of an MCAP log for which Foxglove has no schema of its own, as protobuf.
+"""Protobuf schemas of the MCAP messages for which Foxglove has none.
 
-Every number is a double whose name ends in its unit; NaN is what is not known. Fields keep their
-order, which numbers them: new ones go to the end.
+Every number is a double whose name ends in its unit; NaN is unknown. A field's number is its
+position: append new fields at the end.
 """
 
 from typing import Any
@@ -17,7 +17,8 @@ _OPTIONAL = descriptor_pb2.FieldDescriptorProto.LABEL_OPTIONAL
 
 #: Pose north and east of the world's origin, clockwise from north; velocity in body axes.
 STATE = ("x_m", "y_m", "psi_rad", "u_mps", "v_mps", "r_radps")
-#: Formation error in body axes, what the law wants and the propellers lack, ages, thrusts, limits.
+#: Formation error in body axes, desired velocities, wrench beyond the propellers' limits, ages,
+#: estimates of unknown wrench and current, thrusts and their limits, supervisor's conditions.
 LAW = (
     "error_x_m",
     "error_y_m",
@@ -45,9 +46,9 @@ LAW = (
     "depth",
     "separation_m",
 )
-#: One motor controller, as esc.Status and ESC_STATUS have it.
+#: One ESC, with the values of esc.Status and ESC_STATUS.
 ESC = ("rpm", "voltage_V", "current_A", "temperature_degC", "power_percent", "errors")
-#: The supervisor's state, in words, and the battery.
+#: The supervisor's state as text, and the battery.
 STATUS = ("state", "battery_V", "battery_A")
 
 FIELDS = {"State": STATE, "Law": LAW, "Esc": ESC, "Status": STATUS}
@@ -80,11 +81,11 @@ _UNKNOWN = {
 
 
 def schema(name: str) -> Schema:
-    """What a channel of `name`, a key of FIELDS, says of its messages."""
+    """The schema of a channel of message `name`, a key of FIELDS."""
     return Schema(name=f"{PACKAGE}.{name}", encoding="protobuf", data=_SET)
 
 
 def encode(name: str, values: dict[str, Any]) -> bytes:
-    """A message; fields that are not in `values` are NaN. ValueError for one that there is not."""
+    """Encode a message; fields missing in `values` are NaN. ValueError for an unknown field."""
     data: bytes = _CLASSES[name](**{**_UNKNOWN[name], **values}).SerializeToString()
     return data

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What one boat says of itself by MAVLink, but for where it is: law, state, words, ESCs.
+"""A boat's own MAVLink telemetry except its position: law, state, texts, battery.
 
-firmware/docs/MAVLINK.md, "What it says". Messages are pymavlink's; times are the log's, ns.
+See firmware/docs/MAVLINK.md. Messages are pymavlink's; times are the log's, ns.
 """
 
 from math import hypot
@@ -62,7 +62,7 @@ _NO_VOLTAGE, _NO_CURRENT = 65535, -1
 
 
 def _state_of(heartbeat: Any) -> str | None:
-    """The supervisor's state that a boat's HEARTBEAT tells; None where no boat of ours sent it."""
+    """The supervisor's state in a HEARTBEAT; None if no Flotilla boat sent it."""
     kinds = (mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_GENERIC)
     aboard = (mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID)
     if (heartbeat.type, heartbeat.autopilot) not in (kinds, aboard):
@@ -73,8 +73,9 @@ def _state_of(heartbeat: Any) -> str | None:
 class Telemetry:
     """Writes `/BOAT/status`, `/BOAT/law` and `/BOAT/log`.
 
-    NAMED_VALUE_FLOATs come one by one, over several links in any order: with `tells_law` those of
-    50 ms are one message, with what the others were. Call `end` after the last one.
+    NAMED_VALUE_FLOATs arrive one by one, over several links in any order. With `tells_law`, those
+    within 50 ms are merged into one message, completed with the last values of the others. Call
+    `end` after the last message.
     """
 
     def __init__(self, output: Output, boat: str, *, tells_law: bool) -> None:
@@ -88,7 +89,7 @@ class Telemetry:
         self._text = (0, b"")
 
     def take(self, t_ns: int, message: Any) -> None:
-        """Takes a message of MESSAGES; others are ignored."""
+        """Process a message of MESSAGES; ignores others."""
         kind = message.get_msgId()
         if kind == mavlink.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT:
             self._take_value(t_ns, message)
@@ -104,13 +105,13 @@ class Telemetry:
                 self._battery["battery_A"] = 0.01 * message.current_battery
 
     def law(self, t_ns: int) -> dict[str, float]:
-        """Fields of `sil.logs.schema.LAW` that were said in the last five seconds."""
+        """Fields of `sil.logs.schema.LAW` received in the last five seconds."""
         return {
             field: value for field, (at, value) in self._said.items() if t_ns - at <= _FORGOTTEN_NS
         }
 
     def end(self) -> None:
-        """Tells the round that has begun."""
+        """Write the values of the last, unfinished 50 ms."""
         if self._round_ns is not None and self._tells_law:
             law = self.law(self._round_ns)
             if "error_x_m" in law and "error_y_m" in law:
@@ -140,7 +141,7 @@ class Telemetry:
         self._output.own(t_ns, f"/{self._boat}/status", "Status", status)
 
     def _take_text(self, t_ns: int, message: Any) -> None:
-        """A long text comes in chunks of one id, the last of which is not full."""
+        """Join the chunks of a long text: they share an id, and the last one is not full."""
         piece = message.text.encode("utf-8", "replace")
         number, begun = self._text
         if message.id and message.chunk_seq and message.id == number:

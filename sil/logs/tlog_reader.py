@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a telemetry log says, and of whom."""
+"""Reads telemetry logs: decodes packets, finds the vessels in a log and its owner."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +12,7 @@ from sil.logs.output import Origin
 from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
 from sil.wire.tlog import Packet, packets
 
-_VEHICLE = 1  # the component of an autopilot
+_VEHICLE = 1  # component id of an autopilot
 _ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
 _HEARTBEAT = mavlink.MAVLINK_MSG_ID_HEARTBEAT
 NEEDED = telemetry.MESSAGES | track.MESSAGES | {ESC_INFO, ESC_STATUS}
@@ -20,7 +20,7 @@ NEEDED = telemetry.MESSAGES | track.MESSAGES | {ESC_INFO, ESC_STATUS}
 
 @dataclass
 class Facts:
-    """Who is heard in a tlog: origins of local frames, components that tell states, leaders."""
+    """Vessels in a tlog: origins of local frames, components that send states, leaders."""
 
     packets: int = 0
     origins: dict[int, Origin] = field(default_factory=dict)
@@ -29,16 +29,16 @@ class Facts:
 
     @property
     def owner(self) -> int | None:
-        """The system aboard which it was written, None where that is not clear.
+        """The system that wrote the log; None if ambiguous.
 
-        A boat hears no other one's navigation unit, which shares its system id.
+        Only a boat's own log contains its navigation unit, which has the boat's system id.
         """
         with_unit = [s for s, told in self.components.items() if _VEHICLE in told and len(told) > 1]
         return with_unit[0] if len(with_unit) == 1 else None
 
 
 def decoded(packet: Packet) -> Any:
-    """The message of pymavlink, or the ESCs of an ESC message; None where it is damaged."""
+    """The pymavlink message, or the ESCs of an ESC message; None if the packet is damaged."""
     try:
         if packet.message_id in (ESC_INFO, ESC_STATUS):
             return esc_messages.decode(packet.message_id, packet.frame)
@@ -48,13 +48,13 @@ def decoded(packet: Packet) -> Any:
 
 
 def facts(path: Path) -> Facts:
-    """Reads a tlog once. ValueError for a file that holds no packet at all."""
+    """Read a tlog once; ValueError for a file without any packet."""
     found = Facts()
     for packet in packets(path.read_bytes(), []):
         found.packets += 1
         _note(found, packet)
     if not found.packets:
-        raise ValueError(f"{path}: holds no MAVLink packet, it is no tlog")
+        raise ValueError(f"{path}: contains no MAVLink packet; expected a telemetry log (.tlog)")
     return found
 
 

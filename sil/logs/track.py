@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where one vessel says that it is, in any of the messages that tell it, and its slot."""
+"""A vessel's pose, from any of the messages that contain it, and its slot."""
 
 from math import atan2, cos, isfinite, nan, sin
 from typing import Any
@@ -19,14 +19,14 @@ _LOCAL, _ODOMETRY, _ATTITUDE, _GLOBAL, _FOLLOW, _SLOT = _KINDS = (
 _ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
 MESSAGES = frozenset((*_KINDS, _ORIGIN))
 POSES = frozenset((_LOCAL, _ODOMETRY, _GLOBAL, _FOLLOW))
-# The most precise first; a worse one counts when the better ones were silent for so long.
+# Most precise first; a less precise message counts after the better ones were silent this long.
 _PRECISION = {_ODOMETRY: 0, _LOCAL: 1, _FOLLOW: 2, _GLOBAL: 3}
 _TELLS_ATTITUDE = 8
 _SILENT_NS = 1_000_000_000
 
 
 class Track:
-    """Writes a vessel's poses; times are the log's, ns. `origin`: of its local frame, if known."""
+    """Writes a vessel's poses; times are the log's, ns. `origin`: its local frame's, if known."""
 
     def __init__(self, output: Output, vessel: str, origin: Origin | None) -> None:
         self._output = output
@@ -36,7 +36,7 @@ class Track:
         self._best, self._best_ns = _GLOBAL, 0
 
     def take(self, t_ns: int, message: Any) -> None:
-        """Takes a message of MESSAGES; others are ignored."""
+        """Process a message of MESSAGES; ignores others."""
         kind = message.get_msgId()
         if kind == _ORIGIN:
             self._frame = frame_of(origin_of(message))
@@ -78,7 +78,7 @@ class Track:
         return Pose(x, y, turned, *_aboard(psi, *velocity), r)
 
     def _of_odometry(self, message: Any) -> Pose | None:
-        """Of a pose in LOCAL_NED with velocity aboard, as navigation units here send it."""
+        """The pose of an ODOMETRY: position in LOCAL_NED, velocity in body axes."""
         frames = (message.frame_id, message.child_frame_id)
         if frames != (mavlink.MAV_FRAME_LOCAL_NED, mavlink.MAV_FRAME_BODY_FRD):
             return None
@@ -86,9 +86,9 @@ class Track:
         return Pose(x, y, psi, message.vx, message.vy, message.yawspeed)
 
     def _in_world(self, x: float, y: float, psi: float) -> tuple[float, float, float]:
-        """Of the vessel's local frame; one that nobody has placed is taken for the world's.
+        """Convert a pose of the vessel's local frame; without an origin that is the world's frame.
 
-        NaN for a place that is none.
+        NaN for an invalid position.
         """
         if not (abs(x) < FAR_M and abs(y) < FAR_M):
             return nan, nan, psi
@@ -99,7 +99,7 @@ class Track:
 
 
 def origin_of(message: Any) -> Origin:
-    """Of a GPS_GLOBAL_ORIGIN."""
+    """The origin in a GPS_GLOBAL_ORIGIN."""
     return message.latitude, message.longitude, message.altitude
 
 

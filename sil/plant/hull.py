@@ -24,6 +24,12 @@ Water = tuple[float, float] | None
 # numpy's division by zero: a check of each divisor would cost a fifth of the time.
 _compiled = njit(cache=True, error_model="numpy")
 
+# Columns of `stack`: the fields of HullParameters, then M inverted.
+(
+    _M11, _M22, _M33, _D11, _D22, _D33, _M23, _D11_UU, _D33_RR, _CROSSFLOW, _LENGTH,
+    _SWAY_OF_YAW, _SWAY_INERTIA, _YAW_OF_SWAY, _YAW_INERTIA,
+) = range(15)  # fmt: skip
+
 _PAPER = ("m11", "m22", "m33", "d11", "d22", "d33")
 
 
@@ -86,7 +92,7 @@ def advance(
     """
     for i in range(eta.shape[0]):
         p, north, east = parameters[i], current[i, 0], current[i, 1]
-        plain = p[6] == 0.0 and p[7] == 0.0 and p[8] == 0.0 and p[9] == 0.0
+        plain = p[_M23] == p[_D11_UU] == p[_D33_RR] == p[_CROSSFLOW] == 0.0
         if plain and north == 0.0 and east == 0.0:
             _carry(i, eta, nu, tau, w, None, p, h_s)
         else:
@@ -132,22 +138,22 @@ def _rates(
     psi: float, u: float, v: float, r: float, tau: Array, w: Array, water: Water, p: Array
 ) -> tuple[float, float, float, float, float, float]:
     """[ẋ ẏ ψ̇ u̇ v̇ ṙ], written out by rows."""
-    m11, m22, d11, d22, d33, m23 = p[0], p[1], p[3], p[4], p[5], p[6]
+    m11, m22, d11, d22, d33, m23 = p[_M11], p[_M22], p[_D11], p[_D22], p[_D33], p[_M23]
     cos, sin = np.cos(psi), np.sin(psi)
     x_dot, y_dot = cos * u - sin * v, sin * u + cos * v
     if water is None:  # the same bits as below, in half the time
         surge = tau[0] + w[0] + m22 * v * r - d11 * u
         sway = w[1] - m11 * u * r - d22 * v
         yaw = tau[1] + w[2] - (m22 - m11) * u * v - d33 * r
-        return x_dot, y_dot, r, surge / m11, sway / p[12], yaw / p[14]
+        return x_dot, y_dot, r, surge / m11, sway / p[_SWAY_INERTIA], yaw / p[_YAW_INERTIA]
     north, east = water
     u_c, v_c = cos * north + sin * east, cos * east - sin * north
     u_r, v_r = u - u_c, v - v_c
-    surge = tau[0] + w[0] + m22 * v_r * r - d11 * u_r + (m23 * r * r - p[7] * abs(u_r) * u_r)
+    surge = tau[0] + w[0] + m22 * v_r * r - d11 * u_r + (m23 * r * r - p[_D11_UU] * abs(u_r) * u_r)
     sway = w[1] - m11 * u_r * r - d22 * v_r
-    yaw = tau[1] + w[2] - (m22 - m11) * u_r * v_r - d33 * r - (m23 * u_r + p[8] * abs(r)) * r
-    if p[9] > 0.0:
-        sway_drag, yaw_drag = _crossflow(v_r, r, p[9], 0.5 * p[10])
+    yaw = tau[1] + w[2] - (m22 - m11) * u_r * v_r - d33 * r - (m23 * u_r + p[_D33_RR] * abs(r)) * r
+    if p[_CROSSFLOW] > 0.0:
+        sway_drag, yaw_drag = _crossflow(v_r, r, p[_CROSSFLOW], 0.5 * p[_LENGTH])
         sway -= sway_drag
         yaw -= yaw_drag
     return (
@@ -155,8 +161,8 @@ def _rates(
         y_dot,
         r,
         surge / m11 + r * v_c,
-        (sway - p[11] * yaw) / p[12] - r * u_c,
-        (yaw - p[13] * sway) / p[14],
+        (sway - p[_SWAY_OF_YAW] * yaw) / p[_SWAY_INERTIA] - r * u_c,
+        (yaw - p[_YAW_OF_SWAY] * sway) / p[_YAW_INERTIA],
     )
 
 

@@ -18,6 +18,7 @@ from sil.plant.hull import Array
 _WIDTH_IN = 8.0
 _SHOWN_SAMPLES = 3000
 _FARTHEST_M = 1e6
+_LEGEND_COLUMNS = 6
 _AT_LIMIT = 1e-3  # of the range between the limits
 DASHED = (0, (4, 3))
 HALO = patheffects.withStroke(linewidth=3, foreground="white")
@@ -57,14 +58,16 @@ def formation(name: str, trace: Mapping[str, Array]) -> Figure:
     windows = {f"{name}: the first {t_s[first - 1]:.0f} s": first, whole: count}
     shapes = [_height_to_width(eta[:end]) for end in windows.values()]
     with matplotlib.rc_context(STYLE):
-        height_in = _WIDTH_IN * sum(shapes) + 2.0
-        figure = Figure(figsize=(_WIDTH_IN, height_in), layout="constrained")
+        rows = -(-(eta.shape[1] + 1) // _LEGEND_COLUMNS)
+        height_in = _WIDTH_IN * sum(shapes) + 2.0 + 0.25 * rows
+        figure = Figure(figsize=(_WIDTH_IN, height_in))
+        _lay_out(figure, height_in, between=2.0 / (_WIDTH_IN * sum(shapes)), rows=rows)
         maps = figure.subplots(2, 1, height_ratios=shapes)
         for axes, (title, end) in zip(maps, windows.items(), strict=True):
             axes.set_title(title)
             draw_map(axes, t_s[:end], eta[:end], formations=6, hull_share=1.0 / 45.0)
         handles, labels = maps[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6))
+        figure.legend(handles, labels, loc="lower center", ncols=_LEGEND_COLUMNS)
     return figure
 
 
@@ -76,7 +79,8 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
     distance = np.maximum(metrics.distances(trace["error"][::step]), 1e-9)
     distance[~(distance < _FARTHEST_M)] = np.nan
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(_WIDTH_IN, 4.6), layout="constrained")
+        figure = Figure(figsize=(_WIDTH_IN, 4.6))
+        figure.subplots_adjust(left=0.1, right=0.9, bottom=0.11, top=0.93)
         axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
         lost = "" if np.isfinite(distance).all() else "; a line ends where it is beyond all bounds"
         axes.set_title(f"{name}: distance of each boat from its slot{lost}")
@@ -109,7 +113,9 @@ def thrust(
     low, high = np.quantile(values[np.isfinite(values)], [0.001, 0.999])
     margin = 0.1 * max(high - low, 0.1)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(_WIDTH_IN, 1.0 + 1.4 * count), layout="constrained")
+        height_in = 1.3 + 1.4 * count
+        figure = Figure(figsize=(_WIDTH_IN, height_in))
+        _lay_out(figure, height_in, between=0.26)
         rows = figure.subplots(count, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
         for i, axes in enumerate(rows):
             axes.plot(t_s[::step], values[::step, i, 0], color=COLOURS[1], label="port")
@@ -128,8 +134,14 @@ def thrust(
         figure.suptitle(f"{name}: propeller thrust", x=0.01, ha="left")
         rows[-1].set_xlabel("time since release (s)")
         handles, labels = rows[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+        figure.legend(handles, labels, loc="lower center", ncols=2)
     return figure
+
+
+def _lay_out(figure: Figure, height_in: float, between: float, rows: int = 1) -> None:
+    """Margins by hand, which matplotlib would search for longer than it draws."""
+    bottom, top = (0.6 + 0.25 * rows) / height_in, 1.0 - 0.6 / height_in
+    figure.subplots_adjust(left=0.1, right=0.97, bottom=bottom, top=top, hspace=between)
 
 
 def _mark_limits(axes: Axes, t_s: Array, thrust_N: Array, limits_N: tuple[float, float]) -> None:

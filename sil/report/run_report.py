@@ -2,15 +2,13 @@
 """Report of a run for people: pictures, a page that carries them, a table for the terminal."""
 
 import base64
-import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from string import Template
 from typing import Any
 
-from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 
@@ -18,7 +16,7 @@ from sil.common import files
 from sil.common.colours import colour_of
 from sil.lockstep.metrics import BoatSummary, Summary
 from sil.plant.hull import Array
-from sil.report import headline, plots
+from sil.report import headline
 from sil.view import history
 from sil.view import page as view
 
@@ -42,25 +40,18 @@ def write(
     summary: Summary,
     trace: Mapping[str, Array],
     command: str,
+    pictures: Mapping[str, bytes],
     told: Mapping[str, Any] | None = None,
-    limits_N: Sequence[tuple[float, float]] = (),
 ) -> None:
     """Write formation.png, errors.png, thrust.png and report.html into an existing directory.
 
-    `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. `told`: the
-    run's history as `sil.view.history` has it, for the replay; by default what the trace tells.
-    `limits_N`: of each boat's propellers, as `plots.thrust` draws them.
-    Each file appears whole or not at all.
+    `trace`: arrays as in trace.npz. `command`: the shell command that repeats the run. `pictures`:
+    as `sil.report.drawing.draw` makes them. `told`: the run's history as `sil.view.history` has it,
+    for the replay; by default what the trace tells. Each file appears whole or not at all.
     """
-    name = summary["scenario"]
-    pictures = {
-        "formation": _png(plots.formation(name, trace)),
-        "errors": _png(plots.errors(name, trace)),
-        "thrust": _png(plots.thrust(name, trace, limits_N)),
-    }
     for stem, picture in pictures.items():
         files.replace(directory / f"{stem}.png", picture)
-    title = f"{name}, seed {summary['seed']}"
+    title = f"{summary['scenario']}, seed {summary['seed']}"
     replay = view.frame_with(told or history.of_trace(trace, title), title)
     files.replace(directory / "report.html", page(summary, pictures, command, replay).encode())
 
@@ -122,9 +113,3 @@ def _cells(boat: BoatSummary) -> list[str]:
         f"{final['psi_rad']:z.4f}",
         f"{boat['thrust_rms_N']:.2f}",
     ]
-
-
-def _png(figure: Figure) -> bytes:
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png")
-    return picture.getvalue()

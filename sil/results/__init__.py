@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The published results: what is sailed for them, their limits, their pages."""
+"""The published results: the runs, their limits, their pages."""
+
+SEEDS = 40
+"""Number of fleets with unknown hulls that are sailed for one published figure."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the law must show: the scenarios, and what the figures of their runs must reach."""
+"""The claims about the law: scenarios, and the bounds that their runs' figures must meet."""
 
 import math
 from collections.abc import Callable
@@ -30,11 +30,11 @@ DEFAULTS = (*_RATES, *_THRUST)
 
 @dataclass(frozen=True)
 class Bound:
-    """A figure of a run and what it must reach.
+    """A figure of a run and its bound.
 
     `key` names it in results.json, `what` and `unit` for people. `reached` judges the baseline's
-    and the product's figure, in this order; one that is infinite or NaN reaches nothing. Where
-    there is nothing `to_reach` it is printed for comparison.
+    and the product's figure, in this order; infinite and NaN figures miss any bound. Without a
+    `to_reach` the figure is printed for comparison only.
     """
 
     key: str
@@ -48,11 +48,11 @@ class Bound:
 
 @dataclass(frozen=True)
 class Claim:
-    """A scenario in a few words, its bounds, the first one `limit_m` on the distance from the slot.
+    """A scenario in a few words and its bounds; the first, `limit_m`, is the distance to the slot.
 
-    `limit_m` is infinite where boats are to stop that cannot hold their slots.
-    `map_s`: how much of the run its map shows. `many_seeds`: figures are 95th percentiles.
-    `defaults`: the overrides with which the product's law sails it, all but what it is about.
+    `limit_m` is infinite where boats cannot hold their slots and must stop.
+    `map_s`: part of the run that its map shows. `many_seeds`: figures are 95th percentiles.
+    `defaults`: overrides with the product's defaults for its law, except what the scenario tests.
     """
 
     about: str
@@ -150,12 +150,12 @@ _GROWTH = replace(
         "×",
         figures.yaw_rate_growth,
     ),
-    laws=(PRODUCT,),  # with the paper's law the last boats have lost their leaders by then
+    laws=(PRODUCT,),  # with the paper's law the last boats lose their leaders
 )
 
 
 def _calm(yaw_rate_radps: float, speed_mps: float) -> tuple[Bound, ...]:
-    """Largest yaw rate and speed of a boat, the root's beside them."""
+    """Bounds on a boat's largest yaw rate and speed, compared with the root's."""
     return (
         _at_most(
             yaw_rate_radps,
@@ -182,7 +182,7 @@ def _overshoot(limit_m: float) -> Bound:
     return _at_most(limit_m, "overshoot_m", what, "m", figures.overshoot_m)
 
 
-# Bounds are about twice the figures that were measured, or what was asked for.
+# Bounds are about twice the measured figures, or requirements.
 CLAIMS = {
     "diamond": Claim("the paper's section III, nothing disturbs", 0.002, (_SETTLED, _AS_THE_PAPER)),
     "tree": Claim("seven boats of three sizes, two behind each leader", 0.002, map_s=100.0),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What the project's pages publish, noted in results/figures.json run by run.
+"""The published figures, kept in results/figures.json run by run.
 
-The pages' tables are made from this file, and tests hold it against what they sail.
+The pages' tables are generated from this file, and tests compare it with their own runs.
 """
 
 import json
@@ -16,7 +16,7 @@ from sil.common import files
 from sil.results import results_campaigns, results_readme, results_table
 from sil.results.results_campaigns import MonteCarlo
 from sil.results.results_readme import Measured
-from sil.results.results_table import Row
+from sil.results.results_table import PublishedBound
 from sil.results.sailing import Job, Outcome
 
 PAGE = ROOT / "sil" / "docs" / "RESULTS.md"
@@ -27,20 +27,20 @@ _DIGITS = 6
 
 
 class Published(NamedTuple):
-    """Every figure: of each run of the law's table, the Monte Carlo, the measurements."""
+    """All figures: each run of the law's table, the Monte Carlo, the measurements."""
 
     outcomes: list[Outcome]
     campaigns: list[MonteCarlo]
     measured: Measured
 
     @property
-    def table(self) -> list[Row]:
+    def table(self) -> list[PublishedBound]:
         """The law's table."""
         return results_table.rows(self.outcomes)
 
 
 def encoded(published: Published) -> bytes:
-    """As figures.json: a run a line, numbers of 6 digits; null is never, or nowhere."""
+    """Encode as figures.json: one run per line, 6 digits, non-finite numbers as null."""
     runs = [
         {
             "scenario": outcome.job.scenario,
@@ -63,7 +63,7 @@ def encoded(published: Published) -> bytes:
 
 
 def decoded(content: bytes) -> Published:
-    """What `encoded` has made."""
+    """Decode the output of `encoded`."""
     document = json.loads(content)
     outcomes = [
         Outcome(
@@ -91,7 +91,7 @@ def noted() -> Published:
 
 
 def pages(published: Published) -> dict[Path, str]:
-    """The pages with the figures in their places; ValueError where one has no place for them."""
+    """The pages with the figures filled in; ValueError if one lacks the marks for them."""
     table = published.table
     return {
         PAGE: _filled(
@@ -114,7 +114,7 @@ def pages(published: Published) -> dict[Path, str]:
 
 
 def check_places() -> None:
-    """ValueError where a page has no place for its figures."""
+    """ValueError if a page lacks the marks for its figures."""
     _filled(PAGE, dict.fromkeys((results_table.BEGIN, results_campaigns.BEGIN), ""))
     _filled(
         MEASUREMENTS, dict.fromkeys((results_readme.MEASURED_BEGIN, results_readme.LAW_BEGIN), "")
@@ -145,7 +145,7 @@ def _rounded(value: Any) -> Any:
 
 
 def _numbers(value: Any) -> Any:
-    """Figures with infinity where the file has null."""
+    """Replace the file's null by infinity."""
     if isinstance(value, dict):
         return {key: _numbers(item) for key, item in value.items()}
     if isinstance(value, list):

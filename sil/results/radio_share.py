@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""How much of a slow radio boats need that sign: one of `diamond`, and eight that share it.
+"""The share of a slow radio that signing boats need: one boat of `diamond`, and eight boats.
 
-All of it is at the firmware's defaults but for the parameters that are named. The simulated boats
-do not sign; a signature is 13 bytes more a frame, as a test holds that signs.
+All at the firmware's defaults except for the named parameters. The simulated boats do not sign;
+13 bytes per frame are added for the signature, which a test with signing boats confirms.
 """
 
 from collections import Counter
@@ -27,26 +27,26 @@ BAUD = 57_600
 BITS_PER_BYTE = 10  # 8N1
 SIGNATURE = 13  # bytes
 BOAT = 2  # has a leader that is a boat, and a follower
-RADIO = 1  # the link
+RADIO = 1  # number of the radio's link
 
-# One boat: the share that is asked for, and what reaches it where the defaults do not.
+# One boat: the target share, and parameters that meet it where the defaults do not.
 TARGET_SHARE = 0.4
 SELDOM = {"SR_SLOW": 0.25}
 ONE_S = 60.0
-# Eight boats in a line, which all hear each other. Of the profiles that leave a tenth of the radio
-# the one whose boats never coast where a tenth of the packets is lost; the RMS of all is the same.
+# Eight boats in a line, all within radio range. Of the profiles that leave a tenth of the radio
+# free, the one whose boats never coast at 10 % packet loss; all have the same RMS.
 BOATS = 8
 PROFILE = {"SR_STATE": 1.5, "SR_SLOW": 0.1, "FS_LEADER_S": 4.0}
 EIGHT_SHARE, EIGHT_RMS_M = 0.9, 0.1
 
-# Ours, which the wheel's dialect lacks.
+# Messages that the wheel's dialect lacks.
 _NAMES = {290: "ESC_INFO", 291: "ESC_STATUS", 436: "CURRENT_MODE", 53100: "FORMATION_REFERENCE"}
 
 
 class Radio(TypedDict):
-    """Signed bytes per second by message, the share of the radio that they are, and `rms_m`.
+    """Signed bytes per second by message, their share of the radio, and `rms_m`.
 
-    That is the worst boat's RMS distance from its slot over the last third of the run.
+    `rms_m`: the worst boat's RMS distance from its slot over the last third of the run.
     """
 
     bytes_per_s: dict[str, float]
@@ -55,7 +55,7 @@ class Radio(TypedDict):
 
 
 def measure(folder: Path) -> dict[str, Radio]:
-    """All by the names of the table's columns; recordings are written into `folder`."""
+    """All columns of the table, by name; recordings are written to `folder`."""
     return {
         "one boat": one(folder, {}),
         "profile 1": one(folder, SELDOM),
@@ -65,13 +65,13 @@ def measure(folder: Path) -> dict[str, Radio]:
 
 
 def one(folder: Path, parameters: Mapping[str, float]) -> Radio:
-    """Boat 2 of `diamond`."""
+    """Measure boat 2 of `diamond`."""
     chosen = _at_the_defaults("diamond", [f"duration_s={ONE_S}"])
     return _sailed(chosen, parameters, folder, [BOAT])
 
 
 def eight(folder: Path, parameters: Mapping[str, float], *overrides: str) -> Radio:
-    """Eight boats of `line20`; the virtual leader's own messages do not count."""
+    """Measure eight boats of `line20`, without the virtual leader's own messages."""
     line = _at_the_defaults("line20", overrides)
     chosen = line.model_copy(update={"boat": line.boat[:BOATS]})
     return _sailed(chosen, parameters, folder, range(1, BOATS + 1))
@@ -92,7 +92,7 @@ def _sailed(
 
 
 def _said(path: Path, boats: Iterable[int], sailed_s: float) -> list[tuple[str, int]]:
-    """Bytes that boats say over the radio after the release, by message, most first."""
+    """Bytes that boats send by radio after the release, by message, most first."""
     ports = {(boat << 8) + MAVLINK_OUT + RADIO for boat in boats}
     recording = list(Recording(path))
     released_us = recording[-1][0] - round(1e6 * sailed_s)
@@ -112,12 +112,12 @@ def _worst_rms_m(error: Array) -> float:
 
 
 def pasted(parameters: Mapping[str, float]) -> str:
-    """Parameters as flotillad and `flotilla run` take them."""
+    """Parameters as options of flotillad and `flotilla run`."""
     return " ".join(f"--param {name}={value:g}" for name, value in parameters.items())
 
 
 def table(radios: Mapping[str, Radio]) -> Group:
-    """The same for people."""
+    """The figures as tables for the terminal."""
     title = f"boats that sign, on a radio of {BAUD:,} Bd: bytes per second"
     out = Table("message", title=title, title_justify="left")
     for name in radios:

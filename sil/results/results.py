@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the law must show, sailed with the paper's law and the product's."""
+"""Sails all claims with the paper's law and the product's, and judges them."""
 
 import argparse
 import json
@@ -22,6 +22,7 @@ from sil.campaign.finished import Campaign
 from sil.common import files
 from sil.report import comparison
 from sil.results import (
+    SEEDS,
     published,
     results_campaigns,
     results_fleets,
@@ -31,15 +32,14 @@ from sil.results import (
 )
 from sil.results.claims import BASELINE, CLAIMS, LAWS, PRODUCT
 from sil.results.published import PICTURES, Published
-from sil.results.results_table import Row
+from sil.results.results_table import PublishedBound
 from sil.results.sailing import Job, Outcome, sail_all
 
-SEEDS = 40
 _INTERRUPTED = 130
 
 
 def main(options: argparse.Namespace) -> int:
-    """Exit status: 0, 1 where a bound is missed or a run failed, 2 mistaken, 130 interrupted."""
+    """Exit status: 0; 1 if a bound is missed or a run failed; 2 usage error; 130 interrupted."""
     console = Console()
     unknown = [name for name in options.only or () if name not in CLAIMS]
     if unknown:
@@ -54,7 +54,7 @@ def main(options: argparse.Namespace) -> int:
         options.out.mkdir(parents=True, exist_ok=True)
         campaigns = []
         if _whole(options):
-            published.check_places()  # what is missing is told before all is sailed
+            published.check_places()  # report a missing place before sailing for minutes
             campaigns = results_campaigns.sail(options.out, options.workers)
         outcomes = _sail(jobs(options), options.workers, console)
         table = results_table.rows(outcomes)
@@ -78,7 +78,7 @@ def main(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace, console: Console) -> int:
-    """Exit status: 0, 1 where a figure in the other scalar is not as in float."""
+    """Exit status: 0; 1 if a figure in the other scalar differs from float's."""
     in_float, other = (
         _sail(jobs(options, (f"scalar='{scalar}'",)), options.workers, console)
         for scalar in ("float", options.scalar)
@@ -89,12 +89,12 @@ def _compare(options: argparse.Namespace, console: Console) -> int:
 
 
 def _whole(options: argparse.Namespace) -> bool:
-    """Whether all is sailed as the pages claim it."""
+    """Whether the options sail everything that the pages publish."""
     return not options.only and not options.set and options.seeds == SEEDS
 
 
 def jobs(options: argparse.Namespace, overrides: tuple[str, ...] = ()) -> list[Job]:
-    """What the command's options ask for."""
+    """The jobs that the command's options select."""
     seeds = range(1, options.seeds + 1)
     return [
         Job(name, law, seed, (*options.set, *overrides))
@@ -107,7 +107,7 @@ def jobs(options: argparse.Namespace, overrides: tuple[str, ...] = ()) -> list[J
 
 def _sail(jobs: Sequence[Job], workers: int, console: Console) -> list[Outcome]:
     columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    # the time left is a guess from many runs, not from the last seconds
+    # estimate the time left from many runs, not from the last seconds
     bar = Progress(TextColumn("sailing"), *columns, console=console, speed_estimate_period=600.0)
     with bar:
         task = bar.add_task("", total=len(jobs))
@@ -129,7 +129,7 @@ def _pictures(outcomes: Sequence[Outcome]) -> dict[str, bytes]:
 def _published(outcomes: Sequence[Outcome], campaigns: Sequence[Campaign]) -> dict[Path, bytes]:
     told = [results_campaigns.told(campaign) for campaign in campaigns]
     figures = published.encoded(Published([*outcomes], told, results_readme.sail()))
-    # the pages have the digits of the file, which they are held against
+    # decode the file's own digits, so that the pages agree with it
     pages = published.pages(published.decoded(figures))
     return {
         published.FIGURES: figures,
@@ -142,7 +142,7 @@ def _published(outcomes: Sequence[Outcome], campaigns: Sequence[Campaign]) -> di
 
 
 def picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
-    """PNG of a scenario's runs, None where the product has none."""
+    """PNG of a scenario's runs; None if the product has none."""
     traces = {
         law: [o.trace for o in outcomes if o.job[:2] == (name, law) and not o.failure]
         for law in LAWS
@@ -154,7 +154,7 @@ def picture(name: str, outcomes: Sequence[Outcome]) -> bytes | None:
     return comparison.png(comparison.picture(name, claim.limit_m, claim.map_s, baseline, product))
 
 
-def _json(table: Sequence[Row], outcomes: Sequence[Outcome]) -> bytes:
+def _json(table: Sequence[PublishedBound], outcomes: Sequence[Outcome]) -> bytes:
     bounds = [
         {
             "scenario": row.scenario,
@@ -185,7 +185,7 @@ def _json(table: Sequence[Row], outcomes: Sequence[Outcome]) -> bytes:
 
 
 def _write(content: Mapping[Path, bytes]) -> None:
-    """Write files, each whole or not at all."""
+    """Write files, each atomically."""
     for path, data in content.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         files.replace(path, data)

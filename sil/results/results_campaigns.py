@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The paper's Monte Carlo with both laws, as the page of results has it."""
+"""The paper's Monte Carlo with both laws, for the page of results."""
 
 import argparse
 import time
@@ -23,10 +23,10 @@ _PERCENTS = (50.0, 95.0)
 
 
 class MonteCarlo(NamedTuple):
-    """A campaign as the pages tell it; distances are median and 95th percentile from 100 s on.
+    """A campaign's published figures; distances: median and 95th percentile from 100 s on.
 
-    `ended`: how many runs ended how; `late_m` (N, 2): of each boat over all runs; `runs_m`
-    (R, N, 2): of each run.
+    `ended`: number of runs by ending; `late_m` (N, 2): distances of each boat over all runs;
+    `runs_m` (R, N, 2): of each run.
     """
 
     scenario: str
@@ -36,7 +36,7 @@ class MonteCarlo(NamedTuple):
 
 
 def sail(out: Path, workers: int) -> list[Campaign]:
-    """Sail the campaigns into folders of `out`; ValueError where one cannot be finished."""
+    """Sail the campaigns into folders of `out`; ValueError if one does not finish."""
     return [_sail(name, out / name, workers) for name in NAMES.values()]
 
 
@@ -60,7 +60,7 @@ def picture(campaign: Campaign) -> bytes:
 
 
 def told(campaign: Campaign) -> MonteCarlo:
-    """Its figures."""
+    """The published figures of a campaign."""
     late_m = samples.read(campaign).late_percentiles(_PERCENTS)
     runs_m = np.stack([campaign.cells["error_p50_m"], campaign.cells["error_p95_m"]], axis=-1)
     ended = Counter(campaign.outcome.tolist())
@@ -68,7 +68,7 @@ def told(campaign: Campaign) -> MonteCarlo:
 
 
 def for_page(campaigns: Sequence[MonteCarlo]) -> str:
-    """Table of the percentiles a boat, in Markdown, and a picture of each campaign."""
+    """Table of each boat's percentiles, in Markdown, and a picture of each campaign."""
     heads = (f"`{campaign.scenario}`: {x}" for campaign in campaigns for x in ("median", "95 %"))
     lines = [f"| boat | {' | '.join(heads)} |", "|--:" * (1 + 2 * len(campaigns)) + "|"]
     boats = zip(*(campaign.late_m for campaign in campaigns), strict=True)

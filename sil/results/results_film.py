@@ -23,9 +23,9 @@ from sil.results.published import PICTURES
 
 FILM = PICTURES / "diamond.gif"
 _UNTIL_S, _STEP_S, _FRAME_MS = 60.0, 0.5, 80
-_LAST_MS = 3000  # the formation stands still before the film begins anew
+_LAST_MS = 3000  # the formation stays still before the film repeats
 _TAIL_S = 8.0
-_HULL_M = 2.0  # drawn half as long again as they are
+_HULL_M = 2.0  # drawn 1.5 times their length
 
 
 def film(trace: Mapping[str, Array]) -> bytes:
@@ -33,7 +33,7 @@ def film(trace: Mapping[str, Array]) -> bytes:
     t_s, wanted = trace["t_s"], np.arange(0.0, _UNTIL_S + _STEP_S, _STEP_S)
     ticks = np.searchsorted(t_s, wanted[wanted <= t_s[-1]] - 1e-6)
     frames = [_frame(trace, tick, ticks[-1]) for tick in ticks]
-    # one palette for all: colours do not flicker
+    # one palette for all frames, so that colours do not flicker
     palette = frames[len(frames) // 2].quantize(64, dither=Image.Dither.NONE)
     small = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     durations = [_FRAME_MS] * (len(small) - 1) + [_LAST_MS]
@@ -51,7 +51,7 @@ def film(trace: Mapping[str, Array]) -> bytes:
 
 
 def slots(eta: Array, error: Array) -> Array:
-    """Places (N, 2), north and east, of the slots of boats (N, 3) with their errors (N, 3)."""
+    """Positions (N, 2), north and east, of the boats' slots; `eta` (N, 3), `error` (N, 3)."""
     cos, sin = np.cos(eta[:, 2]), np.sin(eta[:, 2])
     ahead, starboard = error[:, 0], error[:, 1]
     return eta[:, :2] - np.column_stack(

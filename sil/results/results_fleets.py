@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Long lines, bad radios, sudden leaders and unknown hulls with the product's law, case by case."""
+"""Cases for the product's law: long lines, bad radios, abrupt leaders, unknown hulls."""
 
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sil.results import SEEDS
 from sil.results.claims import CLAIMS, PRODUCT
 from sil.results.results_table import percentile, told
 from sil.results.sailing import Job, Outcome
 
-_SEEDS = 40
 # of the S-curve: surge_N 2 is 0.58 m/s, 3.436 is 1.0 m/s; a yaw moment of 0.3024 N m is 0.35 rad/s
 _S_CURVE = "yaw_sine_Nm=0.3, yaw_sine_rad_s=0.3"
 _FASTER = (
@@ -28,7 +28,7 @@ _NOISY = (
     "clocks.drift_ppm=20.0",
     "link.delay_s=0.1",
 )
-# each 6 m behind the one before, first to one side and then to the other
+# each 6 m behind the one before, alternately to one side and the other
 _OTTERS = ", ".join(
     f"{{follows={i}, offset_m=[{-6.0 if i else 0.0}, 0.0], eta=[{-3.0 - 6.0 * i}, {side}, -0.3]}}"
     for i, side in enumerate((1.5, -1.5) * 5)
@@ -37,7 +37,7 @@ _OTTERS = ", ".join(
 
 @dataclass(frozen=True)
 class Case:
-    """A scenario at the settings of its claim, with overrides; what it is to show."""
+    """A scenario at the settings of its claim, with overrides, and its purpose."""
 
     about: str
     wanted: str
@@ -49,7 +49,7 @@ class Case:
 
 _CALM = "≤ 0.02 m; ≤ 1.15 × the root's"
 _CAPS = "≤ LAW_R_MAX 0.8 rad/s, LAW_U_MAX 1.5 m/s; nobody silently out of formation"
-_MANY = tuple(range(1, _SEEDS + 1))
+_MANY = tuple(range(1, SEEDS + 1))
 CASES = (
     Case("20 in a line, 0.2 s radio, all hear all", _CALM, "line20"),
     Case("the same, 30 % lost", _CALM, "line20", _LOSSY),
@@ -82,7 +82,7 @@ def jobs() -> list[Job]:
 
 
 def for_terminal(outcomes: Sequence[Outcome]) -> str:
-    """A paragraph a case; figures of many seeds are their 95th percentiles."""
+    """One paragraph per case; with many seeds, figures are 95th percentiles."""
     by_job = {outcome.job: outcome for outcome in outcomes}
     lines = []
     for case in CASES:
@@ -105,7 +105,7 @@ def _figures(case: Case, runs: Sequence[Outcome]) -> list[str]:
 
 
 def _told_states(runs: Sequence[Outcome]) -> list[str]:
-    """A line, where a boat was not in FORMATION all the time."""
+    """One line if a boat was not in FORMATION all the time."""
     boats = [boat for run in runs for boat in run.boats]
     seconds: Counter[str] = Counter()
     for boat in boats:

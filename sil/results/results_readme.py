@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The figures of boats that sail in sil/docs/MEASUREMENTS.md, and the law beside the paper's."""
+"""The tables of sailing boats in sil/docs/MEASUREMENTS.md: measured figures, law and paper."""
 
 import tempfile
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from sil.lockstep.world import World
 from sil.results import radio_share
 from sil.results.claims import BASELINE
 from sil.results.results_campaigns import MonteCarlo
-from sil.results.results_table import Row, told
+from sil.results.results_table import PublishedBound, told
 from sil.scenario import scenario
 
 Measured = dict[str, float]
@@ -18,7 +18,7 @@ Measured = dict[str, float]
 MEASURED_BEGIN = "<!-- measured: made by flotilla results -->\n"
 LAW_BEGIN = "<!-- law: made by flotilla results -->\n"
 
-# The most that each figure may be: about twice what was measured, or what is asked for.
+# Limits of the figures: about twice the measured values, or requirements.
 DEVIATION_M = 0.03
 WANTED: Measured = {
     "diamond": 0.0005,
@@ -53,7 +53,7 @@ _LAW = (
 
 
 def sail() -> Measured:
-    """Largest late distances from the slots, m; shares of a radio that boats need that sign."""
+    """Largest late distances from the slots, m; radio shares of boats that sign."""
     with tempfile.TemporaryDirectory(prefix="flotilla-") as folder:
         measured = {}
         for name, from_s in _FROM_S.items():
@@ -73,8 +73,8 @@ def _radio(folder: Path) -> Measured:
     }
 
 
-def for_measured(table: Sequence[Row], measured: Measured) -> str:
-    """The table of what boats did, in Markdown."""
+def for_measured(table: Sequence[PublishedBound], measured: Measured) -> str:
+    """The table of the boats' figures, in Markdown."""
     (deviation,) = (row for row in table if row.bound.key == "deviation_from_reference")
     leaders = "only `GLOBAL_POSITION_INT`, only `FOLLOW_TARGET`, or from an origin 2 km away"
     one, seldom, eight = (
@@ -107,8 +107,8 @@ def for_measured(table: Sequence[Row], measured: Measured) -> str:
     return _markdown(("", "measured", "wanted"), "|---|---|---|", lines)
 
 
-def for_law(table: Sequence[Row], campaigns: Sequence[MonteCarlo]) -> str:
-    """The table of the law beside the paper's, in Markdown."""
+def for_law(table: Sequence[PublishedBound], campaigns: Sequence[MonteCarlo]) -> str:
+    """The table that compares the product's law with the paper's, in Markdown."""
     head = "300 s in lockstep, worst boat: RMS distance from the slot over the last third"
     lines: list[tuple[str, ...]] = []
     for about, name, key in _LAW:

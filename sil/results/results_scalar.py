@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The figures of the law's table in another arithmetic, beside those in float."""
+"""Compares the figures of the law's table in another scalar type with those in float."""
 
 import math
 from collections.abc import Sequence
@@ -14,16 +14,16 @@ from sil.results.sailing import Outcome
 from sil.scenario.sections import Scalar
 
 SHARE = 0.10
-# Six LSB of q16: a place less far from its slot than that is the slot.
+# Six LSB of q16: smaller distances from the slot count as zero.
 FLOOR_M = 0.0001
 _NUMBERS = (3, 4, 5)
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A figure of a scenario and law in float, and the same in another scalar.
+    """A figure of a scenario and law in float and in another scalar.
 
-    It is infinite for never, None where a run failed.
+    Infinite: never reached; None: the run failed.
     """
 
     scenario: str
@@ -44,7 +44,7 @@ class Pair:
 
     @property
     def cells(self) -> list[str]:
-        """What the columns of the table say."""
+        """The cells of its row in the table."""
         ratio = self.other / self.in_float if self.in_float and self.other else math.nan
         return [
             self.scenario,
@@ -58,7 +58,7 @@ class Pair:
 
 
 def pairs(in_float: Sequence[Outcome], other: Sequence[Outcome]) -> list[Pair]:
-    """The figures of the same jobs' outcomes, in the order of the law's table."""
+    """Pair the figures of the same jobs, in the order of the law's table."""
 
     def runs(outcomes: Sequence[Outcome], name: str, law: str) -> list[Outcome]:
         return [o for o in outcomes if (o.job.scenario, o.job.law) == (name, law)]
@@ -79,7 +79,7 @@ def pairs(in_float: Sequence[Outcome], other: Sequence[Outcome]) -> list[Pair]:
 
 
 def for_terminal(scalar: Scalar, found: Sequence[Pair]) -> Table:
-    """The table for the terminal; what is not alike is red."""
+    """The table for the terminal; differences are red."""
     caption = f"yes: within {SHARE * 100:g} %, or {FLOOR_M * 1000:g} mm"
     grid = Table(
         box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True, caption=caption

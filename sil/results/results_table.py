@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The table of results: what the runs gave, what they were to reach, and whether they did."""
+"""The table of results: figures, bounds, and whether they were met."""
 
 import math
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ _PERCENTILE = 0.95
 
 
 @dataclass(frozen=True)
-class Row:
+class PublishedBound:
     """A bound of a scenario and the two laws' figures.
 
-    A figure is infinite for never, None where a run failed, NaN where the bound asks for none.
-    `seeds`: how many runs a law's figure is the 95th percentile of.
+    A figure is infinite if never reached, None if a run failed, NaN if the bound needs none.
+    `seeds`: number of runs of which a law's figure is the 95th percentile.
     """
 
     scenario: str
@@ -33,14 +33,14 @@ class Row:
 
     @property
     def reached(self) -> bool:
-        """Whether the runs reached the bound; a failed one has not."""
+        """Whether the runs meet the bound; a failed run does not."""
         if self.baseline is None or self.product is None:
             return False
         return self.bound.reached(self.baseline, self.product)
 
     @property
     def cells(self) -> list[str]:
-        """What the columns say, `COLUMNS` being their heads."""
+        """The cells of its row; `COLUMNS` are their heads."""
         claim, bound = CLAIMS[self.scenario], self.bound
         first = bound.key == claim.bounds[0].key
         seeds = f"; 95th percentile of {self.seeds} seeds" if claim.many_seeds else ""
@@ -54,8 +54,8 @@ class Row:
         ]
 
 
-def rows(outcomes: Sequence[Outcome]) -> list[Row]:
-    """The table of the scenarios that `outcomes` have, in their order."""
+def rows(outcomes: Sequence[Outcome]) -> list[PublishedBound]:
+    """The table's rows for the scenarios in `outcomes`, in their order."""
     found = []
     for name in dict.fromkeys(outcome.job.scenario for outcome in outcomes):
         laws = {
@@ -64,15 +64,15 @@ def rows(outcomes: Sequence[Outcome]) -> list[Row]:
         }
         for bound in CLAIMS[name].bounds:
             baseline, product = (percentile(runs, bound, law) for law, runs in laws.items())
-            found.append(Row(name, bound, baseline, product, len(laws[PRODUCT])))
+            found.append(PublishedBound(name, bound, baseline, product, len(laws[PRODUCT])))
     return found
 
 
-def for_terminal(table: Sequence[Row]) -> Table:
-    """The table for the terminal; what was missed is red."""
+def for_terminal(table: Sequence[PublishedBound]) -> Table:
+    """The table for the terminal; missed bounds are red."""
     grid = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for place, column in enumerate(COLUMNS):
-        # only the words may be broken
+        # only the text columns may wrap
         grid.add_column(
             column, justify="right" if place in _NUMBERS else "left", no_wrap=place != _WORDS
         )
@@ -81,7 +81,7 @@ def for_terminal(table: Sequence[Row]) -> Table:
     return grid
 
 
-def for_page(table: Sequence[Row]) -> str:
+def for_page(table: Sequence[PublishedBound]) -> str:
     """The table in Markdown, and a picture for each scenario."""
     lines = [f"| {' | '.join(COLUMNS)} |", "|---|---|--:|--:|--:|---|"]
     for row in table:
@@ -94,7 +94,7 @@ def for_page(table: Sequence[Row]) -> str:
 
 
 def between(text: str, begin: str, content: str) -> str:
-    """The page `text` with `content` from its mark `begin` to `END`; ValueError without a place."""
+    """Replace the page's text from the mark `begin` to `END`; ValueError if a mark is missing."""
     before, middle, rest = text.partition(begin)
     _, end, after = rest.partition(END)
     if not (middle and end) or begin in after:
@@ -103,7 +103,7 @@ def between(text: str, begin: str, content: str) -> str:
 
 
 def percentile(runs: Sequence[Outcome], bound: Bound, law: str) -> float | None:
-    """The 95th percentile, rounded up to a run; of a single run its figure."""
+    """The 95th percentile, rounded up to a run; None: a run failed, NaN: no bound for this law."""
     if law not in bound.laws:
         return math.nan
     if not runs or any(run.failure for run in runs):
@@ -118,13 +118,13 @@ def decisive(runs: Sequence[Outcome], bound: Bound) -> Outcome:
 
 
 def _figure(run: Outcome, bound: Bound) -> float:
-    # a boat that is nowhere, NaN, is the worst of all
+    # NaN, from a boat that diverged, is the worst
     figure = run.figures[bound.key]
     return math.inf if math.isnan(figure) else figure
 
 
 def told(figure: float | None, bound: Bound, law: str) -> str:
-    """A law's figure as the pages have it."""
+    """A law's figure, formatted for the pages."""
     if law not in bound.laws:
         return "–"
     if figure is None:
@@ -136,7 +136,7 @@ def told(figure: float | None, bound: Bound, law: str) -> str:
 
 
 def _short(figure: float) -> str:
-    """Three digits, two of a small number."""
+    """Three digits, or two of a small number."""
     if figure < 0.0001:
         return "< 0.0001"
     return f"{figure:#.2g}" if figure < 0.1 else f"{figure:#.3g}".rstrip(".")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Many runs at once, each in a process: what is left of a run is its figures and a thin trace."""
+"""Sails many runs at once in processes; keeps each run's figures and a thinned trace."""
 
 import tempfile
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ _SAMPLES = 1500
 
 
 class Job(NamedTuple):
-    """A scenario to be sailed with a law, at the settings of its claim; `seed` None is its own."""
+    """A scenario to sail with a law, at the settings of its claim; `seed` None: the scenario's."""
 
     scenario: str
     law: Law
@@ -35,7 +35,7 @@ class Job(NamedTuple):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What is left of a run, or why there was none.
+    """The result of a run, or why it failed.
 
     `figures` by `claims.Bound.key`; `trace`: t_s, eta, error at evenly spaced ticks.
     """
@@ -52,8 +52,8 @@ class Outcome:
 def sail_all(jobs: Sequence[Job], workers: int, tell: Callable[[Outcome], None]) -> list[Outcome]:
     """Sail all jobs in `workers` processes; outcomes in the order of the jobs.
 
-    `tell` is given each outcome as it comes. A run that fails, or that kills its process, leaves
-    an outcome that says so. Interrupted, it ends the processes it started.
+    `tell` is called with each outcome. A run that fails or kills its process has an outcome with
+    the failure. An interrupt ends all processes.
     """
     outcomes: dict[Job, Outcome] = {}
 
@@ -69,17 +69,17 @@ def sail_all(jobs: Sequence[Job], workers: int, tell: Callable[[Outcome], None])
 
 
 def sail(job: Job, folder: Path) -> Outcome:
-    """Sail one job; its recording is written into `folder` and thrown away."""
+    """Sail one job; its recording is written to `folder` and deleted."""
     try:
         with tempfile.TemporaryDirectory(dir=folder) as own:
             chosen = scenario_of(job)
             return outcome(job, World(chosen, {}).run(Path(own) / "recording.bin", lambda _: None))
-    except Exception as error:  # whatever it is, the other runs go on
+    except Exception as error:  # the other runs must go on
         return Outcome(job, f"{type(error).__name__}: {error}")
 
 
 def scenario_of(job: Job) -> Scenario:
-    """Its scenario with its law, seed and overrides."""
+    """The job's scenario with its law, seed and overrides."""
     seed = [] if job.seed is None else [f"seed={job.seed}"]
     overrides = [*CLAIMS[job.scenario].settings(job.law), *seed, *job.overrides]
     return scenario.load(job.scenario, overrides, job.law)

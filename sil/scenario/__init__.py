@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Scenario files: read, checked, and turned into agents, bodies and links."""
+"""Reads and checks scenario files and turns them into agents, bodies and links."""

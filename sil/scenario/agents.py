@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The agents of a scenario as others know them: system ids, parameters of the firmware, clocks."""
+"""The agents of a scenario: system ids, firmware parameters, clocks, navigation units."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,13 +16,13 @@ _SYSTEMS = 250
 
 
 def systems_of(scenario: Scenario) -> list[int]:
-    """System id of every agent, the virtual leader first: boat i has i, beyond 250 from 1 again.
+    """System id of every agent, the virtual leader first: boat i has i; after 250 ids repeat.
 
-    Whoever hears several of them can tell them apart, unless more follow one than there are ids:
-    no boat has its leader's id, nor that of its leader's leader, nor another follower's.
+    A boat's id differs from its leader's, its leader's leader's and, unless these are more than
+    there are ids, its fellow followers'.
     """
     systems = [VIRTUAL_LEADER_SYSTEM]
-    # What each agent hears: first itself, its leader, then its followers.
+    # The ids that each agent hears: its own, its leader's, then its followers'.
     heard = [[VIRTUAL_LEADER_SYSTEM]]
     for agent, boat in enumerate(scenario.boat, start=1):
         near = heard[boat.follows]
@@ -37,7 +37,7 @@ def systems_of(scenario: Scenario) -> list[int]:
 
 
 def parameters_of(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
-    """Firmware parameters of every boat: its place, the scenario's, then `overrides`."""
+    """Firmware parameters of every boat: from its place, the scenario, then `overrides`."""
     systems = systems_of(scenario)
     return [
         {
@@ -54,13 +54,13 @@ def parameters_of(scenario: Scenario, overrides: dict[str, float]) -> list[dict[
 
 
 def slots_of(parameters: Sequence[Mapping[str, float]]) -> Array:
-    """Each boat's FORM_OFS_N, FORM_OFS_E and FORM_FRAME (N, 3), of its firmware's parameters."""
+    """FORM_OFS_N, FORM_OFS_E and FORM_FRAME (N, 3) from the boats' firmware parameters."""
     names = ("FORM_OFS_N", "FORM_OFS_E", "FORM_FRAME")
     return np.array([[own.get(name, 0.0) for name in names] for own in parameters])
 
 
 def clocks_of(scenario: Scenario) -> list[Clock]:
-    """A clock for every agent, as wrong as the scenario wants."""
+    """A clock for every agent, with the offset and drift that the scenario's seed draws."""
     rng = generator(scenario.seed, Stream.CLOCKS)
     clocks = scenario.clocks
     return [
@@ -72,5 +72,5 @@ def clocks_of(scenario: Scenario) -> list[Clock]:
 
 
 def units_of(scenario: Scenario) -> list[Settings]:
-    """What the navigation unit of every agent says, the virtual leader's first."""
+    """Settings of every agent's navigation unit, the virtual leader's first."""
     return [scenario.leader_unit(), *(scenario.boat_unit(boat) for boat in scenario.boat)]

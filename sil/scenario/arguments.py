@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What several commands have in common on the command line."""
+"""Command-line options that several commands share."""
 
 import argparse
 import difflib
@@ -11,7 +11,7 @@ from sil.scenario.law import LAWS
 
 
 def add_to(command: argparse.ArgumentParser, out: str) -> None:
-    """Add a scenario and what is said of it; `out` describes the folder of the results."""
+    """Add a scenario and its overrides; `out` describes the folder of the results."""
     command.add_argument("scenario", help="a name in sil/scenarios, or the path of a .toml file")
     command.add_argument("--out", type=Path, metavar="DIR", help=out)
     command.add_argument(
@@ -20,7 +20,7 @@ def add_to(command: argparse.ArgumentParser, out: str) -> None:
     command.add_argument(
         "--law",
         choices=LAWS,
-        help="in place of the scenario's LAW_* but LAW_KDU and LAW_KDR, which belong to its vessel",
+        help="override the law; discards the scenario's LAW_* except LAW_KDU and LAW_KDR",
     )
     command.add_argument(
         "--param",
@@ -39,7 +39,7 @@ def add_to(command: argparse.ArgumentParser, out: str) -> None:
 
 
 def add_workers_to(command: argparse.ArgumentParser) -> None:
-    """Add how many processes may sail at once."""
+    """Add the number of processes that sail at once."""
     command.add_argument(
         "--workers",
         type=count,
@@ -50,7 +50,7 @@ def add_workers_to(command: argparse.ArgumentParser) -> None:
 
 
 def count(text: str) -> int:
-    """A number of things, at least one."""
+    """Parse a count of at least 1."""
     number = int(text)
     if number < 1:
         raise argparse.ArgumentTypeError("must be at least 1")
@@ -58,7 +58,7 @@ def count(text: str) -> int:
 
 
 def parameters_of(texts: list[str]) -> dict[str, float]:
-    """Parameters from `NAME=VALUE` texts; ValueError says which is not of that form."""
+    """Parameters from `NAME=VALUE` texts; ValueError names an invalid or unknown one."""
     values = {}
     for text in texts:
         name, _, value = text.partition("=")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a `[[fault]]` must not say."""
+"""Checks of a scenario's `[[fault]]` entries."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -12,14 +12,14 @@ from sil.scenario.toml_errors import KeyPath
 
 
 def is_escs(fault: Fault) -> bool:
-    """Whether it happens to ESCs."""
+    """Whether it is a fault of ESCs."""
     return KINDS[fault.kind].owner == "ESCs"
 
 
 def fault_contradictions(
     faults: Sequence[Fault], boats: int, noise: SensorNoise
 ) -> Iterator[tuple[KeyPath, str]]:
-    """Key and problem of each mistake, of a scenario with so many boats and so noisy units."""
+    """Key and problem of each mistake, given the scenario's boats and navigation noise."""
     for index, fault in enumerate(faults, start=1):
         for name, problem in _problems(fault, boats, noise):
             key = ("fault", str(index), name)
@@ -34,7 +34,7 @@ def fault_contradictions(
 
 
 def _meet(one: Fault, other: Fault) -> bool:
-    """Whether the end of one would be the other's."""
+    """Whether ending one fault would also end the other."""
     if (one.kind, one.agent) != (other.kind, other.agent):
         return False
     both = one.esc == other.esc or "both" in (one.esc, other.esc)

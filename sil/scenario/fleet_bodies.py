@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The bodies of scenarios and what moves them: their plant, from their keys and their seeds."""
+"""The plant of scenarios: bodies and the forces on them, from the scenarios' keys and seeds."""
 
 from collections.abc import Sequence
 
@@ -18,9 +18,9 @@ _BECALMED = Windage(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def bodies_of(scenarios: Sequence[Scenario]) -> Bodies:
-    """The bodies of the scenarios' agents, at their beginning; all have as many boats.
+    """The bodies of all agents in their initial state; every scenario has as many boats.
 
-    The virtual leader is a reference: nothing but its input acts on it, and its hull is nominal.
+    The virtual leader is a reference: only its input acts on it, and its hull is nominal.
     """
     leaders = [one.leader for one in scenarios]
     boats = [boat for one in scenarios for boat in one.boat]
@@ -39,7 +39,7 @@ def bodies_of(scenarios: Sequence[Scenario]) -> Bodies:
 
 
 def hulls_of(scenario: Scenario) -> list[HullParameters]:
-    """Hull of every agent, the virtual leader first; the boats' with the scenario's mismatch."""
+    """Hull of every agent, the virtual leader first; the boats' include the mismatch."""
     reference, *boats = scenario.hulls()
     share = scenario.mismatch.share
     if share:
@@ -51,7 +51,7 @@ def hulls_of(scenario: Scenario) -> list[HullParameters]:
 def _forces_of(
     scenarios: Sequence[Scenario], hulls: Sequence[Sequence[HullParameters]]
 ) -> list[Force]:
-    """What pushes the boats of each run, whose hulls are `hulls`."""
+    """The weather's forces on the boats of each run; `hulls`: theirs."""
     forces: list[Force] = []
     if any(one.white_noise.power for one in scenarios):
         forces.append(_white_noise_of(scenarios))
@@ -82,7 +82,7 @@ def _wind_of(scenarios: Sequence[Scenario]) -> Wind:
         [one.wind.gust_s for one in scenarios],
         [generator(one.seed, Stream.GUSTS) for one in scenarios],
     )
-    # Where there is no wind there is no air either, not one that stands still.
+    # Without wind there is no air at all, rather than still air with its drag.
     windages = [
         [vessel.windage if _blows(one) else _BECALMED for vessel in one.vessels()[1:]]
         for one in scenarios

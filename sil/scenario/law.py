@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The laws that a scenario can be sailed with: sets of LAW_* parameters."""
+"""The laws with which a scenario can be sailed: sets of LAW_* parameters."""
 
 from typing import Any, Literal, get_args
 
@@ -22,20 +22,20 @@ _PAPER = {
     "FS_SEP_M": 0.0,
 }
 
-# In units of a vessel: what a scenario says of them belongs to its vessels, not to its law.
+# They scale with the vessel: a scenario's values belong to its vessels, not to its law.
 _OF_THE_VESSEL = ("LAW_KDU", "LAW_KDR")
 
 
 def parameters(law: Law) -> dict[str, float]:
-    """What `law` tells the firmware: the paper's gains, or nothing but its own defaults."""
+    """LAW_* parameters of `law`: the paper's gains, or none for the firmware's defaults."""
     return dict(_PAPER) if law == "paper" else {}
 
 
 def impose(law: Law, document: dict[str, Any]) -> None:
-    """Make `law` that of a scenario's document, in place.
+    """Set the law of a scenario's document, in place.
 
-    What the document says of LAW_* for all or for one boat goes, but for LAW_KDU and LAW_KDR. A
-    scenario that has the product's law already keeps what it says for its vessels.
+    Discards the document's LAW_* gains, for all boats or for one, except LAW_KDU and LAW_KDR. A
+    scenario whose law is the product's already keeps the gains for its vessels.
     """
     if law == document.get("law", "product") == "product":
         return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where agents are in the coordinates that their navigation units tell."""
+"""Converts poses to the coordinates that each agent's navigation unit sends."""
 
 from collections.abc import Sequence
 
@@ -18,11 +18,11 @@ _FAR_M = 1e7
 
 
 class Told:
-    """The poses of A agents, each in its own unit's frame, or on the globe.
+    """The poses of A agents, each in its own unit's local frame, or as latitude and longitude.
 
-    `origins` (A): latitude and longitude (degE7) and altitude (mm) where each unit's local frame
-    begins. `degE7` (A, 2): latitude and longitude of those that tell them; None where nobody does.
-    Who is farther off than the globe is large, or nowhere, stays where it was told last.
+    `origins` (A): latitude and longitude (degE7) and altitude (mm) of each unit's local frame.
+    `degE7` (A, 2): latitude and longitude of agents that send them; None if none does. They and
+    the heading keep their last values while the position is not finite or beyond the globe.
     """
 
     def __init__(self, units: Sequence[Settings]) -> None:
@@ -42,7 +42,7 @@ class Told:
         self._last = dict.fromkeys(self._on_globe, start)
 
     def poses(self, eta: Array) -> Array:
-        """Poses (A, 3) as they are told, of `eta` (A, 3) in the world's frame; sets `degE7`."""
+        """Convert `eta` (A, 3), in the world's frame, to reported poses (A, 3); sets `degE7`."""
         if not self._frames and not self._on_globe:
             return eta
         self._eta[:] = eta
@@ -50,7 +50,7 @@ class Told:
             self._eta[agent] = _WORLD.seen_from(frame, *eta[agent].tolist())
         for agent in self._on_globe:
             pose = eta[agent].tolist()
-            # a run that diverges is sailed to its end, like any other
+            # a diverging run must still be sailed to its end
             if all(abs(number) < _FAR_M for number in pose):
                 self._last[agent] = _WORLD.geodetic(*pose)
             latitude, longitude, self._eta[agent, 2] = self._last[agent]

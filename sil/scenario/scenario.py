@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Scenarios: TOML files that say who sails where, in what hull, over what radio.
+"""Scenarios: TOML files that describe boats, hulls, formation, radio and weather.
 
 `sil/scenarios/diamond.toml` shows every key with its unit; `sil/docs/SCENARIOS.md` lists them. A
-file with `base = "NAME"` is that scenario with its own keys over it, boats by number: `[boat.2]`.
+file with `base = "NAME"` overrides keys of that scenario, boats by number: `[boat.2]`.
 """
 
 import difflib
@@ -59,8 +59,8 @@ FOLDER = ROOT / "sil" / "scenarios"
 class Scenario(Section):
     """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
 
-    `name` is the file's unless the file gives another. A campaign draws no start at which two boats
-    are nearer than `start_apart_m`.
+    `name` is by default the file's. A campaign draws no start at which two boats are closer than
+    `start_apart_m`.
     """
 
     name: str
@@ -98,7 +98,7 @@ class Scenario(Section):
         return round(self.duration_s / self.step_s) + 1
 
     def vessels(self) -> list[Vessel]:
-        """Vessel of every agent as the file has it, the virtual leader first."""
+        """Vessel of every agent, from the file, the virtual leader first."""
         deviations = [Vessel(), *(boat.vessel for boat in self.boat)]
         return [
             Vessel(**_merged(self.vessel, own)) if own.model_fields_set else self.vessel
@@ -106,7 +106,7 @@ class Scenario(Section):
         ]
 
     def hulls(self) -> list[HullParameters]:
-        """Hull of every agent, the virtual leader first; a mismatch is not in them."""
+        """Hull of every agent, the virtual leader first, without mismatch."""
         return [vessel.hull for vessel in self.vessels()]
 
     def propeller_pairs(self) -> list[PropellerParameters]:
@@ -115,17 +115,17 @@ class Scenario(Section):
         return [PropellerParameters(**_merged(self.propellers, own)) for own in deviations]
 
     def leader_unit(self) -> Settings:
-        """What the virtual leader says."""
+        """Settings of the virtual leader's navigation unit."""
         own = self.leader.navigation.model_dump(exclude_unset=True)
         return Settings(**{"rate_hz": self.navigation.rate_hz, **own})
 
     def boat_unit(self, boat: Boat) -> Settings:
-        """What the navigation unit of `boat` says."""
+        """Settings of the navigation unit of `boat`."""
         common = self.navigation.model_dump(include=set(Unit.model_fields))
         return Settings(**{**common, **boat.navigation.model_dump(exclude_unset=True)})
 
     def pairs(self) -> list[tuple[int, int]]:
-        """Agents that hear each other: leader and follower, then, where all do, the other boats."""
+        """Pairs of agents with a radio link: leader and follower; with `everyone`, all boats."""
         pairs = [(boat.follows, agent) for agent, boat in enumerate(self.boat, start=1)]
         if self.link.everyone:
             boats = range(1, len(self.boat) + 1)
@@ -133,7 +133,7 @@ class Scenario(Section):
         return pairs
 
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
-        """Firmware parameters that the file gives `boat`: the law's, those of all, its own."""
+        """Firmware parameters of `boat` from the file: the law's, those for all, its own."""
         return {**law.parameters(self.law), **self.parameters, **boat.parameters}
 
 
@@ -142,12 +142,11 @@ def load(
 ) -> Scenario:
     """Read a scenario: a name in `sil/scenarios`, or the path of a TOML file.
 
-    `law_override` takes the place of the file's law and of its gains, as
-    `sil.scenario.law.impose` says; `overrides` lie over that. They are `KEY=VALUE`: dotted keys,
-    boats counted from 1, values as TOML has them (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`)
-    or bare words (`scalar=q16`).
+    `law_override` replaces the file's law and gains, see `sil.scenario.law.impose`; `overrides`
+    are applied after that. They are `KEY=VALUE`: dotted keys, boats counted from 1, TOML values
+    (`link.delay_s=0.1`, `boat.2.eta=[0, 0, 0]`) or bare words (`scalar=q16`).
 
-    Raises ScenarioError, whose text names file, line and key (or the override) and what is allowed.
+    Raises ScenarioError; its text names file, line and key (or the override) and what is allowed.
     """
     return check(read(name_or_path, overrides, law_override))
 
@@ -155,7 +154,7 @@ def load(
 def read(
     name_or_path: str | Path, overrides: Sequence[str] = (), law_override: Law | None = None
 ) -> toml_errors.Source:
-    """The document that `load` makes a scenario of: complete, not yet checked."""
+    """The complete document of a scenario for `load`, not yet checked."""
     path = _find(name_or_path)
     source = _read(path)
     source.document.setdefault("name", path.stem)
@@ -173,7 +172,7 @@ def read(
 
 
 def check(source: toml_errors.Source) -> Scenario:
-    """The scenario of a document; ScenarioError as `load`."""
+    """Check a document and make its scenario; ScenarioError as for `load`."""
     try:
         scenario = Scenario.model_validate(source.document)
     except ValidationError as error:

@@ -17,7 +17,7 @@ from sil.wire.navigation_unit import Message
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-# TOML has arrays only: Strict(False) lets them be tuples, their numbers stay strict
+# TOML has only arrays: Strict(False) turns them into tuples; their numbers stay strict
 Pair = Annotated[tuple[float, float], Strict(False)]
 Triple = Annotated[tuple[float, float, float], Strict(False)]
 Scalar = Literal["float", "double", "q16"]
@@ -32,11 +32,11 @@ class Section(BaseModel):
 
 
 class Vessel(Section):
-    """A hull; the default is the paper's, which has six parameters and no more.
+    """A hull; the default is the paper's, which has only the first six parameters.
 
-    Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s); what the law
-    does not model, as `sil.plant.hull.HullParameters` has it; what weather acts on, as
-    `sil.plant.wind.Windage` and `sil.plant.waves.WaveBody` have it.
+    Inertia with added mass (kg, kg, kg m²) and linear drag (N s/m, N s/m, N m s); then the terms
+    that the law does not model, see `sil.plant.hull.HullParameters`, and the surfaces exposed to
+    the weather, see `sil.plant.wind.Windage` and `sil.plant.waves.WaveBody`.
     """
 
     m11: Positive = 1.012
@@ -62,14 +62,14 @@ class Vessel(Section):
 
     @property
     def hull(self) -> HullParameters:
-        """The hull as `sil.plant.hull` takes it."""
+        """The hull's parameters for `sil.plant.hull`."""
         density = 0.5 * WATER_KGPM3 * self.draft_m * self.crossflow_cd
         names = [field.name for field in fields(HullParameters) if field.name != "crossflow"]
         return HullParameters(**self.model_dump(include=set(names)), crossflow=density)
 
     @property
     def windage(self) -> Windage:
-        """What stands in the wind."""
+        """The hull's surfaces in the wind."""
         coefficients = (self.wind_x, self.wind_y, self.wind_n)
         return Windage(self.frontal_m2, self.lateral_m2, *coefficients, self.length_m)
 
@@ -93,29 +93,29 @@ class Waves(Section):
 
 
 class Water(Section):
-    """Velocity of the water around the boats, north and east; the same everywhere."""
+    """Velocity of the water, north and east, uniform."""
 
     current_mps: Pair = (0.0, 0.0)
 
 
 class WhiteNoise(Section):
-    """A force on each axis of the boats, as `sil.plant.weather.WhiteNoise` has it; 0 is none."""
+    """A random force on each axis of the boats, see `sil.plant.weather.WhiteNoise`; 0: none."""
 
     power: NotNegative = 0.0
     sample_s: Positive = 0.01
 
 
 class Mismatch(Section):
-    """How far the boats' six parameters may be from what the firmware is told; by the seed."""
+    """Greatest relative deviation of a boat's six hull parameters from the firmware's."""
 
     share: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
 
 
 class Propellers(Section):
-    """The two propellers of a boat, as `sil.plant.propeller` has them.
+    """The two propellers of a boat, see `sil.plant.propeller`.
 
-    The defaults are what the firmware's THR_* expect by default; `port_gain` and `stbd_gain` are
-    what each gives of that.
+    The defaults match the firmware's defaults of THR_*; `port_gain` and `stbd_gain` are the share
+    of that thrust that each propeller gives.
     """
 
     arm_m: Positive = 0.25
@@ -128,7 +128,7 @@ class Propellers(Section):
 
 
 class Unit(Section):
-    """What a navigation unit says: `sil.wire.navigation_unit.Settings` explains the keys."""
+    """A navigation unit's messages; `sil.wire.navigation_unit.Settings` explains the keys."""
 
     rate_hz: Positive = 100.0
     message: Message = "local"
@@ -141,9 +141,9 @@ class Unit(Section):
 
 
 class Navigation(Unit):
-    """The boats' navigation units: what they say, standard deviations of their noise.
+    """The boats' navigation units: messages, and standard deviations of their noise.
 
-    `position_drift_m`: of an error of the position that keeps for `position_drift_s`.
+    `position_drift_m`: of a slow position error with time constant `position_drift_s`.
     """
 
     position_noise_m: NotNegative = 0.0
@@ -155,7 +155,7 @@ class Navigation(Unit):
 
     @property
     def noise(self) -> SensorNoise:
-        """The noise as `sil.plant.sensors` takes it."""
+        """The noise for `sil.plant.sensors`."""
         return SensorNoise(
             self.position_noise_m,
             self.heading_noise_rad,
@@ -169,7 +169,7 @@ class Navigation(Unit):
 class Link(Section):
     """Radio between boats; `rate_Bps` 0 is unlimited.
 
-    `everyone`: every boat hears every other one, not its leader and followers only.
+    `everyone`: every boat hears all others, not only its leader and followers.
     """
 
     delay_s: NotNegative = 0.0
@@ -180,7 +180,7 @@ class Link(Section):
 
     @property
     def quality(self) -> dict[str, float]:
-        """What a single link does, as `flotilla.Fleet.connect` and `sil.wire.link.Link` take it."""
+        """A link's parameters for `flotilla.Fleet.connect` and `sil.wire.link.Link`."""
         return self.model_dump(exclude={"everyone"})
 
 
@@ -250,10 +250,10 @@ else:
 
 
 class Fault(Section):
-    """What goes wrong with an agent from `at_s` after the release on, for `for_s` or to the end.
+    """A fault of an agent from `at_s` after the release on, for `for_s` or to the end.
 
-    sil/docs/FAULTS.md has the kinds, and the unit of `value` of each. `esc`: whose, where it is one
-    of ESCs.
+    sil/docs/FAULTS.md explains the kinds and gives the unit of `value` for each. `esc`: which ESC,
+    for a fault of ESCs.
     """
 
     kind: FaultKind
@@ -267,11 +267,10 @@ class Fault(Section):
 class Vary(Section):
     """A key of the scenario that a campaign draws anew for each run; a single run ignores it.
 
-    `key`: dotted; `*` in place of a boat's number is every boat, each with a draw of its own;
-    elements of arrays are counted from 1 (`boat.*.eta.3`), an array without one is drawn element
-    by element. Drawn from exactly one of `normal` [mean, standard deviation], `uniform` [low,
-    high], `choice` [values …]; `combine`: takes the place of the file's own number, is added to
-    it, or scales it.
+    `key`: dotted; `*` instead of a boat's number means every boat, each with its own draw; array
+    elements count from 1 (`boat.*.eta.3`), a whole array is drawn element by element. Drawn from
+    exactly one of `normal` [mean, standard deviation], `uniform` [low, high], `choice` [values …].
+    `combine`: whether the draw replaces the file's number, is added to it, or scales it.
     """
 
     key: Annotated[str, StringConstraints(pattern=r"^[^.\s]+(\.[^.\s]+)*$")]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Independent random numbers from a scenario's one seed: what draws from one moves no other."""
+"""Independent streams of random numbers from a scenario's one seed."""
 
 from enum import IntEnum
 
@@ -7,7 +7,7 @@ import numpy as np
 
 
 class Stream(IntEnum):
-    """Who draws; the numbers stay, or every digest changes."""
+    """Users of random numbers; never renumber them: that would change every digest."""
 
     CLOCKS = 0
     SENSORS = 1
@@ -20,10 +20,10 @@ class Stream(IntEnum):
     SENSOR_DRIFT = 8
 
 
-# As `sil.plant.sensors.Sensors` takes them.
+# In the order of the arguments of `sil.plant.sensors.Sensors`.
 SENSOR_STREAMS = (Stream.SENSORS, Stream.SENSOR_DRIFT)
 
 
 def generator(seed: int, stream: Stream) -> np.random.Generator:
-    """The random numbers of `stream` in a run with `seed`, from the first one on."""
+    """A new generator of the random numbers of `stream` in a run with `seed`."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(int(stream),)))

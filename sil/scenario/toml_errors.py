@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""TOML that knows where its keys stand, so that an error names file, line, key and remedy."""
+"""TOML with the line of each key, so that errors name file, line, key and remedy."""
 
 import difflib
 import json
@@ -21,7 +21,7 @@ _KEY = re.compile(r"\s*([\w.\s\"'-]+?)\s*=")
 _WORD = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
 _POSITION = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
-# pydantic's own words, where a writer of TOML would not understand them
+# replacements for messages of pydantic that a writer of TOML would not understand
 _WORDS = {
     "model_type": "must be a table",
     "dict_type": "must be a table",
@@ -30,15 +30,15 @@ _WORDS = {
 
 
 class ScenarioError(ValueError):
-    """A scenario that cannot be sailed; its text is for the person who wrote the file."""
+    """An invalid scenario; the text is for the file's author."""
 
 
 @dataclass
 class Source:
-    """A parsed document, the line of each key, and the overrides laid over it.
+    """A parsed document, the line of each key, and the overrides applied to it.
 
-    Keys that the file leaves to its `base` are that source's; keys that a campaign has drawn stand
-    where `drawn` says, at the path of their `[[vary]]`.
+    Keys from the file's `base` have their place there; keys that a campaign draws have the place of
+    their `[[vary]]`, the path in `drawn`.
     """
 
     file: str
@@ -50,7 +50,7 @@ class Source:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Parse a file; ScenarioError where it cannot be read or is not TOML."""
+        """Parse a file; ScenarioError if it cannot be read or is not TOML."""
         file = _shown(path)
         try:
             text = path.read_text(encoding="utf-8")
@@ -64,9 +64,9 @@ class Source:
             raise ScenarioError(_syntax_error(file, text, str(error))) from None
 
     def lay_over(self, base: Self) -> None:
-        """Keep of the document what it says otherwise than `base`; elements of arrays by number.
+        """Apply the document's keys to `base`, whose array elements are addressed by number.
 
-        ScenarioError where a key has no place there.
+        ScenarioError if `base` has no place for a key.
         """
         for path, value in leaves(self.document):
             try:
@@ -76,9 +76,9 @@ class Source:
         self.document, self.base = base.document, base
 
     def override(self, text: str) -> None:
-        """Lay `KEY=VALUE` over the document; ScenarioError where it has no place there.
+        """Apply `KEY=VALUE`; ScenarioError if the document has no place for it.
 
-        The value is TOML; a bare word that is none is that text: `scalar=q16`.
+        The value is TOML; a bare word that is not TOML is a string: `scalar=q16`.
         """
         key, _, value = text.partition("=")
         path = tuple(key.strip().split("."))
@@ -97,11 +97,11 @@ class Source:
         self.overrides[path] = text
 
     def error(self, path: KeyPath, problem: str) -> ScenarioError:
-        """The error `problem` of the key at `path`, with the place where it was written."""
+        """The error `problem` of the key at `path`, with file and line."""
         return ScenarioError(f"{self._place(path)}: {problem}")
 
     def errors(self, error: ValidationError, model: type[BaseModel]) -> ScenarioError:
-        """All that pydantic found wrong when it read the document as `model`, a line each."""
+        """All validation errors of the document read as `model`, one per line."""
         texts = []
         for detail in error.errors(include_url=False):
             loc = [part for part in detail["loc"] if part != "[key]"]
@@ -124,7 +124,7 @@ class Source:
 
 
 def locate(text: str) -> dict[KeyPath, int]:
-    """Line, from 1, of every table and key of a TOML text (keys of inline tables: not listed)."""
+    """Line, from 1, of every table and key of a TOML text; omits keys of inline tables."""
     lines: dict[KeyPath, int] = {}
     elements: dict[KeyPath, int] = {}
     table: KeyPath = ()
@@ -162,14 +162,14 @@ def leaves(table: dict[str, Any], at: KeyPath = ()) -> Iterator[tuple[KeyPath, A
 
 
 def lay(place: Any, path: KeyPath, value: Any) -> None:
-    """Set the key `path` of `place`, making tables on the way; LookupError says what is in it."""
+    """Set the key `path` of `place`, creating tables; LookupError if it has no place there."""
     head: Any = path[0]
     if isinstance(place, list):
         if not head.isdecimal() or not 1 <= int(head) <= len(place):
             raise LookupError(f'"{head}" must be a number from 1 to {len(place)}')
         head = int(head) - 1
     elif not isinstance(place, dict):
-        raise LookupError(f"{json.dumps(place, default=str)} is no table")
+        raise LookupError(f"{json.dumps(place, default=str)} is not a table")
     if len(path) == 1:
         place[head] = value
         return

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What is the same aboard every vessel of a simulation: ids on its wires, place on the globe."""
+"""Constants of all simulated vessels: ids on MAVLink and CAN, the world's origin."""
 
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
 VIRTUAL_LEADER_SYSTEM = 100
-# Longjumeau's latitude and longitude in degE7, altitude in mm: any place will do.
+# Longjumeau's latitude and longitude in degE7, altitude in mm; any other place would do.
 ORIGIN = (487_000_000, 22_950_000, 40_000)
 BATTERY_V = 24.0
 ESC_NODES = (21, 22)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""A fleet on a web page: what is heard on MAVLink, or what was recorded."""
+"""Shows a fleet on a web page: live from MAVLink, or recorded."""

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What a vessel says of what is aboard: named values, battery, ESCs. Times are s."""
+"""A vessel's own telemetry: named values, battery, ESCs. Times are s."""
 
 from math import isfinite, nan
 from typing import Any
 
 from sil.wire import mavlink_messages as messages
 
-_SLOW_S, _RARE_S = 5.0, 20.0  # how long what comes once a second, or every 5 s, is held for true
+_SLOW_S, _RARE_S = 5.0, 20.0  # validity of values sent once a second, and every 5 s
 _UNKNOWN_mV, _UNKNOWN_cdegC = 65535, 32767
 _MOST_VALUES = 100
 _GROUP = 4
@@ -15,7 +15,7 @@ ESC_NUMBERS = tuple(_DIGITS)
 
 
 class _Kept:
-    """Numbers by name, each with the time until which it is held for true."""
+    """Numbers by name, each with the time until which it is valid."""
 
     def __init__(self) -> None:
         self._numbers: dict[str, tuple[float, float]] = {}
@@ -30,24 +30,24 @@ class _Kept:
 
 
 class Aboard:
-    """What a vessel has told of it; questions are for what it still told at a time."""
+    """The last values; each query returns those still valid at `now_s`, None if unknown."""
 
     def __init__(self) -> None:
         self._values = _Kept()
         self._escs: dict[int, _Kept] = {}
-        self._offline: set[int] = set()  # whose zeros in ESC_STATUS are no measurements
-        self.indices = [0, 1]  # ESC_PORT and ESC_STBD, as far as they are known
+        self._offline: set[int] = set()  # indices whose zeros in ESC_STATUS are not measurements
+        self.indices = [0, 1]  # ESC_PORT and ESC_STBD, or their defaults
 
     def value(self, name: str, now_s: float) -> float | None:
-        """A NAMED_VALUE_FLOAT."""
+        """The value of a NAMED_VALUE_FLOAT."""
         return self._values.get(name, now_s)
 
     def battery_V(self, now_s: float) -> float | None:
-        """The lowest voltage at the ESCs, as the boat says."""
+        """The lowest voltage at the ESCs, reported by the boat."""
         return self._values.get("battery", now_s)
 
     def escs(self, now_s: float) -> list[dict[str, float | None]]:
-        """Port and starboard; nothing of a vessel that tells of none."""
+        """The ESCs, port and starboard; empty for a vessel that reports none."""
         if not self._escs:
             return []
         kept = [
@@ -59,7 +59,7 @@ class Aboard:
         ]
 
     def hear(self, number: int, fields: tuple[Any, ...], now_s: float) -> None:
-        """Takes a message of one of its components."""
+        """Process a message of one of its components."""
         if (take := _TAKE.get(number)) is not None:
             take(self, fields, now_s)
 
@@ -69,7 +69,7 @@ class Aboard:
 
     def _system_status(self, f: tuple[Any, ...], now_s: float) -> None:
         volts = nan if f[4] == _UNKNOWN_mV else 0.001 * f[4]
-        # No NAMED_VALUE_FLOAT begins with a small letter here.
+        # Cannot collide: no NAMED_VALUE_FLOAT of ours begins with a small letter.
         self._values.put("battery", volts, now_s + _SLOW_S)
 
     def _esc_status(self, f: tuple[Any, ...], now_s: float) -> None:
@@ -88,7 +88,7 @@ class Aboard:
             (self._offline.discard if online else self._offline.add)(f[14] + i)
 
     def _of_group(self, first: int) -> list[tuple[int, _Kept]]:
-        """Place in its message of four, and what is kept, of each ESC that is a propeller's."""
+        """For each propeller's ESC in this message of four: its place in it, and its values."""
         return [
             (index - first, self._escs.setdefault(index, _Kept()))
             for index in self.indices

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What a source that cannot be heard says to the operator: the problem, and what to check."""
+"""Alarms for a source that delivers nothing: the problem, and what to check."""
 
 import errno
 import socket
 
-SILENT_S = (3, 10, 30, 60, 300, 1800)  # when it is told, and told again
+SILENT_S = (3, 10, 30, 60, 300, 1800)  # durations that are reported
 
 _REMEDIES = {
     errno.EADDRINUSE: "another program uses it; close that program, or choose another port",
@@ -13,7 +13,7 @@ _REMEDIES = {
     errno.ENOENT: "there is no such device; check its cable, and `ls /dev/tty*` for its name",
     errno.EACCES: "no permission; for a serial line: sudo usermod -aG dialout $USER",
     errno.ECONNREFUSED: "nothing listens there; check that the server runs, its host and port",
-    errno.ENOTTY: "it is no serial line; check the name of the device",
+    errno.ENOTTY: "not a serial line; check the name of the device",
     errno.EBUSY: "another program uses it; close that program",
     **dict.fromkeys(
         (errno.ETIMEDOUT, errno.EHOSTUNREACH, errno.ENETUNREACH),
@@ -29,7 +29,7 @@ _LINE_SILENCE = "check that the boats have power, the radio's pairing and its sp
 
 
 def of_error(error: Exception) -> str:
-    """An error of the system as a sentence without its number."""
+    """An operating system error as a sentence, without its number."""
     if isinstance(error, socket.gaierror):
         return "no computer has that name; check its spelling, or give its address"
     number = error.args[0] if error.args else 0
@@ -38,7 +38,7 @@ def of_error(error: Exception) -> str:
 
 
 def of_silence(address: str, silent_s: float) -> str | None:
-    """The sentence for a source that is open and says nothing; None before 3 s."""
+    """The alarm for a source that is open but silent; None before 3 s."""
     told = [s for s in SILENT_S if s <= silent_s]
     if not told:
         return None

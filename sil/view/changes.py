@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""What changes seldom, as a history has it: [t_s, value], each value true from its time on."""
+"""Step-wise values of a history: [t_s, value], each valid from its time on."""
 
 from typing import Any
 
 
 class Changes:
-    """An entry for each change; of what was before t_s 0, the last."""
+    """One entry per change; before t_s = 0 only the last."""
 
     def __init__(self) -> None:
         self.list: list[list[Any]] = []
 
     def note(self, t_s: float, value: Any) -> None:
-        """It is so at `t_s`; None: it is not known."""
+        """Note the value at `t_s`; None, for unknown, is ignored."""
         if value is None:
             return
         if t_s <= 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A chart to lay under the boats, of a file of the user's: GeoJSON lines, or raster MBTiles.
+"""A chart under the boats, from a file of the user's: GeoJSON lines or raster MBTiles.
 
 Sources: RFC 7946 (GeoJSON); the MBTiles specification 1.3, whose rows count from the south.
 """
@@ -17,10 +17,10 @@ Line = list[tuple[float, float]]
 
 
 class Chart:
-    """The file's content: `about` as the page has it, and its tiles; ValueError in one line.
+    """A chart file: `about`, which is sent to the page, and its tiles; ValueError in one line.
 
-    `about` is `{"lines": [[[longitude, latitude], …], …]}` in degrees, or `{"least", "most"}`:
-    zooms of tiles.
+    `about` is `{"lines": [[[longitude, latitude], …], …]}` in degrees, or `{"least", "most"}`, the
+    range of zooms of the tiles.
     """
 
     def __init__(self, path: Path) -> None:
@@ -40,10 +40,10 @@ class Chart:
             wanted = "a chart is a GeoJSON file (RFC 7946, degrees) or raster MBTiles"
             raise ValueError(f"{path}: {error}; {wanted}") from None
         if not self.about.get("lines", True):
-            raise ValueError(f"{path}: no lines or polygons are in it, only those are drawn")
+            raise ValueError(f"{path}: contains no lines or polygons; nothing else is drawn")
 
     def tile(self, zoom: int, column: int, row: int) -> bytes | None:
-        """A tile's picture, rows from the north; None where there is none."""
+        """A tile's image, `row` counted from the north; None if there is no such tile."""
         if self._path is None or not 0 <= zoom < 30:
             return None
         with closing(_open(self._path)) as database:
@@ -60,7 +60,7 @@ class Chart:
                 "SELECT min(zoom_level), max(zoom_level) FROM tiles"
             ).fetchone()
         if kind not in _RASTER:
-            raise ValueError(f'its tiles are "{kind}", not pictures')
+            raise ValueError(f'its tiles are "{kind}", not images')
         if least is None:
             raise ValueError("it has no tiles")
         self.kind = _RASTER[kind]
@@ -72,7 +72,7 @@ def _open(path: Path) -> sqlite3.Connection:
 
 
 def _lines(thing: Any) -> Iterator[Line]:
-    """Every line and every edge of a polygon."""
+    """All lines and all rings of polygons."""
     kind = thing["type"]
     if kind == "FeatureCollection":
         for feature in thing["features"]:
@@ -86,7 +86,7 @@ def _lines(thing: Any) -> Iterator[Line]:
     elif kind in _DEPTH:
         yield from _flat(thing["coordinates"], _DEPTH[kind])
     elif kind not in ("Point", "MultiPoint"):
-        raise ValueError(f'"{kind}" is no type of GeoJSON')
+        raise ValueError(f'"{kind}" is not a GeoJSON type')
 
 
 def _flat(coordinates: Any, depth: int) -> Iterator[Line]:
@@ -96,5 +96,5 @@ def _flat(coordinates: Any, depth: int) -> Iterator[Line]:
         return
     line = [(round(float(at[0]), 7), round(float(at[1]), 7)) for at in coordinates]
     if any(not (abs(longitude) <= 360 and abs(latitude) <= 90) for longitude, latitude in line):
-        raise ValueError("a place is not longitude and latitude in degrees")
+        raise ValueError("a position is not longitude and latitude in degrees")
     yield line

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Listens at a MAVLink address; nothing here can send a byte.
+"""Listens at a MAVLink address; cannot send.
 
-`udpin:HOST:PORT`: what is sent there. `mcast:[GROUP:PORT[:ADDRESS]]`: as `sil.wire.mavlink_mcast`.
-`tcp:HOST:PORT`: what a server says to who connects. `/dev/…[:BAUD]`: a serial line.
+`udpin:HOST:PORT`: datagrams sent there. `mcast:[GROUP:PORT[:ADDRESS]]`: as in
+`sil.wire.mavlink_mcast`. `tcp:HOST:PORT`: connects to a server. `/dev/…[:BAUD]`: a serial line.
 """
 
 import asyncio
@@ -23,14 +23,14 @@ Take = Callable[[Iterable[Message]], None]
 _BAUD = 57600
 _RETRY_S = 1.0
 _MOST_BYTES = 65536
-_MOST_DATAGRAMS = 256  # in a row; the page has its turn between
+_MOST_DATAGRAMS = 256  # in a row, before the page is served again
 
 
 class Listener:
-    """One address. ValueError where it is none, OSError where a socket cannot be opened.
+    """Listens at one address. ValueError if it is invalid, OSError if it cannot be opened.
 
-    `ear` counts what was heard. A server or a serial line that goes, or is not there yet, is tried
-    again every second; meanwhile `trouble` says what to check.
+    `ear` counts bytes. A server or serial line that is absent or lost is retried every second;
+    meanwhile `trouble` says what to check.
     """
 
     def __init__(self, address: str) -> None:
@@ -43,7 +43,7 @@ class Listener:
         self.ear = Ear(stream=self._socket is None)
 
     async def run(self, take: Take) -> None:
-        """Hands all that is heard to `take` until it is cancelled."""
+        """Pass all messages to `take` until cancelled."""
         if self._socket is not None:
             await self._hear_datagrams(self._socket, take)
         while True:
@@ -111,7 +111,7 @@ class Listener:
 
 
 def _socket_of(address: str) -> socket.socket | None:
-    """Where datagrams come; None of an address that is a stream's."""
+    """The socket that receives datagrams; None if the address is a stream's."""
     scheme, _, rest = address.partition(":")
     if scheme == "mcast":
         group = mavlink_mcast.group_of(rest)
@@ -140,16 +140,16 @@ def _socket_of(address: str) -> socket.socket | None:
 
 
 def _line_of(address: str) -> tuple[Path, int]:
-    """Device and speed constant of DEVICE[:BAUD]; ValueError."""
+    """Parse DEVICE[:BAUD] into device and speed constant; ValueError if invalid."""
     device, _, baud = address.partition(":")
     speed = getattr(termios, f"B{baud or _BAUD}", None)
     if speed is None:
-        raise ValueError(f"{baud} is no speed of a serial line")
+        raise ValueError(f"{baud} is not a speed of a serial line; use 57600 or 115200, say")
     return Path(device), speed
 
 
 def _open_line(device: Path, speed: int) -> int:
-    """Opened for reading only."""
+    """Open a serial line for reading only."""
     line = os.open(device, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         tty.setraw(line)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""What a replay page plays: one JSON object of a run's boats over time.
+"""The data of a replay page: one JSON object with a run's vessels over time.
 
 A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N", "leader", …}]}`.
-Everything that changes is a column beside `t_s` and as long: base64 of little-endian float32, NaN
-where it is not known; a column that nobody knows is absent. `states`, `held` and `texts` are lists
-of [t_s, value], each value true from its time on. `origin_deg`, where it is known: latitude and
-longitude where the frame of all places begins.
+Quantities that change are columns of the same length as `t_s`: base64 of little-endian float32, NaN
+if unknown; a column without any known value is absent. `states`, `held` and `texts` are lists of
+[t_s, value], each value valid from its time on. `origin_deg`, if known: latitude and longitude of
+the origin of all positions.
 """
 
 import base64
@@ -24,7 +24,7 @@ from sil.view.aboard import ESC_NUMBERS
 
 MOST_SAMPLES = 1200
 _MOST_NUMBERS, _LEAST_SAMPLES = 500_000, 60
-LENGTH_M = 1.0  # of a hull that nobody knows the length of, as in `sil.report.plots`
+LENGTH_M = 1.0  # of a hull of unknown length, as in `sil.report.plots`
 SIDES = ("port", "stbd")  # of the ESCs
 COLUMNS = (
     "x_m",
@@ -48,9 +48,9 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Boat:
-    """What a trace does not say of a boat; `leader` and `id` are system ids.
+    """A boat's constants, which a trace lacks; `leader` and `id` are system ids.
 
-    `limits_N`: least and greatest thrust of one propeller, the least negative or 0.
+    `limits_N`: least (negative or 0) and greatest thrust of one propeller.
     """
 
     id: int
@@ -60,7 +60,7 @@ class Boat:
 
 
 def column(values: npt.ArrayLike) -> str:
-    """Numbers (T) as a history has them: base64 of little-endian float32, infinite ones as NaN."""
+    """Encode numbers (T) for a history: base64 of little-endian float32, infinite ones as NaN."""
     with np.errstate(over="ignore"):
         numbers = np.asarray(values, np.float64).astype("<f4")
     numbers[~np.isfinite(numbers)] = np.nan
@@ -68,14 +68,14 @@ def column(values: npt.ArrayLike) -> str:
 
 
 def numbers(text: str) -> npt.NDArray[np.float32]:
-    """What `column` was given (T), as float32."""
+    """Decode a text of `column`: numbers (T), float32."""
     return np.frombuffer(base64.b64decode(text, validate=True), "<f4")
 
 
 def boats_of(scenario: Scenario) -> list[Boat]:
-    """The boats of a scenario, boat 1 first; the virtual leader is none of them.
+    """The boats of a scenario, boat 1 first, without the virtual leader.
 
-    Of more boats than there are system ids, `id` is the boat's number, and no leader is told.
+    With more boats than there are system ids, `id` is the boat's number and `leader` is None.
     """
     systems = systems_of(scenario)
     unique = len(set(systems)) == len(systems)
@@ -92,24 +92,24 @@ def boats_of(scenario: Scenario) -> list[Boat]:
 
 
 def most_samples(vessels: int) -> int:
-    """How many samples a history of so many vessels keeps: a page has to carry them all."""
+    """How many samples a history of that many vessels keeps; this bounds the page's size."""
     return max(_LEAST_SAMPLES, min(MOST_SAMPLES, _MOST_NUMBERS // (len(COLUMNS) * vessels)))
 
 
 def kept(count: int, most: int = MOST_SAMPLES) -> npt.NDArray[np.int64]:
-    """Which of `count` samples a history keeps: at most `most`, evenly, the first and the last."""
+    """Indices of the samples to keep: at most `most`, evenly spread from the first to the last."""
     if count <= most:
         return np.arange(count)
     return np.linspace(0, count - 1, most).round().astype(np.int64)
 
 
 def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict[str, Any]:
-    """One of a history's `vessels`; `columns`: arrays (T), already thinned, by names of `COLUMNS`.
+    """An entry of a history's `vessels`; `columns`: thinned arrays (T) by names of `COLUMNS`.
 
-    Its `states`, `held` and `texts` are empty lists, to be filled by who knows them.
+    Its `states`, `held` and `texts` are empty lists, for the caller to fill.
     """
     if unknown := set(columns) - set(COLUMNS):
-        raise ValueError(f"no columns of a history: {', '.join(sorted(unknown))}")
+        raise ValueError(f"unknown columns of a history: {', '.join(sorted(unknown))}")
     return {
         "id": about.id,
         "kind": kind,
@@ -126,11 +126,11 @@ def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict
 def of_trace(
     trace: Mapping[str, Array], title: str, boats: Sequence[Boat] | None = None
 ) -> dict[str, Any]:
-    """The history of a run, of its trace alone: arrays as in trace.npz, (T, N+1, …) and (T, N, …).
+    """The history of a run from its trace alone: arrays as in trace.npz, (T, N+1, …) and (T, N, …).
 
-    Needs `t_s`, `eta` and `error`; takes `nu` and `thrust` where they are. `boats` (N): boat 1
-    first; without them the leaders are not known. The virtual leader is the first vessel.
-    Slots are where the boats' errors say: p_slot = p − R(ψ) [e_x e_y].
+    Requires `t_s`, `eta` and `error`; uses `nu` and `thrust` if present. `boats` (N): boat 1
+    first; without them the leaders are unknown. The virtual leader is the first vessel.
+    Slots follow from the boats' errors: p_slot = p − R(ψ) [e_x e_y].
     """
     every = kept(trace["t_s"].size, most_samples(trace["eta"].shape[1]))
     sampled = {name: values[every] for name, values in trace.items()}
@@ -154,10 +154,10 @@ def _motion(trace: Mapping[str, Array], agent: int) -> dict[str, Array]:
 
 
 def _slot(trace: Mapping[str, Array], agent: int) -> dict[str, Array]:
-    """Columns of a boat that a leader has not."""
+    """Columns that only boats have: slot, error, thrusts."""
     x, y, psi = trace["eta"][:, agent].T
     e_x, e_y, _ = trace["error"][:, agent - 1].T
-    # of what diverged, figures are not finite
+    # a diverged run has values that are not finite
     with np.errstate(all="ignore"):
         columns = {
             "slot_x_m": x - (np.cos(psi) * e_x - np.sin(psi) * e_y),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A live view: what is heard at an address, as frames for the page."""
+"""A live view: turns messages heard at an address into frames for the page."""
 
 import json
 import time
@@ -18,7 +18,7 @@ _WINDOW_S = 1.0
 
 
 class Live:
-    """Listens at `address` from `run` on; `length_m`: of boats. Raises as `Listener`."""
+    """Listens at `address` while `run` runs; `length_m`: of the boats. Raises as `Listener`."""
 
     def __init__(self, address: str, length_m: float) -> None:
         self._listener = Listener(address)
@@ -29,7 +29,7 @@ class Live:
         self._heard: deque[tuple[float, int]] = deque([(0.0, 0)])
 
     async def run(self) -> None:
-        """Listens until it is cancelled."""
+        """Listen until cancelled."""
         await self._listener.run(self._take)
 
     def _take(self, heard: Iterable[Message]) -> None:
@@ -41,15 +41,15 @@ class Live:
         return time.monotonic() - self._began_s
 
     def look(self) -> None:
-        """Keeps what there is to see now, for a replay; to be called with every frame's time."""
+        """Keep the current view for a replay; call once per frame."""
         self._watch.wait(self._now_s())
 
     def history(self) -> dict[str, Any]:
-        """All that was seen since the beginning, to be replayed."""
+        """The history since the beginning, for a replay."""
         return self._watch.history(f"Replay of what was heard at {self._listener.address}")
 
     def frame(self) -> dict[str, Any]:
-        """What there is to show now."""
+        """The current frame for the page."""
         now_s = self._now_s()
         vessels = self._fleet.vessels(now_s)
         ear = self._listener.ear
@@ -72,7 +72,7 @@ class Live:
         return json.dumps(self.frame(), separators=(",", ":"), allow_nan=False)
 
     def _alarm(self, now_s: float) -> str | None:
-        """Why nothing is heard, and what to check."""
+        """Why nothing is heard and what to check; None if all is well."""
         if self._listener.trouble is not None:
             return f"{self._listener.address}: {self._listener.trouble}"
         if self._listener.ear.heard != self._bytes:
@@ -80,7 +80,7 @@ class Live:
         return alarm.of_silence(self._listener.address, now_s - self._heard_s)
 
     def _bytes_per_s(self, now_s: float, heard: int) -> int:
-        """Of the last second, or since the last frame where that was longer ago."""
+        """Bytes per second over the last second, or since the last frame if that is longer ago."""
         while len(self._heard) > 1 and now_s - self._heard[1][0] >= _WINDOW_S:
             self._heard.popleft()
         since_s, before = self._heard[0]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The page: one HTML text that carries its style, its scripts and the plot library.
+"""The page: one HTML text that includes its style, its scripts and the plot library.
 
-`page/` has its parts. The plots are drawn by Chart.js, which is read from where Debian has it.
+`page/` contains its parts. Chart.js draws the plots; it is read from Debian's package.
 """
 
 import json
@@ -19,7 +19,7 @@ from sil.lockstep import metrics
 
 LIBRARY = Path("/usr/share/javascript/chart.js/chart.min.js")
 _PARTS = Path(__file__).parent / "page"
-# in this order: a script uses what was defined before it
+# in this order: a script uses definitions of those before it
 _SCRIPTS = (
     "numbers",
     "colours",
@@ -60,42 +60,42 @@ _CHOICES = (
 
 
 class PageError(RuntimeError):
-    """The page cannot be made; the text says what is missing."""
+    """The page cannot be made; the text names what is missing."""
 
 
 def live(*, has_chart: bool = False) -> str:
-    """The page that shows what the WebSocket `live` beside it says: a frame of JSON a message.
+    """The live page; it shows the frames, one JSON message each, of the WebSocket `live`.
 
-    `has_chart`: `chart` beside it is one.
+    `has_chart`: the page loads a chart from the URL `chart`.
     """
     return _page("Flotilla", None, has_chart)
 
 
 def page_with(history: Mapping[str, Any], title: str, *, has_chart: bool = False) -> str:
-    """A page that replays `history`, as `sil.view.history` makes it.
+    """A page that replays a history of `sil.view.history`.
 
-    It needs no other file, unless it `has_chart`, beside it.
+    It needs no other file, except, if it `has_chart`, that from the URL `chart`.
     """
     return _page(title, history, has_chart)
 
 
 def frame_with(history: Mapping[str, Any], title: str) -> str:
-    """The same page as a frame inside another one; a sentence where it cannot be made."""
+    """The same page as an iframe inside another one; a sentence if it cannot be made."""
     try:
         inner = page_with(history, title)
     except PageError as error:
         return f'<p class="note">No replay here: {escape(str(error))}.</p>'
-    # what an attribute needs, and no more: the page is long
+    # escape only what an attribute requires: the page is long
     for sign, name in (("&", "amp"), ('"', "quot"), ("<", "lt")):
         inner = inner.replace(sign, f"&{name};")
     return f'<iframe class="replay" title="{escape(title)}" srcdoc="{inner}"></iframe>'
 
 
 def supervisor_json() -> str:
-    """The firmware's supervisor as the page plays it.
+    """The firmware's supervisor for the page's what-if panel.
 
-    `table` and `conditions` as `flotilla` has them, `states`, `requests`, the operator's `choices`,
-    and `drives`: by state, what must be met for propellers to turn.
+    `table` and `conditions` of the module `flotilla`, `states`, `requests`, the operator's
+    `choices`, and `drives`: by state, the conditions for the propellers to turn.
     """
     content = {
         "states": list(flotilla.STATES),
@@ -109,9 +109,10 @@ def supervisor_json() -> str:
 
 
 def drives() -> dict[str, list[str]]:
-    """What must be met for propellers to turn, by state; asked of the firmware.
+    """By state, the conditions that must be met for the propellers to turn, from the firmware.
 
-    Asked for arming, an armed boat stays as it is: so each condition's want can be tried alone.
+    An armed boat that is requested to arm keeps its state, so this request lets us clear each
+    condition alone.
     """
     names = [c["name"] for c in flotilla.supervisor_conditions()]
     found = {}
@@ -146,14 +147,14 @@ def _page(title: str, history: Mapping[str, Any] | None, has_chart: bool) -> str
 
 
 def _json(value: object) -> str:
-    """JSON that no HTML parser takes for markup."""
+    """JSON that no HTML parser mistakes for markup."""
     text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     return text.replace("<", "\\u003c")
 
 
 @cache
 def library() -> str:
-    """Chart.js. PageError, naming Debian's package, where it is not installed."""
+    """The source of Chart.js; PageError, naming Debian's package, if it is not installed."""
     try:
         return LIBRARY.read_text(encoding="utf-8")
     except OSError:

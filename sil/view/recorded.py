@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The history of a run: the truth of its trace, and what its boats said in its recording."""
+"""The history of a run: the truth from its trace, and its boats' recorded messages."""
 
 import json
 import zipfile
@@ -21,9 +21,9 @@ from sil.view.said import Said, said_in, said_live
 
 
 def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any]:
-    """The history of a folder that `sil run` or `sil live` left; `length_m`: of its boats.
+    """The history of a folder of `flotilla run` or `flotilla live`; `length_m`: of its boats.
 
-    ValueError, in one line, where it has no trace.npz and summary.json.
+    ValueError, in one line, unless the folder has a valid trace.npz and summary.json.
     """
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
@@ -39,7 +39,7 @@ def history_of_run(folder: Path, length_m: float | None = None) -> dict[str, Any
     try:
         sailed = scenario.load(name)
     except ValueError:
-        sailed = None  # a file of somebody's own
+        sailed = None  # not one of the project's scenarios
     there = recording.of_run(folder, digest)
     said = said_of(folder, trace, there, release_unix_s)
     return history_of(f"{name}, seed {summary.get('seed')}", trace, sailed, said, length_m)
@@ -51,7 +51,10 @@ def said_of(
     recorded: Path | None,
     release_unix_s: float | None = None,
 ) -> Said | None:
-    """What was said in a run: of a live run's logs in its folder, or `recorded`; ValueError."""
+    """The boats' messages: from a live run's logs in its folder, else from `recorded`; ValueError.
+
+    None if there is no recording.
+    """
     if release_unix_s is not None:
         return said_live(folder, trace, release_unix_s)
     return None if recorded is None else said_in(recorded, 1e6 * float(trace["t_s"][-1]))
@@ -64,9 +67,9 @@ def history_of(
     said: Said | None,
     length_m: float | None = None,
 ) -> dict[str, Any]:
-    """The history of a run whose trace is at hand: `trace` as in trace.npz.
+    """The history of a run from its `trace`, arrays as in trace.npz.
 
-    `sailed`: its scenario, `said`: what its boats said.
+    `sailed`: its scenario, `said`: its boats' messages, None if unknown.
     """
     boats = trace["error"].shape[1]
     about = _boats(boats, sailed, said)
@@ -82,7 +85,7 @@ def history_of(
 
 
 def _boats(count: int, sailed: Scenario | None, said: Said | None) -> list[Boat]:
-    """What is known of the boats: their recording goes before the scenario."""
+    """The boats' constants; values of the recording take precedence over the scenario's."""
     boats = [Boat(agent) for agent in range(1, count + 1)]
     if sailed is not None and len(sailed.boat) == count:
         boats = history.boats_of(sailed)
@@ -97,6 +100,6 @@ def _boats(count: int, sailed: Scenario | None, said: Said | None) -> list[Boat]
             for boat, own in zip(boats, said.parameters, strict=True)
         ]
     if len({boat.id for boat in boats}) < count:
-        # More than there are system ids: by their numbers, and who follows whom is not told.
+        # More boats than system ids: use their numbers, and leave the leaders unknown.
         boats = [replace(boat, id=i, leader=None) for i, boat in enumerate(boats, start=1)]
     return boats

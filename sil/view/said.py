@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the boats of a run said, as far as a view shows it: of its recording, or of their logs."""
+"""The boats' messages that a view shows, from a run's recording or from the boats' logs."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -33,7 +33,7 @@ Places = npt.NDArray[np.int64]
 
 
 class SaidByBoat:
-    """What one boat has said, over time; what it said before the release, t_s 0, as of then."""
+    """One boat's messages over time; those from before the release count as of t_s = 0."""
 
     def __init__(self, system: int) -> None:
         self.system = system
@@ -42,7 +42,7 @@ class SaidByBoat:
         self._numbers: dict[str, list[tuple[float, float]]] = {}
 
     def hear(self, message: Any, t_s: float) -> None:
-        """Takes a message of it, at a time after the release."""
+        """Process one of its messages; `t_s`: time after the release."""
         vessel = self._vessel
         vessel.hear(message, t_s)
         self.states.note(t_s, vessel.state)
@@ -60,15 +60,15 @@ class SaidByBoat:
                         self._note(f"{side}_{name}", t_s, number)
 
     def is_closing(self) -> bool:
-        """Whether it was in FORMATION, but not in its slot, when it spoke last."""
+        """Whether it was last in FORMATION but not yet in its slot."""
         return self._vessel.state == "FORMATION" and self._vessel.value("IN_SLOT") == 0.0
 
     def has_escs(self, port: int, stbd: int) -> None:
-        """Which of its ESCs are its propellers'; 0 and 1 where nobody says so."""
+        """Set the indices of its propellers' ESCs, 0 and 1 by default."""
         self._vessel.aboard.indices = [port, stbd]
 
     def told(self, t_s: npt.NDArray[np.floating]) -> dict[str, Any]:
-        """What a history has of it: lists of changes, columns at the times `t_s`."""
+        """Its part of a history: lists of changes, and columns at the times `t_s`."""
         columns = {}
         for name, numbers in self._numbers.items():
             at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
@@ -82,14 +82,14 @@ class SaidByBoat:
 
 
 class Said(NamedTuple):
-    """What all boats of a run said; `parameters`: of their firmware, where those are known."""
+    """The messages of all boats of a run; `parameters`: their firmware's, empty if unknown."""
 
     boats: list[SaidByBoat]
     parameters: list[dict[str, float]]
 
 
 def said_in(path: Path, duration_us: float) -> Said:
-    """What was said in a recording that ends `duration_us` after the release; ValueError."""
+    """The messages in a recording that ends `duration_us` after the release; ValueError."""
     recording = Recording(path)
     data = np.frombuffer(recording.records, np.uint8)
     wanted = np.zeros(1 << 16, np.bool_)
@@ -109,9 +109,9 @@ def said_in(path: Path, duration_us: float) -> Said:
 
 
 def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -> Said:
-    """What was said in a live run, of its boats' own logs, as far as there are any.
+    """The messages of a live run, from its boats' own logs, as far as they exist.
 
-    Their propellers' ESCs are taken to be 0 and 1, the firmware's default.
+    Assumes that the propellers' ESCs are 0 and 1, the firmware's default.
     """
     boats = [SaidByBoat(system) for system in range(1, trace["error"].shape[1] + 1)]
     for boat in boats:
@@ -128,10 +128,10 @@ def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -
 
 @njit(cache=True)
 def _frames(data: Bytes, wanted: npt.NDArray[np.bool_], found: Places) -> tuple[int, int]:
-    """Writes (time in us, agent, begin, end) of the wanted frames that boats sent by radio.
+    """Fill `found` (F, 4) with (time in us, agent, begin, end) of wanted frames sent by radio.
 
-    As many as `found` (F, 4) has room for; returns how many there are, and the last time of all
-    records. Layout: `sil.lockstep.recording`.
+    Returns how many there are, which may exceed F, and the time of the last record. Layout:
+    `sil.lockstep.recording`.
     """
     at, count, t_us = 0, 0, 0
     while at + 12 <= data.size:

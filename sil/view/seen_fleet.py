@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""All vessels that are heard, in one local frame. Times are the listener's, s."""
+"""All vessels heard, in one local frame. Times are the listener's, s."""
 
 from collections.abc import Iterable
 from math import cos, hypot, radians
@@ -20,7 +20,7 @@ _M_PER_DEGE7 = 0.0111
 
 
 class Pose(NamedTuple):
-    """North, east (m), heading (rad), where it is known."""
+    """North, east (m), heading (rad; None if unknown)."""
 
     x: float
     y: float
@@ -30,9 +30,9 @@ class Pose(NamedTuple):
 class Fleet:
     """Vessels by system id; at most 255.
 
-    The frame begins at the first origin that is heard, and anew where all that are heard now are
-    50 km away from it. A vessel that is silent for 60 s is forgotten. `length_m`: of boats, which
-    do not say how long they are.
+    The view's frame has the first origin that is received; it moves when all vessels now heard are
+    more than 50 km away. A vessel is dropped after 60 s of silence. `length_m`: length of the
+    boats, which they do not send.
     """
 
     def __init__(self, length_m: float) -> None:
@@ -41,24 +41,24 @@ class Fleet:
         self.origin: Origin | None = None
         self._length_m = length_m
         self._frames: dict[Origin, LocalFrame] = {}
-        self._slots: dict[int, tuple[float, float]] = {}  # north, east of the leader
+        self._slots: dict[int, tuple[float, float]] = {}  # north, east from the leader
 
     @property
     def ignored(self) -> int:
-        """Messages so far of systems that are no vessels."""
+        """Number of messages so far from systems that are not vessels."""
         return self.unknown + sum(v.messages for v in self.systems.values() if v.kind is None)
 
     @property
     def origin_deg(self) -> list[float] | None:
-        """Latitude and longitude where the frame begins."""
+        """Latitude and longitude of the frame's origin; None if unknown."""
         return None if self.origin is None else [1e-7 * self.origin[0], 1e-7 * self.origin[1]]
 
     def hear(self, heard: Iterable[Message], now_s: float) -> None:
-        """Takes messages that came at `now_s`."""
+        """Process messages that arrived at `now_s`."""
         for message in heard:
             vessel = self.systems.get(message.system)
             if message.fields is None:
-                # Nobody could check it: it is nobody's sign of life.
+                # Its checksum cannot be verified, so it does not prove that the vessel is alive.
                 self.unknown += vessel is None or vessel.kind is None
                 continue
             if vessel is None:
@@ -70,7 +70,7 @@ class Fleet:
                 self._anchor_slot(vessel, now_s)
 
     def vessels(self, now_s: float) -> list[dict[str, Any]]:
-        """The vessels as the page has them, by id; what is not known is None."""
+        """The vessels of a frame for the page, sorted by id; unknown values are None."""
         for vessel in tuple(self.systems.values()):
             if now_s - vessel.heard_s > FORGOTTEN_S:
                 del self.systems[vessel.system]
@@ -114,14 +114,14 @@ class Fleet:
             "escs": vessel.aboard.escs(at_s),
         }
 
-    # -- where it is in the view's frame
+    # -- poses in the view's frame
 
     def _pose(self, vessel: Vessel) -> Pose | None:
         place, psi = vessel.motion.place, vessel.motion.psi_rad
         return None if place is None else self._seen(place, psi, vessel.motion.origin)
 
     def _seen(self, place: Place, psi: float | None, origin: Origin | None) -> Pose | None:
-        """A place that was told, in the view's frame."""
+        """Convert a received position to the view's frame; None if impossible."""
         if place.on_globe:
             if self.origin is None:
                 return None
@@ -157,7 +157,7 @@ class Fleet:
             self.systems = {v.system: v for v in others}
 
     def _look_at_globe(self, now_s: float) -> None:
-        """Where nobody tells an origin, the first place on the globe is one."""
+        """If nobody sends an origin, use the first global position after some patience."""
         for vessel in self.systems.values():
             place = vessel.motion.place
             waited = now_s - vessel.since_s > _PATIENCE_S and vessel.kind is not None
@@ -168,7 +168,7 @@ class Fleet:
     # -- slots
 
     def _anchor_slot(self, vessel: Vessel, now_s: float) -> None:
-        """A slot is told seldom; between, it goes with the leader."""
+        """Store a received slot relative to the leader: slots come seldom and move with it."""
         slot, leader = self._told_slot(vessel), self._leader_pose(vessel, now_s)
         self._slots.pop(vessel.system, None)
         if slot is not None and leader is not None:
@@ -198,7 +198,7 @@ class Fleet:
 
 
 def _apart_m(a: Origin, b: Origin) -> float:
-    """Distance of two origins, roughly."""
+    """Approximate distance of two origins."""
     east = cos(radians(1e-7 * a[0])) * (
         (a[1] - b[1] + 1_800_000_000) % 3_600_000_000 - 1_800_000_000
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where a vessel says that it is, how it moves, and where its slot is. Times are s."""
+"""A vessel's reported position, motion and slot. Times are s."""
 
 from math import atan2, cos, isfinite, sin
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ _POSITION, _VELOCITY, _ATTITUDE = 1, 2, 8  # FOLLOW_TARGET's capabilities
 
 
 class Place(NamedTuple):
-    """A position: north and east (m) of an origin, or latitude and longitude (degE7)."""
+    """A position: north and east (m) from an origin, or latitude and longitude (degE7)."""
 
     t_s: float
     on_globe: bool
@@ -25,7 +25,7 @@ class Place(NamedTuple):
 
 
 class Motion:
-    """What a vessel has told of it; None where it has not."""
+    """The last reported values; None if never reported."""
 
     def __init__(self) -> None:
         self.origin: Origin | None = None
@@ -39,7 +39,7 @@ class Motion:
 
     @property
     def place(self) -> Place | None:
-        """Where it was last: in its local frame, unless only the globe is told any more."""
+        """The last position: local, unless only global positions still arrive."""
         local, globe = self._local, self._globe
         if local is None or globe is None:
             return local or globe
@@ -47,21 +47,21 @@ class Motion:
 
     @property
     def body_velocity(self) -> tuple[float | None, float | None]:
-        """Velocity over ground ahead and to starboard, m/s."""
+        """Velocity over ground ahead and to starboard, m/s; None if unknown."""
         if self._velocity is None or self.psi_rad is None:
             return None, None
         (north, east), c, s = self._velocity, cos(self.psi_rad), sin(self.psi_rad)
         return c * north + s * east, c * east - s * north
 
     def forget(self, before_s: float) -> None:
-        """Heading and velocity that were told last before then are not known any more."""
+        """Drop a heading and a velocity older than `before_s`."""
         if self._psi_s < before_s:
             self.psi_rad = None
         if self._velocity_s < before_s:
             self._velocity = None
 
     def hear(self, number: int, fields: tuple[Any, ...], now_s: float) -> None:
-        """Takes a message of its autopilot."""
+        """Process a message of its autopilot."""
         if (take := _TAKE.get(number)) is not None:
             take(self, fields, now_s)
 
@@ -112,7 +112,7 @@ class Motion:
     def _begins(self, f: tuple[Any, ...], _: float) -> None:
         if self.origin != f[:3]:
             if self.origin is not None:
-                self._local = self.slot = None  # those were of the other frame
+                self._local = self.slot = None  # they were in the old frame
             self.origin = f[0], f[1], f[2]
 
     def _slot(self, f: tuple[Any, ...], now_s: float) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The web server of a view: one page, and either live frames for it or a history in it."""
+"""The web server of a view: one page, with live frames or with a history to replay."""
 
 import asyncio
 import errno
@@ -33,9 +33,9 @@ _MOST_PORTS = 20
 
 
 class Server:
-    """Serves `source` at `bind` (host, port; port 0: any) while a loop runs; OSError.
+    """Serves `source` at `bind` (host, port; port 0: any); OSError.
 
-    Where the port is taken, at the next one that is free.
+    If the port is in use, takes the next free one of the 20 from there.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Server:
         self._socket.setblocking(False)
         address, port = self._socket.getsockname()[:2]
         own = rf"(localhost|127(\.\d+){{3}}|\[::1\]|{re.escape(bind[0])})"
-        # another site's name that is said to be this machine's opens no page of the loopback
+        # DNS rebinding: on the loopback, reject requests under another site's name
         self._names = own if ipaddress.ip_address(address).is_loopback else ".*"
         host = f"[{bind[0]}]" if ":" in bind[0] else bind[0]
         self.url = f"http://{host}:{port}/"
@@ -55,7 +55,7 @@ class Server:
         self._text = self._page()
 
     async def run(self) -> None:
-        """Serves until it is cancelled."""
+        """Serve until cancelled."""
         server = tornado.httpserver.HTTPServer(self._application())
         server.add_socket(self._socket)
         beat = PeriodicCallback(self._tell, 1000 / FRAMES_PER_S)
@@ -70,7 +70,7 @@ class Server:
             await server.close_all_connections()
 
     def end(self) -> None:
-        """Nothing more will be heard: every page goes on as a replay of what was."""
+        """End a live source: every open page continues as a replay of what was heard."""
         if isinstance(self._source, Live):
             self._source = self._source.history()
             self._text = self._page()
@@ -147,7 +147,7 @@ class _Tile(tornado.web.RequestHandler):
 
 
 class _Frames(WebSocketHandler):
-    """One page that is open; what it says is not listened to."""
+    """The WebSocket of an open page; ignores the page's messages."""
 
     def initialize(self, clients: "set[_Frames]") -> None:
         self._clients = clients
@@ -163,7 +163,7 @@ class _Frames(WebSocketHandler):
         pass
 
     def tell(self, text: str) -> None:
-        """Sends a frame, unless the page has not taken the last one yet."""
+        """Send a frame, unless the last one is still being sent."""
         if self._sent is not None and not self._sent.done():
             return
         with suppress(WebSocketClosedError):
@@ -172,7 +172,7 @@ class _Frames(WebSocketHandler):
 
 
 def _look(sent: "Future[None]") -> None:
-    """A page that went meanwhile is no error."""
+    """Retrieve the exception: a page that was closed meanwhile is not an error."""
     if not sent.cancelled():
         sent.exception()
 
@@ -193,19 +193,19 @@ def _socket_at(host: str, port: int) -> socket.socket:
 
 
 def serve(source: Live | dict[str, Any], bind: tuple[str, int], chart: Chart | None = None) -> None:
-    """Serve until SIGINT or SIGTERM; says where. OSError where it cannot.
+    """Print the URL and serve until SIGINT or SIGTERM; OSError if it cannot.
 
-    SIGUSR1: a live source is over, and replayed.
+    SIGUSR1 ends a live source; the pages then replay it.
     """
 
     async def run() -> None:
         server = Server(source, bind, chart)
         serving = asyncio.ensure_future(server.run())
-        for number in (signal.SIGINT, signal.SIGTERM):  # whatever a shell has made of them
+        for number in (signal.SIGINT, signal.SIGTERM):  # a shell may have set them to be ignored
             asyncio.get_running_loop().add_signal_handler(number, serving.cancel)
         asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, server.end)
         if server.is_elsewhere:
-            print(f"view: port {bind[1]} is in use, here is the next free one", file=sys.stderr)
+            print(f"view: port {bind[1]} is in use, using the next free one", file=sys.stderr)
         print(f"view: {server.url}", flush=True)
         with suppress(asyncio.CancelledError):
             await serving

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What holds a boat in its state, asked of the firmware's own table."""
+"""The conditions that keep a boat out of FORMATION, from the firmware's own table."""
 
 from functools import lru_cache
 from typing import Any
@@ -11,11 +11,10 @@ _CONDITIONS: list[dict[str, Any]] = flotilla.supervisor_conditions()
 
 @lru_cache(maxsize=1024)
 def held_by(conditions: int, state: str) -> tuple[str, ...]:
-    """What a boat says for want of each condition that keeps it from FORMATION.
+    """The boat's message for each unmet condition that keeps it out of FORMATION.
 
-    `conditions`: the bits that `flotilla.supervisor_conditions()` names are set where they are met;
-    a disarmed boat needs those for arming too. The most important comes first. Nothing holds a boat
-    that is in FORMATION.
+    `conditions`: the bits of `flotilla.supervisor_conditions()`, set if met. A disarmed boat also
+    needs the conditions for arming. The most important comes first; empty for a boat in FORMATION.
     """
     if state == "FORMATION":
         return ()

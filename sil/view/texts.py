@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""What a vessel says in words: STATUSTEXT, put together where it came in pieces."""
+"""A vessel's STATUSTEXTs, reassembled from their chunks."""
 
 _CHUNK = 50
 
 
 class Texts:
-    """The last sentence that was said whole, and when (s)."""
+    """The last complete text, and when it arrived (s)."""
 
     def __init__(self) -> None:
         self.last = ""
@@ -13,9 +13,9 @@ class Texts:
         self._pieces: dict[int, tuple[int, list[bytes]]] = {}
 
     def hear(self, component: int, piece: bytes, number: int, chunk: int, now_s: float) -> None:
-        """Takes a message; `number` 0 is a whole text, others are said in chunks from 0 on.
+        """Process a STATUSTEXT; `number` 0 is a whole text, others come in chunks from 0 on.
 
-        A text of which a chunk is lost is left out.
+        A text with a lost chunk is dropped.
         """
         pieces = [piece]
         if number:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The history of a tlog: what a view would have shown while it was written."""
+"""The history of a tlog: what a live view would have shown while it was written."""
 
 from collections.abc import Iterator
 from math import nan
@@ -20,7 +20,7 @@ from sil.wire.tlog import packets
 _LONGEST_GAP_S = 3600.0
 _FIRST_STEP_S = 0.1
 _MOMENT_S = 0.001
-# Where a column is not a number of the frame by its own name.
+# Columns whose values the frame has under another name.
 _PLACES = {
     "slot_x_m": ("slot", 0),
     "slot_y_m": ("slot", 1),
@@ -33,20 +33,21 @@ Told = dict[str, Any]
 
 
 def history_of_tlog(path: Path, length_m: float = LENGTH_M) -> dict[str, Any]:
-    """The history of a tlog; `length_m`: of its boats. ValueError where it has no messages.
+    """The history of a tlog; `length_m`: of its boats. ValueError if it contains no message.
 
-    Its clock may have been set meanwhile: steps back, and ahead by more than an hour, are no time.
+    Time stamps that step back, or ahead by more than an hour, count as a clock that was set: no
+    time passes.
     """
     watch = Watch(Fleet(length_m))
     for t_s, message in messages_of(path.read_bytes()):
         watch.hear(t_s, message)
     if not watch.times:
-        raise ValueError(f"{path} is no tlog: no MAVLink message is in it")
+        raise ValueError(f"{path} is not a tlog: it contains no MAVLink message")
     return watch.history(path.name)
 
 
 class Watch:
-    """Looks at a fleet at even times; where those get too many, at half as many."""
+    """Samples a fleet at equal intervals; doubles the interval when the samples get too many."""
 
     def __init__(self, fleet: Fleet) -> None:
         self.times: list[float] = []
@@ -56,7 +57,7 @@ class Watch:
         self._told: dict[int, _Told] = {}
 
     def hear(self, t_s: float, message: Message) -> None:
-        """Takes a message that came at `t_s`."""
+        """Process a message that arrived at `t_s`."""
         self.wait(t_s)
         self._last_s = t_s
         self._fleet.hear([message], t_s)
@@ -66,12 +67,12 @@ class Watch:
                 self._told.setdefault(vessel.system, _Told()).note(t_s, vessel)
 
     def wait(self, t_s: float) -> None:
-        """Nothing else came until `t_s`."""
+        """Sample up to `t_s`, with no message in between."""
         while len(self.times) * self._step_s <= t_s:
             self._look(len(self.times) * self._step_s)
 
     def history(self, title: str) -> Told:
-        """What was seen, with what the vessels told last."""
+        """The history so far, ending with the vessels' last values."""
         self._look(max([self._last_s, *(t_s + _MOMENT_S for t_s in self.times[-1:])]))
         return {
             "title": title,
@@ -94,7 +95,7 @@ class Watch:
 
 
 class _Told:
-    """What one vessel told over time."""
+    """One vessel's values over time."""
 
     def __init__(self) -> None:
         self.last: Told = {}
@@ -104,7 +105,7 @@ class _Told:
         self._states, self._held, self._texts = Changes(), Changes(), Changes()
 
     def look(self, index: int, vessel: Told) -> None:
-        """The view's sample of that index."""
+        """Add the sample with this index."""
         self._fill(index)
         self._rows.append([_number(vessel, name) for name in COLUMNS])
         self.last = vessel
@@ -112,18 +113,18 @@ class _Told:
         self._limits_N = vessel["limits_N"] or self._limits_N
 
     def note(self, t_s: float, vessel: Vessel) -> None:
-        """What it says of itself now."""
+        """Note its state, missing conditions and text."""
         self._states.note(t_s, vessel.state)
         self._held.note(t_s, list(vessel.held()))
         self._texts.note(t_s, vessel.texts.last or None)
 
     def halve(self, samples: int) -> None:
-        """Every other one of so many samples is left out."""
+        """Drop every other one of `samples` samples."""
         self._fill(samples)
         self._rows = self._rows[::2]
 
     def history(self, samples: int) -> Told:
-        """The vessel as a history has it."""
+        """The vessel's entry in a history of `samples` samples."""
         self._fill(samples)
         columns = zip(COLUMNS, np.array(self._rows).T, strict=True)
         return {
@@ -153,9 +154,10 @@ def _number(vessel: Told, column_name: str) -> float:
 
 
 def messages_of(data: bytes) -> Iterator[tuple[float, Message]]:
-    """Seconds since the first message, and each message; what is damaged is left out.
+    """Seconds since the first message, and each message; skips damaged ones.
 
-    So is what nobody can check: what is no log has bytes that look like it.
+    Skips unknown messages too: their checksum cannot be verified, and any file may contain bytes
+    that look like one.
     """
     ear, t_s, before_us = Ear(stream=False), 0.0, -1
     for packet in packets(data, []):

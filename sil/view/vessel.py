@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One MAVLink system: whether it is a vessel, of which kind, and what it has told of itself."""
+"""One MAVLink system: whether it is a vessel, its kind, and its last telemetry."""
 
 from typing import Any
 
@@ -21,10 +21,10 @@ _NO_VESSELS = {mavlink.MAV_TYPE_GCS, mavlink.MAV_TYPE_ADSB, mavlink.MAV_TYPE_ONB
 
 
 class Vessel:
-    """A system that may be a vessel; `kind` is None until its HEARTBEAT says that it is.
+    """A system that may be a vessel; `kind` is None until a HEARTBEAT identifies it as one.
 
-    kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). Where it is
-    is said by its component 1, or the lowest that is heard; times are the listener's, s.
+    kind: "boat" (a Flotilla), "leader" (virtual: GENERIC), "vessel" (another vehicle). Its position
+    is taken from component 1, else from the lowest component heard; times are the listener's, s.
     """
 
     def __init__(self, system: int, now_s: float) -> None:
@@ -42,7 +42,7 @@ class Vessel:
         self._boot_ms = 0
 
     def hear(self, message: Message, now_s: float) -> None:
-        """Takes a message of this system."""
+        """Process a message of this system."""
         number, _, component, fields = message
         self.messages += 1
         self.heard_s = now_s
@@ -66,16 +66,16 @@ class Vessel:
                 self._is_companion = True
 
     def value(self, name: str) -> float | None:
-        """A NAMED_VALUE_FLOAT that it still told when it was heard last."""
+        """A NAMED_VALUE_FLOAT that was still valid at the vessel's last message."""
         return self.aboard.value(name, self.heard_s)
 
     def slot_is_told(self) -> bool:
-        """Whether it still told its slot when it was heard last."""
+        """Whether its slot was still valid at the vessel's last message."""
         motion = self.motion
         return motion.slot is not None and self.heard_s - motion.slot_s < _SLOW_S
 
     def held(self) -> tuple[str, ...]:
-        """The complaints that keep a boat from FORMATION."""
+        """The boat's messages for the conditions that keep it out of FORMATION."""
         told = [self.value(name) for name in ("COND", "COND2")]
         halves = [int(half) for half in told if half is not None and 0 <= half < 1 << 24]
         if self.state is None or len(halves) < len(told):
@@ -105,7 +105,7 @@ class Vessel:
         self.state = state_of(custom_mode, base_mode, status) if is_boat else None
 
     def _look_at_clock(self, boot_ms: int) -> None:
-        """A vessel that was started again said on another voyage what it said before."""
+        """Drop all values from before a restart of the vessel."""
         if boot_ms + _RESTARTED_MS < self._boot_ms:
             self.motion, self.aboard = Motion(), Aboard()
         self._boot_ms = boot_ms

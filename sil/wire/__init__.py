@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""What travels between the simulated boats: bytes and frames, without physics or wall time."""
+"""Bytes and frames between simulated vessels; contains no physics and no wall time."""

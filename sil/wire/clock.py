@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A vessel's own clock, which nobody else can read."""
+"""A vessel's own clock: an offset and a drift from the world's time."""
 
 from dataclasses import dataclass
 

@@ -22,7 +22,7 @@ HEALTH_OK = 0
 MODE_OPERATIONAL = 0
 
 _F16_MAX = 65504.0
-# A 14-bit field as it lies in the stream (low byte, then the 6 upper bits) to its signed value.
+# Signed value of each 14-bit field as encoded in the stream (low byte, then the 6 upper bits).
 _INT14 = [((w & 0x3F) << 8 | w >> 6) - ((w & 0x20) << 9) for w in range(1 << 14)]
 _SHIFTS = [range(8 * n - 14, -1, -14) for n in range(36)]
 
@@ -39,7 +39,7 @@ class RawCommand:
     cmd: tuple[int, ...]
 
     def encode(self) -> bytes:
-        """ValueError for more than 20 values."""
+        """14 bits per value, saturated; ValueError for more than 20 values."""
         if len(self.cmd) > 20:
             raise ValueError(f"RawCommand of {len(self.cmd)} values")
         bits = 0
@@ -109,7 +109,7 @@ _ESC_STATUS = Struct("<IeeeHBB")
 
 
 def _float16(value: float) -> float:
-    # In this order NaN, which is less than nothing, stays NaN.
+    # This order of arguments keeps NaN, with which every comparison is false.
     return min(max(value, -_F16_MAX), _F16_MAX)
 
 
@@ -168,7 +168,7 @@ class NodeInfo:
     certificate: bytes = b""
 
     def encode(self) -> bytes:
-        """ValueError for a name, unique id or certificate of a length that has no place."""
+        """ValueError if the name, unique id or certificate has a length that does not fit."""
         if len(self.name) > 80 or len(self.unique_id) != 16 or len(self.certificate) > 255:
             raise ValueError("NodeInfo: name, unique id or certificate has the wrong length")
         fixed = _NODE_INFO.pack(
@@ -185,7 +185,7 @@ class NodeInfo:
 
     @staticmethod
     def decode(payload: bytes) -> "NodeInfo":
-        """The name is what follows the certificate."""
+        """The name is the rest after the certificate; ValueError for a wrong length."""
         if len(payload) < _NODE_INFO.size:
             raise ValueError(f"NodeInfo of {len(payload)} bytes")
         status, s0, s1, flags, commit, crc, h0, h1, unique_id, length = _NODE_INFO.unpack_from(

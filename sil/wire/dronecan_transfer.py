@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """DroneCAN v0 transfers on classic CAN: identifiers, tail bytes, CRC, reassembly.
 
-Source: DroneCAN specification, chapter 4.1. Written apart from the firmware's codec on purpose, so
-that a shared mistake cannot cancel. CAN identifiers are 29 bit, data at most 8 bytes.
+Source: DroneCAN specification, chapter 4.1. Written independently of the firmware's codec, so that
+a mistake in one cannot cancel in the other. CAN identifiers have 29 bits, data at most 8 bytes.
 """
 
 from binascii import crc_hqx
@@ -19,7 +19,7 @@ _SINGLE_TAIL = [bytes([_START | _END | i]) for i in range(32)]
 
 
 class Kind(Enum):
-    """What a frame belongs to."""
+    """The kind of transfer that a frame belongs to."""
 
     MESSAGE = "message"
     ANONYMOUS = "anonymous"
@@ -42,7 +42,7 @@ class DataType:
 
 @dataclass(frozen=True)
 class FrameId:
-    """The fields of a CAN identifier; `destination` is a service's, `discriminator` anonymous."""
+    """A CAN identifier's fields; `destination`: services only, `discriminator`: anonymous only."""
 
     kind: Kind
     priority: int
@@ -52,7 +52,7 @@ class FrameId:
     discriminator: int = 0
 
     def pack(self) -> int:
-        """The 29-bit identifier; ValueError when a field does not fit its place."""
+        """The 29-bit identifier; ValueError when a field is out of range."""
         if self.kind is Kind.MESSAGE:
             can_id = self.type_id << 8
         elif self.kind is Kind.ANONYMOUS:
@@ -67,7 +67,7 @@ class FrameId:
 
     @staticmethod
     def unpack(can_id: int) -> "FrameId":
-        """Reads a 29-bit identifier; an anonymous frame shows the low 2 bits of its type only."""
+        """Parse a 29-bit identifier; an anonymous frame has only the low 2 bits of its type."""
         priority, source = can_id >> 24 & 0x1F, can_id & 0x7F
         if can_id & 0x80:
             kind = Kind.REQUEST if can_id & 0x8000 else Kind.RESPONSE
@@ -90,7 +90,7 @@ def service_subject(data_type: DataType, destination: int, *, request: bool) -> 
 
 
 def split(payload: bytes, transfer_id: int, crc_seed: int) -> list[bytes]:
-    """The data of the frames of one transfer, in order; CRC in front when it takes several."""
+    """The frames' data of one transfer, in order; a multi-frame transfer begins with its CRC."""
     if len(payload) <= 7:
         return [payload + _SINGLE_TAIL[transfer_id]]
     stream = crc_hqx(payload, crc_seed).to_bytes(2, "little") + payload
@@ -104,7 +104,7 @@ def split(payload: bytes, transfer_id: int, crc_seed: int) -> list[bytes]:
 
 
 class Publisher:
-    """The transfers of one message type from one node, numbered in turn."""
+    """Sends one message type from one node, with consecutive transfer ids."""
 
     def __init__(self, data_type: DataType, priority: int, source: int) -> None:
         self._can_id = FrameId(Kind.MESSAGE, priority, data_type.type_id, source).pack()
@@ -137,11 +137,11 @@ class _Session:
 
 
 class Receiver:
-    """Reassembles transfers of the accepted subjects; everything else is not ours, and ignored.
+    """Reassembles transfers of the accepted subjects and ignores all others.
 
-    `accepted` maps a subject (an identifier without priority and source) to its type; several
-    sources are told apart. `counters` counts what was refused: `malformed`, `unexpected`
-    (repeated, reordered or missing its beginning), `oversize`, `crc`.
+    `accepted` maps a subject (an identifier without priority and source) to its type; each source
+    has its own session. `counters` counts rejected frames and transfers: `malformed`, `unexpected`
+    (repeated, reordered or without a start), `oversize`, `crc`.
     """
 
     def __init__(self, accepted: Mapping[int, DataType]) -> None:
@@ -150,7 +150,7 @@ class Receiver:
         self._sessions: dict[int, _Session] = {}
 
     def on_frame(self, can_id: int, data: bytes, now_us: int) -> bytes | None:
-        """Takes a frame (receiver's clock, us); the payload when it completes a transfer."""
+        """Process a frame (receiver's clock, us); the payload when it completes a transfer."""
         subject = can_id & 0xFFFF80
         if not can_id & 0x7F:
             subject &= 0x380
@@ -161,7 +161,7 @@ class Receiver:
             return self._refuse("malformed")
         tail = data[-1]
         if not can_id & 0x7F:
-            # Anonymous transfers are single frames, and their source has no state to keep.
+            # Anonymous transfers are single frames without session state.
             return data[:-1] if tail & 0xE0 == _START | _END else self._refuse("malformed")
         session = self._sessions.get(can_id & 0xFFFFFF)
         if session is None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A motor controller's DroneCAN side: what it tells the motor, and what it says on the bus.
+"""The DroneCAN side of a motor controller: its command to the motor and its frames on the bus.
 
-Behaves as AM32 firmware does with its default settings: thrust only while armed, after a zero
-command, and while commands keep coming.
+Behaves as AM32 firmware with its default settings: thrust only while armed, after a zero command,
+and while commands keep coming.
 """
 
 from sil.wire.dronecan import (
@@ -39,9 +39,9 @@ _NEVER_US = -(1 << 62)
 
 
 class EscNode:
-    """One ESC on the bus; times are its own clock's (us). Construct it anew to reboot it.
+    """One ESC on the bus; times are of its own clock (us). Construct a new one to reboot it.
 
-    `counters` counts frames and payloads that were refused (see `Receiver`).
+    `counters` counts rejected frames and payloads (see `Receiver`).
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class EscNode:
             self._zero_seen |= self._raw == 0
 
     def command(self, now_us: int) -> float:
-        """What the motor is told now, full reverse -1 to full forward 1.
+        """The current command to the motor, full reverse -1 to full forward 1.
 
         Zero while disarmed (no ArmingStatus 255 for 0.5 s), while RawCommand has been silent for
         more than 250 ms, and until a zero RawCommand has been seen.
@@ -115,7 +115,7 @@ class EscNode:
     def tick(
         self, now_us: int, rpm: float, voltage_V: float, current_A: float
     ) -> list[tuple[int, bytes]]:
-        """The frames that are due: identifier and data. `rpm` in 1/min, signed."""
+        """The frames due at `now_us`: identifier and data. `rpm` in 1/min, signed."""
         if self._boot_us is None:
             self._boot_us = now_us
         frames: list[tuple[int, bytes]] = []

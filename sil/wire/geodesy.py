@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Local frames on the WGS 84 ellipsoid, for units that tell where they are on the globe.
+"""Local frames on the WGS 84 ellipsoid, for units that send global positions.
 
-A frame is the plane that touches the water at its origin, x north, y east there; a vessel is the
-point of the water straight below, all of which is at one height above the ellipsoid. Written
-independently of the firmware's: reduced latitudes, Bowring's formula and iteration on the height of
-the water, where the firmware intersects a line with the sea and scales.
+A frame is the tangent plane of the water at its origin, x north, y east there. A vessel lies on the
+water vertically below its point of the plane; all water is at one height above the ellipsoid.
+Written independently of the firmware: reduced latitudes, Bowring's formula and iteration on the
+height of the water, where the firmware intersects a line with the sea and scales.
 Source: Bowring, Transformation from spatial to geographical coordinates, Survey Review 23, 1976.
 """
 
@@ -60,19 +60,19 @@ class LocalFrame:
         )
 
     def moved(self, north_m: float, east_m: float) -> Self:
-        """The frame whose origin lies so far away, to the next degE7."""
+        """The frame with its origin shifted by these distances, rounded to degE7."""
         latitude, longitude, _ = self.geodetic(north_m, east_m, 0.0)
         return type(self)(latitude, longitude, self._height_m)
 
     def geodetic(self, north_m: float, east_m: float, psi: float) -> Geodetic:
-        """A pose of this frame, on the globe."""
+        """Convert a pose of this frame to latitude, longitude and true heading."""
         phi, lam = self._degrees(north_m, east_m)
         return Geodetic(
             round(degrees(phi) * 1e7), round(degrees(lam) * 1e7), psi - self._convergence(phi, lam)
         )
 
     def seen_from(self, other: "LocalFrame", north_m: float, east_m: float, psi: float) -> Vector:
-        """A pose of this frame, in another one: north (m), east (m), heading (rad)."""
+        """Convert a pose of this frame to `other`: north (m), east (m), heading (rad)."""
         phi, lam = self._degrees(north_m, east_m)
         point = _ecef(phi, lam, self._height_m)
         d = tuple(p - o for p, o in zip(point, other._origin, strict=True))
@@ -81,7 +81,7 @@ class LocalFrame:
         return north, east, psi + turn
 
     def _degrees(self, north_m: float, east_m: float) -> tuple[float, float]:
-        """Latitude and longitude, rad, of the point of the water below a point of the plane."""
+        """Latitude and longitude, rad, of the water below a point of the plane."""
         up_m = 0.0
         for _ in range(3):
             x, y, z = (
@@ -95,7 +95,7 @@ class LocalFrame:
     def _convergence(self, phi: float, lam: float) -> float:
         """Angle, rad, from this frame's north clockwise to the true north of a point.
 
-        Seen from above the frame's origin; of the sphere, which is enough for an angle.
+        Seen from above the frame's origin; on a sphere, which is accurate enough for an angle.
         """
         half = tan(0.5 * (lam - self._lam))
         return -2.0 * atan2(half * sin(0.5 * (phi + self._phi)), cos(0.5 * (phi - self._phi)))

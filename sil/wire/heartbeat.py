@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat's state in its HEARTBEAT. firmware/docs/SUPERVISOR.md has them state by state."""
+"""A boat's state in its HEARTBEAT; firmware/docs/SUPERVISOR.md lists the fields by state."""
 
 MANUAL, HOLD, FORMATION = 0, 4, 6  # custom_mode
 
@@ -9,7 +9,7 @@ _MODES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION"}
 
 
 def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None:
-    """One of `flotilla.STATES` by the fields of a boat's HEARTBEAT; None where it is none."""
+    """The state, one of `flotilla.STATES`, in a boat's HEARTBEAT; None if it contains none."""
     if system_status == _EMERGENCY:
         return "FAULT"
     if not base_mode & _ARMED:

@@ -15,9 +15,10 @@ class Rng(Protocol):
 class Link:
     """Chunks arrive whole after serialisation, `delay_s` and a uniform jitter in [0, `jitter_s`).
 
-    Jitter may reorder. A chunk is lost with probability `loss`, after it took its time on the air.
-    `rate_Bps` is bytes per second, 0 unlimited. The four may change while chunks are in flight.
-    `rng` is used, one draw each, only for loss and jitter. Times are one clock's, us.
+    Jitter may reorder. A chunk is lost with probability `loss`, and still takes its time on the
+    air. `rate_Bps` is bytes per second, 0 unlimited. These four may change while chunks are in
+    flight. `rng` is drawn from only where `loss` or `jitter_s` is not 0, a lost chunk draws no
+    jitter. All times are of one clock, us.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class Link:
         heappush(self._in_flight, (arrival_us, self._sent, data))
 
     def receive(self, now_us: int) -> list[bytes]:
-        """The chunks that have arrived by `now_us` and were not yet taken, in order of arrival."""
+        """The chunks that have arrived by `now_us` since the last call, in order of arrival."""
         arrived, self._arrived = self._arrived, []
         in_flight = self._in_flight
         while in_flight and in_flight[0][0] <= now_us:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where MAVLink frames begin and end, by their length bytes, without decoding them.
+"""Finds MAVLink frames by their length bytes, without decoding them.
 
 Source: mavlink.io, packet serialization.
 """
@@ -13,7 +13,10 @@ _SIGNED = 1
 
 
 def end_of(data: bytes, at: int) -> int:
-    """Where the frame that may begin at `at` ends, at the earliest; 0: there is none."""
+    """Index after the frame that may begin at `at`; 0: none begins there.
+
+    If its header is cut off, the least possible index.
+    """
     header = HEADER.get(data[at])
     if header is None:
         return 0
@@ -26,11 +29,10 @@ def end_of(data: bytes, at: int) -> int:
 
 
 def frames(data: bytes) -> Iterator[tuple[int, int, int, bytes]]:
-    """Yields (message id, system id, component id, frame) of whole MAVLink 2 frames, in order.
+    """Yield (message id, system id, component id, frame) of whole MAVLink 2 frames, in order.
 
-    CRCs are not checked: who decodes a frame does that. Where something else than a frame begins,
-    the lengths that follow are not trusted to skip what they cover, and every 0xFD that may begin
-    a frame is yielded: garbage hides no frame behind it.
+    CRCs are left to the decoder. After the first byte that is not part of a frame, length bytes are
+    no longer trusted: every 0xFD that may begin a frame yields one, so garbage cannot hide a frame.
     """
     at = data.find(MAGIC_2)
     clean = at == 0

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink by UDP where many may listen: a multicast group, or one address that is sent to.
+"""MAVLink over UDP: to a multicast group with any number of listeners, or to one address.
 
-`mcast:[GROUP:PORT[:ADDRESS]]`: pymavlink's group where none is given, on the interface that has
-the address; without an address nothing leaves the machine. `udpout:HOST:PORT`: one listener.
+`mcast:[GROUP:PORT[:ADDRESS]]`: by default pymavlink's group; sent on the interface with that
+address; without an address nothing leaves the machine. `udpout:HOST:PORT`: one listener.
 """
 
 import ipaddress
@@ -16,7 +16,7 @@ _IP_MULTICAST_ALL = 49  # Linux; Python has no name for it
 
 
 class Group(NamedTuple):
-    """A multicast group, and the address of the interface it is used on."""
+    """A multicast group, its port and the address of the interface to use."""
 
     host: str = "239.255.145.50"
     port: int = 14550
@@ -24,7 +24,7 @@ class Group(NamedTuple):
 
 
 def group_of(text: str) -> Group:
-    """The group of what follows "mcast:"; ValueError."""
+    """Parse the text after "mcast:"; ValueError if it is invalid."""
     parts = text.split(":") if text else []
     match parts:
         case []:
@@ -35,19 +35,19 @@ def group_of(text: str) -> Group:
             raise ValueError("must be mcast:[GROUP:PORT[:ADDRESS]]")
     ipaddress.IPv4Address(group.interface)
     if not ipaddress.IPv4Address(group.host).is_multicast:
-        raise ValueError(f"{group.host} is no multicast group")
+        raise ValueError(f"{group.host} is not a multicast group (224.0.0.0 to 239.255.255.255)")
     return group
 
 
 def port_of(text: str, least: int = 1) -> int:
-    """A UDP or TCP port; ValueError."""
+    """Parse a UDP or TCP port; ValueError if it is not in `least` … 65535."""
     if not (text.isascii() and text.isdecimal()) or not least <= int(text) < 1 << 16:
-        raise ValueError(f'"{text}" is no port from {least} to 65535')
+        raise ValueError(f'"{text}" is not a port from {least} to 65535')
     return int(text)
 
 
 def host_and_port(text: str, least: int = 1) -> tuple[str, int]:
-    """The two of HOST:PORT; ValueError."""
+    """Parse HOST:PORT; ValueError if it is invalid."""
     host, _, port = text.rpartition(":")
     if not host:
         raise ValueError(f'"{text}" is not HOST:PORT')
@@ -55,7 +55,7 @@ def host_and_port(text: str, least: int = 1) -> tuple[str, int]:
 
 
 def listener(group: Group) -> socket.socket:
-    """A socket that hears the group on its interface only, beside others; OSError."""
+    """A shared socket that receives the group on its interface only; OSError if refused."""
     ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -78,9 +78,9 @@ def _join(end: socket.socket, group: Group) -> None:
 
 
 class Mouth:
-    """Says to whoever listens there what it is given; a `send` as `sil.wire.link.Link` has it.
+    """Sends to an address; its `send` has the signature of `sil.wire.link.Link`'s.
 
-    ValueError for an address that is none, OSError where the network refuses it.
+    ValueError for an invalid address, OSError if the network refuses it.
     """
 
     def __init__(self, address: str) -> None:
@@ -107,15 +107,15 @@ class Mouth:
         interface = socket.inet_aton(group.interface)
         self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
         self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, hops)
-        # Who joined on another interface of this machine hears the loopback's too, once it is in.
+        # Once the loopback is a member, listeners that joined on another interface hear it too.
         _join(self._socket, group)
 
     def send(self, data: bytes, t_us: int) -> None:  # noqa: ARG002
-        """Says whole messages now, or loses them: nobody listens, no network, a queue is full."""
+        """Send whole messages; they are lost if nobody listens, the network or the queue fails."""
         if data:
             with suppress(OSError):
                 self._socket.send(data)
 
     def close(self) -> None:
-        """Says no more."""
+        """Close the socket."""
         self._socket.close()

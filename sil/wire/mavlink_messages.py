@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The MAVLink messages that views and logs read: their numbers, how their fields lie on the wire.
+"""The MAVLink messages that views and logs read: numbers and wire layouts.
 
-Layouts and checksum seeds are pymavlink's, but for those of messages that its wheel lacks.
+Layouts and checksum seeds are pymavlink's, except for messages that its wheel lacks.
 Source: mavlink.io, common message set.
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""CAN frames in UDP multicast, as DroneCAN's specification 4.2 says, for python-can: `mcast`.
+"""CAN over UDP multicast for python-can: the interface `mcast`; DroneCAN specification 4.2.
 
 A packet is little endian: u16 magic 0x2934, u16 CRC-16-CCITT-FALSE of all that follows, u16 flags
 (bit 0: CAN FD), u32 identifier with bit 31 for an extended one, data. Bus N is 239.65.82.N, port
@@ -30,7 +30,7 @@ _MAX_PACKET = 128
 
 
 def pack(message: can.Message) -> bytes:
-    """A frame's packet; CanOperationError for what is no data frame of classic CAN."""
+    """The packet of a frame; CanOperationError unless it is a classic CAN data frame."""
     if message.is_fd or message.is_remote_frame or message.is_error_frame or message.dlc > 8:
         raise can.CanOperationError(f"mcast carries classic data frames only, not {message}")
     can_id = message.arbitration_id | (_EXTENDED if message.is_extended_id else 0)
@@ -39,7 +39,7 @@ def pack(message: can.Message) -> bytes:
 
 
 def unpack(packet: bytes, timestamp_s: float) -> can.Message | str:
-    """The frame in a packet, or the reason why there is none: `malformed`, `crc`, `fd`."""
+    """The frame in a packet, or why it is rejected: `malformed`, `crc`, `fd`."""
     if len(packet) < _HEADER.size:
         return "malformed"
     magic, crc, flags, can_id = _HEADER.unpack_from(packet)
@@ -63,17 +63,17 @@ class McastBus(can.BusABC):
     """Bus "N" on 127.0.0.1, or "N:ADDRESS" on the interface that has the address.
 
     Without an address no packet leaves the machine: simulated throttle must not reach a real boat.
-    Own frames are not received. `counters` counts the packets that were ignored, by reason.
-    CanInitializationError names a wrong channel or a network that refuses.
+    Own frames are not received. `counters` counts rejected packets by reason.
+    CanInitializationError: the channel is invalid or the network refuses.
     """
 
     def __init__(
         self,
         channel: str | int = "0",
         can_filters: CanFilters | None = None,
-        **_: object,  # what other backends have, a bit rate for one
+        **_: object,  # options of other backends, such as a bit rate
     ) -> None:
-        # Set before anything can fail, for shutdown() and the base's __del__.
+        # Set before anything can fail: shutdown() and the base's __del__ read them.
         self.counters: Counter[str] = Counter()
         self._sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -89,7 +89,7 @@ class McastBus(can.BusABC):
         super().__init__(channel=channel, can_filters=can_filters)
 
     def _connect(self, address: str, hops: int) -> None:
-        """Sockets that send and receive on the interface of `address`."""
+        """Open the sockets that send and receive on the interface of `address`."""
         interface = socket.inet_aton(address)
         self._sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
         self._sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, hops)
@@ -102,7 +102,7 @@ class McastBus(can.BusABC):
         self._receiver.setblocking(False)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:  # noqa: ARG002
-        """Sends a frame at once; CanOperationError when the network refuses it."""
+        """Send a frame at once; CanOperationError when the network refuses it."""
         packet = pack(msg)
         try:
             self._sender.sendto(packet, self._group)
@@ -110,7 +110,7 @@ class McastBus(can.BusABC):
             raise can.CanOperationError(f"{self.channel_info}: {error}") from error
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
-        """The next frame within `timeout` seconds; not filtered."""
+        """The next frame within `timeout` seconds, and that it is not filtered."""
         deadline_s = None if timeout is None else time.monotonic() + timeout
         while True:
             left_s = None if deadline_s is None else max(0.0, deadline_s - time.monotonic())
@@ -129,19 +129,19 @@ class McastBus(can.BusABC):
             self.counters[frame] += 1
 
     def fileno(self) -> int:
-        """Readable when a packet is there; -1 after shutdown."""
+        """Descriptor that is readable when a packet waits; -1 after shutdown."""
         return self._receiver.fileno()
 
     def shutdown(self) -> None:
-        """Closes the sockets; more than once does no harm."""
+        """Close the sockets; may be called again."""
         super().shutdown()
         self._sender.close()
         self._receiver.close()
 
 
 def _parse(channel: str) -> tuple[int, str]:
-    """Bus number and address, empty when not given; ValueError."""
+    """Parse bus number and address (empty if absent); ValueError if invalid."""
     match = re.fullmatch(r"(\d{1,3})(?::(.+))?", channel)
     if not match or int(match[1]) > 255:
-        raise ValueError("the channel is N or N:ADDRESS, N from 0 to 255")
+        raise ValueError("the channel must be N or N:ADDRESS, N from 0 to 255")
     return int(match[1]), str(ipaddress.IPv4Address(match[2])) if match[2] else ""

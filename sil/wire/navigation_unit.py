@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A navigation unit's MAVLink side: sends a state, its origin and heartbeats, answers TIMESYNC.
+"""The MAVLink side of a navigation unit: sends state, origin and heartbeats, answers TIMESYNC.
 
-Serves a boat's own unit (the boat's system id) and the virtual leader alike. Frames: north-east-
-down, heading clockwise from north; body x forward, y starboard.
+Used for a boat's own unit (with the boat's system id) and for the virtual leader. Frames:
+north-east-down, heading clockwise from north; body x forward, y starboard.
 Source: mavlink.io, common message set.
 """
 
@@ -27,12 +27,12 @@ Message = Literal["local", "odometry", "global", "follow_target"]
 
 
 class Settings(NamedTuple):
-    """What a unit says and how often; `attitude_rate_hz` 0: with every position.
+    """A unit's messages and rates; `attitude_rate_hz` 0: ATTITUDE with every position.
 
-    `origin_m`: where its local frame begins, north and east of the world's. `delay_s`: how long
-    what it says of itself waits before it leaves; its stamps are of the instant that it tells, and
-    TIMESYNC, where it answers it (`timesync`), is answered at once. Every `dropout_every_s` (0:
-    never) of its clock it tells no state for `dropout_s`.
+    `origin_m`: origin of its local frame, north and east of the world's. `delay_s`: latency of its
+    messages; their time stamps are those of the measurement. `timesync`: whether it answers
+    TIMESYNC, which it then does without that latency. Once every `dropout_every_s` (0: never) of
+    its clock it sends no state for `dropout_s`.
     """
 
     rate_hz: float
@@ -51,10 +51,10 @@ def _wrap(psi: float) -> float:
 
 
 class NavigationUnit:
-    """One sender of state; times are its own clock's (us, positive).
+    """One sender of state; times are of its own clock (us, positive).
 
     `origin` is (latitude degE7, longitude degE7, altitude mm) of the world's frame, the tangent
-    plane in which eta counts; vessels are at sea level. `counters` counts received `timesync`
+    plane in which eta is given; vessels are at sea level. `counters` counts received `timesync`
     requests and `bad` frames (wrong CRC).
     """
 
@@ -97,7 +97,7 @@ class NavigationUnit:
         self._waiting: deque[tuple[int, bytes]] = deque()
 
     def tick(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
-        """What is due now: eta = [x y psi] (m, m, rad), nu = [u v r] (m/s, m/s, rad/s) of now."""
+        """The messages due now, for eta = [x y psi] (m, m, rad), nu = [u v r] (m/s, m/s, rad/s)."""
         out = b""
         if self._slow_rate.due(now_us):
             out = self._heartbeat() + self._pack(
@@ -107,7 +107,7 @@ class NavigationUnit:
             return out + self._answers() + self._told(now_us, eta, nu)
         self._waiting.append((now_us, out + self._told(now_us, eta, nu)))
         out = self._answers()
-        # A clock that went back makes nothing wait longer.
+        # A message from the future, after the clock was set back, leaves at once.
         while self._waiting and not 0 <= now_us - self._waiting[0][0] < self._delay_us:
             out += self._waiting.popleft()[1]
         return out
@@ -115,13 +115,13 @@ class NavigationUnit:
     def _answers(self) -> bytes:
         out = b""
         for ts1, arrived_us in self._requests:
-            # The instant of reading, not of answering: a requester bounds our clock by it.
+            # The time of arrival, not of the answer: the requester bounds our clock by it.
             out += self._pack(mavlink.MAVLink_timesync_message(1000 * arrived_us, ts1))
         self._requests.clear()
         return out
 
     def _told(self, now_us: int, eta: Sequence[float], nu: Sequence[float]) -> bytes:
-        """The state, where it is due; in a drop-out nothing."""
+        """The state messages that are due; none during a drop-out."""
         attitude = self._attitude_rate is not None and self._attitude_rate.due(now_us)
         state = self._state_rate.due(now_us)
         if self._every_us and now_us % self._every_us >= self._every_us - self._dropout_us:
@@ -130,7 +130,7 @@ class NavigationUnit:
         return out + self._state(now_us, eta, nu) if state else out
 
     def on_mavlink(self, data: bytes, now_us: int) -> None:
-        """Takes any bytes; TIMESYNC requests to this unit are answered by the next tick."""
+        """Process any bytes; TIMESYNC requests to this unit are answered by the next tick."""
         for message_id, _, _, frame in frames(data):
             if message_id != _TIMESYNC or not self._answers_timesync:
                 continue
@@ -139,7 +139,7 @@ class NavigationUnit:
             except mavlink.MAVError:
                 self.counters["bad"] += 1
                 continue
-            # Upstream's extension, unknown to the wheel's dialect; zeros are cut off the wire.
+            # Target ids, a newer extension that the wheel's dialect lacks; trailing zeros are cut.
             target = frame[26 : 10 + frame[1]]
             own = (self._mav.srcSystem, self._mav.srcComponent)
             if request.tc1 == 0 and all(t in (0, o) for t, o in zip(target, own, strict=False)):

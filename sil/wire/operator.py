@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""An operator at a ground station: arms boats and puts them into a mode, by MAVLink commands."""
+"""An operator at a ground station: arms boats and sets their mode by MAVLink commands."""
 
 from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
 
@@ -17,8 +17,8 @@ _READ = {
 class Operator:
     """One ground station.
 
-    What it has heard, by system id: the `state` of the last HEARTBEAT that tells one and the last
-    `text` (STATUSTEXT).
+    By system id: `state`, from the last HEARTBEAT that contains one, and the last `text`
+    (STATUSTEXT).
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class Operator:
         return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
 
     def set_parameter(self, system: int, name: str, value: float) -> bytes:
-        """The wish for a parameter's value."""
+        """The PARAM_SET that sets a parameter."""
         wish = mavlink.MAVLink_param_set_message(
             system,
             mavlink.MAV_COMP_ID_AUTOPILOT1,
@@ -51,16 +51,16 @@ class Operator:
         return self._command(system, mavlink.MAV_CMD_DO_SET_MODE, custom, float(mode))
 
     def sticks(self, system: int, ahead: float) -> bytes:
-        """MANUAL_CONTROL: that share of full thrust ahead, no turn."""
+        """MANUAL_CONTROL: `ahead` in [-1, 1] of full thrust, no turn."""
         x = round(1000 * ahead)
         return self._pack(mavlink.MAVLink_manual_control_message(system, x, 0, 500, 0, 0))
 
     def set_interval(self, system: int, message: float, interval_us: float) -> bytes:
-        """The command to send a message every so often."""
+        """The command to send a message every `interval_us`."""
         return self._command(system, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message, interval_us)
 
     def on_mavlink(self, data: bytes) -> None:
-        """Takes what a boat sends, whole frames."""
+        """Process whole frames that a boat sends."""
         for message_id, system, _, frame in frames(data):
             if message_id not in _READ:
                 continue

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""When a periodic message is due."""
+"""Schedule of a periodic message."""
 
 
 class Rate:
-    """A grid of instants, `hz` times a second (1/s), anchored at the first question.
+    """A grid of instants, `hz` per second, anchored at the first call of `due`.
 
-    The grid is counted in whole microseconds from its anchor, so it never drifts, whatever the
-    clock's offset. A question that comes late is answered once and the grid stays; two periods
-    late, or a clock that ran backwards, anchors it anew.
+    Instants are computed in whole microseconds from the anchor, so the grid never drifts, whatever
+    the clock's offset. A late call gets one message and leaves the grid as it is; two periods late,
+    or a clock that ran backwards, starts a new grid.
     """
 
     def __init__(self, hz: float) -> None:
@@ -18,11 +18,11 @@ class Rate:
         self._next_us = -(1 << 62)
 
     def due(self, now_us: int) -> bool:
-        """Whether the message is to be sent at `now_us` (us, the asker's clock)."""
+        """Whether to send the message at `now_us` (us, the caller's clock)."""
         late_us = now_us - self._next_us
         if -self._period_us <= late_us < 0:
             return False
-        # Less than two periods would let a clock that jitters by 1 us around the grid lose slots.
+        # With less than two periods, a clock that jitters by 1 us around the grid would lose slots.
         if not 0 <= late_us < 2 * self._period_us:
             self._anchor_us = now_us
             self._count = 0

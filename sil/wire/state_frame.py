@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink 2 frames of the messages that go out at every tick.
+"""MAVLink 2 frames of the messages that are sent at every tick.
 
-Field layout and checksum seed are pymavlink's own; what is left out are its message objects, which
-take two thirds of the time of packing. Tests compare the frames byte for byte with pymavlink's.
+Uses pymavlink's field layouts and checksum seeds but not its message objects, which take two thirds
+of the packing time. Tests compare the frames byte for byte with pymavlink's.
 """
 
 from typing import Any

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Telemetry logs: for each packet the time (u64 us since 1970, big endian), then the packet."""
+"""Telemetry logs (tlog): each packet follows its time (u64 us since 1970, big endian)."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -7,7 +7,7 @@ from typing import NamedTuple
 from sil.wire.mavlink_frames import HEADER, MAGIC_2, end_of
 
 _TIME = 8
-_LATEST_US = 4_102_444_800_000_000  # the year 2100: a time after that is none
+_LATEST_US = 4_102_444_800_000_000  # the year 2100; a later time stamp is invalid
 
 
 class Packet(NamedTuple):
@@ -26,15 +26,15 @@ class Packet(NamedTuple):
 
     @property
     def payload(self) -> bytes:
-        """Without header, checksum and signature."""
+        """The frame without header, checksum and signature."""
         begin = HEADER[self.frame[0]]
         return self.frame[begin : begin + self.frame[1]]
 
 
 def packets(content: bytes, damaged: list[int]) -> Iterator[Packet]:
-    """The packets of a tlog; appends to `damaged` how many bytes between them are none.
+    """The packets of a tlog; appends to `damaged` the length of each gap between them.
 
-    Whole by its length, not by its checksum: what nobody here knows is kept too.
+    A packet is recognised by its length, not its checksum, so unknown messages are kept too.
     """
     at, size, lost = 0, len(content), 0
     while at < size:
@@ -52,11 +52,11 @@ def packets(content: bytes, damaged: list[int]) -> Iterator[Packet]:
 
 
 def _end(content: bytes, at: int) -> int | None:
-    """Where the record at `at` ends; None where none begins there."""
+    """Index after the record at `at`; None if none begins there."""
     end = _whole(content, at)
     if end is None:
         return None
-    # the next one, or what is left of it, begins there
+    # the next record, or a truncated one, begins there
     return end if len(content) - end <= _TIME or _begins(content, end) else None
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A flotillad whose operator is somebody else's program, on a link of its own over UDP."""
+"""A flotillad whose operator is an existing ground station, on a UDP link of its own."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ OWN_STATE_STALE = "armed for MANUAL only: own state is not fresh"
 
 
 def parameters() -> dict[str, float]:
-    """Every parameter's value in a boat as started here, by name."""
+    """The parameters, by name, of a boat as started here."""
     boat: dict[str, float] = flotilla.Boat(parameters=PATIENT).parameters()
     return boat
 
 
 def quiet_port(bus: int) -> int:
-    """Free, and given to nobody who asks for any port: it stays free until the client takes it.
+    """A free port outside the ephemeral range, so that it stays free until the client takes it.
 
-    Runs of tests at the same time have other buses, and with them other ports.
+    Parallel test runs have other buses and therefore other ports.
     """
     given = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text()
     first, last = map(int, given.split())
@@ -41,11 +41,11 @@ def quiet_port(bus: int) -> int:
 
 
 class Client(Protocol):
-    """What an operator uses."""
+    """The interface of an operator's program."""
 
     @property
     def words(self) -> str:
-        """Everything it said."""
+        """All its output."""
         ...
 
 
@@ -60,7 +60,7 @@ class Sea(RealSea):
 
     @property
     def words(self) -> str:
-        """What everybody said, for whom has to find out why a test fails."""
+        """The output of all programs, to diagnose a failed test."""
         client = "" if self.client is None else self.client.words
         return f"{super()._story()}\nclient: {client}"
 
@@ -69,7 +69,7 @@ class Sea(RealSea):
 
     @property
     def armable(self) -> bool:
-        """All pre-arm checks pass, says the latest SYS_STATUS."""
+        """Whether all pre-arm checks pass by the last SYS_STATUS."""
         said = self.named("SYS_STATUS")
         bit = mavlink.MAV_SYS_STATUS_PREARM_CHECK
         return bool(said and said[-1].onboard_control_sensors_health & bit)
@@ -80,12 +80,12 @@ class Sea(RealSea):
         return any(m.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED for m in beats)
 
     def beat(self) -> None:
-        """Waits for the boat's next two HEARTBEATs: whatever was on its way has happened."""
+        """Wait for the boat's next two HEARTBEATs: messages in flight are processed by then."""
         heard = len(self.named("HEARTBEAT"))
         self.until(lambda: len(self.named("HEARTBEAT")) > heard + 1)
 
     def asked(self, name: str) -> float:
-        """A parameter's value, as the boat tells an operator on the first link."""
+        """A parameter's value, read over the first link."""
         ask = mavlink.MAVLink_param_request_read_message(BOAT, 1, name.encode(), -1)
         told = len(self.named("PARAM_VALUE"))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat at sea for each test, and the programs of its operator."""
+"""A boat for each test, and its operator's programs."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -18,7 +18,7 @@ __all__ = ["bus"]
 
 @pytest.fixture
 def sea(bus: int, tmp_path: Path) -> Iterator[Sea]:
-    """Its words are printed at the end: pytest shows them if the test fails."""
+    """A boat's sea; prints all output at the end, which pytest shows if the test fails."""
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     with Sea(bus, tmp_path) as sea:
@@ -28,7 +28,7 @@ def sea(bus: int, tmp_path: Path) -> Iterator[Sea]:
 
 @pytest.fixture
 def escs_silent(sea: Sea) -> None:
-    """From the beginning."""
+    """ESCs that are silent from the beginning."""
     sea.escs_on = False
 
 

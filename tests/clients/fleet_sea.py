@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The lockstep SIL in real time: two boats in FORMATION, somebody else's program on one's radio."""
+"""The lockstep SIL in real time: two boats in FORMATION, a ground station on one's radio."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PATIENCE_S = 30.0
 
 
 class FleetSea:
-    """Boat 1 is the client's, who is at `port`; what fails is simulated around the boats."""
+    """The client at `port` commands boat 1; failures are simulated around the boats."""
 
     def __init__(self) -> None:
         one = scenario.load(FOLDER / "pair.toml")
@@ -40,7 +40,7 @@ class FleetSea:
 
     @property
     def words(self) -> str:
-        """What everybody said, for whom has to find out why a test fails."""
+        """The output of all programs, to diagnose a failed test."""
         client = "" if self.client is None else self.client.words
         return f"states {[self.state(boat) for boat in (1, 2)]}\nclient: {client}"
 
@@ -49,7 +49,7 @@ class FleetSea:
         return name
 
     def until(self, done: Callable[[], object]) -> None:
-        """Sails on until that is so."""
+        """Sail on until the condition is true."""
         end_s = time.monotonic() + _PATIENCE_S
         while not done():
             assert time.monotonic() < end_s, self.words

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVProxy with its default modules, in a process of its own that reads commands from a pipe."""
+"""MAVProxy with its default modules, in a process that reads commands from a pipe."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PROGRAM = Path(sys.executable).with_name("mavproxy.py")
 
 
 class MavProxy:
-    """Its files are in `folder`, which is its home too."""
+    """MAVProxy; its files and home directory are `folder`."""
 
     def __init__(self, sea: Sea, folder: Path) -> None:
         self.sea = sea
@@ -39,7 +39,7 @@ class MavProxy:
             )
 
     def close(self) -> None:
-        """It leaves when nobody can tell it anything any more; a signal would have to wait."""
+        """Close its input, which ends it; a signal would be handled later."""
         assert self._process.stdin is not None
         with suppress(BrokenPipeError):
             self._process.stdin.close()
@@ -54,7 +54,7 @@ class MavProxy:
         return self._words.read_text(errors="replace")
 
     def says(self, *parts: str, since: int = 0) -> bool:
-        """All of this is in what it said since it had said so many characters."""
+        """Whether all parts are in its output after the first `since` characters."""
         words = self.words[since:]
         return all(part in words for part in parts)
 
@@ -62,7 +62,7 @@ class MavProxy:
         self.sea.until(lambda: self.says(*parts, since=since))
 
     def tell(self, command: str, *answer: str) -> str:
-        """A command; what it said from then on until all of the answer was there."""
+        """Give a command; the output from then on until it contains all of `answer`."""
         since = len(self.words)
         assert self._process.stdin is not None
         self._process.stdin.write(command + "\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVSDK as somebody's script uses it, in this process; the sea goes on while a call blocks."""
+"""MAVSDK as used by a script, in this process; the sea runs on while a call blocks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LONGEST_CALL_S = 30.0
 
 
 class MavsdkClient:
-    """The synchronous API: what blocks runs in a thread, what is subscribed fills lists."""
+    """The synchronous API: blocking calls run in a thread, subscriptions fill lists."""
 
     def __init__(self, sea: Sea | FleetSea) -> None:
         self.sea = sea
@@ -58,7 +58,7 @@ class MavsdkClient:
         self._texts = self.watch("status_text")
 
     def close(self) -> None:
-        """A call that a failed test has left ends first: it must not lose the SDK it is in."""
+        """Close after waiting for a call that a failed test left running: it still uses the SDK."""
         self._pool.shutdown(wait=False, cancel_futures=True)
         try:
             assert not wait(self._calls, _LONGEST_CALL_S).not_done, f"blocked; {self.words}"
@@ -79,20 +79,20 @@ class MavsdkClient:
         return [text.text for text in self._texts]
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """What a blocking function returns or raises."""
+        """Call a blocking function; its result or exception."""
         future = self._pool.submit(function, *arguments)
         self._calls.append(future)
         self.sea.until(future.done)
         return future.result()
 
     def watch(self, name: str) -> list[Any]:
-        """What Telemetry says under that name from now on."""
+        """A list that collects a Telemetry subscription from now on."""
         values: list[Any] = []
         getattr(self.telemetry, f"subscribe_{name}")(lambda value, _: values.append(value))
         return values
 
     def messages(self, name: str) -> list[dict[str, Any]]:
-        """The fields of the messages of that name that come from now on."""
+        """A list that collects the fields of all messages of that name from now on."""
         fields: list[dict[str, Any]] = []
         self.direct.subscribe_message(
             name, lambda message, _: fields.append(json.loads(message.fields_json))
@@ -100,7 +100,7 @@ class MavsdkClient:
         return fields
 
     def command(self, number: int, *params: float) -> int:
-        """A COMMAND_LONG's MAV_RESULT."""
+        """Send a COMMAND_LONG; its MAV_RESULT."""
         boat = self.system.get_system_id()
         filled = [*params, *[0.0] * (7 - len(params))]
         fields = {

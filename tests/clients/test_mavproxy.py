@@ -19,7 +19,7 @@ def ready(mavproxy: MavProxy) -> MavProxy:
 
 
 def shown(words: str) -> dict[str, float]:
-    """Lines of `param show`: name and value."""
+    """Parse the lines of `param show`: name and value."""
     lines = re.findall(r"^(?:\w+> )*([A-Z][A-Z0-9_]{2,15}) +(-?[0-9][0-9.e-]*)$", words, re.M)
     return {name: float(value) for name, value in lines}
 
@@ -73,7 +73,7 @@ def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy,
 
 
 def test_a_saved_parameter_file_starts_no_boat(sea: Sea, ready: MavProxy, tmp_path: Path) -> None:
-    """It is saved in FOLLOW, and loaded in HOLD; an old one names the mode."""
+    """The file is saved in FOLLOW and loaded in HOLD; an old file contains the mode."""
     file = tmp_path / "boat.parm"
     sea.until(lambda: sea.armable)
     ready.tell("arm throttle", "ARMED")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A MAVSDK script finds a boat, tunes it, arms it and trusts what it says."""
+"""A MAVSDK script finds a boat, tunes it, arms it and reads its telemetry."""
 
 import math
 import tomllib
@@ -284,7 +284,7 @@ def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient
 
 
 def px4_calls(mavsdk: MavsdkClient) -> dict[str, tuple[Callable[..., Any], IntEnum]]:
-    """What MAVSDK asks of an autopilot that it takes for a PX4, and how it is to fail."""
+    """MAVSDK's calls for a PX4 autopilot, and how each must fail."""
     action, system = mavsdk.action, mavsdk.system
     offboard = Offboard(system)
     mavsdk.call(offboard.set_velocity_ned, VelocityNedYaw(1.0, 0.0, 0.0, 0.0))
@@ -337,7 +337,7 @@ def test_the_metadata_is_downloaded_and_is_the_firmwares(
     sea.until(lambda: MetadataType.ALL_COMPLETED in come)
     got = mavsdk.call(mavsdk.metadata.get_metadata, 1, MetadataType.PARAMETER)
     assert got.json_metadata.encode() == flotilla.metadata()["parameters.json"]
-    assert list(home.rglob("compid*"))  # kept here, and nothing could be left from another time
+    assert list(home.rglob("compid*"))  # cached here, in a new folder
 
 
 @pytest.mark.parametrize("burst", [False, True])

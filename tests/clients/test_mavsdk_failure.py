@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVSDK's failure plugin lets things fail around a simulated boat, and around no other."""
+"""MAVSDK's failure plugin injects failures around a simulated boat, but not a real one."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -19,7 +19,7 @@ OK, OFF, SLOW = FailureType.OK, FailureType.OFF, FailureType.SLOW
 
 
 class Operator:
-    """MAVSDK, and its failure plugin."""
+    """MAVSDK with its failure plugin."""
 
     def __init__(self, sea: FleetSea) -> None:
         self.sdk = MavsdkClient(sea)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat in fixed point on a Cortex-M4 and on an arm64, emulated, against the same boat here."""
+"""A fixed-point boat on an emulated Cortex-M4 and arm64, compared with the same boat here."""
 
 import re
 import shutil

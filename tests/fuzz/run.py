@@ -28,7 +28,7 @@ CORPUS = Path(__file__).parent / "corpus"
 OUT = ROOT / "out" / "fuzz"
 PROGRAMS = ROOT / "build" / "dev" / "tests" / "fuzz"
 TARGETS = ("mavlink", "can", "parameters", "history")
-# A history of this length is some seconds of a boat's life; longer ones only cost time.
+# A history of this length covers some seconds of a boat's life; longer ones only cost time.
 LONGEST = {"history": 1024, "mavlink": 2048, "can": 2048, "parameters": 4096}
 CALL_LIMIT_S = 20
 PROGRESS_S = 10
@@ -36,7 +36,7 @@ PROGRESS_S = 10
 
 @dataclass
 class Result:
-    """Of one target's run."""
+    """The result of one target's run."""
 
     target: str
     executions: int
@@ -53,7 +53,7 @@ class Result:
 
 
 def unpack(target: str, folder: Path) -> int:
-    """The kept inputs, into an empty folder; how many."""
+    """Unpack the kept inputs into an empty folder; their number."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     kept = CORPUS / f"{target}.tar.xz"
@@ -67,7 +67,7 @@ def unpack(target: str, folder: Path) -> int:
 
 
 def pack(target: str, folder: Path) -> int:
-    """The other way; the same inputs give the same bytes."""
+    """Pack the inputs; equal inputs give equal bytes."""
     contents = {hashlib.sha1(p.read_bytes()).hexdigest(): p.read_bytes() for p in folder.iterdir()}
     CORPUS.mkdir(exist_ok=True)
     with tarfile.open(CORPUS / f"{target}.tar.xz", "w:xz", preset=9) as archive:
@@ -79,18 +79,18 @@ def pack(target: str, folder: Path) -> int:
 
 
 def command(target: str) -> list[str | Path]:
-    """The program with what every run of it has."""
+    """The command line common to all runs of a target."""
     return [PROGRAMS / f"fuzz_{target}", f"-timeout={CALL_LIMIT_S}", "-rss_limit_mb=1024"]
 
 
 def executions(log: Path) -> int:
-    """As far as libFuzzer has said."""
+    """The number of executions by libFuzzer's log."""
     numbers = re.findall(r"^#(\d+)\t", log.read_text(errors="replace"), re.MULTILINE)
     return max((int(n) for n in numbers), default=0)
 
 
 def fuzz(target: str, seconds: int, keep: bool) -> Result:
-    """One target for so long; its crashes, with the command that shows each, are in out/fuzz."""
+    """Fuzz one target; stores crashing inputs in out/fuzz, with the commands to repeat them."""
     work = OUT / target
     shutil.rmtree(work, ignore_errors=True)
     kept, found, crashes = work / "kept", work / "found", work / "crashes"
@@ -126,7 +126,7 @@ def fuzz(target: str, seconds: int, keep: bool) -> Result:
     count, done = len(list(kept.iterdir())), executions(log)
     if done < count:
         raise RuntimeError(f"{target}: only {done} of {count} kept inputs were replayed, see {log}")
-    # What only took long is told in the log, beside this machine's other load.
+    # Slow inputs, perhaps due to other load, appear in the log only.
     inputs_that_crash = sorted(p for p in crashes.iterdir() if not p.name.startswith("slow-unit"))
     if process.returncode != 0 and not inputs_that_crash:
         raise RuntimeError(f"{target}: the run failed, see {log}")
@@ -136,7 +136,7 @@ def fuzz(target: str, seconds: int, keep: bool) -> Result:
 
 
 def merge(target: str, work: Path, inputs: list[Path]) -> int:
-    """Keeps the fewest of all inputs that reach the same; how many."""
+    """Keep the smallest set of inputs with the same coverage; its size."""
     merged = work / "merged"
     merged.mkdir()
     with (work / "merge.txt").open("w") as log:
@@ -147,7 +147,7 @@ def merge(target: str, work: Path, inputs: list[Path]) -> int:
 
 
 def print_coverage(targets: list[str]) -> None:
-    """What the kept corpora reach of link and app."""
+    """Print the coverage of link and app by the kept corpora."""
     coverage.PROFILES.mkdir(parents=True, exist_ok=True)
     for old in coverage.PROFILES.glob("fuzz-*"):
         old.unlink()
@@ -169,7 +169,7 @@ def print_coverage(targets: list[str]) -> None:
 
 
 def arguments() -> argparse.Namespace:
-    """Of the command line."""
+    """Parse the command line."""
     parser = argparse.ArgumentParser(prog="tools/fuzz", description=__doc__.splitlines()[0])
     parser.add_argument("targets", nargs="*", metavar="TARGET", help=", ".join(TARGETS))
     parser.add_argument("--seconds", type=int, default=60, help="for each target (60)")
@@ -185,7 +185,7 @@ def arguments() -> argparse.Namespace:
 
 
 def main() -> int:
-    """Exit status 1 where an input crashes."""
+    """Exit status 1 if an input crashes."""
     options = arguments()
     if options.coverage:
         print_coverage(options.targets)

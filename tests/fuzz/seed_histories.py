@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Histories of a boat as seeds: each state, each way that others are lost, each question at sea."""
+"""Histories of a boat as seeds: each state, each loss of others, each request under way."""
 
 import re
 import struct
@@ -33,7 +33,7 @@ ALL = NAVIGATION | LEADER | PORT | STBD | OPERATOR
 
 
 class History:
-    """Ops of history.hpp, one behind the other."""
+    """A sequence of operations of history.hpp."""
 
     def __init__(self, kind: int = 0) -> None:
         self.bytes = bytes([kind])
@@ -61,7 +61,7 @@ class History:
         return self.op("Parameter", number, 7, struct.pack("<f", value))
 
     def cast_off(self, talk: int = ALL) -> "History":
-        """In FORMATION, the leader ahead."""
+        """Bring the boat into FORMATION behind its leader."""
         place = struct.pack("<hhbbb", 60, 0, 0, 10, 0)
         self.talk(talk).op("Vessel", 1, place).op("Step", 2).sail(30)
         return self.op("Step", 0).ask("arm").sail(30).ask("formation").sail(40)
@@ -128,7 +128,7 @@ def histories() -> Iterator[tuple[str, bytes]]:
         limited.cast_off(ALL | OTHER).sail(80).op("Esc", 0, 60, b"\x40\0").sail(60)
         yield f"limit_{name}", limited.bytes
     for name, asked in questions():
-        # Chunks as they are in fuzz_mavlink's inputs, the op's number before each.
+        # Chunks as in fuzz_mavlink's inputs, each after the operation's number.
         said, at = History().cast_off(), 0
         while at < len(asked):
             end = at + 2 + asked[at + 1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink frames of pymavlink's as seeds: every message, every question, as clients ask them."""
+"""MAVLink frames made by pymavlink as seeds: every message, every request of clients."""
 
 import random
 import struct
@@ -36,7 +36,7 @@ ASKED += (396, 397, 435, 436, 9999)
 
 
 def field_values(message: type, rng: random.Random) -> list[object]:
-    """Small numbers, for us where a target is named."""
+    """Small random values; targets are our ids."""
     values: list[object] = []
     types = dict(zip(message.fieldnames, message.fieldtypes, strict=True))
     for name in message.fieldnames:
@@ -55,7 +55,7 @@ def field_values(message: type, rng: random.Random) -> list[object]:
 
 
 def mavlink_frames() -> Iterator[tuple[str, bytes]]:
-    """Every message of the decoder in MAVLink 2, plain and signed, and in MAVLink 1."""
+    """Every message of the decoder in MAVLink 2, unsigned and signed, and in MAVLink 1."""
     rng = random.Random(1)
     for version, library in ((2, dialect()), (1, mavlink1)):
         by_name = {m.msgname: m for m in library.mavlink_map.values()}
@@ -72,21 +72,21 @@ def mavlink_frames() -> Iterator[tuple[str, bytes]]:
 
 
 class Client:
-    """Says what an operator's program says; frames unsigned, of MAVLink 2."""
+    """Encodes an operator's messages; MAVLink 2, unsigned by default."""
 
     def __init__(self, system: int = 255, component: int = 190) -> None:
         self.library: ModuleType = dialect()
         self.link = self.library.MAVLink(None, system, component)
 
     def sign(self, timestamp: int) -> "Client":
-        """From now on, with the key of all."""
+        """Sign from now on, with the common key."""
         self.link.signing.secret_key = KEY
         self.link.signing.timestamp = timestamp
         self.link.signing.sign_outgoing = True
         return self
 
     def say(self, name: str, *fields: object) -> bytes:
-        """One frame."""
+        """Encode one message."""
         message = getattr(self.library, f"MAVLink_{name.lower()}_message")(*fields)
         return bytes(message.pack(self.link))
 
@@ -102,14 +102,14 @@ class Client:
 
 
 def chunk(frame: bytes, flags: int) -> bytes:
-    """Of fuzz_mavlink; a long one in two."""
+    """An input chunk of fuzz_mavlink; a long frame is split in two."""
     if len(frame) > 255:
         return chunk(frame[:200], flags & SECOND_LINK) + chunk(frame[200:], flags)
     return bytes([flags, len(frame)]) + frame
 
 
 def questions() -> Iterator[tuple[str, bytes]]:
-    """Frames, or several behind each other, that a client asks with."""
+    """A client's requests, as one or several frames."""
     client = Client()
     for number, all_param in COMMANDS.items():
         for i, param in enumerate(all_param):
@@ -152,21 +152,21 @@ def questions() -> Iterator[tuple[str, bytes]]:
 
 
 def radio() -> bytes:
-    """A radio that fills, and then is silent."""
+    """A radio whose buffer fills, and that then falls silent."""
     client = Client(51, 68)
     said = [chunk(client.say("RADIO_STATUS", 9, 9, free, 1, 1, 0, 0), TICK) for free in (5, 40, 99)]
     return b"".join(said) + chunk(b"", TICK | 0x70) * 2
 
 
 def handed_on() -> bytes:
-    """What is for another goes where that one was heard."""
+    """Messages that the boat forwards to another system's link."""
     other, client = Client(9, 1), Client()
     heard = chunk(other.say("HEARTBEAT", 11, 0, 0, 0, 3, 3), SECOND_LINK | TICK)
     return heard + chunk(client.command(400, 1, target=9), TICK) * 2
 
 
 def autopilots() -> Iterator[tuple[str, bytes]]:
-    """A companion hears one autopilot, or two, for three seconds."""
+    """A companion hears one or two autopilots for three seconds."""
     for name, systems in (("one", (5,)), ("two", (5, 6)), ("leader", (100,))):
         beats = [
             chunk(Client(system, 1).say("HEARTBEAT", 11, 3, 0, 0, 3, 3), TICK | LATER)
@@ -176,7 +176,7 @@ def autopilots() -> Iterator[tuple[str, bytes]]:
 
 
 def signatures() -> Iterator[tuple[str, bytes]]:
-    """Good, replayed, stale, of the future, forged."""
+    """Signatures: valid, replayed, stale, from the future, forged."""
     for name, timestamp in (
         ("good", CLOCK + 5),
         ("stale", CLOCK - 2 * MINUTE),
@@ -189,7 +189,7 @@ def signatures() -> Iterator[tuple[str, bytes]]:
 
 
 def mavlink() -> Iterator[tuple[str, bytes]]:
-    """Inputs of fuzz_mavlink."""
+    """All inputs of fuzz_mavlink."""
     for name, frame in mavlink_frames():
         twice = chunk(frame, TICK | REPAIRED | SECOND_LINK) + chunk(frame, TICK)
         yield name, bytes([TWO_LINKS]) + twice

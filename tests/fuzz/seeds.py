@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the fuzzer begins with: real messages, frames, files and histories."""
+"""The fuzzer's seeds: real messages, frames, files and histories."""
 
 import json
 import struct
@@ -15,12 +15,12 @@ ESC_STATUS, NODE_STATUS, ALLOCATION = 0, 1, 3  # places in can_ops.hpp's kTypes
 
 
 def transfer(kind: int, node: int, payload: bytes, fate: int = 0) -> bytes:
-    """One of fuzz_can's, and a tick."""
+    """A CAN transfer as an input of fuzz_can, and a tick."""
     return bytes([1, kind, node, fate << 5, len(payload)]) + payload + b"\x09\x03"
 
 
 def allocation(number: int, wish: int = 0) -> bytes:
-    """An anonymous node tells its unique id in three parts."""
+    """An anonymous node sends its unique id in three parts."""
     unique_id = bytes([number, *range(15)])
     parts = ((wish << 1 | 1, unique_id[:6]), (0, unique_id[6:12]), (0, unique_id[12:]))
     return b"".join(transfer(ALLOCATION, 0, bytes([first]) + part) for first, part in parts)
@@ -72,7 +72,7 @@ def parameters() -> Iterator[tuple[str, bytes]]:
 
 
 def write(directory: Path) -> None:
-    """DIRECTORY/TARGET/…"""
+    """Write the seeds to DIRECTORY/TARGET/…."""
     for name, seeds in (
         ("mavlink", mavlink),
         ("can", can),

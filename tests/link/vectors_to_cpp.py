@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Writes dronecan_vectors.json as the initialisers that link/dronecan_vectors.hpp includes."""
+"""Converts dronecan_vectors.json to initialisers for link/dronecan_vectors.hpp."""
 
 import json
 import math
@@ -77,7 +77,7 @@ def fields(v: dict, names: list[str]) -> str:
 
 
 whole = [v for v in reference["captured"] + reference["generated"] if "can_id" in v]
-# What the peer decoded counts like the values that were encoded.
+# Values decoded by the peer are equivalent to the encoded ones.
 ALIASES = {
     "uptime": "uptime_sec",
     "vssc": "vendor_specific_status_code",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A sea of its own for each flotillad, on a bus that nobody else has."""
+"""A simulated sea for each flotillad, on a bus of its own."""
 
 import fcntl
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ BUSES = (5, 6, 7)  # live simulations have 0 to 4, the tests of firmware/ 8 and 
 
 @pytest.fixture(scope="module")
 def bus() -> Iterator[int]:
-    """The number of a multicast bus; other runs of tests on this machine take others."""
+    """The number of a multicast bus that no other test run on this machine uses."""
     for number in BUSES:
         with Path(f"/tmp/flotilla-mcast-{number}.lock").open("a") as lock:
             try:
@@ -28,7 +28,7 @@ def bus() -> Iterator[int]:
 
 @pytest.fixture
 def sea(bus: int, tmp_path: Path) -> Iterator[RealSea]:
-    """Nobody afloat yet: start() does that."""
+    """A sea whose flotillad has not been started: call start()."""
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     with RealSea(bus, tmp_path) as sea:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A flotillad process and the sea around it, in real time, from one loop that waits on sockets.
+"""A flotillad process and its surroundings, in real time, in one loop that waits on sockets.
 
-Conditions are waited for, with generous deadlines; nothing here depends on exact timing. The boat's
-clock is CLOCK_MONOTONIC, and so is everybody else's.
+Tests wait for conditions with generous deadlines; nothing depends on exact timing. The boat's
+clock and all others are CLOCK_MONOTONIC.
 """
 
 from __future__ import annotations
@@ -49,17 +49,17 @@ from tests.target.stations import (
 ROOT = Path(__file__).parents[2]
 PROGRAM = ROOT / "build" / "release" / "firmware" / "flotillad"
 LOOPBACK = "127.0.0.1"
-TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
+TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader whose turns keep every propeller busy
 STORAGE = mavlink.MAV_CMD_PREFLIGHT_STORAGE
 
-#: Who the boat is, and limits that a machine with other things to do keeps to.
+#: The boat's ids, and time limits that a loaded machine can keep.
 PATIENT = {
     "MAV_SYSID": BOAT,
     "FORM_LEADER": LEADER,
     "FS_NAV_S": 2.0,
     "FS_LEADER_S": 5.0,
     "FS_ESC_S": 3.0,
-    "NAV_LAG_S": 0.0,  # nobody there answers TIMESYNC
+    "NAV_LAG_S": 0.0,  # no sender answers TIMESYNC
     "FORM_LAG_S": 0.0,
 }
 
@@ -91,7 +91,7 @@ def free_port() -> int:
 
 
 class Udp:
-    """Talks to whom it has heard last, or, given a port, to that one of this machine."""
+    """Sends to the last sender, or to `port` of this machine if given."""
 
     def __init__(self, port: int | None = None, at: str = LOOPBACK) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -127,7 +127,7 @@ def broadcast_listener() -> Udp:
 
 
 class Serial:
-    """A serial cable: `device` is flotillad's end, as long as this is open."""
+    """A serial cable; its end `device`, for flotillad, exists while this is open."""
 
     def __init__(self, device: Path, baud: int = 57600) -> None:
         self._master, self._slave = pty.openpty()
@@ -164,7 +164,7 @@ class CanFrame(NamedTuple):
 
 
 class Flotillad:
-    """The process; what it says goes to a file, or to the descriptor `mouth`."""
+    """The process; its output goes to a file, or to the descriptor `mouth`."""
 
     def __init__(
         self,
@@ -207,7 +207,7 @@ class Flotillad:
 
 
 class RealSea:
-    """One flotillad, navigation unit, leader, ESCs and operator; who shall be silent has an `on`.
+    """One flotillad, navigation unit, leader, ESCs and operator; `on` = False silences a sender.
 
     The navigation unit is at the first link's end, leader and operator are at the last one's.
     """
@@ -240,14 +240,14 @@ class RealSea:
             end.close()
 
     def connect(self, *ends: End) -> None:
-        """Other links than the one over UDP."""
+        """Replace the UDP link by other links."""
         for end in self.ends:
             end.close()
         self.ends = list(ends)
         self.forget()
 
     def forget(self) -> None:
-        """Nothing was heard so far."""
+        """Discard everything received so far."""
         self.heard: list[CanFrame] = []
         self.messages: list[list[Any]] = [[] for _ in self.ends]
         self.bytes_heard = [0 for _ in self.ends]
@@ -263,7 +263,7 @@ class RealSea:
         prefix: Sequence[str] = (),
         mouth: int | None = None,
     ) -> None:
-        """Starts a flotillad, ended if it was running. `param` instead of PATIENT."""
+        """Start a flotillad, ending a running one first; `param` replaces PATIENT."""
         if self.boat is not None:
             self.boat.close()
         if self.set_up:
@@ -287,7 +287,7 @@ class RealSea:
     # -- time
 
     def until(self, happened: Callable[[], object], seconds: float = _PATIENCE_S) -> None:
-        """Lets everybody do what is due until it has happened."""
+        """Simulate until the event; fails after `seconds`."""
         deadline_us = now_us() + round(1e6 * seconds)
         while not happened():
             if now_us() > deadline_us:
@@ -344,7 +344,7 @@ class RealSea:
         self.can.send(can.Message(arbitration_id=can_id, data=data))
 
     def repeat(self, ask: Callable[[], object], happened: Callable[[], object]) -> None:
-        """Asks five times a second until it has happened."""
+        """Repeat a request five times a second until the event."""
         asked_us = 0
 
         def asked() -> object:
@@ -357,14 +357,14 @@ class RealSea:
         self.until(asked)
 
     def insist(self, happened: Callable[[], object], command: int, *params: float) -> None:
-        """The operator repeats a command until it is done."""
+        """Repeat the operator's command until the event."""
         self.repeat(lambda: self.say(command_long(command, *params)), happened)
 
     def arm(self) -> None:
         self.insist(lambda: self.armed, ARM, 1.0)
 
     def enter_formation(self) -> None:
-        """From whatever state; the propellers turn."""
+        """Enter FORMATION from any state; wait until the propellers turn."""
         self.arm()
         self.insist(lambda: self.state == "FORMATION", SET_MODE, 1.0, float(FORMATION))
         self.until(self.driven)
@@ -373,7 +373,7 @@ class RealSea:
         self.insist(lambda: "saved (asked for)" in self.process.words, STORAGE, 1.0)
 
     def set_parameter(self, name: str, value: float) -> None:
-        """Until the boat says that it is so."""
+        """Set a parameter; wait until the boat confirms it."""
         asked = mavlink.MAVLink_param_set_message(
             BOAT, 0, name.encode(), value, mavlink.MAV_PARAM_TYPE_REAL32
         )
@@ -385,7 +385,7 @@ class RealSea:
         self.repeat(lambda: self.say(asked), done)
 
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:
-        """Asks the flotillad to leave; its exit status. What it said is heard to the end."""
+        """Terminate the flotillad and read its output to the end; its exit status."""
         self._leaving = True
         self.process.signal(number)
         self.until(lambda: self.process.status is not None)
@@ -397,7 +397,7 @@ class RealSea:
     # -- what was heard
 
     def ready(self) -> bool:
-        """It ticks and everybody knows where to reach it."""
+        """Whether it ticks and has been heard on every link."""
         return bool(self.heard) and all(self.messages)
 
     def named(self, name: str, link: int = -1) -> list[Any]:
@@ -421,7 +421,7 @@ class RealSea:
         return [(m.command, m.result) for m in self.named("COMMAND_ACK", link)]
 
     def frames(self, *types: int) -> Frames:
-        """Message frames of these types; without one, every frame."""
+        """The message frames of these types, or all frames."""
         wanted = {(False, each) for each in types}
         return [
             (can_id, data)
@@ -433,11 +433,11 @@ class RealSea:
         return [commands([frame]) for frame in self.frames(RAW_COMMAND)]
 
     def arming(self) -> list[int]:
-        """ArmingStatus is one byte and the tail."""
+        """The ArmingStatus values: one byte, then the tail byte."""
         return [data[0] for _, data in self.frames(ARMING_STATUS)]
 
     def driven(self) -> bool:
-        """An ESC tells its motor to turn."""
+        """Whether an ESC commands its motor to turn."""
         return any(esc.command(now_us()) for esc in self.escs)
 
     def source_node(self) -> int:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The systemd unit: an ordinary user in a closed box that has room for a boat."""
+"""The systemd unit: an ordinary user in a sandbox that still lets a boat run."""
 
 import re
 import shutil
@@ -26,7 +26,7 @@ def analyze(*arguments: object) -> subprocess.CompletedProcess[str]:
 
 
 def settings() -> dict[str, list[str]]:
-    """The values of every key, in their order."""
+    """The values of every key, in order."""
     found: dict[str, list[str]] = {}
     for line in UNIT.read_text().splitlines():
         if line[:1].isalpha():
@@ -36,7 +36,7 @@ def settings() -> dict[str, list[str]]:
 
 
 def exposure(unit: Path) -> float:
-    """As systemd says it: 0 is a box without a hole, 10 is a service that may do all root may."""
+    """systemd's exposure level: 0 is a perfect sandbox, 10 a service with all rights of root."""
     done = analyze("security", "--offline=true", "--no-pager", unit)
     said = next(line for line in done.stdout.splitlines() if "Overall exposure level" in line)
     return float(said.partition(": ")[2].split()[0])
@@ -67,7 +67,7 @@ def test_systemd_understands_every_line(
         pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
     unit = tmp_path / "flotillad.service"
     unit.write_text(spoil(UNIT.read_text().replace(str(INSTALLED), str(PROGRAM))))
-    # Its manual comes with the package. Other units of this machine have mistakes of their own.
+    # The manual is in the package. Other units of this machine may contain mistakes.
     done = analyze("verify", "--man=no", unit)
     said = [line for line in done.stderr.splitlines() if unit.name in line]
     assert any(complaint in line for line in said) if complaint else said == []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad as a process: start, end, violent end, standstill, and what it costs."""
+"""flotillad as a process: start, end, kill, standstill, and its cost."""
 
 import os
 import signal
@@ -38,7 +38,7 @@ LINUX_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 
 def silence(sea: RealSea) -> None:
-    """Nobody but the boat is there."""
+    """Silence everybody but the boat."""
     sea.own.on = sea.leader.on = sea.escs_on = False
 
 
@@ -109,7 +109,7 @@ def test_a_heartbeat_comes_on_every_link_each_with_sequence_numbers_of_its_own(
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_who_asks_a_driving_boat_to_leave_sees_zeros_and_a_disarmed_boat(
+def test_flotillad_terminated_under_way_sends_zeros_and_disarms(
     sea: RealSea, number: signal.Signals
 ) -> None:
     sea.start()
@@ -137,7 +137,7 @@ def test_a_boat_whose_terminal_closes_sails_on(sea: RealSea) -> None:
     assert sea.end() == 0
 
 
-def test_an_operator_who_arms_while_the_boat_leaves_is_late(sea: RealSea) -> None:
+def test_arming_while_flotillad_terminates_has_no_effect(sea: RealSea) -> None:
     sea.start()
     sea.arm()
     sea.process.signal(signal.SIGSTOP)
@@ -173,7 +173,7 @@ def test_a_boat_killed_while_driving_falls_silent_and_its_escs_stop(sea: RealSea
     assert (sea.state_dir / "parameters.txt").read_text() == saved
 
 
-def test_a_boat_that_stood_still_does_not_drive_on_what_piled_up_meanwhile(sea: RealSea) -> None:
+def test_a_process_that_was_stopped_does_not_drive_on_stale_input(sea: RealSea) -> None:
     sea.start(param=PATIENT | {"FS_NAV_S": 1.0})
     sea.enter_formation()
     sea.process.signal(signal.SIGSTOP)
@@ -192,7 +192,7 @@ def test_a_boat_that_stood_still_does_not_drive_on_what_piled_up_meanwhile(sea: 
     sea.enter_formation()  # the operator says so
 
 
-def test_a_boat_that_stood_still_for_long_is_in_fault(sea: RealSea) -> None:
+def test_a_process_that_was_stopped_for_long_is_in_fault(sea: RealSea) -> None:
     sea.start(param=PATIENT | {"FS_NAV_S": 1.0, "FS_ESC_S": 1.0})
     sea.enter_formation()
     sea.process.signal(signal.SIGSTOP)
@@ -206,7 +206,7 @@ def test_a_boat_that_stood_still_for_long_is_in_fault(sea: RealSea) -> None:
     assert {data[0] for _, data in of_type(woken, ARMING_STATUS)} == {0}
 
 
-def test_a_boat_whose_words_nobody_takes_sails_on(sea: RealSea) -> None:
+def test_a_boat_whose_output_pipe_is_full_sails_on(sea: RealSea) -> None:
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     with suppress(BlockingIOError):
@@ -220,7 +220,7 @@ def test_a_boat_whose_words_nobody_takes_sails_on(sea: RealSea) -> None:
     os.close(reader)
 
 
-def test_a_boat_whose_words_nobody_reads_any_more_sails_on(sea: RealSea) -> None:
+def test_a_boat_whose_output_pipe_was_closed_sails_on(sea: RealSea) -> None:
     reader, writer = os.pipe()
     sea.start(mouth=writer)
     os.close(writer)
@@ -257,7 +257,7 @@ def test_a_second_controller_on_the_bus_is_a_fault_and_forbids_arming(sea: RealS
     assert not sea.armed
 
 
-# The kernel cuts what is sent into 40 datagrams (UDP_SEGMENT): no other Python is fast enough.
+# The kernel splits each send into 40 datagrams (UDP_SEGMENT); otherwise Python is too slow.
 FLOOD = """
 import pathlib, socket, sys
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as flood:
@@ -288,7 +288,7 @@ def test_a_flood_on_one_link_does_not_stop_the_control_loop(sea: RealSea) -> Non
 
 
 def cpu_s(pid: int) -> float:
-    """User and system time so far: proc(5)."""
+    """User and system time so far, s: proc(5)."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / LINUX_TICKS_PER_S
 

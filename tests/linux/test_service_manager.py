@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What systemd hears, and what happens where it has not given the rights that were asked for."""
+"""flotillad's notifications to systemd, and its behaviour without the requested rights."""
 
 import select
 import signal
@@ -17,7 +17,7 @@ WATCHDOG_US = 300_000
 
 
 class Manager:
-    """The socket of a service manager, by path or, with @, in the abstract namespace."""
+    """A service manager's socket, by path or, with @, in the abstract namespace."""
 
     def __init__(self, name: str) -> None:
         self.environment = {"NOTIFY_SOCKET": name, "WATCHDOG_USEC": str(WATCHDOG_US)}
@@ -67,12 +67,12 @@ def test_systemd_hears_of_start_life_and_end_from_the_control_loop(
     assert set(manager.heard) == {"READY=1", "WATCHDOG=1", "STOPPING=1"}
 
 
-def test_a_service_manager_that_does_not_read_holds_nothing_up(sea: RealSea) -> None:
+def test_a_service_manager_that_does_not_read_delays_nothing(sea: RealSea) -> None:
     with tempfile.TemporaryDirectory() as folder:
         deaf = Manager(f"{folder}/notify")
         sea.start(environment=deaf.environment | {"WATCHDOG_USEC": "1000"})
         sea.enter_formation()
-        sea.until(lambda: len(sea.raw_commands()) > 150)  # its queue holds a dozen or so
+        sea.until(lambda: len(sea.raw_commands()) > 150)  # its queue holds about a dozen
         assert select.select([deaf.socket], [], [], 0)[0]
         assert sea.end() == 0
         deaf.socket.close()

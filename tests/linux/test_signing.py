@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad with a key: only who has it is obeyed, and the time of signing never goes back."""
+"""flotillad with a key: only its holders are obeyed, and the signing time never goes back."""
 
 import signal
 import time
@@ -45,7 +45,7 @@ def stamp(file: Path) -> int:
 
 
 def write(file: Path, timestamp: int) -> None:
-    """By another implementation of the checksum."""
+    """Write a time stamp file, with another implementation of the checksum."""
     body = f"flotilla-signing-time 1 {timestamp}\n"
     file.write_text(body + f"crc32 = {zlib.crc32(body.encode()):08X}\n")
 
@@ -57,7 +57,7 @@ def required_link() -> Udp:
 
 
 def start(sea: RealSea, key: Path, *options: str) -> None:
-    """The operator's link requires signatures; what is heard there is verified by pymavlink."""
+    """Start with an operator's link that requires signatures; pymavlink verifies its messages."""
     if len(sea.ends) == 1:
         sea.connect(Udp(), required_link())
     sea.leader.on = False
@@ -88,7 +88,7 @@ def order(sea: RealSea) -> None:
 
 
 def obeys_the_key(sea: RealSea) -> None:
-    """The answer has passed pymavlink's verification, or it would be BAD_DATA."""
+    """Assert that a signed command is answered; pymavlink verifies the answer's signature."""
     heard = len(sea.acks())
     secure(sea.gcs.encoder, KEY)
     sea.repeat(lambda: order(sea), lambda: len(sea.acks()) > heard)
@@ -145,7 +145,7 @@ def test_the_time_is_there_at_once_and_after_the_end(
 def test_time_does_not_go_back_over_a_restart_even_where_the_clock_did(
     sea: RealSea, key: Path, stamp_file: Path, end: signal.Signals
 ) -> None:
-    """As if the clock had been an hour ahead when the boat sailed last."""
+    """As if the clock had been an hour ahead during the last voyage."""
     start(sea, key)
     sea.until(sea.ready)
     assert sea.end() == 0

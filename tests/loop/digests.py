@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Digests of everything that boats say, to compare two builds of the firmware.
+"""Digests of all output of boats, to compare two builds of the firmware.
 
     python -m tests.loop.digests > before.txt     # the same later, then `diff` the two
 
 One line for each scenario, law and scalar, and one for each of 1,000 random histories: a boat that
-hears states, commands, sticks, ESCs and garbage in random order. Two builds that behave alike
-print the same lines.
+receives states, commands, sticks, ESCs and garbage in random order. Equivalent builds
+print equal lines.
 """
 
 import argparse
@@ -42,7 +42,7 @@ COMMANDS = (
 
 
 def of_scenarios(seconds: float) -> list[str]:
-    """Each scenario with both laws and all scalars, the first `seconds` of it."""
+    """Digests of each scenario's first `seconds`, with both laws and all scalars."""
     cases = list(itertools.product(SCENARIOS, LAWS, get_args(Scalar)))
     lines = []
     for name, law, scalar in track(cases, console=Console(stderr=True)):
@@ -53,13 +53,13 @@ def of_scenarios(seconds: float) -> list[str]:
             (run,) = sail([short], {}, digest=True)
             end = run.digest if isinstance(run, Run) else run
         except ValueError as error:
-            end = error  # a fleet for which a recording has no room
+            end = error  # a fleet too large for a recording
         lines.append(f"{name} {law} {scalar}: {end}")
     return lines
 
 
 class History:
-    """A boat, and others around it that speak at random."""
+    """A boat, and others around it that send at random."""
 
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)
@@ -85,7 +85,7 @@ class History:
         self.escs = [EscNode(21 + side, side) for side in range(2)]
 
     def state(self, who: tuple[int, int], t_us: int) -> bytes:
-        """One of the messages that tell a state."""
+        """A random state message."""
         pick, mav = self.random, self.senders[who]
         x = 0.4e-6 * t_us + pick.gauss(0.0, 0.01) - (2.0 if who[0] == OWN else 0.0)
         ms = t_us // 1000
@@ -100,13 +100,13 @@ class History:
         return b"".join(message.pack(mav) for message in messages)
 
     def command(self, number: int, values: tuple[float, ...]) -> bytes:
-        """By COMMAND_LONG."""
+        """A COMMAND_LONG."""
         mav = self.senders[OPERATOR, 190]
         padded = (*values, *[0.0] * (7 - len(values)))
         return bytes(mav.command_long_encode(OWN, 1, number, 0, *padded).pack(mav))
 
     def operator(self) -> bytes:
-        """A question, command or stick."""
+        """A random request, command or stick message."""
         pick, mav = self.random, self.senders[OPERATOR, 190]
         kind = pick.randrange(5)
         if kind == 0:
@@ -123,7 +123,7 @@ class History:
         return bytes(message.pack(mav))
 
     def digest(self, ticks: int) -> str:
-        """Of all that the boat says in so many ticks."""
+        """The digest of all output of the boat in that many ticks."""
         pick, out = self.random, hashlib.sha256()
         calm = pick.random() < 0.7  # states come regularly
         silent_us = pick.choice([ticks * TICK_US, pick.randrange(ticks * TICK_US)])  # an ESC's end

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Radios and units whose delay changes: is a boat ever driven by states that are too old?
+"""Radios and units with varying delay: checks that no boat is driven by states that are too old.
 
     python -m tests.loop.late_radio --runs 1000
 
-Each run has a sender that answers TIMESYNC, the leader or the own unit, and ways to and fro with
+Each run has a sender that answers TIMESYNC, the leader or the own unit, and paths both ways with
 drawn delays: from 0 to 10 s, from the start, in steps, slowly, both ways or one, in order or not.
-An operator wants FORMATION all the time. The harness knows when each state was true.
+An operator requests FORMATION all the time. The harness knows the true age of each state.
 """
 
 import argparse
@@ -59,7 +59,7 @@ class Way:
 
 
 class LateAgent(Agent):
-    """At the other end of two ways; `newest_us`: when the newest state that arrived was true."""
+    """A sender behind two paths; `newest_us`: true time of the newest state that arrived."""
 
     to: Way
     fro: Way
@@ -120,7 +120,7 @@ class Ended:
 
 
 def sailed(seed: int, answers: bool = True) -> Ended:
-    """One drawn run; of a sender that does not answer the operator says that it is never late."""
+    """One random run; if the sender does not answer, its latency is configured as 0."""
     random = Random(seed)
     who = random.choice(("leader", "own"))
     lag_s = -1.0 if answers else 0.0
@@ -157,7 +157,7 @@ def sailed(seed: int, answers: bool = True) -> Ended:
 
 
 def main() -> int:
-    """Exit status: 0 no boat was driven by a state that was too old."""
+    """Exit status: 0 if no boat was driven by a state that was too old."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=1000, help="(1000)")
     options = parser.parse_args()

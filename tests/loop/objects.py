@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The world once more, of Python classes and a loop: slow, one run, easy to change.
+"""The reference of the lockstep world, of Python classes and a loop: slow, one run, easy to change.
 
-What `sil.lockstep.world` has to equal byte for byte, and where tests replace a unit or an ESC.
+`sil.lockstep.world` must equal it byte for byte; tests replace units and ESCs in it.
 """
 
 import flotilla
@@ -25,7 +25,7 @@ Record = tuple[int, int, bytes]
 
 
 class ObjectWorld:
-    """One scenario, to be sailed once; `records`: everything that went over a wire."""
+    """One scenario, to be sailed once; `records`: everything on the wires."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.records: list[Record] = []

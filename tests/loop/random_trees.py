@@ -50,9 +50,9 @@ IN_SLOTS = "all in their slots"
 
 @dataclass(frozen=True)
 class End:
-    """Of a run's last 10 s: boats that stopped; of the others the farthest and the fastest turn.
+    """Of a run's last 10 s: number of boats held; of the others, greatest distance and yaw rate.
 
-    Where a white moment shakes the hulls, turns are means over a second.
+    With white noise on the hulls, yaw rates are means over a second.
     """
 
     held: int
@@ -89,7 +89,7 @@ def draw(number: int, folder: Path) -> Scenario:
     )
     for boat in range(1, 1 + int(rng.integers(1, MOST_BOATS + 1))):
         leader = 0 if boat == 1 else int(rng.integers(max(1, boat - 4), boat))
-        while True:  # nobody's place is another's
+        while True:  # no two boats share a slot
             offset = np.array([-rng.uniform(2.0, 4.0), rng.uniform(-3.0, 3.0)]) * (boat > 1)
             here = place[leader] + offset
             if all(np.hypot(*(here - there)) > 1.5 for there in list(place.values())[1:]):
@@ -104,7 +104,7 @@ def draw(number: int, folder: Path) -> Scenario:
 
 
 def end_of(run: Run, one: Scenario) -> End:
-    """A boat without thrust in the last 10 s counts as held."""
+    """Classify a run's end; a boat without thrust in the last 10 s counts as held."""
     last = run.trace["t_s"] > run.trace["t_s"][-1] - 10.0
     driven = run.trace["thrust"][last].any(axis=(0, 2))
     off_m = metrics.distances(run.trace["error"])[last].max(axis=0)
@@ -116,7 +116,7 @@ def end_of(run: Run, one: Scenario) -> End:
 
 
 def ends(drawn: Mapping[int, Scenario]) -> dict[int, End | str]:
-    """Of each run how it ended, or why it was not sailed."""
+    """The end of each run, or why it was not sailed."""
     found: dict[int, End | str] = {}
     numbers = list(drawn)
     for begin in track(range(0, len(numbers), TOGETHER), "sailing", transient=True):
@@ -147,7 +147,7 @@ def certified(drawn: Mapping[int, Scenario]) -> set[int]:
 
 
 def certified_depth(one: Scenario) -> int:
-    """Of its longest chain; a boat alone is no chain."""
+    """The certified depth for its longest chain; a single boat is not a chain."""
     path = deepest(one)
     if len(path) < 2:
         return 1
@@ -158,7 +158,7 @@ def certified_depth(one: Scenario) -> int:
 
 
 def loops_hold(one: Scenario) -> bool:
-    """Every boat's sampled loop converges, and its propellers can give what its slot asks for."""
+    """Whether every boat's sampled loop converges and its propellers suffice for its slot."""
     for reference in references(one):
         for _, slot, boat in fleet(one, reference, parameters(one, {})):
             loop, _ = sampled_loop(boat, reference.kind == "rest")

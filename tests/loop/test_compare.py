@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What CI asks: is this campaign worse than that one? Sailed campaigns, not made-up ones."""
+"""Compares really sailed campaigns, as CI does: is one worse than the other?"""
 
 from pathlib import Path
 

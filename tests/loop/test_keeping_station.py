@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who sails in its slot stays in FORMATION; a fleet that cannot be is not sailed."""
+"""A boat that keeps its slot stays in FORMATION; an impossible fleet is not sailed."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def test_slot_inside_a_turn_stops_its_boat_and_no_other_comes_near(sail: Sail) -
     """`diamond` with slots that turn: boat 2 would have to go astern."""
     run = sail("diamond", *PRODUCT, "duration_s=90", parameters={"FORM_FRAME": 1.0})
     assert [boat for boat, states in enumerate(run.states, 1) if "HOLD" in states] == [2]
-    # while they close up nobody keeps clear: FS_SEP_M is 0
+    # without collision avoidance while they close up: FS_SEP_M is 0
     separation = metrics.min_separation_m(run.trace["eta"][2000:])
     assert separation is not None and separation > 0.5
     errors = metrics.distances(run.trace["error"])[-1500:]
@@ -34,7 +34,7 @@ def test_slot_inside_a_turn_stops_its_boat_and_no_other_comes_near(sail: Sail) -
         ("boat.3.offset_m=[0, 0]", "boat 3: Refused: slot is taken"),
     ],
 )
-def test_fleet_that_cannot_be_is_not_sailed(sail: Sail, how: str, why: str) -> None:
+def test_impossible_fleet_is_not_sailed(sail: Sail, how: str, why: str) -> None:
     with pytest.raises(Exception, match="not in FORMATION after 30 s") as told:
         sail("diamond", *PRODUCT, how)
     assert why in str(told.value)

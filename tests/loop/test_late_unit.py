@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Navigation units that are late, and answer no TIMESYNC: nobody tells the boats."""
+"""Late navigation units without TIMESYNC: the boats must find out by themselves."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ OFF_THE_MODEL = "mismatch.share=0.5"
 def sailed(
     *overrides: str, seeds: range = SEEDS
 ) -> list[tuple[np.ndarray, np.ndarray, list[bool]]]:
-    """Of each seed: boats' errors (T, N) in m, yaw rates, whether each was never in HOLD."""
+    """For each seed: boats' errors (T, N) in m, yaw rates, whether each was never in HOLD."""
     scenarios = [load("late_unit", [*overrides, f"seed={seed}"]) for seed in seeds]
     out = []
     for scenario, run in zip(scenarios, sail(scenarios, {}), strict=True):
@@ -50,7 +50,7 @@ def test_a_known_hull_is_as_exact_as_with_a_prompt_unit(rate_hz: int) -> None:
 
 @pytest.mark.parametrize("delay_s", [0.4, 0.45])
 def test_boats_whose_units_are_too_late_hold_and_none_spins(delay_s: float) -> None:
-    late = (f"navigation.delay_s={delay_s}", "parameters.FS_NAV_S=1")  # who is that late knows it
+    late = (f"navigation.delay_s={delay_s}", "parameters.FS_NAV_S=1")  # set for a late unit
     runs = sailed("duration_s=60", "navigation.rate_hz=20", *late)
     for _, turn, always in runs:
         assert not any(always)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Leaders that say where they are in other ways than `diamond`'s, and boats that do."""
+"""Leaders and boats that report their positions in other messages than `diamond`'s."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ def test_the_formation_closes_up_behind_a_leader_that_tells_another_state(
 ) -> None:
     run = sail(name)
     late_m = metrics.distances(run.trace["error"])[12_000:].max(axis=0)
-    # Found: half of that; degE7 and cm/s are a centimetre wide.
+    # Measured: half of that; the resolution of degE7 and cm/s is about a centimetre.
     assert (late_m <= WANTED[name]).all(), late_m
     assert [seconds.keys() for seconds in run.states] == [{"FORMATION"}] * 4
 
@@ -55,7 +55,7 @@ def test_boats_whose_origins_are_kilometres_apart_keep_the_formation(sail: Sail)
 
 
 class TwoUnits(NavigationUnit):
-    """A unit that also says FOLLOW_TARGET, and falls silent with one of the two for a while."""
+    """A unit that also sends FOLLOW_TARGET, and stops one of the two messages for a while."""
 
     def __init__(self, local: NavigationUnit, target: NavigationUnit, silent: range) -> None:
         self._units, self._silent = (local, target), silent
@@ -82,7 +82,7 @@ def test_a_leader_whose_local_position_stops_and_comes_back_is_followed_without_
     plain, changed = (world.run() for world in worlds)
     assert worlds[0].records != worlds[1].records
     assert changed.states[0].keys() == {"FORMATION"}
-    # The two say what differs by 5 mm; a track that began anew would be off by 60 mm or 0.1 s.
+    # The two differ by 5 mm; a restarted track would be off by 60 mm or 0.1 s.
     difference = (changed.trace["error"] - plain.trace["error"])[3000:, 0]
     assert np.abs(difference[:, :2]).max() < 0.011
     step_N = np.abs(np.diff(changed.trace["thrust"][3000:, 0], axis=0)).max()

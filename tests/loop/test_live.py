@@ -59,7 +59,7 @@ def test_live_boats_are_where_the_lockstep_has_them(live: Path, diamond: tuple[R
 
 
 def states_after_release(boat: dict[str, Any]) -> list[str]:
-    """States told, without a HOLD in the first 0.1 s: that message was sent before the release."""
+    """The reported states, without a HOLD in the first 0.1 s, which was sent before the release."""
     states = boat["states"]
     if len(states) > 1 and states[0][1] == "HOLD" and states[1][0] < 0.1:
         states = states[1:]
@@ -82,7 +82,7 @@ def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
         assert (numbers(boat["leader_age_s"]) < 1.0).all()
         thrust, rpm = numbers(boat["thrust_port_N"]), numbers(boat["port_rpm"])
         turns = np.sign(thrust) * np.sqrt(np.abs(thrust))
-        # what an ESC tells once a second is held: alike half a second late, not at other times
+        # values sent once a second are held: they match half a second late, not otherwise
         likeness = {
             late_s: np.corrcoef(np.interp(t_s - late_s, t_s, turns)[t_s > 5.0], rpm[t_s > 5.0])[
                 0, 1
@@ -93,11 +93,11 @@ def test_a_live_run_is_played_back_with_what_its_boats_said(live: Path) -> None:
 
 
 class LeaderFallsSilent(LiveWorld):
-    """Its virtual leader says nothing more after four seconds."""
+    """A live world whose virtual leader falls silent after four seconds."""
 
     def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
         def silencing(share: float) -> None:
-            if share * COASTING_RUN_S > 3.5:  # told once a second
+            if share * COASTING_RUN_S > 3.5:  # reported once a second
                 self._leader.outbox = []
             progress(share)
 
@@ -107,7 +107,7 @@ class LeaderFallsSilent(LiveWorld):
 def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sil.report.one_run.LiveWorld", LeaderFallsSilent)
+    monkeypatch.setattr("sil.live.live_world.LiveWorld", LeaderFallsSilent)
     diamond = scenario.load("diamond", [f"duration_s={COASTING_RUN_S}"])
     pair = diamond.model_copy(update={"boat": diamond.boat[:2]})
     parameters = {"FS_LEADER_S": 1.0, "FS_COAST_S": 60.0}
@@ -162,7 +162,7 @@ def test_boat_i_takes_the_next_bus() -> None:
 
 
 @pytest.mark.parametrize("bus", ["", "mcast", "mcast:", "mcast:x", "vcan0", "socketcan:can", "x:0"])
-def test_a_bus_that_is_none_is_told(
+def test_an_invalid_bus_is_told(
     bus: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     assert main(["live", "diamond", "--bus", bus, "--out", str(tmp_path)]) == 2

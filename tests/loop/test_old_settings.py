@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The product's law at the settings of the scenarios' files: as good as it was.
+"""The product's law at the settings of the scenarios' files must not get worse.
 
 The published table sails at the firmware's defaults. It once sailed these scenarios as their files
 are, at 100 Hz, 50 N and without a slew limit; the figures of then may improve, not get worse.
@@ -35,8 +35,8 @@ FIGURES = {
 }
 # Before boats steered by the reference: 0.0707874 m.
 OF_MANY_SEEDS = {"mismatch": {"rms_error_m": 0.0760041, "thrust_rms_N": 2.78305}}
-# Each boat closes up to its slot of the root: on the way, its distance from its leader, who closes
-# up too, may grow once more. As good as that, then.
+# Each boat closes up to its slot relative to the root; its distance from its leader, who closes
+# up too, may grow meanwhile: accept these values.
 WORSE = {("turning", "overshoot_m"): 0.665, ("stop_and_go", "overshoot_m"): 0.0706}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Every figure and picture that the project's pages publish, held against what is sailed here.
+"""Compares every published figure and picture with runs sailed here.
 
 Each push sails the law's table, `mismatch` with the seeds that its figures are those of, and some
 runs of the Monte Carlo; --all sails every seed and run, and draws the pictures.
@@ -25,12 +25,12 @@ from sil.results.results_table import decisive
 from sil.results.sailing import Job, Outcome
 from sil.scenario import scenario
 
-# Figures are noted with 6 digits, and printed with 2 or 3.
+# Figures are stored with 6 digits and printed with 2 or 3.
 SHARE, LEAST = 1e-3, 1e-6
 # A pixel differs from 32 of 255 on: the 256 colours of a picture are chosen by all of it.
 PIXEL, PIXELS = 32, 1e-4
 FEW_RUNS = 10
-# Lines that whip until boats lose their leaders; a boat whose slot is refused.
+# Lines that amplify errors until boats lose their leaders; a boat whose slot is refused.
 LOST = {(name, "paper") for name in ("line10", "line20", "line20_relay")}
 LOST |= {("diamond_frame1", "product")}
 # Bounds that the pages say are missed.
@@ -48,7 +48,7 @@ CAMPAIGNS = {campaign.scenario: campaign for campaign in NOTED.campaigns}
 
 
 def published_jobs() -> set[Job]:
-    """The runs whose figures the tables have: of many seeds, the 95th percentile's."""
+    """The runs whose figures are in the tables; with many seeds, the 95th percentile's."""
     found = set()
     for row in NOTED.table:
         for law in row.bound.laws:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Boats that start anywhere keep clear of each other and find into their formation.
+"""Boats with scattered starts keep clear of each other and form up.
 
 The short form of `flotilla campaign scatter --runs 1000`.
 """
@@ -26,7 +26,7 @@ def closest_and_last_errors(
     return closest, [float(result.error_m[:, -1].max()) for result in results]
 
 
-# each push the first dozen, which is 30 % of the same runs
+# on each push only the first dozen, 30 % of the runs
 @pytest.mark.parametrize("runs", [12, pytest.param(40, marks=pytest.mark.nightly)])
 def test_boats_that_start_scattered_never_come_too_near_and_all_arrive(runs: int) -> None:
     closest_m, last_m = closest_and_last_errors(runs, 100)

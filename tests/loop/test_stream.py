@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Boats that keep their slots behind a leader that stands, in a stream."""
+"""Boats that keep their slots behind a resting leader, in a current."""
 
 import pytest
 

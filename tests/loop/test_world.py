@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Courses, clocks, radios and beginnings other than the paper's."""
+"""Courses, clocks, radios and starts that differ from the paper's."""
 
 from pathlib import Path
 
@@ -52,9 +52,9 @@ def test_boats_follow_a_circle_and_stop_with_their_leader(sail: Sail, circle: Pa
     run = sail(circle)
     distance = metrics.distances(run.trace["error"])
     assert distance[5900, 0] < 0.0002
-    # the reference tells speeds to a millimetre a second; by k_x 0.2/s that is 2.4 mm
+    # the reference's resolution of speed is 1 mm/s; divided by k_x = 0.2/s that allows 2.4 mm
     assert distance[5900, 1] < 0.005
-    # The leader's input ends at 60 s like a switch: what it did not announce costs little.
+    # The leader's input ends abruptly at 60 s: the unannounced change costs little.
     assert (distance[6000:] < 0.022).all()
     assert np.abs(run.trace["nu"][-1]).max() < 1e-6
     assert np.abs(run.trace["thrust"][-1]).max() < 1e-6
@@ -153,7 +153,7 @@ def test_noise_and_delay_do_not_grow_from_boat_to_boat(sail: Sail) -> None:
 
 
 class Rebooting(EscNode):
-    """An ESC that boots anew at a given time of its clock."""
+    """An ESC that reboots at a given time of its clock."""
 
     def __init__(self, at_us: int, *identity: int) -> None:
         super().__init__(*identity)

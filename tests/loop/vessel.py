@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The oracle of `flotilla.Fleet` and `sil.lockstep.world`: a vessel is an object, slow to sail.
+"""The oracle of `flotilla.Fleet` and `sil.lockstep.world`: each vessel is a Python object.
 
-Each has its own clock; who says what to whom at a tick is what the fleet has to equal, to the byte.
+Each has its own clock; the fleet's messages at every tick must equal these byte for byte.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ def _nowhere(t_us: int, port: int, data: bytes) -> None:
 
 
 class VirtualLeader:
-    """Agent 0: no boat, but a MAVLink vehicle that sends its state like any other.
+    """Agent 0: not a boat, but a MAVLink vehicle that sends its state.
 
     `record` is told of every chunk and frame: the world's time in us, port, bytes.
     """
@@ -109,7 +109,7 @@ class Vessel:
         )
 
     def header(self) -> dict[str, Any]:
-        """What a replay builds the same boat from."""
+        """The recording's header, from which a replay builds the same boat."""
         return {
             "parameters": self.parameters,
             "links": 2,
@@ -124,7 +124,7 @@ class Vessel:
         return name
 
     def hear(self, t_us: int, data: bytes, link: int = _RADIO) -> None:
-        """Hands bytes to the firmware at the world's time `t_us`."""
+        """Pass bytes to the firmware at the world's time `t_us`."""
         self.record(t_us, self._port + MAVLINK_IN + link, data)
         self.boat.on_mavlink(data, self._clock.at(t_us), link)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Packages of this tree, built once, and of two boats that are not it."""
+"""Packages of this tree, built once, and altered copies of them."""
 
 import fcntl
 import shutil
@@ -13,7 +13,7 @@ from tests.package.root import SOURCES, Root, need, own_root, run
 
 
 def build(arch: str) -> Path:
-    """The package, by tools/package; one at a time, whoever tests beside us."""
+    """Build the package with tools/package, one build at a time across test runs."""
     with Path("/tmp/flotilla-package.lock").open("a") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         said = subprocess.run(
@@ -30,22 +30,22 @@ def arch() -> str:
 
 @pytest.fixture(scope="session")
 def package(arch: str) -> Path:
-    """For this machine."""
+    """The package for this machine."""
     return build(arch)
 
 
 @pytest.fixture
 def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Root]:
-    """This machine's Debian, without the package."""
+    """A root with this machine's Debian, without the package."""
     root = own_root(tmp_path_factory.mktemp("root"))
     yield root
     root.close()
 
 
 def changed(package: Path, target: Path, version: str, **files: str) -> Path:
-    """The package under another version, with other `files` (name: content) in it.
+    """A copy of the package with another version and other `files` (name: content).
 
-    `name` is the file's last part, with _ for what Python does not allow.
+    `name` is the file's name, with _ for characters that Python does not allow.
     """
     folder = target.parent / f"{target.stem}.folder"
     run(["dpkg-deb", "--raw-extract", str(package), str(folder)])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A Debian root to install into: this machine's own under an overlay, or another processor's.
 
-Mounts and processes are in namespaces of their own, the network too where asked for; all of it is
+Mounts, processes and, on request, the network are in namespaces of their own; all of it is
 gone when the root is closed, or with the test's process.
 """
 
@@ -18,11 +18,11 @@ import pytest
 SOURCES = Path(__file__).parents[2]
 CACHE = SOURCES / "build" / "roots"
 SUITE = "bookworm"
-#: Of Debian's processors: the interpreter that binfmt_misc is told of.
+#: By Debian's architecture: the interpreter for binfmt_misc.
 INTERPRETERS = {"arm64": "qemu-aarch64", "armhf": "qemu-arm"}
 BINFMT = Path("/proc/sys/fs/binfmt_misc")
 PATIENCE_S = 300.0
-TIMED_OUT = 124  # as timeout(1) says it
+TIMED_OUT = 124  # exit status of timeout(1)
 
 OVERLAY = """
 mount -t overlay -o lowerdir=/,upperdir=upper,workdir=work overlay root
@@ -32,7 +32,7 @@ NETWORK = "ip link set lo up multicast on && ip route add 239.0.0.0/8 dev lo src
 
 
 def as_root() -> list[str]:
-    """Words before a command that only root may give; skips where nobody may."""
+    """Command prefix to run as root; skips the test if that is impossible."""
     if os.geteuid() == 0:
         return []
     words = ["sudo", "-n"]
@@ -42,7 +42,7 @@ def as_root() -> list[str]:
 
 
 def need(*programs: str) -> None:
-    """Skips where one of the programs is missing."""
+    """Skip the test if one of the programs is missing."""
     os.environ["PATH"] += ":/usr/sbin:/sbin"
     missing = [program for program in programs if shutil.which(program) is None]
     if missing:
@@ -50,7 +50,7 @@ def need(*programs: str) -> None:
 
 
 class Root:
-    """`fill` is a shell script that makes the folder `root` where it runs, which is a tmpfs."""
+    """A root; `fill` is a shell script, run in a tmpfs, that makes the folder `root`."""
 
     def __init__(self, place: Path, fill: str, *, own_network: bool) -> None:
         self.path = place / "root"
@@ -77,19 +77,19 @@ class Root:
         self._enter += [*kinds, "--"]
 
     def close(self) -> None:
-        """Ends everybody in it: its first process waits for the end of its input."""
+        """End all processes in it: its first process waits for the end of its input."""
         self._keeper.communicate("", timeout=PATIENCE_S)
 
     def words(self, *command: object) -> list[str]:
-        """What runs a command in the root."""
+        """The command line that runs a command in the root."""
         return [*self._enter, "chroot", str(self.path), *map(str, command)]
 
     def beside(self, *command: object) -> list[str]:
-        """What runs a command of this machine that sees the root's folder and network."""
+        """The command line that runs a local command with the root's folder and network."""
         return [*self._enter, *map(str, command)]
 
     def run(self, *command: object, check: bool = True) -> str:
-        """What a command in the root has said."""
+        """The output of a command in the root."""
         return run(self.words("env", "LC_ALL=C.UTF-8", *command), check)
 
     def put(self, file: Path, target: str) -> None:
@@ -105,7 +105,7 @@ class Root:
 
 
 def run(words: Sequence[str], check: bool = True) -> str:
-    """The output; where it failed, in the failure's message."""
+    """The output of a command; the error contains it if the command fails."""
     done = subprocess.run(
         words,
         stdin=subprocess.DEVNULL,
@@ -120,7 +120,7 @@ def run(words: Sequence[str], check: bool = True) -> str:
 
 
 def first_process(pid: int) -> int:
-    """Of the namespace of processes that an `unshare` at or below `pid` has made."""
+    """The first process of the process namespace made by an `unshare` at or below `pid`."""
     while True:
         name = Path(f"/proc/{pid}/comm").read_text()
         pid = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
@@ -129,7 +129,7 @@ def first_process(pid: int) -> int:
 
 
 def own_root(place: Path, *, own_network: bool = False) -> Root:
-    """This machine's Debian or Ubuntu; what is written is written elsewhere."""
+    """This machine's Debian or Ubuntu under an overlay that takes all writes."""
     need("dpkg", "unshare", "nsenter", "ip", "systemd-sysusers", "deb-systemd-helper")
     return Root(place, OVERLAY, own_network=own_network)
 
@@ -155,7 +155,7 @@ def foreign_root(place: Path, arch: str) -> Root:
 
 
 def understand(arch: str) -> None:
-    """Has the kernel run that processor's programs by qemu; skips where it cannot."""
+    """Make the kernel run that architecture's programs by qemu; skips the test if it cannot."""
     if subprocess.run(["arch-test", arch], check=False, capture_output=True).returncode == 0:
         return
     interpreter = INTERPRETERS[arch]

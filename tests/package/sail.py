@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A flotillad among navigation unit, leader, ESCs and operator, on loopback, until it pushes.
+"""A flotillad with navigation unit, leader, ESCs and operator, on loopback, until it has thrust.
 
 sail FOLDER PROGRAM STATE-DIR [WORD…]: the words run a command where PROGRAM is. In a network of its
 own, whose multicast is on loopback.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""tools/flash and a boat: real ssh, packages and flotillad; only systemd is stood in for."""
+"""tools/flash and a boat: real ssh, packages and flotillad; only systemd is replaced."""
 
 import os
 import subprocess
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.nightly
 
 
 class Harbour:
-    """The boat's computer, with sshd, and the ssh that finds it under the name `boat`."""
+    """The boat's computer with sshd, and an ssh configuration that names it `boat`."""
 
     def __init__(self, root: Root, folder: Path) -> None:
         self.root = root
@@ -55,7 +55,7 @@ class Harbour:
             wrapper.chmod(0o755)
 
     def flash(self, package: Path) -> tuple[int, str]:
-        """Exit status and words of tools/flash, without the set-up."""
+        """Exit status and output of tools/flash, without tools/setup."""
         path = f"PATH={self._folder / 'bin'}:{os.environ['PATH']}"
         flash = SOURCES / "tools" / "flash.py"
         done = subprocess.run(
@@ -114,7 +114,7 @@ def test_a_program_that_is_not_the_packages_version_is_taken_back(
     before = harbour.version()
     wrong = newer(good, "wrong", flotillad='#!/bin/sh\necho "flotillad 0.0 (00000000)"\n')
     status, words = harbour.flash(wrong)
-    assert status == 1 and "it is to be flotillad 0.1" in words, words
+    assert status == 1 and "expected flotillad 0.1" in words, words
     assert f"back: {before}" in words and harbour.version() == before
 
 
@@ -135,12 +135,12 @@ def test_a_boat_that_does_not_answer_gets_its_old_package_and_its_parameters_bac
 
 
 def told(good: Path) -> str:
-    """What the package's program says of itself."""
+    """The version that the package's program prints."""
     revision = run(["dpkg-deb", "--field", str(good), "Version"]).split(".")[2][:8]
     return f"flotillad 0.1 ({revision})"
 
 
-def test_a_lost_connection_is_a_no(harbour: Harbour, good: Path) -> None:
+def test_a_lost_connection_rolls_back(harbour: Harbour, good: Path) -> None:
     assert harbour.flash(good)[0] == 0
     before = harbour.version()
     harbour.root.put(newer(good, "lost"), "/tmp/flotillad.deb")

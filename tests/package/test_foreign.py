@@ -51,7 +51,7 @@ def test_an_arm64_boat_is_installed_sails_on_loopback_and_is_purged(
 
 
 def sail(root: Root, folder: Path) -> list[str]:
-    """The words that sail the root's flotillad in the root's network."""
+    """The command line that sails the root's flotillad in the root's network."""
     library = folder / "lenient_socket.so"
     run(["aarch64-linux-gnu-g++", "-shared", "-fPIC", "-o", str(library), str(LENIENT)])
     root.put(library, "/tmp/lenient_socket.so")

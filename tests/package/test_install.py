@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The package on a Debian: clean in, clean out, and what an operator has written survives."""
+"""The package on a Debian: clean installation and removal; an operator's files survive."""
 
 import re
 from pathlib import Path
@@ -22,7 +22,7 @@ def install(root: Root, package: Path) -> None:
 
 
 def files_of(root: Root) -> list[str]:
-    """All that bears the boat's name."""
+    """All files with flotilla in their name."""
     places = "/etc /lib/systemd /usr/bin /usr/lib/sysusers.d /usr/share/doc /usr/share/man"
     places += " /var/lib/flotilla /var/log/flotilla /var/lib/systemd"
     words = ["find", *places.split(), "-xdev", "-name", "*flotilla*"]
@@ -30,7 +30,7 @@ def files_of(root: Root) -> list[str]:
 
 
 def sail_a_little(root: Root) -> None:
-    """What a boat and its operator leave behind."""
+    """Create the files that a boat and its operator leave behind."""
     for file, text in ((SAVED, "LAW_KX 0.3\n"), (LOG, "…")):
         root.write(file, text, "0640")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How every command tells a caller's mistake."""
+"""Asserts how every command reports a usage error."""
 
 import pytest
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The rooms of `sil`: each imports only rooms before it, nobody imports tests."""
+"""The folders of `sil`: each imports only earlier ones, none imports tests."""
 
 import ast
 from collections.abc import Iterator

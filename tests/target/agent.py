@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Somebody who sends its state to the boat: its navigation unit or its leader."""
+"""A sender of states to the boat: its navigation unit or its leader."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ START_US = 10_000_000
 
 @dataclass
 class Agent:
-    """Somebody who sends its state: the boat's navigation unit or its leader."""
+    """A sender of states: the boat's navigation unit or its leader."""
 
     station: Station
     course: Course
@@ -40,12 +40,12 @@ class Agent:
         return self.course.at((now_us - START_US) * 1e-6)
 
     def measured(self, now_us: int) -> Course:
-        """No instrument says the same twice, in whatever calm: it trembles by a microradian."""
+        """The measured state: its heading varies by a microradian, as of any real instrument."""
         truth = self.truth(now_us)
         return replace(truth, psi=truth.psi + 1e-6 * (now_us // self.period_us % 3))
 
     def wire(self, now_us: int) -> bytes:
-        """What arrives at the boat now."""
+        """The bytes that arrive at the boat now."""
         if self.on and now_us >= self.next_us:
             self.next_us = now_us + self.period_us
             self.post(now_us, odometry(self.measured(now_us), self.clock(now_us)))
@@ -65,7 +65,7 @@ class Agent:
         self.in_flight.append((now_us + self.delay_us, self.station.pack(message)))
 
     def hear(self, messages: Iterable[Any], now_us: int) -> None:
-        """Answers TIMESYNC requests; they took delay_us to come and the answer takes as long."""
+        """Answer TIMESYNC requests; request and answer each take delay_us."""
         for message in messages:
             if message.get_type() == "TIMESYNC" and message.tc1 == 0:
                 heard_ns = (self.clock(now_us) + self.delay_us) * 1000

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The CAN bus of a boat and its ESCs, by PyPI dronecan: no mistake of ours can cancel."""
+"""The CAN bus of a boat and its ESCs, by PyPI dronecan: shares no mistake with our codec."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Frames = list[tuple[int, bytes]]
 
 
 def reference(kind: str) -> list[Any]:
-    """Frames that another implementation has sent: "captured", "generated" or "damaged"."""
+    """Frames sent by another implementation: "captured", "generated" or "damaged"."""
     path = Path(__file__).parents[1] / "reference" / "dronecan_vectors.json"
     return list(json.loads(path.read_text())[kind])
 
@@ -37,7 +37,7 @@ def of_type(frames: Iterable[tuple[int, bytes]], type_id: int, service: bool = F
 
 
 def transfers(frames: Iterable[tuple[int, bytes]]) -> list[Transfer]:
-    """What PyPI dronecan makes of the frames; TransferError where it refuses one."""
+    """Decode frames with PyPI dronecan; TransferError if it rejects one."""
     manager, complete = TransferManager(), []
     for can_id, data in frames:
         parts = manager.receive_frame(Frame(can_id, data))
@@ -55,7 +55,7 @@ def _slots(*frames: tuple[int, bytes]) -> tuple[int, ...]:
 
 
 def commands(frames: Frames) -> tuple[int, ...]:
-    """Slots of the one RawCommand among a tick's frames."""
+    """The values of the only RawCommand among a tick's frames."""
     return _slots(*of_type(frames, RAW_COMMAND))
 
 
@@ -102,7 +102,7 @@ cached_esc_status = functools.cache(esc_status)
 
 @dataclass
 class Esc:
-    """An ESC that only says how it is: at rest, for it hears no command."""
+    """An ESC that only sends its status: at rest, as it receives no commands."""
 
     node: int
     index: int

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A sea of its own for each test, and two long stories that many tests look at."""
+"""A simulated sea for each test, and two long runs shared by many tests."""
 
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
@@ -12,13 +12,13 @@ from tests.target.stations import FORMATION, odometry
 
 @pytest.fixture
 def sea() -> Sea:
-    """A boat, its navigation unit, its leader and its two ESCs, all well."""
+    """A boat, its navigation unit, its leader and its two ESCs, without faults."""
     return Sea()
 
 
 @pytest.fixture(scope="session")
 def voyage() -> Sea:
-    """Ten minutes that show everything a boat ever says, on two links."""
+    """Ten minutes that contain every message of a boat, on two links."""
     # This truth does not answer to thrust: an observer would learn what is not there, and a boat
     # that is not in its slot would find that it does not answer.
     sea = Sea(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The truth about a level boat: north-east position, heading, body velocity. SI units, radians."""
+"""The true state of a level boat: north-east position, heading, body velocity. SI, radians."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def wrap(angle: float) -> float:
 
 @dataclass(frozen=True)
 class Course:
-    """Where a boat is at t = 0; from then on body velocity and yaw rate are constant."""
+    """A state at t = 0; body velocity and yaw rate are constant from then on."""
 
     north: float = 0.0
     east: float = 0.0
@@ -45,7 +45,7 @@ class Course:
         return c * self.u - s * self.v, s * self.u + c * self.v
 
     def minus(self, other: Course) -> tuple[float, float, float]:
-        """The difference ahead, to starboard and in heading, along this boat's own axes."""
+        """The difference ahead, to starboard and in heading, in this boat's axes."""
         c, s = math.cos(self.psi), math.sin(self.psi)
         north, east = self.north - other.north, self.east - other.east
         return c * north + s * east, -s * north + c * east, wrap(self.psi - other.psi)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""WGS 84, step by step: no mistake of the boat's own geodesy can cancel."""
+"""WGS 84 by iteration, independent of the boat's own geodesy."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ E2 = 0.0066943799901413165
 
 
 class Globe:
-    """A local north-east frame at an origin in degE7 and mm, as GPS_GLOBAL_ORIGIN has it."""
+    """A local north-east frame at an origin in degE7 and mm, as in GPS_GLOBAL_ORIGIN."""
 
     def __init__(self, latitude: int, longitude: int, altitude_mm: int = 0) -> None:
         phi, lam = math.radians(latitude * 1e-7), math.radians(longitude * 1e-7)
@@ -41,6 +41,6 @@ class Globe:
         return math.degrees(phi) * 1e7, math.degrees(math.atan2(y, x)) * 1e7
 
     def local(self, other: Globe) -> tuple[float, float]:
-        """Another's origin, north and east of this one's."""
+        """Another frame's origin, north and east of this one's."""
         away = other.origin - self.origin
         return float(away @ self.north), float(away @ self.east)

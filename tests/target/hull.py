@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat that answers to its own thrust, in water that may move: the paper's vessel (eq:1)."""
+"""A boat that moves under its own thrust, in moving water: the paper's vessel (eq:1)."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ Thrusting = Callable[[float], tuple[float, float]]
 
 
 def s_curve(t_s: float) -> tuple[float, float]:
-    """The paper's leader."""
+    """The input of the paper's leader."""
     return 2.0, 0.3 * math.sin(0.3 * t_s)
 
 
 def wrench(commands: tuple[int, ...]) -> tuple[float, float]:
-    """Of a RawCommand to the first ESC to port and the second to starboard, N and N m."""
+    """Surge force and yaw moment, N and N m, of raw commands (port, starboard)."""
     port, stbd = (GREATEST_N * command / FULL_SCALE for command in commands)
     return port + stbd, ARM_M * (port - stbd)
 
 
 @dataclass
 class Hull:
-    """q: x, y (m) and ψ (rad) over ground, u, v (m/s) and r (rad/s) through the water."""
+    """q: x, y (m) and ψ (rad) over ground; u, v (m/s) and r (rad/s) relative to the water."""
 
     q: list[float] = field(default_factory=lambda: [0.0] * 6)
     current: tuple[float, float] = (0.0, 0.0)  # north, east, m/s
-    push: tuple[float, float] = (0.0, 0.0)  # N and N m that nobody tells the boat of
+    push: tuple[float, float] = (0.0, 0.0)  # N and N m, unknown to the boat
 
     def rates(self, q: list[float], X: float, N: float) -> list[float]:
         _, _, psi, u, v, r = q
@@ -53,7 +53,7 @@ class Hull:
         ]
 
     def advance(self, X: float, N: float, h: float) -> None:
-        """By Runge-Kutta of order 4, the wrench held."""
+        """Integrate by Runge-Kutta of order 4 with constant wrench."""
         X, N = X + self.push[0], N + self.push[1]
 
         def after(k: list[float], step: float) -> list[float]:
@@ -68,7 +68,7 @@ class Hull:
 
     @property
     def seen(self) -> Course:
-        """As a navigation unit sees it: over ground."""
+        """The state over ground, as a navigation unit measures it."""
         x, y, psi, u, v, r = self.q
         c, s = math.cos(psi), math.sin(psi)
         north, east = self.current
@@ -77,7 +77,7 @@ class Hull:
 
 @dataclass
 class Helmsman(Agent):
-    """Its state is its hull's, now."""
+    """A sender whose state is that of a hull."""
 
     hull: Hull = field(default_factory=Hull)
 
@@ -86,7 +86,7 @@ class Helmsman(Agent):
 
 
 class Afloat(Sea):
-    """A sea whose boat goes where its propellers drive it, and its leader where it thrusts."""
+    """A sea whose boat and leader move under their own thrust."""
 
     def __init__(
         self,
@@ -122,11 +122,11 @@ class Afloat(Sea):
         return tick
 
     def obeyed(self, commands: tuple[int, ...]) -> tuple[int, ...]:
-        """What the propellers make of their commands."""
+        """The thrust commands that the propellers obey."""
         return commands
 
     def off_slot(self, north: float = 0.0, east: float = 0.0) -> tuple[float, float, float]:
-        """Where the boat is from a slot there, in its own axes: m, m, rad."""
+        """The boat's pose relative to that slot, in its own axes: m, m, rad."""
         leader = self.leader.truth(self.now_us)
         slot = Course(leader.north + north, leader.east + east, leader.psi)
         return self.hull.seen.minus(slot)

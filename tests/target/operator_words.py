@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an operator says beside COMMAND_LONG, and how he gets a boat into each of its states."""
+"""An operator's messages besides COMMAND_LONG, and how to bring a boat into each state."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ def command_int(
     target: tuple[int, int] = (BOAT, 1),
     frame: int = 0,
 ) -> Any:
-    """COMMAND_INT; of its seven parameters the fifth and the sixth are whole."""
+    """COMMAND_INT; its fifth and sixth parameters are integers."""
     filled = [*params, *[math.nan] * (4 - len(params))]
     return mavlink.MAVLink_command_int_message(*target, frame, command, 0, 0, *filled, x, y, 0.0)
 
 
 def sticks(x: int = 0, r: int = 0, target: int = BOAT, **others: int) -> Any:
-    """MANUAL_CONTROL; the sticks that a boat does not use are where a gamepad leaves them."""
+    """MANUAL_CONTROL; unused sticks have the values that a gamepad sends."""
     unused = {"y": 0, "z": 500, "buttons": 0} | others
     return mavlink.MAVLink_manual_control_message(target=target, x=x, r=r, **unused)
 
 
 def set_mode_message(custom_mode: int, base_mode: int = 1) -> Any:
-    """The old message that is answered by nobody."""
+    """SET_MODE, the old message that is never acknowledged."""
     return mavlink.MAVLink_set_mode_message(BOAT, base_mode, custom_mode)
 
 
@@ -65,7 +65,7 @@ def drive(
     sender: Station | None = None,
     link: int = 0,
 ) -> list[Tick]:
-    """Somebody holds the sticks there, 20 times a second."""
+    """Send these sticks 20 times a second."""
     ticks: list[Tick] = []
     for _ in range(round(seconds / STICKS_EVERY_S)):
         sea.say(sticks(x, r), sender=sender, link=link)
@@ -74,7 +74,7 @@ def drive(
 
 
 def enter_manual(sea: Sea) -> None:
-    """In MANUAL, sticks in the middle, the ESCs' zeros after arming over."""
+    """Enter MANUAL with centred sticks and wait for the end of the ESCs' zeros after arming."""
     sea.enter_hold()
     drive(sea, 0, 0, 0.3)
     sea.mode(MANUAL)
@@ -82,7 +82,7 @@ def enter_manual(sea: Sea) -> None:
 
 
 def enter_test(sea: Sea, *params: float) -> None:
-    """Port propeller, a tenth ahead, for five seconds, where nothing else is said."""
+    """Begin a motor test; by default port propeller, 10 % ahead, 5 s."""
     sea.enter_hold()
     sea.run(0.3)
     sea.order(MOTOR_TEST, *(params or (PORT, 0.0, 10.0, 5.0)))
@@ -95,7 +95,7 @@ def enter_fault(sea: Sea) -> None:
     assert sea.state == "FAULT", sea.snapshot()
 
 
-#: How a boat gets into each of its states.
+#: How to bring a boat into each state.
 ENTER = {
     "DISARMED": Sea.settle,
     "HOLD": Sea.enter_hold,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`flotilla.Fleet` once more, of Python classes: slow, and what it has to equal."""
+"""The reference for `flotilla.Fleet`: the same of Python classes, slow."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class SplitMix64:
 
 
 class Told:
-    """Where a unit is on the globe is told, not calculated."""
+    """A geodetic frame whose positions are given, not computed."""
 
     def __init__(self) -> None:
         self.degE7 = _NOWHERE
@@ -69,7 +69,7 @@ def unit_of(system: int, component: int, unit: Unit) -> NavigationUnit:
 
 
 class Radio(Link):
-    """A link that damages a chunk when it was told to."""
+    """A link that damages chunks on request."""
 
     bit: int | None = None
 
@@ -92,7 +92,7 @@ class Leader(VirtualLeader):
         self.outbox.append(self)
 
     def send(self, data: bytes, _t_us: int) -> None:
-        """What goes over the radio comes by here."""
+        """Record a chunk sent over the radio."""
         self.sent = data
 
     def tick(self, t_us: int, eta: Sequence[float], nu: Sequence[float]) -> None:
@@ -116,7 +116,7 @@ class Boat(Vessel):
 
 
 class Run:
-    """What belongs to one run: its recording, and its operator's sequence number."""
+    """State of one run: its recording, and its operator's sequence number."""
 
     def __init__(self) -> None:
         self.agents = 0
@@ -125,7 +125,7 @@ class Run:
 
 
 class ReferenceFleet:
-    """As `flotilla.Fleet`; `profile` tells nothing."""
+    """The interface of `flotilla.Fleet`; `profile` measures nothing."""
 
     def __init__(self, scalar: str = "float", record: bool = False, profile: bool = False) -> None:
         self._scalar, self._record = scalar, record

@@ -35,7 +35,7 @@ from tests.target.stations import (
     state_messages,
 )
 
-#: The law as published: its gains, and every extension off.
+#: The published law: its gains, all extensions off.
 PAPER: dict[str, float] = {
     "LAW_KX": 0.2,
     "LAW_KPSI": 0.2,
@@ -51,7 +51,7 @@ PAPER: dict[str, float] = {
 }
 TURN = Course(4.0, 3.0, 0.5, 0.6, 0.0, 0.2)  # a leader that keeps every propeller busy
 
-#: Hypothesis with the same examples in every run.
+#: Hypothesis with equal examples in every run.
 seeded = functools.partial(settings, derandomize=True, database=None, deadline=None)
 
 
@@ -77,7 +77,7 @@ class Tick:
 
 
 class Sea:
-    """Drives one boat tick by tick; whoever shall fall silent has an `on`."""
+    """Simulates one boat tick by tick; set `on` of a sender to False to silence it."""
 
     def __init__(
         self,
@@ -88,7 +88,7 @@ class Sea:
         leader: Course | None = None,
         start_us: int = START_US,
     ) -> None:
-        known = {"NAV_LAG_S": 0.0, "FORM_LAG_S": 0.0}  # few here answer TIMESYNC
+        known = {"NAV_LAG_S": 0.0, "FORM_LAG_S": 0.0}  # few senders here answer TIMESYNC
         given = {"MAV_SYSID": BOAT, "FORM_LEADER": LEADER} | known | (parameters or {})
         self.boat = flotilla.Boat(given, links, scalar)
         self.period_us: int = round(1e6 / self.boat.parameters()["CTL_RATE"])
@@ -104,7 +104,7 @@ class Sea:
         self.ticks: list[Tick] = []
 
     def step(self) -> Tick:
-        """Everybody sends, the boat ticks, time goes on."""
+        """All send, the boat ticks, time advances."""
         for agent in (self.own, self.leader):
             wire = agent.wire(self.now_us)
             if wire:
@@ -141,12 +141,12 @@ class Sea:
         self.boat.on_mavlink((sender or self.gcs).pack(*messages), self.now_us, link)
 
     def order(self, command: int, *params: float, link: int = 0, **how: Any) -> Tick:
-        """A COMMAND_LONG from the ground station and the tick that follows it."""
+        """Send a COMMAND_LONG from the ground station; the tick after it."""
         self.say(command_long(command, *params, **how), link=link)
         return self.step()
 
     def ask(self, message_id: int, link: int = 0) -> list[Any]:
-        """The messages asked for that follow the ACK, without what the boat says anyway."""
+        """Request a message; the answers after the ACK, without the boat's regular messages."""
         ack, *others = self.order(REQUEST_MESSAGE, float(message_id), link=link).messages(link)
         assert (ack.get_type(), ack.command, ack.result) == ("COMMAND_ACK", REQUEST_MESSAGE, 0)
         return list(takewhile(lambda m: m.get_msgId() == message_id, others))
@@ -161,11 +161,11 @@ class Sea:
         return self.order(SET_MODE, 1.0, float(number))
 
     def settle(self) -> None:
-        """Long enough for every age to be known."""
+        """Run long enough for all ages to be known."""
         self.run(0.3)
 
     def silence(self, who: str) -> int:
-        """Nothing more from them; the time of the last word that the boat has heard."""
+        """Silence a sender; the time of its last message that the boat received."""
         if who == "escs":
             said = self.escs[0].sent
             while self.escs[0].sent == said:
@@ -180,7 +180,7 @@ class Sea:
         return self.ticks[-1].now_us
 
     def speak_for(self, agent: Agent, kind: str) -> None:
-        """In its place: half a second of its states, in messages of that kind, and no more."""
+        """Silence an agent and send its states for 0.5 s in messages of that kind."""
         agent.on = False
         for _ in range(10):
             states = state_messages(kind, agent.course, self.now_us)
@@ -210,7 +210,7 @@ class Sea:
         return int(self.snapshot()["counters"][name])
 
     def refused(self, bus: str) -> int:
-        """How much of "mavlink" or "can" the boat has counted as bad, whatever the reason."""
+        """The sum of the boat's counters of rejected "mavlink" or "can" input."""
         bad = ["bad_checksum", "bad_value", "bad_frame"]
         if bus == "mavlink":
             bad += ["skipped_bytes", "old_stamp"]
@@ -224,7 +224,7 @@ class Sea:
         return self.ticks[-1].commands
 
     def own_course(self) -> Course:
-        """The boat's own state, as it tells others in its last pair of messages."""
+        """The boat's own state in the last pair of messages that it sent."""
         position = named(self.ticks[-30:], "LOCAL_POSITION_NED")[-1]
         turn = named(self.ticks[-30:], "ATTITUDE")[-1]
         c, s = math.cos(turn.yaw), math.sin(turn.yaw)
@@ -233,7 +233,7 @@ class Sea:
 
 
 def at_sea(parameters: dict[str, float] | None = None) -> Sea:
-    """In FORMATION for a second, propellers turning."""
+    """A boat that has been in FORMATION for a second, propellers turning."""
     sea = Sea(parameters, leader=TURN)
     sea.enter_formation()
     sea.run(1.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whoever talks MAVLink around a boat, by pymavlink: no mistake of ours can cancel."""
+"""MAVLink senders around a boat, by pymavlink: they share no mistake with our codec."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Station:
 
 
 def odometry(truth: Course, time_us: int, **changes: Any) -> Any:
-    """ODOMETRY of a level boat: LOCAL_NED, velocity in BODY_FRD; any field may be changed."""
+    """ODOMETRY of a level boat: LOCAL_NED, velocity in BODY_FRD; `changes` override fields."""
     fields: dict[str, Any] = {
         "time_usec": time_us,
         "frame_id": 1,
@@ -97,7 +97,7 @@ def attitude(truth: Course, time_us: int, **changes: Any) -> Any:
 
 
 def state_messages(kind: str, truth: Course, now_us: int, **changes: Any) -> list[Any]:
-    """A state of that kind, whole; the changes are made to the kind's own message."""
+    """A whole state in messages of that kind; `changes` apply to the kind's own message."""
     if kind == "ODOMETRY":
         q = quaternion(0.0, 0.0, truth.psi)
         for k in range(4):
@@ -132,14 +132,14 @@ def heartbeat(kind: int = mavlink.MAV_TYPE_SURFACE_BOAT) -> Any:
 def command_long(
     command: int, *params: float, target: tuple[int, int] = (BOAT, 1), confirmation: int = 0
 ) -> Any:
-    """COMMAND_LONG whose unused parameters are NaN, as MAVSDK's; of a mode 0, as Rover clients'."""
+    """COMMAND_LONG; unused parameters are NaN as MAVSDK's, of a mode 0 as Rover clients'."""
     unused = 0.0 if command == SET_MODE else math.nan
     filled = [*params, *[unused] * (7 - len(params))]
     return mavlink.MAVLink_command_long_message(*target, command, confirmation, *filled)
 
 
 def decode(chunks: Iterable[bytes]) -> list[Any]:
-    """Every message in the chunks; whatever is not a good frame comes as BAD_DATA.
+    """All messages in the chunks; damaged frames appear as BAD_DATA.
 
     By our own dialect: the wheel's lacks ESC_STATUS, CURRENT_MODE and others.
     """
@@ -149,7 +149,7 @@ def decode(chunks: Iterable[bytes]) -> list[Any]:
 
 
 def decode_named(chunks: Iterable[bytes], name: str) -> list[Any]:
-    """The messages of one name; chunks that are whole frames of others are not decoded."""
+    """The messages of one name; skips chunks that are whole frames of others."""
     number = _numbers()[name]
     some = [chunk for chunk in chunks if _may_have(chunk, number)]
     if not some:

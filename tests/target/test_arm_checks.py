@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Arming: every check that fails is named, nothing overrides one, disarming always works."""
+"""Arming: every failing check is named, nothing overrides it, disarming always works."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.target.test_other_nodes import FOREIGN
 
 PREARM_CHECK = 0x10000000
 
-#: A word of the sentence for each check.
+#: A word of each check's complaint.
 CHECKS = {
     "escs": "ESC",
     "bus": "CAN bus is down",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Ten minutes of damaged frames: no order comes out of noise."""
+"""Ten minutes of damaged frames: noise is never taken for a command."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def damage(wire: bytes, rate: float, rng: np.random.Generator) -> bytes:
 
 
 def chatter(sea: Sea, neighbour: Station, k: int) -> bytes:
-    """What flies about in a harbour, orders to another boat among it."""
+    """Radio traffic of a harbour, with commands to another boat."""
     wire = b""
     if k % 5 == 0:
         wire += sea.own.station.pack(

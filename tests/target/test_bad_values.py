@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""States that are no numbers or out of all range: counted, ignored, stale in the end."""
+"""States with NaN or impossible values: counted and ignored, so that the state becomes stale."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FIELDS = [
 
 
 def spoil(sea: Sea, agent: str, kind: str, **changes: Any) -> None:
-    """Good states, then only bad ones: counted, ignored; the last good one is kept until stale."""
+    """Good states, then bad ones only: counted, ignored; the last good one is kept until stale."""
     whose = getattr(sea, agent)
     sea.speak_for(whose, kind)
     assert sea.condition(f"{agent}_fresh") and sea.refused("mavlink") == 0
@@ -37,7 +37,7 @@ def spoil(sea: Sea, agent: str, kind: str, **changes: Any) -> None:
         assert sea.condition(f"{agent}_fresh")
         assert sea.own_course().close_to(good, 1e-3)
         assert sea.snapshot()["error"] == pytest.approx(error, abs=1e-3)
-    for _ in range(12):  # how soon a lost half makes the whole stale is another test's question
+    for _ in range(12):  # another test checks how soon a missing half makes the state stale
         sea.say(*state_messages(kind, whose.course, sea.now_us, **changes), sender=whose.station)
         sea.run(0.05)
     assert not sea.condition(f"{agent}_fresh")
@@ -45,14 +45,12 @@ def spoil(sea: Sea, agent: str, kind: str, **changes: Any) -> None:
 
 @pytest.mark.parametrize(("kind", "name"), FIELDS, ids=lambda v: v)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_a_state_with_a_field_that_is_no_number_is_ignored(
-    kind: str, name: str, value: float
-) -> None:
+def test_a_state_with_nan_in_a_field_is_ignored(kind: str, name: str, value: float) -> None:
     spoil(Sea(), "own", kind, **{name: value})
 
 
 @pytest.mark.parametrize(("kind", "name"), FIELDS[::3], ids=lambda v: v)
-def test_a_leaders_state_with_a_field_that_is_no_number_is_ignored(kind: str, name: str) -> None:
+def test_a_leaders_state_with_nan_in_a_field_is_ignored(kind: str, name: str) -> None:
     spoil(Sea(), "leader", kind, **{name: math.nan})
 
 
@@ -73,7 +71,7 @@ def test_a_leaders_state_with_a_field_that_is_no_number_is_ignored(kind: str, na
     ],
     ids=str,
 )
-def test_a_state_out_of_all_range_is_ignored(
+def test_a_state_with_an_impossible_value_is_ignored(
     agent: str, kind: str, changes: dict[str, float]
 ) -> None:
     spoil(Sea(), agent, kind, **changes)

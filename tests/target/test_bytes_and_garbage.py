@@ -29,7 +29,7 @@ from tests.target.stations import (
     origin,
 )
 
-#: Whose message it is, and the message at a given time.
+#: The sender, and the message at a given time.
 KINDS: dict[str, tuple[str, Callable[[int], Any]]] = {
     "own ODOMETRY": ("own", lambda now_us: odometry(Course(7, 8, 0.9, 1, 0, 0.1), now_us)),
     "own LOCAL_POSITION_NED": ("own", lambda now_us: local_position(Course(7, 8), now_us)),
@@ -55,7 +55,7 @@ def packed(sea: Sea, kind: str, version1: bool = False) -> bytes:
 
 
 def outcome(sea: Sea) -> tuple[object, ...]:
-    """What 0.3 s of the boat's life shows, to the byte."""
+    """All output of the boat during 0.3 s, to the byte."""
     ticks = sea.run(0.3)
     return [(t.mavlink, t.can) for t in ticks], str(sea.snapshot())
 
@@ -158,7 +158,7 @@ def test_good_frames_are_heard_again_soon_after_garbage(sea: Sea, seed: int) -> 
 
 @seeded(max_examples=60)
 @given(st.binary(max_size=600), st.integers(0, 300))
-def test_no_garbage_keeps_a_boat_deaf(garbage: bytes, cut: int) -> None:
+def test_after_any_garbage_good_frames_are_decoded_again(garbage: bytes, cut: int) -> None:
     sea = Sea()
     sea.boat.on_mavlink(garbage, sea.now_us)
     sea.boat.on_mavlink(sea.own.station.pack(odometry(Course(), sea.now_us))[:cut], sea.now_us)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Strange clocks: still, back, late, jittery, at any start."""
+"""Irregular clocks: standing still, going back, late, jittery, with any start."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.target.course import Course
 from tests.target.sea import TURN, Sea, assert_finite, at_sea, seeded
 
 
-def test_time_that_stands_still_does_no_harm() -> None:
+def test_clock_that_stands_still_does_no_harm() -> None:
     sea = at_sea()
     before, now_us = sea.commands, sea.ticks[-1].now_us
     for _ in range(50):
@@ -63,7 +63,7 @@ def test_time_that_goes_back_is_counted_and_makes_no_jump(back_us: int) -> None:
 
 
 def test_a_clock_that_stays_back_does_not_keep_old_data_fresh() -> None:
-    """300 ticks without a word of anybody: whatever the clock says, the propellers do not turn."""
+    """300 ticks without any input: whatever the clock shows, the propellers do not turn."""
     sea = at_sea()
     sea.now_us -= 8_000_000
     sea.own.on = sea.leader.on = False
@@ -110,7 +110,7 @@ def test_impossible_times_raise_or_do_no_harm(sea: Sea, now_us: int) -> None:
 
 @seeded(max_examples=50)
 @given(st.lists(st.integers(-3_000_000, 3_000_000), min_size=1, max_size=60))
-def test_no_course_of_time_gives_a_number_that_is_none(steps: list[int]) -> None:
+def test_no_sequence_of_times_gives_nan(steps: list[int]) -> None:
     sea = Sea(leader=TURN)
     sea.enter_formation()
     for step in steps:
@@ -131,5 +131,5 @@ def test_a_jittery_tick_sails_like_a_regular_one(seed: int) -> None:
         jittery.now_us -= shift
     assert jittery.state == "FORMATION" and jittery.counter("clock_went_back") == 0
     for a, b in zip(regular.commands, jittery.commands, strict=True):
-        # Not less: the boat reckons with thrust, which moves nobody on this sea.
+        # Not smaller: the boat's model includes thrust, which moves no hull in this sea.
         assert abs(a - b) < FULL_SCALE * 0.15

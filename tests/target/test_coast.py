@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A silent leader is carried forward, slower and slower: COAST, seen from the wires."""
+"""COAST, seen on the wires: a silent leader is extrapolated, slower and slower."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_silent_leader_is_followed_for_a_while_and_no_harder(coast_s: float, r
 
 
 @pytest.mark.parametrize(("before", "now"), [("COAST", "HOLD"), ("HOLD", "COAST")])
-def test_a_choice_that_is_changed_before_the_boat_is_armed_counts(before: str, now: str) -> None:
+def test_a_failsafe_choice_changed_before_arming_is_in_force(before: str, now: str) -> None:
     choices = {"HOLD": 0.0, "COAST": 1.0}
     sea = Sea({"FS_LEADER_ACT": choices[before]})
     sea.settle()
@@ -66,7 +66,7 @@ def test_coast_is_follow_to_clients_and_critical() -> None:
 
 
 @pytest.mark.parametrize("silence_s", [1.5, 4.0])
-def test_who_is_heard_again_is_followed_again_without_being_asked(silence_s: float) -> None:
+def test_a_leader_heard_again_is_followed_again_without_a_command(silence_s: float) -> None:
     sea = at_sea()
     sea.silence("leader")
     sea.run(silence_s)
@@ -82,7 +82,7 @@ def test_who_is_heard_again_is_followed_again_without_being_asked(silence_s: flo
         before = tick.commands
 
 
-def test_in_coast_the_operators_word_counts() -> None:
+def test_in_coast_the_operators_commands_are_obeyed() -> None:
     for wanted, state in ((HOLD, "HOLD"), (MANUAL, "MANUAL"), (FORMATION, "COAST")):
         sea = at_sea()
         sea.silence("leader")
@@ -100,7 +100,7 @@ def test_in_coast_the_operators_word_counts() -> None:
 @pytest.mark.parametrize(
     ("lost", "state"), [("own", "HOLD"), ("escs", "FAULT")], ids=["own state", "ESCs"]
 )
-def test_coast_ends_at_once_where_the_boat_is_not_fit(lost: str, state: str) -> None:
+def test_coast_ends_at_once_when_a_condition_is_lost(lost: str, state: str) -> None:
     sea = at_sea({"FS_COAST_S": 60.0})
     sea.silence("leader")
     sea.run_until("COAST", 1.1)

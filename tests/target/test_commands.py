@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Orders: whose are heard, and one answer to each."""
+"""Commands: whose are obeyed, and one answer to each."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.target.stations import (
     command_long,
 )
 
-INBOX = 24  # so many orders and requests between two ticks are kept
+INBOX = 24  # commands and requests kept between two ticks
 
 
 @pytest.mark.parametrize("sender", [(GCS, GCS_COMPONENT), (245, 190), (9, 1), (LEADER, 1)])

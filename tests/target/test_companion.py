@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The identity of a companion: beside an autopilot that is the vehicle."""
+"""The identity of a companion computer beside an autopilot, which is the vehicle."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def companion(links: int = 1, **parameters: float) -> Sea:
 
 
 def latched(links: int = 1, **parameters: float) -> Sea:
-    """Beside its autopilot, with a fresh own state from that one's system."""
+    """A companion beside its autopilot, with a fresh own state from the autopilot's system."""
     sea = companion(links, **parameters)
     sea.say(beat(), sender=Station(AUTOPILOT, 1))
     sea.run(LISTEN_S + 0.1)
@@ -67,7 +67,7 @@ def latched(links: int = 1, **parameters: float) -> Sea:
 
 
 def address(sea: Sea) -> tuple[int, int]:
-    """Under which ids the boat sent its last heartbeat."""
+    """The ids of the boat's last heartbeat."""
     header = named(sea.ticks[-120:], "HEARTBEAT")[-1].get_header()
     return header.srcSystem, header.srcComponent
 
@@ -126,7 +126,7 @@ def test_an_autopilot_that_comes_after_the_three_seconds_changes_nothing() -> No
     assert address(sea) == ME
 
 
-def test_what_is_no_autopilot_is_not_taken_for_one() -> None:
+def test_other_components_are_not_taken_for_an_autopilot() -> None:
     sea = companion()
     sea.say(beat(8, mavlink.MAV_TYPE_GCS), sender=Station(255, 190))
     sea.say(beat(8, mavlink.MAV_TYPE_ONBOARD_CONTROLLER), sender=Station(77, 191))
@@ -144,7 +144,7 @@ def test_what_is_no_autopilot_is_not_taken_for_one() -> None:
     ids=["another component", "companion", "station", "station as component 1"],
 )
 def test_only_a_vehicles_component_1_is_an_autopilot(component: int, kind: int) -> None:
-    """Whatever autopilot its heartbeat names."""
+    """Whatever autopilot type its heartbeat names."""
     sea = companion()
     for _ in range(6):
         sea.say(beat(3, kind), sender=Station(AUTOPILOT, component))
@@ -157,7 +157,7 @@ def test_only_a_vehicles_component_1_is_an_autopilot(component: int, kind: int) 
 
 @pytest.mark.parametrize("armed_first", [True, False])
 def test_an_armed_boat_stays_who_it_is(armed_first: bool) -> None:
-    """Another id would take its own state from it, under way."""
+    """Another id would make it lose its own state under way."""
     sea = companion()
     sea.settle()
     if not armed_first:
@@ -280,10 +280,10 @@ LEFT_TO_THE_AUTOPILOT = [
 @pytest.mark.parametrize("kind", LEFT_TO_THE_AUTOPILOT)
 @pytest.mark.parametrize("armed", [False, True], ids=["disarmed", "armed"])
 @pytest.mark.parametrize("system", [AUTOPILOT, 0], ids=["system", "all"])
-def test_what_drives_the_whole_system_is_the_autopilots_business(
+def test_a_companion_ignores_drive_commands_to_the_whole_system(
     kind: str, armed: bool, system: int
 ) -> None:
-    """No state changes, and no answer would be taken for the autopilot's."""
+    """No state changes, and no answer can be mistaken for the autopilot's."""
     sea = latched()
     sea.say(sticks(100, target=AUTOPILOT))
     if armed:
@@ -303,7 +303,7 @@ def test_what_drives_the_whole_system_is_the_autopilots_business(
 @pytest.mark.parametrize(
     ("order", "state"), [((SET_MODE, 1.0, 4.0), "HOLD"), ((TERMINATE, 1.0), "FAULT")]
 )
-def test_what_stops_the_boat_is_obeyed_however_it_is_addressed(
+def test_stop_commands_are_obeyed_however_they_are_addressed(
     target: tuple[int, int], make: Any, order: tuple[float, ...], state: str
 ) -> None:
     sea = latched()
@@ -328,7 +328,7 @@ def test_the_old_message_for_hold_stops_a_companion() -> None:
 
 @pytest.mark.parametrize("target", [(AUTOPILOT, 0), (0, 0)])
 def test_the_mission_of_the_whole_system_is_the_autopilots(target: tuple[int, int]) -> None:
-    """Two answers, one of them "none" or "cleared", would be taken for the autopilot's."""
+    """A companion's "none" or "cleared" would be taken for the autopilot's answer."""
     sea = latched()
     sea.say(
         mavlink.MAVLink_mission_request_list_message(*target, 0),
@@ -379,7 +379,7 @@ def test_a_companion_addressed_alone_does_all_that_a_vehicle_does() -> None:
         assert acks(sea.step()) == [(unknown, UNSUPPORTED)]
 
 
-def test_the_autopilot_beside_a_companion_is_no_double_of_it() -> None:
+def test_the_autopilot_beside_a_companion_is_not_taken_for_another_sender() -> None:
     sea = latched()
     for _ in range(5):
         sea.say(beat(), sender=Station(AUTOPILOT, 1))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""CURRENT_MODE: what a boat does, and what it was told to do."""
+"""CURRENT_MODE: the boat's mode and its intended mode."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tests.target.stations import FORMATION, HOLD, SET_MODE, command_long
 
 
 def current_mode(sea: Sea) -> tuple[int, int]:
-    """custom_mode and intended_custom_mode, as the last tick but one left them."""
+    """custom_mode and intended_custom_mode after the last tick but one."""
     sea.step()
     (told,) = sea.ask(436)
     assert told.standard_mode == 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Damaged, lost and misplaced CAN frames: counted, and never taken for a status."""
+"""Damaged, lost and reordered CAN frames: counted, and never taken for a status."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ GOOD = esc_status(32, 1, 3)
 
 
 def after(frames: Frames) -> Sea:
-    """A sea where these frames are the only status of the starboard ESC; all else is well."""
+    """A sea where these frames are the starboard ESC's only status; otherwise without faults."""
     sea = Sea()
     sea.escs[1].on = False
     sea.on_can(node_status(32, 1))

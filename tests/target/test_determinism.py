@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The same input gives the same bytes; float sails as double does."""
+"""Equal input gives equal bytes; float sails like double."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OF_THE_LAW = {
 
 
 def assert_alike(these: list[Any], those: list[Any]) -> None:
-    """The same bytes, but for what is in the law's scalar, which is the same but for rounding."""
+    """Equal bytes, except for values in the law's scalar, which may differ by rounding."""
     assert [m.get_type() for m in these] == [m.get_type() for m in those]
     for a, b in zip(these, those, strict=True):
         if a.get_type() in OF_THE_LAW:
@@ -55,7 +55,7 @@ def test_double_and_float_sail_alike(parameters: dict[str, float]) -> None:
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_far_from_the_origin_float_is_as_good_as_double(scalar: str) -> None:
-    """Positions are differenced before they become a small scalar."""
+    """Positions are subtracted before conversion to a small scalar."""
     near = Sea(leader=Course(5.0, 5.0, 0.5), own=Course(1.0, 2.0, 0.3))
     far = Sea(
         leader=Course(65541.0, 32773.0, 0.5), own=Course(65537.0, 32770.0, 0.3), scalar=scalar

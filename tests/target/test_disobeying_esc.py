@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""An ESC that drives its propeller though it was told to stand still."""
+"""An ESC that spins its propeller while commanded to stop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.target.sea import Sea, texts
 
 @dataclass
 class Willful(Esc):
-    """Says at 10 Hz what it does, whatever it is told."""
+    """Reports its own speed at 10 Hz, whatever it is commanded."""
 
     rpm: int = 0
     power_pct: int = 0

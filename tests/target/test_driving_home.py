@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat without navigation or with a low battery is armed for MANUAL only, and driven home."""
+"""A boat without navigation or with a low battery arms for MANUAL only, to be driven home."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ LACKS: dict[Callable[[Sea], None], str] = {
 
 
 @pytest.mark.parametrize("lack", LACKS, ids=lambda lack: lack.__name__)
-def test_a_boat_that_lacks_what_manual_needs_not_is_armed_for_manual_only(
+def test_a_boat_without_a_condition_that_manual_does_not_need_is_armed_for_manual_only(
     lack: Callable[[Sea], None],
 ) -> None:
     sea = Sea({"FS_BATT_V": 22.0})
@@ -79,7 +79,7 @@ def test_a_boat_that_lacks_what_manual_needs_not_is_armed_for_manual_only(
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, TEMPORARILY_REJECTED)]
 
 
-def test_a_boat_that_lacks_nothing_is_armed_without_a_word() -> None:
+def test_a_boat_with_all_conditions_met_is_armed_without_a_message() -> None:
     sea = Sea()
     sea.run(3.0)
     assert texts([sea.arm(), *sea.run(1.0)]) == ["HOLD"]
@@ -132,7 +132,7 @@ def test_from_outside_the_fence_a_boat_is_armed_again_and_driven() -> None:
 def test_a_unit_that_is_first_heard_after_arming_counts_where_its_link_is_named(
     named: bool,
 ) -> None:
-    """Else anybody on any link could say that he is it; the operator disarms once."""
+    """Otherwise anybody on any link could pose as the unit; the operator disarms once."""
     sea = Afloat({"NAV_LINK": 0.0} if named else {}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve)
     sea.own.on = False
     sea.run(1.0)
@@ -160,7 +160,7 @@ def test_a_unit_that_is_first_heard_after_arming_counts_where_its_link_is_named(
 def test_manual_that_is_asked_for_with_sticks_off_neutral_waits_for_them(
     sea: Sea, x: int, r: int
 ) -> None:
-    """It is not refused: the law, if it drove, shall not go on."""
+    """It is not refused, because the law, if it is active, must stop."""
     sea.enter_formation()
     drive(sea, x, r, 0.3)
     assert acks(sea.mode(MANUAL)) == [(SET_MODE, ACCEPTED)] and sea.commands == (0, 0)
@@ -204,7 +204,7 @@ def test_sticks_that_fell_silent_and_come_back_full_move_nothing(sea: Sea) -> No
 
 @pytest.mark.parametrize("before_us", [1, 3_000, 9_000])
 def test_another_pilot_who_takes_up_silent_sticks_at_full_moves_nothing(before_us: int) -> None:
-    """Nor where he speaks up before the tick that would have seen the silence."""
+    """Also if he begins before the tick that would have detected the silence."""
     sea = Sea()
     enter_manual(sea)
     drive(sea, 0, 0, 0.05)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""When a boat takes its ESCs to be online."""
+"""When a boat considers its ESCs online."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a boat learns of forces that its model does not know, and of the water's current."""
+"""Estimates of unmodelled forces and of the current."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ UNKNOWN, CURRENT = ("UNK_X", "UNK_N"), ("CUR_N", "CUR_E")
 
 
 def told(ticks: list[Tick], names: tuple[str, str]) -> tuple[float, float]:
-    """The last of each."""
+    """The last value of each name."""
     values = {m.name: m.value for tick in ticks for m in tick.named("NAMED_VALUE_FLOAT")}
     return values[names[0]], values[names[1]]
 
 
 def pushed(sign: float = 1.0, own_period_us: int = 50_000, **parameters: float) -> Afloat:
-    """By 1 N ahead and 0.05 N m to starboard, or the other way."""
+    """A boat pushed by 1 N ahead and 0.05 N m to starboard, or the opposite."""
     hull = Hull([-2.0, 1.0, 0.3, 0.0, 0.0, 0.0], push=(sign * 1.0, sign * 0.05))
     return Afloat({"SR_SLOW": 5.0} | parameters, hull, AHEAD, own_period_us)
 
@@ -65,7 +65,7 @@ def test_a_push_that_is_known_does_not_keep_the_boat_off_its_slot() -> None:
 def test_a_current_across_a_straight_leg_is_found(
     drift_mps: float, heading: float, own_period_us: int
 ) -> None:
-    """What carries the boat along its bow shows in nothing that it measures."""
+    """The component of the current along the bow is not observable."""
     c, s = math.cos(heading), math.sin(heading)
     hull = Hull([-2 * c, -2 * s, heading, 0.0, 0.0, 0.0], current=(-drift_mps * s, drift_mps * c))
     sea = Afloat({}, hull, Course(0.0, 0.0, heading, 0.5), own_period_us)
@@ -108,7 +108,7 @@ QUICKEST = {"LAW_OBS_BW": 5.0, "LAW_CUR_BW": 1.0}
 
 
 def bears(sea: Sea) -> bool:
-    """Unknown may be half of what both propellers give; no water is faster than 2 m/s."""
+    """Whether the estimates are bounded: half of both propellers' thrust, a current of 2 m/s."""
     seen = sea.snapshot()
     most_N = GREATEST_N * (1 + 1e-6)
     return (
@@ -121,7 +121,7 @@ def bears(sea: Sea) -> bool:
 @pytest.mark.parametrize("quick", [False, True])
 @pytest.mark.parametrize("steady", [False, True])
 def test_absurd_fixes_for_minutes_leave_both_estimates_bounded(steady: bool, quick: bool) -> None:
-    """Anywhere and of any speed, or always of the same that no boat has; at any moment."""
+    """Fixes at any position and speed, or always of the same impossible one; at any time."""
     dice = random.Random(11)
     sea = Sea(QUICKEST if quick else {}, leader=AHEAD)
     sea.enter_formation()

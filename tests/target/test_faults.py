@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""FAULT is latched, and an unfit boat never moves."""
+"""FAULT is latched, and a boat with unmet conditions never moves."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ NEEDED = {
 
 @pytest.mark.parametrize("orders", range(8))
 def test_no_order_of_silences_and_commands_ever_moves_an_unfit_boat(orders: int) -> None:
-    """Random operator, random sea: propellers turn by the law only, and only while all is well."""
+    """Random commands and silences: only the law turns propellers, while all conditions are met."""
     rng = random.Random(orders)
     sea = Sea(leader=TURN)
     sea.settle()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Many boats in one call a tick are what they were one by one, byte for byte."""
+"""Many boats in one call per tick behave as boats one by one, byte for byte."""
 
 from __future__ import annotations
 

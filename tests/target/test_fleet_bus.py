@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat's CAN bus in a fleet: what its ESCs make of others' frames, whole and damaged."""
+"""A boat's CAN bus in a fleet: its ESCs' response to others' frames, whole and damaged."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def request(node: int, transfer_id: int, payload: bytes = b"", priority: int = 2
 
 
 def frames_on_bus(records: bytes) -> list[int]:
-    """Identifiers of what a boat's ESCs and others said to it."""
+    """Identifiers of the frames that a boat received on its bus."""
     at, found = 0, []
     while at < len(records):
         _, port, length = struct.unpack_from("<QHH", records, at)
@@ -43,7 +43,7 @@ def test_who_asks_an_esc_for_its_name_is_answered(node: int) -> None:
     twins.on_bus(request(node, 7, bytes(600)))
     twins.tick()
     kinds = [FrameId.unpack(can_id).kind for can_id in frames_on_bus(twins.compare())]
-    # Of the two questions that are whole: 61 bytes and a checksum are nine frames.
+    # Two requests are whole; each answer has 61 bytes and a checksum, nine frames.
     assert kinds.count(Kind.RESPONSE) == (18 if node in (21, 22) else 0)
 
 
@@ -68,7 +68,7 @@ def flipped(rng: random.Random, data: bytes) -> bytes:
 
 
 def damaged(rng: random.Random, frames: list[tuple[int, bytes]]) -> list[tuple[int, bytes]]:
-    """Frames lost, repeated, swapped, cut, too long, with a bit flipped, or of nobody."""
+    """Frames lost, repeated, swapped, truncated, too long, with a flipped bit, or anonymous."""
     out: list[tuple[int, bytes]] = []
     for can_id, data in frames:
         fates = [

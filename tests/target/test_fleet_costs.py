@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a fleet takes: memory by its boats and not by time; where its time goes."""
+"""Costs of a fleet: memory per boat, constant over time; profile of its run time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LOCAL, EXACT = (100.0, "local", 0.0), (0, 0.0)
 
 
 def chain(boats: int, radio: dict[str, float] | None = None, **options: Any) -> Any:
-    """A leader and boats behind each other, with the links that go with it."""
+    """A leader and boats in a chain, with their links."""
     fleet = flotilla.Fleet(**options)
     fleet.add_leader(0, 255, LOCAL, EXACT)
     for boat in range(1, boats + 1):
@@ -50,7 +50,7 @@ def kB_more_of_a_fleet(boats: int) -> float:
 
 
 def test_a_boat_with_its_wires_takes_under_28_kB_more() -> None:
-    # in a process of its own: one that has freed memory takes that first
+    # in a new process, as this one would first reuse freed memory
     what = "from tests.target.test_fleet_costs import *; print(kB_more_of_a_fleet(1000))"
     told = subprocess.check_output([sys.executable, "-c", what], cwd=ROOT, text=True)
     assert 5.0 < float(told) / 4000 < 28.0
@@ -62,7 +62,7 @@ def test_memory_does_not_grow_with_time(radio: dict[str, float]) -> None:
     sail(fleet, 100, 0, 500)
     before_kB = resident_kB()
     sail(fleet, 100, 500, 1000)
-    # One byte a boat and tick would be 100 kB.
+    # One byte per boat and tick would be 100 kB.
     assert resident_kB() - before_kB < 80.0
 
 

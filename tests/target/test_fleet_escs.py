@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A fleet's propellers turn and stop where those of single boats do."""
+"""A fleet's propellers turn and stop exactly when those of single boats do."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_escs_at_any_place_of_a_command_do_as_they_do_alone(indices: tuple[int, 
 
 @pytest.mark.parametrize("silence_us", [240_000, 250_000, 250_001, 500_000, 500_001, 3_000_000])
 def test_propellers_stop_where_commands_stop(silence_us: int) -> None:
-    """What an ESC does at the end of a silence it tells before the boat has spoken again."""
+    """At the end of a silence the ESC reports before the boat's next command."""
     twins = in_formation()
     twins.t_us += silence_us - H_US
     twins.tick(20)
@@ -46,9 +46,9 @@ def test_propellers_stop_where_nobody_says_that_the_boat_is_armed(silence_us: in
 
 
 @pytest.mark.parametrize("length", [0, 1, 2, 7, 35, 36, 70])
-def test_a_command_that_is_too_long_is_none(length: int) -> None:
+def test_a_command_that_is_too_long_is_ignored(length: int) -> None:
     twins = in_formation()
-    twins.t_us += 4 * H_US  # the ESCs tell what they heard before the boat speaks again
+    twins.t_us += 4 * H_US  # the ESCs report before the boat's next command
     twins.on_bus(Publisher(RAW_COMMAND, 7, OTHER).frames(b"\x33" * length))
     twins.tick(5)
     twins.compare()
@@ -63,7 +63,7 @@ def test_propellers_stop_when_the_boat_is_disarmed() -> None:
 
 
 def test_shafts_may_turn_at_any_speed() -> None:
-    """Speeds beyond what the message holds are told as the most it holds."""
+    """Speeds beyond the message's range saturate."""
     twins = alone()
     sensed = twins._sensed
     for rpm in (0.5, 1.5, -0.5, -2.5, 1e4, -1e4, 131071.4, 2e5, -2e5, 1e9):

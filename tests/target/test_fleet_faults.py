@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes wrong around a fleet's boats, as it is seen on their wires."""
+"""Faults around a fleet's boats, seen on their wires."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.target.twin_fleets import H_US
 
 PORT, STBD = 21, 22
 HOUR_S = 3600.0
-LONG_AGO = (10**10, 0.0)  # a clock that an hour back is not before its beginning
+LONG_AGO = (10**10, 0.0)  # a clock that can be set back by an hour and stay positive
 
 
 def positions(records: Any, agent: int, link: int = NAVIGATION) -> list[Any]:
@@ -341,7 +341,7 @@ def test_a_killed_boat_is_mute_and_a_new_one_has_its_parameters() -> None:
 
 
 @pytest.mark.parametrize("kind", [one.name for one in KINDS.values() if one.owner != "world"])
-def test_what_is_over_has_left_nothing_and_a_seed_makes_it(kind: str) -> None:
+def test_a_fault_leaves_no_trace_and_depends_only_on_its_seed(kind: str) -> None:
     def sail(seed: int, fails: bool) -> tuple[bytes, bytes]:
         sea = Troubled(LONG_AGO)
         for agent in (1, 2) if fails else ():
@@ -385,7 +385,9 @@ def test_what_is_over_has_left_nothing_and_a_seed_makes_it(kind: str) -> None:
         (0, "own_clock", {"value": -HOUR_S}, "before 0"),
     ],
 )
-def test_what_cannot_fail_is_told(agent: int, kind: str, named: dict[str, Any], words: str) -> None:
+def test_an_impossible_fault_is_refused_with_the_reason(
+    agent: int, kind: str, named: dict[str, Any], words: str
+) -> None:
     sea = Troubled()
     with pytest.raises(ValueError, match="(?s).*" + re.escape(words)):
         sea.fail(agent, kind, **named)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Radio links of a fleet: late, lossy, slow, changing in flight, damaged."""
+"""Radio links of a fleet: late, lossy, slow, with changing quality, damaged."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RADIOS = [
     {"rate_Bps": 5000.0},
     {"delay_s": 0.1, "jitter_s": 0.05, "loss": 0.3, "rate_Bps": 20_000.0},
     {"loss": 1.0},
-    {"delay_s": 0.0200005},  # half a microsecond after a tick is rounded to it
+    {"delay_s": 0.0200005},  # half a microsecond after a tick rounds to the tick
 ]
 
 
@@ -50,13 +50,13 @@ def test_links_that_change_while_chunks_are_in_flight_deliver_as_single_ones_do(
 
 
 def test_numbers_of_a_link_are_those_of_splitmix64() -> None:
-    """First outputs for seed 1234567, as the reference implementation in C gives them."""
+    """First outputs of the reference implementation in C for seed 1234567."""
     rng = SplitMix64(1234567)
     expected = [6457827717110365317, 3203168211198807973, 9817491932198370423]
     assert [rng.random() for _ in expected] == [(x >> 11) * 2.0**-53 for x in expected]
 
 
-def test_a_seed_makes_a_link() -> None:
+def test_a_links_losses_depend_only_on_its_seed() -> None:
     def sail(seed: int) -> bytes:
         fleet = flotilla.Fleet(record=True)
         boats = [fleet.add_boat(0, {"MAV_SYSID": 1 + i}, LOCAL, EXACT) for i in range(2)]
@@ -88,7 +88,7 @@ def test_one_flipped_bit_costs_what_it_costs_one_boat() -> None:
 
 @pytest.mark.parametrize("radio", [{}, {"delay_s": 0.02}])
 def test_bits_flipped_anywhere_do_what_they_do_to_single_boats(radio: dict[str, float]) -> None:
-    """Leaders too find the requests among the damage."""
+    """Leaders too must find the requests among the damage."""
     twins = Twins()
     links = twins.diamond(**radio)
     rng = random.Random(2)
@@ -99,14 +99,14 @@ def test_bits_flipped_anywhere_do_what_they_do_to_single_boats(radio: dict[str, 
 
 
 def timesync(sequence: int, target: bytes, tc1: int = 0) -> bytes:
-    """A request from a ground station, to one only where `target` says so, or an answer."""
+    """A TIMESYNC request or answer of a ground station; `target`: to one system only."""
     payload = tc1.to_bytes(8, "little") + (1000 + sequence).to_bytes(8, "little") + target
     body = bytes((len(payload), 0, 0, sequence, 255, 190, 111, 0, 0)) + payload
     return b"\xfd" + body + crc16.mcrf4xx(body + b"\x22").to_bytes(2, "little")
 
 
 def behind_a_boat() -> tuple[Twins, list[int], int]:
-    """Two leaders who hear a boat: what its link 0 brings for them it hands on over its radio."""
+    """Two leaders that hear a boat, which forwards messages for them from link 0 to its radio."""
     twins = Twins()
     leaders = [twins.leader(system=100), twins.leader(system=101)]
     boat = twins.boat({"MAV_SYSID": 4, "FORM_LEADER": 100})
@@ -116,7 +116,7 @@ def behind_a_boat() -> tuple[Twins, list[int], int]:
 
 
 def answers(twins: Twins) -> int:
-    """How often the leaders now answer request 1."""
+    """The number of leaders' answers to request 1."""
     told = []
     for _ in range(3):
         twins.tick()

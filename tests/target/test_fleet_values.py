@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a fleet is told wrongly it refuses, and says what it wants."""
+"""A fleet refuses wrong arguments and names the right ones."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ GLOBAL = (100.0, "global", 0.0)
 
 
 def fleet(unit: Any = LOCAL, **options: Any) -> Any:
-    """A leader, two boats behind it."""
+    """A leader and two boats behind it."""
     made = flotilla.Fleet(**options)
     made.add_leader(0, 100, unit, EXACT)
     for system in (1, 2):
@@ -60,7 +60,7 @@ def test_an_array_that_does_not_fit_is_refused(
     made.tick(0, **arrays())
 
 
-def test_an_array_that_may_only_be_read_is_enough_for_what_is_sensed() -> None:
+def test_sensed_values_may_be_read_only_arrays() -> None:
     told = arrays()
     for name in ("eta", "nu", "degE7", "rpm"):
         told[name].flags.writeable = False
@@ -114,12 +114,12 @@ def test_a_value_that_cannot_be_is_refused(method: str, arguments: Any, text: st
 
 
 @pytest.mark.parametrize("unit", [(), (1.0, "local"), ("1", "local", 0.0), (*LOCAL, (1, 2)), 5])
-def test_a_unit_that_is_none_is_refused(unit: Any) -> None:
+def test_an_invalid_unit_is_refused(unit: Any) -> None:
     with pytest.raises(TypeError):
         flotilla.Fleet().add_leader(0, 1, unit, EXACT)
 
 
-def test_a_scalar_that_is_none_is_refused() -> None:
+def test_an_unknown_scalar_of_a_fleet_is_refused() -> None:
     with pytest.raises(ValueError, match='scalar: "float", "double" or "q16", not "half"'):
         flotilla.Fleet("half")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Ten minutes beside a radio that spoils every twentieth byte, both ways."""
+"""Ten minutes with a radio that damages every twentieth byte in both directions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ VALUES = (0.125, 0.25, 0.5, 1.0)  # exact in a float: 1/s
 
 
 def spoil(rng: random.Random, data: bytes) -> bytes:
-    """Of some bytes one bit is flipped, others become something else."""
+    """Flip one bit of some bytes, replace others."""
     out = bytearray(data)
     for k in range(len(out)):
         if rng.random() < SPOILT:
@@ -45,7 +45,7 @@ def spoil(rng: random.Random, data: bytes) -> bytes:
 
 
 class GroundStation:
-    """Asks again and again, and believes the answers that come through."""
+    """Repeats its requests, and accepts the answers that arrive."""
 
     def __init__(self, rng: random.Random, modes: tuple[int, ...]) -> None:
         self.rng, self.modes = rng, modes
@@ -55,11 +55,11 @@ class GroundStation:
         self.wanted = 0  # index into VALUES
         self.confirmed = self.answered = 0
         self.sent_values = {0.0}
-        #: Mode requests that have left the radio as they entered it, the oldest first.
+        #: Mode requests that the radio left intact, oldest first.
         self.intact: deque[int] = deque()
 
     def says(self, tick: int) -> Iterator[tuple[Any, int | None]]:
-        """What it says in this tick; with a request for a mode, which."""
+        """The messages of this tick; for a mode request, with the mode."""
         if tick % RATE_HZ == 0:
             yield heartbeat(6), None
         if tick % 20 == 3:
@@ -96,7 +96,7 @@ class GroundStation:
 
 
 def voyage(sea: Sea, gcs: GroundStation, garbage: bool) -> Iterator[Sea]:
-    """Ten minutes; a look at the boat after each tick."""
+    """Simulate ten minutes; yields after each tick."""
     for tick in range(MINUTES * 60 * RATE_HZ):
         wire = gcs.bytes_at(tick)
         if garbage and tick % 5 == 0:
@@ -112,7 +112,7 @@ def voyage(sea: Sea, gcs: GroundStation, garbage: bool) -> Iterator[Sea]:
 
 
 def at_its_mooring() -> Sea:
-    # FS_SLOT_M: moored, it never comes nearer to its slot
+    # FS_SLOT_M 0: the boat is moored and never reaches its slot
     told = {"CTL_RATE": RATE_HZ, "SR_STATE": 2, "FS_SLOT_M": 0.0, NAME: 0.0}
     return Sea(told, links=2, leader=TURN)
 
@@ -155,7 +155,7 @@ def test_a_boat_in_formation_changes_its_mode_only_as_it_was_told(garbage: bool)
 
 
 def test_a_boat_in_formation_that_is_told_nothing_stays_there() -> None:
-    """The ground station asks for nothing but what is already."""
+    """The ground station only requests what is already so."""
     sea = at_its_mooring()
     sea.enter_formation()
     gcs = GroundStation(random.Random(51), modes=(FORMATION,))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A slot keeps its bearing from the leader, or turns with it."""
+"""A slot with a fixed bearing from the leader, or turning with it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ POSITION_TARGET = 85
 
 
 def slot_of(leader: Course, turns: bool) -> Course:
-    """Where it is, and how the paper's hull lies there on its way."""
+    """The slot's position, and the heading of the paper's hull there."""
     ahead, starboard = ABEAM["FORM_OFS_N"], ABEAM["FORM_OFS_E"]
     if not turns:
         return Course(leader.north + ahead, leader.east + starboard, leader.psi)
@@ -32,7 +32,7 @@ def slot_of(leader: Course, turns: bool) -> Course:
 @pytest.mark.parametrize("turns", [False, True])
 @pytest.mark.parametrize("sailing", [False, True])
 @pytest.mark.parametrize("r", [0.1, -0.1])
-def test_the_slot_told_turns_with_the_leader_only_if_it_shall(
+def test_the_reported_slot_turns_with_the_leader_only_with_form_frame_1(
     turns: bool, sailing: bool, r: float
 ) -> None:
     leader = Course(4.0, -3.0, 0.4, 1.0, 0.0, r)
@@ -47,7 +47,7 @@ def test_the_slot_told_turns_with_the_leader_only_if_it_shall(
         truth = sea.leader.truth(m.time_boot_ms * 1000)
         slot = slot_of(truth, turns)
         assert math.hypot(m.x - slot.north, m.y - slot.east) < 0.01
-        # Who does not sail yet has no sway of its own to reckon with.
+        # Before it sails, a boat has no sway of its own.
         assert abs(wrap(m.yaw - slot.psi)) < (0.003 if sailing or not turns else 0.01)
 
 

@@ -102,7 +102,7 @@ def test_own_ids_are_the_parameters() -> None:
 
 
 def test_decoding_helpers_do_see_bad_data() -> None:
-    """The oracle's own check: a damaged frame is not silently passed."""
+    """Checks the oracle: it does not silently accept a damaged frame."""
     wire = bytearray(Station(1).pack(heartbeat()))
     wire[12] ^= 1
     assert [m.get_type() for m in decode([bytes(wire)])] == ["BAD_DATA"]
@@ -111,7 +111,7 @@ def test_decoding_helpers_do_see_bad_data() -> None:
 def test_stock_pymavlink_knows_all_that_a_boat_says_unasked_but_the_formations_own(
     voyage: Sea,
 ) -> None:
-    """What it does not know, it counts as lost."""
+    """It counts unknown messages as lost."""
     known = mavlink.mavlink_map
     for link in (0, 1):
         unknown = {m.get_type() for m in messages(voyage.ticks, link) if m.get_msgId() not in known}

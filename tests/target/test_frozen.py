@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""States that come again and again with new stamps: told, stopped for, and forgiven."""
+"""States repeated with new time stamps: reported, the boat stops, and may recover."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.target.stations import FORMATION
 
 
 def sailing(own_period_us: int = 50_000) -> Afloat:
-    """Behind the paper's leader for some seconds."""
+    """A boat that has followed the paper's leader for some seconds."""
     sea = Afloat({"FS_LEADER_ACT": 0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve, own_period_us)
     sea.enter_formation()
     sea.run(8.0)
@@ -23,7 +23,7 @@ def sailing(own_period_us: int = 50_000) -> Afloat:
 
 
 def freeze(sea: Sea, who: str) -> None:
-    """The same from now on, with new stamps."""
+    """Repeat the sender's state from now on, with new time stamps."""
     agent = getattr(sea, who)
     last = agent.measured(agent.next_us - agent.period_us)
     agent.measured = lambda _now_us: last
@@ -47,7 +47,7 @@ def test_an_own_state_that_sticks_stops_a_boat_within_half_a_second(period_us: i
     assert sea.condition("own_fresh")
     del sea.own.measured
     seconds_until(sea, "own_live", True, 0.5)
-    sea.run(1.5)  # it has gone on meanwhile, which may be a jump
+    sea.run(1.5)  # the boat moved on meanwhile, which may look like a jump
     sea.mode(FORMATION)
     sea.run(1.0)
     assert sea.state == "FORMATION"

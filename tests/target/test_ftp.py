@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink FTP: both files, whole, over a link that loses what it likes."""
+"""MAVLink FTP: both files arrive whole over a lossy link."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Packet:
 
 @dataclass
 class Client:
-    """A ground station that loses a part of what it says and of what it hears."""
+    """A ground station with packet loss in both directions."""
 
     sea: Sea
     station: Station = field(default_factory=lambda: Station(GCS, 190))
@@ -89,7 +89,7 @@ class Client:
         return Packet(self.seq, self.session, opcode, size, 0, 0, offset, data)
 
     def ask(self, opcode: int, size: int = 0, offset: int = 0, data: bytes = b"") -> Packet:
-        """Asks until an answer comes; only that to this request is one."""
+        """Repeat a request until its own answer arrives."""
         request = self.packet(opcode, size or len(data), offset, data)
         for _ in range(60):
             self.say(request)
@@ -118,7 +118,7 @@ class Client:
         return content
 
     def download_by_bursts(self, path: bytes, size: int = MOST) -> bytes:
-        """Bursts from the first byte that is missing, until none is."""
+        """Request bursts from the first missing byte until none is missing."""
         total = self.open(path)
         got: dict[int, bytes] = {}
         for _ in range(300):

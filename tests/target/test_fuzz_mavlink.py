@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Random MAVLink never moves a disarmed boat nor gives one that sails a number that is none."""
+"""Random MAVLink never moves a disarmed boat nor causes a NaN in one that sails."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ODD = [0.0, 1e-38, 1e3, -1e6, 3e38]
 
 
 def frame(kind: Any, payload: bytes, system: int, component: int) -> bytes:
-    """A frame with a right checksum, whatever is in it."""
+    """A frame with a valid checksum and arbitrary content."""
     body = (
         bytes([len(payload), 0, 0, 0, system, component]) + kind.id.to_bytes(3, "little") + payload
     )
@@ -28,7 +28,7 @@ def frame(kind: Any, payload: bytes, system: int, component: int) -> bytes:
 
 
 def recognisable(rng: random.Random) -> bytes:
-    """A message with a right checksum and random content, of any length, or a frame cut short."""
+    """A message with valid checksum, random content and length, or a truncated frame."""
     kind = mavlink.mavlink_map.get(
         rng.choice([0, 11, 20, 23, 30, 32, 33, 49, 75, 76, 111, 253, 331, -1])
     )
@@ -54,8 +54,8 @@ def test_twenty_thousand_random_chunks_of_mavlink_never_move_a_boat() -> None:
     assert counters["mavlink_received"] > 1000 and counters["mavlink_bad_value"] > 100
 
 
-def test_random_payloads_of_own_and_leader_never_give_a_number_that_is_none() -> None:
-    """Armed, states of random bits with right checksums: it stops, or stays within limits."""
+def test_random_payloads_of_own_and_leader_never_give_nan() -> None:
+    """An armed boat receives states of random bits: it stops, or stays within limits."""
     rng = random.Random(1618)
     sea = at_sea()
     sea.own.on = sea.leader.on = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""FS_GCS_S: a boat that has to hear a ground station, and which one that is."""
+"""FS_GCS_S: a boat that requires a ground station, and which ones count."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LOST = "no ground station is heard"
 
 
 class Watched(Sea):
-    """Its ground station beats once a second while it is `on`."""
+    """A sea whose ground station sends a HEARTBEAT every second while `on`."""
 
     def __init__(self, parameters: dict[str, float], links: int = 1) -> None:
         super().__init__({"FS_GCS_S": 3.0} | parameters, links, leader=TURN)
@@ -134,7 +134,7 @@ def test_any_link_will_do() -> None:
     assert sea.condition("gcs_heard")
 
 
-def test_where_signatures_are_required_an_unsigned_heartbeat_is_none() -> None:
+def test_where_signatures_are_required_an_unsigned_heartbeat_does_not_count() -> None:
     sea = Watched({}, links=2)
     sea.boat.secure(bytes(range(32)), 1_790_000_000 * 1_000_000)
     sea.boat.set_signing(1, "required")

@@ -24,7 +24,7 @@ LAWS = pytest.mark.parametrize(
 
 
 def sail(helm: Any, seed: int, steps: int, age_s: float = 0.0) -> list[dict[str, Any]]:
-    """A fix every fifth step, a leader that is somewhere else each time."""
+    """Step with a fix every fifth step and a different leader each time."""
     dice = random.Random(seed)
     told = []
     for k in range(steps):
@@ -53,8 +53,8 @@ def test_a_state_that_is_put_back_is_the_same_state(
     assert one.state == two.state == state
     shown = sail(one, 2, 50)
     assert sail(two, 2, 50) == shown and two.state == one.state
-    # The place is kept in two parts, of which a state has the sum. What was given before is not in
-    # it, but fixes of now do not ask for that.
+    # The position is stored in two parts; the state has their sum. Earlier inputs are not in
+    # it, but current fixes do not need them.
     assert flat(sail(helm, 2, 50)) == pytest.approx(flat(shown), rel=1e-12, abs=1e-12)
 
 
@@ -68,7 +68,7 @@ def test_the_same_steps_from_the_same_state_end_in_the_same_state(
     helm.state = before
     shown = sail(helm, 4, 30, age_s=0.012)
     after = helm.state
-    sail(helm, 5, 7)  # somewhere else, with a fix that is not taken yet
+    sail(helm, 5, 7)  # elsewhere, with a fix that is still pending
     helm.fix(9.0, 9.0, 1.0, 1.0, 1.0, 1.0)
     helm.state = before
     assert sail(helm, 4, 30, age_s=0.012) == shown and helm.state == after
@@ -139,7 +139,7 @@ def test_whether_and_which_end_first_it_approaches_is_remembered() -> None:
 
 
 class Twin:
-    """A helm that is told at each tick what the messages of a sea have just said."""
+    """A helm that gets at each tick the values of the sea's messages."""
 
     def __init__(self, sea: Sea, parameters: dict[str, float]) -> None:
         self.sea, self.helm = sea, flotilla.Helm(parameters)
@@ -165,7 +165,7 @@ def assert_alike(sea: Sea, told: dict[str, Any], *keys: str) -> None:
 def test_a_boat_that_hears_the_same_does_the_same(
     parameters: dict[str, float], own_period_us: int
 ) -> None:
-    """From arming to the first driven tick, to the precision of what messages carry."""
+    """From arming to the first driven tick, to the precision of the messages."""
     own, leader = Course(1.0, 2.0, 0.3, 0.4, -0.05, 0.2), Course(5.0, 5.0, 0.5, 0.6, 0.02, -0.1)
     without = {"THR_SLEW": 0.0, "LAW_REF": 0.0}  # the helm has no reference
     sea = Sea(parameters | without, own=own, leader=leader, scalar="double")

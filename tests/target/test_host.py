@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What only the boat's host can know: the bus, the saved parameters, the loop, a radio's rate."""
+"""Information from the boat's host: the bus, saved parameters, the loop, a radio's rate."""
 
 import pytest
 

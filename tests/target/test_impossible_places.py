@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Trees and slots that cannot be: FORMATION refused with the reason, HOLD under way."""
+"""Impossible trees and slots: FORMATION is refused with the reason; under way, HOLD."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def reference(
     root: int = LEADER,
     sails: bool = True,
 ) -> Any:
-    """FORMATION_REFERENCE of a boat with that path and slot."""
+    """A FORMATION_REFERENCE from a boat with that path and slot."""
     fields = [sea.now_us // 1000, 0, 1, root, OTHER, int(sails), 0, 0, *[0] * 10]
     offsets = [round(1024 * x) for x in (*offset_n, *offset_b)]
     path = path + [0] * (24 - len(path))
@@ -50,7 +50,7 @@ def hold(parameters: dict[str, float] | None = None) -> Sea:
 
 
 def told(sea: Sea, message: Any, system: int, seconds: float = 1.0) -> None:
-    """Ten times a second."""
+    """Send a message ten times a second."""
     station = Station(system, LEADER_COMPONENT)
     for _ in range(round(10 * seconds)):
         message.time_boot_ms = sea.now_us // 1000
@@ -86,7 +86,7 @@ def test_ring_that_closes_under_way_ends_in_hold() -> None:
     assert f"HOLD: {RING}" in texts(sea.ticks)
 
 
-def test_ring_that_was_opened_is_none_any_more() -> None:
+def test_ring_that_was_opened_no_longer_prevents_formation() -> None:
     sea = hold()
     told(sea, reference(sea, [OTHER, BOAT]), LEADER)
     told(sea, reference(sea, [OTHER]), LEADER, 0.2)
@@ -94,7 +94,7 @@ def test_ring_that_was_opened_is_none_any_more() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_another_boats_ring_is_its_own_affair() -> None:
+def test_a_ring_of_other_boats_does_not_stop_this_one() -> None:
     sea = hold()
     told(sea, reference(sea, [OTHER, BOAT]), OTHER)
     sea.mode(FORMATION)
@@ -154,8 +154,8 @@ def test_boat_in_its_slot_makes_no_way_for_one_that_does_not_sail() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_followers_slot_is_its_own_affair() -> None:
-    """It is refused itself: its slot is where this boat is."""
+def test_a_followers_slot_does_not_stop_this_boat() -> None:
+    """The other boat is refused: its slot is this boat's."""
     sea = hold()
     told(sea, reference(sea, [BOAT, LEADER], (-4.0, 0.0)), OTHER)
     sea.mode(FORMATION)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A frame whose rest never comes holds back what comes after it only for a moment."""
+"""An incomplete frame delays the bytes after it only briefly."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_disarm_that_comes_after_an_incomplete_frame_waits_only_for_what_is_le
 
 @EACH
 def test_a_disarm_waits_no_longer_behind_many_incomplete_frames(beginning: str) -> None:
-    """The patience is not begun anew by each."""
+    """The timeout does not restart with each."""
     sea = Sea(leader=TURN)
     sea.enter_formation()
     for _ in range(12):
@@ -68,7 +68,7 @@ def test_a_disarm_waits_no_longer_behind_many_incomplete_frames(beginning: str) 
 @pytest.mark.parametrize("every", [1, 3, 10, 29, 31])
 @EACH
 def test_beginnings_that_go_on_coming_do_not_hold_a_disarm_back(beginning: str, every: int) -> None:
-    """A radio that loses the end of every message, an attacker who sends only beginnings."""
+    """A radio that loses the end of every message, or an attacker who sends only beginnings."""
     sea = Sea(leader=TURN)
     sea.enter_formation()
     for k in range(60):
@@ -88,7 +88,7 @@ def test_beginnings_that_go_on_coming_do_not_hold_a_disarm_back(beginning: str, 
 
 @pytest.mark.parametrize("chunk_s", [0.05, 0.1, 0.29])
 def test_each_beginning_is_waited_for_since_it_came_not_since_its_turn(chunk_s: float) -> None:
-    """26 of them fill one long message; each new one ends another one and begins no new wait."""
+    """26 of them fill one long message; each new one ends another and starts no new timeout."""
     sea = Sea(leader=TURN)
     sea.enter_formation()
     beginning = BEGINNINGS["long one"]

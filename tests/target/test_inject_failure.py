@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAV_CMD_INJECT_FAILURE: what an operator lets fail around a simulated boat."""
+"""MAV_CMD_INJECT_FAILURE: an operator injects failures around a simulated boat."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ KNOWN = {
 
 
 class Sea:
-    """A boat that somebody else commands, and its follower."""
+    """A boat commanded from outside, and its follower."""
 
     def __init__(self, *, inject_failures: bool = True) -> None:
         self.fleet: Any = flotilla.Fleet(record=True, inject_failures=inject_failures)
@@ -54,7 +54,7 @@ class Sea:
             self.t_us += H_US
 
     def inject(self, unit: float, kind: float, instance: float = 0.0) -> int:
-        """The answer."""
+        """Inject a failure; the MAV_RESULT."""
         self.fleet.command([0], self.t_us, INJECT, (unit, kind, instance))
         self.tick()
         (ack,) = messages([(0, self.fleet.sent(0))], "COMMAND_ACK")
@@ -62,7 +62,7 @@ class Sea:
         return int(ack.result)
 
     def north(self) -> float:
-        """Where the boat's unit said it is, with the last tick."""
+        """The position, m north, that the boat's unit sent with the last tick."""
         _, data = heard(records_of(self.fleet), 0, NAVIGATION)[-1]
         (place,) = messages([(0, data)], "LOCAL_POSITION_NED")
         return float(place.x)
@@ -95,7 +95,7 @@ def test_no_failure_is_injected_without_leave() -> None:
 def test_an_injected_failure_is_the_fault_that_a_scenario_sets(
     unit: int, kind: int, instance: int
 ) -> None:
-    """As one that a scenario sets after the same tick, from beginning to end."""
+    """Equal, from beginning to end, to a scenario's fault set after the same tick."""
     if instance == 2 and unit != MOTOR:
         return
     fault, value = KNOWN[unit, kind]
@@ -103,7 +103,7 @@ def test_an_injected_failure_is_the_fault_that_a_scenario_sets(
     histories = []
     for by_command in (True, False):
         sea = Sea()
-        # the other one is told something that takes as many bytes, and changes nothing
+        # the other boat gets a command of equal length without effect
         sea.inject(unit, kind if by_command else OK, instance)
         if not by_command:
             sea.fleet.set_fault(0, fault, sea.t_us - H_US, value=value, **esc)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Places where the boat or its leader cannot be: refused, told, believed when they last."""
+"""Impossible positions of the boat or its leader: rejected, reported, accepted if they persist."""
 
 from __future__ import annotations
 
@@ -85,12 +85,12 @@ def test_a_new_place_is_believed_after_a_second() -> None:
 @pytest.mark.parametrize("clock_us", [0, 30_000, -700_000, 45_000_000, 7_200_000_000])
 @pytest.mark.parametrize("kind", ["ODOMETRY", "LOCAL_POSITION_NED"])
 def test_of_two_leaders_with_one_id_the_first_is_followed(clock_us: int, kind: str) -> None:
-    """A second vessel 20 m beside it, that says it is the same, with whatever clock."""
+    """A second vessel 20 m beside the leader has its id, with any clock."""
     sea = Sea(leader=Course(5.0, 5.0, 0.5, 0.4))
     sea.enter_hold()
     sea.leader.on = False
     leader, other = (Station(LEADER, LEADER_COMPONENT) for _ in range(2))
-    for k in range(1450):  # the second is forgotten ten seconds later
+    for k in range(1450):  # the second one is forgotten after ten seconds
         truth = sea.leader.truth(sea.now_us)
         if k % 10 == 0:
             sea.say(*state_messages(kind, truth, sea.now_us), sender=leader)
@@ -111,7 +111,7 @@ def test_of_two_leaders_with_one_id_the_first_is_followed(clock_us: int, kind: s
 def test_two_vessels_under_the_leaders_id_are_told_apart_by_their_clocks_alone(
     clock_us: int,
 ) -> None:
-    """A spare one that lies alongside: it is where the leader may be."""
+    """The second one lies alongside, at a position that is possible for the leader."""
     sea = Sea(leader=Course(5.0, 5.0, 0.5, 0.4), start_us=8_000_000_000)
     sea.enter_hold()
     sea.leader.on = False
@@ -184,7 +184,7 @@ def test_a_leader_that_jumps_for_good_is_followed_when_that_is_asked_for_anew(fa
     assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
     if far_m > 100.0:
         assert "Refused: leader is further than FORM_DIST_MAX" in texts(sea.ticks)
-    sea.run(2.0)  # it does not matter any longer
+    sea.run(2.0)  # the jump itself no longer counts
     assert sea.state == ("FORMATION" if far_m < 100.0 else "HOLD")
 
 

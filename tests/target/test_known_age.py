@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Nobody is followed, and nothing steers, by states whose age is unknown or too great."""
+"""States whose age is unknown or too great are neither followed nor steered by."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ LEADER_UNKNOWN = "leader latency unknown: set FORM_LAG_S"
 
 
 def prompt_sea(**parameters: float) -> Sea:
-    """Both senders answer TIMESYNC at once; no latency is named."""
+    """A sea whose two senders answer TIMESYNC at once; no latency is configured."""
     sea = Sea(UNKNOWN | parameters, leader=Course(5.0, 5.0, 0.5, 0.5))
     sea.own.answers_timesync = sea.leader.answers_timesync = True
     return sea
 
 
 def asked_for_formation(sea: Sea, agent: Agent, late_s: float) -> list[str]:
-    """Long enough for its answers to come; what the boat says meanwhile."""
+    """Ask for FORMATION, with time for TIMESYNC answers; the boat's texts meanwhile."""
     agent.delay_us = round(1e6 * late_s)
     sea.run(2.5 * late_s + 4.0)
     sea.arm()
@@ -64,7 +64,7 @@ def test_an_own_unit_that_was_late_from_its_start_leaves_manual_only(late_s: flo
 def test_the_age_of_a_sender_that_answers_nothing_or_too_late_is_unknown(
     who: str, late_s: float
 ) -> None:
-    """Half a minute later nobody knows which question an answer was for."""
+    """Half a minute later an answer can no longer be assigned to its request."""
     sea = prompt_sea()
     agent = getattr(sea, who)
     agent.answers_timesync = late_s == 20.0
@@ -89,7 +89,7 @@ def test_a_latency_that_is_named_is_believed(who: str) -> None:
 
 
 class OtherClock(Agent):
-    """Its TIMESYNC is of another clock than its stamps."""
+    """A sender whose TIMESYNC and time stamps are of different clocks."""
 
     ahead_us = 0
 
@@ -111,7 +111,7 @@ def test_answers_that_contradict_the_stamps_tell_no_age(ahead_s: float) -> None:
 
 @pytest.mark.parametrize("who", ["own", "leader"])
 def test_a_latency_that_is_named_is_for_senders_that_answer_nothing(who: str) -> None:
-    """Its answers contradict its stamps, and the radio is three seconds late from then on."""
+    """Its answers contradict its stamps; from then on the radio is three seconds late."""
     sea = prompt_sea(NAV_LAG_S=0.0, FORM_LAG_S=0.0)
     agent = getattr(sea, who)
     agent.__class__ = OtherClock
@@ -136,7 +136,7 @@ def test_a_leader_whose_answers_begin_to_contradict_its_stamps_is_left() -> None
     assert sea.state == "FORMATION"
 
 
-def test_what_turns_in_manual_show_of_the_latency_lets_the_law_steer() -> None:
+def test_a_latency_measured_by_turns_in_manual_lets_the_law_steer() -> None:
     sea = Afloat(UNKNOWN | {"FORM_LAG_S": 0.0}, Hull(), s_curve)
     sea.own.delay_us = 150_000
     sea.run(1.0)

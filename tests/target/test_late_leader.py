@@ -20,7 +20,7 @@ from tests.target.stations import FORMATION
 
 @dataclass
 class OverRadio(Helmsman):
-    """Three of ten messages are lost, two come twice; each takes a time of its own."""
+    """A sender over a radio: 30 % of its messages are lost, 20 % duplicated; delays vary."""
 
     dice: random.Random = field(default_factory=random.Random)
     delays_us: tuple[int, int] = (0, 0)
@@ -47,7 +47,7 @@ class OverRadio(Helmsman):
 
 
 def followed(period_us: int, delays_us: tuple[int, int], seed: int) -> Afloat:
-    """In FORMATION for ten seconds; the leader's clock is seven hours ahead."""
+    """A boat in FORMATION for ten seconds; the leader's clock is seven hours ahead."""
     hull = Hull([1.46, 0.45, 1.33, 0.0, 0.0, 0.0])
     sea = Afloat({"FS_LEADER_S": 5.0}, hull, s_curve, own_period_us=10_000)
     sea.leader = OverRadio(
@@ -69,7 +69,7 @@ def followed(period_us: int, delays_us: tuple[int, int], seed: int) -> Afloat:
 
 
 def off(sea: Afloat) -> tuple[float, float]:
-    """By how much the boat errs about its leader's place and heading; a tick is made."""
+    """After one tick, the error of the leader's estimated position and heading."""
     now = sea.off_slot()
     sea.step()
     assert sea.state == "FORMATION"
@@ -80,14 +80,14 @@ def off(sea: Afloat) -> tuple[float, float]:
     )
 
 
-# one draw of losses and delays each push
+# one draw of losses and delays for each push
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.nightly) for k in (1, 2))])
 @pytest.mark.parametrize("delays_us", [(0, 200_000), (100_000, 300_000)])
 @pytest.mark.parametrize("period_us", [200_000, 100_000, 20_000])
 def test_the_leader_is_known_to_centimetres(
     period_us: int, delays_us: tuple[int, int], seed: int
 ) -> None:
-    """At 0.6 m/s and 0.3 s late; and never worse than the boat says."""
+    """At 0.6 m/s and 0.3 s latency; and never worse than the boat's own estimate."""
     sea = followed(period_us, delays_us, seed)
     for _ in range(3000):
         metres, radians = off(sea)
@@ -98,7 +98,7 @@ def test_the_leader_is_known_to_centimetres(
 
 
 def test_three_messages_that_were_overtaken_say_nothing_of_the_leaders_clock() -> None:
-    """Of a way of 0.2 s each, but one message took 0.16 s; TIMESYNC was answered all the time."""
+    """The latency is 0.2 s, except for one message with 0.16 s; TIMESYNC is always answered."""
     sea = Sea(leader=Course(5.0, 5.0, 0.5, 1.0, 0.0, 0.0))
     sea.leader.answers_timesync, sea.leader.delay_us, sea.leader.period_us = True, 200_000, 10_000
     sea.run(3.5)

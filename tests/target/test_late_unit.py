@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A navigation unit that is late and answers no TIMESYNC: what the boat tells, and refuses."""
+"""A late navigation unit without TIMESYNC: the boat's reports and refusals."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_the_boat_tells_how_late_its_unit_is_once() -> None:
 
 
 @pytest.mark.parametrize("law", [{}, {"NAV_LAG_S": 0.2}])
-def test_of_a_prompt_unit_or_a_known_latency_not_a_word_is_said(law: dict[str, float]) -> None:
+def test_a_prompt_unit_or_a_known_latency_causes_no_message(law: dict[str, float]) -> None:
     sea = sailing(law.get("NAV_LAG_S", 0.0), law)
     assert sea.state == "FORMATION" and words(sea) == []
 

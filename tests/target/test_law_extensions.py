@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes beyond the published law: each part off is as if it did not exist, on at once."""
+"""Extensions of the published law: without any effect when off, effective at once when on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.target.operator_words import param_set
 from tests.target.sea import PAPER, texts
 from tests.target.stations import FORMATION
 
-#: A value of each that is felt.
+#: For each extension, a value with an effect.
 FELT = {
     "LAW_OBS_BW": 2.0,
     "LAW_XT_DIST": 1.0,
@@ -31,13 +31,13 @@ SLOT = {"FORM_OFS_N": -1.0, "FORM_OFS_E": 1.0}
 
 
 def afloat(parameters: dict[str, float]) -> Afloat:
-    """Pushed, in a current, metres off its slot beside a leader that turns to and fro."""
+    """A boat under a force and in a current, off its slot beside a leader that turns to and fro."""
     hull = Hull([-4.0, 9.0, -1.33, 0.0, 0.0, 0.0], current=(0.05, -0.1), push=(0.5, 0.05))
     return Afloat(parameters | SLOT, hull, s_curve, own_period_us=10_000)
 
 
 def sail(parameters: dict[str, float], **told: float) -> list[Frames]:
-    """Every frame of ten seconds; what is told is told before arming."""
+    """All frames of ten seconds; parameters in `told` are set before arming."""
     sea = afloat(parameters)
     sea.settle()
     if told:
@@ -55,7 +55,7 @@ def sail(parameters: dict[str, float], **told: float) -> list[Frames]:
 def test_an_extension_that_is_switched_off_leaves_no_trace(
     name: str, base: dict[str, float]
 ) -> None:
-    """The same frames, bit for bit, whether it was never on or an operator has switched it off."""
+    """Frames are equal bit for bit whether it was never on or has been switched off."""
     off = sail(base | {name: 0.0})
     felt = sail(base | {name: FELT[name]})
     assert felt != off
@@ -126,7 +126,9 @@ TURNING, WIDE = Course(0.0, 0.0, 0.5, 0.5, 0.0, 0.5), {"FORM_FRAME": 1.0, "FORM_
 
 
 @pytest.mark.parametrize("scalar", ["float", "q16"])
-def test_slot_that_is_too_fast_is_told_with_what_it_needs_every_ten_seconds(scalar: str) -> None:
+def test_slot_that_is_too_fast_is_reported_with_the_needed_speed_every_ten_seconds(
+    scalar: str,
+) -> None:
     sea = Afloat(WIDE | {"LAW_R_MAX": 0.4}, leader=TURNING, scalar=scalar)
     sea.enter_formation()
     sea.run(15.0)

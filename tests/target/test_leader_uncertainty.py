@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How far the leader may be from where it is thought: told in metres, as LEAD_UNC."""
+"""The uncertainty of the leader's position, m, reported as LEAD_UNC."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def uncertainty_m(sea: Sea) -> float:
 
 
 def following(period_us: int = 100_000, answered_us: int | None = None) -> Sea:
-    """Behind a leader that turns steadily and, if so, answers TIMESYNC after a way that long."""
+    """Behind a leader that turns steadily; `answered_us`: latency of its TIMESYNC, None: none."""
     sea = Sea(leader=TURNING)
     sea.leader.period_us = period_us
     if answered_us is not None:
@@ -77,7 +77,7 @@ def test_a_leader_whose_velocity_jumps_is_known_worse() -> None:
 
 
 def test_the_less_certain_the_leaders_clock_the_less_certain_its_place() -> None:
-    """A way of so long there and back leaves its clock open by half of both, at 0.6 m/s."""
+    """Half the round trip of TIMESYNC is the clock's uncertainty; the leader sails at 0.6 m/s."""
     for way_us in (0, 10_000, 50_000, 200_000):
         sea = following(answered_us=way_us)
         sea.run(5.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""FS_BATT_V and FS_FENCE_M: the operator's limits, judged by the ESCs' voltage and by the place."""
+"""FS_BATT_V and FS_FENCE_M: limits on the ESCs' voltage and the boat's position."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.target.test_long_texts import sentences as whole
 
 
 def sentences(ticks: list[Tick]) -> list[str]:
-    """Put together again from their chunks."""
+    """The texts, reassembled from their chunks."""
     return [said.text for said in whole(ticks)]
 
 
@@ -27,7 +27,7 @@ MANUAL = 0
 
 
 def charged(parameters: dict[str, float]) -> Sea:
-    """In FORMATION, with a battery that has been good for long enough."""
+    """A boat in FORMATION whose battery has been good for long enough."""
     sea = Sea(parameters)
     sea.run(2.5)
     sea.enter_formation()
@@ -82,7 +82,7 @@ def test_a_boat_with_a_low_battery_is_armed_for_manual_only_and_says_why() -> No
 
 
 def sail_on(sea: Sea, speed_mps: float) -> None:
-    """From here on with that speed ahead; this truth does not answer to thrust."""
+    """Sail on from here at that speed ahead; the true motion ignores thrust."""
     here, t = sea.own.truth(sea.now_us), (sea.now_us - START_US) * 1e-6
     ahead = speed_mps * t
     sea.own.course = Course(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Sentences longer than a STATUSTEXT: chunks that a ground station puts together again."""
+"""Texts longer than a STATUSTEXT: sent in chunks that a ground station reassembles."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Said:
 
 
 def sentences(ticks: list[Tick], link: int = 0) -> list[Said]:
-    """As QGroundControl puts them together; whatever breaks the rules fails here."""
+    """Reassemble texts as QGroundControl does; fails on a violation of the protocol."""
     found: list[Said] = []
     parts: list[Any] = []
     for m in named(ticks, "STATUSTEXT", link):
@@ -52,7 +52,7 @@ def sentences(ticks: list[Tick], link: int = 0) -> list[Said]:
 
 
 def assert_well_cut(said: Said) -> None:
-    """Only what does not fit into one message is cut, and its end is told by a NUL."""
+    """Only a text too long for one message is split, and a NUL marks its end."""
     if len(said.text) <= CHUNK:
         assert said.id == 0 and said.chunks == 1
     else:
@@ -109,7 +109,7 @@ def test_short_sentences_have_no_id(sea: Sea) -> None:
 
 
 def test_every_length_is_cut_well() -> None:
-    """Refusals of every parameter, with longer and longer numbers, also those that end at a cut."""
+    """Refusals of every parameter with ever longer numbers, also texts that fill a chunk."""
     sea = Sea()
     sea.settle()
     lengths = set()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MANUAL: the sticks drive, as long as somebody holds them."""
+"""MANUAL: the sticks drive the boat as long as they are sent."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ def test_manual_without_sticks_is_refused_and_says_why(seed_state: str) -> None:
     assert sea.state == seed_state
 
 
-def test_old_sticks_are_none(sea: Sea) -> None:
+def test_outdated_sticks_do_not_count(sea: Sea) -> None:
     sea.enter_hold()
     drive(sea, 500)
     sea.run(SILENT_S)
@@ -183,7 +183,7 @@ def test_old_sticks_are_none(sea: Sea) -> None:
 
 
 @pytest.mark.parametrize("state", ["DISARMED", "FAULT", "TEST"])
-def test_manual_is_refused_where_it_has_no_business(sea: Sea, state: str) -> None:
+def test_manual_is_refused_in_states_that_do_not_allow_it(sea: Sea, state: str) -> None:
     ENTER[state](sea)
     sea.say(sticks(500))
     tick = sea.mode(MANUAL)

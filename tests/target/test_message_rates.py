@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How often a boat says what: the defaults, what a client asked for, what a link can carry."""
+"""Message rates: defaults, a client's requests, the capacity of a link."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SET_INTERVAL, GET_INTERVAL = 511, 510
 HEARTBEAT, ATTITUDE, POSITION, FOLLOW_TARGET, EXTENDED_STATE = 0, 30, 32, 144, 245
 NAMED_VALUE = 251
 NEVER, DEFAULT = -1.0, 0.0
-#: How often in ten seconds, where nobody has asked for anything.
+#: Number of messages in ten seconds by default.
 IN_TEN_SECONDS = {
     1: 10,
     2: 10,
@@ -48,7 +48,7 @@ IN_TEN_SECONDS = {
     436: 0,
 }
 EACH = pytest.mark.parametrize("message_id", list(IN_TEN_SECONDS))
-RADIO = Station(51, 68)  # as SiK radios call themselves
+RADIO = Station(51, 68)  # the ids of SiK radios
 
 
 def kind_of(message_id: int) -> str:
@@ -56,7 +56,7 @@ def kind_of(message_id: int) -> str:
 
 
 def count(ticks: list[Tick], message_id: int, link: int = 0) -> int:
-    """How often that message comes; NAMED_VALUE_FLOAT: how often one of the values."""
+    """The number of messages with that id; of NAMED_VALUE_FLOAT, the number of one value."""
     found = named(ticks, kind_of(message_id), link)
     return len([m for m in found if message_id != NAMED_VALUE or m.name == "OVERRUNS"])
 
@@ -80,7 +80,7 @@ def interval_us(sea: Sea, message_id: int, link: int = 0) -> int:
 
 @pytest.fixture
 def settled(sea: Sea) -> Sea:
-    """All that is needed to tell everything is known."""
+    """A boat that knows everything it can send."""
     sea.run(1.5)
     return sea
 
@@ -230,7 +230,7 @@ def radio_says(sea: Sea, txbuf: int, times: int = 1, link: int = 0) -> None:
 def complaining(
     sea: Sea, seconds: float, txbuf: int = 40, every_s: float = 0.5, link: int = 0
 ) -> list[Tick]:
-    """A radio that says that every so often; 35 to 50 changes nothing."""
+    """A radio that repeatedly reports its free buffer, %; 35 to 50 changes nothing."""
     ticks: list[Tick] = []
     for _ in range(round(seconds / every_s)):
         message = mavlink.MAVLink_radio_status_message(200, 200, txbuf, 40, 40, 0, 0)
@@ -256,7 +256,7 @@ def test_telemetry_backs_off_as_a_radios_buffer_fills(
 
 
 def test_a_full_radio_gets_a_twentieth_but_the_state_twice_a_second(settled: Sea) -> None:
-    """And every heartbeat: followers could not steer by less."""
+    """And every HEARTBEAT: followers could not steer with less."""
     ask(settled, FOLLOW_TARGET, 100_000.0)
     radio_says(settled, 0, times=50)
     complaining(settled, 2.0, 0)
@@ -368,7 +368,7 @@ def test_the_origin_keeps_its_own_rate_whatever_others_get(settled: Sea) -> None
 
 @pytest.mark.parametrize("bytes_per_s", [400, 800, 1200])
 def test_a_slow_radio_starves_no_message_for_good(bytes_per_s: int) -> None:
-    """Followers need the origin as much as the position; operators need the health."""
+    """Followers need origin and position; operators need the health."""
     sea = Sea({"FS_SLOT_M": 0.0}, links=2)
     sea.boat.limit_link(1, bytes_per_s)
     sea.enter_formation()
@@ -395,7 +395,7 @@ def test_a_slow_radio_carries_the_parameters_in_the_end(bytes_per_s: int) -> Non
 
 @pytest.mark.parametrize("message_id", [148, NAMED_VALUE])
 def test_many_questions_do_not_silence_the_heartbeat(settled: Sea, message_id: int) -> None:
-    """Whoever asks too much is answered less; a boat without a heartbeat is lost to everybody."""
+    """Excess requests get fewer answers; without a HEARTBEAT everybody would lose the boat."""
     settled.ticks.clear()
     for _ in range(500):
         settled.say(*[command_long(SET_INTERVAL + 1, float(message_id)) for _ in range(24)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Somebody asks for one message: one answer first, then what was asked for, to nobody else."""
+"""A request for a message: the ACK first, then the message, on the requester's link only."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from tests.target.stations import (
 
 REQUEST, GET_INTERVAL, VERSION, CAPABILITIES = 512, 510, 519, 520
 INTERVAL, MODES, ODOMETRY = 244, 435, 331
-# those that clients need, and whatever else a boat has to tell
+# those that clients need, and all others that a boat can send
 ASKED_FOR = [148, 242, 49, MODES, 436, 397, 1, 0, INTERVAL, 33, 32, 30, ODOMETRY, 300, 396]
 ALSO_TOLD = [2, 62, 85, 144, 147, 245, 251, 290, 291]
 NEEDS_OWN_STATE = [49, 33, 32, 30, ODOMETRY, 62, 85, 144]
@@ -40,7 +40,7 @@ MAVLINK2, COMMAND_INT, PARAM_BYTEWISE, FTP = 8192, 8, 16, 32  # as capabilities
 
 @pytest.fixture
 def quiet() -> Sea:
-    """Well, and between two of the ticks in which it says what it always says."""
+    """A boat without faults, between two ticks with regular messages."""
     sea = Sea(QUIET)
     sea.run(1.1)
     return sea
@@ -51,7 +51,7 @@ def kind_of(message_id: int) -> str:
 
 
 def answered(tick: Tick, command: int, result: int, link: int = 0) -> list[Any]:
-    """What follows the one ACK, which is the first of all and names its asker."""
+    """The messages after the only ACK, which comes first and names the requester."""
     first, *others = tick.messages(link)
     assert first.get_type() == "COMMAND_ACK"
     assert (first.command, first.result, first.progress) == (command, result, 255)
@@ -76,17 +76,17 @@ def test_a_command_int_asks_for_the_same(quiet: Sea, message_id: int) -> None:
     assert others and {m.get_type() for m in others} == {kind_of(message_id)}
 
 
-# What a boat has not got, an operator's own words, numbers beyond all messages.
+# Messages that a boat lacks, an operator's own messages, numbers beyond all messages.
 @pytest.mark.parametrize(
     "message_id", [4, 11, 20, 22, 24, 47, 66, 74, 76, 77, 111, 253, 410, 437, 9999, 65535, 12900]
 )
-def test_what_a_boat_has_not_got_is_refused_at_once(quiet: Sea, message_id: int) -> None:
+def test_a_message_that_a_boat_lacks_is_refused_at_once(quiet: Sea, message_id: int) -> None:
     assert answered(quiet.order(REQUEST, message_id), REQUEST, UNSUPPORTED) == []
     assert not named(quiet.run(0.5), "COMMAND_ACK")
 
 
 @pytest.mark.parametrize("message_id", [math.nan, math.inf, -math.inf, -1.0, 0.5, 65536.0, 1e30])
-def test_what_can_be_no_message_is_denied(quiet: Sea, message_id: float) -> None:
+def test_an_impossible_message_id_is_denied(quiet: Sea, message_id: float) -> None:
     for command in (REQUEST, GET_INTERVAL):
         assert answered(quiet.order(command, message_id), command, DENIED) == []
 
@@ -143,7 +143,7 @@ def test_several_questions_at_once_are_answered_one_by_one(quiet: Sea) -> None:
     assert [result for _, result in acks(tick)] == [ACCEPTED, UNSUPPORTED, ACCEPTED, ACCEPTED]
 
 
-def test_whoever_may_not_command_may_still_ask() -> None:
+def test_a_station_that_may_not_command_may_still_request_messages() -> None:
     sea = Sea({"MAV_GCS_SYSID": 250} | QUIET)
     sea.run(1.1)
     for order in ((REQUEST, 148.0), (GET_INTERVAL, 30.0), (VERSION, 1.0), (CAPABILITIES, 1.0)):
@@ -181,7 +181,7 @@ def test_a_mode_is_described_by_its_index(quiet: Sea, index: int) -> None:
 
 
 @pytest.mark.parametrize("index", [4.0, 255.0, 257.0, 65535.0])
-def test_a_mode_that_is_none_is_refused_at_once(quiet: Sea, index: float) -> None:
+def test_an_unknown_mode_index_is_refused_at_once(quiet: Sea, index: float) -> None:
     assert answered(quiet.order(REQUEST, MODES, index), REQUEST, UNSUPPORTED) == []
 
 
@@ -229,7 +229,7 @@ def test_what_never_comes_by_itself_has_no_interval(sea: Sea, message_id: int) -
 
 
 def test_odometry_comes_once_and_never_by_itself(sea: Sea) -> None:
-    """An autopilot that hears it takes it for its own external vision."""
+    """An autopilot would take it for its own external vision."""
     sea.run(1.15)
     (told,) = answered(sea.order(REQUEST, ODOMETRY), REQUEST, ACCEPTED)
     now = sea.own.truth(sea.ticks[-1].now_us)
@@ -318,7 +318,7 @@ def test_a_question_to_another_is_not_answered(quiet: Sea) -> None:
 
 
 def test_everybody_who_asks_is_named_in_his_answer(quiet: Sea) -> None:
-    """Two ask in the same tick."""
+    """Two systems ask in the same tick."""
     for sender in ((GCS, GCS_COMPONENT), (245, 191)):
         quiet.say(command_long(REQUEST, 148.0), sender=Station(*sender))
     found = quiet.step().named("COMMAND_ACK")

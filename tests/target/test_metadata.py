@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a ground station shows of the parameters: the files that the boat offers by MAVLink FTP."""
+"""The parameters' metadata for ground stations: files that the boat serves by MAVLink FTP."""
 
 import json
 import struct
@@ -40,7 +40,7 @@ def float32(value: float) -> float:
 
 
 def checksum(content: bytes) -> int:
-    """As clients reckon it: from 0, not inverted."""
+    """CRC-32 as clients compute it: initial value 0, not inverted."""
     return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 

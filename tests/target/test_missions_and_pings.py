@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What every ground station asks of a boat that has no mission; PING; TIMESYNC with targets."""
+"""Ground stations' mission requests to a boat without missions; PING; TIMESYNC with targets."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_clearing_nothing_is_done_at_once(sea: Sea, kind: int) -> None:
     assert (ack.type, ack.mission_type) == (MISSION_ACCEPTED, kind) and the_askers(ack)
 
 
-def test_who_knows_no_mission_types_means_the_plain_one(sea: Sea) -> None:
+def test_a_request_without_mission_type_means_the_plain_mission(sea: Sea) -> None:
     """MAVLink 1 has no such field."""
     sea.settle()
     payload = bytes([BOAT, 1])
@@ -109,7 +109,7 @@ def test_an_acknowledgement_is_not_acknowledged(sea: Sea) -> None:
     assert not named(sea.run(0.5), "MISSION_ACK") and sea.state == "FORMATION"
 
 
-# What a boat does not do.
+# Unsupported services.
 
 
 def test_there_are_no_logs_to_download(sea: Sea) -> None:
@@ -192,13 +192,13 @@ def test_an_answer_to_a_ping_is_not_answered(sea: Sea, target: tuple[int, int]) 
 
 
 def timesync(station: Station, tc1: int, ts1: int, *target: int) -> bytes:
-    """With a target, or without as before 2022."""
+    """A TIMESYNC frame with a target, or without as before 2022."""
     payload = struct.pack("<qq", tc1, ts1) + bytes(target)
     return frame(mavlink.MAVLink_timesync_message, payload, station.system, station.component)
 
 
 def raw(tick: Tick, message_id: int, link: int = 0) -> list[bytes]:
-    """Payloads of that message as they are on the wire."""
+    """The payloads of that message on the wire."""
     found = []
     data = b"".join(each for at, each in tick.mavlink if at == link)
     while data:
@@ -227,7 +227,7 @@ def test_a_request_to_another_is_not_answered(sea: Sea, target: tuple[int, int])
 
 
 def test_a_short_request_after_a_long_message_is_for_all(sea: Sea) -> None:
-    """Where a short payload ends, nothing of the message before it is left over."""
+    """A short payload is not completed with bytes of the message before it."""
     sea.settle()
     filled = odometry(Course(), sea.now_us, pose_covariance=[9.5] * 21)
     sea.say(filled, sender=Station(77, 1))
@@ -236,7 +236,7 @@ def test_a_short_request_after_a_long_message_is_for_all(sea: Sea) -> None:
 
 
 def leader_age(form: str) -> float:
-    """Of a leader hours ahead whose messages take 0.1 s; how it answers TIMESYNC is told."""
+    """The estimated age of a leader hours ahead, 0.1 s late; `form` of its TIMESYNC answers."""
     sea = Sea()
     sea.leader.clock_offset_us = 5 * 3600 * 1_000_000
     sea.leader.delay_us = 100_000

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""HOLD and FORMATION by order of the operator, and the refusals."""
+"""HOLD and FORMATION by the operator's command, and refusals."""
 
 from __future__ import annotations
 
@@ -113,9 +113,7 @@ SETPOINTS = {
 
 @pytest.mark.parametrize("kind", SETPOINTS)
 @pytest.mark.parametrize("by_message", [False, True])
-def test_who_has_just_sent_setpoints_means_offboard_by_mode_6(
-    sea: Sea, kind: str, by_message: bool
-) -> None:
+def test_after_setpoints_mode_6_means_px4_offboard(sea: Sea, kind: str, by_message: bool) -> None:
     sea.settle()
     sea.arm()
     sea.say(SETPOINTS[kind])
@@ -127,7 +125,7 @@ def test_who_has_just_sent_setpoints_means_offboard_by_mode_6(
     assert acks(tick) == ([] if by_message else [(SET_MODE, DENIED)])
     assert "Refused: mode 6 after setpoints is OFFBOARD" in texts([tick])
     assert sea.state == "HOLD"
-    sea.say(ask, sender=Station(250, 190))  # another operator has sent none
+    sea.say(ask, sender=Station(250, 190))  # another operator, who has sent no setpoint
     sea.step()
     assert sea.state == "FORMATION"
     sea.mode(4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""DO_MOTOR_TEST: one propeller, a little, for a moment."""
+"""DO_MOTOR_TEST: one propeller, little thrust, a short time."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ BOTH = pytest.mark.parametrize("propeller", [PORT, STBD], ids=["port", "stbd"])
 
 
 def of(propeller: float, tick: Tick) -> int:
-    """Command of the propeller under test; the other one stands still."""
+    """The command of the propeller under test; asserts that the other one is stopped."""
     tested, other = tick.commands if propeller == PORT else tick.commands[::-1]
     assert other == 0
     return tested
@@ -228,7 +228,7 @@ def test_a_second_test_comes_after_the_first_has_ended(sea: Sea) -> None:
 def test_never_two_propellers_turn_nor_one_for_longer_when_another_test_is_asked_for(
     sea: Sea, other: tuple[float, ...]
 ) -> None:
-    """The one that runs has not ended: no state but HOLD begins a test."""
+    """A test can begin in HOLD only, not while another one runs."""
     enter_test(sea, PORT, PERCENT, 10.0, 1.0)
     sea.run(0.5)
     tick = sea.order(MOTOR_TEST, *other)
@@ -239,7 +239,7 @@ def test_never_two_propellers_turn_nor_one_for_longer_when_another_test_is_asked
 
 
 def test_a_late_repetition_of_an_order_does_not_begin_a_second_test(sea: Sea) -> None:
-    """Its ACK was lost, the test is short: what is repeated 0.5 s later has happened already."""
+    """The ACK was lost and the test is short: 0.5 s later it is already over."""
     enter_test(sea, PORT, PERCENT, 10.0, 0.3)
     sea.run(0.5)
     assert sea.state == "HOLD"
@@ -335,7 +335,7 @@ def test_a_stranger_tests_nothing() -> None:
 def test_a_thrust_that_the_boat_would_command_as_zero_is_no_test(
     propeller: float, percent: float
 ) -> None:
-    """The dead zone is 2 N of 20 N; what does not turn looks broken."""
+    """The dead zone is 2 N of 20 N; a propeller that does not turn looks broken."""
     sea = Sea({"THR_DEAD": 2})
     sea.enter_hold()
     sea.run(0.6)

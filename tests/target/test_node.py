@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The boat as a DroneCAN node: frames, ids, its status and who it is."""
+"""The boat as a DroneCAN node: frames, ids, status and node info."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_ids_are_extended_and_come_from_the_boats_node(outing: Sea) -> None:
 
 
 def test_ids_are_those_of_the_reference(outing: Sea) -> None:
-    """Captured from another implementation, for the same types and priorities but node 10."""
+    """Captured from another implementation, with the same types and priorities, but as node 10."""
     captured = [v for v in reference("captured") if not v["id"]["service"]]
     ours = {i & 0xFFFF00 for tick in outing.ticks for i, _ in tick.can if not i & 0x80}
     assert ours == {t << 8 for t in (RAW_COMMAND, ARMING_STATUS, NODE_STATUS)}

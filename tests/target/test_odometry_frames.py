@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The frames of ODOMETRY: every legal pair is rotated, every other refused and said."""
+"""The frames of ODOMETRY: legal pairs are rotated, all others rejected and reported."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What ODOMETRY says about itself: that it failed, that its estimate has jumped."""
+"""ODOMETRY's report on itself: a failed estimate, a reset with a jump."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def sailing(leader: Course = TURN, **parameters: float) -> Sea:
 
 
 class Driven:
-    """A boat that its own propellers drive, by the default parameters; it is seen exactly."""
+    """A boat driven by its propellers with default parameters; its state is measured exactly."""
 
     def __init__(self) -> None:
         self.sea = Sea(leader=TURN)
@@ -89,7 +89,7 @@ class Driven:
 
 @pytest.mark.parametrize("first", [0, 7, 255])
 def test_a_reset_without_a_jump_neither_breaks_nor_jolts(first: int) -> None:
-    """From one count to the next, over 255 too."""
+    """From one reset count to the next, also across 255."""
     plain, reset = Driven(), Driven()
     for k in range(1500):
         for boat in (plain, reset):
@@ -104,8 +104,8 @@ def test_a_reset_without_a_jump_neither_breaks_nor_jolts(first: int) -> None:
 
 
 def test_after_a_reset_the_boat_is_where_the_new_estimate_says() -> None:
-    """Ten metres in a tick are no speed: neither told nor steered by; but they are a jump."""
-    sea = sailing(OWN, LAW_OBS_BW=0.0)  # this truth does not answer to thrust
+    """Ten metres in a tick must not appear as a velocity, but they count as a jump."""
+    sea = sailing(OWN, LAW_OBS_BW=0.0)  # the true motion ignores thrust
     for _ in range(8):
         say_own(sea, 3)
         sea.run(0.05)
@@ -122,7 +122,7 @@ def test_after_a_reset_the_boat_is_where_the_new_estimate_says() -> None:
 
 
 def test_an_older_copy_from_before_a_reset_does_not_bring_the_boat_back() -> None:
-    """The same odometry by a second, slower way: it is old, whatever it counts."""
+    """The same odometry by a second, slower path: it is old, whatever its reset count."""
     sea = sailing()
     for _ in range(20):
         say_own(sea, 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Requests that come together are answered in order, each by what the ones before it changed."""
+"""Requests in one tick are processed in order, each with the effects of those before it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def say(sea: Sea, chunks: int, *messages: Any) -> None:
 
 
 def thrust_in_test(sea: Sea) -> float:
-    """Of the port propeller, in a motor test of 20 %, as a share of full scale."""
+    """The port propeller's command, as a share of full scale, in a motor test of 20 %."""
     sea.run(0.3)
     assert acks(sea.order(MOTOR_TEST, PORT, 0.0, 20.0, 2.0)) == [(MOTOR_TEST, ACCEPTED)]
     sea.run(0.5)
@@ -179,7 +179,7 @@ def test_another_operator_alone_commands_from_his_set_on(sea: Sea) -> None:
     assert acks(sea.step()) == [(ARM, 2)] and sea.state == "DISARMED"
 
 
-# What stops the boat is never lost, however much was said before it.
+# A command that stops the boat is never lost, however many messages precede it.
 
 QUESTION = command_long(512, 251.0)
 
@@ -233,7 +233,7 @@ def ping(k: int) -> Any:
 
 @pytest.mark.parametrize("flood", ["PINGs", "questions"])
 def test_a_disarm_behind_an_arming_that_has_to_wait_is_the_last_word(flood: str) -> None:
-    """Answers have filled the tick: whatever waits for the next one must not undo the disarm."""
+    """Answers fill the tick; requests that wait for the next one must not undo the disarm."""
     for n in range(23):
         sea = Sea(links=1)
         sea.enter_hold()
@@ -245,7 +245,7 @@ def test_a_disarm_behind_an_arming_that_has_to_wait_is_the_last_word(flood: str)
 
 
 def test_a_disarm_is_the_last_word_where_others_words_fill_the_tick() -> None:
-    """400 bytes handed on, ten values, twenty PINGs."""
+    """400 forwarded bytes, ten values, twenty PINGs."""
     for n in range(21):
         sea = Sea(links=2)
         sea.enter_hold()
@@ -275,7 +275,7 @@ def test_a_disarm_and_a_strangers_termination_behind_24_pings_both_stop_the_boat
 
 
 def test_a_disarm_between_other_orders_of_one_tick_stops_the_boat_all_the_same() -> None:
-    """ESCs that were disarmed see zeros before they are driven again."""
+    """ESCs must see zeros after a disarm before they are driven again."""
     sea = Sea(leader=TURN)
     sea.enter_formation()
     sea.run(2.0)

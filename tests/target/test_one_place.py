@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A vessel is in one place, whichever source, component, link or origin tells it."""
+"""A vessel's position does not depend on the source, component, link or origin that reports it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OFF_M = 300.0
 
 
 def sailing() -> Afloat:
-    """In FORMATION on two links; the unit and the leader speak on the first."""
+    """A boat in FORMATION with two links; unit and leader send on the first."""
     sea = Afloat({"FS_LEADER_ACT": 0}, Hull([-2.0, 1.0, 0.3, 0, 0, 0]), s_curve, links=2)
     sea.enter_formation()
     sea.run(8.0)
@@ -41,7 +41,7 @@ def pair(truth: Course, now_us: int) -> list[object]:
 
 
 def farthest_while_driven(sea: Afloat, seconds: float) -> float:
-    """From the slot, by the boat's own account."""
+    """The greatest distance from the slot, by the boat's own estimate."""
     far_m = 0.0
     for _ in range(round(100 * seconds)):
         sea.step()
@@ -145,7 +145,7 @@ def test_another_kind_of_message_of_the_same_place_goes_on(agent: str) -> None:
 
 @pytest.mark.parametrize("agent", ["own", "leader"])
 def test_another_origin_does_not_move_a_vessel_at_once(agent: str) -> None:
-    """A kilometre north."""
+    """The new origin is a kilometre north."""
     sea = sailing()
     whose = getattr(sea, agent)
     whose.origin_on = False
@@ -177,8 +177,8 @@ def test_an_origin_that_moves_with_its_positions_changes_nothing(agent: str) -> 
 
 @pytest.mark.parametrize("agent", ["own", "leader"])
 @pytest.mark.parametrize("by", ["place", "origin"])
-def test_a_reset_of_the_estimate_that_jumps_is_no_way_round(agent: str, by: str) -> None:
-    """150 m, within FORM_DIST_MAX: believed at once, and nobody is driven there unasked."""
+def test_a_reset_of_the_estimate_does_not_hide_a_jump(agent: str, by: str) -> None:
+    """A jump of 150 m, within FORM_DIST_MAX, is accepted at once but not followed unasked."""
     sea = sailing()
     whose = getattr(sea, agent)
     whose.on = whose.origin_on = False

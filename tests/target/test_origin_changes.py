@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Followers take a boat's positions from its origin: never from an old or unknown one."""
+"""A boat sends no position relative to an origin that is outdated or unknown to followers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ON_THE_GLOBE = {"GLOBAL_POSITION_INT", "FOLLOW_TARGET", "GPS_GLOBAL_ORIGIN"}
 
 
 def two_links(bytes_per_s: int, **how: Any) -> Sea:
-    """The second one is slow."""
+    """A sea with two links, the second one slow."""
     sea = Sea(links=2, **how)
     if bytes_per_s:
         sea.boat.limit_link(1, bytes_per_s)
@@ -64,7 +64,7 @@ def test_after_its_unit_restarted_a_boat_tells_no_position_until_the_origin_is_k
 
 
 def told_in_order(ticks: list[Tick], where: Course, place: tuple[int, int, int]) -> None:
-    """On both links that origin comes first, in the tick of the first position from it."""
+    """Assert that each link gets that origin first, in the tick of the first position from it."""
     for link in (0, 1):
         first = next(t for t in ticks if t.named("LOCAL_POSITION_NED", link))
         kinds = [m.get_type() for m in first.messages(link)]
@@ -82,7 +82,7 @@ def told_in_order(ticks: list[Tick], where: Course, place: tuple[int, int, int])
 @LINKS
 @pytest.mark.parametrize("busy", [False, True])
 def test_a_new_origin_is_told_before_any_position_from_it(bytes_per_s: int, busy: bool) -> None:
-    """At whatever moment of the link's turns it comes."""
+    """At any phase of the link's schedule."""
     old, new = Course(1.0, 2.0, 0.3), Course(-400.0, 300.0, 0.3)
     for delay in range(0, 30, 3):
         sea = two_links(bytes_per_s, own=old)
@@ -128,11 +128,11 @@ def test_a_new_origin_leaves_in_the_tick_of_the_first_position(bytes_per_s: int)
         assert (told.latitude, told.longitude) == near[:2]
 
 
-# A late copy is no reboot.
+# A late copy is not a reboot.
 
 
 def follow_target(truth: Course, time_us: int) -> Any:
-    """Of a leader that tells its place on the globe too."""
+    """FOLLOW_TARGET of a leader that also sends local positions."""
     north, east = truth.velocity_n
     return mavlink.MAVLink_follow_target_message(
         time_us // 1000,
@@ -151,10 +151,10 @@ def follow_target(truth: Course, time_us: int) -> Any:
 
 @pytest.mark.parametrize("late_s", [0.2, 0.6, 1.1, 1.6, 4.0])
 @pytest.mark.parametrize("every", [1, 8, 20])
-def test_a_late_copy_of_another_source_is_not_its_sender_begun_anew(
+def test_a_late_copy_of_another_source_is_not_taken_for_a_restart(
     late_s: float, every: int
 ) -> None:
-    """FOLLOW_TARGET by a slow way, beside fresh positions: the origin stays known."""
+    """FOLLOW_TARGET by a slow path beside fresh positions: the origin stays known."""
     sea = Sea(own=Course())
     sea.leader.on = False
     truth = Course(5.0, 5.0)

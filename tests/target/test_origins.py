@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The geographic origins of boat and leader, by which their positions compare."""
+"""The geographic origins of boat and leader, which make their positions comparable."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Other nodes on the boat's bus: a second controller, and ESCs that want a node id."""
+"""Other nodes on the boat's bus: a second controller, and ESCs that request a node id."""
 
 import dronecan
 import pytest
@@ -63,7 +63,7 @@ def allocations(frames: Frames) -> list[tuple[int, bytes]]:
 
 
 def spec_log() -> tuple[list[tuple[int, bytes]], bytes]:
-    """The requests in the specification's log, and the unique id that they spell."""
+    """The requests in the specification's log, and the unique id that they contain."""
     case = next(c for c in reference("generated") if c["name"] == "spec DNA log")
     frames = [frame.split("#") for frame in case["frames"]]
     asked = [(int(i, 16), bytes.fromhex(d)) for i, d in frames if int(i, 16) & 0x7F == 0]

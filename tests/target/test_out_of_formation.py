@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat that does not keep its slot is out of formation: COAST, then HOLD, and why."""
+"""A boat that cannot keep its slot goes to COAST, then HOLD, with the reason."""
 
 import pytest
 
@@ -12,7 +12,7 @@ FAST_N = 9.0  # of a leader that makes 2.6 m/s, more than LAW_U_MAX
 
 
 def behind(away_s: float, parameters: dict[str, float] | None = None, **how: float) -> Afloat:
-    """A boat 4 m behind its leader, who sails faster than it may from then on."""
+    """A boat 4 m behind its leader, which then sails faster than the boat may."""
     sea = Afloat(
         {"FORM_OFS_N": -4.0} | (parameters or {}),
         Hull([how.get("north", -4.0), how.get("east", 0.0), 0.0, 0.0, 0.0, 0.0]),
@@ -87,7 +87,7 @@ def test_to_another_slot_the_boat_closes_up_anew(name: str) -> None:
     assert sea.state == "FORMATION" and sea.snapshot()["in_slot"]
 
 
-def test_0_judges_nothing() -> None:
+def test_fs_slot_m_0_disables_the_check() -> None:
     sea = behind(15.0, {"FS_SLOT_M": 0.0})
     sea.run(60.0)
     assert sea.state == "FORMATION" and -sea.off_slot(-4.0)[0] > 30.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat that would follow itself: refused, whatever its name is or is going to be."""
+"""A boat must not follow itself, neither by its present nor by its future system id."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_a_companion_does_not_follow_its_autopilot() -> None:
 
 
 def test_a_companion_whose_autopilot_comes_later_does_not_follow_it() -> None:
-    """Its leader was set to what its own name becomes, before that was heard."""
+    """FORM_LEADER was set to the boat's future system id before the autopilot was heard."""
     sea = companion(FORM_LEADER=float(AUTOPILOT))
     sea.leader.on = False
     sea.own.on = False
@@ -78,7 +78,7 @@ def test_a_companion_whose_autopilot_comes_later_does_not_follow_it() -> None:
 
 
 def test_a_leader_that_is_set_to_the_coming_name_is_never_followed_under_it() -> None:
-    """In the three seconds between hearing its autopilot and taking its name."""
+    """In the three seconds between hearing its autopilot and taking its system id."""
     sea = companion()
     vessel = Station(AUTOPILOT, 1)
     sea.say(beat(), sender=vessel)

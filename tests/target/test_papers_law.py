@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""With every extension off a boat is commanded by the law as published, and by nothing else."""
+"""With all extensions off, a boat is controlled exactly by the published law."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Published:
         self.v_star = leader.v
 
     def commands(self, own: Course, leader: Course) -> np.ndarray:
-        """To both propellers; v* goes on by a hundredth of a second."""
+        """The commands to both propellers; advances v* by 0.01 s."""
         c, s = math.cos(own.psi), math.sin(own.psi)
         to_body = np.array([[c, s], [-s, c]])
         way = [own.north - leader.north - SLOT[0], own.east - leader.east - SLOT[1]]
@@ -68,7 +68,7 @@ def somewhere(dice: random.Random) -> Course:
 def test_from_the_first_driven_tick_on_the_commands_are_the_published_laws(
     seed: int, scalar: str
 ) -> None:
-    """Both states exact and of now, a hundred times a second."""
+    """Both states are exact and without latency, at 100 Hz."""
     dice = random.Random(seed)
     limits = {"THR_FWD_MAX": GREATEST_N, "THR_REV_MAX": GREATEST_N, "THR_SLEW": 0.0}
     slot = {"FORM_OFS_N": SLOT[0], "FORM_OFS_E": SLOT[1]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Parameters over the wire, as ground stations ask for them, and what a change does to a boat."""
+"""The MAVLink parameter protocol as ground stations use it, and the effects of changes."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def values(ticks: list[Tick], link: int = 0) -> list[Any]:
 
 
 def assert_right(value: Any, sea: Sea) -> None:
-    """A PARAM_VALUE that says what is in force."""
+    """Assert that a PARAM_VALUE has the value in force."""
     assert value.param_count == len(LIST)
     assert value.param_id == NAMES[value.param_index]
     assert value.param_type == REAL32
@@ -188,7 +188,7 @@ def test_a_parameter_that_does_not_exist_is_an_error_for_its_asker(
     assert not values(ticks)
 
 
-def test_an_index_counts_and_not_the_name_beside_it(sea: Sea) -> None:
+def test_a_read_by_index_ignores_the_name(sea: Sea) -> None:
     sea.settle()
     sea.say(mavlink.MAVLink_param_request_read_message(BOAT, 1, b"LAW_KX", INDEX["SR_SLOW"]))
     assert [v.param_id for v in values(sea.run(0.1))] == ["SR_SLOW"]
@@ -276,7 +276,7 @@ REFUSALS = [
 
 @pytest.mark.parametrize("r", REFUSALS, ids=str)
 def test_a_refused_set_is_told_in_every_way(r: Refusal) -> None:
-    """MAVSDK wants an error, and first; QGroundControl the value in force; a human a sentence."""
+    """MAVSDK needs an error first, QGroundControl the value in force, a human a sentence."""
     sea = Sea(links=2)
     ENTER[r.state](sea)
     sea.run(0.1)
@@ -337,7 +337,7 @@ def test_a_strangers_set_is_told_to_humans_too() -> None:
 
 
 def test_a_stranger_too_is_told_that_a_parameter_does_not_exist() -> None:
-    """Who gets no answer waits and asks again."""
+    """Without an answer it would wait and ask again."""
     sea = Sea({"MAV_GCS_SYSID": 250})
     sea.settle()
     assert len(named(set_it(sea, "NO_SUCH", 5.0), "PARAM_ERROR")) == 1
@@ -360,7 +360,7 @@ def test_a_set_for_somebody_else_sets_nothing(sea: Sea, target: tuple[int, int])
 
 
 def test_many_sets_at_once_are_all_told(sea: Sea) -> None:
-    """As a ground station loads a file of parameters, a few at a time, repeating what it lost."""
+    """As a ground station loads a parameter file: a few at a time, with repetitions."""
     sea.settle()
     wanted = {p["name"]: another_value(p) for p in CHANGEABLE if p["change"] == "anytime"}
     left = dict(wanted)
@@ -373,7 +373,7 @@ def test_many_sets_at_once_are_all_told(sea: Sea) -> None:
     assert {name: sea.boat.parameters()[name] for name in wanted} == wanted
 
 
-# What may change when.
+# When a parameter may change.
 
 
 @pytest.mark.parametrize("state", ["HOLD", "FORMATION"])
@@ -500,7 +500,7 @@ def test_a_stranger_does_not_save() -> None:
     assert sea.boat.take_save_request() == "none"
 
 
-# Another leader, and other numbers for the law.
+# Changes of leader and gains.
 
 NEW = 9
 
@@ -555,7 +555,7 @@ def test_setting_the_same_leader_again_changes_nothing() -> None:
 
 
 def test_moving_the_slot_moves_the_error_at_once() -> None:
-    # A truth that does not answer to thrust: no observer shall reckon with any.
+    # The true motion ignores thrust, so the observer is off.
     sea = Sea(PAPER, own=Course(1.0, 2.0, 0.0), leader=Course(5.0, 5.0, 0.0))
     sea.enter_formation()
     sea.run(0.5)

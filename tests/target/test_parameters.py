@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Parameters as an operator meets them: names, ranges, refusals that say what is wrong."""
+"""Parameters as an operator sees them: names, ranges, refusals with reasons."""
 
 import math
 import re
@@ -63,7 +63,7 @@ DESIGN_NAMES = [
     "FS_ESC_S",
 ]
 
-# Two things that exclude each other, each of them allowed by itself.
+# Pairs of values that exclude each other though each is allowed by itself.
 CONTRADICTIONS = [
     ({"ESC_PORT": 3, "ESC_STBD": 3}, "ESC_PORT", "ESC_STBD"),
     ({"MAV_SYSID": 7, "FORM_LEADER": 7}, "MAV_SYSID", "FORM_LEADER"),
@@ -85,7 +85,7 @@ HOLD = 4.0
 
 
 def other_names_kept_apart(name: str, value: float) -> dict[str, float]:
-    """The value, and its partner moved out of the way where the two must differ."""
+    """The value, with its partner changed if the two must differ."""
     if name == "MAV_IDENTITY":
         return {name: value, "MAV_COMPID": 191.0}
     partner = {
@@ -138,7 +138,7 @@ def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[s
     assert re.fullmatch(r"[A-Z][A-Za-z]+", p["group"])
 
 
-def test_what_a_sailor_trims_may_change_under_way_and_what_the_boat_is_may_not() -> None:
+def test_tuning_parameters_may_change_under_way_and_vessel_parameters_may_not() -> None:
     anytime = {p["name"] for p in LIST if p["change"] == "anytime"}
     assert {"LAW_KX", "LAW_KPSI", "FORM_OFS_N", "FORM_OFS_E"} <= anytime
     assert not any(n.startswith(("VES_", "THR_", "ESC_", "FS_", "CAN_", "MAV_")) for n in anytime)

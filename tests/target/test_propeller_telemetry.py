@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an operator's screen shows of the ESCs and of the battery that feeds them."""
+"""ESC and battery telemetry as an operator sees it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNKNOWN_VOLTAGE, UNKNOWN_CURRENT, UNKNOWN_TEMPERATURE = 65535, -1, 32767
 
 @dataclass
 class Bench:
-    """A boat whose ESCs measure what a test says."""
+    """A boat whose ESCs measure given values."""
 
     sea: Sea
     measured: list[dict[str, Any]]

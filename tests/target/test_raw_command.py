@@ -67,7 +67,7 @@ def test_a_propeller_that_turns_the_other_way_gets_the_opposite_command(
 def test_full_thrust_is_8191_either_way(
     leader: Course, full: int, direction: int, expo: float
 ) -> None:
-    # Asked for by the published law, which has no greatest speed.
+    # The published law, which has no speed limit, demands it.
     directions = {"THR_PORT_DIR": direction, "THR_STBD_DIR": direction}
     sea = sail(PAPER | directions | {"THR_EXPO": expo}, leader)
     assert sea.commands == (direction * full, direction * full)
@@ -139,7 +139,7 @@ def test_disarmed_and_holding_boats_command_exactly_zero_in_every_slot(
 
 
 def test_the_oracle_refuses_a_damaged_command() -> None:
-    """The oracle's own check: dronecan sees a wrong transfer CRC."""
+    """Checks the oracle: dronecan detects a wrong transfer CRC."""
     sea = Sea({"ESC_STBD": 19})
     frames = of_type(sea.step().can, RAW_COMMAND)
     assert not any(commands(frames)) and len(commands(frames)) == 20

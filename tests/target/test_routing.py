@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Handing on what is for others, and noticing who uses our own name."""
+"""Forwarding of messages for others, and detection of others with our system id."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def sent(tick: Tick, link: int) -> bytes:
 
 
 def known(links: int, where: dict[int, list[Station]]) -> Sea:
-    """Everybody has said a heartbeat on his link; it is over before the test begins."""
+    """A boat that has heard each station's HEARTBEAT on its link, and forwarded it."""
     sea = Sea(links=links)
     sea.run(0.5)
     for link, stations in where.items():
@@ -50,7 +50,7 @@ def two_links() -> Sea:
 
 
 def signed(station: Station, *messages: Any) -> bytes:
-    """As that station signs, with a key that the boat does not know."""
+    """Messages signed by that station with a key unknown to the boat."""
     station.encoder.signing.secret_key = bytes(range(32))
     station.encoder.signing.sign_outgoing = True
     station.encoder.signing.link_id = 3
@@ -59,7 +59,7 @@ def signed(station: Station, *messages: Any) -> bytes:
 
 
 def with_extensions() -> bytes:
-    """A command from somebody who knows more fields than we do: longer, its checksum right."""
+    """A command with extension fields unknown to the boat: longer, with a valid checksum."""
     kind = mavlink.MAVLink_command_long_message
     plain = bytearray(Station(GCS, GCS_COMPONENT).pack(command_long(ARM, 1.0, target=TO_OTHER)))
     payload = bytes(plain[10 : 10 + plain[1]]).ljust(33, b"\0") + b"future"
@@ -103,7 +103,7 @@ def test_a_message_for_another_is_handed_on_byte_for_byte_with_the_next_tick(wha
 
 @pytest.mark.parametrize("beyond", ["off", "accept", "required"])
 def test_what_was_signed_stays_signed_where_links_ask_for_signatures(beyond: str) -> None:
-    """By its first sender: not by us, who only hand it on."""
+    """Signed by its original sender, not by the boat that forwards it."""
     key, unix_s, other = bytes(range(32)), 1_800_000_000, Station(7, 1)
     sea = Sea(links=2)
     sea.boat.secure(key, unix_s * 1_000_000)
@@ -131,7 +131,7 @@ def test_what_was_signed_stays_signed_where_links_ask_for_signatures(beyond: str
 
 @pytest.mark.parametrize("heard_on", ["off", "accept"])
 def test_nothing_unsigned_leaves_by_a_link_that_requires_signatures(heard_on: str) -> None:
-    """A camera's 40 kB/s over its cable, for the operator behind the radio."""
+    """A camera's 40 kB/s by cable, for the operator beyond the radio."""
     key, unix_s = bytes(range(32)), 1_800_000_000
     sea = Sea(links=2)
     sea.boat.secure(key, unix_s * 1_000_000)
@@ -166,7 +166,7 @@ def test_the_answer_finds_its_way_back() -> None:
 
 
 def test_setup_signing_is_never_handed_on() -> None:
-    """It carries the key."""
+    """It contains the key."""
     sea = two_links()
     frame = sea.gcs.pack(mavlink.MAVLink_setup_signing_message(7, 1, list(range(32)), 99))
     sea.boat.on_mavlink(frame, sea.now_us, 0)
@@ -232,10 +232,10 @@ def test_what_is_for_this_boat_is_not_handed_on() -> None:
 
 
 def test_another_component_of_this_boat_gets_what_is_for_it() -> None:
-    """Its navigation unit on link 1: what is for it is handed on, what is for all goes to both."""
+    """Its navigation unit on link 1: messages for it are forwarded, broadcasts reach both."""
     unit = Station(BOAT, NAVIGATION)
     sea = Sea(links=2)
-    sea.own.on = False  # it would be heard on link 0 too
+    sea.own.on = False  # it would be on link 0 too
     sea.say(heartbeat(), sender=unit, link=1)
     sea.run(0.5)
     to_unit = sea.gcs.pack(param_list((BOAT, NAVIGATION)))
@@ -324,12 +324,12 @@ def test_a_flood_for_another_does_not_silence_the_boat() -> None:
     assert not [m for m in messages(ticks, 1) if m.get_type() == "BAD_DATA"]
 
 
-# Where somebody is, changes.
+# Stations that change links.
 
 
 @pytest.mark.parametrize("silent_s", [8.0, 10.5, 30.0])
 def test_who_moved_to_another_link_gets_what_is_for_him_there(silent_s: float) -> None:
-    """A ground station, first by radio, then by cable."""
+    """A ground station connects first by radio, then by cable."""
     gcs = Station(GCS, GCS_COMPONENT)
     sea = known(3, {0: [gcs], 2: [OTHER]})
     for _ in range(round(silent_s / 0.5)):
@@ -343,8 +343,8 @@ def test_who_moved_to_another_link_gets_what_is_for_him_there(silent_s: float) -
     assert (answer in sent(tick, 0)) == (silent_s < 10)
 
 
-def test_what_comes_by_the_old_link_finds_the_new_one() -> None:
-    """While somebody counts as being on the link that a message came by, it is not handed on."""
+def test_a_message_on_a_stations_old_link_is_forwarded_to_its_new_link() -> None:
+    """A message is not forwarded while its addressee counts as being on the link it came by."""
     gcs = Station(GCS, GCS_COMPONENT)
     sea = known(2, {0: [gcs, OTHER]})
     sea.say(heartbeat(), sender=OTHER, link=1)
@@ -373,7 +373,7 @@ def radio_status(txbuf: int = 40) -> Any:
 
 @pytest.mark.parametrize("policy", ["off", "required"])
 def test_a_radio_does_not_say_where_somebody_is(policy: str) -> None:
-    """Its word comes unsigned, whoever's name it bears."""
+    """A radio's own messages are unsigned, whatever system id they have."""
     sea = Sea(links=3)
     sea.boat.secure(bytes(range(32)), 1_800_000_000_000_000)
     sea.boat.set_signing(1, policy)
@@ -411,7 +411,7 @@ def test_a_radios_word_under_our_own_or_our_leaders_name_does_no_harm(
     assert beset.state == "FORMATION" and not named(beset.ticks, "STATUSTEXT")[2:]
 
 
-# How much is handed on.
+# Limits of forwarding.
 
 
 def forwarded(tick: Tick, frame: bytes, link: int) -> int:
@@ -438,7 +438,7 @@ def states_per_s(ticks: list[Tick], link: int) -> float:
 def test_nothing_slows_the_state_below_its_share_of_a_slow_link(
     bytes_per_s: int, flood: str
 ) -> None:
-    """Three fifths; ATTITUDE and LOCAL_POSITION_NED are 40 bytes each."""
+    """Its share is three fifths; ATTITUDE and LOCAL_POSITION_NED have 40 bytes each."""
     sea = known(2, {0: [Station(GCS, GCS_COMPONENT)], 1: [OTHER]})
     sea.boat.limit_link(1, bytes_per_s)
     here, there = Station(GCS, GCS_COMPONENT), Station(88, 190)
@@ -479,7 +479,7 @@ def test_a_slow_link_is_handed_no_more_than_it_carries(bytes_per_s: int) -> None
     assert sum(len(sent(t, 1)) for t in ticks) < 30 * bytes_per_s * 1.15
 
 
-# Who else calls himself as we do.
+# Others with our system id.
 
 DOUBLE = "another sender"
 
@@ -504,8 +504,8 @@ def test_another_sender_under_our_name_is_told_at_most_every_ten_seconds() -> No
 
 
 @pytest.mark.parametrize("links", [1, 2])
-def test_our_own_broadcast_heard_again_is_no_double(links: int) -> None:
-    """On a link that hears itself, or a second one into the same network."""
+def test_our_own_broadcast_heard_again_is_not_taken_for_another_sender(links: int) -> None:
+    """On a link that receives its own messages, or a second link into the same network."""
     sea = Sea(links=links)
     for _ in range(2000):
         tick = sea.step()
@@ -516,8 +516,8 @@ def test_our_own_broadcast_heard_again_is_no_double(links: int) -> None:
 
 
 @pytest.mark.parametrize("late_s", [0.02, 0.8, 3.3, 6.9])
-def test_a_late_echo_is_no_double(late_s: float) -> None:
-    """By a slow radio, a modem, a bridge: within the link's last eight heartbeats."""
+def test_a_late_echo_is_not_taken_for_another_sender(late_s: float) -> None:
+    """Through a slow radio, modem or bridge: within the link's last eight HEARTBEATs."""
     sea = Sea(links=2)
     late = round(late_s * 100)
     for k in range(2000):
@@ -528,8 +528,8 @@ def test_a_late_echo_is_no_double(late_s: float) -> None:
     assert not doubles(sea.ticks) and not doubles(sea.ticks, 1)
 
 
-def test_an_echo_through_a_change_of_state_is_no_double(sea: Sea) -> None:
-    """Every change of state is a heartbeat more."""
+def test_an_echo_across_a_change_of_state_is_not_taken_for_another_sender(sea: Sea) -> None:
+    """Every change of state sends an additional HEARTBEAT."""
     sea.settle()
     late = 150
     for k in range(1500):
@@ -542,8 +542,8 @@ def test_an_echo_through_a_change_of_state_is_no_double(sea: Sea) -> None:
     assert not doubles(sea.ticks)
 
 
-def test_what_was_said_long_ago_is_a_doubles(sea: Sea) -> None:
-    """Another boat of that name, or a recording that somebody plays."""
+def test_an_echo_older_than_eight_heartbeats_counts_as_another_sender(sea: Sea) -> None:
+    """Another boat with that id, or a replayed recording."""
     recorded = [sent(sea.step(), 0) for _ in range(250)]
     sea.run(12.0)
     assert not doubles(sea.ticks)
@@ -564,7 +564,7 @@ def test_our_own_words_heard_again_are_neither_obeyed_nor_handed_on() -> None:
 
 
 def test_two_boats_with_one_name_notice_each_other() -> None:
-    """Switched on half a second after each other, as two copies of one memory card are."""
+    """Two copies of one memory card, switched on half a second apart."""
     one, two = Sea(), Sea()
     ticks: dict[str, list[Tick]] = {"one": [], "two": []}
     for k in range(1500):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat among other vessels: what it tells them, whom it yields to, when it stays in HOLD."""
+"""A boat among other vessels: its depth report, collision avoidance, HOLD."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def boat(least_m: float = LEAST_M, links: int = 1) -> Sea:
 def meet(
     sea: Sea, north_m: float, seconds: float = 0.0, kind: int = mavlink.MAV_TYPE_SURFACE_BOAT
 ) -> None:
-    """A vessel lies there, told ten times a second, but for the first tick."""
+    """A vessel reports that position ten times a second, at least once."""
     station = Station(BOAT + 1)
     sea.say(heartbeat(kind), origin(sea.now_us), sender=station)
     for _ in range(max(1, round(10 * seconds))):
@@ -116,7 +116,7 @@ def test_it_stops_or_turns_for_a_vessel_in_its_way_says_how_near_and_goes_on_aft
         mavlink.MAV_TYPE_GIMBAL,
     ],
 )
-def test_what_is_no_vessel_is_no_obstacle(kind: int) -> None:
+def test_other_systems_than_vessels_are_no_obstacles(kind: int) -> None:
     sea = boat()
     sea.enter_formation()
     meet(sea, 1.0, 1.0, kind)

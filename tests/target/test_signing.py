@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who has the key is obeyed, who has not is not, and the first stays so whatever the second tries.
+"""Holders of the key are obeyed, others are not, and cannot lock the holders out.
 
 The signer and verifier is pymavlink, on link 1; the boat's own sea talks unsigned on link 0.
 """
@@ -42,7 +42,7 @@ def signer(key: bytes = KEY, at: int = NOW, link_id: int = 3, system: int = 255)
 
 
 class SecureSea(Sea):
-    """Link 1 has that policy; every counter that a test does not expect to move has to stay."""
+    """A sea whose link 1 has that policy; counters must not change unless a test expects it."""
 
     def __init__(self, policy: str, links: int = 2) -> None:
         super().__init__(links=links)
@@ -60,7 +60,7 @@ class SecureSea(Sea):
         return self.step()
 
     def moved(self, wire: bytes, link: int = 1) -> tuple[bool, dict[str, int]]:
-        """Whether the boat answers those commands, and what it counts."""
+        """Send commands; whether the boat answers, and the counters that changed."""
         before = self.counts()
         answers = self.hear(wire, link).named("COMMAND_ACK", link)
         after = self.counts()
@@ -71,12 +71,12 @@ class SecureSea(Sea):
 
 
 def order(command: int = 999) -> Any:
-    """One that every boat answers, if only with UNSUPPORTED."""
+    """A command that every boat answers, if only with UNSUPPORTED."""
     return command_long(command)
 
 
 def verified(chunk: bytes, key: bytes = KEY) -> list[Any]:
-    """What a pymavlink with that key takes from the boat."""
+    """The boat's messages that pymavlink accepts with that key."""
     parser = dialect().MAVLink(None)
     parser.robust_parsing = True
     parser.signing.secret_key, parser.signing.timestamp = key, NOW
@@ -98,7 +98,7 @@ def forged_ahead() -> bytes:
 
 
 def changed() -> bytes:
-    """The command is another one, its checksum is made good again, the signature is the old one."""
+    """A frame with another command, a corrected checksum and the old signature."""
     signed = bytearray(signer(at=NOW + 30 * SECOND).pack(order(998)))
     other = Station(255, 190).pack(order(999))
     body = bytearray(other[:-2])
@@ -204,7 +204,7 @@ def test_a_required_link_refuses_what_is_unsigned_and_still_obeys_the_right_key(
         assert sea.obeys_the_operator()
 
 
-def test_a_required_link_takes_a_radios_status_unsigned() -> None:
+def test_a_link_that_requires_signatures_accepts_a_radios_unsigned_status() -> None:
     sea = SecureSea("required")
     status = mavlink.MAVLink_radio_status_message(200, 200, 50, 10, 10, 0, 0)
     assert sea.moved(Station(51, 68).pack(status)) == (False, {})
@@ -252,7 +252,7 @@ def test_the_limit_on_the_future_goes_on_with_the_hosts_clock(sea: SecureSea) ->
 
 
 def test_a_ground_station_a_little_ahead_cannot_run_away_with_the_time(sea: SecureSea) -> None:
-    """In steps of 30 s, each of which alone is allowed."""
+    """In steps of 30 s, each of which is allowed."""
     ahead = signer(system=66)
     for step in range(1, 20):
         ahead.encoder.signing.timestamp = NOW + 30 * step * SECOND
@@ -268,7 +268,7 @@ def test_a_secure_boat_sails(sea: SecureSea) -> None:
 
 
 class Sailor(SecureSea):
-    """Link 1 requires signatures; the host's clock goes on."""
+    """A sea whose link 1 requires signatures, with a running host clock."""
 
     def __init__(self, **host: Any) -> None:
         self.host = host
@@ -308,7 +308,7 @@ def test_recordings_of_a_jammed_radio_are_refused_three_hours_later() -> None:
 
 
 def test_a_pymavlink_that_hears_the_boat_is_obeyed_after_any_silence() -> None:
-    """Its timestamps follow what it hears, and else stand still."""
+    """Its timestamps follow those it receives, and otherwise stand still."""
     sea = Sailor()
     sea.operator.encoder.signing.timestamp = sea.stamp()
     assert sea.obeys_the_operator()
@@ -375,7 +375,7 @@ def test_without_a_clock_a_boat_obeys_and_learns_the_time_from_its_navigation_un
     sea = Sailor(clock_is_set=False)
     ahead = signer(at=NOW + YEAR)
     assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
-    sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)  # by its cable, link 0
+    sea.say(system_time(NOW_S + 365 * 86_400), sender=UNIT)  # by cable, link 0
     sea.settle()
     assert sea.moved(ahead.pack(order())) == (True, {"signed": 1})
     assert sea.moved(signer(at=NOW, system=66).pack(order())) == (False, {"replayed": 1})
@@ -425,7 +425,7 @@ def test_who_arms_is_told_where_the_key_protects_nothing() -> None:
     assert texts([plain.arm()]) == ["HOLD"]
 
 
-def test_keys_and_policies_that_are_none_are_refused() -> None:
+def test_invalid_keys_and_policies_are_refused() -> None:
     boat = SecureSea("accept").boat
     for key in (b"", bytes(31), bytes(33)):
         with pytest.raises(ValueError, match="32 bytes"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Silence of navigation unit, leader or ESCs stops the propellers in time, and it is said why."""
+"""Silence of navigation unit, leader or ESCs stops the propellers in time, with the reason."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Time stamps of states: repeated, older, from the future, or of a clock begun anew."""
+"""Time stamps of states: repeated, older, from the future, or of a restarted clock."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A state may come as ODOMETRY, or in two messages that make a whole."""
+"""A state arrives as ODOMETRY, or as two messages that complete each other."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whose sticks they are: the boat's own operator's, who took them first and holds them."""
+"""Ownership of the sticks: they belong to the operator who took them first and still sends."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.target.test_companion import AUTOPILOT, ME, latched
 SECOND = [(GCS, 191), (245, 190), (77, 1)]
 
 
-def test_sticks_for_all_are_nobodys(sea: Sea) -> None:
+def test_broadcast_sticks_are_ignored(sea: Sea) -> None:
     """One gamepad must not drive a fleet."""
     sea.enter_hold()
     for _ in range(5):
@@ -67,7 +67,7 @@ def test_a_second_operators_sticks_are_ignored_while_the_first_holds_his(
 def test_a_second_operator_does_not_keep_the_boat_going_for_the_first(
     second: tuple[int, int],
 ) -> None:
-    """The first is silent: HOLD after half a second, not what the second wants."""
+    """The first falls silent: HOLD after half a second, whatever the second sends."""
     sea = Sea()
     enter_manual(sea)
     drive(sea, 300)

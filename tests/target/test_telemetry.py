@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a boat tells of its own state, how often and of which moment."""
+"""Telemetry of the boat's own state: rates and time stamps."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_state_is_stamped_with_the_time_of_that_state(voyage: Sea) -> None:
         for m in tick.named("LOCAL_POSITION_NED", link=1):
             stamps.append(m.time_boot_ms)
             assert abs(m.time_boot_ms - tick.now_us / 1000) < 500
-            # This truth does not answer to thrust, and a boat that pushes reckons with it.
+            # The true motion ignores thrust, but the boat's model includes it.
             if tick.now_us - pushed_us < 6_000_000:
                 continue
             compared += 1
@@ -79,7 +79,7 @@ def test_a_turning_boat_sends_the_position_that_belongs_to_the_stamp(rate_hz: fl
     sea.run(5.0)
     for m in some(named(sea.ticks, "LOCAL_POSITION_NED")):
         truth = sea.own.truth(m.time_boot_ms * 1000)
-        # Until it has learnt that somebody tows it, the boat expects to lose way.
+        # Until the observer finds the towing force, the boat expects to lose speed.
         assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.05
     assert math.hypot(m.x - truth.north, m.y - truth.east) < 0.001
 

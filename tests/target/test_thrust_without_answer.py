@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Propellers that give nothing, or the contrary: the boat sees that it does not answer."""
+"""Propellers without thrust or with reversed thrust: the boat detects the missing response."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.target.stations import FORMATION
 
 
 class Faulty(Afloat):
-    """Of what is commanded, each propeller gives its share."""
+    """A sea whose propellers give only a share of the commanded thrust."""
 
     shares = (1.0, 1.0)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""TIMESYNC: how the boat answers, and how old it takes its leader's state to be."""
+"""TIMESYNC: the boat's answers, and the estimated age of its leader's state."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_answers_to_questions_never_asked_do_not_shift_the_leaders_clock(sea: Se
 
 
 def test_a_boat_and_its_follower_agree_about_time() -> None:
-    """Two boats alone: the follower's leader is a flotilla.Boat hours ahead, 50 ms away."""
+    """Two boats: the follower's leader is a flotilla.Boat hours ahead, with 50 ms latency."""
     sea = Sea({"CTL_RATE": 100})
     sea.leader.on = False
     ahead_us, delay = 4 * 3600 * 1_000_000, 5

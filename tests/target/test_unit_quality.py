@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the unit says of its own estimate: no thrust by the law by one that it calls poor."""
+"""The unit's report on its own estimate: the law gives no thrust with a poor one."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_only_the_unit_in_use_says_how_good_it_is(sender: Station) -> None:
     assert sea.state == "FORMATION" and sea.condition("own_good")
 
 
-def test_by_a_limit_of_0_nothing_is_poor() -> None:
+def test_with_a_limit_of_0_no_estimate_is_poor() -> None:
     sea = Sea()
     for name in ("NAV_FIX", "NAV_HDOP", "NAV_ACC_M"):
         sea.say(param_set(name, 0.0))
@@ -123,7 +123,7 @@ def test_by_a_limit_of_0_nothing_is_poor() -> None:
     assert sea.state == "FORMATION"
 
 
-def test_that_a_unit_says_nothing_of_its_quality_is_told_as_the_boat_is_armed() -> None:
+def test_a_unit_without_a_quality_report_is_mentioned_at_arming() -> None:
     said = "navigation quality is not reported, not checked"
     sea = Sea()
     sea.own.tells_fix = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an operator's screen shows of a boat: its health, its clock, its place, its slot."""
+"""Vehicle telemetry as an operator sees it: health, clock, position, slot."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ GLOBE = Globe(*ORIGIN)
 
 
 def health(sea: Sea) -> int:
-    """As it is now: after one more tick, as a boat tells what it knew at the last one."""
+    """The present health bits: after one more tick, as a boat reports the last tick's."""
     sea.step()
     (told,) = sea.ask(1)
     return int(told.onboard_control_sensors_health)
@@ -115,7 +115,7 @@ def test_the_place_on_the_globe_is_where_the_boat_is(altitude_mm: int) -> None:
     assert len(told) == 20
     for m in told:
         truth = sea.own.truth(m.time_boot_ms * 1000)
-        # Above the sea a degree is longer than the boat reckons, by 0.04 m on this lake.
+        # Above sea level a degree is longer than in the boat's model, by 0.04 m on this lake.
         slack = 2 if altitude_mm == 0 else 5
         assert (m.lat, m.lon) == pytest.approx(globe.degrees(truth.north, truth.east), abs=slack)
         assert (m.alt, m.relative_alt) == (altitude_mm, 0)
@@ -156,7 +156,7 @@ def test_home_is_where_the_boat_was_armed() -> None:
 
 
 def test_home_lies_as_high_as_the_boat(sea: Sea) -> None:
-    """Clients take the one from the other; a boat is at home at the height of its lake."""
+    """Clients subtract one from the other; a boat's home has the height of its lake."""
     sea.run(1.0)
     (home,), (place,) = sea.ask(242), sea.ask(33)
     assert home.altitude == place.alt - place.relative_alt == ORIGIN[2]
@@ -192,7 +192,7 @@ SLOT = {"FORM_OFS_N": -6.0, "FORM_OFS_E": 4.5}
 @pytest.mark.parametrize("sailing", [False, True])
 def test_the_target_is_the_slot_beside_the_leader(where: tuple[int, ...], sailing: bool) -> None:
     leader = Course(15.0, -9.0, 3.1, 0.5, 0.0, 0.1)
-    # As published the slot has its leader's heading; a hull's own sway turns it a little.
+    # In the published law the slot has its leader's heading; the hull's own sway turns it a little.
     sea = Sea(SLOT | {"SR_SLOW": 10, "FORM_DIST_MAX": 0} | PAPER, own=SAIL, leader=leader)
     sea.leader.origin_on = False
     sea.say(origin(0, *where), sender=sea.leader.station)
@@ -210,7 +210,7 @@ def test_the_target_is_the_slot_beside_the_leader(where: tuple[int, ...], sailin
         assert (m.x, m.y, m.z) == pytest.approx(expected, abs=0.03)
         assert abs(wrap(m.yaw - truth.psi)) < 0.01
         assert m.coordinate_frame == 1
-        assert m.type_mask == 0x9F8  # velocity, acceleration and yaw rate are not told
+        assert m.type_mask == 0x9F8  # without velocity, acceleration and yaw rate
 
 
 @pytest.mark.parametrize(
@@ -246,7 +246,7 @@ def test_without_a_leader_or_an_own_state_there_is_no_slot(sea: Sea, who: str) -
         assert acks(sea.order(512, float(message_id))) == [(512, 1)]
 
 
-def test_a_boat_is_on_the_screen_of_its_followers() -> None:
+def test_followers_get_the_boat_as_follow_target() -> None:
     sea = Sea(own=Course(30.0, -40.0, 2.5, 1.0, 0.1, 0.2))
     sea.run(5.0)
     assert acks(sea.order(511, 144.0, 100_000.0)) == [(511, 0)]
@@ -258,7 +258,7 @@ def test_a_boat_is_on_the_screen_of_its_followers() -> None:
         assert (m.lat, m.lon) == pytest.approx(GLOBE.degrees(truth.north, truth.east), abs=3)
         north, east = truth.velocity_n
         assert list(m.vel) == pytest.approx([north, east, 0.0], abs=0.02)
-        # What turns at r has the acceleration r × v.
+        # Turning at r causes the acceleration r × v.
         assert list(m.acc) == pytest.approx([-0.2 * east, 0.2 * north, 0.0], abs=0.05)
         heading = 2 * math.atan2(m.attitude_q[3], m.attitude_q[0])
         assert abs(wrap(heading - truth.psi)) < 0.01

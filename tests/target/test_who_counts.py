@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whose messages are the boat's own state, whose its leader's, and whose are nobody's."""
+"""Which messages are the boat's own state, its leader's, or neither."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_a_second_component_without_a_whole_state_displaces_nobody(
 
 @pytest.mark.parametrize("system", [STRANGER, 3, 255, 0])
 def test_a_foreign_system_moves_nothing(system: int) -> None:
-    """A stranger sends states, origins and clocks on the same link: not a byte on CAN changes."""
+    """A foreign system sends states, origins and clocks on the link: no byte on CAN changes."""
     rng = random.Random(system)
     alone, beset = Sea(leader=TURN), Sea(leader=TURN)
     strangers = [Station(system, component) for component in (1, NAVIGATION)]

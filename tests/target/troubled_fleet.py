@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A fleet around which things fail, and what was on its wires."""
+"""A fleet with injected faults, and the messages on its wires."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ class Troubled(Twins):
             self.t_us += H_US
 
     def sail(self, ticks: int) -> list[Record]:
-        """What is on the wires meanwhile."""
+        """Sail; the records of that time."""
         self.tick(ticks)
         return self.take()
 
     def take(self) -> list[Record]:
-        """What has been on the wires since the last call."""
+        """The records since the last call."""
         return records_of(self.fleet)
 
     def fail(self, agent: int, kind: str, **named: Any) -> None:
@@ -70,7 +70,7 @@ class Troubled(Twins):
 
 
 def records_of(fleet: Any) -> list[Record]:
-    """What has been on the wires of its run 0 since the last call."""
+    """The records of run 0 since the last call."""
     data, at, records = fleet.take_records(0), 0, []
     while at < len(data):
         t_us, port, length = _HEAD.unpack_from(data, at)
@@ -81,24 +81,24 @@ def records_of(fleet: Any) -> list[Record]:
 
 
 def heard(records: list[Record], agent: int, link: int) -> list[tuple[int, bytes]]:
-    """Time and chunk of what an agent's boat heard."""
+    """Time and chunk of everything that an agent's boat received."""
     return [(r.t_us, r.data) for r in records if r[1:3] == (agent, MAVLINK_IN + link)]
 
 
 def said(records: list[Record], agent: int, link: int = RADIO) -> list[tuple[int, bytes]]:
-    """Time and chunk of what an agent said."""
+    """Time and chunk of everything that an agent sent."""
     return [(r.t_us, r.data) for r in records if r[1:3] == (agent, MAVLINK_OUT + link)]
 
 
 def frames(records: list[Record], agent: int, *, to_boat: bool) -> list[tuple[int, bytes]]:
-    """The CAN frames that came to a boat, or that it sent."""
+    """The CAN frames that a boat received, or that it sent."""
     channel = CAN_IN if to_boat else CAN_OUT
     found = [r.data for r in records if r[1:3] == (agent, channel)]
     return [(int.from_bytes(data[:4], "little"), data[4:]) for data in found]
 
 
 def messages(chunks: list[tuple[int, bytes]], kind: str) -> list[Any]:
-    """What pymavlink makes of them."""
+    """The messages of a kind, decoded by pymavlink."""
     reader = mavlink.MAVLink(None)
     reader.robust_parsing = True
     found = [m for _, data in chunks for m in reader.parse_buffer(bytearray(data)) or []]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`flotilla.Fleet` and its reference side by side: told the same, they have to answer the same."""
+"""`flotilla.Fleet` beside its reference: equal input must give equal output."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ H_US = 10_000
 LOCAL = (100.0, "local", 0.0)
 EXACT = (0, 0.0)
 SET_MODE, ARM = 176, 400
-# Place of each boat of a diamond: whom it follows (0 the virtual leader), north, east.
+# Each boat of a diamond: the agent it follows (0 the virtual leader), north, east.
 DIAMOND = ((0, 0.0, 0.0), (1, -2.0, 2.0), (1, -2.0, -2.0), (2, -2.0, -2.0))
 # Surge and yaw of a small hull: its mass, damping, greatest thrust and lever arm of a propeller.
 _MASS, _DAMPING, _THRUST_N, _ARM_M = (1.0, 0.35), (3.4, 0.86), 10.0, 0.25
 
 
 class Twins:
-    """Both fleets, and hulls that the first one's commands move. Asserts at every step."""
+    """Both fleets, and hulls moved by the first one's commands; compares at every step."""
 
     def __init__(self, scalar: str = "float") -> None:
         self.fleet: Any = flotilla.Fleet(scalar, record=True)
@@ -39,7 +39,7 @@ class Twins:
         self.nu: NDArray[np.float64] = np.zeros((0, 3))
 
     def both(self, method: str, *arguments: Any, **named: Any) -> Any:
-        """Calls both; their answer, which is one."""
+        """Call both; their equal result."""
         answers = [getattr(f, method)(*arguments, **named) for f in (self.fleet, self.reference)]
         assert answers[0] == answers[1], method
         return answers[0]
@@ -99,7 +99,7 @@ class Twins:
         return links
 
     def tick(self, ticks: int = 1) -> None:
-        """Ticks both, and moves the hulls under what they command."""
+        """Tick both, and move the hulls under their commands."""
         for _ in range(ticks):
             eta, nu, degE7, rpm = self._sensed()
             commands = np.full((2, len(self.boats), 2), np.nan)
@@ -132,7 +132,7 @@ class Twins:
         self.eta += h * np.column_stack((c * u - s * v, s * u + c * v, r))
 
     def enter_formation(self, boats: Sequence[int] | None = None) -> None:
-        """Arms them and puts them into FORMATION, some seconds from now."""
+        """Arm the boats and put them into FORMATION; takes some seconds."""
         boats = self.boats if boats is None else boats
         self.tick(200)
         self.both("command", boats, self.t_us, ARM, (1.0,))
@@ -150,7 +150,7 @@ class Twins:
         return name
 
     def compare(self, run: int = 0) -> bytes:
-        """Compares the runs' records since the last time, and what every boat makes of them."""
+        """Compare the run's records since the last call, and every boat's snapshot."""
         records: bytes = self.both("take_records", run)
         for boat in self.boats:
             self.both("snapshot", boat)
@@ -159,7 +159,7 @@ class Twins:
 
 
 def alone() -> Twins:
-    """One boat that nobody tells anything."""
+    """One boat without any input."""
     twins = Twins()
     twins.boat({"MAV_SYSID": 1})
     return twins

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Nobody builds what another is building, or starting."""
+"""Builds of one preset exclude each other."""
 
 import fcntl
 import subprocess

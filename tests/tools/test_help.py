@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A tool that is asked for help says what it does, and does nothing."""
+"""--help of a tool prints its description and does nothing else."""
 
 import shutil
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whatever Python code imports is declared, and what is declared is pinned."""
+"""Every imported package is declared, and every declared one is pinned."""
 
 import ast
 import re
@@ -13,12 +13,12 @@ OUR_OWN = {"firmware", "flotilla", "sil", "tests"}
 
 
 def plain(requirement: str) -> str:
-    """The name in it, as package indices spell it."""
+    """A requirement's name, normalised as in package indices."""
     return re.sub(r"[-_.]+", "-", re.split(r"[=<> ]", requirement, maxsplit=1)[0]).lower()
 
 
 def imported(*folders: str) -> set[str]:
-    """The distributions whose modules are imported there."""
+    """The distributions imported in the folders."""
     modules: set[str] = set()
     for file in (file for folder in folders for file in (ROOT / folder).rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""tools/with-vcan from outside; what the interfaces can do is tested inside, in tests/vcan."""
+"""tools/with-vcan seen from outside; tests/vcan tests the interfaces from inside."""
 
 import os
 import select
@@ -36,7 +36,7 @@ PANIC = "echo hello; grep -q 'User Mode Linux' /proc/cpuinfo && echo c >/proc/sy
 
 @pytest.fixture(autouse=True)
 def _nothing_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Temporary files of the tool go where we look; its kernel has their path in its arguments."""
+    """Fails if the tool leaves files or processes; its kernel has the folder in its arguments."""
     temporary = tmp_path / "tmp"
     temporary.mkdir()
     monkeypatch.setenv("TMPDIR", str(temporary))
@@ -51,7 +51,7 @@ def _nothing_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[N
 
 @pytest.fixture
 def begin() -> Iterator[Begin]:
-    """Starts the tool without a terminal; whatever becomes of the test, it ends with it."""
+    """Starts the tool without a terminal, and ends it with the test."""
     with ExitStack() as tools:
 
         def begin(*arguments: str, cwd: Path | None = None) -> Tool:
@@ -71,7 +71,7 @@ def begin() -> Iterator[Begin]:
 
 
 def stop(tool: Tool) -> None:
-    """Ends it where it still runs."""
+    """Ends the tool if it still runs."""
     tool.terminate()
     try:
         tool.communicate(timeout=TIMEOUT_S)
@@ -81,7 +81,7 @@ def stop(tool: Tool) -> None:
 
 
 def end(tool: Tool) -> tuple[int, str, str]:
-    """Status, output and errors; skips the test where the machine has no vcan for it."""
+    """Exit status, output and errors; skips the test if vcan is unavailable."""
     out, err = tool.communicate(timeout=TIMEOUT_S)
     if tool.returncode == IMPOSSIBLE:
         pytest.skip(err)
@@ -89,7 +89,7 @@ def end(tool: Tool) -> tuple[int, str, str]:
 
 
 def first_line(tool: Tool) -> str:
-    """What the running command says first; skips as `end` does."""
+    """The running command's first line of output; skips as `end` does."""
     assert tool.stdout is not None
     if not select.select([tool.stdout], [], [], TIMEOUT_S)[0]:
         tool.kill()
@@ -146,7 +146,7 @@ def test_a_killed_tool_takes_its_kernel_with_it(begin: Begin) -> None:
 
 
 def descendants(pid: int) -> list[int]:
-    """Children, and theirs."""
+    """All child processes, recursively."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
     return [other for child in map(int, children) for other in [child, *descendants(child)]]
 

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""One flotillad on vcan0 in real time, and everybody around it, played by one thread.
+"""One flotillad on vcan0 in real time; one thread simulates everything around it.
 
 Navigation unit, leader and operator talk MAVLink over one UDP link, two ESCs behave as AM32 does.
-They stay where they are told to be, all but 1 mm/s, so that no two states are the same: the leader
-turns away, so that every propeller is kept busy.
-All waiting is for a socket or the next word that is due, until a deadline.
+The boat moves under its own thrust; the leader turns steadily, so that every propeller has work.
+All waits are for a socket or the next message that is due, with a deadline.
 """
 
 import json
@@ -53,7 +52,7 @@ _LONGEST_S = 0.1
 _PATIENCE_S = 30.0
 _RETRY_US = 50_000
 _MESSAGE = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | 0xFFFF80
-#: What the ESCs hear; a flood of anything else does not reach this process.
+#: The frames that the ESCs receive; the kernel filters a flood of others.
 _HEARD = [
     (socket.CAN_EFF_FLAG | RAW_COMMAND << 8, _MESSAGE),
     (socket.CAN_EFF_FLAG | ARMING_STATUS << 8, _MESSAGE),
@@ -65,10 +64,10 @@ def now_us() -> int:
 
 
 class Boat:
-    """A context manager; a boat that was not stopped is killed at its end.
+    """The boat and its surroundings; a context manager that kills a boat still running.
 
-    Heard so far: `state`, `texts` (STATUSTEXT), `commands` (time and frame of each RawCommand),
-    `esc_frames` counts what the ESCs have sent.
+    Received so far: `state`, `texts` (STATUSTEXT), `commands` (time and frame of each RawCommand).
+    `esc_frames` counts the ESCs' frames.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -111,7 +110,7 @@ class Boat:
         self._opened.close()
 
     def start(self) -> None:
-        """A new process, and waits until it talks."""
+        """Start a new process and wait for its first message."""
         self._peer = None
         set_up(self._folder / "state", PATIENT)
         self.process = subprocess.Popen(
@@ -137,7 +136,7 @@ class Boat:
         self.process.wait()
 
     def stop(self) -> dict[str, Any]:
-        """Asks the process to leave; the statistics that it leaves behind."""
+        """Terminate the process; the statistics that it writes."""
         self.process.terminate()
         self.wait(lambda: self.process.poll() is not None, "end of the process")
         assert self.process.returncode == 0
@@ -151,17 +150,17 @@ class Boat:
             self._turn()
 
     def count_commands(self, seconds: float) -> int:
-        """How many RawCommands come in that time, without those that wait already."""
+        """The number of RawCommands that arrive in that time."""
         self._hear_bus()
         known = len(self.commands)
         self.run(seconds)
         return len(self.commands) - known
 
     def execute(self, *command: str) -> None:
-        """A program of the system.
+        """Run a system program through a waiting shell.
 
-        A shell starts it: in user-mode Linux Python looks along PATH for so long, and everybody
-        waits for it, that the boat rightly finds that it does not move.
+        Looking up PATH from Python stalls user-mode Linux so long that the boat detects no motion
+        and stops.
         """
         assert self._shell.stdin is not None and self._shell.stdout is not None
         self._shell.stdin.write(f"{shlex.join(command)}; echo $?\n".encode())
@@ -179,11 +178,11 @@ class Boat:
             self._turn()
 
     def _turn(self) -> None:
-        """Everybody says what is due, and hears what comes until the next step."""
+        """Send everything that is due; process input until the next step."""
         t_us = now_us()
         if t_us >= self._due_us:
             self._due_us = t_us + _STEP_US
-            if self._peer is not None:  # what nobody hears is not repeated for a second
+            if self._peer is not None:  # unheard, a message would be repeated only a second later
                 self._speak(t_us)
         left_s = max(0.0, 1e-6 * (self._due_us - now_us()))
         select.select([self._udp, self.can.socket], [], [], left_s)
@@ -205,7 +204,7 @@ class Boat:
                 self.can.send(*frame)
 
     def _sail(self, t_us: int) -> None:
-        """As the propellers drive it; of a time in which nobody looked, a moment."""
+        """Advance the hull; a longer interval than usual counts as a moment only."""
         port, stbd = (GREATEST_N * esc.command(t_us) for esc in self.escs)
         h = min(1e-6 * (t_us - self._moved_us), _LONGEST_S)
         self._hull.advance(port + stbd, ARM_M * (port - stbd), h)
@@ -244,7 +243,7 @@ class Boat:
                         agent.hear([message], self._clock(now_us()))
 
     def stays(self, state: str) -> None:
-        """Fails with what the boat said if it is in another state."""
+        """Fails with the boat's texts if it is in another state."""
         assert self.state == state, "; ".join(self.texts[-3:])
 
     # The operator
@@ -264,11 +263,11 @@ class Boat:
         self.wait(lambda: self.state == "DISARMED", "DISARMED")
 
     def arm_when_it_may(self) -> None:
-        """Asks until the boat is in HOLD."""
+        """Repeat the arming command until the boat is in HOLD."""
         self._insist("HOLD", ARM, 1.0)
 
     def enter_formation(self) -> None:
-        """From DISARMED, until the propellers turn."""
+        """Arm and set FORMATION; wait until the propellers turn."""
         self.arm_when_it_may()
         self._insist("FORMATION", SET_MODE, 1.0, FORMATION)
         self.wait(self.drives, "thrust")
@@ -286,11 +285,11 @@ class Boat:
         self.wait(there, state)
 
     def drives(self) -> bool:
-        """Whether the ESCs tell their motors to turn."""
+        """Whether an ESC commands its motor to turn."""
         t_us = now_us()
         return all(esc.command(t_us) != 0.0 for esc in self.escs)
 
     def rests(self) -> bool:
-        """Whether the ESCs tell their motors to stand still."""
+        """Whether all ESCs command their motors to stop."""
         t_us = now_us()
         return all(esc.command(t_us) == 0.0 for esc in self.escs)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""vcan0 as the tests use it: raw sockets, candump, and the programs of the system."""
+"""Access to vcan0 for tests: raw sockets, candump, system programs."""
 
 import select
 import socket
@@ -11,7 +11,7 @@ from typing import Self
 from tests.target.bus import Frames
 
 INTERFACE = "vcan0"
-#: Priority of the sockets here, by which tc may tell their frames from the boat's.
+#: Priority of our sockets, by which tc can distinguish their frames from the boat's.
 URGENT = 6
 
 _FRAME = struct.Struct("=IB3x8s")
@@ -19,12 +19,12 @@ _PATIENCE_S = 5.0
 
 
 def run(*command: str) -> None:
-    """A program of the system: ip, tc, cansend."""
+    """Run a system program: ip, tc, cansend."""
     subprocess.run(command, check=True)
 
 
 class Can:
-    """A raw socket on vcan0 that bears the loss of its interface."""
+    """A raw socket on vcan0 that survives the loss of its interface."""
 
     def __init__(self, filters: list[tuple[int, int]] | None = None) -> None:
         self._filters = filters
@@ -44,12 +44,12 @@ class Can:
         self.socket.close()
 
     def reopen(self) -> None:
-        """After the interface was made anew."""
+        """Reopen after the interface was recreated."""
         self.close()
         self.socket = self._open()
 
     def send(self, can_id: int, data: bytes) -> None:
-        """What cannot be sent is lost."""
+        """Send a frame; it is lost if the interface is down or full."""
         with suppress(OSError):
             self.send_raw(can_id | socket.CAN_EFF_FLAG, data)
 
@@ -66,7 +66,7 @@ class Can:
 
 
 class Candump:
-    """candump (can-utils) that listens to vcan0; a context manager."""
+    """candump (can-utils) on vcan0; a context manager."""
 
     def __init__(self) -> None:
         self._process = subprocess.Popen(
@@ -74,7 +74,7 @@ class Candump:
         )
 
     def __enter__(self) -> Self:
-        """Waits until it hears."""
+        """Wait until candump receives."""
         assert self._process.stdout is not None
         with closing(Can([])) as can:
             for _ in range(round(_PATIENCE_S / 0.05)):
@@ -91,7 +91,7 @@ class Candump:
             self._process.stdout.close()
 
     def frames(self) -> list[tuple[float, int, bytes]]:
-        """Ends it; seconds, identifier and data of every frame with a long identifier."""
+        """End candump; time (s), identifier and data of every frame with a 29-bit identifier."""
         self._process.terminate()
         frames = []
         for line in self._process.communicate()[0].splitlines():

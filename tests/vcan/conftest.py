@@ -25,11 +25,11 @@ def _vcan() -> None:
 
 @pytest.fixture
 def raw() -> Iterator[OpenRaw]:
-    """Opens raw CAN sockets with a timeout; they are closed after the test."""
+    """Opens raw CAN sockets with a timeout; closes them after the test."""
     with ExitStack() as sockets:
 
         def raw(interface: str, error_mask: int = 0) -> socket.socket:
-            """`error_mask`: the classes of error frames that it wants."""
+            """`error_mask`: the classes of error frames to receive."""
             can = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
             sockets.enter_context(can)
             can.setsockopt(socket.SOL_CAN_RAW, CAN_RAW_ERR_FILTER, error_mask)
@@ -42,13 +42,13 @@ def raw() -> Iterator[OpenRaw]:
 
 @pytest.fixture
 def shape() -> Iterator[Shape]:
-    """Gives an interface a queue that spoils frames, or its plain one back: tc(8)."""
+    """Sets an interface's queueing discipline, or its plain one again: tc(8)."""
     if ECHO.read_text().strip() != "Y":
         pytest.skip(f"needs vcan loaded with echo=1, {ECHO} says no")
     shaped = set()
 
     def shape(interface: str, *discipline: str, execute: Callable[..., None] = run) -> None:
-        """`execute`: how to run tc where somebody must go on meanwhile."""
+        """`execute`: runs tc while the simulation goes on."""
         verb = "replace" if discipline else "delete"
         execute("tc", "qdisc", verb, "dev", interface, "root", *discipline)
         (shaped.add if discipline else shaped.discard)(interface)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What happens to processes, buses and disks, and how a flotillad on vcan0 takes it."""
+"""Faults of processes, buses and disks, and the response of a flotillad on vcan0."""
 
 import pytest
 
@@ -13,7 +13,7 @@ NAMES = [row.name for row in live_matrix.limits()]
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Outcome]:
-    """One boat takes them all, one after the other; twice where this machine may have been late."""
+    """All faults with one boat, one after another; twice if this machine may have been late."""
     if not FLOTILLAD.exists():
         pytest.skip(f"needs {FLOTILLAD}: tools/build release flotillad")
     first = {one.fault: one for one in live_matrix.sail()}
@@ -45,7 +45,7 @@ def test_every_strike_has_limits() -> None:
         ((0.1, "HOLD", 0.0, 60.0), "back after 60.00 s"),
     ],
 )
-def test_whoever_is_beyond_a_limit_fails(
+def test_an_outcome_beyond_a_limit_fails(
     seen: tuple[float | None, str, float, float | None], why: str
 ) -> None:
     row = next(row for row in live_matrix.limits() if row.name == "stopped")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad on the kernel's CAN, and what may happen to that."""
+"""flotillad on the kernel's CAN, and that bus's faults."""
 
 import shutil
 import socket
@@ -35,7 +35,7 @@ CAN_ERR_BUSOFF, CAN_ERR_RESTARTED = 0x40, 0x100
 
 Log = list[tuple[float, int, bytes]]  # s, identifier, data
 
-#: As can-utils write them: a stranger's commands, in its own words.
+#: Another controller's commands, in the notation of can-utils.
 FOREIGN = {"RawCommand": "0704062A#641900C0", "ArmingStatus": "18044C2A#FFC0"}
 
 
@@ -47,7 +47,7 @@ def _program() -> None:
 
 @pytest.fixture
 def boat(tmp_path: Path) -> Iterator[Boat]:
-    """Disarmed, with all that it needs."""
+    """A disarmed boat that is fit to arm."""
     with Boat(tmp_path) as boat:
         yield boat
 
@@ -59,7 +59,7 @@ def add_interface() -> None:
 
 @pytest.fixture
 def _whole_interface() -> Iterator[None]:
-    """Whatever a test does to the interface, the next one finds it there and up."""
+    """Restores the interface after each test."""
     yield
     if INTERFACE not in {name for _, name in socket.if_nameindex()}:
         add_interface()
@@ -67,7 +67,7 @@ def _whole_interface() -> Iterator[None]:
 
 
 def send_error(kind: int) -> None:
-    """What a controller's driver tells every program."""
+    """Send an error frame, as a CAN controller's driver does."""
     with closing(Can([])) as can:
         can.send_raw(socket.CAN_ERR_FLAG | kind, bytes(8))
 
@@ -79,7 +79,7 @@ def expect_fault(boat: Boat, why: str) -> None:
 
 
 def expect_refusal(boat: Boat, why: str) -> None:
-    """Only the first of several refusals is explained."""
+    """Wait for a refusal with its reason; only the first of several has one."""
     heard = len(boat.texts)
     assert not boat.arm()
     assert boat.texts[heard:] in ([], [f"PreArm: {why}"])
@@ -91,7 +91,7 @@ def of_boat(frames: Frames) -> Frames:
 
 
 def check_all_is_rest(frames: Frames) -> None:
-    """Zeros, ArmingStatus 0, NodeStatus and answers: nothing else."""
+    """Only zeros, ArmingStatus 0, NodeStatus and answers may appear."""
     kinds = {type_of(can_id)[:2] for can_id, _ in frames}
     assert kinds <= {
         (False, RAW_COMMAND),
@@ -105,7 +105,7 @@ def check_all_is_rest(frames: Frames) -> None:
 
 @pytest.fixture(scope="module")
 def outing(tmp_path_factory: pytest.TempPathFactory) -> Log:
-    """candump's log of a boat: a second disarmed, two in FORMATION, disarmed again, its end."""
+    """candump's log of a boat: 1 s disarmed, 2 s in FORMATION, disarmed again, exit."""
     with Candump() as candump, Boat(tmp_path_factory.mktemp("outing")) as boat:
         for frame in node_info_request(TOOL, NODE):
             boat.can.send(*frame)
@@ -233,7 +233,7 @@ def test_a_bus_that_loses_every_tenth_frame_carries_a_formation(boat: Boat, shap
     boat.enter_formation()
     shape(INTERFACE, "netem", "loss", "10%", execute=boat.execute)
     assert 180 < boat.count_commands(3.0) < 290
-    # NodeStatus comes once in a second: three in a row may well be lost, if seldom.
+    # NodeStatus is sent once a second: three in a row are lost now and then.
     assert boat.state == "FORMATION" or boat.texts[-1] == "FAULT: ESCs are not online"
     assert boat.state == "FAULT" or boat.drives()
     shape(INTERFACE, execute=boat.execute)
@@ -243,7 +243,7 @@ def test_a_bus_that_loses_every_tenth_frame_carries_a_formation(boat: Boat, shap
 
 
 def babble() -> "subprocess.Popen[bytes]":
-    """NodeStatus of a node 127 as fast as it goes, at the lowest priority."""
+    """Sends NodeStatus of a node 127 as fast as possible, at the lowest priority."""
     frame = ["-e", "-I", "1F01557F", "-L", "8", "-D", "i"]
     cangen = shutil.which("cangen") or "cangen"  # Boat.execute says why
     return subprocess.Popen([cangen, INTERFACE, "-g", "0", "-i", *frame])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink links on a network that comes late and goes, as only a network of one's own does."""
+"""MAVLink links on a network that appears late and disappears, in a network namespace."""
 
 import socket
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ def sea(tmp_path: Path) -> Iterator[RealSea]:
 
 
 def hear(sea: RealSea) -> None:
-    """Until a word reaches the far address, where the network is up."""
+    """Wait until a message reaches the far address."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as far:
         far.bind((FAR, PORT))
         far.setblocking(False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The rights that flotillad asks its service manager for; root may give them in user-mode Linux."""
+"""The rights that flotillad's unit requests; in user-mode Linux root can grant them."""
 
 import os
 import subprocess

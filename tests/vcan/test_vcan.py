@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the other tests here take for granted of the machine's vcan."""
+"""Properties of vcan on which the other tests here rely."""
 
 import errno
 import socket

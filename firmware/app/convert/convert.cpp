@@ -24,7 +24,7 @@ Plane plane_at(const link::GpsGlobalOrigin& o) {
 struct Seen {
   Metres north_m, east_m;
   double turn_rad;
-  bool same_side;  ///< of the globe, as we are
+  bool same_side;  ///< on our side of the globe
 };
 
 Seen seen_from(const Position& own, const Position& leader) {

@@ -34,7 +34,8 @@ struct Sample {
 
 enum class Refusal : std::uint8_t { kBadValue, kBadFrame };
 
-/// A sample, or why there is none. ODOMETRY: any pose in NED or ENU with any legal velocity frame.
+/// A sample, or why there is none. Accepts ODOMETRY poses in NED or ENU, with any legal velocity
+/// frame.
 template <class S>
 struct Reading {
   std::optional<Sample<S>> sample;
@@ -96,7 +97,7 @@ GlobalPoint global_of(const Position& position);
 /// Rejects latitudes over 89°, longitudes over 180°, and 0, 0, which units without a fix send.
 bool is_valid(const link::GpsGlobalOrigin& origin);
 
-/// Near enough for one plane: within 5 km, five times the farthest slot; or within less.
+/// Greatest distance for one plane: five times the farthest slot.
 constexpr float kNear_m = 5000;
 bool near(const Position& own, const Position& leader, float within_m = kNear_m);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads MAVLink state messages: the half of convert that faces the wire.
+// Converts received MAVLink state messages to samples.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -143,7 +143,7 @@ link::PositionTargetLocalNed slot_of(const OwnState& state, const core::Error<do
 link::BatteryStatus battery_of(const std::optional<link::EscStatus>& port,
                                const std::optional<link::EscStatus>& stbd) {
   link::BatteryStatus out{};
-  out.voltages.fill(UINT16_MAX);  // of single cells; the first is all of them together
+  out.voltages.fill(UINT16_MAX);  // cell voltages unknown; the first holds the total
   out.current_battery = -1;
   double current_A = 0;
   int currents = 0;

@@ -27,8 +27,8 @@ class OwnMotion {
   void configure(const convert::Law<S>& law, const Configuration::Navigation& navigation,
                  std::uint8_t own_system);
 
-  /// Any message. The unit's come by the link that is named, else by the first that a good state came
-  /// by while the boat was disarmed: not by a radio that anybody may speak on.
+  /// Takes any message. Own states are accepted only on NAV_LINK or, if that names none, on the
+  /// first link with a good state while disarmed, so that nobody can forge them on a radio.
   void take(const link::Received& received, std::size_t link, std::int64_t now_us,
             link::Counters& counters);
 
@@ -36,7 +36,7 @@ class OwnMotion {
   VesselTrack<S>& track() { return track_; }
   const VesselTrack<S>& track() const { return track_; }
   const UnitLatency& latency() const { return latency_; }
-  /// A unit was first heard while the boat was armed: it does not count, nobody knows whose it is.
+  /// A unit was first heard while the boat was armed. It is ignored, as it may be anybody's.
   bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
 
@@ -45,7 +45,7 @@ class OwnMotion {
   void observe(const convert::Law<S>& law, const core::Tau<S>& given, S since, bool armed,
                std::int64_t now_us);
 
-  /// The velocity that the law desires; and it begins anew.
+  /// Sets the velocity that the law desires; restarts the check of the response.
   void desire(const core::Nu<S>& nu_star) { response_.desire(nu_star); }
   void begin() { response_.reset(); }
 

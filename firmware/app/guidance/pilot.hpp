@@ -86,7 +86,7 @@ class Pilot {
   /// Depth in the tree, to be sent; nothing if FS_SEP_M is 0.
   std::optional<double> depth() const;
 
-  /// The reference for followers; followed: the law drives.
+  /// The reference for followers. `followed`: FORMATION, or a COAST too short for them to leave it.
   std::optional<link::FormationReference> reference(std::int64_t now_us, bool followed) const {
     return reference_.message(now_us, followed);
   }

@@ -59,7 +59,7 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
   }
 }
 
-/// It, and our slot of it, are within reach.
+/// Whether the root, and our slot relative to it, are within reach.
 template <class S>
 bool Reference<S>::is_near(const convert::Position& own, const convert::RootState<S>& root,
                            std::int64_t now_us) const {

@@ -12,7 +12,7 @@ namespace flotilla::app {
 template <class S>
 class ResponseMonitor {
  public:
-  /// The boat answers until it has been seen not to.
+  /// Restarts the check: the boat counts as responding until the opposite is observed.
   void reset() {
     state_ = {};
     answers_ = true;

@@ -16,8 +16,9 @@ class SlotClaims {
   /// Slots closer than beam_m count as one. A change of leader discards what the old one sent.
   void configure(std::uint8_t own_system, std::uint8_t leader, float beam_m);
 
-  /// Any message. HEARTBEAT tells a vessel's type; GENERIC is a virtual leader, which takes no
-  /// room, so a slot of zero is valid behind it. Boats announce their slots by FORMATION_REFERENCE.
+  /// Takes any message. HEARTBEAT gives a vessel's type; GENERIC is a virtual leader, which takes
+  /// no room, so a slot of zero is valid behind it. Boats announce their slots by
+  /// FORMATION_REFERENCE.
   void hear(const link::Received& received, const TreePlace& place, std::int64_t now_us);
 
   /// The slot coincides with the leader, which is a vessel.

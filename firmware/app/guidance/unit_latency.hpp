@@ -25,11 +25,11 @@ class UnitLatency {
   /// The moment given for `since_s`, N m.
   void push(float moment_Nm, float since_s);
 
-  /// A fix with the yaw rate r, dt_s after the last one; age_us: with lag_us(). Whether lag_us() is
-  /// another one now.
+  /// Takes a fix with the yaw rate r, dt_s after the last one; age_us includes lag_us(). True if
+  /// lag_us() has changed.
   [[nodiscard]] bool correct(float r_radps, float dt_s, std::int64_t age_us);
 
-  /// Another unit: what was found is not its latency.
+  /// Another unit is in use: discards the estimate.
   void forget();
 
   /// The boat was disarmed: discards the moments given.

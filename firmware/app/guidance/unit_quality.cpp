@@ -16,10 +16,11 @@ constexpr float kBetter = 0.8F;
 constexpr unsigned kAttitude = 1, kVelocity = 2, kPlace = 8 | 16;
 constexpr unsigned kConstantPlace = 128, kGlitchOrUninitialised = 1024, kGpsGlitch = 32768;
 
-/// What a message says is beyond its limit, empty where nothing is; nothing if it says nothing of it.
+/// The quantity of a message that is beyond its limit, empty if none is; nothing if it reports
+/// none.
 using Verdict = std::optional<std::string_view>;
 
-/// Limits of 0 are none; NaN stands for unknown.
+/// A limit of 0 is off; NaN (unknown) exceeds no limit.
 bool beyond(float value, float limit) { return limit > 0 && value > limit; }
 
 Verdict judge(const link::GpsRawInt& m, const Configuration::Quality& limits) {

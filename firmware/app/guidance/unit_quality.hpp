@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the own navigation unit says of its own estimate.
+// The quality that the own navigation unit reports of its estimate.
 #pragma once
 
 #include <array>
@@ -25,10 +25,10 @@ class UnitQuality {
   /// A second has passed since every value came below 0.8 of its limit, and none went over it since.
   bool good(std::int64_t now_us) const { return now_us >= good_from_us_; }
 
-  /// What is, or was, beyond its limit; empty before anything was.
+  /// The quantity that is, or last was, beyond its limit; empty if none ever was.
   std::string_view fault() const { return fault_; }
 
-  /// Some such message has come.
+  /// At least one such message was received.
   bool told() const { return told_; }
 
  private:

@@ -9,10 +9,11 @@ namespace {
 
 // Two ordinary crystals differ by less.
 constexpr std::int64_t kDrift_ppm = 100;
-// Longer than any answer that counts: TIMESYNC and stamps are of different clocks.
+// No useful answer takes longer. A wider interval shows that TIMESYNC and stamps use different
+// clocks.
 constexpr std::int64_t kWidest_us = 40'000'000;
-// Senders round their stamps, some take them while they send, and a busy computer dates what it reads
-// too early.
+// Tolerance: senders round their stamps, some take them while they send, and a busy computer stamps
+// received data too early.
 constexpr std::int64_t kRounded_us = 100'000;
 
 }  // namespace

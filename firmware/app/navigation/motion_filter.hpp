@@ -19,8 +19,8 @@ class MotionFilter {
   }
   bool smooths() const { return smooths_; }
 
-  /// A state, dt after the last one, 0 if no motion led to it; resumes: the last one was another
-  /// source's.
+  /// Takes a state, dt after the last one, 0 if no motion led to it; resumes: the last one came
+  /// from another source.
   void take(const core::TrackMessage<S>& state, bool resumes) {
     const core::TrackParams<S> params{};
     if (resumes || !smooths_) {

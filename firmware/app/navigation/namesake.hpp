@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Notices two vessels that speak under one address, by the instants at which their clocks began.
+// Detects two vessels that use the same address, by the start times of their clocks.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,9 @@
 
 namespace flotilla::app {
 
-/// One vessel's clock begins once, or anew after a reboot. Two vessels' stamps go back and forth
-/// between two beginnings; nearer to each other than 5 s they may be the ways of one vessel's messages.
+/// One vessel's clock has one start time, and another after a reboot. The stamps of two vessels
+/// alternate between two. Start times less than 5 s apart count as one: one vessel's messages may
+/// differ by that much in delay.
 class Namesake {
  public:
   void hear(std::uint32_t time_boot_ms, std::int64_t now_us) {
@@ -31,7 +32,7 @@ class Namesake {
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   static constexpr std::int64_t kSilent_us = 3'000'000, kGone_us = 10'000'000;
   static constexpr std::int32_t kApart_ms = 5000;
-  static constexpr int kSure = 4;  ///< two late messages make three
+  static constexpr int kSure = 4;  ///< two late messages cause three returns
 
   struct Clock {
     std::uint32_t began_ms = 0;  ///< by our clock

@@ -127,10 +127,10 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
 }
 
-/// Whether the state is the newest, and young enough. Stamps that go back are of messages that were
-/// overtaken, or, when no other came for three seconds, of a clock that began anew.
+/// Dates a state; true if it is the newest, and young enough. An earlier stamp belongs to an
+/// overtaken message or, if no other state came for 3 s, to a clock that was restarted.
 bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
-  if (stamp_us == 0) stamp_us = now_us;  // it tells none
+  if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
   const std::int64_t since_us = stamp_us + vessel.ahead_us - vessel.true_us;
   const std::int64_t arrived_us = now_us - stamp_us;
   if (!vessel.dated || (since_us <= 0 && now_us - vessel.true_us > kForgotten_us)) {

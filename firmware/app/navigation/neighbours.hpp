@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tracks the vessels around by their MAVLink messages, and decides who has the right of way.
+// Tracks nearby vessels by their MAVLink messages, and decides which have the right of way.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ namespace flotilla::app {
 /// LOCAL_POSITION_NED and ODOMETRY. Virtual leaders, ground stations, companions and gimbals do not
 /// count. When full, keeps the nearest vessels; forgets silent ones.
 ///
-/// A state that comes later after its stamp than the promptest ones is older by that. What all
-/// messages of a vessel have in common nobody asks for: a fixed tenth of a second stands for it.
+/// The delay of a state beyond that of the vessel's promptest messages adds to its age. The delay
+/// that all its messages share is not measured, but assumed to be 0.1 s.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.

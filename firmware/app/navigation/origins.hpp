@@ -35,20 +35,20 @@ class Origins {
     return !same && told_.by != 0 && !anchored_;
   }
 
-  /// Of the component in use, or of another one; positions count from it when anchor() says so.
+  /// Stores an origin, reported by the component in use or by another; anchor() puts it to use.
   void take(const link::GpsGlobalOrigin& origin, std::uint8_t component, bool in_use,
             std::int64_t now_us) {
     (in_use ? told_ : others_) = {origin, component, now_us};
   }
 
-  /// Of positions that nobody knew the origin of, this is it.
+  /// Gives the reported origin to positions whose origin was unknown.
   void locate() {
     if (located_ || anchored_) return;
     position_.origin = told_.origin;
     located_ = true;
   }
 
-  /// Where a sample of this component is on the globe; nothing where its origin is unknown.
+  /// The sample's position with its origin; nothing if the origin is unknown.
   template <class S>
   std::optional<convert::Position> place_of(const convert::Sample<S>& sample,
                                             std::uint8_t component) const {
@@ -95,8 +95,8 @@ class Origins {
     if (others_.by == component) std::swap(told_, others_);
   }
 
-  /// The vessel rebooted: its local positions have another origin, which nobody knows that was not
-  /// told since then.
+  /// The vessel rebooted, so its local frame has a new origin: discards one reported up to
+  /// since_us.
   void forget(std::int64_t since_us) {
     if (told_.us <= since_us) told_.by = 0;
   }

@@ -21,7 +21,7 @@ class SenderClocks {
   struct Stamp {
     std::int64_t us;
     std::int64_t least_us;  ///< at the clock's worst possible error
-    bool timed;             ///< else as if it had arrived at once
+    bool timed;             ///< false: the latency is unknown, and taken as 0
   };
 
   /// A message of that sender has arrived; nothing if there is no room for its clock. Rank: depth in

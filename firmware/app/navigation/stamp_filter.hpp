@@ -12,7 +12,7 @@ class StampFilter {
  public:
   enum class Verdict : std::uint8_t {
     kNext,       ///< newer than the last one, or the first
-    kSet,        ///< newer, but not by the time that has passed: within 1 s
+    kSet,        ///< newer, but more than 1 s off the time that has passed: the clock was set
     kWrapped,    ///< 10 min too new: a 32-bit clock that restarts appears to leap ahead
     kLate,       ///< not newer
     kRestarted,  ///< not newer, but nothing newer has come for 1 s while the old stamps advance
@@ -35,7 +35,7 @@ class StampFilter {
     refused_us_ = stamp_us;
   }
 
-  /// A state is used from now on, whose heading is older by so much.
+  /// Notes that a state was used, whose heading is older by heading_older_us.
   void accept(std::int64_t stamp_us, std::int64_t heading_older_us, std::int64_t now_us) {
     forget();
     last_us_ = stamp_us;
@@ -50,7 +50,7 @@ class StampFilter {
     refused_in_a_row_ = 0;
   }
 
-  /// Of the last state accepted; nothing if the next one does not follow it.
+  /// Stamp of the last state accepted; nothing if the next one does not continue it.
   const std::optional<std::int64_t>& last_us() const { return last_us_; }
   std::int64_t heading_older_us() const { return heading_older_us_; }
   std::int64_t arrived_us() const { return arrived_us_; }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kLongestRepeat_us = 1'000'000;  // between two states
 
-/// Time to extrapolate a track over, s; nobody uses a track after ten.
+/// Time to extrapolate a track over, s; capped at 10 s, as no older track is used.
 template <class S>
 S carried(std::int64_t us) {
   return convert::seconds<S>(std::min<std::int64_t>(us, 10'000'000));
@@ -100,7 +100,7 @@ void VesselTrack<S>::take(const link::GpsGlobalOrigin& message, const Arrival& a
   // A local position is valid only with the origin that it was measured from.
   if (in_use && origins_.moves_to(message)) origin_changed();
   origins_.take(message, arrival.component, in_use, arrival.now_us);
-  // Of places that were known before, the next one has to be near.
+  // A known plane is kept, so that the next position is compared with the last one.
   if (!in_use || plane_ || component() == 0) return;
   origins_.locate();
   if (origins_.located()) plane_ = origins_.position().origin;
@@ -162,8 +162,8 @@ bool VesselTrack<S>::may_choose(std::uint8_t component, std::int64_t now_us) con
   return kept ? silent && !held_ : sources_.better(component, silent);
 }
 
-/// The first state of another component or source is where the vessel can be; one that cannot be
-/// compared waits until the one in use is silent.
+/// Whether the first state of another component or source is plausible after the last one. One that
+/// cannot be compared must wait until the one in use is silent.
 template <class S>
 bool VesselTrack<S>::goes_on(const State& state, const Arrival& arrival) {
   const auto& [from, now_us, counters] = arrival;
@@ -184,7 +184,8 @@ typename VesselTrack<S>::Jump VesselTrack<S>::jump_of(const convert::Sample<S>& 
   return guard_.take(guard_.seen(origins_.in_plane(sample), now_us), origins_.is_far(sample));
 }
 
-/// Of the first state after a reset of the estimate, which is believed at once.
+/// Whether the first state after an estimator's reset can continue the track. It is believed at
+/// once, in either case.
 template <class S>
 bool VesselTrack<S>::can_have_gone_on(const convert::Sample<S>& sample, std::uint8_t from,
                                       std::int64_t now_us) {
@@ -193,8 +194,8 @@ bool VesselTrack<S>::can_have_gone_on(const convert::Sample<S>& sample, std::uin
   return comparable && jump_of(sample, from, now_us) == Jump::kGoesOn;
 }
 
-/// Compares it with the last state on the globe, where both are known, whatever plane and clock
-/// each is of.
+/// Compares a sample with the last state by their global positions, if both are known, whatever
+/// their planes and clocks.
 template <class S>
 typename VesselTrack<S>::Jump VesselTrack<S>::jump_across(const convert::Sample<S>& sample,
                                                           std::uint8_t from, std::int64_t now_us) {
@@ -214,7 +215,7 @@ typename VesselTrack<S>::Jump VesselTrack<S>::jump_across(const convert::Sample<
   return guard_.take(seen, !near);
 }
 
-/// A place that nobody knows leaves the last known one to be compared with.
+/// A sample of unknown global position does not replace the last known one in later comparisons.
 template <class S>
 void VesselTrack<S>::believe(const convert::Sample<S>& placed, std::int64_t now_us) {
   if (reframed_ && plane_ && guard_.last() && !origins_.located()) return;

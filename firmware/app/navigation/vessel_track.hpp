@@ -30,7 +30,7 @@ class VesselTrack {
     std::uint8_t ignored_component;      ///< 0: none
     std::int64_t patience_us = 500'000;  ///< silence after which another source is chosen
     std::int64_t frozen_us = 700'000;    ///< repetition of one state that counts as frozen
-    bool keeps = false;                  ///< its first component, until that is silent
+    bool keeps = false;                  ///< keeps its first component until that is silent
     std::uint8_t only = 0;               ///< the only component; 0: any
   };
   struct Antenna {
@@ -49,14 +49,14 @@ class VesselTrack {
   /// old one.
   void follow(std::uint8_t system, std::uint8_t only = 0);
 
-  /// While held no other component is chosen, though the one in use is silent; only where it keeps.
+  /// While held, no other component is chosen even if the one in use is silent. Only with `keeps`.
   void hold(bool held) { held_ = held; }
 
   /// A state was accepted just now.
   bool accepted(std::int64_t now_us) const {
     return stamps_.last_us() && stamps_.arrived_us() == now_us;
   }
-  /// Of the component whose states are accepted.
+  /// Whether a message comes from the component whose states are accepted.
   bool is_from_unit(link::Address from) const {
     return mine(from) && from.component == component();
   }
@@ -71,7 +71,8 @@ class VesselTrack {
   void set_lag(std::optional<std::int64_t> lag_us) { lag_us_ = lag_us; }
   bool bounded() const { return sources_.clock().was_answered(); }
 
-  /// No state of it is of unknown age; else age_us() takes them to be as old as their arrival.
+  /// The age of its states is known, or there are none; otherwise age_us() counts from their
+  /// arrival.
   bool timed() const {
     return bounded() || (lag_us_ && !sources_.clock().disputed()) || !stamps_.last_us();
   }
@@ -99,7 +100,7 @@ class VesselTrack {
   bool jumped() const { return guard_.moved(); }
   void accept_place() { guard_.accept(); }
 
-  /// Two vessels tell an ATTITUDE under this one's ids.
+  /// Two vessels send ATTITUDE under this one's ids.
   bool doubled(std::int64_t now_us) const { return namesake_.seen(now_us); }
 
   /// Takes any message; ignores those of other vessels and unused types.
@@ -203,7 +204,7 @@ class VesselTrack {
     sources_.reboot(stamp_us);
   }
   void origin_changed() { reframed_ = true; }
-  /// Another plane and clock: the last place stays that of the vessel.
+  /// Another plane and clock apply; the last position remains the vessel's.
   void other_sender() { stamps_.forget(), reframed_ = true; }
   void clock_set() { motion_ended(), sources_.reset_clock(); }
   void estimator_reset() { motion_ended(); }

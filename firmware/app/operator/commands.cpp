@@ -43,12 +43,12 @@ Asked arm_or_disarm(const Command& c) {
   return denied("force overrides no check");
 }
 
-/// SET_MODE names an ArduPilot Rover mode beyond doubt: PX4's modes are multiples of 65536 there.
-/// MAV_CMD_DO_SET_MODE does not. (6, 0) is Rover's FOLLOW and PX4's OFFBOARD: it is FOLLOW in the
-/// form that Rover's clients give it only, 1, 6 and zeros. MAVSDK, which takes a GENERIC autopilot
-/// for a PX4, leaves the unused parameters NaN.
+/// In SET_MODE a number identifies an ArduPilot Rover mode: PX4's are multiples of 65536 there. In
+/// MAV_CMD_DO_SET_MODE it is ambiguous: (6, 0) is Rover's FOLLOW or PX4's OFFBOARD. It counts as
+/// FOLLOW only in the form that Rover's clients send: 1, 6 and zeros. MAVSDK, which treats a
+/// GENERIC autopilot as a PX4, leaves the unused parameters NaN.
 Asked set_mode(const Command& c) {
-  constexpr double kLoiter = 3;  // PX4's AUTO.LOITER is a hold, and that stops the boat
+  constexpr double kLoiter = 3;  // PX4's AUTO.LOITER means HOLD, which stops the boat
   constexpr std::uint32_t kTold = mav::kModeFlagCustom | mav::kModeFlagArmed;
   const auto base = whole(c.param[0], 255);
   const double number = c.param[1], sub_mode = c.param[2];
@@ -57,7 +57,7 @@ Asked set_mode(const Command& c) {
     return {mav::kAccepted, Request::kHold};
   }
   if (!unused(sub_mode)) return denied("no sub modes; 0 MANUAL, 4 HOLD, 6 FOLLOW");
-  const bool plain = !c.wants_ack || (*base & ~kTold) == 0;  // SET_MODE returns the heartbeat's
+  const bool plain = !c.wants_ack || (*base & ~kTold) == 0;  // SET_MODE echoes the heartbeat's
   if (number == mode::kManual && plain) return {mav::kAccepted, Request::kManual};
   if (number != mode::kFormation) return denied(kAllModes);
   const bool rovers =

@@ -53,8 +53,8 @@ class Inbox {
     kStop,  ///< the same, and requests that would undo the stop are dropped
   };
 
-  /// Calls answer(request) for each in order; returns whether it ended before the last one.
-  /// undoes_stop(request): whether a stop drops this kept request.
+  /// Calls answer(request) for each in order, up to kLast or kStop; returns whether one of these
+  /// came. undoes_stop(request): whether a stop drops this kept request.
   template <class Answer, class UndoesStop>
   bool take_each(Answer answer, UndoesStop undoes_stop) {
     std::size_t kept = 0, i = 0;

@@ -26,7 +26,7 @@ constexpr std::size_t kMaxLinks = 4;
 enum class SigningPolicy : std::uint8_t {
   kOff,       ///< sends unsigned, ignores signatures
   kAccept,    ///< sends signed; accepts unsigned messages, rejects wrong signatures
-  kRequired,  ///< sends signed; accepts and hands on nothing unsigned but a radio's RADIO_STATUS
+  kRequired,  ///< sends signed; accepts and forwards nothing unsigned but a radio's RADIO_STATUS
 };
 
 /// The policy with that name in a configuration.
@@ -51,9 +51,9 @@ class MavlinkLinks {
     std::array<std::optional<std::uint8_t>, 8> beats{};  // sequence numbers of our last heartbeats
     std::size_t next_beat = 0;
     std::optional<std::int64_t> waiting_us;  // since when a message has been incomplete
-    std::uint32_t whole = 0;                 // messages until then
+    std::uint32_t whole = 0;                 // decoder.whole() at the last look
     SigningPolicy policy = SigningPolicy::kOff;
-    bool datagrams = false;  // no radio's serial line
+    bool datagrams = false;  // not a serial line, so no radio's
     TokenBucket bucket;
   };
 
@@ -68,8 +68,8 @@ class MavlinkLinks {
 
   std::size_t count() const { return links_.size(); }
 
-  /// Takes bytes that have come on this link, at least one once next() has returned false; returns
-  /// how many.
+  /// Takes bytes received on this link and returns how many: at least one after next() returned
+  /// false.
   std::size_t fill(std::size_t link, std::span<const std::uint8_t> bytes) {
     return links_[link].decoder.fill(bytes);
   }
@@ -86,7 +86,7 @@ class MavlinkLinks {
     return false;
   }
 
-  /// A telemetry radio's RADIO_STATUS on the serial line that it is connected to.
+  /// Whether this is a telemetry radio's RADIO_STATUS, on the serial line it is connected to.
   bool is_radios(std::size_t link, const link::Received& received) const {
     return std::holds_alternative<link::RadioStatus>(received.message) &&
            received.from.component == link::mav::kComponentRadio && !links_[link].datagrams;
@@ -106,7 +106,7 @@ class MavlinkLinks {
     return true;
   }
 
-  /// A message has been incomplete for so long that the rest will not come.
+  /// Whether a message has been incomplete for too long for its rest to arrive.
   bool waits_in_vain(std::size_t link, std::int64_t now_us) const {
     const auto& since_us = links_[link].waiting_us;
     return since_us && now_us - *since_us > kPatience_us;
@@ -207,8 +207,8 @@ class MavlinkLinks {
  private:
   static constexpr std::int64_t kPatience_us = 300'000;  // the longest message at 9600 Bd
 
-  /// Bytes behind a complete message arrived with it or later; bytes behind a false start of a
-  /// message may be as old as that.
+  /// Restarts the wait after each complete message, as the bytes behind it are no older. Bytes
+  /// behind a false start may be as old as that start, so giving up one does not restart the wait.
   static void note_waiting(Link& l, std::int64_t now_us) {
     const bool heard = std::exchange(l.whole, l.decoder.whole()) != l.decoder.whole();
     if (!l.decoder.waits()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A pilot's transmitter, by RC_CHANNELS of an RC receiver or RC_CHANNELS_OVERRIDE.
+// An RC pilot's sticks and mode switch, from RC_CHANNELS or RC_CHANNELS_OVERRIDE.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,18 @@
 
 namespace flotilla::app {
 
-/// The pilot takes over to MANUAL by the switch, or by moving a stick away from where it rested when
-/// the law began to drive, so that a throttle may rest at its lower end; the switch turned off ends
-/// in HOLD. Channels as on ArduPilot's Rover: 1 steers, 3 gives thrust.
+/// The pilot takes over to MANUAL with the switch, or by moving a stick away from where it rested
+/// when the law began to drive, so a throttle may rest at its lower end; switching off leads to
+/// HOLD. Channels as on ArduPilot Rover: 1 steers, 3 is the throttle.
 class RcInput {
  public:
-  /// Pulses of the channels from 1 on, µs; switch_channel counts from 1. The sticks, if the pilot has
-  /// them; false: a channel is missing, or no pulse.
+  /// Takes the pulses of channels 1 and up, µs; switch_channel counts from 1. False if a channel
+  /// that is needed is missing or has no valid pulse.
   bool hear(std::span<const std::uint16_t> pulses_us, std::uint8_t switch_channel,
             core::State state, std::int64_t now_us);
   std::optional<Sticks> sticks() const { return pilots_ ? std::optional(sticks_) : std::nullopt; }
 
-  /// MANUAL or HOLD, if the pilot wants it now: MANUAL as long as the switch is on.
+  /// The pilot's pending request, MANUAL or HOLD; MANUAL again and again while the switch is on.
   std::optional<core::Request> take_request(core::State state, std::int64_t now_us);
 
  private:

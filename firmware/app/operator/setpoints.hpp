@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recent senders of setpoints: a client of PX4 sends some before it requests OFFBOARD.
+// Recent senders of setpoints: PX4 clients send some before they request OFFBOARD.
 #pragma once
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::int64_t kMinNews_us = 100'000;  // enough for the fastest turns of a root
+constexpr std::int64_t kMinNews_us = 100'000;  // often enough for the fastest turns of a root
 
 }  // namespace
 

@@ -21,7 +21,7 @@ enum class Pace : std::uint8_t {
   kNews,       ///< twice SR_STATE, at most 10 Hz; news is sent up to half an interval early
   kSlow,       ///< SR_SLOW
   kFixed,      ///< as listed, or SR_SLOW if that is below 1 Hz
-  kOnRequest,  ///< no default: the dialects of clients may lack it, and count it as lost
+  kOnRequest,  ///< off by default: clients whose dialect lacks it would count it as lost
 };
 
 /// Paces that share the bandwidth left by the state streams.
@@ -32,7 +32,7 @@ struct StreamInfo {
   std::uint16_t bytes;  ///< on the wire, at most
   Pace pace;
   std::int64_t fixed_us;
-  bool companion;  ///< sent beside an autopilot too: not confused with its states
+  bool companion;  ///< also sent beside an autopilot: cannot be confused with its states
 };
 
 /// In sending order: what followers need comes first.

@@ -73,8 +73,8 @@ inline std::string_view complaint_of(core::Conditions unmet) {
   return {};
 }
 
-/// Why a boat does nothing about a message that is meant for it, and that no other message refuses;
-/// empty for all others.
+/// Why the boat ignores a message addressed to it, for messages that the protocol has no refusal
+/// for; empty for all others.
 constexpr std::string_view refusal_of(std::uint32_t message_id) {
   switch (message_id) {
     case 82:   // SET_ATTITUDE_TARGET

@@ -15,11 +15,11 @@ namespace mav = link::mav;
 using core::Request;
 using core::State;
 
-// Of a tick's 1400 bytes: for the heartbeat and the state, and for 24 answers beside them.
+// Bytes of a tick's 1400 to keep free: for heartbeat and state; with 24 answers besides.
 constexpr std::size_t kOwnRoom = 250, kKeptRoom = 1000;
-constexpr std::size_t kSentenceRoom = 200;  // of two chunks
+constexpr std::size_t kSentenceRoom = 200;  // a sentence of two chunks
 
-/// What of it is for the tick to answer, if anything.
+/// The request in a message that the next tick must answer, if there is one.
 struct RequestOf {
   const link::FtpServer& ftp;
 
@@ -101,7 +101,7 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
     }
     return true;
   }
-  // A radio's word comes unsigned, under any system id: it counts for nothing else.
+  // RADIO_STATUS comes unsigned and under any system id: trusted for the send buffer only.
   if (const auto* radio = std::get_if<link::RadioStatus>(&received.message)) {
     if (links_.is_radios(link, received)) streams_.radio_has_room(link, radio->txbuf, now_us);
     return true;
@@ -129,14 +129,15 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {
   identity_.heard(from, beat, configuration_.formation.leader, now_us);
-  // A ground station on board tells nothing of the operator's radio.
+  // A ground station on board does not show that the operator's radio link works.
   const bool ashore = from.system != self().system;
   if (beat.type == mav::kTypeGcs && ashore && may_command(from)) gcs_us_ = now_us;
 }
 
 void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
                       link::Counters& counters) {
-  if (received.target == self() || received.id == mav::kSetupSigningId) return;  // nobody's secret
+  // SETUP_SIGNING carries the secret key: never forwarded.
+  if (received.target == self() || received.id == mav::kSetupSigningId) return;
   const std::uint8_t beyond = router_.beyond(received.target, link, now_us);
   for (std::size_t other = 0; other < links_.count(); ++other) {
     if ((beyond >> other & 1U) != 0) {
@@ -145,7 +146,7 @@ void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int
   }
 }
 
-/// Only from an operator who may command, and only where they are addressed to this boat.
+/// Accepts sticks only from an operator who may command, and only if addressed to this boat.
 void Vehicle::take_sticks(const link::Received& received, const link::ManualControl& message,
                           std::int64_t now_us, link::Counters& counters) {
   const auto surge = convert::stick_of(message.x), yaw = convert::stick_of(message.r);
@@ -159,7 +160,8 @@ void Vehicle::take_sticks(const link::Received& received, const link::ManualCont
   }
 }
 
-/// From a receiver of the boat's own system, or from an operator who may command; whether it was.
+/// Accepts RC from a receiver of the own system, or from an operator who may command. False if the
+/// message is to be treated as any other.
 bool Vehicle::take_rc(const link::Received& received, std::int64_t now_us) {
   const auto channel = configuration_.operators.rc_switch;
   std::span<const std::uint16_t> pulses_us;
@@ -222,7 +224,7 @@ void Vehicle::heed_rc(link::Counters& counters) {
 bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
   const auto answer_one = [&](const PendingRequest& pending) {
-    // The heartbeat and the state need their room too; what stops the boat needs none.
+    // Leave room for the heartbeat and the state. A stop is obeyed even without room to answer it.
     const std::size_t kept = asks_for_message(pending) ? kKeptRoom : kOwnRoom;
     if (links_.room(pending.link) < kept && !stops(pending)) return Taken::kKept;
     answer(pending, counters);
@@ -258,7 +260,7 @@ Supervisor::Decision Vehicle::ask(Asked& asked) {
   return decision;
 }
 
-/// A key protects only where it is required, and as long as the time is known.
+/// A key protects only links that require signatures, and only while the time is known.
 void Vehicle::warn_of_signing(link::Counters& counters) {
   if (!links_.signing().has_key() || !signing_due_.due(now_us_)) return;
   Sentence open;
@@ -289,7 +291,7 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
   send_complaints(what, missing, counters);
 }
 
-/// Of many, what leaves the heartbeat its room; the rest when these are seen to.
+/// Sends as many as leave room for the heartbeat; the others come once these have been remedied.
 void Vehicle::send_complaints(std::string_view what, core::Conditions unmet,
                               link::Counters& counters) {
   for_each_complaint(unmet, [&](std::string_view why) {

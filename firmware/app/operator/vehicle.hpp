@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat as a MAVLink vehicle: it turns messages into requests, and states into messages. The
-// supervisor decides; nothing here knows of courses and thrusts.
+// The boat as a MAVLink vehicle: turns messages into requests, and states into messages. The
+// supervisor decides; nothing here deals with courses or thrusts.
 #pragma once
 
 #include <array>
@@ -27,29 +27,29 @@
 
 namespace flotilla::app {
 
-/// The best that was heard since the host asked last: a message of somebody else that the link's policy
+/// The best message from another sender since the host's last query: one that the link's policy
 /// accepts, or one with a good signature.
 enum class Heard : std::uint8_t { kNothing, kMessage, kSigned };
 
-/// Why the host should save the parameters; the later reason counts.
+/// Why the host should save the parameters; a later enumerator prevails.
 enum class SaveRequest : std::uint8_t {
   kNone,
   kChanged,    ///< an operator has changed one
-  kConfirmed,  ///< an operator has asked for it: those in force are the right ones
+  kConfirmed,  ///< an operator has asked to save, which confirms the values in force
 };
 
 class Vehicle {
  public:
-  /// Speaks on `links`, and asks for the time with `time`; both outlive the vehicle.
+  /// Sends on `links`, and TIMESYNC requests by `time`; both must outlive the vehicle.
   Vehicle(const Parameters& parameters, Supervisor& supervisor, MavlinkLinks& links,
           TimeRequests& time, const Storage& storage);
 
-  /// Takes a message that has come on this link: keeps a request for the tick, hands on a message
-  /// for others. False if it is for navigation.
+  /// Takes a message received on this link: keeps a request for the tick, forwards a message for
+  /// others. False if the message is for navigation.
   bool take(std::size_t link, const link::Received& received, std::int64_t now_us,
             link::Counters& counters);
 
-  /// Begins a tick, dt_us after the one before.
+  /// Begins a tick, dt_us after the previous one.
   void begin(std::int64_t now_us, std::int64_t dt_us);
 
   /// Another sender has used our ids within the last ten seconds.
@@ -61,53 +61,55 @@ class Vehicle {
   /// Applies the automatic transitions, and announces them.
   void apply_conditions(core::Conditions conditions, link::Counters& counters);
 
-  /// What the pilot at the transmitter wants, whatever others have asked for.
+  /// Applies the RC pilot's request, which overrides those of other operators.
   void heed_rc(link::Counters& counters);
 
-  /// A stop switch is pressed: no thrust until somebody disarms the boat after it was released.
+  /// Call while a stop switch is pressed: FAULT until an operator disarms the boat after its
+  /// release.
   void stop(link::Counters& counters);
 
-  /// What was asked since the last tick, in order, but no farther than to something that changes
-  /// the boat: whether it is to be called again, when that is in force (take_change()).
+  /// Answers the requests since the last tick, in order, up to one that stops the boat or changes a
+  /// parameter. If true, apply the change (see take_change()) and call again.
   bool answer(link::Counters& counters);
 
-  /// There are questions, perhaps for what a report tells.
+  /// Requests are pending; their answers may need a report.
   bool is_asked() const { return !inbox_.is_empty(); }
 
-  /// Our positions are measured from there from now on.
+  /// Sets the origin of the local positions that we send.
   void locate(const link::GpsGlobalOrigin& origin);
 
-  /// Whether tell() will make use of a report of this tick.
+  /// Whether tell() needs a report of this tick.
   bool tells_report();
 
-  /// What is told, and answered, from now on.
+  /// Sets the values that telemetry and answers use from now on.
   void report(const Report& report);
 
-  /// What the formation steers by, where `news` is another number than it was told of last.
+  /// Whether FORMATION_REFERENCE is due on a link; it is due earlier if `news` differs from the
+  /// number sent last.
   bool waits_for_reference(std::uint32_t news) const;
   void tell_reference(std::uint32_t news, const link::FormationReference& reference,
                       link::Counters& counters);
 
-  /// Telemetry, and what is still owed to clients.
+  /// Sends telemetry and pending answers.
   void tell(link::Counters& counters);
 
-  /// A sentence to every operator; longer ones in chunks of 50 characters.
+  /// Sends a text to all operators, in chunks of 50 characters if it is longer.
   void send_statustext(std::uint8_t severity, std::initializer_list<std::string_view> parts,
                        link::Counters& counters);
 
-  /// With the next tick, whatever else was asked.
+  /// Takes effect in the next tick, after all other requests.
   void disarm() { disarm_ = true; }
 
   link::Address self() const { return identity_.self(); }
   const Parameters& parameters() const { return parameters_; }
   const Configuration& configuration() const { return configuration_; }
 
-  /// Whether a parameter was set, or the identity found, since the last call.
+  /// Whether a parameter was set, or a companion's system id was found, since the last call.
   bool take_change() { return std::exchange(changed_, false); }
   Heard take_heard() { return std::exchange(heard_, Heard::kNothing); }
   SaveRequest take_save_request() { return std::exchange(save_, SaveRequest::kNone); }
 
-  /// What MAV_CMD_INJECT_FAILURE asks for is the host's to judge; without a judge: unsupported.
+  /// Lets the host judge MAV_CMD_INJECT_FAILURE; without a judge the command is unsupported.
   void let_failures_be_injected(FailureJudge judge) { failure_judge_ = judge; }
   std::optional<Failure> take_failure() { return std::exchange(failure_, std::nullopt); }
 
@@ -138,7 +140,7 @@ class Vehicle {
   void send_complaints(std::string_view what, core::Conditions unmet, link::Counters& counters);
   void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;
-  /// Of one tick, for all links.
+  /// The state messages of one tick, shared by all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void ask_times(link::Counters& counters);
   void tell_separation(link::Counters& counters);
@@ -154,7 +156,7 @@ class Vehicle {
 
   Supervisor& supervisor_;
   Parameters parameters_;
-  Configuration configuration_;  // of these
+  Configuration configuration_;  // derived from parameters_
   Identity identity_;
   MavlinkLinks& links_;
   TimeRequests& time_;
@@ -165,28 +167,28 @@ class Vehicle {
   Streams streams_;
   Setpoints setpoints_;
   RcInput rc_;
-  Report report_;  // the last one, and the mode of now
+  Report report_;  // the last one, with the present mode
 
-  std::optional<std::int64_t> gcs_us_;  // when one that may command was heard
+  std::optional<std::int64_t> gcs_us_;  // last heartbeat of one that may command
   bool changed_ = false;
   SaveRequest save_ = SaveRequest::kNone;
   Heard heard_ = Heard::kNothing;
   FailureJudge failure_judge_ = nullptr;
   std::optional<Failure> failure_;
   bool disarm_ = false;
-  std::string_view unheeded_{};  // in this tick: refusal_of() a message
-  bool double_seen_ = false;     // since that was told last
+  std::string_view unheeded_{};  // refusal_of() a message since the last tick
+  bool double_seen_ = false;     // since the last warning of it
   std::int64_t double_us_ = std::numeric_limits<std::int64_t>::min() / 2;
-  bool announce_ = false;  // a heartbeat at once: the state has changed
+  bool announce_ = false;  // the state has changed: send a heartbeat at once
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
-  std::array<std::size_t, kMaxLinks> turn_{};  // whose it is, of what can wait
+  std::array<std::size_t, kMaxLinks> turn_{};  // next in turn among what can wait
   struct Begun {
     std::size_t stream = kStreams.size();
     std::uint32_t told = 0;
   };
-  std::array<Begun, kMaxLinks> begun_{};  // the stream that has told only so many of its messages
+  std::array<Begun, kMaxLinks> begun_{};  // a stream that has sent only part of its messages
   std::uint16_t text_id_ = 0;
   std::int64_t now_us_ = 0;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vehicle, the part that answers: commands, message requests, parameters, missions.
+// Vehicle: answers to commands, message requests, parameters and missions.
 #include "app/operator/vehicle.hpp"
 
 namespace flotilla::app {
@@ -8,8 +8,9 @@ namespace {
 namespace mav = link::mav;
 using core::Request;
 
-/// Driving, and what leads there: in companion identity the autopilot's business, where it is asked
-/// of the whole system. Whatever stops the boat is not.
+/// Whether a request drives the boat or prepares it for driving. Addressed to the whole system,
+/// such a request is for the autopilot, not for its companion; a request that stops the boat is for
+/// both.
 bool drives(Request request) {
   return request == Request::kArm || request == Request::kManual ||
          request == Request::kFormation || request == Request::kTest;
@@ -41,7 +42,7 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
   }
 }
 
-/// There is none, and none is taken.
+/// The boat has no mission and accepts none.
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
   const link::Address from = pending.from;
   const RequestMessage& asked = pending.message;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vehicle, the part that speaks: heartbeat, streams, what clients are owed, sentences.
+// Vehicle: sends heartbeats, streams, pending answers and texts.
 #include <algorithm>
 
 #include "app/operator/text.hpp"
@@ -12,9 +12,9 @@ namespace mav = link::mav;
 using core::State;
 
 constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
-// Whose turn it may be, beside the streams.
+// Turns after those of the streams.
 constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kTurns = kFiles + 1;
-// Per tick and link, beside the control tick's own traffic: files come at some 70 kB/s.
+// Per tick and link, beside the tick's other traffic: files transfer at about 70 kB/s.
 constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
 
 std::uint8_t base_mode_of(State state) {
@@ -41,7 +41,7 @@ link::Heartbeat Vehicle::heartbeat() const {
           base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
 }
 
-/// Followers take our positions from another origin from now on.
+/// Announces a changed origin, which followers need to convert our positions.
 void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
   const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
   if (told_origin_ == here) return;
@@ -76,7 +76,7 @@ void Vehicle::tell(link::Counters& counters) {
   if (const auto why = std::exchange(unheeded_, {}); !why.empty() && unheeded_due_.due(now_us_)) {
     send_statustext(mav::kSeverityWarning, {why}, counters);
   }
-  if (std::exchange(origin_moved_, false)) {  // before any position from there
+  if (std::exchange(origin_moved_, false)) {  // before any position relative to it
     for (std::size_t link = 0; link < links_.count(); ++link) {
       tell_stream(kOriginStream, link, counters);
     }
@@ -85,11 +85,12 @@ void Vehicle::tell(link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) tell_rest(link, counters);
 }
 
-/// All that hear each other answer each other: on a slow radio that is most of its load. The own
-/// unit is asked every second all the same, as it counts as late where it does not answer.
+/// All vessels in range answer each other's requests, which is most of a slow radio's load; so
+/// SR_SLOW below 1 Hz slows the requests. The own unit is asked every second all the same: if it
+/// does not answer, it counts as late.
 void Vehicle::ask_times(link::Counters& counters) {
   const link::Timesync request = time_.ask(now_us_, self().system);
-  const std::int64_t before_us = streams_.slowed_us(kSecond_us) - kSecond_us;  // of the last turn
+  const std::int64_t before_us = streams_.slowed_us(kSecond_us) - kSecond_us;  // a turn too early
   const bool everywhere = now_us_ - asked_everywhere_us_ > before_us + kSecond_us / 20;
   if (everywhere) asked_everywhere_us_ = now_us_;
   const unsigned own = router_.links_to({self().system, 0}, now_us_);
@@ -98,7 +99,7 @@ void Vehicle::ask_times(link::Counters& counters) {
   }
 }
 
-/// For boats around, and for who wonders why this one stops.
+/// DEPTH decides the right of way among nearby boats; SEP_M shows operators why this one stops.
 void Vehicle::tell_separation(link::Counters& counters) {
   const auto tell = [&](std::string_view name, double value) {
     const std::uint32_t boot_ms = convert::boot_ms(now_us_);
@@ -122,7 +123,7 @@ void Vehicle::tell_state(link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) tell_state(link, state, counters);
 }
 
-/// Attitude and position leave together or not at all.
+/// Sends attitude and position together or not at all.
 void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters& counters) {
   if (!links_.bucket(link).for_state()) return;
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
@@ -161,7 +162,7 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
   }
 }
 
-/// Everything else in turn: what a slow link has no room for is the first of a later tick.
+/// Sends everything else in turn; what a slow link has no room for comes first in a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
   if (!streams_.any_waits(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
     return;
@@ -186,8 +187,8 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// It keeps its turn where there is nothing to tell yet. What a slow link cannot carry at once goes
-/// on in a later tick, before all others but parameters that somebody waits for.
+/// A stream with nothing to send yet stays due. If a slow link cannot carry all its messages at
+/// once, it continues in a later tick, before all others except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.waits(now_us_)) return false;

@@ -13,10 +13,10 @@ namespace flotilla::app {
 /// FS_LEADER_ACT, FS_GCS_ACT.
 enum class LossAction : std::uint8_t { kHold, kCoast, kManual };
 
-/// Made anew after each change of a parameter, so that no tick converts one. The law's numbers, in
-/// its scalar, are in convert::Law. Nothing: the parameter is 0, which switches that limit off.
+/// Derived again after each change of a parameter, so that no tick converts one. The law's numbers,
+/// in its scalar, are in convert::Law. An empty optional: the parameter is 0, the limit is off.
 struct Configuration {
-  /// In force from the next start on.
+  /// Changes take effect at the next start.
   struct Start {
     std::uint8_t system = 0, component = 0;
     bool companion = false;
@@ -32,12 +32,12 @@ struct Configuration {
     bool follows_root = false;                  ///< LAW_REF
     std::optional<std::int64_t> leader_lag_us;  ///< FORM_LAG_S; nothing: unknown
     std::optional<std::size_t> max_depth;
-    float beam_m = 0;        ///< slots that are closer than this are one
+    float beam_m = 0;        ///< slots closer than this count as one
     float separation_m = 0;  ///< FS_SEP_M
     bool judges_station = false;
   };
 
-  /// What the own navigation unit may say of itself; 0: anything.
+  /// Limits of the quality that the own navigation unit reports; 0: no limit.
   struct Quality {
     std::uint8_t fix = 0;  ///< least GPS_FIX_TYPE
     float hdop = 0, accuracy_m = 0, ratio = 0;

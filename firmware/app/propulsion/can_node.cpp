@@ -45,7 +45,7 @@ void CanNode::on_frame(std::uint32_t can_id, std::span<const std::uint8_t> data,
   } else if (is(link::Allocation::kType)) {
     const auto transfer = complete(link::Allocation::kType);
     const auto request = transfer ? link::read_allocation(transfer->payload) : std::nullopt;
-    // From a node with an id it is another allocator's answer.
+    // A node that has an id is another allocator, and this is its answer.
     if (request && route->source == 0) allocation_ = node_ids_.answer(*request, now_us);
   } else if (route->source == 0 || route->source == identity_.node) {
     return;

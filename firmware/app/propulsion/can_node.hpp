@@ -49,9 +49,9 @@ class CanNode {
   /// Another node has commanded or armed ESCs within the last two seconds.
   bool foreign_controller(std::int64_t now_us) const;
 
-  /// A stop switch on the bus is pressed: a Button within the last half second, or a SafetyState
-  /// other than "off" within the last two seconds, or, once one was told, none "off", as if its wire
-  /// were cut.
+  /// A stop switch on the bus is pressed: a Button in the last 0.5 s, or a SafetyState other than
+  /// "off" in the last 2 s. Once a safety switch was heard, 2 s without "off" count as pressed,
+  /// too: its wire may be cut.
   bool stop_pressed(std::int64_t now_us) const;
 
   /// The node ids assigned; the host saves them across restarts.
@@ -105,7 +105,7 @@ class CanNode {
 
   Identity identity_;
   link::TransferReceiver receiver_;
-  std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>> escs_{};  // no others obey us
+  std::array<Esc, std::tuple_size_v<decltype(link::RawCommand::cmd)>> escs_{};  // by ESC index
   std::array<Node, 128> nodes_{};
   std::array<Question, 4> questions_{};
   std::size_t question_count_ = 0;

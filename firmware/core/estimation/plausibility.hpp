@@ -112,7 +112,7 @@ SmallMove<S> small_move(const PlausibilityLimits<S>& limits) {
           limits.yaw_rate};
 }
 
-/// Certainly no jump; far cheaper than innovation_of().
+/// True only if it is certainly no jump; far cheaper than innovation_of().
 template <class S>
 bool hardly_moves(const SmallMove<S>& most, const Leg<S>& leg) {
   const auto within = [](S x, S limit) { return -limit < x && x < limit; };

@@ -21,7 +21,7 @@ struct Eigen::NumTraits<flotilla::core::Q16> : Eigen::GenericNumTraits<flotilla:
   enum { IsInteger = 0, IsSigned = 1, RequireInitialization = 1, AddCost = 3, MulCost = 13 };
 
   static constexpr Q16 epsilon() { return Q16::of_raw(1); }
-  /// Tolerance of isApprox: some roundings.
+  /// Tolerance of isApprox: 16 LSB.
   static constexpr Q16 dummy_precision() { return Q16::of_raw(16); }
   static constexpr Q16 lowest() { return Q16::of_raw(std::numeric_limits<std::int32_t>::min()); }
   static constexpr Q16 highest() { return Q16::of_raw(std::numeric_limits<std::int32_t>::max()); }

@@ -8,8 +8,8 @@
 
 namespace flotilla::core {
 
-/// Whether a result of this thread has saturated since the last call. Always false for float and
-/// double: their range is wider than any quantity of a boat.
+/// Whether a result in this thread has saturated since the last call. Always false for float and
+/// double, whose range exceeds any quantity of a boat.
 template <class S>
 bool take_overflow() {
   return false;

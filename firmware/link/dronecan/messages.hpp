@@ -32,7 +32,7 @@ struct ArmingStatus {
   std::uint8_t status = 0;
 };
 
-/// ardupilot.indication.SafetyState: of a safety switch; 255 lets motors turn.
+/// ardupilot.indication.SafetyState: state of a safety switch; 255 (off) lets motors turn.
 struct SafetyState {
   static constexpr DataType kType{TransferKind::kMessage, 20000, 0xE965701A95A1A6A1ULL};
   static constexpr std::uint8_t kOff = 255;

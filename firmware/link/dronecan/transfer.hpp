@@ -46,7 +46,7 @@ std::uint32_t can_id_of(const Route& route);
 /// Nothing for an id above 29 bits or a service from or to node 0.
 std::optional<Route> route_of(std::uint32_t can_id);
 
-/// Splits a payload into frames; returns their number, or 0 where `out` is too short.
+/// Splits a payload into frames; returns their number, or 0 if `out` is too short.
 std::size_t split_transfer(const Route& route, const DataType& type, std::uint8_t transfer_id,
                            std::span<const std::uint8_t> payload, std::span<CanFrame> out);
 

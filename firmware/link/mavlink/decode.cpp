@@ -14,14 +14,14 @@ namespace {
 
 constexpr std::uint8_t kEverybody = 0;
 
-/// Whether such a frame can exist; if not, it is noise: waiting for its end would delay others.
+/// Whether such a frame can exist. If not, it is noise, and waiting for its end would delay others.
 bool plausible(std::uint8_t start, const FrameHeader& h, const MavlinkEntry* entry) {
   return start == kStart1 ? entry != nullptr && h.payload_bytes == entry->min_bytes
                           : h.payload_bytes > 0 && h.is_known();
 }
 
-/// The checksum of a message not in our dialect is unknown. Where another frame or nothing follows,
-/// it counts as whole, so that its contents are not searched for messages.
+/// The checksum seed of a message outside our dialect is unknown. If another frame or nothing
+/// follows, the message counts as whole, so that its contents are not searched for messages.
 bool ends_well(std::span<const std::uint8_t> b, std::size_t frame_bytes) {
   return b.size() == frame_bytes || is_start(b[frame_bytes]);
 }

@@ -32,10 +32,10 @@ class MavlinkDecoder {
   /// `signing`, signatures are ignored, and no message counts as signed.
   std::optional<Received> next(Counters& counters, Signing* signing = nullptr);
 
-  /// The same into `out`, which is as large as the largest message; false if there is no message.
+  /// The same into `out`, which has the size of the largest message; false if there is none.
   bool next(Received& out, Counters& counters, Signing* signing = nullptr);
 
-  /// The bytes of the message that next() returned last, for forwarding unchanged; empty where it
+  /// The bytes of the message that next() returned last, for forwarding unchanged; empty if it
   /// returned nothing. Valid until the next call of next() or fill().
   std::span<const std::uint8_t> frame() const {
     return std::span(buffer_).subspan(begin_ - frame_size_, frame_size_);

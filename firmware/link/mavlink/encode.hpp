@@ -17,8 +17,8 @@ class MavlinkEncoder {
   MavlinkEncoder() = default;
   explicit MavlinkEncoder(Address self) : self_(self) {}
 
-  /// Writes one frame, with `signing` signed as `link_id`; returns its length, or 0 (and uses no
-  /// sequence number) where `out` is too short or the message is std::monostate.
+  /// Writes one frame, signed as `link_id` if `signing` is given. Returns its length, or 0 (and
+  /// uses no sequence number) if `out` is too short or the message is std::monostate.
   std::size_t encode(const Message& message, std::span<std::uint8_t> out,
                      Signing* signing = nullptr, std::uint8_t link_id = 0);
 

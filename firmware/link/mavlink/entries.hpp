@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The dialect's messages, known to this firmware or not: what checking and routing a frame needs.
+// The data that checking and routing a frame needs, for all messages of the dialect, also those
+// that this firmware does not read.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +13,11 @@ namespace flotilla::link {
 struct MavlinkEntry {
   std::uint32_t id;
   std::uint8_t crc_extra;                        ///< seed of the checksum
-  std::uint8_t min_bytes;                        ///< of the payload, which MAVLink 1 always has
+  std::uint8_t min_bytes;                        ///< payload without MAVLink 2 extensions
   std::uint8_t target_system, target_component;  ///< offsets in the payload, 255: none
 };
 
-/// By rising id.
+/// Sorted by id.
 inline constexpr auto kMavlinkEntries = std::to_array<MavlinkEntry>({
 #include "dialect/table.inc"
 });

@@ -25,7 +25,7 @@ struct FrameHeader {
   std::uint32_t id;
   Address from;
   std::uint8_t sequence;
-  std::uint8_t flags;  ///< of incompatibility
+  std::uint8_t flags;  ///< incompatibility flags
 
   bool is_signed() const { return (flags & kSignedFlag) != 0; }
   bool is_known() const { return (flags & ~kSignedFlag) == 0; }
@@ -36,7 +36,7 @@ struct FrameHeader {
   }
 };
 
-/// Nothing while it is incomplete, or where no frame begins.
+/// Nothing if the header is incomplete, or no frame begins here.
 inline std::optional<FrameHeader> read_header(std::span<const std::uint8_t> b) {
   if (b.size() >= kHeaderBytes2 && b[0] == kStart2) {
     const std::uint32_t id = b[7] | std::uint32_t{b[8]} << 8U | std::uint32_t{b[9]} << 16U;
@@ -69,7 +69,7 @@ struct FrameSender {
 };
 
 /// Writes a MAVLink 2 frame without the zeros at the payload's end and without the signature block.
-/// Returns its length, or 0 where `out` is too short for frame and block.
+/// Returns its length, or 0 if `out` is too short for frame and block.
 std::size_t write_frame(FrameType type, const std::uint8_t* payload, FrameSender sender,
                         std::span<std::uint8_t> out);
 

@@ -87,7 +87,7 @@ FtpRequest FtpServer::read(const FileTransferProtocol& message) const {
 
 void FtpServer::request(std::size_t link, Address from, const FtpRequest& request,
                         std::int64_t now_us) {
-  // or two servers would answer each other endlessly
+  // Otherwise two servers would answer each other endlessly.
   if (request.opcode == kAck || request.opcode == kNak) return;
   const Peer peer{static_cast<std::uint8_t>(link), from};
   Client& client = client_of(peer, now_us);
@@ -161,7 +161,7 @@ std::uint8_t FtpServer::carry_out(Answer& answer, const FtpRequest& request, con
   switch (answer.asked) {
     case kNone:
       return kNoError;
-    case kTerminateSession:  // succeeds for a closed session: its first answer was lost
+    case kTerminateSession:  // also succeeds for a closed session: the first answer was lost
       if (Session* session = session_of(peer, answer.session)) *session = Session{};
       return kNoError;
     case kResetSessions:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MAVLink FTP, read only: clients list and download a fixed set of files, all in the root.
-// Source: mavlink.io, services, File Transfer Protocol; where that is silent, clients' practice.
+// Source: mavlink.io, services, File Transfer Protocol; its gaps are filled by clients' practice.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MAVLink messages as plain structs with the protocol's names and units (mavlink.io, common message
-// set): those of messages.txt, made by generate.py as the firmware is built.
+// set), generated from messages.txt by generate.py during the build.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace flotilla::link {
 struct Received {
   Address from;
   Message message;
-  Address target{};      ///< where the message names one, else 0, 0
+  Address target{};      ///< 0, 0 if the message names none
   std::uint32_t id = 0;  ///< message id
   std::uint8_t sequence = 0;
-  bool is_signed = false;  ///< with a good signature; forged messages are dropped before
+  bool is_signed = false;  ///< with a good signature; forged messages never get here
 };
 
 }  // namespace flotilla::link

@@ -21,7 +21,7 @@ const std::uint8_t* padded(Bytes payload, std::size_t size, std::uint8_t* room) 
   return room;
 }
 
-/// Converts to the struct that is asked for, in place: nothing is zeroed or copied first.
+/// Converts to the message's struct in place, without zeroing or copying first.
 struct Reader {
   Bytes payload;
 

@@ -9,8 +9,8 @@
 
 namespace flotilla::link {
 
-/// payload: at most 255 bytes; bytes that the frame leaves out are zero. `out` is std::monostate
-/// for a message that a boat does not read. Values are not validated: their user checks them.
+/// payload: at most 255 bytes; bytes that the frame leaves out are zero. `out` becomes
+/// std::monostate for a message that a boat does not read. The user of a value validates it.
 void read_payload(std::span<const std::uint8_t> payload, std::uint32_t id, Message& out);
 
 }  // namespace flotilla::link

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
-// After them: it relies on both.
+// mavlink_sha256.h relies on the two headers above.
 #define MAVLINK_HELPER static inline
 #include <mavlink_sha256.h>
 
@@ -15,9 +15,10 @@ namespace {
 constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
 constexpr std::uint64_t kSecond = 100'000, kMinute = 60 * kSecond, kDay = 24 * 60 * kMinute;
-// pymavlink's timestamps start at its clock, count messages from then on, and follow what it hears: the
-// clock of a sender that hears nobody drags behind. Of its messages so many may be lost in a row; in a
-// recording of a sender that stamps by its clock they are further apart.
+// pymavlink starts its timestamps at its clock, then adds one for each message, and follows newer
+// ones that it hears: those of a sender that hears nobody lag behind its clock. This many of its
+// messages may be lost in a row. Timestamps in a recording of a sender that stamps by its clock are
+// further apart, so a replay does not pass.
 constexpr std::uint64_t kDragged = 500;
 constexpr std::size_t kTimestampBytes = 6, kDigestBytes = 6;
 
@@ -73,14 +74,15 @@ void Signing::set_clock(std::uint64_t now, bool known) {
 
 std::uint32_t Signing::clock_s() const { return static_cast<std::uint32_t>(clock_ / kSecond); }
 
-/// A clock that starts a little behind must not make old messages valid.
+/// The oldest acceptable timestamp. A clock that starts less than a day behind the stored timestamp
+/// must not make old messages valid.
 std::uint64_t Signing::oldest() const {
   const bool behind = stored_ > clock_ && (!known_ || stored_ - clock_ < kDay);
   const std::uint64_t oldest = behind ? stored_ : known_ ? clock_ : 0;
   return oldest - std::min(oldest, kMinute);
 }
 
-/// Its timestamp counts messages, and has done so without a minute of silence.
+/// Whether the sender's timestamps count its messages, without a minute of silence so far.
 bool Signing::drags(const Stream& stream, std::uint64_t timestamp) const {
   return stream.heard_s != 0 && clock_s() - stream.heard_s < kMinute / kSecond &&
          timestamp - stream.timestamp <= kDragged;

@@ -2,10 +2,11 @@
 // MAVLink 2 message signing, one for all links of a component.
 //
 // signature = first 48 bits of SHA-256(key ‖ frame ‖ link id ‖ timestamp). A timestamp counts 10 µs
-// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Not in it: once our own clock is
-// known, it alone judges timestamps, with a minute of tolerance either way. There a received timestamp
-// advances the receiver's own, so that one from the future shuts out every sender with a correct clock;
-// and a known stream may be of any age, so that recordings of a jammed radio are obeyed hours later.
+// since 2015-01-01 in 48 bits. Source: mavlink.io, "Message Signing". Unlike there, our own clock
+// alone judges timestamps once it is known, with a minute of tolerance either way. In the source a
+// received timestamp advances the receiver's own, so one from the future shuts out every sender
+// with a correct clock; and a known stream may be of any age, so messages recorded from
+// a jammed radio are obeyed hours later.
 #pragma once
 
 #include <array>
@@ -28,7 +29,7 @@ enum class SignatureVerdict : std::uint8_t {
   kGood,
   kForged,    ///< another key, or altered data
   kReplayed,  ///< not newer than this stream's latest timestamp
-  kStale,     ///< more than a minute behind our clock, and not merely dragging
+  kStale,     ///< more than a minute behind our clock, and not a lagging counter
   kFuture,    ///< more than a minute ahead of our clock
   kNoRoom,    ///< a new stream, but no room for it
 };
@@ -39,12 +40,12 @@ class Signing {
   struct Stream {
     Address from;
     std::uint8_t link_id;
-    std::uint32_t heard_s;        ///< our clock then; 0: nothing timely yet
+    std::uint32_t heard_s;        ///< our clock at that message; 0: none yet
     std::uint64_t timestamp;      ///< of the last timely message
-    std::uint64_t exempt_before;  ///< of the last one that was exempt
+    std::uint64_t exempt_before;  ///< of the last exempt message
   };
 
-  /// Messages that count at any age, once: not older than the last of their stream.
+  /// Selects messages that are accepted at any age, once, if newer than the last of their stream.
   using Exemption = bool (*)(const Message&);
 
   /// room: storage for received streams, must outlive this object; sending needs none.
@@ -56,8 +57,9 @@ class Signing {
 
   bool has_key() const { return has_key_; }
 
-  /// Our clock, which judges received timestamps where it is known; where it is a guess, they must not
-  /// be older than `stored` less a minute, and ours follow the newest. Sent timestamps never go back.
+  /// Sets our clock. If it is known, it judges received timestamps. If it is a guess, they must not
+  /// be older than `stored` less a minute, and ours follow the newest. Sent timestamps never go
+  /// back.
   void set_clock(std::uint64_t now, bool known = true);
   bool knows_clock() const { return known_; }
 
@@ -67,7 +69,7 @@ class Signing {
   /// Verifies a whole signed MAVLink 2 frame. Only a good one changes the state.
   SignatureVerdict check(std::span<const std::uint8_t> frame);
 
-  /// Whether this frame, which check() found kStale or kFuture, counts all the same.
+  /// Whether this frame is accepted although check() returned kStale or kFuture.
   bool exempts(std::span<const std::uint8_t> frame, const Message& message);
 
   /// Writes the signature block of a frame, which has its signed flag set and ends with its
@@ -86,8 +88,8 @@ class Signing {
   bool has_key_ = false;
   bool known_ = false;
   std::uint64_t clock_ = 0;
-  std::uint64_t timestamp_ = 0;  // sent last
-  std::uint64_t stored_ = 0;     // an earlier run's
+  std::uint64_t timestamp_ = 0;  // last sent
+  std::uint64_t stored_ = 0;     // of an earlier run
   std::size_t used_ = 0;
   std::span<Stream> room_;
   Exemption exemption_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A CAN bus of the operating system, chosen by a string.
+// A CAN bus of the operating system, selected by an address string.
 #pragma once
 
 #include <cstddef>
@@ -42,13 +42,13 @@ class CanBus {
   /// For poll(); −1 while the device is gone.
   virtual int descriptor() const = 0;
 
-  /// Opens the device where it is closed. May block: for another thread than all the rest.
+  /// Opens the device if it is closed. May block: call it from a thread of its own.
   virtual void reopen() = 0;
 
-  /// Takes over a device that was opened, notices a recovered bus; call about ten times a second.
+  /// Takes over a device that reopen() opened, and detects a recovered bus; call it at about 10 Hz.
   virtual void maintain() = 0;
 
-  /// Why the device could not be opened; empty if it was.
+  /// Why the device could not be opened; empty if it could.
   virtual std::string fault() const = 0;
 
   /// The interface is up and not bus-off. After a bus-off, however short, false from the receive()
@@ -69,9 +69,9 @@ class CanBus {
 std::span<const link::CanFrame> first_transfer(std::span<const link::CanFrame> frames);
 
 /// `socketcan:can0` or `mcast:N[:ADDRESS]`. `node`: our DroneCAN node id, for the kernel's filter.
-/// Throws std::runtime_error if the address makes no sense. What is down or absent is no error: it
-/// is opened by reopen() once it appears. ADDRESS is an IPv4 address of
-/// this machine; with it frames may leave the machine.
+/// Throws std::runtime_error if the address is malformed. A device that is down or absent is no
+/// error: reopen() opens it once it appears. ADDRESS is an IPv4 address of this machine; with it
+/// frames may leave the machine.
 std::unique_ptr<CanBus> open_can_bus(std::string_view address, std::uint8_t node);
 
 }  // namespace flotilla::target

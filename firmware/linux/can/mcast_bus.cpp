@@ -102,7 +102,7 @@ std::string McastBus::fault() const {
 }
 
 int McastBus::open(Sockets& fresh) const {
-  // Bound to the group, not to INADDR_ANY: else the other buses, on the same port, arrive too.
+  // Bound to the group, not to INADDR_ANY: otherwise the other buses, on the same port, arrive too.
   FileDescriptor in = udp_socket();
   FileDescriptor out = udp_socket();
   const ip_mreqn membership{group_.sin_addr, interface_, 0};
@@ -112,14 +112,14 @@ int McastBus::open(Sockets& fresh) const {
   sockaddr_in own{};
   socklen_t size = sizeof own;
   const bool done = in && out &&
-                    // `out` first: it checks that the interface's address is ours.
+                    // Bind `out` first: that checks that the interface's address is ours.
                     ::bind(out.get(), generic(from), sizeof from) == 0 &&
                     set_option(out, IPPROTO_IP, IP_MULTICAST_IF, membership) &&
                     set_option(out, IPPROTO_IP, IP_MULTICAST_TTL, time_to_live_) &&
                     ::connect(out.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, SOL_SOCKET, SO_REUSEADDR, 1) &&
                     set_option(in, SOL_SOCKET, SO_RXQ_OVFL, 1) &&
-                    // Else groups joined by other programs arrive too.
+                    // Otherwise groups joined by other programs arrive too.
                     set_option(in, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
                     ::bind(in.get(), generic(group_), sizeof group_) == 0 &&
                     set_option(in, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership) &&

@@ -43,7 +43,7 @@ class McastBus final : public CanBus {
   sockaddr_in group_{};
   in_addr interface_{};
   int time_to_live_;
-  Reopened<Sockets> sockets_;  ///< given up where a datagram fails by more than a full queue
+  Reopened<Sockets> sockets_;  ///< reopened if sending fails, except for a full queue
 };
 
 }  // namespace flotilla::target

@@ -31,7 +31,7 @@ void require_scheme(std::string_view address, std::initializer_list<std::string_
                    " (allowed: " + allowed + "…)");
 }
 
-/// Four fifths of what a serial line carries, 8N1: a full line delays all that follows. Else 0.
+/// Four fifths of a serial line's capacity, 8N1, as a full line delays all that follows; else 0.
 std::uint32_t default_rate(std::string_view address) {
   if (!address.starts_with("serial:")) return 0;
   constexpr std::uint32_t kBitsPerByte = 10;

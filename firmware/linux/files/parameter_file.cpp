@@ -102,7 +102,8 @@ void note_missing(const std::array<bool, app::kParameterList.size()>& seen,
   if (!names.empty()) loaded.notes.push_back(where + ": not in it, so default: " + names);
 }
 
-/// 0 was these parameters' default before there was a NAV_COMPID, and means another thing since.
+/// Files older than NAV_COMPID hold 0 as the default of these parameters; it has another meaning
+/// since.
 void renew_defaults(const std::array<bool, app::kParameterList.size()>& seen,
                     const std::string& where, LoadedParameters& loaded) {
   const auto has = [&](std::string_view name) {

@@ -20,23 +20,23 @@ class SavedParameters {
  public:
   explicit SavedParameters(const std::filesystem::path& file);
 
-  /// As they should be on the disk.
+  /// The values that the disk should hold.
   const app::Parameters& values() const { return loaded_.values; }
-  /// Sentences on how they were loaded.
+  /// Notes for the operator on how they were loaded.
   const std::vector<std::string>& notes() const { return loaded_.notes; }
   /// Defaults are in force until an operator saves.
   bool must_be_confirmed() const { return loaded_.must_be_confirmed; }
   /// The last save failed; it is retried.
   bool save_failed() const { return save_failed_; }
 
-  /// The boat's parameters at the start: those of values() and what overrides them.
+  /// Sets the boat's parameters at the start: values(), with the configuration's overrides.
   void begin(const app::Parameters& in_force) { noted_ = in_force; }
 
-  /// Saves what the operator changed since the last call. Returns a sentence if there is news.
+  /// Saves the operator's changes since the last call. Returns a sentence about an outcome, if any.
   std::optional<std::string> maintain(app::SaveRequest request, const app::Parameters& in_force,
                                       std::int64_t now_us);
 
-  /// Saves what is left, and waits. Returns sentences.
+  /// Saves the remaining changes and waits for the disk. Returns sentences about the outcome.
   std::vector<std::string> finish(app::SaveRequest request, const app::Parameters& in_force);
 
  private:

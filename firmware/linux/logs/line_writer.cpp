@@ -44,7 +44,8 @@ void LineWriter::drain() {
   write();
 }
 
-/// A pipe that is ready takes PIPE_BUF bytes without blocking: so the end never waits for a reader.
+/// A ready pipe takes PIPE_BUF bytes without blocking, so the program's end never waits for a
+/// reader.
 void LineWriter::write() {
   while (!waiting_.empty()) {
     pollfd stderr_is{STDERR_FILENO, POLLOUT, 0};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lines for stderr, written by a thread: whatever reads them, a disk or a terminal, may be slow.
+// Writes lines to stderr in a thread of its own, as their reader, a disk or a terminal, may be
+// slow.
 #pragma once
 
 #include <atomic>
@@ -17,7 +18,7 @@ class LineWriter {
   LineWriter();
 
   /// For one thread; never blocks. Lines without room are dropped, and counted in a later line. The
-  /// destructor writes what its reader takes at once.
+  /// destructor writes only what the reader accepts without blocking.
   void put(std::string_view line);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cuts a tick's messages into datagrams that every client reads: gomavlib reads 512 bytes of one.
+// Cuts a tick's messages into datagrams that every client can read: gomavlib reads 512 bytes.
 #pragma once
 
 #include <algorithm>
@@ -13,11 +13,11 @@ namespace flotilla::target {
 
 constexpr std::size_t kMaxDatagramBytes = 500;
 
-/// Calls send(datagram) with as many whole messages each time as fit into kMaxDatagramBytes; bytes
-/// that are no messages go in one piece.
+/// Calls send(datagram), each with as many whole messages as fit into kMaxDatagramBytes; bytes that
+/// are no messages are sent in one piece.
 template <class Send>
 void each_datagram(std::span<const std::uint8_t> messages, Send send) {
-  std::size_t size = 0;  // of the datagram that begins `messages`
+  std::size_t size = 0;  // of the datagram at the front of `messages`
   while (size < messages.size()) {
     const auto header = link::read_header(messages.subspan(size));
     const std::size_t next = header ? header->frame_bytes() : messages.size() - size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parts of a link's address, and how a mistake in one is told.
+// The parts of a link's address, and the error for a mistake in one.
 #pragma once
 
 #include <string>

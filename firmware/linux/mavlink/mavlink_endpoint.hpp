@@ -22,7 +22,7 @@ class MavlinkEndpoint {
   /// Copies received bytes; 0 if there are none.
   virtual std::size_t receive(std::span<std::uint8_t> out) = 0;
 
-  /// The boat has accepted a message among the bytes received last, signed with its key or not.
+  /// Tells the link that the boat accepted a message in the bytes received last, signed or not.
   virtual void accepted(bool /*is_signed*/, std::int64_t /*now_us*/) {}
 
   /// Each receive() returns one datagram, with whole messages only.
@@ -31,10 +31,10 @@ class MavlinkEndpoint {
   /// For poll(); −1 while the device is gone.
   virtual int descriptor() const = 0;
 
-  /// Opens the device where it is closed. May block: for another thread than all the rest.
+  /// Opens the device if it is closed. May block: call it from a thread of its own.
   virtual void reopen() = 0;
 
-  /// Takes over a device that was opened, forgets silent peers; call about ten times a second.
+  /// Takes over a device that reopen() opened, and forgets silent peers; call it at about 10 Hz.
   virtual void maintain(std::int64_t now_us) = 0;
 
   /// errno of the last attempt to open it.
@@ -46,14 +46,14 @@ class MavlinkEndpoint {
   std::uint64_t dropped_ = 0;  ///< calls of send() with bytes that could not be sent
 };
 
-/// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; answers whom the boat has accepted messages of, see Peers
+/// udpin:[HOST:]PORT   listens there, at 127.0.0.1 without HOST; sends to accepted peers, see Peers
 /// udpout:HOST:PORT    exchanges messages with one peer only
-/// udpbcast:HOST:PORT  sends to a broadcast address, receives from everybody who answers
+/// udpbcast:HOST:PORT  sends to a broadcast address, receives from all who answer
 /// serial:DEVICE:BAUD  a serial port, 8N1, raw; an absent one is opened when it appears
 ///
 /// HOST is a numeric IPv4 address. Each is bound to one address of this machine; udpout and
-/// udpbcast to the source address of the route to HOST. An address or a port that is not there is no
-/// error: reopen() opens it when it comes. Throws std::runtime_error that names a mistake of syntax.
+/// udpbcast to the source address of the route to HOST. An absent address or port is no error:
+/// reopen() opens it once it appears. Throws std::runtime_error that names a mistake of syntax.
 std::unique_ptr<MavlinkEndpoint> open_mavlink_endpoint(std::string_view address);
 
 }  // namespace flotilla::target

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The peers of a listening UDP link: the senders of accepted messages.
 //
-// A stranger, whose bytes the boat has not accepted, is sent nothing. A peer that falls silent is
-// forgotten. Where the table is full, a newcomer takes the place of the longest silent peer that has
-// not signed: at once if the newcomer has signed, else once that one has missed three heartbeats. A
-// peer that has signed gives way only to another that has, after the same silence.
+// Nothing is sent to a sender before the boat has accepted a message of it. A peer that falls
+// silent is forgotten. If the table is full, a newcomer replaces the longest silent peer that has
+// not signed: at once if the newcomer has signed, else once that peer has missed three heartbeats.
+// A peer that has signed is replaced only by another that has, after the same silence.
 #pragma once
 
 #include <netinet/in.h>
@@ -24,7 +24,8 @@ class Peers {
 
   Peers() { peers_.reserve(kMost); }
 
-  /// A message from there was accepted. Only signed ones keep a place that was taken by signing.
+  /// Notes an accepted message of this sender. Only signed ones keep the place of a peer that
+  /// signed.
   void accepted(const sockaddr_in& from, bool is_signed, std::int64_t now_us);
 
   void forget_silent(std::int64_t now_us);

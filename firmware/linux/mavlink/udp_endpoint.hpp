@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// UDP to a fixed peer (udpout, udpbcast), or to those of whom a message was accepted (udpin).
+// UDP to a fixed peer (udpout, udpbcast), or to the senders of accepted messages (udpin).
 #pragma once
 
 #include <netinet/in.h>
@@ -13,7 +13,7 @@
 namespace flotilla::target {
 
 /// Bound to one address of this machine: the named one, or the source address of the route to the
-/// peer. Reopened after the network came late, or this machine's address changed.
+/// peer. Reopened when the network comes up late or this machine's address changes.
 class UdpEndpoint final : public MavlinkEndpoint {
  public:
   explicit UdpEndpoint(const EndpointAddress& address);

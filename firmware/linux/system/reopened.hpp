@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A device that the control loop uses, and another thread opens and closes, since both may block.
+// A device that the control loop uses. Another thread opens and closes it, as both may block.
 #pragma once
 
 #include <atomic>
 
 namespace flotilla::target {
 
-/// `Device` is closed where it is default constructed. What it does not say otherwise is for the loop.
+/// A default-constructed `Device` is closed. Functions are for the loop unless they say otherwise.
 template <class Device>
 class Reopened {
  public:
@@ -14,20 +14,20 @@ class Reopened {
   Device* operator->() { return &device_; }
   const Device* operator->() const { return &device_; }
 
-  /// Whether it has just taken over what the other thread has opened.
+  /// Takes over a device that the other thread has opened; false if there is none.
   bool take() {
     if (in_use_ || !ready_.load(std::memory_order_acquire)) return false;
     return in_use_ = true;
   }
 
-  /// The other thread closes it and opens it anew.
+  /// Returns the device, for the other thread to close and reopen.
   void give_up() {
     if (!in_use_) return;
     in_use_ = false;
     ready_.store(false, std::memory_order_release);
   }
 
-  /// For the other thread: opens it where it is closed, by `open(device)`, which returns 0 or errno.
+  /// For the other thread: opens a closed device by `open(device)`, which returns 0 or errno.
   template <class Open>
   void reopen(Open open) {
     if (ready_.load(std::memory_order_acquire)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A stop switch on a GPIO line, by the kernel's interface: libgpiod's differs between the releases of
-// distributions.
+// A stop switch on a GPIO line, through the kernel's interface: libgpiod's differs between
+// releases.
 #pragma once
 
 #include <string>
@@ -11,15 +11,15 @@
 
 namespace flotilla::target {
 
-/// Normally closed, between the line and ground, with the chip's pull-up (or a resistor where the chip
-/// has none): when it is pressed, or its wire is cut, the line is high. A line that cannot be read
-/// counts as pressed.
+/// The switch is normally closed, between the line and ground, with the chip's pull-up (or a
+/// resistor if the chip has none): pressing it or cutting its wire makes the line high. A line that
+/// cannot be read counts as pressed.
 class StopSwitch {
  public:
-  /// Of /dev/CHIP; an empty chip: no switch.
+  /// A line of /dev/CHIP; an empty chip: no switch.
   StopSwitch(std::string chip, unsigned line) : chip_(std::move(chip)), line_(line) {}
 
-  /// For another thread than the loop's: opens it where it is closed.
+  /// Opens the line if it is closed. Call it from another thread than the loop's.
   void reopen();
 
   bool pressed();

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""A boat on a microcontroller, emulated."""
+"""Runs a boat on an emulated microcontroller."""

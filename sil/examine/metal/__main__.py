@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat's recorded stream on x86-64, aarch64 and a Cortex-M4: digests, instructions, memory."""
+"""Plays a boat's recording on x86-64, AArch64 and Cortex-M4: digests, instructions, memory."""
 
 import argparse
 import subprocess
@@ -34,7 +34,7 @@ def _stream(recording: Path | None, boat: int, seconds: float) -> tuple[bytes, s
 
 
 def steady_stream(ticks: int) -> bytes:
-    """Of a boat that hears itself and its leader before every tick, and of nobody else."""
+    """The input of a boat that receives its own and its leader's state before every tick only."""
     command = [str(BENCH), "stream", str(ticks)]
     return subprocess.run(command, check=True, capture_output=True).stdout  # noqa: S603
 
@@ -47,7 +47,7 @@ def _columns(*heads: str) -> Table:
 
 
 def main(arguments: list[str]) -> int:
-    """Exit status: 0 all three say the same and it fits, 1 not."""
+    """Exit status: 0 if all three outputs are equal and the image fits, else 1."""
     parser = argparse.ArgumentParser(prog="tools/metal", description=__doc__)
     parser.add_argument(
         "recording", type=Path, nargs="?", help="recording.bin of a q16 run (diamond's, sailed)"
@@ -64,7 +64,7 @@ def main(arguments: list[str]) -> int:
         table.add_row(processor, digest)
     console.print(table)
 
-    # The median tick has no telemetry due, the mean has its share of all that is.
+    # At the median tick no telemetry is due; the mean includes telemetry.
     table = _columns("instructions of a tick in FORMATION", "least", "median", "mean")
     for name, told in (("own, leader, reference heard", steady), ("the recording's", said)):
         each = [int(tick) for tick in told["instructions_driving"].split()]

@@ -22,9 +22,9 @@ def _said(command: list[str], stream: bytes, timeout_s: float) -> dict[str, str]
 
 
 def play(stream: bytes, image: Path = IMAGE, timeout_s: float = 600.0) -> dict[str, str]:
-    """What the image prints on a Cortex-M4, which counts its instructions, by name.
+    """Run the image on a Cortex-M4 that counts instructions; the printed values by name.
 
-    RuntimeError where it does not end well.
+    RuntimeError if it fails.
     """
     command = [
         *(QEMU, "-machine", "mps2-an386", "-icount", "shift=0"),
@@ -35,5 +35,5 @@ def play(stream: bytes, image: Path = IMAGE, timeout_s: float = 600.0) -> dict[s
 
 
 def play_arm64(stream: bytes, program: Path = ARM64, timeout_s: float = 600.0) -> dict[str, str]:
-    """The same of the program for 64-bit ARM; it counts no instructions."""
+    """Run the program for 64-bit ARM, without counting instructions."""
     return _said([QEMU_ARM64, str(program)], stream, timeout_s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What of the image takes how much room: from the linker's map."""
+"""Flash and RAM of the image by room, from the linker's map."""
 
 import re
 from collections import Counter
@@ -12,7 +12,7 @@ _LIBRARIES = {
     "libc_nano.a": "libc",
     "libstdc++_nano.a": "libstdc++",
 }
-# The rooms' namespaces: what is optimised as a whole comes from no file of theirs.
+# Rooms by namespace: after link-time optimisation the map names no source files.
 _ROOM = re.compile(r"8flotilla\d(core|link|app|target)")
 _PIECE = re.compile(r"^ (?:(\.\S+)\s+)?0x([0-9a-f]+)\s+0x([0-9a-f]+)\s+(\S.*)$")
 _GAP = re.compile(r"^ \*fill\*\s+0x([0-9a-f]+)\s+0x([0-9a-f]+)")
@@ -29,9 +29,9 @@ def _room(section: str, file: str) -> str:
 
 
 def _pieces(linker_map: str) -> Iterator[tuple[int, int, str, str]]:
-    """What takes room: place, bytes, room, section."""
+    """The entries of the map: address, bytes, room, section."""
     text = linker_map.split("\nLinker script and memory map\n")[1]
-    # A long name has a line of its own.
+    # The map puts a long name on a line of its own.
     text = re.sub(r"^( \.\S+)\n\s+0x", r"\1 0x", text, flags=re.MULTILINE)
     for line in text.splitlines():
         if gap := _GAP.match(line):
@@ -43,13 +43,13 @@ def _pieces(linker_map: str) -> Iterator[tuple[int, int, str, str]]:
 
 
 def sizes(linker_map: Path) -> tuple[Counter[str], Counter[str]]:
-    """Bytes of flash and of RAM by room. What has a first value in flash counts in both."""
+    """Bytes of flash and of RAM by room; initialised data counts in both."""
     flash: Counter[str] = Counter()
     ram: Counter[str] = Counter()
     pieces = sorted(piece for piece in _pieces(linker_map.read_text()) if piece[1] > 0)
     ends = [place for place, *_ in pieces[1:]] + [2**32]
     for (place, size, room, section), end in zip(pieces, ends, strict=True):
-        # Texts that were merged are listed as long as they were before: up to the next piece, then.
+        # Merged strings are listed with their size before merging: count up to the next entry.
         taken = min(size, end - place)
         if place >= _RAM:
             ram[room] += taken

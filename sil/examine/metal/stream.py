@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""One boat of a recording as the stream that `flotilla_player` reads: firmware/cortex_m.
+"""Converts one boat of a recording to the input of `flotilla_player` (firmware/cortex_m).
 
-The recorded answers are not in it, but their digest is what the player has to print.
+It omits the recorded output; the player must print that output's digest.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ def _record(t_us: int, port: int, data: bytes) -> bytes:
 
 
 def _of_boat(recording: Recording, boat: int) -> Iterator[tuple[int, int, bytes]]:
-    """What one boat (0 …) heard and said: its own time in us, channel, bytes."""
+    """Input and output of one boat (0 …): its own time in us, channel, bytes."""
     clock = Clock(**recording.header["boats"][boat]["clock"])
     for t_us, port, data in recording:
         if (port >> 8) - 1 != boat:
@@ -35,16 +35,16 @@ def _of_boat(recording: Recording, boat: int) -> Iterator[tuple[int, int, bytes]
                 clock = Clock(value, clock.drift_ppm)
                 continue
             if event != BUS:
-                raise ValueError("the recorded boat was started again")
+                raise ValueError("the recorded boat was restarted; the player cannot replay that")
             yield clock.at(t_us), channel, bytes([bool(value)])
         else:
             yield clock.at(t_us), channel, data
 
 
 def stream_of(recording: Recording, boat: int, seconds: float) -> tuple[bytes, str]:
-    """The stream, and the SHA-256 in hexadecimal of what the boat said, of the first `seconds`.
+    """Of the first `seconds`: the stream, and the SHA-256 (hexadecimal) of the boat's output.
 
-    ValueError where the player cannot play it.
+    ValueError if the player cannot play it.
     """
     header = recording.header["boats"][boat]
     values = flotilla.Boat(header["parameters"], header["links"], header["scalar"]).parameters()
@@ -60,7 +60,7 @@ def stream_of(recording: Recording, boat: int, seconds: float) -> tuple[bytes, s
             answered_us = None
             stream += _record(t_us, _BUS if channel == HOST else channel, data)
             continue
-        if t_us != answered_us:  # a boat has something to say in every tick
+        if t_us != answered_us:  # a boat has output in every tick
             stream += _record(t_us, _TICK, b"")
         answered_us = t_us
         said.update(_record(t_us, channel, data))

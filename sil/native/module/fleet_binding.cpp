@@ -56,7 +56,7 @@ class PyFleet {
     return *found;
   }
 
-  /// The agent, after checking that it can have the fault.
+  /// Checks that the agent can have the fault, and returns it.
   static std::size_t with(const auto& fleet, std::size_t i, const Fault& fault) {
     if (!row_of(fault.kind).leaders) boat(fleet, i);
     return agent(fleet, i);
@@ -133,7 +133,7 @@ class PyFleet {
       const Elements<double> motors(command, "command", boats, 2);
       std::optional<Elements<const std::int32_t>> places;
       if (!degE7.is_none()) places.emplace(degE7, "degE7", agents, 2);
-      // Holds Python's lock: nobody else touches the fleet or its arrays meanwhile.
+      // Keeps the GIL, so that nobody else touches the fleet or its arrays meanwhile.
       f.tick(t_us, {poses.data(), velocities.data(), places ? places->data() : nullptr,
                     shafts.data(), motors.data()});
     });

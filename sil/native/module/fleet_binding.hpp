@@ -3,5 +3,5 @@
 
 #include <nanobind/nanobind.h>
 
-/// Binds flotilla.Fleet, the wires of many lockstep runs, and flotilla.STATES.
+/// Binds flotilla.Fleet, the boats and links of many lockstep runs, and flotilla.STATES.
 void bind_fleet(nanobind::module_& m);

@@ -15,8 +15,8 @@ namespace nb = nanobind;
 namespace flotilla::fleet {
 namespace {
 
-constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 127 years; a clock adds as much
-// Longjumeau, as everywhere in the SIL: any place will do.
+constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 127 years; a clock may add as much
+// Longjumeau, as everywhere in the SIL; any place would do.
 constexpr std::array<std::int32_t, 3> kOrigin{487'000'000, 22'950'000, 40'000};
 
 template <class T>

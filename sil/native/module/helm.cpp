@@ -21,8 +21,8 @@ using namespace flotilla;
 
 namespace {
 
-/// The boat's code between messages and commands, in double precision: takes fixes and the leader's
-/// motion, gives thrusts; positions in metres, north-east.
+/// The boat's observer and law without messages, in double precision: takes fixes and the leader's
+/// motion, returns thrusts. Positions in metres, north-east.
 class Helm {
  public:
   using State = std::array<double, 22>;

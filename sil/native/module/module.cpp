@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The native module `flotilla`: the boat's own object code, for the SIL, tests and notebooks.
+// The native module `flotilla`: the boat's firmware for the SIL, tests and notebooks.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -3,5 +3,5 @@
 
 #include <nanobind/nanobind.h>
 
-/// Binds `sail_route`, the reference that a leader makes of waypoints.
+/// Binds `sail_route`, the motion of a leader along waypoints.
 void bind_route(nanobind::module_& m);

@@ -52,7 +52,7 @@ void CanEar::hear(std::uint32_t can_id, std::span<const std::uint8_t> data,
   }
 }
 
-/// The last of three frames suffices: it has the index.
+/// Reads only the last of three frames, which holds the index.
 void CanEar::hear_esc(std::uint8_t node, std::span<const std::uint8_t> data,
                       const app::Parameters& p, Heard& heard) {
   if (data.size() != 3 || (data[2] & kEnd) == 0) return;

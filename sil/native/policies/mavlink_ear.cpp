@@ -47,7 +47,7 @@ inline Frame frame_at(Bytes b) {
   return {8U + length, {b[3], b[4]}, b[2], b[5], b.subspan(6, length)};
 }
 
-/// When the position in it was true, by the sender's clock; nothing of other messages.
+/// Time of the position in the message, by the sender's clock; nothing for other messages.
 std::optional<std::int64_t> stamp_us(const Frame& frame) {
   constexpr std::int64_t kMs = 1000;
   constexpr std::uint64_t kLatest_us = 1ULL << 60U;
@@ -93,7 +93,7 @@ struct Contents {
   std::uint8_t count = 0;  ///< how many there are
 };
 
-/// Excludes ESC messages: unknown values are NaN in the ESCs' protocol, and are passed on as such.
+/// Without ESC messages: unknown values are NaN in the ESCs' protocol, and are forwarded as such.
 constexpr std::size_t kIds = 512;
 constexpr std::array<Contents, kIds> kContents = [] {
   std::array<Contents, kIds> of{};
@@ -136,22 +136,22 @@ inline bool finite(Bytes payload, const Contents& contents) {
   return (wrong & kSigns) == 0;
 }
 
-/// MANUAL_CONTROL, ahead and to starboard.
+/// MANUAL_CONTROL's axes ahead and to starboard.
 bool is_neutral(Bytes sticks) {
   constexpr int kTenth = 100;
   return std::abs(field<std::int16_t>(sticks, 0)) <= kTenth &&
          std::abs(field<std::int16_t>(sticks, 6)) <= kTenth;
 }
 
-/// Channels 1 and 3, from `at` on in the payload, µs.
+/// Channels 1 and 3, µs; the channels begin at offset `at` of the payload.
 bool is_centred(Bytes channels, std::size_t at) {
   constexpr int kTenth_us = 40;
   return std::abs(field<std::uint16_t>(channels, at) - 1500) <= kTenth_us &&
          std::abs(field<std::uint16_t>(channels, at + 4) - 1500) <= kTenth_us;
 }
 
-/// A mode in the form of ArduPilot Rover's clients, 1, mode and zeros: that of a PX4's client is
-/// another mode.
+/// A mode in the form that ArduPilot Rover's clients send: 1, mode and zeros. From PX4 clients the
+/// same number means another mode.
 bool is_rovers(Bytes command) {
   if (field<float>(command, 0) != 1) return false;
   for (std::size_t at = 8; at < 28; at += 4) {
@@ -251,7 +251,7 @@ void MavlinkEar::read_own(const Frame& frame, Link& link, Moment& n) {
   const Bytes m = frame.payload;
   if (frame.id >= kIds) return;
   const Contents& contents = kContents[frame.id];
-  // An answer to a request is made from the report of the previous tick.
+  // Answers to requests use the report of the previous tick.
   if (contents.has_time) {
     const auto told_ms = field<std::uint32_t>(m, 0);
     n.links.punctual &= told_ms == n.now_ms || told_ms == n.before_ms;

@@ -35,7 +35,7 @@ class Asked {
   std::array<std::uint32_t, kAsks> counts_{};
 };
 
-/// How far their clocks are ahead of the boat's; nothing where nobody knows.
+/// How far other clocks are ahead of the boat's; nothing if unknown.
 struct Clocks {
   std::optional<std::int64_t> own_us, leader_us;
 };
@@ -43,11 +43,11 @@ struct Clocks {
 /// Input since the previous tick.
 struct Heard {
   bool own = false, leader = false;      ///< a message of that system
-  bool sticks = false, neutral = false;  ///< in any hand; within a tenth of neutral
-  bool disarm = false;                   ///< in any form, to anybody
+  bool sticks = false, neutral = false;  ///< of any operator; within a tenth of neutral
+  bool disarm = false;                   ///< in any form, to any system
   bool stop = false;           ///< a command to disarm this boat, not undone by a later one
   bool controller = false;     ///< another node commands or arms ESCs
-  bool stop_switch = false;    ///< a Button or SafetyState, whatever it says
+  bool stop_switch = false;    ///< a Button or SafetyState of any value
   bool rebooted = false;       ///< an ESC's node
   std::array<bool, 2> escs{};  ///< status from port, from starboard
 };
@@ -73,7 +73,7 @@ struct OnLinks {
   bool counted = true;         ///< sequence numbers are consecutive
   bool finite = true;          ///< floating-point numbers
   bool punctual = true;        ///< times are of this tick or the one before
-  bool states_word = false;    ///< a text that begins with the state's name
+  bool states_word = false;    ///< a text begins with the state's name
   bool places = false;         ///< a message with the boat's position
   bool beats = false;          ///< a heartbeat on every link
   std::uint8_t gravest = 255;  ///< least severity number of texts (lower is worse)
@@ -93,7 +93,7 @@ struct Seen {
   core::Conditions met = 0;
   std::uint32_t now_ms = 0;  ///< as in telemetry
   std::uint32_t uptime_s = 0;
-  core::Thrust<float> thrust_N{};  ///< of the commands, by the boat's own account
+  core::Thrust<float> thrust_N{};  ///< of the commands, as the boat reports it
   std::optional<double> own_age_s, leader_age_s;
   Asked done;
   std::int16_t port = 0, stbd = 0;  ///< raw commands, −8192 … 8191
@@ -109,7 +109,7 @@ struct Moment : Seen {
   std::int64_t dt_us = 0;
   std::uint32_t before_ms = 0;  ///< now_ms of the previous tick
   bool in_range = true;         ///< parameters
-  bool locked_change = false;   ///< of a parameter that is locked while armed
+  bool locked_change = false;   ///< a parameter that is locked while armed has changed
   const app::Parameters* p = nullptr;
 
   Heard heard;

@@ -115,8 +115,8 @@ void Monitor<S>::note_damage(const link::Counters& c) {
 template <class S>
 void Monitor<S>::note_times() {
   const Heard& heard = now_.heard;
-  // Input that keeps something fresh counts as received now, input that forbids something as
-  // received at the previous tick: the boat gets the benefit of the doubt.
+  // The boat gets the benefit of the doubt: input that keeps something fresh counts as received
+  // now, input that forbids something as received at the previous tick.
   if (heard.own) now_.own_us = now_.now_us;
   if (heard.leader) now_.leader_us = now_.now_us;
   if (heard.sticks) now_.sticks_us = now_.now_us;
@@ -141,7 +141,7 @@ void Monitor<S>::note_deeds() {
   if (now_.state != was) {
     const bool lost = core::law_drives(was) && !now_.has(core::kFollows | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
-    // If lost in the tick of the request, it may be COAST already.
+    // If the leader is lost in the tick of the request, the state may be COAST already.
     if (core::law_drives(now_.state) && !core::law_drives(was)) ++done[Ask::kFormation];
     if (now_.in(State::kTest)) ++done[Ask::kTest];
     if (now_.in(State::kFault) && was == State::kDisarmed) ++done[Ask::kTerminate];

@@ -22,7 +22,7 @@ struct Violation {
 /// The first rule that does not hold; nothing if all do.
 std::optional<std::string_view> first_broken(const Seen& before, const Moment& now);
 
-/// Pass it all input of its boat, in the same order, and each tick:
+/// Pass it all input of its boat, in the same order, and every tick:
 ///
 ///   boat.on_mavlink(bytes, now_us, link);    monitor.heard(bytes);
 ///   boat.on_can(id, data, now_us);           monitor.on_can(id, data);

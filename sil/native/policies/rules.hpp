@@ -33,7 +33,7 @@ inline double asks_s(const Moment& n) {
   return 0.1 + (0 < slow_Hz && slow_Hz < 1 ? 1 / slow_Hz : 1);
 }
 
-/// Whether the newest state heard, of a sender whose clock is known, is younger than the limit.
+/// Whether the newest state heard is younger than the limit, by the sender's true clock if known.
 inline bool truly(double limit_s, const std::optional<std::int64_t>& clock_us, std::int64_t true_us,
                   const Moment& n) {
   return n.torn || !clock_us || n.within(limit_s, true_us);
@@ -51,8 +51,8 @@ inline bool at_most(float thrust_N, const Moment& n) {
   return thrust_N <= kRounded * n.p->THR_FWD_MAX && thrust_N >= -kRounded * n.p->THR_REV_MAX;
 }
 
-/// A command and its thrust have the same sign, and neither is zero without the other. Less than
-/// Q16's resolution of 16 µN, on the flattest curve, counts as none.
+/// Whether a command and its thrust have the same sign, and neither is zero without the other.
+/// Thrust below Q16's resolution of 16 µN, on the flattest curve, counts as zero.
 inline bool agrees(std::int16_t command, float thrust_N, float direction, float most_N) {
   const float ahead = static_cast<float>(command) * direction / 8191.0F;
   if (thrust_N == 0) return most_N * ahead * ahead < 16e-6F;

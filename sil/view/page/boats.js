@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 // The fleet on the plan view: tree, slots, hulls to scale.
-const LEAST_HULL_PX = 32; // its number is read on it
+const LEAST_HULL_PX = 32; // so that its number can be read on it
 const SILENT_S = 5;
-// outline of a hull of length 1: forward, starboard; as in the pictures of reports
+// outline of a hull of length 1: forward, starboard; the same as in reports' pictures
 const HULL = [[0.5, 0], [0.2, 0.17], [-0.5, 0.14], [-0.5, -0.14], [0.2, -0.17]];
 
 const hullPx = (vessel, camera) => Math.max(LEAST_HULL_PX, (vessel.length_m || 1) * camera.scale);
 const isPlaced = (vessel) => known(vessel.x_m) && known(vessel.y_m);
 const isSilent = (vessel) => known(vessel.link_age_s) && vessel.link_age_s > SILENT_S;
-/** Whether it is drawn where it was: silent, or heard without saying where it is. */
+/** Whether only its last position can be drawn: it is silent or sends no position. */
 const isElsewhere = (vessel) => isSilent(vessel) || (known(vessel.place_age_s) && vessel.place_age_s > SILENT_S);
 
-/** Lays a hull of `px` pixels as the path, heading `psi` rad. */
+/** Makes a hull of `px` pixels, heading `psi` rad, the current path. */
 function layHull(ctx, [right, down], psi, px) {
   const cos = Math.cos(psi), sin = Math.sin(psi);
   ctx.beginPath();
@@ -22,7 +22,7 @@ function layHull(ctx, [right, down], psi, px) {
   ctx.closePath();
 }
 
-/** Line from a follower to its leader, with an arrow in its middle that points to the leader. */
+/** Draws a line from a follower to its leader, with an arrow in the middle towards the leader. */
 function drawFollows(ctx, camera, vessel, leader) {
   const [x, y] = camera.at(vessel.x_m, vessel.y_m), [to_x, to_y] = camera.at(leader.x_m, leader.y_m);
   const length = Math.hypot(to_x - x, to_y - y);
@@ -63,7 +63,7 @@ function drawSlot(ctx, camera, vessel, psi) {
   ctx.globalAlpha = 1;
 }
 
-/** The virtual leader: no hull but a ring, wide enough for a boat inside it, and where it heads. */
+/** Draws the virtual leader: a ring around room for a boat, and its heading. */
 const ringPx = (vessel, camera) => Math.max(12, 0.66 * hullPx(vessel, camera));
 
 function drawVirtual(ctx, camera, vessel) {
@@ -80,9 +80,9 @@ function drawVirtual(ctx, camera, vessel) {
   ctx.stroke();
 }
 
-const NUMBERS_DRAWN = new Map(); // to draw a text costs more than to copy its picture
+const NUMBERS_DRAWN = new Map(); // drawing a text costs more than copying its image
 
-/** A number as a picture of 40 by 24 pixels, twice as fine. */
+/** A number as an image of 40 by 24 pixels, at twice that resolution. */
 function numberOf(id, size, ink, hull) {
   const name = `${id} ${size} ${ink} ${hull}`;
   if (!NUMBERS_DRAWN.has(name)) {
@@ -97,7 +97,7 @@ function numberOf(id, size, ink, hull) {
   return NUMBERS_DRAWN.get(name);
 }
 
-/** A vessel's number, on its hull. */
+/** Draws a vessel's number on its hull. */
 function drawNumber(ctx, camera, vessel) {
   const [right, down] = camera.at(vessel.x_m, vessel.y_m);
   const empty = isElsewhere(vessel) || vessel.kind === "vessel", hull = empty ? theme.water : colourOf(vessel);

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: MIT
-// Where the plan view looks: north up, a centre (metres north and east) and pixels a metre.
+// The plan view's section: north up, a centre (metres north and east), pixels per metre.
 const LEAST_PX_M = 1e-4, MOST_PX_M = 400;
-const ROOM_PX = { left: 50, right: 90, top: 56, bottom: 44 }; // around the fleet: names and tools
+const ROOM_PX = { left: 50, right: 90, top: 56, bottom: 44 }; // margins around the fleet, for names and tools
 
 class Camera {
   constructor() {
     this.north = this.east = 0;
     this.scale = 10;
     this.width = this.height = 1;
-    this.mode = "fleet"; // or "free", or the key of the vessel that is followed
+    this.mode = "fleet"; // or "free", or the key of the followed vessel
     this.placed = false;
   }
 
-  /** Pixels [right, down] of a place. */
+  /** Pixels [right, down] of a position. */
   at(north, east) {
     return [this.width / 2 + (east - this.east) * this.scale, this.height / 2 - (north - this.north) * this.scale];
   }
 
-  /** The place [north, east] at a pixel. */
+  /** The position [north, east] at a pixel. */
   place(right, down) {
     return [this.north - (down - this.height / 2) / this.scale, this.east + (right - this.width / 2) / this.scale];
   }
 
-  /** Zooms by a factor, the place under the pixel (right, down) staying there. */
+  /** Zooms by a factor; the position under the pixel (right, down) stays there. */
   zoom(factor, right = this.width / 2, down = this.height / 2) {
     const scale = Math.min(Math.max(this.scale * factor, LEAST_PX_M), MOST_PX_M);
     const [dx, dy] = [right - this.width / 2, down - this.height / 2];
@@ -40,7 +40,7 @@ class Camera {
     this.north += dy / this.scale;
   }
 
-  /** Looks at what it is to look at. A fleet that stays well in view does not move the view. */
+  /** Moves the view to its target. A fleet well within the view does not move it. */
   aim(vessels) {
     const all = vessels.filter(isPlaced), heard = all.filter((vessel) => !isElsewhere(vessel));
     const placed = heard.length && this.mode === "fleet" ? heard : all;
@@ -96,7 +96,7 @@ function steer(canvas, camera, moved) {
   for (const end of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
   }
-  // inside another page the wheel and a finger up or down are that page's, until the plan is chosen
+  // in an iframe, the wheel and vertical swipes scroll the outer page until the plan has the focus
   const inside = window !== window.top;
   if (inside) canvas.style.touchAction = "pan-y";
   canvas.addEventListener("wheel", (event) => {

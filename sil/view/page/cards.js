@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A row a vessel; a card with all it says for one that is in trouble or chosen. What a vessel has
-// told once and tells no more is "unknown"; what nobody tells has no place.
+// One row per vessel; a card with all its values for a vessel in trouble or selected. A value that a
+// vessel no longer sends is "unknown"; a value that no vessel ever sent is left out.
 const LATE_S = 1.5;
 const UNKNOWN = "unknown";
 const FACTS = [
@@ -11,7 +11,7 @@ const FACTS = [
   ["link_age_s", "heard", (v) => (known(v.link_age_s) ? `${age(v.link_age_s)} ago` : DASH)],
   ["leader_age_s", "leader's state", (v) => (known(v.leader_age_s) ? `${age(v.leader_age_s)} old` : DASH)],
 ];
-const IN_ROWS = 3; // so many of them are in a row too
+const IN_ROWS = 3; // the first of them are shown in a row too
 
 function element(tag, parent, attributes = {}) {
   const made = document.createElement(tag);
@@ -23,7 +23,7 @@ function element(tag, parent, attributes = {}) {
   return made;
 }
 
-/** Sets a text only where it is another: the browser lays out nothing else. */
+/** Sets a text only if it changed, to save the browser a layout. */
 function say(place, text) {
   if (place.textContent !== text) place.textContent = text;
 }
@@ -38,8 +38,8 @@ function hide(place, hidden) {
 
 class Card {
   constructor(vessel, parent, choose, filled) {
-    this.filled = filled; // names that some vessel has told
-    this.told = new Set(); // names that this one has told
+    this.filled = filled; // names of values that some vessel has sent
+    this.told = new Set(); // names of values that this one has sent
     this.root = element("article", parent, { "aria-label": nameOf(vessel) });
     const head = element("div", this.root, { class: "head" });
     this.name = element("button", element("h3", head), { title: "follow in the plan view, and show all it says", text: nameOf(vessel) });
@@ -57,7 +57,7 @@ class Card {
     this.makeDrives();
   }
 
-  /** A row a propeller: thrust against its limits, and what its ESC says. */
+  /** One row per propeller: thrust against its limits, and its ESC's telemetry. */
   makeDrives() {
     this.table = element("table", this.root, { hidden: "", "aria-label": "Propellers and ESCs" });
     const head = element("tr", element("thead", this.table));
@@ -73,7 +73,7 @@ class Card {
     this.escColumns = ESC_CELLS.map(([name], i) => [name, [heads[i], ...this.drives.map(({ escs }) => escs[i])]]);
   }
 
-  /** A text, "unknown" where this vessel told it before, nothing where it never has. */
+  /** The text; without a value "unknown" if this vessel ever sent one, else nothing. */
   read(name, text) {
     if (text !== DASH) {
       this.told.add(name);
@@ -91,7 +91,7 @@ class Card {
     if (this.root.className !== name) this.root.className = name;
     this.name.setAttribute("aria-pressed", String(chosen));
     this.showState(vessel, silent);
-    // what a silent vessel said last is known no more
+    // the last values of a silent vessel are outdated
     FACTS.forEach(([fact, , read], i) => {
       const text = this.read(fact, silent && fact !== "link_age_s" ? DASH : read(vessel));
       const [row, place] = this.facts[i];
@@ -166,7 +166,7 @@ class Cards {
     this.sort([...here.keys()]);
   }
 
-  /** Those in trouble first, then boats, virtual leaders last; the column heads before the rows. */
+  /** Sorts: vessels in trouble, boats, virtual leaders; the column heads precede the rows. */
   sort(names) {
     const cards = names.map((name) => this.cards.get(name));
     const order = [0, 1, 2].flatMap((rank) => cards.filter((card) => card.rank === rank).map(({ root }) => root));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The reader's own chart under the boats: lines of GeoJSON or tiles of MBTiles, from the server of
-// the page. Places are laid into the boats' frame, the plane that touches WGS 84 at its origin.
+// The user's own chart under the boats: GeoJSON lines or MBTiles tiles from the page's server.
+// Positions are converted to the boats' frame, the tangent plane of WGS 84 at its origin.
 const A_M = 6378137, E2 = 0.00669437999014;
-const NEAR_M = 1e5; // farther than this from the origin, nothing is drawn
-const MOST_TILES = 60, KEPT_TILES = 300, TILE_M = 156543.034; // a pixel of zoom 0 at the equator
+const NEAR_M = 1e5; // nothing farther from the origin is drawn
+const MOST_TILES = 60, KEPT_TILES = 300, TILE_M = 156543.034; // metres per pixel of zoom 0 at the equator
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
@@ -13,7 +13,7 @@ function ecef(latitude, longitude) {
   return [n * Math.cos(phi) * Math.cos(lambda), n * Math.cos(phi) * Math.sin(lambda), n * (1 - E2) * Math.sin(phi)];
 }
 
-/** A function from latitude and longitude (degrees) to [north, east] of the origin, or null far away. */
+/** A function from latitude and longitude (degrees) to [north, east] of the origin; null if far away. */
 function projection([latitude, longitude]) {
   const [sp, cp] = [Math.sin(radians(latitude)), Math.cos(radians(latitude))];
   const [sl, cl] = [Math.sin(radians(longitude)), Math.cos(radians(longitude))];
@@ -29,7 +29,7 @@ class SeaChart {
   constructor(changed) {
     this.changed = changed;
     this.about = null;
-    this.version = 0; // changes when it would be drawn otherwise
+    this.version = 0; // changes whenever it must be redrawn
     this.tiles = new Map();
     if (CONFIG.has_chart) this.load();
   }
@@ -56,7 +56,7 @@ class SeaChart {
     ctx.restore();
   }
 
-  /** All lines as one path, metres to the east and south. */
+  /** All lines as one path; metres east and south. */
   laid() {
     const path = new Path2D();
     for (const line of this.about.lines) {
@@ -124,7 +124,7 @@ function tilesOf(box, zoom) {
   return out.filter(([, y]) => y >= 0 && y < count);
 }
 
-/** Latitude and longitude of a tile's north-western corner. */
+/** Latitude and longitude of a tile's north-west corner. */
 function cornerOf(zoom, x, y) {
   const count = 2 ** zoom;
   return [(Math.atan(Math.sinh(Math.PI * (1 - (2 * y) / count))) * 180) / Math.PI, (x / count) * 360 - 180];

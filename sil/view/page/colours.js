@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One colour a boat, the same as in all pictures; beyond the seventh also another dash.
+// One colour per boat, as in all pictures; from the eighth boat on also another dash.
 const CONFIG = JSON.parse(document.getElementById("config").textContent);
 const DASHES = [[], [7, 3], [2, 2], [9, 3, 2, 3]];
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
@@ -13,7 +13,7 @@ function readTheme() {
   }
 }
 
-/** A colour as on dark paper: a third nearer to white, so that deep blue and wine can be seen. */
+/** A colour for a dark background: a third closer to white, so that deep blue and wine are visible. */
 function lighter(hex) {
   const parts = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
   return `rgb(${parts.map((p) => Math.round(p + (255 - p) * 0.33)).join(" ")})`;
@@ -28,7 +28,7 @@ function colourOf(vessel) {
   return dark.matches ? lighter(colour) : colour;
 }
 
-/** Black or white, whichever is read better on a colour that the canvas gives as "#rrggbb". */
+/** Black or white, whichever contrasts more with a colour, which the canvas gives as "#rrggbb". */
 function readableOn(colour) {
   const linear = (x) => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
   const [r, g, b] = (colour.startsWith("#") ? [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16)) : colour.match(/\d+/g).map(Number)).map((x) => linear(x / 255));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What happened: changes of state, what boats lack, what they say, silence. A list, and marks over time.
+// Events: changes of state, unmet conditions, texts, silence. Shown as a list and as marks over time.
 const MOST_EVENTS = 400;
-/** Colour and text of a change, or null where it is none; by what changed. */
+/** By kind of change: its colour and text, or null if it is not an event. */
 const TOLD = {
   states: (state) => [STATE_THEME[state], state],
   held: (held) => (held.length ? ["bad", held.join("; ")] : ["good", "nothing is missing any more"]),
@@ -14,7 +14,7 @@ function eventOf(t_s, vessel, what, value) {
   return told && { t_s, key: vessel.key, name: nameOf(vessel), colour: told[0], text: told[1] };
 }
 
-/** What changed from one live frame to the next. */
+/** Changes from one live frame to the next. */
 class Changes {
   constructor() {
     this.before = new Map();
@@ -31,7 +31,7 @@ class Changes {
   }
 }
 
-/** All that happened to a vessel of a history. */
+/** All events of a vessel of a history. */
 function eventsOf(vessel, t) {
   const out = [];
   for (const what of ["states", "held", "texts"]) {
@@ -46,7 +46,7 @@ function eventsOf(vessel, t) {
 }
 
 class Events {
-  /** `pick` is called with an event that the reader chose. */
+  /** `pick` is called with the event that the user selects. */
   constructor(list, track, pick) {
     Object.assign(this, { list, track, pick });
     this.drawn = "";
@@ -54,7 +54,7 @@ class Events {
     this.rows = [];
   }
 
-  /** Shows the events of `source` between two times; a replay's go with its time `t_s`. */
+  /** Shows the events of `source` between two times; a replay's list follows its time `t_s`. */
   draw(source, [from_s, to_s], t_s) {
     const { events } = source;
     const listed = `${source.begin_s ?? "live"} ${events.length} ${events[events.length - 1]?.t_s}`;
@@ -77,7 +77,7 @@ class Events {
     this.track.setAttribute("aria-label", `${events.length} events over time; the list has them`);
   }
 
-  /** A replay's in their order, live the newest first. */
+  /** A replay's events in order of time, live ones newest first. */
   fill(events, source) {
     const order = source.begin_s === undefined ? [...events].reverse() : events;
     this.rows = order.map((event) => {
@@ -93,7 +93,7 @@ class Events {
     this.marked = null;
   }
 
-  /** Marks the last event before a replay's time, and keeps it in sight within the list. */
+  /** Highlights the last event before a replay's time and scrolls the list to it. */
   mark(t_s) {
     const row = this.rows.filter(([event]) => event.t_s <= t_s + 1e-3).pop()?.[1] ?? null;
     if (row === this.marked) return;

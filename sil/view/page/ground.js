@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What lies under the vessels: chart, grid, trails, scale, north. It is drawn anew once a second and where the
-// view has moved; between, what has been sailed since is drawn over it.
+// The layer under the vessels: chart, grid, trails, scale, north. Redrawn once a second and when the view
+// moves; in between, only the latest part of each trail is added.
 const TRAIL_POINTS = 3000, FADES = 6; // of all trails together
 const FRESH_S = 1;
 
@@ -12,7 +12,7 @@ class Ground {
     this.t_s = NaN;
   }
 
-  /** Fills the canvas of `ctx`: `track(key)` of each vessel until `t_s`, the last `window_s` of it. */
+  /** Fills the canvas of `ctx`; trails show the last `window_s` of `track(key)` before `t_s`. */
   draw(ctx, camera, vessels, track, [t_s, window_s, origin]) {
     const { width, height } = ctx.canvas;
     const view = [width, height, camera.north, camera.east, camera.scale, window_s, dark.matches, this.chart.version, origin];
@@ -22,7 +22,7 @@ class Ground {
       this.renew(camera, vessels, track, [t_s - window_s, t_s, origin], [width, height]);
     }
     ctx.save();
-    ctx.resetTransform(); // pixel on pixel
+    ctx.resetTransform(); // copy pixel by pixel
     ctx.drawImage(this.canvas, 0, 0);
     ctx.restore();
     for (const vessel of vessels) drawTail(ctx, camera, vessel, track(vessel.key), [this.t_s, t_s]);
@@ -44,7 +44,7 @@ class Ground {
   }
 }
 
-/** Lays the samples of these indices as the path; whether it ends at the last of them. */
+/** Makes the samples with these indices the current path; whether it ends at the last of them. */
 function layTrail(ctx, camera, { x_m, y_m }, indices) {
   let drawn = false;
   ctx.beginPath();
@@ -70,7 +70,7 @@ function strokeTrail(ctx, vessel, share) {
   ctx.setLineDash([]);
 }
 
-/** The older, the fainter. */
+/** Draws a trail that fades with age. */
 function drawTrail(ctx, camera, vessel, track, [from_s, to_s, most]) {
   const indices = track.indices(from_s, to_s, most);
   for (let fade = 0; fade < FADES; fade += 1) {
@@ -80,7 +80,7 @@ function drawTrail(ctx, camera, vessel, track, [from_s, to_s, most]) {
   }
 }
 
-/** From the trail's end to where the vessel is. */
+/** Draws from the trail's end to the vessel. */
 function drawTail(ctx, camera, vessel, track, [from_s, to_s]) {
   if (layTrail(ctx, camera, track.columns, track.indices(from_s, to_s, Infinity))) {
     ctx.lineTo(...camera.at(vessel.x_m, vessel.y_m));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Which vessels are in trouble and why, and the line about the whole fleet.
-const UNASKED = ["MANUAL", "TEST"]; // what a boat lacks for FORMATION is no trouble there
+const UNASKED = ["MANUAL", "TEST"]; // unmet conditions of FORMATION do not matter there
 
-/** Why a vessel is in trouble, a sentence each; none where it is well. */
+/** The vessel's troubles, one sentence each; empty if it is well. */
 function troublesOf(vessel) {
   if (isSilent(vessel)) return [`silent for ${age(vessel.link_age_s)}${vessel.state ? `, last heard in ${vessel.state}` : ""}`];
   const out = UNASKED.includes(vessel.state) ? [] : [...vessel.held];
@@ -13,7 +13,7 @@ function troublesOf(vessel) {
   return out;
 }
 
-/** What is said of all boats: in their slots, states, the worst distance, troubles. */
+/** The line about all boats: number in their slots, states, worst distance, troubles. */
 function fleetLine(vessels) {
   const boats = vessels.filter(({ kind }) => kind === "boat");
   if (!boats.length) return { boats: vessels.length ? "No Flotilla boat among them" : "", states: "", worst: "", troubles: "" };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the reader touches: buttons, plots, keys.
+// User input: buttons, plots, keys.
 const PAN_PX = 60;
 const KEYS = {
   m: () => measure(),
@@ -15,7 +15,7 @@ const KEYS = {
 
 const PANS = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-/** What a key does to the plan while the focus is on it; whether it does anything. */
+/** Applies a key to the focused plan; whether the key has a function there. */
 function keyedOnPlan({ key }) {
   if (key in PANS) plan.camera.drag(...PANS[key].map((step) => PAN_PX * step));
   else if (key === "Enter" && ruler.on) putEnd(plan.camera.width / 2, plan.camera.height / 2);
@@ -37,7 +37,7 @@ function putEnd(right, down) {
   schedule(true);
 }
 
-/** A click on the plan: where the pointer went up near where it went down. */
+/** A click on the plan: the pointer went up close to where it went down. */
 function clicks(canvas, act) {
   let down = [0, 0];
   canvas.addEventListener("pointerdown", (event) => (down = [event.offsetX, event.offsetY]));
@@ -51,7 +51,7 @@ function zoom(factor) {
   schedule(true);
 }
 
-/** A key acts where the focus is on nothing that uses it itself. */
+/** Keys act unless the focused element uses them itself. */
 function keyed(event) {
   if (byName("fleet").hidden || event.ctrlKey || event.altKey || event.metaKey) return;
   const focus = document.activeElement?.tagName;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Puts the page together: a source of frames, what shows them, what the reader touches.
-// how often each is drawn, of few vessels and, live, of many
+// Assembles the page: a source of frames, the views, user input.
+// redraw intervals of each view, for few vessels and, live, for many
 const PLAN_MS = 95, CARDS_MS = [250, 500], PLOTS_MS = [500, 2000], MANY = 8, MOST_PLOTTED = 40;
 const WINDOWS_S = [30, 60, 120, 300, 600];
 const byName = (id) => document.getElementById(id);
@@ -11,7 +11,7 @@ let source = null, player = null, plots = null, whatIf = null;
 let paused = false, shown = null, drawing = false, touched = true, later = 0;
 const due = { plan: 0, cards: 0, plots: 0 };
 
-/** Asks for a picture: at once for a touch, else when the next is due. */
+/** Requests a redraw: at once after user input, else when the next is due. */
 function schedule(at_once = false) {
   touched ||= at_once;
   if (drawing) return;
@@ -51,7 +51,7 @@ function draw() {
     drawPlots(chosen, every);
   }
   if (plots && player) plots.cursor(shown.t_s);
-  // what was not due yet is shown then, also if nothing more comes
+  // views not due yet are drawn later, even if no further frame arrives
   const wait = Math.max(0, Math.max(due.cards, plots ? due.plots : 0) - performance.now());
   clearTimeout(later);
   if (!every) later = setTimeout(() => schedule(true), wait);
@@ -69,7 +69,7 @@ function drawPlots(chosen, every) {
   plots.draw(plotted, from, to, chosen);
 }
 
-/** What is heard, the connection, the clock, whom the view can follow. */
+/** Shows traffic, connection and clock, and which vessels the view can follow. */
 function tell(frame, chosen) {
   const [kind, text] = source.status;
   say(byName("status"), paused && !player ? "paused" : text);
@@ -93,13 +93,13 @@ function tell(frame, chosen) {
   fill(byName("centre"), options, plan.camera.mode);
 }
 
-/** Why nothing is heard, in red; nothing where all is well. */
+/** Shows in red why nothing is heard; hidden if all is well. */
 function alarm(text) {
   hide(byName("alarm"), typeof text !== "string");
   say(byName("alarm"), typeof text === "string" ? text : "");
 }
 
-/** Gives a select its options, only where they are others. */
+/** Sets a select's options if they changed. */
 function fill(select, options, value) {
   const wanted = options.map(([, text]) => text).join("\n");
   if (select.dataset.options !== wanted) {
@@ -133,7 +133,7 @@ function openPage(name) {
   schedule(true);
 }
 
-/** Shows a history: one that came with the page, or all that a live view has heard. */
+/** Replays a history: the page's own, or that of a live view. */
 function replay(history) {
   document.body.className = "replay";
   byName("title").textContent = document.title = history.title;
@@ -164,7 +164,7 @@ else {
 }
 listen();
 schedule(true);
-// the library's plots come after the first picture
+// the plots of the library follow after the first picture
 setTimeout(() => {
   plots = new Plots(source);
   schedule(true);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers as people read them; null and what is not finite is a dash.
+// Formats numbers for people; null and non-finite numbers are a dash.
 const DASH = "–";
 const SIDES = ["port", "stbd"];
 // of an ESC: name, heading, digits
@@ -15,24 +15,24 @@ const fixed = (x, digits) => (known(x) ? x.toFixed(digits).replace("-", "−") :
 
 const withUnit = (x, digits, unit) => (known(x) ? `${fixed(x, digits)} ${unit}` : DASH);
 
-/** Metres: millimetres where it is little, none where it is much. */
+/** Metres: with millimetres if small, without decimals if large. */
 const metres = (x) => withUnit(x, Math.abs(x) < 1 ? 3 : Math.abs(x) < 100 ? 2 : 0, "m");
 
-/** A boat in FORMATION that is not in its slot yet; "closing, 9.5 m". */
+/** Text for a boat in FORMATION that has not reached its slot: "closing, 9.5 m". */
 const isClosing = (vessel) => vessel.state === "FORMATION" && known(vessel.in_slot) && vessel.in_slot < 1;
 const closing = (vessel) => `closing, ${withUnit(vessel.error_m, 1, "m")}`;
 
 /** An age in seconds. */
 const age = (s) => withUnit(s, s < 10 ? 1 : 0, "s");
 
-/** A heading in radians as three digits of degrees. */
+/** A heading in radians as degrees with three digits. */
 function degrees(rad) {
   if (!known(rad)) return DASH;
   const whole = Math.round((rad * 180) / Math.PI);
   return `${String(((whole % 360) + 360) % 360).padStart(3, "0")}°`;
 }
 
-/** A time in seconds; from ten minutes on with minutes. */
+/** A time in seconds; from ten minutes on in minutes and seconds. */
 function clock(s) {
   if (!known(s)) return DASH;
   if (s < 600) return `${fixed(s, 1)} s`;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The plan view: everything that is drawn of a frame, in order, on a canvas that fits its box.
+// The plan view: draws all layers of a frame, in order, on a canvas that fits its box.
 class Plan {
   constructor(canvas, source, chart, ruler) {
     Object.assign(this, { canvas, ruler });
@@ -9,7 +9,7 @@ class Plan {
     this.said = "";
   }
 
-  /** Fits the canvas to its box and the screen's pixels. */
+  /** Fits the canvas to its box and the screen's pixel ratio. */
   resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
@@ -26,7 +26,7 @@ class Plan {
 
   /** Draws a frame with the trails of the last `window_s` seconds; `chosen`: key of one vessel. */
   draw(frame, window_s, chosen) {
-    if (!this.canvas.clientWidth || !this.canvas.clientHeight) return; // another page is open
+    if (!this.canvas.clientWidth || !this.canvas.clientHeight) return; // hidden: another tab of the page is open
     const ctx = this.resize(), camera = this.camera;
     camera.aim(frame.vessels);
     ctx.lineJoin = "round";
@@ -51,7 +51,7 @@ class Plan {
     this.describe(frame);
   }
 
-  /** Beside a vessel, only what is not as it should be. */
+  /** Writes beside a vessel only what is wrong with it. */
   labels(ctx, placed) {
     ctx.font = `600 ${FONT}`;
     const boats = placed.filter((vessel) => vessel.kind !== "leader");
@@ -61,14 +61,14 @@ class Plan {
       const [text, colour] = virtual ? ["leader", isElsewhere(vessel) ? "stale" : "ink"] : this.label(vessel);
       if (!text) continue;
       const beside = virtual ? 0.72 * ringPx(vessel, this.camera) + 3 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 6;
-      // to the west of a boat that is in the west, so that texts of neighbours do not meet
+      // on the west side of boats in the west, so that neighbours' texts do not overlap
       const width = ctx.measureText(text).width;
       const west = !virtual && vessel.y_m < middle - 1e-6 && right - beside - width > 0;
       write(ctx, text, west ? right - beside - width : right + beside, down + (virtual ? -beside : 4), theme[colour]);
     }
   }
 
-  /** Text and colour of what is to be told of a boat. */
+  /** Text and colour of a boat's note. */
   label(vessel) {
     if (isSilent(vessel)) return [`silent ${age(vessel.link_age_s)}`, "stale"];
     if (isElsewhere(vessel)) return [`was here ${age(vessel.place_age_s)} ago`, "stale"];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The three plots over time, by Chart.js, which is kept still: no animation, no events, lines only.
+// The three plots over time, by Chart.js without animation and events: lines only.
 const LEAST_ERROR_M = 1e-4;
-const POINTS = 1600; // a plot, shared by its lines
+const POINTS = 1600; // per plot, shared by its lines
 const DECADE = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
 
 const LINES = {
@@ -10,7 +10,7 @@ const LINES = {
   speed: [{ column: "speed_mps", dash: dashOf }],
 };
 
-/** Horizontal lines under the boats' lines, their names over them; [value, text] each. */
+/** Horizontal lines below the boats' lines, with labels above; [value, text] each. */
 const marks = {
   id: "marks",
   places({ chartArea: { top, bottom }, scales, flotillaMarks }) {
@@ -48,7 +48,7 @@ function scalesOf(name) {
   return { x, y: { type: "logarithmic", ...y } };
 }
 
-/** The greatest of what `of` makes of a line's values. */
+/** The greatest value of `of` over a line's values. */
 function greatest(data, of) {
   let found = -Infinity;
   for (const { y } of data) if (of(y) > found) found = of(y);
@@ -68,7 +68,7 @@ class Plots {
     this.charts = Object.fromEntries(Object.keys(LINES).map((name) => [name, this.make(name)]));
   }
 
-  /** Draws what another source tells from now on. */
+  /** Draws from another source from now on. */
   follow(source) {
     this.source = source;
     this.kept.clear();
@@ -90,7 +90,7 @@ class Plots {
     });
   }
 
-  /** Draws all from `from` to `to` seconds; `chosen`: the key of the vessel that stands out. */
+  /** Draws everything from `from` to `to` seconds; `chosen`: key of the highlighted vessel. */
   draw(vessels, from, to, chosen) {
     for (const [name, chart] of Object.entries(this.charts)) {
       chart.data.datasets = vessels.flatMap((vessel) => LINES[name].map((line) => this.line(vessel, line, from, to, chosen, vessels.length)));
@@ -113,7 +113,7 @@ class Plots {
       data.push({ x: track.t[i], y: Math.max(values[i], floor) });
     }
     const faint = chosen !== null && chosen !== vessel.key;
-    // Chart.js is slower with a line that it has not seen before
+    // Chart.js is slower with a new line object
     const name = `${column} ${vessel.key}`;
     if (!this.kept.has(name)) this.kept.set(name, {});
     return Object.assign(this.kept.get(name), {
@@ -122,7 +122,7 @@ class Plots {
     });
   }
 
-  /** The level that counts as settled; the limits of the thrust, where they are near enough. */
+  /** Levels to mark: the settling limit; the thrust limits, if near enough. */
   marksOf(name, vessels, chart) {
     if (name === "error") {
       this.decades(chart);
@@ -150,7 +150,7 @@ class Plots {
     for (const [name, chart] of Object.entries(this.charts)) chart.options.scales = scalesOf(name);
   }
 
-  /** Puts a line at time s into every plot, over the canvas: nothing is drawn again. */
+  /** Marks time s in every plot by an element over the canvas, without redrawing. */
   cursor(s) {
     for (const { canvas, chartArea, scales } of Object.values(this.charts)) {
       const box = canvas.parentElement;

@@ -15,7 +15,7 @@ class Player {
     this.seek(source.begin_s);
   }
 
-  /** Begins by itself as soon as it is seen, unless the reader wants little to move. */
+  /** Starts as soon as it is visible, unless the user prefers reduced motion. */
   begin(place) {
     if (window.matchMedia("(prefers-reduced-motion: reduce)").matches || this.source.end_s <= this.source.begin_s) return;
     const watch = new IntersectionObserver((seen) => {

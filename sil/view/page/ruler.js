@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Distance and bearing between two places of the plan view that the reader clicks.
+// Distance and bearing between two positions clicked on the plan view.
 class Ruler {
   constructor() {
     this.on = false;
@@ -10,7 +10,7 @@ class Ruler {
     [this.on, this.ends] = [!this.on, []];
   }
 
-  /** The third place begins anew. */
+  /** A third click begins a new measurement. */
   put(place) {
     this.ends = this.ends.length === 1 ? [this.ends[0], place] : [place];
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What is under the fleet: grid with metres at its edges, scale bar, north.
+// Under the fleet: a grid labelled in metres at its edges, scale bar, north arrow.
 const SMALL = '11px system-ui, "Segoe UI", Roboto, sans-serif';
 const FONT = '12px system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
 
-/** Text that is read over anything. */
+/** Text that is legible on any background. */
 function write(ctx, text, right, down, colour, align = "left", paper = theme.water) {
   ctx.textAlign = align;
   ctx.lineWidth = 3;
@@ -14,7 +14,7 @@ function write(ctx, text, right, down, colour, align = "left", paper = theme.wat
   ctx.fillText(text, right, down);
 }
 
-/** Multiples of `step` no farther than `half` from `middle`; of numbers too large for the step, few. */
+/** Multiples of `step` within `half` of `middle`; few if the numbers are too large for the step. */
 function multiples(middle, half, step) {
   const first = Math.ceil((middle - half) / step) * step;
   return Array.from({ length: Math.floor((2 * half) / step) + 1 }, (_, i) => first + i * step).filter((x) => x <= middle + half);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The live source: frames from the view's WebSocket. What is no frame is counted and ignored.
+// The live source: frames from the view's WebSocket. Counts and ignores invalid ones.
 const SILENT_MS = 3000;
 const RETRY_MS = [250, 500, 1000, 2000];
 const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "link_age_s", "place_age_s", "leader_age_s", "battery_V"];
@@ -7,7 +7,7 @@ const STATES = CONFIG.supervisor.states;
 
 const textOr = (x) => (typeof x === "string" ? x : null);
 
-/** A vessel with everything that the page reads, each of its type or null; null without an id. */
+/** A vessel with every member that the page reads, of the right type or null; null without an id. */
 function cleanVessel(raw) {
   if (raw === null || typeof raw !== "object" || !Number.isInteger(raw.id)) return null;
   const out = { id: raw.id, key: `${raw.id}`, kind: ["boat", "leader"].includes(raw.kind) ? raw.kind : "vessel" };
@@ -22,7 +22,7 @@ function cleanVessel(raw) {
   return out;
 }
 
-/** A frame of what came over the wire; null where it is none. `over`: there will be no more. */
+/** The frame in a received message; null if invalid. `over`: it was the last. */
 function cleanFrame(text) {
   let raw;
   try {
@@ -40,8 +40,8 @@ function cleanFrame(text) {
 
 class LiveSource {
   /**
-   * `changed` is called after each frame, and with true whenever the connection comes or goes; `over`
-   * with the history of all that was heard, when nothing more will be.
+   * `changed` is called after each frame, and with true whenever the connection opens or closes; `over`
+   * at the end, with the history of everything heard.
    */
   constructor(changed, over) {
     this.changed = changed;
@@ -97,7 +97,7 @@ class LiveSource {
     this.tries = 0;
     this.frames += 1;
     this.status = ["good", "live"];
-    // a view that was started again counts from 0
+    // a restarted view counts from 0
     if (frame.t_s < this.frame.t_s - 1) this.forget();
     this.frame = frame;
     const here = new Set(frame.vessels.map((vessel) => vessel.key));
@@ -115,7 +115,7 @@ class LiveSource {
     [this.events, this.changes] = [[], new Changes()];
   }
 
-  /** The view's server listens no more: from here on a replay. */
+  /** The server has stopped listening: continue as a replay. */
   async end() {
     this.socket.onclose = null;
     this.socket.close();

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The replay source: a history's columns, and the frame of any instant of it.
+// The replay source: a history's columns, and the frame at any time of it.
 
-/** base64 of little-endian float32 as numbers. */
+/** Decodes base64 of little-endian float32. */
 function columnOf(text) {
   const raw = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const view = new DataView(raw.buffer);
   return Float32Array.from({ length: raw.length >> 2 }, (_, i) => view.getFloat32(4 * i, true));
 }
 
-/** Value of a list of [t_s, value] that holds at time s. */
+/** The value valid at time s in a list of [t_s, value]. */
 function holding(list, s, otherwise) {
   let found = otherwise;
   for (const [from_s, value] of list ?? []) {
@@ -49,7 +49,7 @@ class ReplaySource {
   trackOf({ columns }) {
     const nothing = new Float32Array(this.t.length).fill(NaN);
     const { u_mps: u, v_mps: v, link_age_s } = columns;
-    // what a silent one said last is no line
+    // draw no line through the silence of a vessel
     const line = (column) => column?.map((x, i) => (link_age_s?.[i] > SILENT_S ? NaN : x)) ?? nothing;
     return new Track(this.t, {
       x_m: line(columns.x_m), y_m: line(columns.y_m), error_m: line(columns.error_m),

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The firmware's supervisor, by the firmware's own table: the first row that fits wins.
+// The firmware's supervisor, by the firmware's own table: the first matching row decides.
 
 /**
- * What the table makes of a state, a request and the names of what is met or chosen: the state, whether
- * it was granted, what is missing or was lost, whether propellers may turn, and the row that decided.
+ * Applies the table to a state, a request and the names of met conditions and choices. Returns the new
+ * state, whether the request was granted, missing and lost conditions, whether propellers may turn, and
+ * the row that decided.
  */
 function supervise(state, request, met) {
   const { table, drives } = CONFIG.supervisor;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Thrust behind a hull that is drawn large enough: a bar a propeller, as long as half the hull at the limit.
+// Thrust behind a hull that is drawn large enough: one bar per propeller, half a hull long at the limit.
 const LEAST_FOR_BARS_PX = 34;
-const PROPELLERS = [-0.1, 0.1]; // to starboard, of the hull's length
+const PROPELLERS = [-0.1, 0.1]; // starboard offset, in hull lengths
 
 function drawThrust(ctx, camera, vessel) {
   const px = hullPx(vessel, camera);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What one vessel did: numbers over time, for its trail and its lines in the plots.
+// One vessel's values over time, for its trail and its lines in the plots.
 const TRACKED = ["x_m", "y_m", "error_m", "port_N", "stbd_N", "speed_mps"];
 const KEPT_S = 620;
 const SAMPLE_S = 0.19; // at most five samples a second are kept
 
 class Track {
-  /** Of columns that are complete already, or empty and filled by `push`. */
+  /** From complete columns, or empty and then filled by `push`. */
   constructor(t = [], columns = Object.fromEntries(TRACKED.map((name) => [name, []]))) {
     this.t = t;
     this.columns = columns;
@@ -16,7 +16,7 @@ class Track {
     const last = this.t[this.t.length - 1];
     if (last !== undefined && t - last < SAMPLE_S) return;
     this.t.push(t);
-    // what a silent one said last is no line
+    // draw no line through the silence of a vessel
     const values = isSilent(vessel) ? {} : tracked(vessel);
     for (const name of TRACKED) this.columns[name].push(values[name] ?? NaN);
     if (t - this.t[0] > KEPT_S) this.drop(Math.ceil(this.t.length / 20));
@@ -39,8 +39,8 @@ class Track {
   }
 
   /**
-   * Indices from `from` to `to` seconds, at most about `most`. Steps are powers of two and counted
-   * from the first sample that ever was, so that a line does not flicker while it moves on.
+   * Indices from `from` to `to` seconds, at most about `most`. Steps are powers of two, counted from
+   * the very first sample, so that a line does not flicker as time advances.
    */
   indices(from, to, most) {
     const begin = this.index(from), end = this.index(to + 1e-6);
@@ -55,7 +55,7 @@ class Track {
   }
 }
 
-/** What a track keeps of a vessel. */
+/** The values of a vessel that a track keeps. */
 function tracked(vessel) {
   const known_speed = known(vessel.u_mps) && known(vessel.v_mps);
   return {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The what-if panel: the supervisor to play with. Nothing in it reaches a boat.
+// The what-if panel: an interactive supervisor. Nothing in it reaches a boat.
 const LONGEST_STORY = 30;
 const PUSHES = "propellers may turn", STANDS = "propellers stand still";
 
@@ -55,7 +55,7 @@ class WhatIf {
     });
   }
 
-  /** Names of the conditions that are ticked and of what is chosen. */
+  /** Names of the ticked conditions and the selected choices. */
   met() {
     const names = [...this.boxes].filter(([, box]) => box.checked).map(([name]) => name);
     const chosen = CONFIG.supervisor.choices.map(({ name }) => `${name} ${document.getElementById(name).value}`);
@@ -71,7 +71,7 @@ class WhatIf {
     this.settle([`put into ${state}`]);
   }
 
-  /** A button for each boat whose state is known. */
+  /** Makes a button for each boat whose state is known. */
   offer(vessels) {
     for (const made of this.places.boats.querySelectorAll("button")) made.remove();
     const boats = vessels.filter((vessel) => vessel.state !== null);
@@ -79,7 +79,7 @@ class WhatIf {
     for (const boat of boats) this.button(this.places.boats, nameOf(boat), () => this.take(boat));
   }
 
-  /** A boat as it is: its state, and what it says that it lacks. */
+  /** Loads a boat's present state and its missing conditions. */
   take({ id, state, held }) {
     for (const [name, box] of this.boxes) box.checked = !held.includes(this.complaints.get(name));
     this.state = state;
@@ -94,7 +94,7 @@ class WhatIf {
     this.settle([told], verdict);
   }
 
-  /** Lets the boat do what it does by itself, tick by tick, and shows where it stays. */
+  /** Applies the automatic transitions, tick by tick, and shows the final state. */
   settle(told, asked = null) {
     let last = asked, moved = true;
     for (let ticks = 0; moved && ticks < CONFIG.supervisor.states.length; ticks += 1) {

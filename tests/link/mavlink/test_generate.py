@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The list of messages and what is made of it; test_oracle.py has every byte of every message."""
+"""The generator of MAVLink messages; test_oracle.py checks every byte of every message."""
 
 import pytest
 

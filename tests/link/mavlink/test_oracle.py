@@ -25,7 +25,7 @@ LINES = [
 
 
 def fields_of(name: str, items: list[str]) -> list[str]:
-    """The fields of pymavlink's that are members of our struct, in its order."""
+    """The pymavlink fields that our struct has, in its order."""
     if not items:
         theirs = getattr(dialect(), f"MAVLink_{name.lower()}_message").fieldnames
         return [*theirs, *(TARGET.split() if name == "TIMESYNC" else [])]
@@ -41,7 +41,7 @@ FIELDS = {
 }
 NUMBERS = {name: number for number, name in enumerate(FIELDS, 1)}
 
-# What a boat says in the fields that its struct lacks; all others are zero.
+# Values that a boat sends in fields that its struct lacks; all others are zero.
 CONSTANT = {
     ("HEARTBEAT", "mavlink_version"): 3,
     ("ODOMETRY", "velocity_covariance"): [math.nan] + [0.0] * 20,
@@ -125,7 +125,7 @@ def parsed(token: str) -> Value:
 
 
 def values(message: Message, field: str) -> list[Value]:
-    """A field of pymavlink's as a list: a text is one value, an array as many as it has."""
+    """A pymavlink field as a list: a text is one value, an array has as many as its elements."""
     raw = getattr(message, f"_{field}_raw", None)
     if raw is not None:
         return [bytes(raw).ljust(length_of(message, field), b"\0")]
@@ -217,7 +217,7 @@ def random_value(rng: random.Random, type_: str) -> int | float:
 
 
 def random_message(rng: random.Random, kind: type) -> Message:
-    """A message of pymavlink's with every field random, of every length of text."""
+    """A pymavlink message with random fields, and texts of all lengths."""
     fields = {}
     for name, type_ in zip(kind.fieldnames, kind.fieldtypes, strict=True):
         length = kind.array_lengths[kind.ordered_fieldnames.index(name)]
@@ -266,7 +266,7 @@ def test_a_boat_reads_in_every_field_what_pymavlink_says(
 def test_a_timesync_says_whom_it_answers_if_its_sender_knows_how(
     frames: Path, tail: bytes, target: list[int]
 ) -> None:
-    # An earlier message leaves its bytes behind where a parser does not clear them.
+    # The bytes of an earlier message remain if a parser does not clear them.
     before = dialect().MAVLink_file_transfer_protocol_message(0, 9, 9, [0xAA] * 251)
     frame = packed_timesync(struct.pack("<qq", 5, 2**62) + tail, 33, 200, 77)
     _, (whence, _, fields) = heard(frames, [before.pack(dialect().MAVLink(None)), frame])

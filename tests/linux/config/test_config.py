@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""flotillad's words for who configures it: the shipped file, mistakes, help and version."""
+"""flotillad's configuration: the shipped file, error messages, help and version."""
 
 import os
 import re
@@ -28,7 +28,7 @@ def run(*options: object) -> subprocess.CompletedProcess[str]:
 
 
 def mistake(*options: object) -> str:
-    """The one line about it."""
+    """The only line that flotillad prints about a mistake."""
     done = run(*options)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("flotillad: ") and done.stderr.endswith("\n")
@@ -122,7 +122,7 @@ def test_a_boat_without_any_link_is_a_mistake(tmp_path: Path) -> None:
     assert "no MAVLink link" in mistake("--can=mcast:5", f"--state-dir={tmp_path}")
 
 
-def test_root_is_told_to_be_somebody_else(tmp_path: Path) -> None:
+def test_root_is_told_to_run_it_as_another_user(tmp_path: Path) -> None:
     if os.geteuid() != 0:
         pytest.skip("only root can try")
     done = subprocess.run(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A motor controller that ships without a node id gets one, and the same one ever after."""
+"""A motor controller without a node id is allocated one, and keeps it."""
 
 import signal
 from typing import Any
@@ -15,7 +15,7 @@ PARTS = (slice(0, 6), slice(6, 12), slice(12, 16))
 
 
 def request(unique_id: bytes, part: int) -> tuple[int, bytes]:
-    """An anonymous node's frame: priority, 14 bits by chance, 2 bits of the data type."""
+    """An anonymous node's request: priority, 14 random bits, 2 bits of the data type."""
     chance = 0x3BA0 + part
     payload = bytes([part == 0]) + unique_id[PARTS[part]]
     return 0x1E << 24 | chance << 10 | ALLOCATION << 8, payload + bytes([0xC0 | part])
@@ -27,7 +27,7 @@ def answers(sea: RealSea) -> list[Any]:
 
 
 def allocated(sea: RealSea, unique_id: bytes) -> int:
-    """Plays such a node until it has its id."""
+    """Act as such a node until it has its id."""
     sea.until(sea.ready)
     for part in range(3):
         before = len(answers(sea))

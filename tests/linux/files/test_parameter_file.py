@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an operator saved is in force after every start; what is damaged is said, and refused."""
+"""Saved parameters are in force after every start; damaged files are reported and rejected."""
 
 import os
 import signal
@@ -50,7 +50,7 @@ def test_a_boat_that_was_never_set_up_says_so_and_does_not_arm_until_saved(sea: 
     sea.arm()
 
 
-def test_who_sets_a_parameter_of_a_new_boat_has_set_it_up(sea: RealSea) -> None:
+def test_setting_a_parameter_of_a_new_boat_sets_it_up(sea: RealSea) -> None:
     sea.set_up = False
     sea.start()
     sea.until(sea.ready)
@@ -163,7 +163,7 @@ def test_what_is_set_while_armed_survives_a_power_cut(sea: RealSea, file: Path) 
     sea.end(signal.SIGKILL)
     saved = file.read_text()
     assert is_whole(saved) and "LAW_KX = 0.25\n" in saved
-    assert "FORM_OFS_N = 0\n" in saved  # the command line's is not the operator's
+    assert "FORM_OFS_N = 0\n" in saved  # a value from the command line is not saved
 
 
 def test_the_last_step_of_a_slider_is_the_one_that_is_saved(sea: RealSea, file: Path) -> None:
@@ -206,7 +206,7 @@ def test_what_was_set_just_before_the_end_is_saved_at_exit(sea: RealSea, file: P
 
 
 def test_a_disk_that_hangs_does_not_stop_the_control_loop(sea: RealSea, file: Path) -> None:
-    os.mkfifo(file.with_name("parameters.txt.new"))  # nobody reads it: the save waits for ever
+    os.mkfifo(file.with_name("parameters.txt.new"))  # no reader: the save blocks for ever
     sea.start()
     sea.enter_formation()
     sea.insist(lambda: (STORAGE, ACCEPTED) in sea.acks(), STORAGE, 1.0)
@@ -230,7 +230,7 @@ def test_a_save_that_failed_is_said_once_and_tried_again(sea: RealSea, file: Pat
         obstacle.mkdir()
         sea.set_parameter("LAW_KX", gain)
         sea.until(lambda: count("cannot be written") > faults)
-        sea.run(2.5)  # and is tried again twice
+        sea.run(2.5)  # two more attempts
         obstacle.rmdir()
         sea.until(lambda: count("saved (changed)") > saves)
         assert f"LAW_KX = {gain}\n" in file.read_text()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The boat's logs, read by the programs that people read them with: pymavlink and python-can."""
+"""The boat's logs, read by common programs: pymavlink and python-can."""
 
 import os
 import subprocess
@@ -62,7 +62,7 @@ def test_pymavlink_reads_every_packet_of_the_tlog_with_its_time(logs: Path) -> N
         assert attitude.yaw == pytest.approx(0.01 * i)
         assert (position.x, position.get_srcSystem()) == (1.5, 1)
         assert heartbeat._timestamp == pytest.approx(START_S + 0.1 * i, abs=1e-6)
-        # a packet has the time of its last byte
+        # a packet's time is that of its last byte
         assert position._timestamp == pytest.approx(START_S + 0.1 * i + 20e-6, abs=1e-6)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A real flotillad's logs, converted: the same as pymavlink, mavlogdump and python-can read."""
+"""A real flotillad's logs as MCAP: equal to what pymavlink, mavlogdump and python-can read."""
 
 import subprocess
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MAVLink links of every kind, as other programs have them at the other end."""
+"""MAVLink links of every kind, seen from the other end."""
 
 import os
 import socket
@@ -32,7 +32,7 @@ RATE_BPS = 800
 
 @pytest.fixture
 def opened() -> Iterator[ExitStack]:
-    """Closes what a test has opened besides the links of the sea."""
+    """Closes what a test opens besides the sea's links."""
     with ExitStack() as stack:
         yield stack
 
@@ -87,7 +87,7 @@ def test_udpin_forgets_who_fell_silent_only_where_it_needs_the_place(
 def test_nine_strangers_take_nothing_from_an_operator(
     sea: RealSea, opened: ExitStack, garbage: bool
 ) -> None:
-    """`garbage`: one byte each, 20 times a second; else heartbeats of other boats."""
+    """`garbage`: each sends one byte 20 times a second; else HEARTBEATs of other boats."""
     port = free_port()
     operator = Udp(port)
     sea.connect(Udp(), operator)
@@ -140,7 +140,7 @@ def test_links_of_every_kind_work_at_once(sea: RealSea, tmp_path: Path) -> None:
 
 
 def addresses_of(pid: int) -> set[str]:
-    """Those of this machine that the process's UDP sockets are bound to: proc(5)."""
+    """The local addresses to which the process's UDP sockets are bound: proc(5)."""
     inodes = set()
     for fd in Path(f"/proc/{pid}/fd").iterdir():
         with suppress(FileNotFoundError):
@@ -238,7 +238,7 @@ def test_telemetry_keeps_to_the_rate_of_a_slow_radio(sea: RealSea) -> None:
 
 
 class Line(Serial):
-    """Carries no more than its baud rate allows."""
+    """A serial line with the throughput of its baud rate."""
 
     def __init__(self, device: Path, baud: int) -> None:
         super().__init__(device, baud)
@@ -297,7 +297,7 @@ def test_a_serial_port_that_vanishes_does_not_stop_the_boat_and_is_opened_again(
     assert sea.driven()
 
 
-def test_a_serial_port_that_nobody_reads_does_not_hold_the_boat_up(
+def test_a_serial_port_that_nobody_reads_does_not_delay_the_boat(
     sea: RealSea, tmp_path: Path, opened: ExitStack
 ) -> None:
     deaf = Serial(tmp_path / "ttyS0")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The instructions of a tick of the page of measurements; times are the machine's, and not held."""
+"""The published instructions per tick; times depend on the machine and are not tested."""
 
 import shutil
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 from sil.bench import bench
 from tests import measurements
 
-SHARE = 0.05  # of another compiler's code
+SHARE = 0.05  # tolerance for another compiler
 
 
 @pytest.mark.skipif(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The measure of what a view costs: it measures what it says."""
+"""The measurements of a view's cost print figures."""
 
 import pytest
 
@@ -19,7 +19,7 @@ def test_boats_in_a_line_say_their_state_ten_times_a_second() -> None:
 def test_what_a_fleet_costs_the_view_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--boats", "2", "--seconds", "1"]) == 0
     words = capsys.readouterr().out
-    assert "2 boats and their leader say" in words and "% of a core" in words
+    assert "2 boats and their leader send" in words and "% of a core" in words
 
 
 @pytest.mark.nightly

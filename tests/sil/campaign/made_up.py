@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Campaigns that were never sailed: folders with the files and the kind of numbers of real ones."""
+"""Made-up campaigns: folders with files and plausible numbers, without sailing."""
 
 import json
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ _MOST_RUNS = 100
 
 @dataclass(frozen=True)
 class Made:
-    """A campaign: `draw` is the seed of the runs' starts, `gain` scales what the law leaves over.
+    """A campaign: `draw` is the seed of the runs' starts, `gain` scales the law's residual error.
 
     Numbers are those of the paper's law in white noise: |e| about 0.35 m after 50 s.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A campaign that takes little: two boats, a second, draws of several kinds."""
+"""A short campaign: two boats, one second, draws of several kinds."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import numpy as np
 
 from sil.campaign.run_outcome import RunResult
 from sil.campaign.sampling import Sampler
-from sil.campaign.work import Batch, code
+from sil.campaign.work import Share, code
 from sil.scenario import scenario
 
 SHORT = """\
@@ -39,12 +39,12 @@ def sampler(folder: Path, more: str = "", overrides: tuple[str, ...] = ()) -> Sa
     return Sampler(scenario.read(short(folder, more), overrides))
 
 
-def batch(sampler: Sampler, runs: tuple[int, ...]) -> Batch:
-    return Batch(runs, sampler, {}, code())
+def batch(sampler: Sampler, runs: tuple[int, ...]) -> Share:
+    return Share(runs, sampler, {}, code())
 
 
 def result(run: int, error_m: list[list[float]], outcome: str = "ok") -> RunResult:
-    """A run of which all figures are made up but the distances (N, S)."""
+    """A made-up run with the given distances (N, S)."""
     boats = tuple(
         {"rms_error_m": 0.1 * run + i, "settling_time_s": None} for i in range(len(error_m))
     )

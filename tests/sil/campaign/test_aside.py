@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The nominal run beside a campaign: it costs it nothing, and does not outlive it."""
+"""The nominal run in parallel with a campaign: it delays nothing and ends with it."""
 
 import itertools
 from collections.abc import Callable

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command `campaign`: the same tables however it is sailed, and whatever interrupts it."""
+"""The command `campaign`: equal tables however it is sailed and interrupted."""
 
 import json
 import os
@@ -62,7 +62,7 @@ def sailed(scenario: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(autouse=True)
 def _no_pictures(sailed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """They have tests of their own."""
+    """Skips the pictures, which have their own tests."""
     monkeypatch.setattr(campaign_report, "write", lambda out: None)
 
 
@@ -196,7 +196,7 @@ def test_an_interrupted_campaign_goes_on_where_it_was(
 
 
 def assert_none_is_left(mark: str) -> None:
-    """No process of the campaign is left but for those that are just ending."""
+    """Assert that no process of the campaign remains, except those that are ending."""
     left = []
     for process in psutil.process_iter():
         try:
@@ -320,7 +320,7 @@ def test_runs_that_fail_or_diverge_are_told_and_no_mistake(
     lost = [item for key in tiny for item in ("--set", key)]
     # boats that wide have no room beside each other
     refused = ["--set", 'vary.2.key="parameters.THR_ARM"', "--set", "vary.2.uniform=[0.05, 40]"]
-    paper = ["--law", "paper"]  # ours stops boats that are lost
+    paper = ["--law", "paper"]  # the product's law stops boats that are lost
     assert main(command(scenario, tmp_path, "--runs", "4", *paper, *lost, *refused)) == 0
     told = json.loads((tmp_path / "campaign.json").read_text(encoding="utf-8"))
     rows = pq.read_table(tmp_path / "table.parquet").to_pylist()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A campaign's folder: what is kept, bit for bit, and that no campaign goes on as another."""
+"""A campaign's folder: results bit for bit; a campaign never continues as another one."""
 
 import errno
 import json
@@ -12,7 +12,7 @@ import pytest
 
 from sil.campaign.campaign_files import CampaignError, Folder, Identity
 from sil.campaign.run_outcome import RunResult
-from sil.campaign.work import BatchResult
+from sil.campaign.work import ShareResult
 from sil.common import files
 from tests.sil.campaign.short import result
 
@@ -20,14 +20,14 @@ IDENTITY = Identity("calm", {"link": {"loss": 0.1}, "boat": [{"eta": [1, 2]}]}, 
 FAILED = RunResult(12, 7, "failed", "why")
 
 
-def kept(results: list[BatchResult]) -> list[RunResult]:
+def kept(results: list[ShareResult]) -> list[RunResult]:
     return [run for batch in results for run in batch.runs]
 
 
 def test_results_come_back_bit_for_bit(tmp_path: Path) -> None:
     odd = result(11, [[0.1, math.nan, math.inf]], "diverged")
     odd = replace(odd, boats=({"rms_error_m": math.nan, "max_error_m": 0.1 + 0.2},))
-    batch = BatchResult((result(10, [[1 / 3, 2.0, 3.0]]), FAILED, odd), 1 / 7)
+    batch = ShareResult((result(10, [[1 / 3, 2.0, 3.0]]), FAILED, odd), 1 / 7)
     assert Folder(tmp_path).begin(IDENTITY, "sail") == []
     Folder(tmp_path).keep(batch)
     back = Folder(tmp_path).begin(IDENTITY, "sail")
@@ -41,7 +41,7 @@ def test_results_come_back_bit_for_bit(tmp_path: Path) -> None:
 def test_a_part_that_was_not_finished_is_not_there(tmp_path: Path) -> None:
     folder = Folder(tmp_path)
     folder.begin(IDENTITY, "sail")
-    folder.keep(BatchResult((FAILED,), 0.0))
+    folder.keep(ShareResult((FAILED,), 0.0))
     (tmp_path / "parts" / ".000003.npz.part").write_bytes(b"half")
     assert [run.run for run in kept(folder.begin(IDENTITY, "sail"))] == [12]
 
@@ -51,7 +51,7 @@ def test_a_part_that_is_damaged_is_told_and_sailed_again(tmp_path: Path, bytes_l
     folder = Folder(tmp_path)
     folder.begin(IDENTITY, "sail")
     for run in (3, 5):
-        folder.keep(BatchResult((result(run, [[1.0, 2.0]]),), 0.0))
+        folder.keep(ShareResult((result(run, [[1.0, 2.0]]),), 0.0))
     part = tmp_path / "parts" / "000003.npz"
     part.write_bytes(part.read_bytes()[:bytes_left])
     said: list[str] = []
@@ -118,7 +118,7 @@ def test_an_unfinished_campaign_does_not_go_on_as_another(
 def test_a_finished_campaign_makes_room_for_another(tmp_path: Path) -> None:
     folder = Folder(tmp_path)
     folder.begin(IDENTITY, "sail")
-    folder.keep(BatchResult((FAILED,), 0.0))
+    folder.keep(ShareResult((FAILED,), 0.0))
     folder.write_json(IDENTITY, {"error": math.inf})
     folder.finish()
     assert not (tmp_path / "parts").exists()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page of campaigns that were made up: who diverged is never averaged away."""
+"""The page of made-up campaigns: diverged runs are never averaged away."""
 
 import re
 from html import unescape
@@ -55,7 +55,7 @@ def sail_again(folder: Path, run: int) -> None:
 
 
 def is_now_of(folder: Path, run: int) -> None:
-    """Let the table have the motion that was sailed again."""
+    """Put the digest of the replayed run's motion into the table."""
     with np.load(rerun.place(folder, run) / "trace.npz") as trace:
         digest = run_outcome.motion_digest(trace)
     path = folder / "table.parquet"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Verdicts on figures of runs whose change is known because it was put in."""
+"""Verdicts on figures of runs with a known, artificial change."""
 
 import math
 from functools import partial
@@ -28,14 +28,14 @@ def test_change_of_every_pair_by_a_fifth_is_found_in_both_directions(share: floa
     assert (worse.ratio, better.ratio) == pytest.approx((1.2, 1.0 / 1.2))
 
 
-def test_what_is_certain_but_within_the_margin_is_no_change() -> None:
+def test_a_significant_change_within_the_margin_is_no_change() -> None:
     a = figures(100, seed=2)
     found = of_ratio(a, 1.005 * a, 0.5, paired=True)
     assert found.low == pytest.approx(1.005) and found.verdict == "same"
     assert of_ratio(a, 1.02 * a, 0.5, paired=True).verdict == "worse"
 
 
-def test_figures_under_what_anyone_cares_for_are_equal() -> None:
+def test_differences_below_the_least_relevant_one_are_equal() -> None:
     tiny = 1e-5 * figures(40, seed=3)
     assert of_ratio(tiny, 10.0 * tiny, 0.5, paired=True).ratio == 1.0
 

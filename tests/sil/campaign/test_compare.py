@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Campaigns beside each other: what changed is told, chance is not."""
+"""Comparison of campaigns: real changes are reported, random ones are not."""
 
 import json
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Compared = tuple[int, str]
 
 @pytest.fixture
 def compare(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[..., Compared]:
-    """Exit status and what was said of two campaigns, which become folders a and b."""
+    """Compare two campaigns, written to folders a and b; exit status and output."""
 
     def run(a: Made, b: Made, *more: str) -> Compared:
         places = [str(made.write(tmp_path / name)) for name, made in (("a", a), ("b", b))]
@@ -111,7 +111,7 @@ def test_json_says_what_the_table_does(compare: Callable[..., Compared], tmp_pat
     assert first["ratio"] == pytest.approx(1.2) and first["low"] <= 1.2 <= first["high"]
 
 
-def test_one_boat_has_nobody_to_come_close_to(compare: Callable[..., Compared]) -> None:
+def test_a_single_boat_has_no_separation(compare: Callable[..., Compared]) -> None:
     status, said = compare(Made(boats=1), Made(boats=1, gain=1.1))
     assert status == 1 and "closest two boats" not in said
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The run without what the paper calls uncertainties and disturbances, ten samples a second."""
+"""The run without the paper's uncertainties and disturbances, at ten samples a second."""
 
 from pathlib import Path
 

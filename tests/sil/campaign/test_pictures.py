@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The envelopes as they are drawn: what is infinite ends at the top, and is told."""
+"""The drawn envelopes: infinite values end at the top and are mentioned."""
 
 import warnings
 from dataclasses import replace

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is left of a run, from made-up traces whose answers are known."""
+"""The results of a run, from made-up traces with known answers."""
 
 import hashlib
 import math
@@ -88,14 +88,14 @@ def test_state_that_is_not_finite_has_diverged(nu: float) -> None:
 
 
 @pytest.mark.parametrize("lost", ["eta", "nu"])
-def test_virtual_leader_that_is_nowhere_has_diverged(lost: str) -> None:
+def test_virtual_leader_with_a_non_finite_state_has_diverged(lost: str) -> None:
     sailed = run(np.ones(T_S.size))
     sailed.trace[lost][29000:, 0, 1] = math.nan
     left = result_of(3, SCENARIO, sailed)
     assert left.outcome == "diverged" and left.reason == "virtual leader: state not finite"
 
 
-def test_distance_that_is_no_number_has_diverged() -> None:
+def test_distance_that_is_nan_has_diverged() -> None:
     sailed = run(np.ones(T_S.size))
     sailed.trace["error"][:, 1, 0] = math.nan
     left = result_of(3, SCENARIO, sailed)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Campaigns on a Dask cluster: as on this machine, though a worker dies."""
+"""Campaigns on a Dask cluster: equal to local ones, even if a worker dies."""
 
 import os
 import signal
@@ -13,7 +13,7 @@ import pytest
 from sil.campaign import campaign, campaign_report, runner
 from sil.campaign.campaign_files import Folder
 from sil.campaign.sampling import Sampler
-from sil.campaign.work import Batch, BatchResult, sail_batch
+from sil.campaign.work import Share, ShareResult, sail_batch
 from sil.cli.main import main
 from sil.lockstep.world import sail
 from sil.scenario import scenario
@@ -24,7 +24,7 @@ TABLES = ("table", "draws", "seconds", "envelopes")
 
 
 class Fatal(Sampler):
-    """Ends the process that is to sail run 1, once it has sailed something.
+    """A sampler that kills the process that is to sail run 1, once that has sailed something.
 
     Dask does not start a worker again that ends while it starts.
     """
@@ -38,7 +38,7 @@ class Fatal(Sampler):
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[distributed.LocalCluster]:
-    """Two workers, each a process; a task that loses its worker twice is given up."""
+    """Two worker processes; a task that kills two workers is given up."""
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 1}),
         distributed.LocalCluster(
@@ -57,7 +57,7 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_tables(
     killed: list[int] = []
     keep = Folder.keep
 
-    def keep_and_kill(folder: Folder, result: BatchResult) -> None:
+    def keep_and_kill(folder: Folder, result: ShareResult) -> None:
         keep(folder, result)
         if not killed:
             killed.append(cluster.workers[0].pid)
@@ -78,20 +78,20 @@ def test_a_run_that_kills_every_worker_has_failed_and_costs_no_other(
     cluster: distributed.LocalCluster, tmp_path: Path
 ) -> None:
     fatal = batch(Fatal(scenario.read(short(tmp_path))), (0, 1, 2))
-    noted: list[BatchResult] = []
+    noted: list[ShareResult] = []
     runner.on_cluster(lambda threads: [fatal], cluster.scheduler_address, noted.append)
     assert_failed_alone(sampler(tmp_path), noted)
 
 
 def test_a_run_that_kills_its_process_has_failed_and_costs_no_other(tmp_path: Path) -> None:
     fatal = batch(Fatal(scenario.read(short(tmp_path))), (0, 1, 2))
-    noted: list[BatchResult] = []
+    noted: list[ShareResult] = []
     runner.locally([fatal, batch(sampler(tmp_path), (3,))], 2, noted.append)
     assert noted.pop(0).runs[0].run == 3
     assert_failed_alone(sampler(tmp_path), noted)
 
 
-def assert_failed_alone(made: Sampler, noted: list[BatchResult]) -> None:
+def assert_failed_alone(made: Sampler, noted: list[ShareResult]) -> None:
     runs = sorted((run for result in noted for run in result.runs), key=lambda run: run.run)
     assert [run.outcome for run in runs] == ["ok", "failed", "ok"]
     assert runs[1].reason == "the process died" and runs[1].seed == made.seed_of(1)
@@ -109,7 +109,7 @@ def test_no_scheduler_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 def test_workers_that_are_not_there_yet_are_waited_for(tmp_path: Path) -> None:
     few: list[int] = []
     said: list[str] = []
-    noted: list[BatchResult] = []
+    noted: list[ShareResult] = []
     with distributed.LocalCluster(
         n_workers=0, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
     ) as late:
@@ -118,7 +118,7 @@ def test_workers_that_are_not_there_yet_are_waited_for(tmp_path: Path) -> None:
             said.append(text)
             late.scale(1)
 
-        def batches(least: int) -> list[Batch]:
+        def batches(least: int) -> list[Share]:
             few.append(least)
             return [batch(sampler(tmp_path), (0,))]
 
@@ -134,7 +134,7 @@ def test_a_scheduler_that_is_lost_is_told(tmp_path: Path) -> None:
     ) as ended:
         address = ended.scheduler_address
 
-        def note(_: BatchResult) -> None:
+        def note(_: ShareResult) -> None:
             ended.close()
 
         with pytest.raises(OSError, match=address):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws of a campaign: what they are, that nothing moves them, what cannot be drawn."""
+"""Draws of a campaign: distributions, independence, errors."""
 
 import math
 from itertools import combinations
@@ -181,13 +181,13 @@ def test_an_array_of_all_and_a_boats_own_are_not_both_varied(tmp_path: Path) -> 
         ('normal = [0, 1]\ncombine = "times"', '"vary.4.combine" = "times"'),
     ],
 )
-def test_a_vary_that_is_none_is_told(tmp_path: Path, how: str, said: str) -> None:
+def test_an_invalid_vary_is_told(tmp_path: Path, how: str, said: str) -> None:
     with pytest.raises(ScenarioError) as told:
         sampler(tmp_path, vary("link.loss", how))
     assert said in str(told.value)
 
 
-def test_a_draw_that_cannot_be_is_told_with_run_key_value_and_line(tmp_path: Path) -> None:
+def test_an_impossible_draw_is_told_with_run_key_value_and_line(tmp_path: Path) -> None:
     made = sampler(tmp_path, vary("link.loss", "normal = [0.5, 0.5]"))
     bad = next(run for run in range(100) if not 0.0 <= float(made.draws(run)["link.loss"]) <= 1.0)
     with pytest.raises(ScenarioError) as told:

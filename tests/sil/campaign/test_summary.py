@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The figures that a campaign ends with, from made-up runs."""
+"""The final figures of a campaign, from made-up runs."""
 
 import io
 from dataclasses import replace

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A batch of runs: the same as each alone, whatever becomes of one of them."""
+"""A batch of runs: each equal to the run alone, whatever happens to the others."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Boats of scenarios as their loops are examined, shared by the tests."""
+"""Boats of scenarios, set up as for the analysis of their loops."""
 
 from collections.abc import Mapping, Sequence
 

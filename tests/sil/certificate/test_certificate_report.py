@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tables: what they call the numbers that are easily misread."""
+"""The tables name numbers that are easily misread."""
 
 import io
 from dataclasses import replace

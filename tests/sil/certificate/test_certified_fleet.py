@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which boats are alike, and that each follows its own leader."""
+"""Groups of equal boats, each behind its own leader."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Chains: the depth that is certified is the depth to which they hold when they are sailed."""
+"""Chains: the certified depth is the depth to which they hold in simulation."""
 
 from functools import cache
 
@@ -30,7 +30,7 @@ def followed(delay_s: float) -> chain.Chain:
 
 def test_each_hop_amplifies_more_the_later_the_radio_is() -> None:
     most = [max(followed(delay_s).yaw.hop) for delay_s in (0.0, 0.1, 0.2)]
-    assert most == pytest.approx([1.56, 2.1, 2.8], abs=0.15)  # as they were measured in chains
+    assert most == pytest.approx([1.56, 2.1, 2.8], abs=0.15)  # as measured in chains
 
 
 def test_a_slow_turn_is_passed_on_as_it_is() -> None:

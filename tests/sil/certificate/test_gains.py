@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The search for the gains, on loops whose decay is made up, and within its time."""
+"""The search for gains, on loops with made-up decay, and within its time."""
 
 import math
 
@@ -19,7 +19,7 @@ def somewhere(setup: Boat) -> tuple[Boat, Points]:
 
 
 def hill(top: dict[str, float]) -> "pytest.MonkeyPatch":
-    """A decay that falls off from one place in the logarithms of the gains."""
+    """A decay with a single maximum over the logarithms of the gains."""
     patch = pytest.MonkeyPatch()
 
     def decay(setup: Boat, points: Points) -> tuple[float, float]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The sampled loop of a boat: it is the boat's, it can be put anywhere, copies do not mix."""
+"""The sampled loop of a boat: equals the boat's, its state can be set, copies are independent."""
 
 import numpy as np
 import pytest

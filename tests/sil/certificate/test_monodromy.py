@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The linearisation over a window: its instants, its products, and what they leave out."""
+"""The linearisation over a window: its instants, its products, and their limits."""
 
 import numpy as np
 import pytest
@@ -67,7 +67,7 @@ def test_product_of_a_runaway_loop_does_not_overflow() -> None:
     assert largest == pytest.approx(2000.0 * np.log(10.0))
 
 
-def test_memory_that_nothing_writes_is_no_state() -> None:
+def test_memory_that_is_never_written_is_not_part_of_the_state() -> None:
     factors = np.array([[[0.9, 0.3, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]] * 2)
     factors[1, 2, 0] = 0.1
     assert monodromy.written(factors).tolist() == [True, False, True]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Repeating motions between their samples, against the functions that were sampled."""
+"""Periodic motions between their samples, compared with the sampled functions."""
 
 import numpy as np
 import pytest

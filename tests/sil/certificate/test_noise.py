@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What noise of a fix does to the thrusts, against the law's own terms and noisy fixes."""
+"""The effect of measurement noise on the thrusts, against the law's terms and noisy fixes."""
 
 import flotilla
 import numpy as np

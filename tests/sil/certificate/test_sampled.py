@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The sampled loops' decay where theory or a simulation knows it, and verdicts on the rest."""
+"""The sampled loops' decay, compared with theory or simulation, and the verdicts."""
 
 import numpy as np
 import pytest
@@ -66,7 +66,7 @@ def test_on_a_straight_leg_the_papers_law_leaves_the_error_abeam_and_the_product
 
 
 @pytest.mark.parametrize("law", ["paper", "product"])
-def test_behind_a_leader_at_rest_the_error_abeam_is_nobodys_fault(law: Law) -> None:
+def test_behind_a_leader_at_rest_the_law_is_not_blamed_for_the_error_abeam(law: Law) -> None:
     found = examined(*AT_REST, law=law)
     assert found.neutral == 1
     assert found.holds and found.decay > 0.1

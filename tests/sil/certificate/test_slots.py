@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a slot asks of its boat: closed forms, and hulls that are sailed by it."""
+"""The motion and thrust that a slot demands: closed forms, and hulls that sail it."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The printed formulas: written out again by hand, at their limits, and where they say nothing."""
+"""The printed formulas: compared with hand calculation, at their limits, and out of range."""
 
 import math
 

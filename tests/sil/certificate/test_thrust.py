@@ -30,7 +30,7 @@ def test_turn_to_port_is_the_starboard_propellers() -> None:
     assert (found.least_N, found.most_N) == pytest.approx((0.4, 1.6))
 
 
-def test_weak_reverse_is_what_lacks() -> None:
+def test_weak_reverse_thrust_is_named_as_the_limit() -> None:
     found = need(np.array([[0.0, 0.5]]), 2.0, 0.8)
     assert (found.side, found.direction) == ("stbd", "reverse")
     assert found.margin == pytest.approx(1.0 - 1.0 / 0.8) and not found.given

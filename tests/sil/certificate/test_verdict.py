@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The verdict of certificates that are wrong in one thing, and of one that is right."""
+"""The verdict on certificates with one defect, and on a good one."""
 
 from dataclasses import replace
 from typing import Any

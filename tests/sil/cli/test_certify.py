@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""tools/certify: its exit status, what it writes, and how it tells a mistake."""
+"""tools/certify: exit status, files and error messages."""
 
 import json
 from pathlib import Path
@@ -24,7 +24,7 @@ def quick_search(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def no_chain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """For questions that a chain of boats has no part in."""
+    """Skips the analysis of chains, where a test does not need it."""
     monkeypatch.setattr(certificate, "_chain", lambda *_: (None, None))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line: mistakes are told in one line and change nothing."""
+"""The command line: usage errors are reported in one line and change nothing."""
 
 import errno
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tools/view takes for what, and what it says of what it cannot take."""
+"""The sources that tools/view accepts, and its errors for others."""
 
 import struct
 from pathlib import Path
@@ -51,10 +51,10 @@ def test_a_file_is_a_tlog(tmp_path: Path) -> None:
         ("mcast:239.255.145.67:14999:192.0.2.1", "no interface of this computer"),
         ("udpin:192.0.2.1:14999", "no interface of this computer has that address"),
         (".", "is not the folder of a run"),
-        (__file__, "is no tlog"),
+        (__file__, "is not a tlog"),
     ],
 )
-def test_what_cannot_be_seen_is_told_in_one_line(
+def test_a_source_that_cannot_be_viewed_is_told_in_one_line(
     source: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["view", source]) == 2
@@ -67,12 +67,12 @@ def test_what_cannot_be_seen_is_told_in_one_line(
     [
         ("", "a chart is a GeoJSON file"),
         ('{"type": "Feature"}', "geometry"),
-        ('{"type": "Point", "coordinates": [1, 2]}', "no lines or polygons"),
+        ('{"type": "Point", "coordinates": [1, 2]}', "contains no lines or polygons"),
         ('{"type": "LineString", "coordinates": [[500000, 4000000]]}', "in degrees"),
-        ('{"type": "Sea"}', '"Sea" is no type of GeoJSON'),
+        ('{"type": "Sea"}', '"Sea" is not a GeoJSON type'),
     ],
 )
-def test_a_chart_that_is_none_is_told(
+def test_a_file_that_is_not_a_chart_is_told(
     content: str, words: str, sailed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "chart"
@@ -83,7 +83,7 @@ def test_a_chart_that_is_none_is_told(
 
 
 @pytest.mark.parametrize("length", ["nan", "inf", "0", "-1", "long"])
-def test_a_length_that_is_none_is_refused(length: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_length_is_refused(length: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["view", "mcast:", f"--length={length}"])
     assert "--length" in capsys.readouterr().err

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tasks in processes: none is lost with another's process."""
+"""Tasks in processes: none is lost when another kills its process."""
 
 import multiprocessing
 import os

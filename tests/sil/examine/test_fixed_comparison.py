@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The fixed-point functions beside others', of few arguments."""
+"""The comparison of fixed-point functions, with few arguments."""
 
 import math
 import shutil
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from sil.examine import fixed_comparison
-from sil.examine.fixed_comparison import Row
+from sil.examine.fixed_comparison import MeasuredFunction
 from tests import measurements
 from tests.turns import some
 
@@ -52,12 +52,12 @@ def built() -> None:
 
 
 @pytest.fixture(scope="module")
-def rows(built: None) -> dict[str, Row]:
+def rows(built: None) -> dict[str, MeasuredFunction]:
     return {row.name: row for row in fixed_comparison.measure(100_000)}
 
 
 def test_ours_are_within_one_lsb_and_libfixmaths_sines_and_bearings_are_far_off(
-    rows: dict[str, Row],
+    rows: dict[str, MeasuredFunction],
 ) -> None:
     assert all(0.4 < row.error < 1 and row.arguments > 20_000 for row in some(rows.values()))
     for name, lsb in {"sin": 100, "sin_far": 1000, "cos": 100, "atan2": 500, "exp": 10_000}.items():
@@ -70,13 +70,15 @@ def test_ours_are_within_one_lsb_and_libfixmaths_sines_and_bearings_are_far_off(
     ]
 
 
-def test_a_float_has_fewer_places_where_numbers_are_great(rows: dict[str, Row]) -> None:
+def test_a_float_has_fewer_places_where_numbers_are_great(
+    rows: dict[str, MeasuredFunction],
+) -> None:
     assert rows["sin"].error_float < 0.1 < rows["sin"].error
     assert rows["hypot"].error_float > 64 < rows["exp"].error_float
 
 
 def test_without_a_floating_point_unit_every_function_costs_a_fraction_of_newlibs(
-    rows: dict[str, Row],
+    rows: dict[str, MeasuredFunction],
 ) -> None:
     for row in some(rows.values()):
         factor = 2 if row.name in ("multiply", "divide", "sqrt") else 8
@@ -84,7 +86,7 @@ def test_without_a_floating_point_unit_every_function_costs_a_fraction_of_newlib
         assert row.instructions_fpu < row.instructions_soft
 
 
-def test_the_tables_have_a_line_for_each_function(rows: dict[str, Row]) -> None:
+def test_the_tables_have_a_line_for_each_function(rows: dict[str, MeasuredFunction]) -> None:
     for table in some(fixed_comparison.tables(list(rows.values()))):
         assert table.row_count == len(rows) == 10
         assert len(table.columns) == 5

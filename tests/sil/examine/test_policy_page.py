@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page of rules has those of the firmware."""
+"""The page of rules lists the firmware's rules."""
 
 import flotilla
 

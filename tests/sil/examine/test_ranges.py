@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Ranges of the law's numbers in Q16.16: measured in every scenario, judged by what core states."""
+"""Ranges of the law's numbers in Q16.16, measured in every scenario, against core's statements."""
 
 import io
 import subprocess
@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from sil.examine import ranges
-from sil.examine.ranges import Most, Row
+from sil.examine.ranges import FileRange, Most
 from sil.lockstep.world import Run, sail
 from sil.scenario import scenario
 
@@ -69,7 +69,7 @@ def test_file_keeps_its_range_or_does_not(
     stated: float | None, magnitude: float | None, kept: bool
 ) -> None:
     most = None if magnitude is None else Most(magnitude, 7, "diamond")
-    assert Row("slot.hpp", stated, most).kept == kept
+    assert FileRange("slot.hpp", stated, most).kept == kept
 
 
 def test_greatest_of_all_lines_and_runs_is_kept_and_other_folders_are_passed_over() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The reference pages say what the firmware says."""
+"""The reference pages agree with the firmware."""
 
 from pathlib import Path
 

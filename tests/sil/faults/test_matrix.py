@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The matrix of faults judges what a boat did by its limits, and by nothing else."""
+"""The matrix of faults judges a boat's response by the row's limits alone."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ TICKS = 100
 
 
 def judged(*spells: tuple[str, int, float], **keys: Any) -> Outcome:
-    """Of a boat that was in those states so many ticks (of 0.1 s), told so much thrust (N)."""
+    """The outcome of a boat with these spells: state, ticks of 0.1 s, commanded thrust (N)."""
     row = Row.model_validate({"name": "it", "fault": [FAULT], "states": ["HOLD"], **keys})
     states = np.concatenate([np.full(n, STATES[name], np.uint8) for name, n, _ in spells])
     thrust_N = np.concatenate([np.full((n, 2), level) for _, n, level in spells])
@@ -38,14 +38,14 @@ def test_a_boat_that_keeps_the_limits_passes() -> None:
 @pytest.mark.parametrize(
     ("spells", "keys", "why"),
     [
-        (GOOD, {"detected_s": 0.2}, "noticed after 0.30 s, not 0.2 s"),
+        (GOOD, {"detected_s": 0.2}, "detected after 0.30 s, not 0.2 s"),
         (GOOD, {"recovered_s": 1.2}, "back after 1.30 s, not 1.2 s"),
         (GOOD, {"states": ["COAST"]}, "HOLD, not COAST"),
         (GOOD, {"then": "FAULT", "then_s": 9.0}, "HOLD for 3.00 s, then FORMATION"),
-        ((("FORMATION", 60, 5.0),), {}, "not noticed; HOLD wanted"),
+        ((("FORMATION", 60, 5.0),), {}, "not detected; expected HOLD"),
         ((*GOOD[:1], ("HOLD", 30, 0.0)), {}, "not back in FORMATION"),
-        ((*GOOD[:1], ("HOLD", 30, 0.5), GOOD[2]), {}, "0.50 N told where none was wanted"),
-        ((*GOOD[:1], ("HOLD", 5, 0.0), GOOD[2]), {}, "before the operator said so"),
+        ((*GOOD[:1], ("HOLD", 30, 0.5), GOOD[2]), {}, "0.50 N commanded where none is allowed"),
+        ((*GOOD[:1], ("HOLD", 5, 0.0), GOOD[2]), {}, "before the operator's command"),
         ((("HOLD", 5, 0.0), *GOOD), {}, "left FORMATION before anything went wrong"),
         (
             (GOOD[0], ("COAST", 5, 4.0), ("COAST", 5, 4.5), GOOD[2]),
@@ -119,7 +119,7 @@ NAMES = [row.name for row in rows.read()]
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Outcome]:
-    """Of all rows, sailed together."""
+    """The outcomes of all rows, sailed together."""
     return {one.fault: one for one in matrix.sail_all(rows.read())}
 
 
@@ -131,7 +131,7 @@ def test_boats_take_every_fault_of_the_matrix_within_its_limits(
 
 
 def test_where_a_boat_may_go_on_the_fault_was_there_all_the_same() -> None:
-    """Such a row passes without its fault, too: then the wires would be those of a good day."""
+    """Such a row would pass without its fault too, so compare the wires with an undisturbed run."""
     may_go_on = [row for row in rows.read() if "FORMATION" in row.states]
     assert len(may_go_on) >= 10
     ill = [row.scenario() for row in may_go_on]
@@ -159,7 +159,7 @@ def test_the_command_fails_where_a_row_does(
     monkeypatch.setattr(rows, "read", lambda: (row.model_copy(update={"detected_s": 0.1}),))
     assert main(["faults", "--out", str(tmp_path)]) == 1
     assert capsys.readouterr().out.splitlines()[-1] == "0 passed, 1 failed"
-    assert "noticed after 0.45 s" in (tmp_path / "faults.md").read_text()
+    assert "detected after 0.45 s" in (tmp_path / "faults.md").read_text()
 
 
 def test_a_matrix_that_is_interrupted_has_not_passed(
@@ -177,7 +177,7 @@ def test_a_matrix_that_is_interrupted_has_not_passed(
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--only", "kraken"], "--only kraken: no fault has that"),
+        (["--only", "kraken"], "--only kraken: no fault's name contains that"),
         (["--soak", "0"], "must be positive"),
     ],
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A soak is random by its seed, recovers from every fault, and says what it could not."""
+"""A soak depends only on its seed, recovers from every fault, and reports failures."""
 
 import pytest
 
@@ -26,12 +26,12 @@ def test_a_fault_that_is_not_recovered_from_ends_the_soak(monkeypatch: pytest.Mo
     monkeypatch.setattr(soak, "RECOVERED_S", 1.0)
     monkeypatch.setattr(soak, "ask", lambda *_: None)
     history = soaked(1)
-    assert "not recovered from" in history.wrong[0]
+    assert "not recovered by" in history.wrong[0]
 
 
 def test_thrust_without_leave_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "_OFF", [soak.STATES["FORMATION"]])
-    assert "thrust without leave" in soaked(1).wrong[0]
+    assert "forbidden thrust" in soaked(1).wrong[0]
 
 
 def test_a_broken_rule_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:

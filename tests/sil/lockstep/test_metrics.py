@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Numbers of summary.json from made-up traces whose answers are known."""
+"""Figures of summary.json from made-up traces with known answers."""
 
 import math
 
@@ -129,7 +129,7 @@ def test_closest_encounter_is_between_boats_and_leaves_the_virtual_leader_out() 
 
 
 def drifting(boats: int, ticks: int, seed: int) -> Array:
-    """Poses (ticks, boats + 1, 3) of boats at random that move at random."""
+    """Random poses (ticks, boats + 1, 3) of boats that move randomly."""
     rng = np.random.default_rng(seed)
     return 50.0 * rng.normal(size=(boats + 1, 3)) + np.cumsum(
         rng.normal(size=(ticks, boats + 1, 3)), axis=0
@@ -144,7 +144,7 @@ def test_closest_encounter_is_that_of_all_pairs_at_all_times(boats: int, ticks: 
         assert metrics.min_separation_m(eta) == pytest.approx(expected, rel=1e-12)
 
 
-def test_boats_that_are_nowhere_hide_no_encounter_of_the_others() -> None:
+def test_boats_with_nan_positions_hide_no_encounter_of_the_others() -> None:
     eta = drifting(12, 30, 1)
     eta[4:, 3], eta[9:, 8, 0], eta[2:5, 11, 1] = np.nan, np.inf, -np.inf
     places = np.where(np.isfinite(eta[..., :2]).all(axis=-1, keepdims=True), eta[..., :2], np.nan)
@@ -152,7 +152,7 @@ def test_boats_that_are_nowhere_hide_no_encounter_of_the_others() -> None:
     assert metrics.min_separation_m(eta) == pytest.approx(expected, rel=1e-12)
 
 
-def test_heading_error_of_a_boat_that_is_nowhere_is_no_number() -> None:
+def test_heading_error_of_a_boat_with_nan_position_is_nan() -> None:
     assert np.isnan(metrics.wrap(np.array([np.nan]))).all()
 
 
@@ -166,7 +166,7 @@ def test_change_of_thrust_is_that_of_the_restless_propeller_in_the_last_third() 
     np.testing.assert_allclose(each, [[0.1, 0.6]])
 
 
-def test_figures_of_boats_that_are_nowhere_are_made_without_a_warning() -> None:
+def test_figures_of_boats_with_nan_positions_are_made_without_a_warning() -> None:
     lost = along_x(np.full(T_S.size, 1e200))
     lost[-1] = np.inf
     assert np.isnan(metrics.wrap(np.array([np.inf, -np.inf]))).all()

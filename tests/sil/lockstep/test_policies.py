@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A boat that breaks a rule of the firmware: its run has failed, and the recording is there."""
+"""A boat that breaks a rule of the firmware: its run fails and leaves its recording."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ AT_US = 2_340_000
 
 
 class Disobedient(flotilla.Fleet):
-    """Its last boat but one is told to have broken a rule."""
+    """A fleet that reports a broken rule of its last boat but one."""
 
     def violations(self) -> list[tuple[int, int, str]]:
         return [(len(self.states) - 1, AT_US, RULE)]

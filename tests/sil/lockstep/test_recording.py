@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Recordings: whole or not at all, and never mistaken for something else."""
+"""Recordings: written atomically, and recognised reliably."""
 
 import struct
 from contextlib import suppress

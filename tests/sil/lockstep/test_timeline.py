@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Faults of a scenario happen at their ticks, are the seed's, and can be replayed."""
+"""Faults of a scenario happen at their ticks, depend on the seed, and can be replayed."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -47,7 +47,7 @@ def states_of(one: Scenario, boat: int) -> list[tuple[int, str]]:
 
 
 def refused(agent: int, kind: str, value: float) -> bool:
-    """By the firmware's own fleet, of a leader and a boat."""
+    """Whether a `flotilla.Fleet` of a leader and a boat refuses the fault."""
     fleet = flotilla.Fleet()
     unit, exact = (100.0, "local", 0.0), (0, 0.0)
     fleet.add_leader(0, 100, unit, exact)
@@ -116,13 +116,13 @@ def test_a_replay_is_heard_from_its_time_on(tmp_path: Path) -> None:
 
 
 def _halves(file: Path) -> list[tuple[int, int]]:
-    """The second before and the second after 2 s after the release, which is 3 s to the end."""
+    """Begin and end, us, of the third-last and the second-last second of a recording."""
     last = max(t for t, _, _ in Recording(file))
     return [(last - 3_000_000, last - 2_000_000), (last - 2_000_000, last - 1_000_000)]
 
 
 def test_runs_with_faults_replay_bit_for_bit(tmp_path: Path) -> None:
-    """Also of a boat that was killed, whose clock jumped, whose bus was off."""
+    """Also for a boat that was killed, whose clock jumped, or whose bus was off."""
     lines = [
         {"kind": "restart", "agent": 1, "at_s": 0.5, "for_s": 0.5},
         {"kind": "bus_off", "agent": 2, "at_s": 0.5, "for_s": 0.5},
@@ -220,7 +220,7 @@ SAME = "fault 1 is the same one at the same time"
     ],
 )
 def test_a_fault_does_not_happen_twice_at_a_time(changes: dict[str, Any], words: str) -> None:
-    """The end of one would be the other's."""
+    """The end of one would also end the other."""
     line = {"kind": "esc_silent", "agent": 1, "at_s": 1.0, "for_s": 1.0, "esc": "port"}
     if not words:
         sailing(line, {**line, **changes})

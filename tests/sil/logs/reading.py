@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MCAP files as MCAP's own reader has them."""
+"""Reads MCAP files with MCAP's own reader."""
 
 from collections import defaultdict
 from pathlib import Path
@@ -22,7 +22,7 @@ OURS = {"state": "flotilla.State", "law": "flotilla.Law", "status": "flotilla.St
 
 
 def messages_of(path: Path) -> dict[str, list[tuple[int, Any]]]:
-    """Of each topic the messages with their times, ns, in the order of these."""
+    """By topic, the messages with their times, ns, in order of time."""
     topics: dict[str, list[tuple[int, Any]]] = defaultdict(list)
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
@@ -32,7 +32,7 @@ def messages_of(path: Path) -> dict[str, list[tuple[int, Any]]]:
 
 
 def schemas_of(path: Path) -> dict[str, str]:
-    """Of each topic the name of its schema, whose descriptors must be complete."""
+    """By topic, the name of its schema; asserts complete descriptors."""
     with path.open("rb") as file:
         summary = make_reader(file).get_summary()
     assert summary is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Boats' logs become MCAP files that say what the boats said; damage is counted and left out."""
+"""Boats' logs converted to MCAP have the boats' messages; damage is counted and skipped."""
 
 import math
 import re
@@ -49,7 +49,7 @@ def north_m(step: int) -> float:
 
 
 def write_boat(path: Path, boat: int = 2, leader: int = 1, offset_us: int = 0) -> None:
-    """Five seconds at 10 Hz of a boat and its leader, whose frame begins elsewhere."""
+    """Write 5 s at 10 Hz of a boat and its leader, whose frame has another origin."""
     pen = Pen()
     elsewhere = LocalFrame(*ORIGIN[:2], 488.0).moved(100.0, 50.0).origin_degE7
     d = dialect()
@@ -82,7 +82,7 @@ def write_boat(path: Path, boat: int = 2, leader: int = 1, offset_us: int = 0) -
 
 
 def write_candump(path: Path, bus: str = "vcan0") -> None:
-    """The two ESCs' status at 10 Hz."""
+    """Write the two ESCs' status at 10 Hz."""
     publishers = [Publisher(ESC_STATUS, 16, 31 + index) for index in (0, 1)]
     with can.CanutilsLogWriter(path) as writer:
         for step in range(STEPS):
@@ -245,7 +245,7 @@ def test_damaged_bytes_of_a_tlog_are_left_out_and_counted(
     content[middle : middle + 40] = b"\xfd" * 40
     path.write_bytes(content[:-3])
     topics = converted(log, tmp_path / "out.mcap")
-    told = re.search(r"(\d+) bytes of the logs are damaged", capsys.readouterr().out)
+    told = re.search(r"skipped (\d+) damaged bytes of the logs", capsys.readouterr().out)
     assert told and 40 < int(told[1]) < 400
     assert STEPS - 3 <= len(topics["/boat2/state"]) <= STEPS
     assert {state.x_m for _, state in topics["/boat2/state"]} <= {north_m(s) for s in range(STEPS)}
@@ -268,13 +268,13 @@ def test_a_candump_log_that_is_cut_off_loses_its_last_line_only(
     [
         ("empty.tlog", b"", "empty.tlog: the file is empty"),
         ("empty.log", b"", "empty.log: the file is empty"),
-        ("noise.tlog", bytes(range(256)) * 40, "holds no MAVLink packet"),
-        ("noise.log", b"(yesterday) can0\n" * 9, "holds no CAN frame"),
+        ("noise.tlog", bytes(range(256)) * 40, "contains no MAVLink packet"),
+        ("noise.log", b"(yesterday) can0\n" * 9, "contains no CAN frame"),
         ("missing.tlog", None, "missing.tlog: No such file"),
-        ("folder/readme.txt", b"nothing", "neither a run's folder nor one with logs"),
+        ("folder/readme.txt", b"nothing", "neither the folder of a run nor one with logs"),
     ],
 )
-def test_what_is_no_log_is_told_in_one_line_and_nothing_is_written(
+def test_a_file_that_is_not_a_log_is_told_in_one_line_and_nothing_is_written(
     name: str, content: bytes | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / name
@@ -326,7 +326,7 @@ def test_no_damage_is_more_than_what_it_hits(
 
 
 @pytest.mark.parametrize("place", [(math.nan, 0.0), (math.inf, 0.0), (1e30, 1e30)])
-def test_a_place_that_is_none_is_not_told(place: tuple[float, float], tmp_path: Path) -> None:
+def test_an_invalid_position_is_left_out(place: tuple[float, float], tmp_path: Path) -> None:
     d, pen = dialect(), Pen()
     pen.put(START_US, 1, 1, d.MAVLink_gps_global_origin_message(*ORIGIN[::-1], 0))
     pen.put(START_US, 4, 1, d.MAVLink_gps_global_origin_message(*ORIGIN, 0))
@@ -338,7 +338,7 @@ def test_a_place_that_is_none_is_not_told(place: tuple[float, float], tmp_path: 
     (tmp_path / "boat.tlog").write_bytes(pen.content)
     topics = converted(tmp_path / "boat.tlog", tmp_path / "out.mcap")
     assert [(state.x_m, state.y_m) for _, state in topics["/boat4/state"]] == [(1.0, 2.0)]
-    assert "/tf" not in topics  # nobody said where the bow is
+    assert "/tf" not in topics  # the heading is unknown
 
 
 def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) -> None:
@@ -358,5 +358,5 @@ def test_a_log_is_not_written_over(log: Path, capsys: pytest.CaptureFixture[str]
     tlog = next(log.glob("*.tlog"))
     before = tlog.read_bytes()
     assert main(["convert", str(log), "--out", str(tlog)]) == 2
-    assert_told_in_one_line("is one of the logs", capsys)
+    assert_told_in_one_line("is one of the logs to convert", capsys)
     assert tlog.read_bytes() == before

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The layout for Foxglove and Lichtblick shows what is in the file of a run of four boats."""
+"""The layout for Foxglove and Lichtblick matches the file of a run of four boats."""
 
 import json
 import re

@@ -38,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def rrd(rerun: Path, folder: Path) -> Path:
-    """What Rerun makes of it."""
+    """The folder's MCAP file converted by Rerun."""
     out = folder / "run.rrd"
     subprocess.run([rerun, "mcap", "convert", folder / NAME, "-o", out], check=True)
     return out
@@ -50,7 +50,7 @@ def chunks(rerun: Path, rrd: Path, entity: str, *options: str) -> str:
 
 
 def rows(printed: str, component: str) -> int:
-    """How many rows the chunks have in which a component is."""
+    """The number of rows of the chunks that contain a component."""
     found = re.findall(r"with (\d+) rows .* - data columns: \[(.*)\]", printed)
     return sum(int(count) for count, columns in found if component in columns)
 

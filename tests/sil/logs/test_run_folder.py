@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A run's MCAP file says what the run was."""
+"""A run's MCAP file agrees with the run."""
 
 import json
 import math
@@ -168,4 +168,4 @@ def test_a_live_runs_log_has_nothing_of_an_earlier_runs_recording(
 
 def test_a_recording_alone_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert flotilla(["convert", str(folder / "recording.bin")]) == 2
-    assert_told_in_one_line("its folder is what can be converted", capsys)
+    assert_told_in_one_line("convert its folder", capsys)

@@ -34,7 +34,7 @@ def sail(h_s: float, duration_s: float, start: Array, speed: Array, w: Array) ->
 
 
 def exact(p: HullParameters, duration_s: float, start: Array, speed: Array, w: Array) -> Array:
-    """The same by matrices, M ν̇ = τ + w − C ν − D ν, with an adaptive integrator."""
+    """The same from matrices, M ν̇ = τ + w − C ν − D ν, with an adaptive integrator."""
     mass, drag = np.diag([p.m11, p.m22, p.m33]), np.diag([p.d11, p.d22, p.d33])
 
     def rates(t: float, state: Array) -> Array:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Hulls beyond the paper's, in a current: against a model by matrices and integrals."""
+"""Hulls with more terms than the paper's, in a current, against matrices and integrals."""
 
 from dataclasses import astuple
 
@@ -117,7 +117,7 @@ def test_boat_without_thrust_ends_up_moving_with_the_water(parameters: HullParam
 
 
 def test_a_current_moves_a_boat_as_a_moving_frame_does() -> None:
-    """Galilei: the same boat, seen from the water, does not know that the water moves."""
+    """Galilean invariance: relative to the water, the boat moves as in still water."""
     h_s, tau = 0.01, np.tile([60.0, 8.0], (3, 1, 1))
     parameters, free = hull.stack([SEA]), np.zeros((1, 3))
     seen, still = START[:, :3].copy(), START[:, :3].copy()
@@ -147,7 +147,7 @@ def test_drifting_sea_hull_only_loses_energy_whatever_it_does() -> None:
         assert gained == pytest.approx(-1e-4 * middle @ drag_of(SEA, middle), rel=1e-4)
 
 
-def test_hull_whose_inertia_is_none_is_refused() -> None:
+def test_hull_without_valid_inertia_is_refused() -> None:
     with pytest.raises(ValueError, match="m23 = 90"):
         hull.stack([HullParameters(85, 162, 41, 1, 1, 1, m23=90.0)])
 

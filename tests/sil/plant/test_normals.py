@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Random numbers that are drawn ahead are those that would be drawn step by step."""
+"""Random numbers drawn in advance equal those drawn step by step."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the navigation units measure."""
+"""The navigation units' measurements."""
 
 from dataclasses import replace
 

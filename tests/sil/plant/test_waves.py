@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Waves by their spectrum, their force by integration over the hull, their drift by Maruo."""
+"""Waves against their spectrum, forces against integration over the hull, drift against Maruo."""
 
 from dataclasses import replace
 

@@ -68,7 +68,7 @@ def test_sample_that_is_no_whole_number_of_steps_is_refused(sample_s: float) -> 
 
 
 class Steady:
-    """A force of one's own that notes when it was asked."""
+    """A user-defined force that records the times of its evaluations."""
 
     def __init__(self, force: float) -> None:
         self.force, self.asked = force, list[float]()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Gusts by their statistics, the wind's force by its formula and by common sense."""
+"""Gusts against their statistics, the wind's force against its formula and plausibility."""
 
 import numpy as np
 import pytest

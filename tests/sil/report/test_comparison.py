@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures of made-up runs: what they show is in their axes."""
+"""Pictures of made-up runs, checked by their axes' content."""
 
 import io
 
@@ -52,7 +52,7 @@ def test_picture_is_small_whatever_the_baseline_did(baseline: list[Trace]) -> No
 
 @pytest.mark.parametrize("seeds", [1, 3])
 @pytest.mark.parametrize("wrong", [1e30, np.nan])
-def test_boats_that_are_nowhere_can_be_drawn(wrong: float, seeds: int) -> None:
+def test_boats_with_nan_positions_can_be_drawn(wrong: float, seeds: int) -> None:
     lost = {name: values.copy() for name, values in made_up(4).items()}
     for name in ("eta", "error"):
         lost[name][200:] *= wrong

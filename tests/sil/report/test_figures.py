@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Figures from made-up traces whose answers are known."""
+"""Figures from made-up traces with known answers."""
 
 import math
 

@@ -15,6 +15,7 @@ from sil.lockstep import metrics
 from sil.lockstep.metrics import Summary
 from sil.plant.hull import Array
 from sil.report import one_run, plots, run_report
+from sil.report.drawing import draw
 from sil.view import history
 from sil.view import page as view
 
@@ -51,7 +52,8 @@ def made_up_run(ticks: int = 2001) -> tuple[Summary, dict[str, Array]]:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run")
-    run_report.write(path, *made_up_run(), COMMAND)
+    summary, trace = made_up_run()
+    run_report.write(path, summary, trace, COMMAND, draw("pair", trace))
     return path
 
 
@@ -88,7 +90,8 @@ def test_report_without_the_plot_library_says_so_and_has_all_else(
         raise view.PageError("no chart.min.js")
 
     monkeypatch.setattr(view, "library", missing)
-    run_report.write(tmp_path, *made_up_run(), COMMAND)
+    summary, trace = made_up_run()
+    run_report.write(tmp_path, summary, trace, COMMAND, draw("pair", trace))
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "No replay here: no chart.min.js." in text and "<h1>pair &amp; co</h1>" in text
 
@@ -116,7 +119,8 @@ def test_live_run_of_a_single_boat_is_reported_without_digest_and_separation() -
 def test_boats_that_did_not_move_or_err_can_be_reported(tmp_path: Path) -> None:
     summary, trace = made_up_run(ticks=2)
     still = {name: 0.0 * values for name, values in trace.items() if name != "t_s"}
-    run_report.write(tmp_path, summary, {"t_s": trace["t_s"], **still}, COMMAND)
+    still["t_s"] = trace["t_s"]
+    run_report.write(tmp_path, summary, still, COMMAND, draw("pair", still))
     assert (tmp_path / "report.html").exists()
 
 
@@ -134,7 +138,9 @@ def test_run_that_diverged_is_reported_up_to_where_it_did(tmp_path: Path, lost: 
     trace["thrust"][1200:, 1] = np.nan
     with np.errstate(all="ignore"):
         boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], [{}, {}])
-    one_run.write(tmp_path, {**summary, "boats": boats, "min_separation_m": lost}, trace, COMMAND)
+    lost_run: Summary = {**summary, "boats": boats, "min_separation_m": lost}
+    one_run.save(tmp_path, lost_run, trace)
+    run_report.write(tmp_path, lost_run, trace, COMMAND, draw("pair", trace))
     assert (tmp_path / "report.html").is_file()
     maps = plots.formation("pair", trace).axes
     assert maps[1].get_title(loc="left").startswith("up to 11.99 s")

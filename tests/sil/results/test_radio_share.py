@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Radios that several boats share, and what a signature costs: pymavlink checks those that are."""
+"""Radios shared by several boats, and the cost of signatures, which pymavlink verifies."""
 
 from pathlib import Path
 
@@ -80,7 +80,7 @@ def test_eight_boats_with_their_profile_share_a_radio_and_keep_their_slots(
     radio = radio_share.eight(tmp_path, PROFILE, *weather)
     assert radio["share"] <= radio_share.EIGHT_SHARE
     assert radio["rms_m"] <= radio_share.EIGHT_RMS_M
-    assert "NAMED_VALUE_FLOAT" in radio["bytes_per_s"]  # telemetry is slowed, not off
+    assert "NAMED_VALUE_FLOAT" in radio["bytes_per_s"]  # telemetry is slowed down, not switched off
 
 
 def test_the_table_tells_shares_and_parameters_to_paste(tmp_path: Path) -> None:

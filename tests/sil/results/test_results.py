@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command `results`: what it sails, writes and answers, from made-up outcomes."""
+"""The command `results`: runs, files and exit status, with made-up outcomes."""
 
 import argparse
 import json
@@ -33,7 +33,7 @@ def options(*arguments: str) -> argparse.Namespace:
 
 
 def fleet(job: Job, **changed: float) -> Outcome:
-    """An outcome that reaches every bound but for the figures that are changed."""
+    """An outcome that meets every bound, except with the changed figures."""
     t_s = np.arange(0.0, 301.0)
     keys = [bound.key for bound in CLAIMS[job.scenario].bounds]
     good = 0.0001 if job.law == "product" else 0.029
@@ -44,7 +44,7 @@ def fleet(job: Job, **changed: float) -> Outcome:
 
 @pytest.fixture
 def sail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., list[Job]]:
-    """Makes the command take made-up outcomes, in a folder of its own; collects its jobs."""
+    """Makes the command use made-up outcomes in a temporary folder; collects its jobs."""
 
     def sail(outcome_of: Callable[[Job], Outcome]) -> list[Job]:
         jobs: list[Job] = []

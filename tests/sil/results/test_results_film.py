@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The README's moving picture shows what the trace has."""
+"""The README's animation agrees with the trace."""
 
 import io
 

@@ -16,7 +16,7 @@ from tests.turns import some
 
 
 def outcomes(name: str, figures: Sequence[float | None]) -> list[Outcome]:
-    """Runs of both laws, a seed a figure; None is a run that failed."""
+    """Runs of both laws, one seed per figure; None is a failed run."""
     keys = [bound.key for bound in CLAIMS[name].bounds]
     return [
         Outcome(Job(name, law, seed), failure="rammed a pier")

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import pytest
 from rich.console import Console
 
-from sil.results import published, results, results_table
+from sil.results import SEEDS, published, results_table
 from sil.results.claims import CLAIMS, LAWS
-from sil.results.results_table import BEGIN, COLUMNS, END, Row
+from sil.results.results_table import BEGIN, COLUMNS, END, PublishedBound
 from sil.results.sailing import Job, Outcome
 
 
 def outcomes(name: str, paper: list[float | None], product: list[float | None]) -> list[Outcome]:
-    """A run a figure, all of its figures the same; None is a run that failed."""
+    """One run per given figure, with all its figures equal; None is a failed run."""
     keys = [bound.key for bound in CLAIMS[name].bounds]
     return [
         Outcome(Job(name, law, seed), failure="" if figure is not None else "rammed a pier")
@@ -93,11 +93,11 @@ def test_figure_is_told_with_as_many_digits_as_mean_something(
     assert row.cells[2] == told
 
 
-def made_up_table() -> list[Row]:
+def made_up_table() -> list[PublishedBound]:
     return results_table.rows(outcomes("diamond", [0.03], [0.02]) + outcomes("sea", [3], [0.1]))
 
 
-def page_of(text: str, rows: Sequence[Row]) -> str:
+def page_of(text: str, rows: Sequence[PublishedBound]) -> str:
     return results_table.between(text, BEGIN, results_table.for_page(rows))
 
 
@@ -137,13 +137,15 @@ def test_page_that_lost_its_marks_is_an_error(text: str) -> None:
 
 def test_projects_page_has_the_marks_and_every_bound_in_order() -> None:
     text = published.PAGE.read_text(encoding="utf-8")
-    rows = [Row(name, b, 0.0, 0.0, results.SEEDS) for name in CLAIMS for b in CLAIMS[name].bounds]
+    rows = [
+        PublishedBound(name, b, 0.0, 0.0, SEEDS) for name in CLAIMS for b in CLAIMS[name].bounds
+    ]
     _, _, rest = page_of(text, rows).partition(BEGIN)
     assert wanted(text.partition(BEGIN)[2]) == wanted(rest), "run flotilla results"
 
 
 def wanted(page: str) -> list[list[str]]:
-    """Lines of the table but for its figures."""
+    """Lines of the table without the figures."""
     lines = [line.split(" | ") for line in page.partition(END)[0].splitlines()]
     return [[*cells[:2], cells[4]] for cells in lines if len(cells) == len(COLUMNS)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Runs in processes: the same as in one, whatever becomes of the others."""
+"""Runs in processes: equal to runs in one process, whatever happens to the others."""
 
 import multiprocessing
 import os
@@ -16,7 +16,7 @@ NOISY = ("duration_s=3.0", "navigation.position_noise_m=0.1")
 
 
 class Fatal(Job):
-    """A job that ends the process that unpacks it."""
+    """A job that kills the process that unpickles it."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return os._exit, (9,)

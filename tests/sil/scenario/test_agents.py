@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who is who in a fleet, for those who hear it."""
+"""System ids of a fleet, unique for everybody who hears them."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from sil.scenario.scenario import Scenario
 
 
 def fleet(*follows: int) -> Scenario:
-    """A boat of diamond's behind each of these agents."""
+    """Boats of `diamond`, one behind each of these agents."""
     diamond = scenario.load("diamond")
     boats = tuple(diamond.boat[0].model_copy(update={"follows": leader}) for leader in follows)
     return diamond.model_copy(update={"boat": boats})

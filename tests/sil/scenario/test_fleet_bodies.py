@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The plant that a scenario asks for: whose hull, what water, which random numbers."""
+"""The plant of a scenario: hulls, current, random numbers."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which LAW_* a boat is told, by the scenario, its law, --law and --param."""
+"""The LAW_* parameters of a boat, by the scenario, its law, --law and --param."""
 
 from pathlib import Path
 

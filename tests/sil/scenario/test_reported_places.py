@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where boats are in the coordinates that their units tell."""
+"""Boats' positions in the coordinates that their units send."""
 
 import math
 
@@ -47,9 +47,7 @@ def test_a_unit_on_the_globe_tells_latitude_longitude_and_true_heading(message: 
 
 @pytest.mark.parametrize("lost", [math.nan, math.inf, -1e300, 2e7])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_boat_that_is_nowhere_on_the_globe_is_told_where_it_was_last(
-    lost: float, axis: int
-) -> None:
+def test_a_boat_beyond_the_globe_keeps_its_last_reported_position(lost: float, axis: int) -> None:
     told = Told([LOCAL, Settings(10.0, "global"), Settings(10.0, "follow_target")])
     psi = told.poses(ETA)[:, 2].copy()
     assert told.degE7 is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Scenario files: what they mean, and that every mistake names file, line, key and remedy."""
+"""Scenario files: their meaning; errors name file, line, key and remedy."""
 
 import re
 import tomllib
@@ -56,7 +56,7 @@ def written(folder: Path, text: str) -> Path:
 
 
 def complaint(folder: Path, text: str, *overrides: str) -> str:
-    """What the person who wrote `text` is told, without the folder."""
+    """The error message for a file with `text`, without the folder's name."""
     with pytest.raises(ScenarioError) as caught:
         load(written(folder, text), overrides)
     return str(caught.value).replace(f"{folder}/", "")
@@ -327,7 +327,7 @@ def test_mistake_that_only_the_base_can_have_made_is_told_in_the_base(tmp_path: 
         ("boat.2.eta=[0, 0]", '"boat.2.eta" = [0, 0]: must have 3 numbers'),
         ("boat.3.follows=0", 'no key "boat.3.follows": "3" must be a number from 1 to 2'),
         ("boat.2.follows=5", '"boat.2.follows" = 5: boat 2 may follow agents 0 to 1'),
-        ("seed.x=1", 'no key "seed.x": 3 is no table'),
+        ("seed.x=1", 'no key "seed.x": 3 is not a table'),
         ("seed", "must be KEY=VALUE"),
         ("=1", "must be KEY=VALUE"),
         ("scalar=dobule", '"scalar" = "dobule": must be'),

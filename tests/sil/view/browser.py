@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Debian's Chromium without a screen, driven by Selenium."""
+"""Debian's headless Chromium, driven by Selenium."""
 
 import json
 import shutil
@@ -40,7 +40,7 @@ class Browser:
         self.open, self.run = driver.get, driver.execute_script
 
     def until(self, script: str, *arguments: object, patience_s: float = _PATIENCE_S) -> Any:
-        """What `script` returns as soon as that is true; looked at every 50 ms."""
+        """Evaluate `script` every 50 ms until it returns something true."""
         give_up_s = time.monotonic() + patience_s
         while not (found := self.run(script, *arguments)):
             assert time.monotonic() < give_up_s, f"never true: {script}\n{self.said()}"
@@ -51,19 +51,19 @@ class Browser:
         return self._driver.execute_cdp_cmd(command, parameters)
 
     def size(self, width: int, height: int, *, dark: bool = False) -> None:
-        """Size of the page in CSS pixels, which no window has to have; colours by preference."""
+        """Set the page's size in CSS pixels, independent of the window, and the colour scheme."""
         shape = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
         self.devtools("Emulation.setDeviceMetricsOverride", **shape)
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.devtools("Emulation.setEmulatedMedia", features=[scheme])
 
     def still(self) -> None:
-        """The reader prefers that little moves, until the next `size`."""
+        """Prefer reduced motion until the next `size`."""
         motion = {"name": "prefers-reduced-motion", "value": "reduce"}
         self.devtools("Emulation.setEmulatedMedia", features=[motion])
 
     def act(self, *devices: dict[str, Any]) -> None:
-        """What fingers, a mouse, a wheel or a keyboard do, as WebDriver's actions have it."""
+        """Perform WebDriver actions of touch, mouse, wheel or keyboard."""
         self._driver.execute(Command.W3C_ACTIONS, {"actions": list(devices)})
 
     def press(self, key: str) -> None:
@@ -71,7 +71,7 @@ class Browser:
         self.act({"type": "key", "id": "keyboard", "actions": keys})
 
     def click(self, right: float, down: float) -> None:
-        """The mouse, at a place of the page."""
+        """Click the mouse at a position of the page."""
         move = {"type": "pointerMove", "x": round(right), "y": round(down)}
         press = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
         self.act({"type": "pointer", "id": "mouse", "actions": [move, *press]})
@@ -80,7 +80,7 @@ class Browser:
         path.write_bytes(self._driver.get_screenshot_as_png())
 
     def said(self) -> list[dict[str, Any]]:
-        """All that the console has said so far."""
+        """All console messages so far."""
         self._said += self._driver.get_log("browser")
         return self._said
 
@@ -88,7 +88,7 @@ class Browser:
         return [entry["message"] for entry in self.said() if entry["level"] == "SEVERE"]
 
     def noted(self) -> list[dict[str, Any]]:
-        """DevTools' network events so far."""
+        """All network events of DevTools so far."""
         for entry in self._driver.get_log("performance"):
             message = json.loads(entry["message"])["message"]
             if message["method"].startswith("Network."):
@@ -96,13 +96,13 @@ class Browser:
         return self._noted
 
     def forget(self) -> None:
-        """Nothing was said or asked for so far."""
+        """Discard the console messages and network events so far."""
         self.said()
         self.noted()
         self._said, self._noted = [], []
 
     def asked_for(self) -> list[str]:
-        """Every address that was asked for, by request or WebSocket."""
+        """The addresses of all requests and WebSockets."""
         names = {"Network.requestWillBeSent", "Network.webSocketCreated"}
         found = [message["params"] for message in self.noted() if message["method"] in names]
         return [
@@ -110,7 +110,7 @@ class Browser:
         ]
 
     def asked_outside(self) -> list[str]:
-        """Those of them that leave the machine."""
+        """Those of them that are not on this machine."""
         own = ("file", "data", "blob", "about", "chrome")
         return [
             url
@@ -121,7 +121,7 @@ class Browser:
 
 @contextmanager
 def chromium(folder: Path, *, noting: bool = True) -> Iterator[Browser]:
-    """A browser that keeps its files in `folder`; `noting`: what it asks the network for."""
+    """A browser with its files in `folder`; `noting`: record its network requests."""
     assert CHROMIUM and DRIVER, MISSING
     options = Options()
     options.binary_location = CHROMIUM

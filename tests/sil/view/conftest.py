@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One browser for all tests of the page; each of them must leave its console and network clean."""
+"""One browser for all tests of the page; none may cause console errors or outside requests."""
 
 from collections.abc import Iterator
 
@@ -20,11 +20,11 @@ def _chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 @pytest.fixture
 def browser(_chromium: Browser) -> Iterator[Browser]:
-    """At 1200 × 800, light. Afterwards: no console error, and nothing asked for outside."""
+    """At 1200 × 800, light. Afterwards asserts no console error and no outside request."""
     _chromium.forget()
     _chromium.size(1200, 800)
     yield _chromium
-    _chromium.open("about:blank")  # a page that nobody looks at draws all the same
+    _chromium.open("about:blank")  # otherwise the old page would go on drawing
     assert _chromium.errors() == []
     assert _chromium.asked_outside() == []
 

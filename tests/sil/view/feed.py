@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who is heard by a view: real boats in lockstep, and stations by pymavlink's own encoder."""
+"""Senders for a view: real boats in lockstep, and stations by pymavlink's encoder."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -26,7 +26,7 @@ VIRTUAL = mavlink.MAVLink_heartbeat_message(
 
 
 def sail_and_look(look: Look, *overrides: str, name: str = "diamond") -> None:
-    """Sails a scenario; `look` at each tick from the release on."""
+    """Sail a scenario; calls `look` at each tick from the release on."""
     chosen = scenario.load(name, overrides)
     agents = range(len(chosen.boat) + 1)
 
@@ -38,7 +38,7 @@ def sail_and_look(look: Look, *overrides: str, name: str = "diamond") -> None:
 
 
 class Listening:
-    """A fleet's view that hears what it is given at times that it is told."""
+    """A fleet's view that gets given messages at given times."""
 
     def __init__(self) -> None:
         self.ear = Ear(stream=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A view whose fleet is made up: the page and its WebSocket on loopback, in a thread."""
+"""A view with a made-up fleet: the page and its WebSocket on loopback, in a thread."""
 
 import asyncio
 import json
@@ -22,7 +22,7 @@ Frames = Callable[[float], Message]
 
 
 def boat(number: int, t_s: float, **changes: object) -> dict[str, Any]:
-    """Boat `number` of a column of two that sails around, 6 m apart."""
+    """Boat `number` of a column of two boats, 6 m apart, that sails on a circle."""
     row, side = divmod(number - 1, 2)
     phase = 0.05 * t_s - 0.2 * (row + 1)
     x_m, y_m = 30.0 * math.sin(phase), 30.0 * (1.0 - math.cos(phase)) + 6.0 * side
@@ -71,7 +71,7 @@ def frame(t_s: float, vessels: list[Any]) -> str:
 
 
 def fleet(boats: int) -> Frames:
-    """So many boats behind a virtual leader."""
+    """That many boats behind a virtual leader."""
     return lambda t_s: frame(t_s, [leader(t_s), *(boat(n + 1, t_s) for n in range(boats))])
 
 
@@ -138,7 +138,7 @@ def _application(sockets: set[tornado.websocket.WebSocketHandler]) -> tornado.we
             sockets.discard(self)
 
         def on_message(self, message: str | bytes) -> None:
-            """The page says nothing."""
+            """Required by tornado; the page sends nothing."""
 
     class Page(tornado.web.RequestHandler):
         def get(self) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The live page of a fleet that is made up, open in the browser."""
+"""The live page of a made-up fleet, open in the browser."""
 
 from tests.sil.view.browser import Browser
 from tests.sil.view.feeder import Feeder, Frames

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""python -m tests.sil.view.page_cost: what the page of a live view costs a browser, measured.
+"""python -m tests.sil.view.page_cost: measures the cost of the live page in a browser.
 
 Debian's Chromium without a screen or a GPU shows `tools/view` hearing a line of boats, as
 `python -m sil.bench.page_cost` has them. Its renderer runs the page; the others put pixels

@@ -30,13 +30,13 @@ SAILED_S = 22.0
 SIZE = (1200, 900)
 _WINDOW = """const choice = document.getElementById('window'); choice.value = '30';
   choice.dispatchEvent(new Event('change'))"""
-_DRAWN_S = 2.0  # plots are drawn less often than boats
+_DRAWN_S = 2.0  # plots are redrawn less often than boats
 
 Frames = list[dict[str, Any]]
 
 
 def frames() -> Frames:
-    """What a view that listens from the release on tells its page, ten times a second."""
+    """The frames, ten per second, of a view that listens from the release on."""
     view, found = Listening(), []
 
     def look(k: int, said: list[bytes], _: Array) -> None:
@@ -59,7 +59,7 @@ def frames() -> Frames:
 
 
 def digest(picture: Image.Image, shown: Frames) -> str:
-    """SHA-256 of the pixels, the page but for its library, and the frames to a millimetre."""
+    """SHA-256 of the pixels, the page without its library, and the frames to a millimetre."""
     own = page.live().replace(page.library(), "")
     parts = picture.convert("RGB").tobytes(), own.encode(), json.dumps(_rounded(shown)).encode()
     return hashlib.sha256(b"".join(parts)).hexdigest()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Listening at addresses of every kind: what comes is heard, nothing is said."""
+"""Listening at addresses of every kind: input is heard, nothing is sent."""
 
 import asyncio
 import os
@@ -23,7 +23,7 @@ _PATIENCE_S = 20.0
 
 
 async def heard(listener: Listener, say: Callable[[], object], wanted: set[int]) -> Fleet:
-    """What a fleet has heard once all wanted systems have been: somebody says it all the time."""
+    """The fleet after all wanted systems were heard; calls `say` repeatedly meanwhile."""
     fleet = Fleet(1.0)
     running = asyncio.ensure_future(listener.run(lambda messages: fleet.hear(messages, 0.0)))
     try:
@@ -146,7 +146,7 @@ def test_a_serial_line_is_heard_and_written_nothing(tmp_path: Path) -> None:
         "udpout:127.0.0.1:14550",
     ],
 )
-def test_an_address_that_is_none_is_told(address: str) -> None:
+def test_an_invalid_address_is_told(address: str) -> None:
     with pytest.raises(ValueError, match=f'^"{address}": '):
         Listener(address)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Histories that a replay page plays, of traces that were made up."""
+"""Histories for a replay page, from made-up traces."""
 
 import base64
 import json
@@ -94,7 +94,7 @@ def test_trace_without_velocities_and_thrusts_has_no_such_columns() -> None:
     assert "u_mps" not in boat and "thrust_port_N" not in boat and "error_m" in boat
 
 
-def test_run_that_diverged_has_no_numbers_where_it_is_nowhere() -> None:
+def test_diverged_run_has_nan_where_it_is_not_finite() -> None:
     run = trace()
     run["eta"][3000:, 1] = np.inf
     run["error"][3000:, 0] = np.nan
@@ -133,5 +133,5 @@ def test_history_of_many_boats_stays_one_that_a_page_can_carry(boats: int) -> No
 
 
 def test_column_that_no_history_has_is_refused() -> None:
-    with pytest.raises(ValueError, match="no columns of a history: speed"):
+    with pytest.raises(ValueError, match="unknown columns of a history: speed"):
         history.vessel(Boat(1), "boat", {"speed": [1.0]})

@@ -60,7 +60,7 @@ async def frames_until(url: str, ended: Any) -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[dict[str, Any]], Path]:
-    """What a view has shown of a live run of `diamond`, and the run's folder."""
+    """All frames of a view of a live run of `diamond`, and the run's folder."""
     build(print)
     frames: list[dict[str, Any]] = []
 

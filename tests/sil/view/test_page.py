@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page as text: whole, small, and of the firmware's own table."""
+"""The page as text: complete, small, with the firmware's own table."""
 
 import json
 import re

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The live page in Chromium, fed with a fleet that is made up."""
+"""The live page in Chromium, with a made-up fleet."""
 
 import json
 
@@ -23,7 +23,7 @@ ODD = [None, 7, "boat", [], {}, {"id": "one"}, {"id": 1.5}]
 
 
 def places(browser: Browser) -> dict[str, list[float]]:
-    """North and east of every vessel that is shown, by name."""
+    """North and east of every vessel shown, by name."""
     script = """return Object.fromEntries(flotilla.shown.vessels.map((v) =>
       [v.key, flotilla.plan.camera.at(v.x_m, v.y_m).concat([v.x_m, v.y_m])]))"""
     found: dict[str, list[float]] = browser.run(script)

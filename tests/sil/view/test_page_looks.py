@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How the live page looks, on a phone, by day and night, to who cannot see it; how light it is."""
+"""The live page's look on a phone, in light and dark, its accessibility and its speed."""
 
 import pytest
 
@@ -23,7 +23,7 @@ def test_plan_has_the_colours_of_the_boats_on_it(browser: Browser, four: Feeder)
 
 
 def test_first_paint_is_within_a_second(browser: Browser, four: Feeder) -> None:
-    """Of the fastest of some loads: others may use this machine."""
+    """Judge the fastest of some loads, as other processes may use this machine."""
     painted_ms = []
     for _ in range(5):
         shown(browser, four)
@@ -53,7 +53,7 @@ def test_page_fits_a_phone(browser: Browser, four: Feeder) -> None:
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_texts_are_read_in_light_and_dark(browser: Browser, four: Feeder, dark: bool) -> None:
-    """Contrast as WCAG 2 has it, of every text on the page: 4.5 or more."""
+    """Contrast by WCAG 2 of every text on the page: at least 4.5."""
     browser.size(1200, 800, dark=dark)
     lost = {"state": "COAST", "held": ["leader's state is not fresh"], "text": "leader is lost"}
     silent = {"link_age_s": 9.0}

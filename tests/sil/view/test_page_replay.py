@@ -48,7 +48,7 @@ def replayed(
 
 
 def standing(browser: Browser, path: Path) -> None:
-    """Opens the page of a replay for a reader who prefers that nothing moves by itself."""
+    """Open a replay's page with preference for reduced motion."""
     browser.still()
     browser.open(path.as_uri())
     browser.until("return flotilla.plots !== null && flotilla.shown !== null")

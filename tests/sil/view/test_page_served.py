@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""tools/view's own server and page in Chromium, fed with what real boats said."""
+"""tools/view's own server and page in Chromium, with real boats' messages."""
 
 import json
 import random
@@ -32,7 +32,7 @@ STATE = f"{CARD} return card && card.querySelector('.state').textContent === arg
 
 @contextmanager
 def shown(browser: Browser, *arguments: str) -> Iterator["subprocess.Popen[str]"]:
-    """The page of a view that runs by itself, open; it is closed before the view ends."""
+    """Open the page of a view in its own process; closes it before the view ends."""
     view = subprocess.Popen(
         [sys.executable, "-m", "sil", "view", *arguments, "--bind", f"{LOOPBACK}:0"],
         stdout=subprocess.PIPE,
@@ -51,7 +51,7 @@ def shown(browser: Browser, *arguments: str) -> Iterator["subprocess.Popen[str]"
 
 @contextmanager
 def saying(port: int, chunks: Said) -> Iterator[None]:
-    """Says it in real time, beside."""
+    """Send the chunks in real time, in a thread."""
     over = threading.Event()
 
     def say() -> None:
@@ -73,12 +73,12 @@ def saying(port: int, chunks: Said) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def lost() -> Said:
-    """What the boats of `diamond` say whose virtual leader is silent after 4 s."""
+    """The traffic of `diamond` with a virtual leader that falls silent after 4 s."""
     return said_by(scenario.load("diamond", ["duration_s=14", "parameters.SR_STATE=10", FAULT]))
 
 
 def silenced(chunks: Said, system: int, from_s: float) -> Said:
-    """The same without what a system says from a time on."""
+    """The same chunks without a system's messages from a time on."""
     return [(at_s, d) for at_s, d in chunks if at_s < from_s or d[5] != system]
 
 

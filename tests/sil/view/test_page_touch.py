@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a reader does with the live page: pause, follow, drag, zoom."""
+"""Interaction with the live page: pause, follow, drag, zoom."""
 
 import pytest
 

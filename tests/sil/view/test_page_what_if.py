@@ -42,7 +42,7 @@ def sets_of_conditions() -> Iterator[list[str]]:
 
 
 def asked() -> list[tuple[str, str, list[str]]]:
-    """Every state and request, each with each set of conditions."""
+    """All states and requests, each with several sets of conditions."""
     return [
         (state, request, met)
         for met, state, request in product(sets_of_conditions(), flotilla.STATES, REQUESTS)
@@ -67,7 +67,7 @@ def test_page_answers_as_the_firmware_to_every_state_and_request(panel: Browser)
 
 
 def state_of(panel: Browser) -> tuple[str, str]:
-    """What the panel says: the state, and why."""
+    """The state that the panel shows, and the reason."""
     words = """return ['#verdict .state', '#because'].map((place) =>
       document.querySelector(place).textContent)"""
     state, why = panel.run(words)

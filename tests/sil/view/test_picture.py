@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The picture of the page is of the page as it is, and of boats as they sail."""
+"""The picture of the page is up to date with the page and the boats."""
 
 import pytest
 from PIL import Image

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Histories of runs: the truth as the trace has it, what boats said as the recording has it."""
+"""Histories of runs: the truth from the trace, the boats' messages from the recording."""
 
 import json
 import shutil

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The whole way: boats that sail in real time, heard on a multicast group, seen in a browser."""
+"""End to end: boats in real time, heard on a multicast group, seen in a browser."""
 
 import threading
 import time
@@ -36,7 +36,7 @@ BOATS = ("Boat 1", "Boat 2", "Boat 3", "Boat 4")
 
 
 class Ear:
-    """Hears boat 1's HEARTBEATs by pymavlink; `at_s`: when each state was told after its start."""
+    """Receives boat 1's HEARTBEATs by pymavlink; `at_s`: time of each state after the start."""
 
     def __init__(self, address: str) -> None:
         self.at_s: dict[str, float] = {}
@@ -71,7 +71,7 @@ class Ear:
 
 
 class Voyage:
-    """`diamond` in real time in a thread; after `SILENT_S` its virtual leader says no more."""
+    """`diamond` in real time in a thread; its virtual leader falls silent after `SILENT_S`."""
 
     def __init__(self, bus: str, address: str, out: Path) -> None:
         sailed = scenario.load("diamond", ["duration_s=120"])
@@ -103,7 +103,7 @@ class Voyage:
                 world.run(build(print), self._out, progress)
         except EndedError:
             pass
-        except BaseException as error:  # told where it is waited for
+        except BaseException as error:  # raised where the result is awaited
             self._mistake = error
 
 
@@ -118,7 +118,7 @@ def sailing(address: str, out: Path) -> Iterator[None]:
 
 
 def seen_at_s(browser: Browser, state: str) -> float:
-    """When the card of boat 1 has that state, at the latest."""
+    """The time by which the card of boat 1 shows that state."""
     browser.until(f"{STATE_OF} === arguments[1]", "Boat 1", state)
     return time.monotonic()
 
@@ -128,7 +128,7 @@ STATE_OF = """return [...document.querySelectorAll('.card')].find((c) =>
 
 
 def shown(browser: Browser) -> dict[int, dict[str, Any]]:
-    """The vessels of the frame on the page, by system id."""
+    """The vessels of the page's present frame, by system id."""
     vessels = browser.run("return flotilla.shown.vessels")
     return {vessel["id"]: vessel for vessel in vessels}
 
@@ -171,7 +171,7 @@ def test_a_fleet_whose_leader_falls_silent_is_seen_as_it_happens(
 def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dict[str, Any]]]:
     """Looks on.
 
-    How many seconds after a boat had said that it is in a state the page showed it; and what was
+    The page's delay, s, after the boat's report of each state; and the vessels
     shown in COAST.
     """
     for name in BOATS:
@@ -200,7 +200,7 @@ def watched(browser: Browser, ear: Ear) -> tuple[dict[str, float], dict[int, dic
 
 
 def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> None:
-    """Boat 1's log plays back what was seen `then`."""
+    """Assert that boat 1's log replays the vessels `then`."""
     history = history_of_tlog(tlog)
     boat = next(vessel for vessel in history["vessels"] if vessel["id"] == 1)
     away_m = np.hypot(numbers(boat["x_m"]) - then[1]["x_m"], numbers(boat["y_m"]) - then[1]["y_m"])
@@ -209,7 +209,7 @@ def replayed(browser: Browser, tlog: Path, then: dict[int, dict[str, Any]]) -> N
     standing(browser, path)
     seek(browser, float(numbers(history["t_s"])[np.nanargmin(away_m)]))
     now = shown(browser)
-    for system in (1, 2, 100):  # whom boat 1 hears
+    for system in (1, 2, 100):  # the systems that boat 1 hears
         for name in ("x_m", "y_m", "psi_rad"):
             assert now[system][name] == pytest.approx(then[system][name], abs=0.1), (system, name)
     for name in ("state", "held", "text", "leader"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a view makes of what it hears."""
+"""A view's vessels from received messages."""
 
 import random
 from math import pi

@@ -27,7 +27,7 @@ Use = Callable[[str], Awaitable[Any]]
 
 
 def served(source: Any, use: Use, port: int = 0) -> Any:
-    """What `use` makes of the URL of a running server."""
+    """The result of `use` with the URL of a running server."""
 
     async def run() -> Any:
         server = Server(source, (LOOPBACK, port))
@@ -44,7 +44,7 @@ def served(source: Any, use: Use, port: int = 0) -> Any:
 
 
 class Sender:
-    """Says to a port what it is given, many times a second, as long as it is entered."""
+    """A context manager that repeatedly sends given data to a port."""
 
     def __init__(self, port: int, say: Callable[[], list[bytes]]) -> None:
         self._port, self._say = port, say

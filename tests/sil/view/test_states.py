@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What holds a boat in its state."""
+"""The conditions that keep a boat out of FORMATION."""
 
 import flotilla
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Histories of tlogs: the picture that a view would have shown."""
+"""Histories of tlogs: equal to what a live view would have shown."""
 
 import random
 import struct
@@ -27,7 +27,7 @@ def record(t_us: int, data: bytes) -> bytes:
 
 @pytest.fixture(scope="module")
 def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Array]:
-    """A tlog of all that is said in a run of `diamond`, and the truth each tick."""
+    """A tlog of all radio traffic of a run of `diamond`, and the truth at each tick."""
     content, truth = bytearray(), []
 
     def look(k: int, chunks: list[bytes], eta: Array) -> None:
@@ -162,7 +162,7 @@ def test_a_vessel_that_comes_late_or_goes_is_not_known_before_and_after(tmp_path
 def test_a_file_that_is_no_tlog_is_told(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "x.tlog"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match="is no tlog"):
+    with pytest.raises(ValueError, match="is not a tlog"):
         history_of_tlog(path)
 
 
@@ -170,5 +170,5 @@ def test_bytes_that_only_look_like_unknown_messages_are_no_tlog(tmp_path: Path) 
     path = tmp_path / "other.bin"
     unknown = bytes([0xFD, 1, 0, 0, 7, 1, 1, 0xEE, 0xEE, 0xEE, 5, 9, 9])
     path.write_bytes(bytes(8) + 4 * unknown)
-    with pytest.raises(ValueError, match="no MAVLink message is in it"):
+    with pytest.raises(ValueError, match="it contains no MAVLink message"):
         history_of_tlog(path)

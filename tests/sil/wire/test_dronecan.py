@@ -305,7 +305,7 @@ def peer_frames(message: Any, source: int, transfer_id: int, **service: Any) -> 
 
 
 def agree(data_type: DataType, payload: bytes, peer: Any, source: int, transfer_id: int) -> Any:
-    """The same bytes from both, both receive the other's; returns what the peer received."""
+    """Assert that both codecs send equal bytes and receive the other's; the peer's message."""
     publisher = Publisher(data_type, 16, source)
     for _ in range(transfer_id):
         publisher.frames(b"")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an ESC does with the boat's commands, and what it says."""
+"""An ESC's response to the boat's commands, and its own messages."""
 
 import math
 
@@ -34,7 +34,7 @@ OFFSET_US = 3 * 3600 * 1_000_000 + 7
 
 
 class Boat:
-    """The boat's side of the bus, as far as these tests need it."""
+    """The boat's side of the bus, as needed here."""
 
     def __init__(self, esc: EscNode) -> None:
         self.esc = esc

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Local frames against geodesics of the WGS 84 ellipsoid that are integrated numerically."""
+"""Local frames against numerically integrated geodesics of the WGS 84 ellipsoid."""
 
 from math import atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tan
 
@@ -22,7 +22,7 @@ ORIGINS = [
 
 
 def sail(phi: float, lam: float, north_m: float, east_m: float) -> tuple[float, float, float]:
-    """Where the geodesic leads that begins towards (north, east), and its azimuth there; radians.
+    """The end of the geodesic that begins towards (north, east), and its azimuth there; radians.
 
     Its length is that of the way along the tangent, which at 5 km differs by 0.5 mm.
     """
@@ -40,7 +40,7 @@ def sail(phi: float, lam: float, north_m: float, east_m: float) -> tuple[float, 
 
 
 def metres(phi: float, lam: float, other: tuple[float, float]) -> float:
-    """Distance of two points that are near each other."""
+    """Distance of two close points, m."""
     east = (lam - other[1] + pi) % (2.0 * pi) - pi
     return A_M * hypot(phi - other[0], east * cos(phi))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The state that is read in a HEARTBEAT, against the state that the firmware is in."""
+"""The state decoded from a HEARTBEAT, against the firmware's state."""
 
 import flotilla
 import pytest
@@ -10,7 +10,7 @@ from tests.target.sea import Sea, named
 
 
 def told(sea: Sea) -> str | None:
-    """As the last HEARTBEAT has it."""
+    """The state in the last HEARTBEAT."""
     beat = named(sea.ticks, "HEARTBEAT")[-1]
     return state_of(beat.custom_mode, beat.base_mode, beat.system_status)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whole messages out of clean and dirty bytes, held against pymavlink."""
+"""Messages parsed from clean and damaged bytes, compared with pymavlink."""
 
 import random
 from typing import Any

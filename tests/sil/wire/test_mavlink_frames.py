@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Walking MAVLink frames in clean and dirty bytes."""
+"""Finding MAVLink frames in clean and damaged bytes."""
 
 from hypothesis import given
 from hypothesis import strategies as st

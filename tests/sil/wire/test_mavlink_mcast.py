@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Saying MAVLink to a multicast group or to one listener."""
+"""Sending MAVLink to a multicast group or to one listener."""
 
 import select
 import socket
@@ -63,5 +63,5 @@ def test_what_is_no_group_is_refused(text: str) -> None:
 
 def test_a_network_that_refuses_what_is_said_holds_up_nobody() -> None:
     mouth = Mouth(f"mcast:239.255.145.66:{free_port()}")
-    mouth.send(bytes(70_000), 0)  # no datagram is so long
+    mouth.send(bytes(70_000), 0)  # longer than a datagram
     mouth.close()

@@ -59,7 +59,7 @@ def sender() -> Iterator[socket.socket]:
 
 @pytest.fixture
 def listener() -> Iterator[socket.socket]:
-    """A plain socket that hears the bus, with interface and TTL of each packet."""
+    """A plain socket that receives the bus, with interface and TTL of each packet."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         udp.setsockopt(socket.IPPROTO_IP, IP_RECVTTL, 1)
@@ -72,13 +72,13 @@ def listener() -> Iterator[socket.socket]:
 
 
 def packet_of(can_id: int, data: bytes, flags: int = 0, magic: int = 0x2934) -> bytes:
-    """A packet with a right CRC, whatever else it says."""
+    """A packet with a valid CRC and arbitrary content."""
     body = struct.pack("<HI", flags, can_id) + data
     return struct.pack("<HH", magic, crc_hqx(body, 0xFFFF)) + body
 
 
 def content(message: can.Message | None) -> tuple[int, bool, bytes]:
-    """What a frame carries."""
+    """A frame's identifier, format and data."""
     assert message is not None, "no frame came"
     return message.arbitration_id, message.is_extended_id, bytes(message.data)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a navigation unit says, as pymavlink understands it."""
+"""A navigation unit's messages, decoded by pymavlink."""
 
 from collections import Counter
 from math import atan2, cos, hypot, isnan, pi, sin

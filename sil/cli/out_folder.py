@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: MIT
+"""The folder that a verb leaves its results in."""
+
+import json
+from pathlib import Path
+
+
+def claim(out: Path, marker: str, scenario: str) -> Path:
+    """`out`, if it is new, empty or holds the results of the same verb and scenario.
+
+    `marker`: the file by which the verb's results are known, JSON with their "scenario".
+    ValueError names the folder and the remedy.
+    """
+    if out.exists() and not out.is_dir():
+        raise ValueError(f"--out {out}: is a file; name a folder")
+    if not out.is_dir() or not any(out.iterdir()):
+        return out
+    try:
+        held = json.loads((out / marker).read_text(encoding="utf-8"))["scenario"]
+    except (OSError, ValueError, KeyError, TypeError):
+        held = None
+    if held == scenario:
+        return out
+    what = f'the results of "{held}"' if held else "files that this command has not made"
+    raise ValueError(f"{out} holds {what}: name another folder with --out, or remove it")

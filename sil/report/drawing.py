@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""Draws a run's pictures in a process of its own, which loads matplotlib while the boats sail."""
+
+import io
+import multiprocessing
+import signal
+from collections.abc import Mapping, Sequence
+from multiprocessing.connection import Connection
+from typing import Any, Self
+
+from sil.plant.hull import Array
+
+Pictures = dict[str, bytes]
+_Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]]]
+
+
+def draw(
+    name: str, trace: Mapping[str, Array], limits_N: Sequence[tuple[float, float]] = ()
+) -> Pictures:
+    """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`."""
+    from sil.report import plots  # noqa: PLC0415  loads matplotlib
+
+    figures = {
+        "formation": plots.formation(name, trace),
+        "errors": plots.errors(name, trace),
+        "thrust": plots.thrust(name, trace, limits_N),
+    }
+    pictures = {}
+    for stem, figure in figures.items():
+        png = io.BytesIO()
+        figure.savefig(png, format="png")
+        pictures[stem] = png.getvalue()
+    return pictures
+
+
+class Drawing:
+    """A context manager: `begin` once the run's trace is there, then `pictures` waits for them."""
+
+    def __init__(self) -> None:
+        context: Any = multiprocessing.get_context("fork")
+        self._ours, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, self._ours), daemon=True)
+        self._order: _Order | None = None
+
+    def __enter__(self) -> Self:
+        self._process.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        self._process.join()
+        self._ours.close()
+
+    @property
+    def process_id(self) -> int:
+        """Of the process that draws."""
+        return int(self._process.pid)
+
+    def begin(
+        self, name: str, trace: Mapping[str, Array], limits_N: Sequence[tuple[float, float]]
+    ) -> None:
+        """Have the pictures drawn; arguments as `draw`."""
+        self._order = (name, dict(trace), limits_N)
+        try:
+            self._ours.send(self._order)
+        except OSError:
+            return  # the process is gone; pictures() draws them here
+
+    def pictures(self) -> Pictures:
+        """The pictures; drawn here where the process cannot."""
+        assert self._order is not None
+        try:
+            drawn: Pictures = self._ours.recv()
+        except (EOFError, OSError):
+            return draw(*self._order)
+        return drawn
+
+
+def _serve(orders: Connection, other_end: Connection) -> None:
+    """Draw one order; Ctrl-C is the other process's to answer, whose end closes the pipe."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    other_end.close()
+    from sil.report import plots  # noqa: F401, PLC0415  loads matplotlib while the boats sail
+
+    try:
+        orders.send(draw(*orders.recv()))
+    except (EOFError, OSError):
+        return  # the run ended without a trace

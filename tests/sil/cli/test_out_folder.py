@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""Folders that a verb writes its results into, and those that it leaves alone."""
+
+from pathlib import Path
+
+import pytest
+
+from sil.cli.main import main
+from sil.cli.out_folder import claim
+
+
+def summary(folder: Path, text: str) -> Path:
+    folder.mkdir()
+    (folder / "summary.json").write_text(text, encoding="utf-8")
+    return folder
+
+
+def test_new_empty_and_own_folders_are_taken(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    own = summary(tmp_path / "own", '{"scenario": "noisy"}')
+    for folder in (tmp_path / "new", tmp_path / "empty", own):
+        assert claim(folder, "summary.json", "noisy") == folder
+
+
+@pytest.mark.parametrize(
+    ("held", "said"),
+    [
+        ('{"scenario": "sea"}', 'holds the results of "sea": name another folder with --out'),
+        ("{}", "holds files that this command has not made"),
+        ("[1]", "holds files that this command has not made"),
+        ("no JSON", "holds files that this command has not made"),
+    ],
+)
+def test_what_something_else_has_made_is_not_overwritten(
+    tmp_path: Path, held: str, said: str
+) -> None:
+    folder = summary(tmp_path / "held", held)
+    with pytest.raises(ValueError, match=said):
+        claim(folder, "summary.json", "noisy")
+
+
+def test_file_is_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(ValueError, match="is a file; name a folder"):
+        claim(tmp_path / "file", "summary.json", "noisy")
+
+
+def test_run_leaves_the_run_of_another_scenario_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = summary(tmp_path / "held", '{"scenario": "sea"}')
+    for verb in ("run", "certify"):
+        assert main([verb, "noisy", "--out", str(folder)]) == 2
+        assert f"{folder} holds" in capsys.readouterr().err
+    assert [path.name for path in folder.iterdir()] == ["summary.json"]
