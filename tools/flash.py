@@ -22,7 +22,7 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 SOURCES = Path(__file__).parents[1]
 CONFIG = "/etc/flotilla/boat.toml"

@@ -9,6 +9,7 @@ changes no exit status.
 import argparse
 import time
 from collections.abc import Sequence
+from importlib.util import find_spec
 
 from sil.common import pool
 from sil.scenario import arguments
@@ -36,6 +37,9 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     """Sail it; `given` is what the caller typed."""
     began_s = time.perf_counter()
+    for name in ("pyarrow", "matplotlib"):  # which are imported only after the runs
+        if find_spec(name) is None:
+            raise ModuleNotFoundError(name=name)
     if options.run is None and options.scheduler is None:
         pool.prepare(["sil.campaign.warm"])
     # While the workers import what they need, so does this process.

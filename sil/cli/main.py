@@ -25,6 +25,18 @@ _VERBS = {
     "bench": "time the firmware and the simulation, count instructions",
     "results": "sail all that the project publishes, and renew its pages",
 }
+# The extra of pyproject.toml that installs a module.
+_EXTRAS = {
+    "matplotlib": "view",
+    "PIL": "view",
+    "tornado": "view",
+    "pyarrow": "campaign",
+    "scipy": "campaign",
+    "distributed": "cluster",
+    "foxglove": "logs",
+    "google": "logs",
+    "psutil": "dev",
+}
 # Each of these first builds what it runs.
 _TOOLS = {
     "fuzz": "feed random bytes, frames, files and histories to the firmware",
@@ -63,6 +75,13 @@ def main(given: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return _INTERRUPTED
+    except ModuleNotFoundError as error:
+        module = (error.name or "").partition(".")[0]
+        if module not in _EXTRAS:
+            raise
+        remedy = f"pip install 'flotilla[{_EXTRAS[module]}]'"
+        print(f"error: flotilla {verb} needs {module}: {remedy}", file=sys.stderr)
+        return 2
     except (OSError, ValueError) as error:
         print(f"error: {sentence(error)}", file=sys.stderr)
         return 2

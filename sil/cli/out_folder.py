@@ -6,14 +6,15 @@ from pathlib import Path
 
 
 def claim(out: Path, marker: str, scenario: str) -> Path:
-    """`out`, if it is new, empty or holds the results of the same verb and scenario.
+    """`out`, unless it is a file or holds other results than this verb's of this scenario.
 
-    `marker`: the file by which the verb's results are known, JSON with their "scenario".
-    ValueError names the folder and the remedy.
+    `marker`: the file by which the verb's results are known, JSON with their "scenario"; results of
+    other verbs by a page. What an interrupted command left may be overwritten. ValueError names the
+    folder and the remedy.
     """
     if out.exists() and not out.is_dir():
         raise ValueError(f"--out {out}: is a file; name a folder")
-    if not out.is_dir() or not any(out.iterdir()):
+    if not (out / marker).exists() and not any(out.glob("*.html")):
         return out
     try:
         held = json.loads((out / marker).read_text(encoding="utf-8"))["scenario"]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import flotilla
 import numpy as np
 import numpy.typing as npt
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.faults.rows import Row
 from sil.lockstep.batch import Batch

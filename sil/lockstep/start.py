@@ -4,7 +4,7 @@
 from collections import defaultdict
 
 import flotilla
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.batch import Batch
 from sil.wire.heartbeat import FORMATION, HOLD

@@ -13,7 +13,7 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.recording import CAN_IN, MAVLINK_OUT, Recording, of_run
 from sil.logs.escs import EscBus

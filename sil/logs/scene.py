@@ -19,7 +19,6 @@ from foxglove.messages import (
     TriangleListPrimitive,
     Vector3,
 )
-from matplotlib.colors import to_rgb
 
 from sil.common.colours import BLACK, colour_of
 
@@ -44,7 +43,8 @@ def of(vessel: str, stamp: Timestamp, *, with_slot: bool) -> SceneUpdate:
 def _colour(vessel: str) -> Color:
     number = vessel.removeprefix("boat")
     known = number.isdecimal() and int(number)
-    red, green, blue = to_rgb(colour_of(int(number)) if known else BLACK)
+    code = colour_of(int(number)) if known else BLACK  # "#rrggbb"
+    red, green, blue = (part / 255.0 for part in bytes.fromhex(code[1:]))
     return Color(r=red, g=green, b=blue, a=1.0)
 
 

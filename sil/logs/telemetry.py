@@ -8,7 +8,7 @@ from math import hypot
 from typing import Any
 
 from foxglove.messages import LogLevel
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.logs.output import Output
 from sil.wire.heartbeat import state_of

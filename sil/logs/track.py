@@ -4,7 +4,7 @@
 from math import atan2, cos, isfinite, nan, sin
 from typing import Any
 
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.logs.output import FAR_M, Origin, Output, Pose, frame_of
 

@@ -5,11 +5,13 @@ import io
 import multiprocessing
 import signal
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from typing import Any, Self
 
 from sil.plant.hull import Array
 
+CAN_DRAW = find_spec("matplotlib") is not None
 Pictures = dict[str, bytes]
 _Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]]]
 
@@ -17,7 +19,12 @@ _Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]]]
 def draw(
     name: str, trace: Mapping[str, Array], limits_N: Sequence[tuple[float, float]] = ()
 ) -> Pictures:
-    """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`."""
+    """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`.
+
+    None without matplotlib, which only the extra [view] installs.
+    """
+    if not CAN_DRAW:
+        return {}
     from sil.report import plots  # noqa: PLC0415  loads matplotlib
 
     figures = {
@@ -80,8 +87,8 @@ def _serve(orders: Connection, other_end: Connection) -> None:
     """Draw one order; Ctrl-C is the other process's to answer, whose end closes the pipe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     other_end.close()
-    from sil.report import plots  # noqa: F401, PLC0415  loads matplotlib while the boats sail
-
+    if CAN_DRAW:
+        from sil.report import plots  # noqa: F401, PLC0415  loads matplotlib while the boats sail
     try:
         orders.send(draw(*orders.recv()))
     except (EOFError, OSError):

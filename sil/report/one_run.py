@@ -22,7 +22,7 @@ from sil.lockstep.metrics import Summary
 from sil.lockstep.world import Progress, Run, World
 from sil.plant.hull import Array
 from sil.report import headline, run_report
-from sil.report.drawing import Drawing
+from sil.report.drawing import CAN_DRAW, Drawing
 from sil.scenario.scenario import Scenario
 from sil.view.history import boats_of
 from sil.view.recorded import history_of, said_of
@@ -170,6 +170,8 @@ def _finish(
         f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "
         f"{summary['real_time_factor']:.0f} × real time; digest {digest}"
     )
+    if not CAN_DRAW:
+        console.print(r"the report has no pictures: pip install 'flotilla\[view]' for them")
     console.print(f"results: {out}/report.html", soft_wrap=True)
     return summary
 

@@ -30,6 +30,15 @@ COLUMNS = (
     "RMS thrust (N)",
 )
 
+_PICTURES = {
+    "formation": (
+        "Formation",
+        "Paths of the virtual leader and the boats, with the formation at several times",
+    ),
+    "errors": ("Formation error", "Distance of each boat from its slot over time"),
+    "thrust": ("Thrust", "Port and starboard thrust of each boat over time"),
+}
+
 _HERE = Path(__file__).parent
 STYLE = (_HERE / "report.css").read_text(encoding="utf-8")
 _PAGE = Template((_HERE / "report.html").read_text(encoding="utf-8"))
@@ -75,7 +84,7 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
     separation = summary["min_separation_m"]
     found = headline.of_run(summary)
     return _PAGE.substitute(
-        {stem: base64.b64encode(picture).decode() for stem, picture in pictures.items()},
+        pictures="\n".join(_picture(stem, png) for stem, png in pictures.items()),
         style=STYLE,
         replay=replay,
         scenario=escape(summary["scenario"]),
@@ -90,6 +99,12 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
         header="".join(f"<th>{escape(column)}</th>" for column in [*COLUMNS, "states"]),
         rows="".join(_row(boat) for boat in summary["boats"]),
     )
+
+
+def _picture(stem: str, png: bytes) -> str:
+    title, alt = _PICTURES[stem]
+    source = f"data:image/png;base64,{base64.b64encode(png).decode()}"
+    return f'<h2>{title}</h2>\n<img alt="{alt}"\n     src="{source}">\n'
 
 
 def _row(boat: BoatSummary) -> str:

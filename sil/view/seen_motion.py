@@ -4,7 +4,7 @@
 from math import atan2, cos, isfinite, sin
 from typing import Any, NamedTuple
 
-from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.wire import mavlink_messages as messages
 

@@ -3,7 +3,7 @@
 
 from typing import Any
 
-from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.view import states
 from sil.view.aboard import Aboard

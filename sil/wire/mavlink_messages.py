@@ -7,7 +7,7 @@ Source: mavlink.io, common message set.
 
 from struct import Struct
 
-from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 HEARTBEAT, SYS_STATUS, PARAM_VALUE, ATTITUDE = 0, 1, 22, 30
 LOCAL_POSITION_NED, GLOBAL_POSITION_INT, GPS_GLOBAL_ORIGIN = 32, 33, 49

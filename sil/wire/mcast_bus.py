@@ -128,6 +128,9 @@ class McastBus(can.BusABC):
                 return frame, False
             self.counters[frame] += 1
 
+    def flush_tx_buffer(self) -> None:
+        """Do nothing: send() has no buffer. PyPI dronecan calls this after each frame."""
+
     def fileno(self) -> int:
         """Descriptor that is readable when a packet waits; -1 after shutdown."""
         return self._receiver.fileno()

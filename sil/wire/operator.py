@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """An operator at a ground station: arms boats and sets their mode by MAVLink commands."""
 
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_frames import frames

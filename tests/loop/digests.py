@@ -15,7 +15,7 @@ import random
 from typing import get_args
 
 import flotilla
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 from rich.console import Console
 from rich.progress import track
 

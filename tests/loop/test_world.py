@@ -285,5 +285,5 @@ def test_a_fleet_that_no_recording_has_room_for_sails_without(tmp_path: Path) ->
     run = World(many, {}).run(tmp_path / "recording.bin", lambda _: None)
     assert run.digest is None and not list(tmp_path.iterdir())
     assert [seconds.keys() for seconds in run.states] == [{"FORMATION"}] * 256
-    with pytest.raises(ValueError, match="room for 255 boats"):
+    with pytest.raises(ValueError, match="at most 255 boats"):
         sail_together([many], {}, digest=True)

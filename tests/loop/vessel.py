@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import Any
 
 import flotilla
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.recording import CAN_IN, CAN_OUT, MAVLINK_IN, MAVLINK_OUT
 from sil.scenario.wiring import (

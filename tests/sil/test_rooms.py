@@ -25,6 +25,7 @@ ORDER = [
     "faults",
     "examine",
     "cli",
+    "examples",
 ]
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import pytest
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
 from tests.target.sea import Sea, acks

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 import pytest
-from pymavlink.dialects.v20 import ardupilotmega as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.target.operator_words import param_set
 from tests.target.sea import Sea, at_sea, texts

@@ -88,3 +88,31 @@ def test_help_of_a_command_has_examples_and_is_quick(verb: str) -> None:
 )
 def test_errors_are_sentences_without_numbers(error: Exception, words: str) -> None:
     assert words in sentence(error) and "Errno" not in sentence(error)
+
+
+def test_missing_extra_is_named_with_its_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "tornado", None)
+    for module in [name for name in sys.modules if name.startswith(("tornado.", "sil.view.serve"))]:
+        monkeypatch.delitem(sys.modules, module)
+    assert main(["view", str(tmp_path)]) == 2
+    assert (
+        capsys.readouterr().err
+        == "error: flotilla view needs tornado: pip install 'flotilla[view]'\n"
+    )
+
+
+def test_run_without_matplotlib_has_a_report_without_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in ("drawing", "one_run"):
+        monkeypatch.setattr(f"sil.report.{module}.CAN_DRAW", False)
+    assert main(["run", "turning", "--set", "duration_s=1", "--out", str(tmp_path)]) == 0
+    assert "pip install 'flotilla[view]'" in capsys.readouterr().out
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "recording.bin",
+        "report.html",
+        "summary.json",
+        "trace.npz",
+    }

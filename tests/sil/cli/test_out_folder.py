@@ -12,14 +12,21 @@ from sil.cli.out_folder import claim
 def summary(folder: Path, text: str) -> Path:
     folder.mkdir()
     (folder / "summary.json").write_text(text, encoding="utf-8")
+    (folder / "report.html").touch()
     return folder
 
 
-def test_new_empty_and_own_folders_are_taken(tmp_path: Path) -> None:
-    (tmp_path / "empty").mkdir()
+def test_new_interrupted_and_own_folders_are_taken(tmp_path: Path) -> None:
+    (tmp_path / "interrupted" / "boat1").mkdir(parents=True)
     own = summary(tmp_path / "own", '{"scenario": "noisy"}')
-    for folder in (tmp_path / "new", tmp_path / "empty", own):
+    for folder in (tmp_path / "new", tmp_path / "interrupted", own):
         assert claim(folder, "summary.json", "noisy") == folder
+
+
+def test_page_of_another_verb_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "report.html").touch()
+    with pytest.raises(ValueError, match="holds files that this command has not made"):
+        claim(tmp_path, "summary.json", "noisy")
 
 
 @pytest.mark.parametrize(
@@ -52,4 +59,4 @@ def test_run_leaves_the_run_of_another_scenario_alone(
     for verb in ("run", "certify"):
         assert main([verb, "noisy", "--out", str(folder)]) == 2
         assert f"{folder} holds" in capsys.readouterr().err
-    assert [path.name for path in folder.iterdir()] == ["summary.json"]
+    assert {path.name for path in folder.iterdir()} == {"summary.json", "report.html"}

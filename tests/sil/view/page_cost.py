@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 
 from sil.bench.page_cost import fleet_of, said_by, viewed
 from sil.scenario import arguments

@@ -143,7 +143,9 @@ def test_a_recording_that_was_cut_off_has_no_times_and_is_refused(
     shutil.copytree(lost, tmp_path / "run")
     content = (lost / "recording.bin").read_bytes()
     (tmp_path / "run" / "recording.bin").write_bytes(content[: len(content) // 2])
-    with pytest.raises(ValueError, match=r"recording.bin: damaged, or not of the run"):
+    with pytest.raises(
+        ValueError, match=r"recording.bin: damaged, or not the recording of the run"
+    ):
         history_of_run(tmp_path / "run")
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.live.live_world import LiveWorld, build
 from sil.scenario import scenario

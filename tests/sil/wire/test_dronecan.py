@@ -7,8 +7,8 @@ import struct
 from pathlib import Path
 from typing import Any
 
-import dronecan  # type: ignore[import-untyped]
-import dronecan.transport  # type: ignore[import-untyped]
+import dronecan
+import dronecan.transport
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -6,7 +6,7 @@ from math import atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tan
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp  # type: ignore[import-untyped]
+from scipy.integrate import solve_ivp
 
 from sil.wire.geodesy import LocalFrame
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pymavlink.dialects.v20 import common as mavlink  # type: ignore[import-untyped]
+from pymavlink.dialects.v20 import common as mavlink
 
 from sil.wire.geodesy import LocalFrame
 from sil.wire.navigation_unit import Message, NavigationUnit, Settings
