@@ -4,6 +4,7 @@
 from sil import ROOT
 from sil.scenario.fault_kinds import KINDS, Kind
 
+_ABSURD = 1e6
 PAGE = ROOT / "sil" / "docs" / "FAULTS.md"
 
 
@@ -18,4 +19,9 @@ def table() -> str:
 
 
 def _value(kind: Kind) -> str:
-    return f"{kind.unit}, {kind.least:g} … {kind.greatest:g}" if kind.unit else "–"
+    """Unit and limits, but none that only guard against absurd numbers."""
+    if not kind.unit:
+        return "–"
+    if kind.greatest < _ABSURD:
+        return f"{kind.unit}, {kind.least:g} to {kind.greatest:g}"
+    return kind.unit if kind.least == -kind.greatest else f"{kind.unit}, at least {kind.least:g}"
