@@ -313,44 +313,45 @@ void Boat<S>::steer(std::int64_t now_us) {
 }
 
 template <class S>
+void Boat<S>::warn(std::string_view text) {
+  vehicle_.send_statustext(link::mav::kSeverityWarning, {text}, counters_);
+}
+
+template <class S>
 void Boat<S>::complain(std::int64_t now_us) {
   if (pilot_.take_frame_complaint() && complaint_due_.due(now_us)) {
-    vehicle_.send_statustext(link::mav::kSeverityWarning,
-                             {"ODOMETRY refused: frame is not north-aligned"}, counters_);
+    warn("ODOMETRY refused: frame is not north-aligned");
   }
   if (!host_.parameters_saved && unsaved_complaint_due_.due(now_us)) {
-    vehicle_.send_statustext(link::mav::kSeverityWarning,
-                             {"parameters are defaults: look at them and save"}, counters_);
+    warn("parameters are defaults: look at them and save");
   }
   if (host_.closed_links != 0 && closed_complaint_due_.due(now_us)) {
     Sentence closed;
     closed << "MAVLink link " << static_cast<float>(std::countr_zero(host_.closed_links) + 1)
            << " is not open";
-    vehicle_.send_statustext(link::mav::kSeverityWarning, {closed.text()}, counters_);
+    warn(closed.text());
   }
   if (!std::exchange(save_failed_, host_.save_failed) && save_failed_) {
     vehicle_.send_statustext(link::mav::kSeverityError,
                              {"parameters could not be saved: see the host's disk"}, counters_);
   }
-  if (const auto system = pilot_.doubled(now_us); system && double_due_.due(now_us)) {
-    Sentence two;
-    two << "two vessels use system id " << static_cast<float>(*system);
-    vehicle_.send_statustext(link::mav::kSeverityCritical, {two.text()}, counters_);
-  }
-  if (const auto system = pilot_.late_neighbour(now_us); system && late_due_.due(now_us)) {
-    Sentence late;
-    late << "vessel " << static_cast<float>(*system) << " heard 3 s late: not kept clear of";
-    vehicle_.send_statustext(link::mav::kSeverityWarning, {late.text()}, counters_);
-  }
+  const auto alarm = [&](std::optional<std::uint8_t> system, Schedule& due, std::string_view before,
+                         std::string_view after) {
+    if (!system || !due.due(now_us)) return;
+    Sentence why;
+    why << before << static_cast<float>(*system) << after;
+    vehicle_.send_statustext(link::mav::kSeverityCritical, {why.text()}, counters_);
+  };
+  alarm(pilot_.doubled(now_us), double_due_, "two vessels use system id ", "");
+  alarm(pilot_.late_neighbour(now_us), late_due_, "vessel ", " heard 3 s late: not kept clear of");
   if (pilot_.take_stranger() && quality_due_.due(now_us)) {
-    vehicle_.send_statustext(link::mav::kSeverityWarning,
-                             {"navigation unit first heard when armed: disarm"}, counters_);
+    warn("navigation unit first heard when armed: disarm");
   }
   complain_of_time(now_us);
   if ((conditions_ & core::kOwnGood) == 0 && quality_due_.due(now_us)) {
     Sentence poor;
     poor << "poor navigation: " << pilot_.own_quality().fault();
-    vehicle_.send_statustext(link::mav::kSeverityWarning, {poor.text()}, counters_);
+    warn(poor.text());
   }
   complain_of_slot(now_us);
   complain_of_station();
@@ -381,9 +382,7 @@ void Boat<S>::complain_of_time(std::int64_t now_us) {
   untimed_.look(missing != 0, now_us);
   if (!untimed_.is() || missing == 0 || core::armed(state())) return;
   if (!time_complaint_due_.due(now_us)) return;
-  for_each_complaint(missing, [&](std::string_view why) {
-    vehicle_.send_statustext(link::mav::kSeverityWarning, {why}, counters_);
-  });
+  for_each_complaint(missing, [&](std::string_view why) { warn(why); });
 }
 
 /// Warns of a slot that has been too fast for 2 s; shorter excesses are noise of the leader's
@@ -394,11 +393,8 @@ void Boat<S>::complain_of_slot(std::int64_t now_us) {
   slot_too_fast_.look(u > 0 || r > 0, now_us);
   if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !slot_complaint_due_.due(now_us)) return;
   const Parameters& p = parameters();
-  const auto warn = [&](const Sentence& why) {
-    vehicle_.send_statustext(link::mav::kSeverityWarning, {why.text()}, counters_);
-  };
-  if (u > 0) warn(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX));
-  if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX));
+  if (u > 0) warn(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX).text());
+  if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX).text());
 }
 
 /// Gives the figures, one tick before COAST or HOLD, whose own message has none.
@@ -453,7 +449,7 @@ void Boat<S>::complain_of_depth(std::int64_t now_us) {
   Sentence why;
   why << "boat is " << static_cast<float>(depth) << " deep in the tree, FORM_DEPTH is "
       << parameters().FORM_DEPTH;
-  vehicle_.send_statustext(link::mav::kSeverityWarning, {why.text()}, counters_);
+  warn(why.text());
 }
 
 template <class S>

@@ -172,6 +172,7 @@ class Boat {
   Report report(std::int64_t now_us);
   std::optional<double> separation_m() const;
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
+  void warn(std::string_view text);
   void complain(std::int64_t now_us);
   void complain_of_slot(std::int64_t now_us);
   void complain_of_time(std::int64_t now_us);

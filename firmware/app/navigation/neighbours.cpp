@@ -171,8 +171,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   double farthest_m = distance_m.value_or(kNowhere);
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
-    const std::int64_t heard_us = std::max(v.true_us, v.late_us.value_or(v.true_us));
-    const bool free = v.system == 0 || now_us - heard_us > kForgotten_us;
+    const bool free = v.system == 0 || now_us - std::max(v.true_us, v.late_us) > kForgotten_us;
     const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
                                                      convert::number(v.east_m - own.east_m))
                                    : std::numeric_limits<double>::max();
@@ -190,8 +189,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
 
 std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
   for (const Vessel& v : vessels_) {
-    const bool hidden = v.system != 0 && now_us - v.true_us > kForgotten_us;
-    if (hidden && v.late_us && now_us - *v.late_us <= kForgotten_us) return v.system;
+    if (now_us - v.true_us > kForgotten_us && now_us - v.late_us <= kForgotten_us) return v.system;
   }
   return std::nullopt;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "app/convert/convert.hpp"
@@ -46,6 +47,7 @@ class Neighbours {
   std::uint8_t depth() const;
 
  private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   struct Vessel {
     std::uint8_t system = 0;  ///< 0: a free entry
     bool located = false;
@@ -58,7 +60,7 @@ class Neighbours {
     link::GpsGlobalOrigin origin{};  ///< of its local frame
     std::int64_t true_us = 0;        ///< when its state was true, by our clock
     std::int64_t ahead_us = 0;       ///< of our clock before its stamps, by the promptest message
-    std::optional<std::int64_t> late_us{};  ///< when a message last came too late to be used
+    std::int64_t late_us = kNever;   ///< when a message last came too late to be used
   };
 
   void take_heartbeat(link::Address from, const link::Heartbeat& message);

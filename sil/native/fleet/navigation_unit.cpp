@@ -63,8 +63,6 @@ NavigationUnit::NavigationUnit(link::Address self, const UnitSettings& settings)
       writer_(self),
       state_rate_(settings.rate_hz),
       slow_rate_(1.0),
-      fix_rate_(5.0),
-      pilot_rate_(20.0),
       delay_us_(whole_us(settings.delay_s)),
       every_us_(whole_us(settings.dropout_every_s)),
       dropout_us_(whole_us(settings.dropout_s)) {
@@ -85,7 +83,7 @@ void NavigationUnit::tick(std::int64_t now_us, const Sensed& sensed, Out& out) {
   const auto waits = [&](std::int64_t since_us) {
     return since_us <= now_us && now_us - since_us < delay_us_;
   };
-  for (; !waiting_.empty() && !waits(waiting_.front().since_us); waiting_.pop_front()) {
+  for (; !waiting_.empty() && !waits(waiting_.front().since_us); waiting_.erase(waiting_.begin())) {
     const Out& frames = waiting_.front().frames;
     out.insert(out.end(), frames.begin(), frames.end());
   }
@@ -103,9 +101,9 @@ void NavigationUnit::answer(Out& out) {
 void NavigationUnit::tell_due(std::int64_t now_us, const Sensed& sensed, Out& out) {
   const bool attitude_due = attitude_rate_ && attitude_rate_->due(now_us);
   const bool state_due = state_rate_.due(now_us);
-  if (pilot_ && pilot_rate_.due(now_us)) pilot(now_us, out);
+  if (faulty_ && faulty_->pilot && faulty_->pilot_rate.due(now_us)) pilot(now_us, out);
   if (drops_out(now_us)) return;
-  if (fix_ && fix_rate_.due(now_us)) fix(now_us, out);
+  if (faulty_ && faulty_->fix && faulty_->fix_rate.due(now_us)) fix(now_us, out);
   if (attitude_due) attitude(now_us, sensed, out);
   if (state_due) tell(now_us, sensed, out);
 }
@@ -170,22 +168,28 @@ void NavigationUnit::follow_target(std::int64_t now_us, const Sensed& s, Out& ou
                 static_cast<std::uint8_t>(kFollowPosition | kFollowVelocity | kFollowAttitude));
 }
 
+NavigationUnit::Faulty& NavigationUnit::faulty() {
+  if (!faulty_) faulty_ = std::make_unique<Faulty>();
+  return *faulty_;
+}
+
 void NavigationUnit::fix(std::int64_t now_us, Out& out) {
+  const bool good = *faulty_->fix;
   constexpr std::uint8_t kNoFix = 1, kFix3d = 3;
   constexpr std::uint16_t kUnknown = 65535, kHdop = 80;  // 0.8
-  writer_.write(out, kGpsRawInt, now_us, settings_.origin, *fix_ ? kHdop : kUnknown, kUnknown,
-                kUnknown, kUnknown, *fix_ ? kFix3d : kNoFix,
-                static_cast<std::uint8_t>(*fix_ ? 14 : 0));
+  writer_.write(out, kGpsRawInt, now_us, settings_.origin, good ? kHdop : kUnknown, kUnknown,
+                kUnknown, kUnknown, good ? kFix3d : kNoFix,
+                static_cast<std::uint8_t>(good ? 14 : 0));
 }
 
 void NavigationUnit::pilot(std::int64_t now_us, Out& out) {
+  const std::optional<double> throttle = faulty_->pilot->throttle;
   constexpr std::uint8_t kChannels = 16, kThrottle = 2, kFirstSwitch = 4, kRssiUnknown = 255;
   std::array<std::uint16_t, 18> pulses_us{};
   std::fill_n(pulses_us.begin(), kFirstSwitch, std::uint16_t{1500});
   std::fill_n(pulses_us.begin() + kFirstSwitch, kChannels - kFirstSwitch,
-              static_cast<std::uint16_t>(pilot_->throttle ? 1900 : 1100));
-  pulses_us[kThrottle] =
-      static_cast<std::uint16_t>(1500 + std::lround(400 * pilot_->throttle.value_or(0)));
+              static_cast<std::uint16_t>(throttle ? 1900 : 1100));
+  pulses_us[kThrottle] = static_cast<std::uint16_t>(1500 + std::lround(400 * throttle.value_or(0)));
   writer_.write(out, kRcChannels, boot_ms(now_us), pulses_us, kChannels, kRssiUnknown);
 }
 

@@ -5,7 +5,7 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -47,11 +47,11 @@ class NavigationUnit {
   void on_mavlink(std::span<const std::uint8_t> data, std::int64_t now_us);
 
   /// From now on it also sends GPS_RAW_INT, with or without a fix.
-  void tell_fix(bool good) { fix_ = good; }
+  void tell_fix(bool good) { faulty().fix = good; }
 
   /// From now on it also sends RC_CHANNELS: the throttle's share of full deflection while the pilot
   /// has the switch on, else everything at rest.
-  void tell_pilot(std::optional<double> throttle) { pilot_ = Pilot{throttle}; }
+  void tell_pilot(std::optional<double> throttle) { faulty().pilot = Pilot{throttle}; }
 
   bool tells_degrees() const { return settings_.message >= StateMessage::kGlobal; }
   const UnitSettings& settings() const { return settings_; }
@@ -63,6 +63,12 @@ class NavigationUnit {
   };
   struct Pilot {
     std::optional<double> throttle;
+  };
+  /// What a unit sends since its first fault.
+  struct Faulty {
+    Rate fix_rate{5.0}, pilot_rate{20.0};
+    std::optional<bool> fix;
+    std::optional<Pilot> pilot;
   };
   using Out = std::vector<std::uint8_t>;
   struct Waiting {
@@ -80,6 +86,7 @@ class NavigationUnit {
   void odometry(std::int64_t now_us, const Sensed& sensed, Out& out);
   void global(std::int64_t now_us, const Sensed& sensed, Out& out);
   void follow_target(std::int64_t now_us, const Sensed& sensed, Out& out);
+  Faulty& faulty();
   void fix(std::int64_t now_us, Out& out);
   void pilot(std::int64_t now_us, Out& out);
   void take_timesync(std::span<const std::uint8_t> frame, const link::FrameHeader& header,
@@ -88,13 +95,12 @@ class NavigationUnit {
   link::Address self_;
   UnitSettings settings_;
   FrameWriter writer_;
-  Rate state_rate_, slow_rate_, fix_rate_, pilot_rate_;
-  std::optional<bool> fix_;
-  std::optional<Pilot> pilot_;
+  Rate state_rate_, slow_rate_;
+  std::unique_ptr<Faulty> faulty_;  // few units have one
   std::optional<Rate> attitude_rate_;
   std::vector<Request> requests_;
   std::int64_t delay_us_, every_us_, dropout_us_;
-  std::deque<Waiting> waiting_;
+  std::vector<Waiting> waiting_;  // few; a deque is half a kilobyte
 };
 
 }  // namespace flotilla::fleet
