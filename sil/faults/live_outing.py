@@ -14,7 +14,7 @@ from sil.live.live_world import LiveWorld, now_us
 from sil.scenario import scenario
 from sil.wire.dronecan import RAW_COMMAND
 from sil.wire.dronecan_transfer import message_subject
-from sil.wire.heartbeat import FORMATION
+from sil.wire.operator import next_request
 
 INTERFACE = "vcan0"
 SYSTEM = 1
@@ -174,14 +174,8 @@ class LiveOuting(LiveWorld):
         return self.first(there, seconds)
 
     def _ask(self) -> None:
-        operator = self._operator
-        match self.state:
-            case "FAULT":
-                self.say(operator.disarm(SYSTEM))
-            case "DISARMED":
-                self.say(operator.arm(SYSTEM))
-            case "HOLD":
-                self.say(operator.set_mode(SYSTEM, FORMATION))
+        if request := next_request(self.state):
+            self.say(self._operator.ask(SYSTEM, request))
 
 
 def greatest_N(thrust_N: Sequence[tuple[int, float]], from_us: int, to_us: int) -> float:

@@ -13,12 +13,11 @@ from sil.lockstep.batch import Batch
 from sil.plant.hull import Array
 from sil.wire.heartbeat import FORMATION, HOLD, MANUAL
 from sil.wire.mavlink_frames import frames
-from sil.wire.operator import Operator
+from sil.wire.operator import Operator, mode_request, next_request
 
 _RETRY_S, _STICKS_S = 0.5, 0.1
 #: After `home_s`: the sticks are ahead, then at neutral, then ahead again.
 CENTRED_S, AHEAD_S = 2.0, 2.3
-_CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
 States = npt.NDArray[np.uint8]
 STATES: dict[str, int] = {name: i for i, name in enumerate(flotilla.STATES)}
 
@@ -70,17 +69,13 @@ def ask(
 ) -> None:
     """The next step into FORMATION, or another mode, for each of these boats that is not armed."""
     for agent, state in zip(agents, states, strict=True):
-        if state == STATES["FAULT"]:
-            batch.fleet.command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
-        elif state == STATES["DISARMED"]:
-            batch.fleet.command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
-        elif state == STATES["HOLD"]:
-            set_mode(batch, agent, mode, t_us)
+        if request := next_request(flotilla.STATES[state], mode):
+            batch.fleet.command([agent], t_us, *request)
 
 
 def set_mode(batch: Batch, agent: int, mode: int, t_us: int) -> None:
     """The operator asks an agent of the fleet for a mode."""
-    batch.fleet.command([agent], t_us, mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode)))
+    batch.fleet.command([agent], t_us, *mode_request(mode))
 
 
 def _texts(sent: bytes) -> Iterator[str]:

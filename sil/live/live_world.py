@@ -19,7 +19,7 @@ import numpy as np
 
 from sil import ROOT
 from sil.live.live_vessel import LiveBoat, LiveLeader
-from sil.lockstep.start import StartError, esc_intervals
+from sil.lockstep.start import StartError
 from sil.lockstep.trace import Tracer
 from sil.lockstep.world import Progress
 from sil.plant.hull import Array
@@ -29,10 +29,9 @@ from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.scenario import Scenario
 from sil.scenario.streams import SENSOR_STREAMS, Stream, generator
 from sil.scenario.virtual_leaders import VirtualLeaders
-from sil.wire.heartbeat import FORMATION
 from sil.wire.link import Link
 from sil.wire.mavlink_mcast import Mouth
-from sil.wire.operator import Operator
+from sil.wire.operator import Operator, start_requests
 
 FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
 
@@ -168,11 +167,9 @@ class LiveWorld:
                 ask_us = tick_us + _RETRY_US
                 ready = not any(operator.state.get(boat.system) in _NOT_ARMED for boat in boats)
                 for boat, parameters in zip(boats, self._parameters, strict=True):
-                    for interval in esc_intervals(parameters.get("SR_SLOW", 1.0)):
-                        boat.radio.send(operator.set_interval(boat.system, *interval))
-                    boat.radio.send(operator.arm(boat.system))
-                    if ready:
-                        boat.radio.send(operator.set_mode(boat.system, FORMATION))
+                    slow_Hz = parameters.get("SR_SLOW", 1.0)
+                    for request in start_requests(slow_Hz, ready, holds=True):
+                        boat.radio.send(operator.ask(boat.system, request))
             tick_us += self._h_us
             self._until(tick_us)
             self._send(tick_us)

@@ -4,12 +4,9 @@
 from collections import defaultdict
 
 import flotilla
-from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.batch import Batch
-from sil.wire.heartbeat import FORMATION, HOLD
-from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
-from sil.wire.operator import Operator
+from sil.wire.operator import Operator, start_requests
 
 _WARM_UP_S = 2
 _PATIENCE_S = 30
@@ -18,7 +15,6 @@ _RETRY_S = 1
 _DISARMED, _HOLD, _IN_FORMATION = (
     flotilla.STATES.index(name) for name in ("DISARMED", "HOLD", "FORMATION")
 )
-_CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
 
 
 class RunError(RuntimeError):
@@ -27,13 +23,6 @@ class RunError(RuntimeError):
 
 class StartError(RunError):
     """Boats could not be armed or put into FORMATION; the text names them and their reasons."""
-
-
-def esc_intervals(slow_Hz: float) -> list[tuple[float, float]]:
-    """Message ids and intervals, us, of ESC_STATUS and ESC_INFO, which boats send on request."""
-    if slow_Hz <= 0:
-        return []
-    return [(float(ESC_STATUS), 1e6 / slow_Hz), (float(ESC_INFO), 1e6 * max(5, 1 / slow_Hz))]
 
 
 def start(batch: Batch) -> list[int | StartError]:
@@ -63,16 +52,10 @@ def start(batch: Batch) -> list[int | StartError]:
 
 def _ask(batch: Batch, run: int, t_us: int) -> None:
     states = batch.states[run].tolist()
-    command = batch.fleet.command
     for agent, state in zip(batch.agents(run), states, strict=True):
-        for interval in esc_intervals(batch.fleet.parameters(agent)["SR_SLOW"]):
-            command([agent], t_us, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, interval)
-        command([agent], t_us, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
-        if _DISARMED not in states:
-            # All boats in one tick; a boat that is not in HOLD goes there first.
-            modes = (FORMATION,) if state == _HOLD else (HOLD, FORMATION)
-            for mode in modes:
-                command([agent], t_us, mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode)))
+        slow_Hz = batch.fleet.parameters(agent)["SR_SLOW"]
+        for request in start_requests(slow_Hz, _DISARMED not in states, state == _HOLD):
+            batch.fleet.command([agent], t_us, *request)
 
 
 def _listen(batch: Batch, runs: list[int], operators: dict[int, Operator]) -> None:

@@ -3,15 +3,51 @@
 
 from pymavlink.dialects.v20 import common as mavlink
 
-from sil.wire.heartbeat import state_of
+from sil.wire.heartbeat import FORMATION, HOLD, state_of
 from sil.wire.mavlink_frames import frames
+from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
 
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
 
+#: A MAV_CMD and its first parameters.
+Request = tuple[int, tuple[float, ...]]
+ARM: Request = (mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+DISARM: Request = (mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+
+_CUSTOM_MODE = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
 _READ = {
     mavlink.MAVLINK_MSG_ID_HEARTBEAT,
     mavlink.MAVLINK_MSG_ID_STATUSTEXT,
 }
+
+
+def mode_request(mode: int) -> Request:
+    """The request to change to MANUAL, HOLD or FORMATION."""
+    return mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode))
+
+
+def start_requests(slow_Hz: float, all_armed: bool, holds: bool) -> list[Request]:
+    """What an operator asks of a boat, again and again, until all boats are in FORMATION.
+
+    ESC_STATUS and ESC_INFO, which boats send on request only, at the rate of their SR_SLOW; to arm;
+    once all boats are armed, FORMATION, through HOLD unless the boat `holds`.
+    """
+    asked: list[Request] = []
+    if slow_Hz > 0:
+        intervals_us = ((ESC_STATUS, 1e6 / slow_Hz), (ESC_INFO, 1e6 * max(5, 1 / slow_Hz)))
+        asked = [
+            (mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, (float(message), us))
+            for message, us in intervals_us
+        ]
+    asked.append(ARM)
+    if all_armed:
+        asked += [mode_request(mode) for mode in ((FORMATION,) if holds else (HOLD, FORMATION))]
+    return asked
+
+
+def next_request(state: str, mode: int = FORMATION) -> Request | None:
+    """What brings a boat in this state one step nearer to `mode`; None where it needs nothing."""
+    return {"FAULT": DISARM, "DISARMED": ARM, "HOLD": mode_request(mode)}.get(state)
 
 
 class Operator:
@@ -26,14 +62,6 @@ class Operator:
         self.text: dict[int, str] = {}
         self._mav = mavlink.MAVLink(None, SYSTEM, COMPONENT)
 
-    def arm(self, system: int) -> bytes:
-        """The command to arm."""
-        return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
-
-    def disarm(self, system: int) -> bytes:
-        """The command to disarm."""
-        return self._command(system, mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
-
     def set_parameter(self, system: int, name: str, value: float) -> bytes:
         """The PARAM_SET that sets a parameter."""
         wish = mavlink.MAVLink_param_set_message(
@@ -45,19 +73,19 @@ class Operator:
         )
         return self._pack(wish)
 
-    def set_mode(self, system: int, mode: int) -> bytes:
-        """The command to change to MANUAL, HOLD or FORMATION."""
-        custom = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
-        return self._command(system, mavlink.MAV_CMD_DO_SET_MODE, custom, float(mode))
-
     def sticks(self, system: int, ahead: float) -> bytes:
         """MANUAL_CONTROL: `ahead` in [-1, 1] of full thrust, no turn."""
         x = round(1000 * ahead)
         return self._pack(mavlink.MAVLink_manual_control_message(system, x, 0, 500, 0, 0))
 
-    def set_interval(self, system: int, message: float, interval_us: float) -> bytes:
-        """The command to send a message every `interval_us`."""
-        return self._command(system, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message, interval_us)
+    def ask(self, system: int, request: Request) -> bytes:
+        """The COMMAND_LONG of a request."""
+        command, params = request
+        seven = (*params, *(0.0,) * (7 - len(params)))
+        message = mavlink.MAVLink_command_long_message(
+            system, mavlink.MAV_COMP_ID_AUTOPILOT1, command, 0, *seven
+        )
+        return self._pack(message)
 
     def on_mavlink(self, data: bytes) -> None:
         """Process whole frames that a boat sends."""
@@ -71,13 +99,6 @@ class Operator:
                     self.state[system] = state
             elif message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
                 self.text[system] = message.text
-
-    def _command(self, system: int, command: int, *params: float) -> bytes:
-        seven = (*params, *(0.0,) * (7 - len(params)))
-        message = mavlink.MAVLink_command_long_message(
-            system, mavlink.MAV_COMP_ID_AUTOPILOT1, command, 0, *seven
-        )
-        return self._pack(message)
 
     def _pack(self, message: mavlink.MAVLink_message) -> bytes:
         frame: bytes = message.pack(self._mav)

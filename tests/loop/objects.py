@@ -7,7 +7,6 @@
 import flotilla
 import numpy as np
 
-from sil.lockstep.start import esc_intervals
 from sil.lockstep.trace import Tracer
 from sil.lockstep.world import Run
 from sil.scenario.agents import clocks_of, parameters_of, slots_of
@@ -15,9 +14,8 @@ from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.scenario import Scenario
 from sil.scenario.streams import Stream, generator
 from sil.scenario.virtual_leaders import VirtualLeaders
-from sil.wire.heartbeat import FORMATION, HOLD
 from sil.wire.link import Link
-from sil.wire.operator import Operator
+from sil.wire.operator import Operator, start_requests
 from tests.loop.vessel import Vessel, VirtualLeader
 from tests.target.reference_fleet import SplitMix64
 
@@ -78,13 +76,9 @@ class ObjectWorld:
             if t_us >= 2_000_000 and t_us % 1_000_000 < self.h_us:
                 states = [boat.state for boat in self.boats]
                 for boat, state in zip(self.boats, states, strict=True):
-                    for message, us in esc_intervals(boat.parameters["SR_SLOW"]):
-                        boat.hear(t_us, operator.set_interval(boat.system, message, us))
-                    boat.hear(t_us, operator.arm(boat.system))
-                    if "DISARMED" not in states:
-                        if state != "HOLD":
-                            boat.hear(t_us, operator.set_mode(boat.system, HOLD))
-                        boat.hear(t_us, operator.set_mode(boat.system, FORMATION))
+                    slow_Hz, armed = boat.parameters["SR_SLOW"], "DISARMED" not in states
+                    for request in start_requests(slow_Hz, armed, state == "HOLD"):
+                        boat.hear(t_us, operator.ask(boat.system, request))
             self.tick(t_us)
             if all(boat.state == "FORMATION" for boat in self.boats):
                 return t_us
