@@ -40,7 +40,7 @@ class Cost(NamedTuple):
 
 def fleet_of(boats: int) -> Scenario:
     """A line of that many boats, each behind the one before."""
-    nominal = scenario.read("diamond", ["duration_s=10", "parameters.SR_STATE=10"])
+    nominal = scenario.read("diamond", ["duration_s=10", 'law="product"', "parameters.SR_STATE=10"])
     first = nominal.document["boat"][0]
     nominal.document["boat"] = [
         {**first, "follows": i, "offset_m": [-2.0, 0.0], "eta": [-2.0 * i, 0.0, 0.0]}

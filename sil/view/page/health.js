@@ -2,13 +2,32 @@
 // Which vessels are in trouble and why, and the line about the whole fleet.
 const UNASKED = ["MANUAL", "TEST"]; // unmet conditions of FORMATION do not matter there
 
+/** Notes on every boat as `close` the boat whose middle is nearer than a hull's length, if any. */
+function noteClose(vessels) {
+  const boats = vessels.filter((vessel) => vessel.kind === "boat" && isPlaced(vessel) && !isElsewhere(vessel));
+  for (const boat of boats) boat.close = null;
+  boats.forEach((boat, i) => {
+    for (const other of boats.slice(i + 1)) {
+      const apart_m = Math.hypot(boat.x_m - other.x_m, boat.y_m - other.y_m), hull_m = Math.max(boat.length_m || 1, other.length_m || 1);
+      if (apart_m >= hull_m) continue;
+      for (const [one, near] of [[boat, other], [other, boat]]) {
+        if (!one.close || apart_m < one.close.apart_m) one.close = { near, apart_m };
+      }
+    }
+  });
+}
+
 /** The vessel's troubles, one sentence each; empty if it is well. */
 function troublesOf(vessel) {
   if (isSilent(vessel)) return [`silent for ${age(vessel.link_age_s)}${vessel.state ? `, last heard in ${vessel.state}` : ""}`];
   const out = UNASKED.includes(vessel.state) ? [] : [...vessel.held];
-  if (!out.length && vessel.state === "FAULT") out.push("it reports a fault and gives no reason");
-  if (!out.length && vessel.state === "COAST") out.push("it coasts and gives no reason");
+  if (!out.length && ["FAULT", "COAST"].includes(vessel.state)) {
+    // the text that tells of the state comes before the list of conditions
+    const told = vessel.text?.startsWith(`${vessel.state}: `);
+    out.push(told ? vessel.text.slice(vessel.state.length + 2) : vessel.state === "FAULT" ? "it reports a fault and gives no reason" : "it coasts and gives no reason");
+  }
   if (isElsewhere(vessel)) out.push(`position unknown: last heard ${age(vessel.place_age_s)} ago`);
+  if (vessel.close) out.push(`${metres(vessel.close.apart_m)} from boat ${vessel.close.near.id}: nearer than a hull's length`);
   if (vessel.stateLost) out.push("state unknown: no HEARTBEAT for more than 5 s");
   return out;
 }

@@ -42,6 +42,7 @@ function draw() {
   due.plan = now + (player ? 0 : PLAN_MS);
   if (every || now >= due.cards) {
     due.cards = now + CARDS_MS[many];
+    noteClose(shown.vessels);
     cards.show(shown.vessels, chosen);
     tell(shown, chosen);
     events.draw(source, player ? [source.begin_s, source.end_s] : range(shown.t_s), shown.t_s);

@@ -123,6 +123,19 @@ def test_line_on_top_tells_how_the_fleet_is(browser: Browser, four: Feeder) -> N
     assert browser.run("return document.querySelectorAll('.row').length") == 4
 
 
+def test_boats_nearer_than_a_hull_are_in_trouble(browser: Browser, four: Feeder) -> None:
+    at = {1: (0.0, 0.0), 2: (0.0, 0.6), 3: (0.0, 1.7)}
+    four.frames = lambda t_s: frame(
+        t_s, [boat(n, t_s, x_m=x, y_m=y, length_m=1.0) for n, (x, y) in at.items()]
+    )
+    shown(browser, four)
+    browser.until(f"{CARD} return card?.querySelector('.held')?.textContent", "Boat 1")
+    near = "0.600 m from boat {}: nearer than a hull's length"
+    assert word(browser, "Boat 1", ".held") == near.format(2)
+    assert word(browser, "Boat 2", ".held") == near.format(1)
+    assert browser.run("return document.querySelectorAll('.whole').length") == 2
+
+
 def test_columns_that_nobody_fills_are_not_drawn(browser: Browser, four: Feeder) -> None:
     bare = {"battery_V": None, "thrust_N": None, "limits_N": None, "escs": []}
     shown(browser, four, lambda t_s: frame(t_s, [boat(n, t_s, **bare) for n in (1, 2)]))

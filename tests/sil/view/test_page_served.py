@@ -24,7 +24,7 @@ from tests.linux.process import free_port
 from tests.sil.campaign.short import short
 from tests.sil.view.browser import Browser
 from tests.sil.view.feed import BEAT, attitude, local, origin, said
-from tests.sil.view.live_page import CARD, LIVE, word
+from tests.sil.view.live_page import CARD, LIVE
 
 FAULT = "fault=[{kind='radio_silent', agent=0, at_s=4.0}]"
 STATE = f"{CARD} return card && card.querySelector('.state').textContent === arguments[1]"
@@ -104,7 +104,8 @@ def test_real_boats_move_and_their_lost_leader_is_seen(browser: Browser, lost: S
             )
             assert all(a != b for a, b in zip(before, places(browser, names), strict=True))
             browser.until(STATE, "Boat 1", "COAST")
-            assert word(browser, "Boat 1", ".held") == "leader's state is not fresh"
+            why = f"{CARD} return card.querySelector('.held').textContent === arguments[1]"
+            browser.until(why, "Boat 1", "leader's state is not fresh")
             browser.until(STATE, "Boat 1", "HOLD")
 
 
