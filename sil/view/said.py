@@ -28,6 +28,11 @@ _SHOWN = (
     messages.ESC_STATUS,
 )
 
+# Of the NAMED_VALUE_FLOATs, which are nine tenths of the messages, a history needs these.
+_NAMES = {b"COND", b"COND2", b"IN_SLOT", b"LEAD_AGE"}
+_ID, _NAME = slice(7, 10), slice(18, 28)
+_NAMED_VALUE = messages.NAMED_VALUE_FLOAT.to_bytes(3, "little")
+
 Bytes = npt.NDArray[np.uint8]
 Places = npt.NDArray[np.int64]
 
@@ -103,8 +108,9 @@ def said_in(path: Path, duration_us: float) -> Said:
     release_us = last_us - duration_us
     ear = Ear(stream=False)
     for t_us, agent, begin, end in found.tolist():
-        for message in ear.hear(bytes(recording.records[begin:end])):
-            boats[agent - 1].hear(message, max(0.0, 1e-6 * (t_us - release_us)))
+        if _is_needed(frame := bytes(recording.records[begin:end])):
+            for message in ear.hear(frame):
+                boats[agent - 1].hear(message, max(0.0, 1e-6 * (t_us - release_us)))
     return Said(boats, parameters)
 
 
@@ -120,10 +126,16 @@ def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -
             for packet in packets(log.read_bytes(), []):
                 t_s = 1e-6 * packet.t_us - release_unix_s
                 told = packet.system == boat.system and packet.message_id in _SHOWN
-                if told and t_s <= trace["t_s"][-1]:
+                if told and t_s <= trace["t_s"][-1] and _is_needed(packet.frame):
                     for message in ear.hear(packet.frame):
                         boat.hear(message, max(0.0, t_s))
     return Said(boats, [])
+
+
+def _is_needed(frame: bytes) -> bool:
+    """Whether a frame is no NAMED_VALUE_FLOAT, or one that a history needs."""
+    size = frame[1] - 8  # a payload's zeros at its end are not sent
+    return frame[_ID] != _NAMED_VALUE or frame[_NAME][:size].rstrip(b"\0") in _NAMES
 
 
 @njit(cache=True)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Assembles the page: a source of frames, the views, user input.
 // redraw intervals of each view, for few vessels and, live, for many
-const PLAN_MS = 95, CARDS_MS = [250, 500], PLOTS_MS = [500, 2000], MANY = 8, MOST_PLOTTED = 40;
+const PLAN_MS = [95, 240], CARDS_MS = [250, 500], PLOTS_MS = [500, 2000], MANY = 8, MOST_PLOTTED = 40;
 const WINDOWS_S = [30, 60, 120, 300, 600];
 const byName = (id) => document.getElementById(id);
 const PAGES = ["fleet", "what-if"];
@@ -39,7 +39,7 @@ function draw() {
   const many = !player && shown.vessels.length > MANY ? 1 : 0;
   const chosen = plan.camera.mode in { fleet: 0, free: 0 } ? null : plan.camera.mode;
   plan.draw(shown, window_s(), chosen);
-  due.plan = now + (player ? 0 : PLAN_MS);
+  due.plan = now + (player ? 0 : plan.same_ms(shown.vessels, ...PLAN_MS));
   if (every || now >= due.cards) {
     due.cards = now + CARDS_MS[many];
     noteClose(shown.vessels);

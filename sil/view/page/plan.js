@@ -51,6 +51,12 @@ class Plan {
     this.describe(frame);
   }
 
+  /** How long the fastest vessel needs for a pixel: until then, the picture looks the same. */
+  same_ms(vessels, least, most) {
+    const fastest = Math.max(0, ...vessels.map(({ u_mps, v_mps }) => Math.hypot(u_mps ?? 1, v_mps ?? 0)));
+    return Math.min(most, Math.max(least, 1000 / (fastest * this.camera.scale)));
+  }
+
   /** Writes beside a vessel only what is wrong with it. */
   labels(ctx, placed) {
     ctx.font = `600 ${FONT}`;
