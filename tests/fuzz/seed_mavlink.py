@@ -5,6 +5,7 @@ import random
 import struct
 from collections.abc import Iterator
 from types import ModuleType
+from typing import Any
 
 from pymavlink.dialects.v10 import common as mavlink1
 
@@ -18,7 +19,7 @@ TWO_LINKS, ACCEPT, REQUIRED, COMPANION, DOUBLE = 1, 4, 8, 16, 128
 KEY = bytes([7, 1, 2, 3, 250, 251, 252, 253]) + bytes(24)
 CLOCK = 40_000_000_000_000
 MINUTE = 6_000_000
-COMMANDS = {
+COMMANDS: dict[int, list[tuple[float, ...]]] = {
     400: [(1, 0), (0, 0), (1, 21196), (1, 5), (2, 0)],
     176: [(1, 0), (1, 4), (1, 6), (0, 6), (1, 5)],
     209: [(1, 0, 10, 1), (2, 0, -10, 1, 1), (1, 0, 90, 1), (3, 0, 10, 1)],
@@ -31,11 +32,11 @@ COMMANDS = {
     520: [()],
     7: [()],
 }
-ASKED = (0, 1, 2, 30, 32, 33, 49, 62, 85, 144, 147, 148, 242, 244, 245, 251, 290, 291, 300, 331)
-ASKED += (396, 397, 435, 436, 9999)
+ASKED = [0, 1, 2, 30, 32, 33, 49, 62, 85, 144, 147, 148, 242, 244, 245, 251, 290, 291, 300, 331]
+ASKED += [396, 397, 435, 436, 9999]
 
 
-def field_values(message: type, rng: random.Random) -> list[object]:
+def field_values(message: Any, rng: random.Random) -> list[object]:
     """Small random values; targets are our ids."""
     values: list[object] = []
     types = dict(zip(message.fieldnames, message.fieldtypes, strict=True))
@@ -141,10 +142,10 @@ def questions() -> Iterator[tuple[str, bytes]]:
         ("list_more", client.file(3, b"/", offset=1)),
     ):
         yield f"file_{name}", opened + chunk(then, TICK) + ticks
-    for name in (b"LAW_KX", b"MODE", b"ESC_STBD", b"MAV_SYSID", b"NOTHING"):
+    for name in ("LAW_KX", "MODE", "ESC_STBD", "MAV_SYSID", "NOTHING"):
         for value in (0.5, 4, 6, 0, float("nan")):
-            asked = chunk(client.say("PARAM_SET", 1, 1, name, value, 9), TICK)
-            yield f"set_{name.decode()}_{value}", asked + ticks
+            asked = chunk(client.say("PARAM_SET", 1, 1, name.encode(), value, 9), TICK)
+            yield f"set_{name}_{value}", asked + ticks
     yield "set_integer", chunk(client.say("PARAM_SET", 1, 1, b"ESC_PORT", 2, 6), TICK)
     for index in (-1, 0, 3, 999):
         yield f"read_{index}", chunk(client.say("PARAM_REQUEST_READ", 1, 1, b"MODE", index), TICK)

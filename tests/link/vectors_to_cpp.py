@@ -5,6 +5,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 source, target = map(Path, sys.argv[1:])
 reference = json.loads(source.read_text(encoding="utf-8"))
@@ -37,14 +38,14 @@ def number(value: float | int | str) -> str:
     return f"{'-' if value < 0 else ''}INFINITY" if math.isinf(value) else f"{value!r}"
 
 
-def transfer(v: dict) -> str:
+def transfer(v: dict[str, Any]) -> str:
     return (
         f"{{{text(v['name'])}, 0x{v['can_id']}, {signature_of(v['can_id'])}ULL, "
         f"{v['transfer_id']}, {strings(v['frames'])}, {text(v['payload'])}}},"
     )
 
 
-def damaged(v: dict) -> str:
+def damaged(v: dict[str, Any]) -> str:
     return (
         f"{{{text(v['name'])}, 0x{v['can_id']}, {signature_of(v['can_id'])}ULL, "
         f"{strings(v['frames'])}, {v['transfers_delivered']}}},"
@@ -56,7 +57,7 @@ def logged(frame: str) -> str:
     return f"{{0x{can_id}, {signature_of(can_id)}ULL, {text(data)}}},"
 
 
-def raw_command(v: dict) -> str:
+def raw_command(v: dict[str, Any]) -> str:
     return f"{{{text(v['payload'])}, {{{', '.join(map(str, v['values']['cmd']))}}}}},"
 
 
@@ -72,7 +73,7 @@ ESC_STATUS = [
 NODE_STATUS = ["uptime_sec", "health", "mode", "sub_mode", "vendor_specific_status_code"]
 
 
-def fields(v: dict, names: list[str]) -> str:
+def fields(v: dict[str, Any], names: list[str]) -> str:
     return f"{{{text(v['payload'])}, {{{', '.join(number(v['values'][n]) for n in names)}}}}},"
 
 
@@ -90,7 +91,7 @@ for v in reference["captured"]:
 valued = [v for v in whole if "values" in v]
 
 
-def named(prefix: str) -> list[dict]:
+def named(prefix: str) -> list[dict[str, Any]]:
     return [v for v in valued if v["name"].startswith(prefix)]
 
 

@@ -18,7 +18,7 @@ import tty
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, Self
 
 import can
 from pymavlink.dialects.v20 import common as mavlink
@@ -229,7 +229,7 @@ class RealSea:
         self._leaving = False
         self.forget()
 
-    def __enter__(self) -> RealSea:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -310,7 +310,8 @@ class RealSea:
         )
 
     def _go_on(self) -> None:
-        select.select([self.can, *self.ends], [], [], _BEAT_S)
+        waits: list[Any] = [self.can, *self.ends]
+        select.select(waits, [], [], _BEAT_S)
         self._listen()
         self._speak()
 

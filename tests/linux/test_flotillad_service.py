@@ -74,7 +74,8 @@ def test_systemd_understands_every_line(
 
 
 def test_the_manual_that_the_unit_names_comes_with_the_package() -> None:
-    named = re.fullmatch(r"man:(\w+)\((\d)\)", *settings()["Documentation"])
+    (page,) = settings()["Documentation"]
+    named = re.fullmatch(r"man:(\w+)\((\d)\)", page)
     assert named and (FOLDER / "package" / ".".join(named.groups())).is_file()
 
 

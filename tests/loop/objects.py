@@ -42,7 +42,7 @@ class ObjectWorld:
             )
             for agent, boat in enumerate(scenario.boat, start=1)
         ]
-        self.agents = [self.leader, *self.boats]
+        self.agents: list[VirtualLeader | Vessel] = [self.leader, *self.boats]
         for agent in self.agents:
             agent.record = lambda *record: self.records.append(record)
         seeds = generator(scenario.seed, Stream.LINKS)

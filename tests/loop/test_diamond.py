@@ -95,7 +95,7 @@ def test_a_replay_with_another_gain_differs_at_the_first_driven_tick(
     assert 1_000_000 < first[1] < 5_000_000
 
 
-def digest(out: Path, *overrides: str, **parameters: float) -> str:
+def digest(out: Path, *overrides: str, **parameters: float) -> str | None:
     chosen = scenario.load("diamond", [SHORT, *overrides])
     return World(chosen, parameters).run(out / "recording.bin", lambda _: None).digest
 
@@ -114,7 +114,17 @@ def test_another_seed_is_another_run_only_where_something_is_random(tmp_path: Pa
 
 
 def test_the_command_line_in_another_process_gives_the_same_digest(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "sil", "run", "diamond", "--set", SHORT, "--out", tmp_path]
+    command = [
+        sys.executable,
+        "-m",
+        "sil",
+        "run",
+        "diamond",
+        "--set",
+        SHORT,
+        "--out",
+        str(tmp_path),
+    ]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))

@@ -111,7 +111,7 @@ def test_odometry_without_north_is_refused_as_a_pose_and_said(frame: int) -> Non
         said += boat.sent
         return tell(now_us, eta, nu) + odometry(frame, now_us, 500.0)
 
-    unit.tick = with_odometry  # type: ignore[method-assign]
+    unit.tick = with_odometry
     run = world.run()
     texts = {
         m.text for m in mavlink.MAVLink(None).parse_buffer(said) if m.get_type() == "STATUSTEXT"

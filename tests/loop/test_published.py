@@ -133,7 +133,9 @@ def check_run(name: str, run: int, boats: object) -> None:
     assert now.shape == noted.shape, RENEW
     for place in np.ndindex(now.shape):
         boat, percent = place[0] + 1, (50, 95)[place[1]]
-        check(f"{name}, run {run}, boat {boat}: {percent} %", now[place], noted[place])
+        check(
+            f"{name}, run {run}, boat {boat}: {percent} %", float(now[place]), float(noted[place])
+        )
 
 
 @pytest.fixture(scope="module")

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.lockstep.recording import CAN_IN
+from sil.scenario.wiring import NAVIGATION_COMPONENT, ORIGIN
 from sil.wire.clock import Clock
 from sil.wire.geodesy import Geodetic
 from sil.wire.link import Link
 from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import COMPONENT, SYSTEM
-from tests.loop.vessel import NAVIGATION_COMPONENT, ORIGIN, Vessel, VirtualLeader
+from tests.loop.vessel import Vessel, VirtualLeader
 
 STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT")
 _NOWHERE = (0, 0)
@@ -52,12 +53,13 @@ class Told:
 
 def settings_of(unit: Unit) -> Settings:
     faults = unit[4] if len(unit) > 4 else ()
-    return Settings(*unit[:3], (0.0, 0.0), *faults)
+    rate_hz, message, attitude_rate_hz = unit[:3]
+    return Settings(rate_hz, message, attitude_rate_hz, (0.0, 0.0), *faults)
 
 
-def unit_of(system: int, component: int, unit: Unit) -> NavigationUnit:
+def unit_of(system: int, component: int, unit: Unit) -> Any:
     origin = unit[3] if len(unit) > 3 else ORIGIN
-    made = NavigationUnit(
+    made: Any = NavigationUnit(
         system,
         component,
         vehicle_type=mavlink.MAV_TYPE_GENERIC,
@@ -83,6 +85,8 @@ class Radio(Link):
 
 
 class Leader(VirtualLeader):
+    outbox: list[Any]
+
     def __init__(self, agent: int, system: int, unit: Unit, clock: Clock) -> None:
         self.system = system
         super().__init__(settings_of(unit), clock)
@@ -157,7 +161,9 @@ class ReferenceFleet:
         index = self._add(
             run, lambda agent: Boat(agent, parameters, self._scalar, unit, Clock(*clock))
         )
-        self._boats.append(self._agents[index])
+        boat = self._agents[index]
+        assert isinstance(boat, Boat)
+        self._boats.append(boat)
         return index
 
     def connect(
@@ -191,6 +197,7 @@ class ReferenceFleet:
     def tick(
         self, t_us: int, eta: Array, nu: Array, degE7: Array | None, rpm: Array, command: Array
     ) -> None:
+        agent: Any
         for i, agent in enumerate(self._agents):
             agent._unit._world.degE7 = _NOWHERE if degE7 is None else tuple(degE7[i].tolist())
             if isinstance(agent, Leader):

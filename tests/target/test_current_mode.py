@@ -23,9 +23,9 @@ def test_who_has_asked_for_it_is_told_the_mode_at_each_change_and_every_two_seco
     for link in (0, 1):
         sea.order(SET_INTERVAL, 436.0, 2e6, link=link)
     sea.run(1.3)
-    changes = ((400, 1.0), (SET_MODE, 1.0, FORMATION), (SET_MODE, 1.0, HOLD), (400, 0.0))
-    for order, mode in zip(changes, (HOLD, FORMATION, HOLD, HOLD), strict=True):
-        tick = sea.order(*order)
+    changes = ((400, [1.0]), (SET_MODE, [1.0, FORMATION]), (SET_MODE, [1.0, HOLD]), (400, [0.0]))
+    for (order, how), mode in zip(changes, (HOLD, FORMATION, HOLD, HOLD), strict=True):
+        tick = sea.order(order, *how)
         for link in (0, 1):
             (told,) = tick.named("CURRENT_MODE", link)
             assert told.custom_mode == mode

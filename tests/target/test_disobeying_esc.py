@@ -25,7 +25,7 @@ class Willful(Esc):
         if not due:
             yield from frames
             return
-        said = {"rpm": self.rpm, "power_rating_pct": self.power_pct}
+        said: dict[str, float] = {"rpm": self.rpm, "power_rating_pct": self.power_pct}
         said |= {"voltage": float("nan"), "current": float("nan"), "temperature": float("nan")}
         status = esc_status(self.node, self.index, self.sent % 32, **said)
         yield from status + frames[len(status) :]

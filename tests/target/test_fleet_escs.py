@@ -72,6 +72,6 @@ def test_shafts_may_turn_at_any_speed() -> None:
             *rest, shafts = sensed()
             return (*rest, 0 * shafts + rpm)
 
-        twins._sensed = fast  # type: ignore[method-assign]
+        twins._sensed = fast
         twins.tick(9)
     twins.compare()

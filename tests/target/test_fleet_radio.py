@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 import flotilla
 import numpy as np
@@ -27,7 +28,7 @@ RADIOS = [
 
 @pytest.mark.parametrize("radio", RADIOS)
 def test_a_diamond_with_a_bad_radio_sails_as_its_boats_do_one_by_one(
-    radio: dict[str, float],
+    radio: dict[str, Any],
 ) -> None:
     twins = Twins()
     twins.diamond(**radio)
@@ -87,7 +88,7 @@ def test_one_flipped_bit_costs_what_it_costs_one_boat() -> None:
 
 
 @pytest.mark.parametrize("radio", [{}, {"delay_s": 0.02}])
-def test_bits_flipped_anywhere_do_what_they_do_to_single_boats(radio: dict[str, float]) -> None:
+def test_bits_flipped_anywhere_do_what_they_do_to_single_boats(radio: dict[str, Any]) -> None:
     """Leaders too must find the requests among the damage."""
     twins = Twins()
     links = twins.diamond(**radio)

@@ -67,7 +67,8 @@ class GroundStation:
             self.sent_values.add(value)
             yield param_set(NAME, value), None
         if tick % 25 == 7:
-            yield param_read(self.rng.choice([NAME, "THR_FWD_MAX", 3, 17])), None
+            names: list[int | str] = [NAME, "THR_FWD_MAX", 3, 17]
+            yield param_read(self.rng.choice(names)), None
         if tick % 40 == 11:
             mode = self.modes[tick // 400 % len(self.modes)]
             yield command_long(SET_MODE, 1.0, float(mode)), mode

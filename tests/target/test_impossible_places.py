@@ -126,7 +126,7 @@ def test_boat_that_tells_its_place_in_a_formation_is_a_vessel_too() -> None:
 @pytest.mark.parametrize("frame", [0, 1])
 def test_two_boats_with_one_slot_are_both_refused(frame: int) -> None:
     sea = hold({"FORM_FRAME": float(frame)})
-    slot = {"offset_b" if frame else "offset_n": (-4.0, 0.2)}
+    slot: dict[str, Any] = {"offset_b" if frame else "offset_n": (-4.0, 0.2)}
     told(sea, reference(sea, [LEADER], **slot, sails=False), OTHER)
     assert_refused(sea, TAKEN)
     assert f"slot is that of boat {OTHER} too" in texts(sea.ticks)

@@ -342,7 +342,7 @@ def test_the_sticks_move_the_propellers_no_faster_than_thr_slew() -> None:
     sea = Sea({"THR_SLEW": 2})
     enter_manual(sea)
     most = FULL_SCALE * 2 * sea.period_us * 1e-6 + 1
-    before = (0, 0)
+    before: tuple[int, ...] = (0, 0)
     for tick in [*drive(sea, 1000), *drive(sea, -1000, 0, 1.5)]:
         assert all(abs(a - b) <= most for a, b in zip(tick.commands, before, strict=True))
         before = tick.commands

@@ -65,7 +65,7 @@ def said(sea: Sea, message_id: int, seconds: float = 10.0) -> int:
     return count(sea.run(seconds), message_id)
 
 
-def ask(sea: Sea, message_id: int, interval_us: float, link: int = 0) -> int:
+def ask(sea: Sea, message_id: float, interval_us: float, link: int = 0) -> int:
     ((command, result),) = acks(sea.order(SET_INTERVAL, message_id, interval_us, link=link), link)
     assert command == SET_INTERVAL
     return int(result)

@@ -17,7 +17,7 @@ DESCRIBED: list[dict[str, Any]] = json.loads(FILES["parameters.json"])["paramete
 EACH = pytest.mark.parametrize(("entry", "p"), list(zip(DESCRIBED, LIST, strict=True)))
 
 # parameter.schema.json of mavlink/mavlink: names and types of an entry's members
-TYPES = {
+TYPES: dict[str, Any] = {
     "name": str,
     "type": str,
     "shortDesc": str,

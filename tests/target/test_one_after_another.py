@@ -65,7 +65,7 @@ def test_a_greater_thrust_is_in_force_in_a_motor_test_of_the_next_tick(sea: Sea)
     sea.step()
     assert acks(sea.order(MOTOR_TEST, PORT, 0.0, 20.0, 2.0)) == [(MOTOR_TEST, ACCEPTED)]
     sea.run(0.7)
-    assert sea.commands == (pytest.approx(0.2 * FULL_SCALE, abs=2), 0)
+    assert list(sea.commands) == pytest.approx([0.2 * FULL_SCALE, 0], abs=2)
 
 
 @TOGETHER

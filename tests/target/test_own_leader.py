@@ -87,8 +87,8 @@ def test_a_leader_that_is_set_to_the_coming_name_is_never_followed_under_it() ->
     sea.own.station = vessel
     sea.run(3.0)
     for target in (ME, (BOAT, 191)):
-        for order in DRIVE:
-            sea.say(command_long(*order, target=target))
+        for order, *how in DRIVE:
+            sea.say(command_long(int(order), *how, target=target))
             sea.step()
     sea.run(1.0)
     assert sea.state != "FORMATION" and not any(sea.commands)

@@ -64,7 +64,8 @@ NAN = math.nan
 def test_the_battery_is_what_the_escs_measure(
     volts: tuple[float, float], amperes: tuple[float, float], voltage_mV: int, current_cA: int
 ) -> None:
-    sea = bench(*({"voltage": v, "current": a} for v, a in zip(volts, amperes, strict=True))).sea
+    port, stbd = ({"voltage": v, "current": a} for v, a in zip(volts, amperes, strict=True))
+    sea = bench(port, stbd).sea
     (status,) = sea.ask(1)
     assert (status.voltage_battery, status.current_battery) == (voltage_mV, current_cA)
     assert status.battery_remaining == -1
@@ -111,7 +112,7 @@ def test_the_propellers_are_told_in_groups_of_four(indices: tuple[int, int]) -> 
                 else:
                     assert m.info >> slot & 1 == (kind is not None)
                     assert m.error_count[slot] == (kind["error_count"] if kind else 0)
-                    expected = UNKNOWN_TEMPERATURE
+                    expected: Any = UNKNOWN_TEMPERATURE
                     if kind:
                         expected = pytest.approx((kind["temperature"] - 273.15) * 100, abs=25)
                     assert m.temperature[slot] == expected

@@ -45,7 +45,7 @@ def shape() -> Iterator[Shape]:
     """Sets an interface's queueing discipline, or its plain one again: tc(8)."""
     if ECHO.read_text().strip() != "Y":
         pytest.skip(f"needs vcan loaded with echo=1, {ECHO} says no")
-    shaped = set()
+    shaped: set[str] = set()
 
     def shape(interface: str, *discipline: str, execute: Callable[..., None] = run) -> None:
         """`execute`: runs tc while the simulation goes on."""

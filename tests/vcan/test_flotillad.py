@@ -270,7 +270,7 @@ def test_a_babbling_node_stops_a_boat_at_most_until_it_is_silent(boat: Boat) -> 
         ],
         "FAULT": ["FAULT: ESCs are not online"],
     }
-    assert boat.state == "FORMATION" or boat.texts[-1] in late[boat.state]
+    assert boat.state == "FORMATION" or boat.texts[-1] in late[str(boat.state)]
     boat.disarm()
     boat.enter_formation()
     assert 30 < boat.count_commands(0.5) < 60

@@ -8,6 +8,7 @@ import re
 import struct
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 from pymavlink.dialects.v10 import common as mavlink1
@@ -42,7 +43,7 @@ FIELDS = {
 NUMBERS = {name: number for number, name in enumerate(FIELDS, 1)}
 
 # Values that a boat sends in fields that its struct lacks; all others are zero.
-CONSTANT = {
+CONSTANT: dict[tuple[str, str], Any] = {
     ("HEARTBEAT", "mavlink_version"): 3,
     ("ODOMETRY", "velocity_covariance"): [math.nan] + [0.0] * 20,
     ("ODOMETRY", "estimator_type"): 8,  # AUTOPILOT
@@ -99,7 +100,7 @@ CRC_EXTRA = {
 }
 
 Value = int | float | bytes
-Message = object
+Message = Any
 
 
 @pytest.fixture(scope="module")
@@ -216,9 +217,9 @@ def random_value(rng: random.Random, type_: str) -> int | float:
     return rng.choice([low, low + 2**size - 1, rng.randrange(low, low + 2**size)])
 
 
-def random_message(rng: random.Random, kind: type) -> Message:
+def random_message(rng: random.Random, kind: Any) -> Message:
     """A pymavlink message with random fields, and texts of all lengths."""
-    fields = {}
+    fields: dict[str, bytes | Value | list[int | float]] = {}
     for name, type_ in zip(kind.fieldnames, kind.fieldtypes, strict=True):
         length = kind.array_lengths[kind.ordered_fieldnames.index(name)]
         if type_ == "char":

@@ -39,14 +39,14 @@ def test_a_boats_own_logs_become_what_other_readers_see_in_them(
     assert {f"/boat{BOAT}/law", f"/boat{BOAT}/fix", f"/leader{LEADER}/state"} <= set(topics)
 
     mavlogdump = Path(sys.executable).parent / "mavlogdump.py"
-    command = [sys.executable, mavlogdump, "--types", "LOCAL_POSITION_NED", tlog]
+    command = [sys.executable, str(mavlogdump), "--types", "LOCAL_POSITION_NED", str(tlog)]
     dumped = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert dumped.count("LOCAL_POSITION_NED") >= len(topics[f"/boat{BOAT}/state"]) > 10
 
 
 def positions_are_pymavlinks(topics: Topics, tlog: Path) -> None:
     log = mavutil.mavlogfile(str(tlog))
-    said = {}
+    said: dict[int, Any] = {}
     while message := log.recv_match(type="LOCAL_POSITION_NED"):
         if (message.get_srcSystem(), message.get_srcComponent()) == (BOAT, 1):
             said.setdefault(message.time_boot_ms, message)

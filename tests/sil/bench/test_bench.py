@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+from sil import ROOT
 from sil.bench import bench
 from tests import measurements
 
@@ -16,7 +17,7 @@ SHARE = 0.05  # tolerance for another compiler
     shutil.which("valgrind") is None, reason="no valgrind: apt-get install valgrind"
 )
 def test_tick_takes_as_many_instructions_as_the_page_says() -> None:
-    build = [bench.ROOT / "tools" / "build", "release", bench.PROGRAM.name]
+    build = [str(ROOT / "tools" / "build"), "release", bench.PROGRAM.name]
     subprocess.run(build, check=True, capture_output=True)
     now = bench.instructions(["tick"], 1000)
     _, noted = measurements.numbers(measurements.row("tick with own")[0])

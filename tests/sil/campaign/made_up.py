@@ -117,7 +117,7 @@ class Made:
         e_m = start_m[..., None] * np.exp(-t_s / 14.0) + level_m[..., None] * smooth
         e_m[list(self.diverged)] *= np.exp(t_s / 12.0)
         sailed = [run for run in range(self.runs) if run not in self.failed]
-        run, boat, second = np.ix_(sailed, range(1, self.boats + 1), t_s)
+        run, boat, second = np.ix_(np.array(sailed), np.arange(1, self.boats + 1), t_s)
         shape = (len(sailed), self.boats, t_s.size)
         columns = {
             "run": np.broadcast_to(run, shape).ravel().astype(np.int32),

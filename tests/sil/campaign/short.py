@@ -8,6 +8,7 @@ import numpy as np
 from sil.campaign.run_outcome import RunResult
 from sil.campaign.sampling import Sampler
 from sil.campaign.work import Share, code
+from sil.plant.hull import Array
 from sil.scenario import scenario
 
 SHORT = """\
@@ -49,5 +50,5 @@ def result(run: int, error_m: list[list[float]], outcome: str = "ok") -> RunResu
         {"rms_error_m": 0.1 * run + i, "settling_time_s": None} for i in range(len(error_m))
     )
     states = tuple({"FORMATION": 1.0} for _ in error_m)
-    samples = np.array(error_m, np.float32)
+    samples: Array = np.array(error_m, np.float32)
     return RunResult(run, 7, outcome, "", "d", 1.0, boats, states, samples, 0.5 * samples)

@@ -105,7 +105,7 @@ def test_an_unfinished_campaign_does_not_go_on_as_another(
     tmp_path: Path, changed: dict[str, object], said: str
 ) -> None:
     Folder(tmp_path).begin(IDENTITY, "sail away")
-    other = Identity(**{**vars(IDENTITY), **changed})  # type: ignore[arg-type]
+    other = Identity(**{**vars(IDENTITY), **changed})
     with pytest.raises(CampaignError) as told:
         Folder(tmp_path).begin(other, "sail")
     can = (

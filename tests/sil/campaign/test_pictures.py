@@ -26,7 +26,9 @@ def picture_of(made: Made, folder: Path) -> Figure:
 def bands(axes: Axes) -> list[tuple[float, float]]:
     """Least and greatest |e| of each shaded band: of all runs, 5–95 %, 25–75 %."""
     drawn = [c for c in axes.collections if isinstance(c, PolyCollection)]
-    return [(y.min(), y.max()) for y in (c.get_paths()[0].vertices[:, 1] for c in drawn)]
+    return [
+        (y.min(), y.max()) for y in (np.asarray(c.get_paths()[0].vertices)[:, 1] for c in drawn)
+    ]
 
 
 def test_band_of_a_percentile_that_is_infinite_ends_at_the_top(tmp_path: Path) -> None:

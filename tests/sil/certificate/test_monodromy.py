@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sil.certificate import monodromy
-from sil.certificate.loop import COMPONENTS, Loop, leader_rows
+from sil.certificate.loop import BODY, COMPONENTS, Loop, leader_rows
 from sil.scenario.law import LAWS
 from tests.sil.certificate.made_up import AT_REST, SINE, TURN, boat
 from tests.turns import some
@@ -88,7 +88,7 @@ def test_boat_forgets_estimates_whose_bandwidth_is_0_at_once() -> None:
 
 
 def test_mode_that_stays_in_the_memory_is_not_visible() -> None:
-    n = monodromy.BODY
+    n = BODY
     product = np.diag([*[0.5] * n, 1.0, 1.0])
     product[0, n] = 1.0  # moves the boat
     values, vectors = np.linalg.eig(product)

@@ -54,6 +54,7 @@ def test_excitation_is_that_of_an_adaptive_integrator_from_any_time_on(paper: Re
         rtol=1e-12,
         atol=1e-13,
     )
+    assert solution.sol is not None
     begin = 8.0 * T + np.linspace(0.0, T, 200)
     excitation = solution.sol(begin + T)[3] - solution.sol(begin)[3]
     assert paper.mu == pytest.approx(excitation.min(), rel=1e-8)

@@ -90,5 +90,5 @@ def test_hull_under_its_slots_wrench_sails_along_its_slot(
     slot = slot_motion(parameters, current, leader(), offset_m, turning)
     assert slot.sway_N < 1e-6
     poses = sailed(parameters, current, slot.motion, slot.tau)
-    times_s = slot.motion.begin_s + 0.01 * np.arange(1, len(poses) + 1)
+    times_s = slot.motion.begin_s + 0.01 * np.arange(1, len(poses) + 1, dtype=float)
     np.testing.assert_allclose(poses, slot.motion.eta(times_s), atol=2e-4)

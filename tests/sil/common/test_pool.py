@@ -4,6 +4,7 @@
 import multiprocessing
 import os
 from collections import Counter
+from typing import Any
 
 import pytest
 
@@ -45,8 +46,9 @@ def test_a_task_that_kills_its_process_is_told_and_costs_no_other(place: int) ->
 
 
 def test_an_exception_ends_the_processes_and_is_raised() -> None:
+    tasks: list[Any] = [0, "one", 2]
     with pytest.raises(TypeError):
-        pool.run(half, [0, "one", 2], 2, lambda task, result: None)  # type: ignore[list-item]
+        pool.run(half, tasks, 2, lambda task, result: None)
     assert multiprocessing.active_children() == []
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from sil import ROOT
 from sil.examine import fixed_comparison
 from sil.examine.fixed_comparison import MeasuredFunction
 from tests import measurements
@@ -42,7 +43,7 @@ ON_THE_PAGE = {
 
 
 def run(*command: str) -> None:
-    subprocess.run(command, cwd=fixed_comparison.ROOT, check=True, capture_output=True)
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ import pytest
 
 from sil.faults import soak
 from sil.faults.soak import Soaked
+from sil.faults.watch import STATES
 from sil.lockstep.policies import PolicyViolationError
 
 MINUTES = 4.0
@@ -30,7 +31,7 @@ def test_a_fault_that_is_not_recovered_from_ends_the_soak(monkeypatch: pytest.Mo
 
 
 def test_thrust_without_leave_ends_the_soak(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(soak, "_OFF", [soak.STATES["FORMATION"]])
+    monkeypatch.setattr(soak, "_OFF", [STATES["FORMATION"]])
     assert "forbidden thrust" in soaked(1).wrong[0]
 
 

@@ -345,10 +345,10 @@ def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) 
     mavlogdump = Path(sys.executable).parent / "mavlogdump.py"
     command = [
         sys.executable,
-        mavlogdump,
+        str(mavlogdump),
         "--types",
         "LOCAL_POSITION_NED",
-        log / "mavlink-00001.tlog",
+        str(log / "mavlink-00001.tlog"),
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.count("LOCAL_POSITION_NED") >= STEPS

@@ -45,7 +45,7 @@ def rrd(rerun: Path, folder: Path) -> Path:
 
 
 def chunks(rerun: Path, rrd: Path, entity: str, *options: str) -> str:
-    command = [rerun, "rrd", "print", *options, "--entity", entity, rrd]
+    command = [str(rerun), "rrd", "print", *options, "--entity", entity, str(rrd)]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 

@@ -27,9 +27,9 @@ def test_both_laws_have_a_line_a_boat_and_the_limit_is_drawn(boats: int) -> None
     figure = comparison.picture("pair", 0.07, 60.0, [made_up(boats, 3.0)], [made_up(boats)])
     chart, over_time = figure.axes
     assert len(over_time.lines) == 2 * boats + 1
-    assert list(over_time.lines[-1].get_ydata()) == [0.07, 0.07]
+    assert list(np.asarray(over_time.lines[-1].get_ydata())) == [0.07, 0.07]
     assert chart.get_title(loc="left") == "pair: the first 60 s, product"
-    assert chart.lines[0].get_xdata()[-1] == pytest.approx(30.0)
+    assert np.asarray(chart.lines[0].get_xdata())[-1] == pytest.approx(30.0)
     colours = {line.get_color() for line in over_time.lines[:-1]}
     assert len(colours) == boats
 
@@ -37,7 +37,8 @@ def test_both_laws_have_a_line_a_boat_and_the_limit_is_drawn(boats: int) -> None
 def test_many_seeds_are_the_median_of_the_worst_boat_and_its_envelope() -> None:
     runs = [made_up(2, factor) for factor in (1.0, 2.0, 9.0)]
     over_time = comparison.picture("pair", 0.1, 300.0, runs[:2], runs).axes[1]
-    assert [line.get_ydata()[0] for line in over_time.lines[:2]] == pytest.approx([3.0, 4.0])
+    first = [np.asarray(line.get_ydata())[0] for line in over_time.lines[:2]]
+    assert first == pytest.approx([3.0, 4.0])
     assert len(over_time.collections) == 2
     assert "worst boat, 3 seeds" in over_time.get_ylabel()
 

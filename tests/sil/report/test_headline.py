@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The first line of a run's report."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from sil.report import headline
 
 
 def boat(number: int, **changes: Any) -> BoatSummary:
-    told: Any = {
+    told = {
         "id": number,
         "rms_error_m": 0.0001,
         "max_error_m": 0.0002,
@@ -21,7 +21,7 @@ def boat(number: int, **changes: Any) -> BoatSummary:
         "thrust_step_rms_N": 0.0,
         "states": {"FORMATION": 300.0, "HOLD": 0.0},
     }
-    return {**told, **changes}
+    return cast(BoatSummary, told | changes)
 
 
 def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: float = 1.0) -> Summary:

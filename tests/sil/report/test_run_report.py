@@ -39,6 +39,7 @@ def made_up_run(ticks: int = 2001) -> tuple[Summary, dict[str, Array]]:
         "seed": 7,
         "duration_s": 20.0,
         "wall_s": 0.5,
+        "release_unix_s": 0.0,
         "real_time_factor": 40.0,
         "digest": "ab" * 32,
         "boats": metrics.boats(t_s, error, thrust, states),

@@ -7,12 +7,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sil.campaign import finished
 from sil.cli import results_command
+from sil.report import comparison
 from sil.results import published, results, results_campaigns, results_fleets, results_readme
 from sil.results.claims import CLAIMS, LAWS
 from sil.results.results_table import BEGIN, END
@@ -65,7 +67,7 @@ def sail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., list[
         monkeypatch.setattr(published, name, path)
     monkeypatch.setattr(published, "FIGURES", tmp_path / "results" / "figures.json")
     monkeypatch.setattr(results_readme, "sail", lambda: dict(results_readme.WANTED))
-    monkeypatch.setattr(results.comparison, "png", lambda figure: b"picture")
+    monkeypatch.setattr(comparison, "png", lambda figure: b"picture")
     names = results_campaigns.NAMES.values()
     campaigns = [
         Made(boats=1, scenario=name).write(tmp_path / f"campaign_{name}") for name in names
@@ -232,7 +234,7 @@ def test_fleets_are_told_case_by_case_and_nothing_is_written(
     sail: Callable[..., list[Job]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def outcome(job: Job) -> Outcome:
-        late = {"rms_error_m": 0.25, "states": {"FORMATION": 290.0, "HOLD": 10.0}}
+        late: Any = {"rms_error_m": 0.25, "states": {"FORMATION": 290.0, "HOLD": 10.0}}
         return replace(fleet(job, rms_error_m=0.25), boats=[late])
 
     jobs = sail(outcome)

@@ -14,7 +14,9 @@ from sil.results.results_table import BEGIN, COLUMNS, END, PublishedBound
 from sil.results.sailing import Job, Outcome
 
 
-def outcomes(name: str, paper: list[float | None], product: list[float | None]) -> list[Outcome]:
+def outcomes(
+    name: str, paper: Sequence[float | None], product: Sequence[float | None]
+) -> list[Outcome]:
     """One run per given figure, with all its figures equal; None is a failed run."""
     keys = [bound.key for bound in CLAIMS[name].bounds]
     return [

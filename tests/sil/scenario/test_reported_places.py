@@ -2,6 +2,7 @@
 """Boats' positions in the coordinates that their units send."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def test_a_unit_with_an_origin_of_its_own_tells_how_far_it_is_from_there() -> No
 
 
 @pytest.mark.parametrize("message", ["global", "follow_target"])
-def test_a_unit_on_the_globe_tells_latitude_longitude_and_true_heading(message: str) -> None:
+def test_a_unit_on_the_globe_tells_latitude_longitude_and_true_heading(message: Any) -> None:
     told = Told([LOCAL, Settings(10.0, message), LOCAL])
     for shift_m in (0.0, 111.3):
         eta = ETA + np.array([shift_m, 0.0, 0.0])

@@ -54,7 +54,7 @@ def test_neighbours_are_as_far_apart_as_asked(shape: Shape, boats: int) -> None:
 def test_boats_begin_at_rest_in_their_slots(tmp_path: Path) -> None:
     text = SQUARE.replace("[[0, 0], [20, 0], [20, 20]]", "[[5, 5], [5, 25], [25, 25]]")
     scenario = load(written(tmp_path, text))
-    assert scenario.leader.eta == (5.0, 5.0, pytest.approx(math.pi / 2))
+    assert scenario.leader.eta == pytest.approx((5.0, 5.0, math.pi / 2))
     # Its bow is to the east: starboard is south.
     assert [boat.offset_m for boat in scenario.boat] == [(0.0, -2.0), (0.0, 0.0), (0.0, 2.0)]
     assert [boat.eta[0] for boat in scenario.boat] == pytest.approx([7.0, 5.0, 3.0])

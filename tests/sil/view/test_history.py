@@ -24,7 +24,7 @@ def trace(ticks: int = 5001) -> dict[str, Array]:
     rng = np.random.default_rng(9)
     eta = np.cumsum(rng.normal(0.0, 0.1, (ticks, 3, 3)), axis=0)
     return {
-        "t_s": 0.01 * np.arange(ticks),
+        "t_s": np.asarray(0.01 * np.arange(ticks), float),
         "eta": eta,
         "nu": rng.normal(0.0, 1.0, (ticks, 3, 3)),
         "error": metrics.formation_error(eta, [0, 1], OFFSET_M, TURNS),

@@ -2,6 +2,7 @@
 """The live page in Chromium, with a made-up fleet."""
 
 import json
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,7 @@ GARBAGE: list[str | bytes] = [
     b"\x00\xff\xfd",
     '{"t_s": 1e999, "vessels": []}',
 ]
-ODD = [None, 7, "boat", [], {}, {"id": "one"}, {"id": 1.5}]
+ODD: list[Any] = [None, 7, "boat", [], {}, {"id": "one"}, {"id": 1.5}]
 
 
 def places(browser: Browser) -> dict[str, list[float]]:
@@ -75,7 +76,7 @@ def test_lost_leader_is_seen_with_the_reason(browser: Browser, four: Feeder) -> 
     assert word(browser, "Boat 2", ".state") == "FORMATION"
     lost = {"held": ["leader's state is not fresh"], "text": "leader is lost", "leader_age_s": 1.2}
     for state in ("COAST", "HOLD"):
-        four.frames = lambda t_s, state=state: frame(  # type: ignore[misc]
+        four.frames = lambda t_s, state=state: frame(
             t_s, [leader(t_s), boat(1, t_s), boat(2, t_s, state=state, **lost)]
         )
         browser.until(
@@ -107,7 +108,13 @@ def test_line_on_top_tells_how_the_fleet_is(browser: Browser, four: Feeder) -> N
     far = {"error_m": 9.5, "in_slot": 0.0}
     lost = {"state": "COAST", "held": ["leader's state is not fresh"], "in_slot": 0.0}
     near = {"error_m": 0.02, "in_slot": 1.0}
-    mixed = [(1, near), (2, near), (3, far), (4, {**near, **lost}), (5, {"link_age_s": 9.0})]
+    mixed: list[tuple[int, dict[str, Any]]] = [
+        (1, near),
+        (2, near),
+        (3, far),
+        (4, {**near, **lost}),
+        (5, {"link_age_s": 9.0}),
+    ]
     four.frames = lambda t_s: frame(t_s, [leader(t_s), *(boat(n, t_s, **c) for n, c in mixed)])
     shown(browser, four)
     line = "return [...document.querySelectorAll('#fleet-line > *')].map((x) => x.textContent)"
@@ -137,7 +144,7 @@ def test_boats_nearer_than_a_hull_are_in_trouble(browser: Browser, four: Feeder)
 
 
 def test_columns_that_nobody_fills_are_not_drawn(browser: Browser, four: Feeder) -> None:
-    bare = {"battery_V": None, "thrust_N": None, "limits_N": None, "escs": []}
+    bare: dict[str, Any] = {"battery_V": None, "thrust_N": None, "limits_N": None, "escs": []}
     shown(browser, four, lambda t_s: frame(t_s, [boat(n, t_s, **bare) for n in (1, 2)]))
     heads = """return [...document.querySelectorAll('.heads > span')].filter((x) =>
       x.checkVisibility()).map((x) => x.textContent).filter(Boolean)"""

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The live page's look on a phone, in light and dark, its accessibility and its speed."""
 
+from typing import Any
+
 import pytest
 
 from tests.sil.view.browser import Browser
@@ -57,7 +59,14 @@ def test_texts_are_read_in_light_and_dark(browser: Browser, four: Feeder, dark: 
     browser.size(1200, 800, dark=dark)
     lost = {"state": "COAST", "held": ["leader's state is not fresh"], "text": "leader is lost"}
     silent = {"link_age_s": 9.0}
-    changes = [{}, {}, lost, silent, {"state": "MANUAL"}, {"state": "DISARMED"}]
+    changes: list[dict[str, Any]] = [
+        {},
+        {},
+        lost,
+        silent,
+        {"state": "MANUAL"},
+        {"state": "DISARMED"},
+    ]
     many = [*changes, {"state": "FAULT"}, {"state": "TEST"}, {"state": "HOLD"}]
     shown(browser, four)
     four.frames = lambda t_s: frame(t_s, [boat(n, t_s, **c) for n, c in enumerate(many, start=1)])

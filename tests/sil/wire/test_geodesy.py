@@ -2,6 +2,7 @@
 """Local frames against numerically integrated geodesics of the WGS 84 ellipsoid."""
 
 from math import atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tan
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -27,7 +28,7 @@ def sail(phi: float, lam: float, north_m: float, east_m: float) -> tuple[float, 
     Its length is that of the way along the tangent, which at 5 km differs by 0.5 mm.
     """
 
-    def along(_: float, state: list[float]) -> list[float]:
+    def along(_: float, state: Any) -> list[float]:
         phi, _, alpha = state
         w2 = 1.0 - E2 * sin(phi) ** 2
         meridian, prime = A_M * (1.0 - E2) / w2**1.5, A_M / sqrt(w2)
@@ -35,7 +36,8 @@ def sail(phi: float, lam: float, north_m: float, east_m: float) -> tuple[float, 
         return [cos(alpha) / meridian, east / cos(phi), east * tan(phi)]
 
     start = [phi, lam, atan2(east_m, north_m)]
-    way = solve_ivp(along, (0.0, hypot(north_m, east_m)), start, "DOP853", rtol=1e-13, atol=1e-15)
+    length = hypot(north_m, east_m)
+    way = solve_ivp(along, (0.0, length), start, method="DOP853", rtol=1e-13, atol=1e-15)
     return float(way.y[0, -1]), float(way.y[1, -1]), float(way.y[2, -1])
 
 
