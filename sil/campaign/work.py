@@ -48,13 +48,12 @@ class OtherCodeError(RuntimeError):
 
 @cache
 def code() -> str:
-    """SHA-256 of what figures depend on: this package, the native module, the libraries."""
+    """SHA-256 of what figures depend on: this package, the native module, numpy."""
     digest = hashlib.sha256()
     for path in sorted(Path(sil.__file__ or "").parent.rglob("*.py")):
         digest.update(path.read_bytes())
     digest.update(Path(flotilla.__file__).read_bytes())
-    for library in ("numpy", "numba"):
-        digest.update(importlib.metadata.version(library).encode())
+    digest.update(importlib.metadata.version("numpy").encode())
     return digest.hexdigest()
 
 

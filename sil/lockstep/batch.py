@@ -14,7 +14,7 @@ import flotilla
 import numpy as np
 
 from sil.lockstep.recording import Recorder
-from sil.lockstep.trace import Ints
+from sil.lockstep.trace import States
 from sil.plant.hull import Array
 from sil.plant.sensors import Sensors
 from sil.scenario.agents import clocks_of, parameters_of, slots_of, units_of
@@ -123,9 +123,9 @@ class Batch:
         return {"boats": boats}
 
     @property
-    def states(self) -> Ints:
+    def states(self) -> States:
         """States (R, N) after the last tick, as indices of `flotilla.STATES`."""
-        states: Ints = self.fleet.states
+        states: States = self.fleet.states
         return states.reshape(-1, self.boats)
 
     def tick(self, t_us: int) -> None:

@@ -10,7 +10,7 @@ from typing import NotRequired, TypedDict
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+from flotilla import kernels
 
 from sil.plant.hull import Array
 
@@ -66,32 +66,9 @@ def formation_error(
     """
     error = np.empty((len(eta), len(follows), 3))
     turning = np.zeros(len(follows), bool) if turns is None else np.array(turns, bool)
-    _formation_error(eta, np.array(follows), offset_m, turning, error)
+    kernels.formation_errors(eta, np.array(follows, np.int64), offset_m, turning, error)
     error[..., 2] = wrap(error[..., 2])
     return error
-
-
-@njit(cache=True)
-def _formation_error(
-    eta: Array,
-    follows: npt.NDArray[np.int64],
-    offset_m: Array,
-    turns: npt.NDArray[np.bool_],
-    error: Array,
-) -> None:
-    """Fill in the errors (T, N, 3), e_ψ not wrapped."""
-    for k in range(eta.shape[0]):
-        for i in range(follows.size):
-            leader, own = eta[k, follows[i]], eta[k, i + 1]
-            north, east = offset_m[i, 0], offset_m[i, 1]
-            if turns[i]:
-                cos, sin = np.cos(leader[2]), np.sin(leader[2])
-                north, east = cos * north - sin * east, sin * north + cos * east
-            x, y = own[0] - (leader[0] + north), own[1] - (leader[1] + east)
-            cos, sin = np.cos(own[2]), np.sin(own[2])
-            error[k, i, 0] = cos * x + sin * y
-            error[k, i, 1] = cos * y - sin * x
-            error[k, i, 2] = own[2] - leader[2]
 
 
 def wrap(angle: Array) -> Array:
@@ -163,36 +140,7 @@ def min_separation_m(eta: Array) -> float | None:
     """
     if eta.shape[1] <= 2:
         return None
-    return float(np.sqrt(_least_square(eta)))
-
-
-@njit(cache=True)
-def _least_square(eta: Array) -> float:
-    """Square of the smallest distance; infinite if no two positions are known.
-
-    Boats are kept sorted by x, an order that changes little from tick to tick, and compared only
-    while their distance along x is less than the smallest distance so far.
-    """
-    n = eta.shape[1] - 1
-    x, y, order = np.empty(n), np.empty(n), np.arange(1, n + 1)
-    least = np.inf
-    for k in range(eta.shape[0]):
-        for i in range(n):
-            boat = order[i]
-            # sort unknown positions (NaN) to the end
-            key = eta[k, boat, 0] if not np.isnan(eta[k, boat, 0]) else np.inf
-            at = i
-            while at > 0 and x[at - 1] > key:
-                x[at], y[at], order[at] = x[at - 1], y[at - 1], order[at - 1]
-                at -= 1
-            x[at], y[at], order[at] = key, eta[k, boat, 1], boat
-        for i in range(n):
-            j = i + 1
-            while j < n and (x[j] - x[i]) ** 2 < least:
-                apart = (x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2
-                least = min(least, apart)
-                j += 1
-    return least
+    return float(np.sqrt(kernels.least_square_distance(eta)))
 
 
 def _rms(values: Array) -> float:

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 import flotilla
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+from flotilla import kernels
 
 from sil.lockstep import metrics
 from sil.plant.bodies import Bodies
 from sil.plant.hull import Array
 from sil.scenario.scenario import Scenario
 
-Ints = npt.NDArray[np.integer]
+States = npt.NDArray[np.uint8]
 
 
 class Tracer:
@@ -41,16 +41,19 @@ class Tracer:
         self._nu: Array = np.empty((bodies.runs, kept, boats + 1, 3))
         self._tau: Array = np.empty((bodies.runs, kept, boats, 2))
         self._counts = np.zeros((bodies.runs * boats, len(flotilla.STATES)), np.int64)
-        _note_truth(0, bodies.eta, bodies.nu, self._eta, self._nu)
+        for kept_rows, rows in ((self._eta, bodies.eta), (self._nu, bodies.nu)):
+            kept_rows[:, 0, 0] = rows[: bodies.runs]
+            kept_rows[:, 0, 1:] = rows[bodies.runs :].reshape(bodies.runs, boats, 3)
 
-    def note(self, k: int, states: Ints) -> None:
+    def note(self, k: int, states: States) -> None:
         """Record the bodies, which were just advanced from tick `k` to the next one.
 
         `states` (R N): the boats' at tick k, as indices of `flotilla.STATES`.
         """
         bodies = self._bodies
         truth = (bodies.eta, bodies.nu, bodies.tau)
-        _note(k, self._every, *truth, states, self._eta, self._nu, self._tau, self._counts)
+        kept = (self._eta, self._nu, self._tau)
+        kernels.note_tick(k, self._every, *truth, states, *kept, self._counts)
 
     def trace(self, run: int) -> dict[str, Array]:
         """The arrays of trace.npz of a run."""
@@ -73,42 +76,3 @@ class Tracer:
             {name: n * self.h_s for name, n in zip(flotilla.STATES, count, strict=True) if n}
             for count in counts
         ]
-
-
-@njit(cache=True)
-def _note(
-    k: int,
-    every: int,
-    eta: Array,
-    nu: Array,
-    tau: Array,
-    states: Ints,
-    eta_out: Array,
-    nu_out: Array,
-    tau_out: Array,
-    counts: Ints,
-) -> None:
-    """Store tau and states of tick k, eta and nu of the next; `_out` (R, kept, ...)."""
-    for boat in range(states.shape[0]):
-        counts[boat, states[boat]] += 1
-    if k % every == 0:
-        boats = tau_out.shape[2]
-        for run in range(tau_out.shape[0]):
-            for i in range(boats):
-                for j in range(2):
-                    tau_out[run, k // every, i, j] = tau[run * boats + i, j]
-    at = (k + 1) // every
-    if (k + 1) % every == 0 and at < eta_out.shape[1]:
-        _note_truth(at, eta, nu, eta_out, nu_out)
-
-
-@njit(cache=True)
-def _note_truth(at: int, eta: Array, nu: Array, eta_out: Array, nu_out: Array) -> None:
-    """Store eta and nu (leaders first, then boats) at index `at` of their runs."""
-    runs, agents = eta_out.shape[0], eta_out.shape[2]
-    for run in range(runs):
-        for i in range(agents):
-            row = run if i == 0 else runs + run * (agents - 1) + i - 1
-            for j in range(3):
-                eta_out[run, at, i, j] = eta[row, j]
-                nu_out[run, at, i, j] = nu[row, j]

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+from flotilla import kernels
 
 from sil.plant.bodies import Bodies
 from sil.plant.hull import Array
@@ -73,7 +73,8 @@ class Sensors:
     def measure(self) -> None:
         """Measure once, everybody."""
         if self._normals is not None:
-            _measure(*self._true, self._sigma, self.worse, self._normals.step(), self.eta, self.nu)
+            normals = self._normals.step()
+            kernels.measure(*self._true, self._sigma, self.worse, normals, self.eta, self.nu)
         if self._steps is not None:
             if self._normals is None:
                 self.eta[:], self.nu[:] = self._true
@@ -93,25 +94,3 @@ def _normals(
     if not any(drawn):
         return None
     return Normals([rng if draws else None for rng, draws in zip(rngs, drawn, strict=True)], shape)
-
-
-@njit(cache=True)
-def _measure(
-    eta: Array,
-    nu: Array,
-    sigma: Array,
-    worse: Array,
-    normals: Array,
-    eta_out: Array,
-    nu_out: Array,
-) -> None:
-    """Sigma (R, 2, 3), worse (R + R N), normals (R, 2, N+1, 3), the rest (R + R N, 3)."""
-    runs, boats = normals.shape[0], normals.shape[2] - 1
-    for run in range(runs):
-        eta_out[run], nu_out[run] = eta[run], nu[run]
-        for i in range(boats):
-            row = runs + run * boats + i
-            for j in range(3):
-                pose, velocity = normals[run, 0, i + 1, j], normals[run, 1, i + 1, j]
-                eta_out[row, j] = eta[row, j] + worse[row] * sigma[run, 0, j] * pose
-                nu_out[row, j] = nu[row, j] + worse[row] * sigma[run, 1, j] * velocity

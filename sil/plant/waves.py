@@ -16,8 +16,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-import numpy.typing as npt
-from numba import njit
+from flotilla import kernels
 
 from sil.plant.hull import Array
 
@@ -108,61 +107,5 @@ class Waves:
 
     def push(self, t_s: float, eta: Array, _nu: Array, _h_s: float, w: Array, /) -> None:
         """Add the force on boats at eta at `t_s` to w; both (R, N, 3)."""
-        _push(t_s, eta, self._waves, self._counts, self._course_rad, self._bodies, w)
-
-
-@njit(cache=True)
-def _push(
-    t_s: float,
-    eta: Array,
-    waves: Array,
-    counts: npt.NDArray[np.int64],
-    course_rad: Array,
-    bodies: Array,
-    w: Array,
-) -> None:
-    """Add the force of the first `counts` (R) of `waves` (R, m, 4) on `bodies` (R, N, 7) to w."""
-    for run in range(eta.shape[0]):
-        now = waves[run, : counts[run]]
-        if len(now) > 0:
-            _push_run(t_s, eta[run], now, course_rad[run], bodies[run], w[run])
-
-
-@njit(cache=True)
-def _push_run(
-    t_s: float, eta: Array, waves: Array, course_rad: float, bodies: Array, w: Array
-) -> None:
-    """Add the force of `waves` (m, 4) on `bodies` (N, 7) to w (N, 3)."""
-    for i in range(eta.shape[0]):
-        m11, m22, length, draft = bodies[i, 0], bodies[i, 1], bodies[i, 2], bodies[i, 3]
-        b, drift_x, drift_y = bodies[i, 4], bodies[i, 5], bodies[i, 6]
-        way = eta[i, 0] * np.cos(course_rad) + eta[i, 1] * np.sin(course_rad)
-        ahead, abeam = np.cos(course_rad - eta[i, 2]), np.sin(course_rad - eta[i, 2])
-        surge, sway, yaw, real, imaginary = 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(waves.shape[0]):
-            omega, k, amplitude, phase = waves[j, 0], waves[j, 1], waves[j, 2], waves[j, 3]
-            phi = omega * t_s - k * way + phase
-            cos, sin = np.cos(phi), np.sin(phi)
-            real += amplitude * cos
-            imaginary += amplitude * sin
-            acceleration = -omega * omega * amplitude * np.exp(-0.5 * k * draft)
-            mean, lever = _along(0.5 * k * ahead * length, 0.5 * length)
-            across = k * abeam * b
-            # Averages over both hulls of sin(φ − κ·r) and of its moments about the centre.
-            surge += acceleration * mean * np.cos(across) * sin
-            yaw += acceleration * ahead * mean * m11 * b * np.sin(across) * cos
-            sway += acceleration * mean * np.cos(across) * sin
-            yaw -= acceleration * abeam * lever * m22 * np.cos(across) * cos
-        drift = 0.5 * WATER_KGPM3 * GRAVITY_MPS2 * (real * real + imaginary * imaginary)
-        w[i, 0] += (m11 * surge + drift * drift_x) * ahead
-        w[i, 1] += (m22 * sway + drift * drift_y) * abeam
-        w[i, 2] += yaw
-
-
-@njit(cache=True)
-def _along(a: float, half_m: float) -> tuple[float, float]:
-    """Means over |x| ≤ `half_m` of cos(κ x) and x sin(κ x), a = κ `half_m`."""
-    if abs(a) < 1e-3:
-        return 1.0 - a * a / 6.0, half_m * a / 3.0
-    sinc = np.sin(a) / a
-    return sinc, half_m * (sinc - np.cos(a)) / a
+        sea = self._waves, self._counts, self._course_rad
+        kernels.add_waves(t_s, eta, *sea, self._bodies, w, 0.5 * WATER_KGPM3 * GRAVITY_MPS2)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numba import njit
+from flotilla import kernels
 
 from sil.plant.hull import Array
 from sil.plant.normals import Normals
@@ -60,16 +60,7 @@ class WhiteNoise:
         if self._steps % steps_of(self._sample_s, h_s) == 0:
             self._held = self._normals.step()
         self._steps += 1
-        _add(self._sigma, self._held, w)
-
-
-@njit(cache=True)
-def _add(sigma: Array, normals: Array, w: Array) -> None:
-    """Sigma (R), normals and w (R, N, 3)."""
-    for run in range(w.shape[0]):
-        for i in range(w.shape[1]):
-            for j in range(3):
-                w[run, i, j] += sigma[run] * normals[run, i, j]
+        kernels.add_noise(self._sigma, self._held, w)
 
 
 def steps_of(sample_s: float, h_s: float) -> int:

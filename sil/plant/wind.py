@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numba import njit
+from flotilla import kernels
 
 from sil.plant.hull import Array
 from sil.plant.normals import Normals
@@ -81,21 +81,5 @@ class Wind:
 
     def push(self, _t_s: float, eta: Array, nu: Array, h_s: float, w: Array, /) -> None:
         """Add the force on boats at eta with nu to w; all (R, N, 3)."""
-        _push(eta, nu, self._mean + self._gusts.step(h_s), self._boats, w)
-
-
-@njit(cache=True)
-def _push(eta: Array, nu: Array, air: Array, boats: Array, w: Array) -> None:
-    """Add the force of `air` (R, 2), north and east, on `boats` (R, N, 6) to w (R, N, 3)."""
-    for run in range(eta.shape[0]):
-        north, east = air[run, 0], air[run, 1]
-        for i in range(eta.shape[1]):
-            frontal, lateral, length = boats[run, i, 0], boats[run, i, 1], boats[run, i, 5]
-            c_x, c_y, c_n = boats[run, i, 2], boats[run, i, 3], boats[run, i, 4]
-            cos, sin = np.cos(eta[run, i, 2]), np.sin(eta[run, i, 2])
-            a_x = cos * north + sin * east - nu[run, i, 0]
-            a_y = cos * east - sin * north - nu[run, i, 1]
-            pressure = 0.5 * AIR_KGPM3 * np.hypot(a_x, a_y)
-            w[run, i, 0] += pressure * c_x * frontal * a_x
-            w[run, i, 1] += pressure * c_y * lateral * a_y
-            w[run, i, 2] += -AIR_KGPM3 * c_n * lateral * length * a_x * a_y
+        air = self._mean + self._gusts.step(h_s)
+        kernels.add_wind(eta, nu, air, self._boats, w, AIR_KGPM3)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
+from flotilla import kernels
 
 from sil.lockstep.recording import MAVLINK_OUT, Recording
 from sil.plant.hull import Array
@@ -32,9 +32,6 @@ _SHOWN = (
 _NAMES = {b"COND", b"COND2", b"IN_SLOT", b"LEAD_AGE"}
 _ID, _NAME = slice(7, 10), slice(18, 28)
 _NAMED_VALUE = messages.NAMED_VALUE_FLOAT.to_bytes(3, "little")
-
-Bytes = npt.NDArray[np.uint8]
-Places = npt.NDArray[np.int64]
 
 
 class SaidByBoat:
@@ -99,8 +96,7 @@ def said_in(path: Path, duration_us: float) -> Said:
     data = np.frombuffer(recording.records, np.uint8)
     wanted = np.zeros(1 << 16, np.bool_)
     wanted[list(_SHOWN)] = True
-    found = np.empty((_frames(data, wanted, np.empty((0, 4), np.int64))[0], 4), np.int64)
-    _, last_us = _frames(data, wanted, found)
+    found, last_us = kernels.radio_frames(data, _RADIO, wanted)
     parameters = [boat["parameters"] for boat in recording.header["boats"]]
     boats = [SaidByBoat(int(own["MAV_SYSID"])) for own in parameters]
     for boat, own in zip(boats, parameters, strict=True):
@@ -136,33 +132,3 @@ def _is_needed(frame: bytes) -> bool:
     """Whether a frame is no NAMED_VALUE_FLOAT, or one that a history needs."""
     size = frame[1] - 8  # a payload's zeros at its end are not sent
     return frame[_ID] != _NAMED_VALUE or frame[_NAME][:size].rstrip(b"\0") in _NAMES
-
-
-@njit(cache=True)
-def _frames(data: Bytes, wanted: npt.NDArray[np.bool_], found: Places) -> tuple[int, int]:
-    """Fill `found` (F, 4) with (time in us, agent, begin, end) of wanted frames sent by radio.
-
-    Returns how many there are, which may exceed F, and the time of the last record. Layout:
-    `sil.lockstep.recording`.
-    """
-    at, count, t_us = 0, 0, 0
-    while at + 12 <= data.size:
-        t_us = 0
-        for i in range(8):
-            t_us |= int(data[at + i]) << (8 * i)
-        channel, agent = data[at + 8], data[at + 9]
-        begin = at + 12
-        end = min(begin + int(data[at + 10]) + (int(data[at + 11]) << 8), data.size)
-        at = end
-        if channel != _RADIO or agent == 0:
-            continue
-        while begin + 12 <= end and data[begin] == 0xFD:
-            number = int(data[begin + 7]) + (int(data[begin + 8]) << 8)
-            size = 12 + int(data[begin + 1]) + (13 if data[begin + 2] & 1 else 0)
-            if wanted[number]:
-                if count < found.shape[0]:
-                    found[count, 0], found[count, 1] = t_us, agent
-                    found[count, 2], found[count, 3] = begin, min(begin + size, end)
-                count += 1
-            begin += size
-    return count, t_us

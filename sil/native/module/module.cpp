@@ -19,9 +19,11 @@
 #include "app/version.hpp"
 #include "fleet_binding.hpp"
 #include "helm.hpp"
+#include "plant/plant.hpp"
 #include "route.hpp"
 #include "snapshot.hpp"
 #include "supervisor.hpp"
+#include "traces.hpp"
 #include "values.hpp"
 
 namespace nb = nanobind;
@@ -210,6 +212,12 @@ NB_MODULE(flotilla, m) {
   bind_supervisor(m);
   bind_helm(m);
   bind_fleet(m);
+  nb::module_ kernels = m.def_submodule("kernels", "Loops over many vessels, for sil alone.");
+  plant::bind_hull(kernels);
+  plant::bind_propeller(kernels);
+  plant::bind_sensors(kernels);
+  plant::bind_weather(kernels);
+  bind_traces(kernels);
   nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")
       .def_ro("mavlink", &TickOutput::mavlink, "list[tuple[int, bytes]]: link, bytes")
       .def_ro("can", &TickOutput::can, "list[tuple[int, bytes]]: 29-bit id, data");

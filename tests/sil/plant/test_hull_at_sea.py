@@ -99,9 +99,13 @@ def test_boat_in_a_current_sails_as_the_adaptive_integrator_says(
 @pytest.mark.parametrize("v", [-0.7, -1e-9, 0.0, 0.2, 0.3])
 @pytest.mark.parametrize("r", [-2.0, -0.2, 0.0, 1e-12, 0.3])
 def test_crossflow_is_the_integral_along_the_waterline(v: float, r: float) -> None:
-    only = HullParameters(1, 1, 1, 0, 0, 0, crossflow=100.0, length_m=2.0)
-    _, *expected = drag_of(only, np.array([0.0, v, r]))
-    np.testing.assert_allclose(hull._crossflow(v, r, 100.0, 1.0), expected, rtol=1e-7, atol=1e-9)
+    heavy = HullParameters(1e3, 1e3, 1e3, 0, 0, 0, crossflow=100.0, length_m=2.0)
+    _, *expected = drag_of(heavy, np.array([0.0, v, r]))
+    nu, none, step_s = np.array([[0.0, v, r]]), np.zeros((1, 3)), 1e-6
+    still = np.zeros((1, 2))
+    hull.advance(none.copy(), nu, np.zeros((3, 1, 2)), none, still, hull.stack([heavy]), step_s)
+    drag = -1e3 * (nu[0, 1:] - [v, r]) / step_s
+    np.testing.assert_allclose(drag, expected, rtol=1e-5, atol=1e-6)
 
 
 @pytest.mark.parametrize("parameters", [PAPER, SEA])
