@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Tasks of this process while others sail the runs of a campaign."""
+"""What is done beside something else: nobody waits for it longer than it takes."""
 
+import multiprocessing
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -51,3 +52,10 @@ def nominal_run(
         except BaseException:
             given_up.set()
             raise
+
+
+@contextmanager
+def in_a_process(work: Callable[..., object], *arguments: object) -> Iterator[Callable[[], object]]:
+    """Call `work` in a process of its own; what is given waits for its result, or raises as it."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as process:
+        yield process.submit(work, *arguments).result

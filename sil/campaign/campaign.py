@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from sil.campaign import runner, summary
-from sil.campaign.aside import nominal_run
+from sil.campaign.aside import in_a_process, nominal_run
 from sil.campaign.campaign_files import Folder, Identity
 from sil.campaign.progress import bar
 from sil.campaign.sampling import Sampler
@@ -184,7 +184,8 @@ def _finish(
     if len(sailed) > 1 and len({run.digest for run in sailed.values()} - {None, ""}) == 1:
         name = sampler.nominal.name
         _say(console, f"all runs of {name} are the same one: see [[vary]] in sil/docs/CAMPAIGNS.md")
-    worst.write(folder.path, sampler, dict(campaign.identity.parameters))
-    campaign_report.write(folder.path)
+    parameters = dict(campaign.identity.parameters)
+    with in_a_process(worst.write, folder.path, sampler, parameters) as worst_sailed:
+        campaign_report.write(folder.path, worst_sailed)
     folder.finish()
     console.print(f"results: {folder.path}", soft_wrap=True)

@@ -2,7 +2,7 @@
 """The page of a campaign: pictures after the paper's Figs. 1 and 2, tables, runs to replay."""
 
 import base64
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -24,24 +24,27 @@ _COPY = '<button type="button" class="copy">Copy</button>'
 _PAGE = Template((Path(__file__).parent / "report.html").read_text(encoding="utf-8"))
 
 
-def write(out: Path) -> None:
+def write(out: Path, worst_sailed: Callable[[], object] = lambda: None) -> None:
     """Write `out`/report.html, which needs no other file, from the campaign's files in `out`.
 
-    ValueError, in one line, where a file is missing or is not a campaign's.
+    `worst_sailed` returns once the worst run is in `out`, or is not to be. ValueError, in one line,
+    where a file is missing or is not a campaign's.
     """
     campaign = finished.tables(out)
-    sampled = samples.read(campaign)
-    text = page(campaign, sampled, nominal.read(out), worst.read(out))
+    sampled, trace = samples.read(campaign), nominal.read(out)
+    drawn = _formation(campaign, trace), _errors(campaign, sampled, trace)
+    worst_sailed()
+    text = page(campaign, sampled, drawn, worst.read(out))
     files.replace(out / "report.html", text.encode())
 
 
 def page(
     campaign: Campaign,
     sampled: Samples,
-    trace: dict[str, Array] | None,
-    worst_told: dict[str, Any] | None = None,
+    drawn: tuple[str, str],
+    worst_told: dict[str, Any] | None,
 ) -> str:
-    """The report as one HTML page; `trace`: the nominal run's, as nominal.npz has it.
+    """The report as one HTML page; `drawn`: pictures of the nominal run and of all errors.
 
     `worst_told`: the history of the worst run, as worst.json has it.
     """
@@ -60,8 +63,8 @@ def page(
         level=found.level,
         verdict=escape(found.text),
         late=f"{sampled.late_s:g}",
-        formation=_formation(campaign, trace),
-        errors=_errors(campaign, sampled, trace),
+        formation=drawn[0],
+        errors=drawn[1],
         percentiles=_table(page_tables.ERRORS, page_tables.errors(campaign, sampled)),
         of=_of(campaign),
         lost=_replays(campaign, page_tables.LOST, last_lost),

@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
@@ -113,9 +114,10 @@ def _distances(trace: Trace) -> Array:
 
 def png(figure: Figure) -> bytes:
     """The figure as a PNG file of 256 colours, a third as large as one of all colours."""
-    full, small = io.BytesIO(), io.BytesIO()
-    figure.savefig(full, format="png")
-    with Image.open(full) as image:
-        reduced = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    reduced.save(small, format="png", optimize=True)
-    return small.getvalue()
+    canvas: Any = FigureCanvasAgg(figure)  # which has no types
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+    reduced = Image.fromarray(pixels.copy()).quantize(256, dither=Image.Dither.NONE)
+    content = io.BytesIO()
+    reduced.save(content, format="png")
+    return content.getvalue()
