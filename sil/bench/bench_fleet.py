@@ -130,7 +130,7 @@ def _steps(batch: Batch) -> Iterator[tuple[float, float]]:
             batch.tick(ready_us + k * batch.h_us)
         ticked_s = time.perf_counter()
         leaders.advance(k, batch.bodies, batch.command)
-        tracer.note(k, batch.states)
+        tracer.note(k, batch.fleet.states)
         yield ticked_s - began_s, time.perf_counter() - ticked_s
 
 

@@ -19,9 +19,7 @@ def sailed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "gain lower": ["--param", "LAW_KX=0.16"],
     }
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            campaign_report, "write", lambda out: None
-        )  # pictures have tests of their own
+        patch.setattr(campaign_report, "write", lambda *_: None)  # pictures have tests of their own
         for name, change in changes.items():
             size = ["--runs", "24", "--workers", "2", "--set", "duration_s=80"]
             out = ["--out", str(folder / name)]

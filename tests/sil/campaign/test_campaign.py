@@ -63,7 +63,7 @@ def sailed(scenario: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def _no_pictures(sailed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Skips the pictures, which have their own tests."""
-    monkeypatch.setattr(campaign_report, "write", lambda out: None)
+    monkeypatch.setattr(campaign_report, "write", lambda *_: None)
 
 
 def assert_same(out: Path, sailed: Path) -> None:
@@ -146,7 +146,7 @@ def test_a_run_sailed_again_is_held_against_the_table_it_belongs_to(
 def test_a_page_that_cannot_be_made_leaves_a_campaign_that_the_same_command_finishes(
     scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(out: Path) -> None:
+    def fail(*_: object) -> None:
         raise OSError("no space")
 
     given = command(scenario, tmp_path, "--runs", "2")

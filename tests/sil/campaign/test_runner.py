@@ -51,7 +51,7 @@ def cluster() -> Iterator[distributed.LocalCluster]:
 def test_a_cluster_that_loses_a_worker_makes_the_same_tables(
     cluster: distributed.LocalCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(campaign_report, "write", lambda out: None)
+    monkeypatch.setattr(campaign_report, "write", lambda *_: None)
     given = ["campaign", str(short(tmp_path)), "--runs", "12", "--set", "duration_s=30.0"]
     assert main([*given, "--out", str(tmp_path / "here")]) == 0
     killed: list[int] = []
