@@ -68,6 +68,9 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     words = " ".join(options.pytest)
     packages = "amd64 arm64 armhf" if options.all else "amd64"
     of_builds, ignored = " ".join(OF_BUILDS), " ".join(f"--ignore={path}" for path in OF_BUILDS)
+    tidied = (
+        "firmware/.*cpp" if options.all else "firmware/app/(supervisor|guidance|propulsion|boat)"
+    )
     found = [
         Stage("lint", ("clang-format --dry-run --Werror $(git ls-files '*.hpp' '*.cpp')",
                        "ruff format --check .", "ruff check .", "mypy")),
@@ -83,6 +86,8 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
                            f"--output-junit {OUT}/firmware.xml",), ("sanitizers",), tests=True),
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
+        Stage("tidy", (f"nice -n 5 run-clang-tidy-19 -quiet -j 2 -p build/dev '{tidied}'",),
+              ("sanitizers",)),
         # lower priority than vcan, whose boats must not be late
         Stage("python", (f"nice -n 5 {pytest} {junit.format('python')} --ignore=tests/vcan "
                          f"{ignored} --numprocesses 3 --dist loadfile --no-loadscope-reorder"

@@ -28,9 +28,13 @@ std::uint8_t Supervisor::mode() const {
     case State::kFormation:
     case State::kCoast:
       return mode::kFormation;
-    default:
-      return mode::kHold;
+    case State::kDisarmed:
+    case State::kHold:
+    case State::kTest:
+    case State::kFault:
+      break;
   }
+  return mode::kHold;
 }
 
 bool Supervisor::sticks_fresh(std::int64_t now_us) const {

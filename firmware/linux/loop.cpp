@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <ctime>
@@ -76,7 +77,7 @@ Loop::Loop(const Config& config)
       stop_(config.stop.chip, config.stop.line),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       signals_(catch_signals()),
-      period_us_(static_cast<std::int64_t>(1e6 / double{boat_->parameters().CTL_RATE} + 0.5)) {
+      period_us_(std::lround(1e6 / double{boat_->parameters().CTL_RATE})) {
   parameters_.begin(boat_->parameters());
   for (std::size_t i = 0; i < config.mavlink.size(); ++i) {
     links_.push_back(open_mavlink_endpoint(config.mavlink[i].address));

@@ -131,6 +131,7 @@ Sentence& Sentence::operator<<(float number) {
   int point = 0;  // digits after the decimal point
   for (const bool large = x >= 1e9; large && x >= 1e6; x /= 10) --point;
   for (; x > 0 && x * 10 < 1e6 && point < 9; x *= 10) ++point;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative; lround is large on the M4
   auto digits = static_cast<std::uint32_t>(x + 0.5);
   if (digits == 0) point = 0;
   for (; point != 0 && digits % 10 == 0; digits /= 10) --point;

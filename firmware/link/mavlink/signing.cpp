@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kEpoch_us = 1'420'070'400'000'000;  // 2015-01-01, since 1970
 constexpr std::uint64_t kLatest = (std::uint64_t{1} << 48U) - 1;
-constexpr std::uint64_t kSecond = 100'000, kMinute = 60 * kSecond, kDay = 24 * 60 * kMinute;
+constexpr std::uint64_t kSecond = 100'000, kMinute = 60 * kSecond, kDay = 1440 * kMinute;
 // pymavlink starts its timestamps at its clock, then adds one for each message, and follows newer
 // ones that it hears: those of a sender that hears nobody lag behind its clock. This many of its
 // messages may be lost in a row. Timestamps in a recording of a sender that stamps by its clock are
