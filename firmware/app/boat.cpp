@@ -42,13 +42,13 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       thrusters_(configuration().propulsion, convert::law_of<S>(p)),
       can_({configuration().start.can_node, configuration().start.system},
            configuration().start.tick_us / 2),
-      complaint_due_(10 * kSecond_us),
-      slot_complaint_due_(10 * kSecond_us),
-      place_complaint_due_(10 * kSecond_us),
-      unsaved_complaint_due_(30 * kSecond_us),
-      closed_complaint_due_(30 * kSecond_us),
+      frame_warning_due_(10 * kSecond_us),
+      fast_slot_warning_due_(10 * kSecond_us),
+      unsound_slot_warning_due_(10 * kSecond_us),
+      unsaved_warning_due_(30 * kSecond_us),
+      closed_warning_due_(30 * kSecond_us),
       double_due_(10 * kSecond_us),
-      time_complaint_due_(30 * kSecond_us),
+      time_warning_due_(30 * kSecond_us),
       quality_due_(10 * kSecond_us),
       late_due_(10 * kSecond_us) {
   core::take_overflow<S>();
@@ -78,20 +78,20 @@ void Boat<S>::on_mavlink(std::span<const std::uint8_t> data, std::int64_t now, s
     data = data.subspan(links_.fill(link, data));
     take_all(link, now_us);
   }
-  note_range();
+  collect_overflow();
 }
 
 template <class S>
 void Boat<S>::end_of_datagram(std::int64_t now, std::size_t link) {
   core::take_overflow<S>();
   give_up(link, monotonic(now));
-  note_range();
+  collect_overflow();
 }
 
 /// The overflow flag is shared by all boats of a thread, so each call clears it first and collects
 /// it here.
 template <class S>
-void Boat<S>::note_range() {
+void Boat<S>::collect_overflow() {
   overflow_ = core::take_overflow<S>() || overflow_;
 }
 
@@ -151,16 +151,16 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (links_.waits_in_vain(link, now_us)) give_up(link, now_us);
   }
-  note_range();
+  collect_overflow();
   in_range_ = fits_ && !std::exchange(overflow_, false);
   if (last_tick_us_ && vehicle_.is_asked()) vehicle_.report(report(*last_tick_us_));
   supervise(now_us);
   steer(now_us);
   look_at_limits(now_us);
   can_.send(thrust_.raw, core::armed(state()), now_us, counters_, can_output_);
-  complain(now_us);
+  send_warnings(now_us);
   tell(now_us);
-  note_range();
+  collect_overflow();
   last_tick_us_ = now_us;
   return {&links_, std::span(can_output_.frames).first(can_output_.count)};
 }
@@ -179,7 +179,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
     configure();
     vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
   }
-  vehicle_.heed_rc(counters_);
+  vehicle_.apply_rc(counters_);
   note_state(now_us);
 }
 
@@ -203,7 +203,7 @@ void Boat<S>::note_state(std::int64_t now_us) {
 
 template <class S>
 void Boat<S>::configure() {
-  note_range();
+  collect_overflow();
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
   choices_ = choices_of(configuration().failsafes);
   const auto law = convert::law_of<S>(parameters());
@@ -307,7 +307,7 @@ void Boat<S>::steer(std::int64_t now_us) {
   // Checked again after allocation, with newly evaluated conditions.
   const bool still = drive && core::may_drive(state(), conditions(now_us));
   thrust_ = thrusters_.step(still, desired, dt, state() != core::State::kCoast);
-  note_range();
+  collect_overflow();
   // After an overflow the thrust may be wrong. The next tick's conditions lead to FAULT.
   if (overflow_) thrust_ = thrusters_.step(false, desired, dt);
 }
@@ -318,14 +318,14 @@ void Boat<S>::warn(std::string_view text) {
 }
 
 template <class S>
-void Boat<S>::complain(std::int64_t now_us) {
-  if (pilot_.take_frame_complaint() && complaint_due_.due(now_us)) {
+void Boat<S>::send_warnings(std::int64_t now_us) {
+  if (pilot_.take_frame_warning() && frame_warning_due_.take_if_due(now_us)) {
     warn("ODOMETRY refused: frame is not north-aligned");
   }
-  if (!host_.parameters_saved && unsaved_complaint_due_.due(now_us)) {
+  if (!host_.parameters_saved && unsaved_warning_due_.take_if_due(now_us)) {
     warn("parameters are defaults: look at them and save");
   }
-  if (host_.closed_links != 0 && closed_complaint_due_.due(now_us)) {
+  if (host_.closed_links != 0 && closed_warning_due_.take_if_due(now_us)) {
     Sentence closed;
     closed << "MAVLink link " << static_cast<float>(std::countr_zero(host_.closed_links) + 1)
            << " is not open";
@@ -337,26 +337,26 @@ void Boat<S>::complain(std::int64_t now_us) {
   }
   const auto alarm = [&](std::optional<std::uint8_t> system, Schedule& due, std::string_view before,
                          std::string_view after) {
-    if (!system || !due.due(now_us)) return;
+    if (!system || !due.take_if_due(now_us)) return;
     Sentence why;
     why << before << static_cast<float>(*system) << after;
     vehicle_.send_statustext(link::mav::kSeverityCritical, {why.text()}, counters_);
   };
   alarm(pilot_.doubled(now_us), double_due_, "two vessels use system id ", "");
   alarm(pilot_.late_neighbour(now_us), late_due_, "vessel ", " heard 3 s late: not kept clear of");
-  if (pilot_.take_stranger() && quality_due_.due(now_us)) {
+  if (pilot_.take_stranger() && quality_due_.take_if_due(now_us)) {
     warn("navigation unit first heard when armed: disarm");
   }
-  complain_of_time(now_us);
-  if ((conditions_ & core::kOwnGood) == 0 && quality_due_.due(now_us)) {
+  warn_of_time(now_us);
+  if ((conditions_ & core::kOwnGood) == 0 && quality_due_.take_if_due(now_us)) {
     Sentence poor;
     poor << "poor navigation: " << pilot_.own_quality().fault();
     warn(poor.text());
   }
-  complain_of_slot(now_us);
-  complain_of_station();
-  complain_of_place(now_us);
-  complain_of_depth(now_us);
+  warn_of_fast_slot(now_us);
+  warn_of_station();
+  warn_of_unsound_slot(now_us);
+  warn_of_depth(now_us);
   tell_latency();
 }
 
@@ -377,21 +377,22 @@ void Boat<S>::tell_latency() {
 
 /// While disarmed, warns if TIMESYNC has not determined a state's age within 2 s.
 template <class S>
-void Boat<S>::complain_of_time(std::int64_t now_us) {
+void Boat<S>::warn_of_time(std::int64_t now_us) {
   const core::Conditions missing = ~conditions_ & (core::kOwnTimed | core::kLeaderTimed);
   untimed_.look(missing != 0, now_us);
   if (!untimed_.is() || missing == 0 || core::armed(state())) return;
-  if (!time_complaint_due_.due(now_us)) return;
+  if (!time_warning_due_.take_if_due(now_us)) return;
   for_each_complaint(missing, [&](std::string_view why) { warn(why); });
 }
 
 /// Warns of a slot that has been too fast for 2 s; shorter excesses are noise of the leader's
 /// state.
 template <class S>
-void Boat<S>::complain_of_slot(std::int64_t now_us) {
+void Boat<S>::warn_of_fast_slot(std::int64_t now_us) {
   const auto [u, r] = convert::in_double(law_output_.too_fast);
   slot_too_fast_.look(u > 0 || r > 0, now_us);
-  if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !slot_complaint_due_.due(now_us)) return;
+  if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !fast_slot_warning_due_.take_if_due(now_us))
+    return;
   const Parameters& p = parameters();
   if (u > 0) warn(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX).text());
   if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX).text());
@@ -399,7 +400,7 @@ void Boat<S>::complain_of_slot(std::int64_t now_us) {
 
 /// Gives the figures, one tick before COAST or HOLD, whose own message has none.
 template <class S>
-void Boat<S>::complain_of_station() {
+void Boat<S>::warn_of_station() {
   const core::Astray was = std::exchange(astray_, pilot_.astray());
   if (astray_ == was || astray_ == core::Astray::kNo || state() != core::State::kFormation) return;
   const Parameters& p = parameters();
@@ -423,9 +424,9 @@ void Boat<S>::complain_of_station() {
 
 /// While armed, tells why the slot is not sound: at once, then every 10 s.
 template <class S>
-void Boat<S>::complain_of_place(std::int64_t now_us) {
+void Boat<S>::warn_of_unsound_slot(std::int64_t now_us) {
   if ((conditions_ & core::kSlotSound) != 0 || !core::armed(state())) return;
-  if (!place_complaint_due_.due(now_us)) return;
+  if (!unsound_slot_warning_due_.take_if_due(now_us)) return;
   Sentence why;
   const SlotClaims& claims = pilot_.claims();
   if (claims.leaders(pilot_.tree_place())) {
@@ -441,7 +442,7 @@ void Boat<S>::complain_of_place(std::int64_t now_us) {
 /// Warns when the boat is armed, or when it learns then, that it is deeper in the tree than
 /// certified.
 template <class S>
-void Boat<S>::complain_of_depth(std::int64_t now_us) {
+void Boat<S>::warn_of_depth(std::int64_t now_us) {
   const std::size_t depth = pilot_.tree_place().depth(now_us);
   const auto most = configuration().formation.max_depth;
   const bool deep = core::armed(state()) && most && *most < depth;

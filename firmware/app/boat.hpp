@@ -161,7 +161,7 @@ class Boat {
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
-  void note_range();
+  void collect_overflow();
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (conditions_ & kSeen) == kSeen;
@@ -173,12 +173,12 @@ class Boat {
   std::optional<double> separation_m() const;
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
   void warn(std::string_view text);
-  void complain(std::int64_t now_us);
-  void complain_of_slot(std::int64_t now_us);
-  void complain_of_time(std::int64_t now_us);
-  void complain_of_station();
-  void complain_of_place(std::int64_t now_us);
-  void complain_of_depth(std::int64_t now_us);
+  void send_warnings(std::int64_t now_us);
+  void warn_of_fast_slot(std::int64_t now_us);
+  void warn_of_time(std::int64_t now_us);
+  void warn_of_station();
+  void warn_of_unsound_slot(std::int64_t now_us);
+  void warn_of_depth(std::int64_t now_us);
   void tell_latency();
   void tell(std::int64_t now_us);
 
@@ -197,7 +197,7 @@ class Boat {
   bool fits_ = true;              // the scalar's range holds all parameters
   bool overflow_ = false;         // the scalar has overflowed since the last tick began
   bool in_range_ = true;
-  Limits limits_;
+  FailsafeLimits limits_;
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
@@ -213,9 +213,9 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // successive ticks without progress of time
-  Schedule complaint_due_, slot_complaint_due_, place_complaint_due_;
-  Schedule unsaved_complaint_due_, closed_complaint_due_;
-  Schedule double_due_, time_complaint_due_, quality_due_, late_due_;
+  Schedule frame_warning_due_, fast_slot_warning_due_, unsound_slot_warning_due_;
+  Schedule unsaved_warning_due_, closed_warning_due_;
+  Schedule double_due_, time_warning_due_, quality_due_, late_due_;
   Settled slot_too_fast_, slot_astern_, untimed_;
   core::Astray astray_ = core::Astray::kNo;  // as reported to the operator
   bool latency_told_ = false;

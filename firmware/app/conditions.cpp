@@ -28,7 +28,7 @@ core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsi
   return met;
 }
 
-void Limits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
+void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
   const bool just_armed = seen.armed && !was_armed_;
   was_armed_ = seen.armed;
   if (seen.place && (!home_ || just_armed)) {
@@ -47,7 +47,7 @@ void Limits::look(const Configuration::Failsafes& failsafes, const Seen& seen) {
 }
 
 /// A disarmed boat is inside: arming makes its position the new home.
-bool Limits::inside(float fence_m, const Seen& seen) const {
+bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
   return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};
 }

@@ -41,7 +41,7 @@ class Settled {
 };
 
 /// The operator's limits FS_BATT_V and FS_FENCE_M. An unknown voltage or position violates them.
-class Limits {
+class FailsafeLimits {
  public:
   struct Seen {
     std::int64_t now_us = 0;

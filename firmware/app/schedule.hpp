@@ -17,22 +17,22 @@ class Schedule {
   explicit Schedule(std::int64_t interval_us, std::int64_t early_us = 0)
       : interval_us_(interval_us), early_us_(early_us) {}
 
-  /// Whether it is due; unlike due(), does not take the turn.
-  bool waits(std::int64_t now_us) const {
+  /// Whether it is due; unlike take_if_due(), does not take the turn.
+  bool is_due(std::int64_t now_us) const {
     return interval_us_ > 0 && now_us + early_us_ >= next_us_;
   }
 
-  /// Like waits(), but up to half an interval early: for news that should not wait.
-  bool waits_early(std::int64_t now_us) const { return waits(now_us + interval_us_ / 2); }
+  /// Like is_due(), but up to half an interval early: for news that should not wait.
+  bool is_due_early(std::int64_t now_us) const { return is_due(now_us + interval_us_ / 2); }
 
-  /// Time from which waits() is true.
+  /// Time from which is_due() is true.
   std::int64_t from_us() const {
     if (interval_us_ <= 0) return std::numeric_limits<std::int64_t>::max();
     return next_us_ - early_us_;
   }
 
-  bool due(std::int64_t now_us) {
-    if (!waits(now_us)) return false;
+  bool take_if_due(std::int64_t now_us) {
+    if (!is_due(now_us)) return false;
     take(now_us);
     return true;
   }
@@ -44,7 +44,7 @@ class Schedule {
   }
 
   /// Due at once; the grid restarts.
-  void hurry() { next_us_ = kAtOnce; }
+  void make_due() { next_us_ = kAtOnce; }
 
   /// Sets the interval from the next turn on.
   void stretch(std::int64_t interval_us) { interval_us_ = interval_us; }

@@ -16,8 +16,8 @@ bool has(core::Conditions met, core::Conditions desired) { return (met & desired
 /// Limits, and what they see tick by tick.
 struct Watch {
   Parameters p;
-  Limits limits;
-  Limits::Seen seen;
+  FailsafeLimits limits;
+  FailsafeLimits::Seen seen;
 
   void voltages(float port, float stbd) {
     seen.escs = {link::EscStatus{}, link::EscStatus{}};

@@ -120,8 +120,8 @@ class Pilot {
   }
 
   /// An ODOMETRY in a frame without north was refused since the last call.
-  bool take_frame_complaint() {
-    const bool own = own_.track().take_frame_complaint(), leader = leader_.take_frame_complaint();
+  bool take_frame_warning() {
+    const bool own = own_.track().take_frame_warning(), leader = leader_.take_frame_warning();
     return own || leader;
   }
 

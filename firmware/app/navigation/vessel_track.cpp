@@ -55,7 +55,7 @@ void VesselTrack<S>::take(const link::Odometry& message, const Arrival& arrival)
     choose({Source::kOdometry, *reading.sample, message.reset_counter}, arrival);
   } else if (reading.refusal == convert::Refusal::kBadFrame) {
     ++arrival.counters.mavlink_bad_frame;
-    frame_complaint_ = true;
+    frame_warning_ = true;
   } else {
     ++arrival.counters.mavlink_bad_value;
   }

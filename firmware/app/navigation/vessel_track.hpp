@@ -136,7 +136,7 @@ class VesselTrack {
   std::optional<core::TrackMessage<S>> take_fix() { return filter_.take_fix(); }
 
   /// An ODOMETRY in a frame without north was refused since the last call.
-  bool take_frame_complaint() { return std::exchange(frame_complaint_, false); }
+  bool take_frame_warning() { return std::exchange(frame_warning_, false); }
 
  private:
   using Heading = typename Headings<S>::Heading;
@@ -226,7 +226,7 @@ class VesselTrack {
   std::optional<link::GpsGlobalOrigin> plane_;  // of the guard's last state, where it is known
   bool reframed_ = false;                       // that state is of another plane or clock
   bool held_ = false;
-  bool frame_complaint_ = false;
+  bool frame_warning_ = false;
 };
 
 }  // namespace flotilla::app

@@ -19,8 +19,8 @@ constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
 constexpr std::string_view kAllModes = "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW";
 constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
-Asked denied(std::string_view why = {}) {
-  Asked asked{mav::kDenied};
+DecodedCommand denied(std::string_view why = {}) {
+  DecodedCommand asked{mav::kDenied};
   asked.why = why;
   return asked;
 }
@@ -36,7 +36,7 @@ std::optional<std::uint32_t> whole(double param, double most) {
 }
 
 /// Force is legal, but overrides no check.
-Asked arm_or_disarm(const Command& c) {
+DecodedCommand arm_or_disarm(const Command& c) {
   if (c.param[0] == 0) return {mav::kAccepted, Request::kDisarm};
   const bool force_is_legal = unused(c.param[1]) || c.param[1] == kForce;
   if (c.param[0] == 1 && force_is_legal) return {mav::kAccepted, Request::kArm};
@@ -47,7 +47,7 @@ Asked arm_or_disarm(const Command& c) {
 /// MAV_CMD_DO_SET_MODE it is ambiguous: (6, 0) is Rover's FOLLOW or PX4's OFFBOARD. It counts as
 /// FOLLOW only in the form that Rover's clients send: 1, 6 and zeros. MAVSDK, which treats a
 /// GENERIC autopilot as a PX4, leaves the unused parameters NaN.
-Asked set_mode(const Command& c) {
+DecodedCommand set_mode(const Command& c) {
   constexpr double kLoiter = 3;  // PX4's AUTO.LOITER means HOLD, which stops the boat
   constexpr std::uint32_t kTold = mav::kModeFlagCustom | mav::kModeFlagArmed;
   const auto base = whole(c.param[0], 255);
@@ -68,7 +68,7 @@ Asked set_mode(const Command& c) {
 }
 
 /// One propeller, 1 port or 2 starboard, in percent of its greatest thrust, for a limited time.
-Asked motor_test(const Command& c) {
+DecodedCommand motor_test(const Command& c) {
   const auto propeller = whole(c.param[0], 2);
   const double percent = c.param[2], time_s = c.param[3];
   const bool one_only = unused(c.param[4]) || c.param[4] == 1;
@@ -76,48 +76,48 @@ Asked motor_test(const Command& c) {
       !(std::abs(percent) <= kMaxTestPercent) || !(time_s > 0 && time_s <= kLongestTest_s)) {
     return denied();
   }
-  Asked asked{mav::kAccepted, Request::kTest};
+  DecodedCommand asked{mav::kAccepted, Request::kTest};
   asked.repeated = c.repeated;
   asked.motor_test =
       MotorTest{*propeller == 2, percent / 100, static_cast<std::int64_t>(time_s * 1e6)};
   return asked;
 }
 
-Asked terminate(const Command& c) {
+DecodedCommand terminate(const Command& c) {
   if (c.param[0] != 1) return denied();  // 0 ("do not terminate") does not leave FAULT either
   return {mav::kAccepted, Request::kTerminate};
 }
 
-Asked storage(const Command& c) {
+DecodedCommand storage(const Command& c) {
   if (c.param[0] != 1) return denied();
-  Asked asked{mav::kAccepted};
+  DecodedCommand asked{mav::kAccepted};
   asked.save_parameters = true;
   return asked;
 }
 
-Asked message(double id_param, double index_param) {
+DecodedCommand message(double id_param, double index_param) {
   const auto id = whole(id_param, 65535);
   const auto index = std::isnan(index_param) ? 0 : whole(index_param, 65535);
   if (!id || !index) return denied();
-  Asked asked{mav::kAccepted};
+  DecodedCommand asked{mav::kAccepted};
   asked.message = MessageRequest{static_cast<std::uint16_t>(*id), *index};
   return asked;
 }
 
-Asked message_rate(const Command& c) {
+DecodedCommand message_rate(const Command& c) {
   const auto id = whole(c.param[0], 65535);
   const double interval = c.param[1];
   if (!id || !(interval >= -1 && interval <= kLongestInterval_us)) return denied();
-  Asked asked{mav::kAccepted};
+  DecodedCommand asked{mav::kAccepted};
   asked.rate =
       MessageRate{static_cast<std::uint16_t>(*id), interval < 0 ? -1 : portable::ceil(interval)};
   return asked;
 }
 
-Asked failure(const Command& c) {
+DecodedCommand failure(const Command& c) {
   const auto unit = whole(c.param[0], 255), type = whole(c.param[1], 255);
   const auto instance = std::isnan(c.param[2]) ? 0 : whole(c.param[2], 255);
-  Asked asked;
+  DecodedCommand asked;
   if (!unit || !type || !instance) return asked;
   asked.failure = Failure{static_cast<std::uint8_t>(*unit), static_cast<std::uint8_t>(*type),
                           static_cast<std::uint8_t>(*instance)};
@@ -165,7 +165,7 @@ bool stops_boat(const link::Message& message) {
   return request == Request::kDisarm || request == Request::kTerminate || request == Request::kHold;
 }
 
-Asked meaning_of(const Command& c) {
+DecodedCommand meaning_of(const Command& c) {
   switch (c.id) {
     case mav::kCmdComponentArmDisarm:
       return arm_or_disarm(c);

@@ -54,7 +54,7 @@ struct MessageRate {
 };
 
 /// The decoded command; if it requests nothing, `result` is final.
-struct Asked {
+struct DecodedCommand {
   std::uint8_t result = link::mav::kUnsupported;
   core::Request request = core::Request::kNone;
   bool save_parameters = false;
@@ -68,6 +68,6 @@ struct Asked {
   /// Changes nothing that others see, so anybody may send it.
   bool reads_only() const { return message.has_value(); }
 };
-Asked meaning_of(const Command& command);
+DecodedCommand meaning_of(const Command& command);
 
 }  // namespace flotilla::app

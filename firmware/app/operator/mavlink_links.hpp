@@ -77,7 +77,7 @@ class MavlinkLinks {
   /// The next message that this link's policy accepts, into `out`; false if there is none.
   bool next(std::size_t link, link::Received& out, std::int64_t now_us, link::Counters& counters) {
     Link& l = links_[link];
-    while (l.decoder.waits() && l.decoder.next(out, counters, signing_of(l))) {
+    while (l.decoder.has_bytes() && l.decoder.next(out, counters, signing_of(l))) {
       if (l.policy != SigningPolicy::kRequired || out.is_signed || is_radios(link, out))
         return true;
       ++counters.mavlink_unsigned_refused;
@@ -101,7 +101,7 @@ class MavlinkLinks {
   /// one. False if there is none.
   bool give_up(std::size_t link, link::Counters& counters) {
     link::MavlinkDecoder& decoder = links_[link].decoder;
-    if (!decoder.waits()) return false;
+    if (!decoder.has_bytes()) return false;
     decoder.give_up(counters);
     return true;
   }
@@ -211,7 +211,7 @@ class MavlinkLinks {
   /// behind a false start may be as old as that start, so giving up one does not restart the wait.
   static void note_waiting(Link& l, std::int64_t now_us) {
     const bool heard = std::exchange(l.whole, l.decoder.whole()) != l.decoder.whole();
-    if (!l.decoder.waits()) {
+    if (!l.decoder.has_bytes()) {
       l.waiting_us.reset();
     } else if (heard || !l.waiting_us) {
       l.waiting_us = now_us;

@@ -55,7 +55,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
 }
 
 SetResult refusal(const ParameterInfo& info, std::uint8_t error, float value) {
-  SetResult result{SetResult::What::kRefused, &info, error};
+  SetResult result{SetResult::Outcome::kRefused, &info, error};
   result.sentence << info.name << " " << value << " refused: ";
   return result;
 }
@@ -87,7 +87,7 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
     return result;
   }
   // Allowed while armed: a client's retransmission changes nothing.
-  if (value == values.*info.member) return {SetResult::What::kUnchanged, &info};
+  if (value == values.*info.member) return {SetResult::Outcome::kUnchanged, &info};
   if (boat.armed && info.change != ParameterChange::kAnytime) {
     return refusal(info, mav::kParamPermissionDenied, value, "only while disarmed");
   }
@@ -99,7 +99,7 @@ SetResult judge(const ParameterInfo& info, link::Address from, const link::Param
   if (const auto why = contradiction(desired)) {
     return refusal(info, mav::kParamOutOfRange, value, *why);
   }
-  return {SetResult::What::kSet, &info};
+  return {SetResult::Outcome::kSet, &info};
 }
 
 }  // namespace
@@ -192,19 +192,19 @@ SetResult ParameterService::set(std::size_t link, link::Address from, const link
   const ParameterInfo* info = find_parameter(name_in(asked.param_id));
   if (info == nullptr) {
     links_[link].errors.push({-1, from, asked.param_id, mav::kParamDoesNotExist});
-    SetResult result{SetResult::What::kRefused, nullptr, mav::kParamDoesNotExist};
+    SetResult result{SetResult::Outcome::kRefused, nullptr, mav::kParamDoesNotExist};
     result.sentence << name_in(asked.param_id) << " is no parameter of this boat";
     return result;
   }
   SetResult result = judge(*info, from, asked, values, boat);
-  switch (result.what) {
-    case SetResult::What::kSet:
+  switch (result.outcome) {
+    case SetResult::Outcome::kSet:
       values.*info->member = asked.param_value;
       [[fallthrough]];
-    case SetResult::What::kUnchanged:
+    case SetResult::Outcome::kUnchanged:
       announce(*info);
       break;
-    case SetResult::What::kRefused:
+    case SetResult::Outcome::kRefused:
       refuse(link, from, *info, result.error);
       break;
   }

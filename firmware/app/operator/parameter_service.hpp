@@ -33,12 +33,12 @@ class Sentence {
 
 /// Result of a PARAM_SET.
 struct SetResult {
-  enum class What : std::uint8_t {
+  enum class Outcome : std::uint8_t {
     kSet,        ///< `values` has the new value
     kUnchanged,  ///< `values` had that value already
     kRefused,
   };
-  What what = What::kRefused;
+  Outcome outcome = Outcome::kRefused;
   const ParameterInfo* info = nullptr;  ///< nullptr: unknown name
   std::uint8_t error = 0;               ///< MAV_PARAM_ERROR of a refusal
   Sentence sentence{};                  ///< for the operator: why nothing was set

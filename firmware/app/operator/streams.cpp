@@ -63,7 +63,7 @@ std::int32_t Streams::interval_us(std::size_t link, std::uint16_t id) const {
                          : -1;
 }
 
-bool Streams::any_waits(std::size_t link, std::int64_t now_us) {
+bool Streams::any_due(std::size_t link, std::int64_t now_us) {
   std::int64_t& quiet_until_us = links_[link].quiet_until_us;
   if (now_us < quiet_until_us) return false;
   quiet_until_us = std::numeric_limits<std::int64_t>::max();
@@ -74,11 +74,11 @@ bool Streams::any_waits(std::size_t link, std::int64_t now_us) {
   return now_us >= quiet_until_us;
 }
 
-void Streams::hurry(std::uint16_t id) {
+void Streams::make_due(std::uint16_t id) {
   const std::size_t stream = find(id);
   if (stream == kNone) return;
   for (std::size_t link = 0; link < links_.size(); ++link) {
-    links_[link].turns[stream].schedule.hurry();
+    links_[link].turns[stream].schedule.make_due();
     look_anew(link);
   }
 }

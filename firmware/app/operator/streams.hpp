@@ -112,10 +112,10 @@ class Streams {
   }
 
   /// Whether any stream but the state's is due on that link.
-  bool any_waits(std::size_t link, std::int64_t now_us);
+  bool any_due(std::size_t link, std::int64_t now_us);
 
   /// Sends that message at once, on every link that carries it.
-  void hurry(std::uint16_t id);
+  void make_due(std::uint16_t id);
 
   /// The radio's free send buffer in percent: streams slow down while it fills, the state only as
   /// far as followers can bear. After 5 s of silence the radio no longer limits.

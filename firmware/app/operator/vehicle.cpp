@@ -80,7 +80,7 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       stop_due_(10 * kSecond_us),
       parameter_refusal_due_(kSecond_us / 2),
       double_due_(10 * kSecond_us),
-      unheeded_due_(10 * kSecond_us),
+      ignored_due_(10 * kSecond_us),
       signing_due_(10 * kSecond_us) {
   freshen();
 }
@@ -109,12 +109,12 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   heard_ = std::max(heard_, received.is_signed ? Heard::kSigned : Heard::kMessage);
   router_.heard(received.from, link, now_us);
   if (beat != nullptr) take_beat(received.from, *beat, now_us);
-  if (received.target.system != 0) hand_on(link, received, now_us, counters);
+  if (received.target.system != 0) forward(link, received, now_us, counters);
   if (!identity_.addressed(received.target)) return true;
   if (Setpoints::is_one(received.id)) setpoints_.heard(received.from, now_us);
   if (take_rc(received, now_us)) return true;
   if (received.target.system != 0 && !identity_.is_autopilots(received.target)) {
-    if (const auto why = refusal_of(received.id); !why.empty()) unheeded_ = why;
+    if (const auto why = refusal_of(received.id); !why.empty()) ignored_ = why;
   }
   if (const auto* sticks = std::get_if<link::ManualControl>(&received.message)) {
     take_sticks(received, *sticks, now_us, counters);
@@ -134,7 +134,7 @@ void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::in
   if (beat.type == mav::kTypeGcs && ashore && may_command(from)) gcs_us_ = now_us;
 }
 
-void Vehicle::hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
+void Vehicle::forward(std::size_t link, const link::Received& received, std::int64_t now_us,
                       link::Counters& counters) {
   // SETUP_SIGNING carries the secret key: never forwarded.
   if (received.target == self() || received.id == mav::kSetupSigningId) return;
@@ -209,11 +209,11 @@ void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& coun
 
 void Vehicle::stop(link::Counters& counters) {
   if (supervisor_.request(Request::kTerminate, now_us_).changed) announce_state(0, counters);
-  if (!stop_due_.due(now_us_)) return;
+  if (!stop_due_.take_if_due(now_us_)) return;
   send_statustext(mav::kSeverityCritical, {"stop switch is pressed, or its wire is cut"}, counters);
 }
 
-void Vehicle::heed_rc(link::Counters& counters) {
+void Vehicle::apply_rc(link::Counters& counters) {
   const auto request = rc_.take_request(supervisor_.state(), now_us_);
   if (!request) return;
   const auto decision = supervisor_.request(*request, now_us_);
@@ -244,7 +244,7 @@ bool Vehicle::answer(link::Counters& counters) {
   return more;
 }
 
-Supervisor::Decision Vehicle::ask(Asked& asked) {
+Supervisor::Decision Vehicle::ask(DecodedCommand& asked) {
   Supervisor::Decision decision{true, false, 0};
   if (!asked.motor_test) {
     decision = supervisor_.request(asked.request, now_us_);
@@ -262,7 +262,7 @@ Supervisor::Decision Vehicle::ask(Asked& asked) {
 
 /// A key protects only links that require signatures, and only while the time is known.
 void Vehicle::warn_of_signing(link::Counters& counters) {
-  if (!links_.signing().has_key() || !signing_due_.due(now_us_)) return;
+  if (!links_.signing().has_key() || !signing_due_.take_if_due(now_us_)) return;
   Sentence open;
   open << "unsigned messages are taken on link";
   const std::size_t closed = open.text().size();
@@ -277,7 +277,7 @@ void Vehicle::warn_of_signing(link::Counters& counters) {
 }
 
 void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& counters) {
-  if (!(request == Request::kArm ? arm_refusal_due_ : refusal_due_).due(now_us_)) return;
+  if (!(request == Request::kArm ? arm_refusal_due_ : refusal_due_).take_if_due(now_us_)) return;
   const auto what = request == Request::kArm ? "PreArm: " : "Refused: ";
   if (missing == 0) {
     const State state = supervisor_.state();
@@ -316,7 +316,7 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
     send_complaints("MANUAL: ", core::kSticksCentred, counters);
   }
   announce_ = true;
-  streams_.hurry(link::CurrentMode::kId);
+  streams_.make_due(link::CurrentMode::kId);
 }
 
 }  // namespace flotilla::app

@@ -62,7 +62,7 @@ class Vehicle {
   void apply_conditions(core::Conditions conditions, link::Counters& counters);
 
   /// Applies the RC pilot's request, which overrides those of other operators.
-  void heed_rc(link::Counters& counters);
+  void apply_rc(link::Counters& counters);
 
   /// Call while a stop switch is pressed: FAULT until an operator disarms the boat after its
   /// release.
@@ -120,7 +120,7 @@ class Vehicle {
                    std::int64_t now_us, link::Counters& counters);
   bool take_rc(const link::Received& received, std::int64_t now_us);
   void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
-  void hand_on(std::size_t link, const link::Received& received, std::int64_t now_us,
+  void forward(std::size_t link, const link::Received& received, std::int64_t now_us,
                link::Counters& counters);
   bool may_command(link::Address from) const;
 
@@ -128,7 +128,7 @@ class Vehicle {
   void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void freshen();
-  Supervisor::Decision ask(Asked& asked);
+  Supervisor::Decision ask(DecodedCommand& asked);
   void warn_of_signing(link::Counters& counters);
   std::uint8_t answer_of(std::size_t link, const MessageRequest& request) const;
   void send_requested(std::size_t link, const MessageRequest& request, link::Counters& counters);
@@ -144,8 +144,8 @@ class Vehicle {
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void ask_times(link::Counters& counters);
   void tell_separation(link::Counters& counters);
-  bool state_waits();
-  bool reference_waits(std::size_t link, std::uint32_t news) const;
+  bool state_is_due();
+  bool reference_is_due(std::size_t link, std::uint32_t news) const;
   void tell_state(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
@@ -176,8 +176,8 @@ class Vehicle {
   FailureJudge failure_judge_ = nullptr;
   std::optional<Failure> failure_;
   bool disarm_ = false;
-  std::string_view unheeded_{};  // refusal_of() a message since the last tick
-  bool double_seen_ = false;     // since the last warning of it
+  std::string_view ignored_{};  // refusal_of() a message since the last tick
+  bool double_seen_ = false;    // since the last warning of it
   std::int64_t double_us_ = std::numeric_limits<std::int64_t>::min() / 2;
   bool announce_ = false;  // the state has changed: send a heartbeat at once
   std::optional<std::array<std::int32_t, 2>> told_origin_;
@@ -201,7 +201,7 @@ class Vehicle {
   Schedule stop_due_;
   Schedule parameter_refusal_due_;
   Schedule double_due_;
-  Schedule unheeded_due_;
+  Schedule ignored_due_;
   Schedule signing_due_;
 };
 

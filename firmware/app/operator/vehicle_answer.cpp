@@ -69,7 +69,7 @@ void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& coun
 void Vehicle::execute(const PendingRequest& pending, const Command& command,
                       link::Counters& counters) {
   const std::size_t link = pending.link;
-  Asked asked = meaning_of(command);
+  DecodedCommand asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
   const bool autopilots = drives(asked.request) || unknown || at_rest;
@@ -108,7 +108,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   } else {
     send_complaints("armed for MANUAL only: ", decision.missing, counters);
   }
-  if (!asked.why.empty() && refusal_due_.due(now_us_)) {
+  if (!asked.why.empty() && refusal_due_.take_if_due(now_us_)) {
     send_statustext(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);
   }
 }
@@ -153,20 +153,20 @@ void Vehicle::set_parameter(const PendingRequest& pending, const link::ParamSet&
   if (autopilots && !ParameterService::knows(asked)) return;
   const SetResult result = parameter_service_.set(
       link, pending.from, asked, parameters_, {core::armed(supervisor_.state()), self().system});
-  switch (result.what) {
-    case SetResult::What::kSet: {
+  switch (result.outcome) {
+    case SetResult::Outcome::kSet: {
       changed_ = true;
       const std::int64_t asks_us = streams_.slowed_us(kSecond_us);
       configuration_ = configuration_of(parameters_);
       streams_.configure(configuration_.operators);
-      if (streams_.slowed_us(kSecond_us) != asks_us) timesync_due_.hurry();
+      if (streams_.slowed_us(kSecond_us) != asks_us) timesync_due_.make_due();
       if (save_ == SaveRequest::kNone) save_ = SaveRequest::kChanged;
       break;
     }
-    case SetResult::What::kUnchanged:
+    case SetResult::Outcome::kUnchanged:
       break;
-    case SetResult::What::kRefused:
-      if (parameter_refusal_due_.due(now_us_)) {
+    case SetResult::Outcome::kRefused:
+      if (parameter_refusal_due_.take_if_due(now_us_)) {
         send_statustext(mav::kSeverityWarning, {result.sentence.text()}, counters);
       }
       break;

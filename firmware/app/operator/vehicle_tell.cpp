@@ -47,13 +47,13 @@ void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
   if (told_origin_ == here) return;
   told_origin_ = here;
   origin_moved_ = true;
-  streams_.hurry(link::GpsGlobalOrigin::kId);
+  streams_.make_due(link::GpsGlobalOrigin::kId);
 }
 
 bool Vehicle::tells_report() {
-  if (origin_moved_ || separation_due_.waits(now_us_) || state_waits()) return true;
+  if (origin_moved_ || separation_due_.is_due(now_us_) || state_is_due()) return true;
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (links_.bucket(link).for_rest() && streams_.any_waits(link, now_us_)) return true;
+    if (links_.bucket(link).for_rest() && streams_.any_due(link, now_us_)) return true;
   }
   return false;
 }
@@ -65,15 +65,16 @@ void Vehicle::report(const Report& report) {
 }
 
 void Vehicle::tell(link::Counters& counters) {
-  if (heartbeat_due_.due(now_us_) || announce_) links_.beat(heartbeat(), counters);
+  if (heartbeat_due_.take_if_due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
-  if (timesync_due_.due(now_us_)) ask_times(counters);
-  if (separation_due_.due(now_us_) && report_.depth) tell_separation(counters);
-  if (std::exchange(double_seen_, false) && double_due_.due(now_us_)) {
+  if (timesync_due_.take_if_due(now_us_)) ask_times(counters);
+  if (separation_due_.take_if_due(now_us_) && report_.depth) tell_separation(counters);
+  if (std::exchange(double_seen_, false) && double_due_.take_if_due(now_us_)) {
     send_statustext(mav::kSeverityCritical,
                     {"another sender uses this boat's system and component id"}, counters);
   }
-  if (const auto why = std::exchange(unheeded_, {}); !why.empty() && unheeded_due_.due(now_us_)) {
+  if (const auto why = std::exchange(ignored_, {});
+      !why.empty() && ignored_due_.take_if_due(now_us_)) {
     send_statustext(mav::kSeverityWarning, {why}, counters);
   }
   if (std::exchange(origin_moved_, false)) {  // before any position relative to it
@@ -81,7 +82,7 @@ void Vehicle::tell(link::Counters& counters) {
       tell_stream(kOriginStream, link, counters);
     }
   }
-  if (state_waits()) tell_state(counters);
+  if (state_is_due()) tell_state(counters);
   for (std::size_t link = 0; link < links_.count(); ++link) tell_rest(link, counters);
 }
 
@@ -109,10 +110,10 @@ void Vehicle::tell_separation(link::Counters& counters) {
   if (report_.separation_m) tell("SEP_M", *report_.separation_m);
 }
 
-bool Vehicle::state_waits() {
+bool Vehicle::state_is_due() {
   for (const std::size_t stream : kStateStreams) {
     for (std::size_t link = 0; link < links_.count(); ++link) {
-      if (streams_.schedule(stream, link).waits(now_us_)) return true;
+      if (streams_.schedule(stream, link).is_due(now_us_)) return true;
     }
   }
   return false;
@@ -129,30 +130,30 @@ void Vehicle::tell_state(std::size_t link, StateMessages& state, link::Counters&
   for (std::size_t i = 0; i < kStateStreams.size(); ++i) {
     const StreamInfo& info = kStreams[kStateStreams[i]];
     Schedule& schedule = streams_.schedule(kStateStreams[i], link);
-    if (!schedule.waits(now_us_) || links_.room(link) < std::size_t{2} * info.bytes) continue;
+    if (!schedule.is_due(now_us_) || links_.room(link) < std::size_t{2} * info.bytes) continue;
     if (!state[i]) state[i] = compose(info.id, 0, report_);
     if (!state[i]) continue;
     links_.send_state(link, *state[i], counters);
-    schedule.due(now_us_);
+    schedule.take_if_due(now_us_);
   }
 }
 
 bool Vehicle::waits_for_reference(std::uint32_t news) const {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (reference_waits(link, news)) return true;
+    if (reference_is_due(link, news)) return true;
   }
   return false;
 }
 
-bool Vehicle::reference_waits(std::size_t link, std::uint32_t news) const {
+bool Vehicle::reference_is_due(std::size_t link, std::uint32_t news) const {
   const Schedule& schedule = streams_.schedule(kReferenceStream, link);
-  return told_news_[link] == news ? schedule.waits(now_us_) : schedule.waits_early(now_us_);
+  return told_news_[link] == news ? schedule.is_due(now_us_) : schedule.is_due_early(now_us_);
 }
 
 void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference& reference,
                              link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
-    if (!reference_waits(link, news) || !links_.bucket(link).for_state() ||
+    if (!reference_is_due(link, news) || !links_.bucket(link).for_state() ||
         links_.room(link) < kStreams[kReferenceStream].bytes) {
       continue;
     }
@@ -164,7 +165,7 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
 
 /// Sends everything else in turn; what a slow link has no room for comes first in a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
-  if (!streams_.any_waits(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
+  if (!streams_.any_due(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
     return;
   }
   const std::size_t first = turn_[link];
@@ -191,7 +192,7 @@ bool Vehicle::may_tell(std::size_t link) const {
 /// once, it continues in a later tick, before all others except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
-  if (!schedule.waits(now_us_)) return false;
+  if (!schedule.is_due(now_us_)) return false;
   Begun& begun = begun_[link];
   const std::uint32_t first = begun.stream == stream ? begun.told : 0;
   std::uint32_t told = first;
@@ -204,7 +205,7 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
     links_.send(link, *message, counters);
   }
   begun = {};
-  return told > 0 && schedule.due(now_us_);
+  return told > 0 && schedule.take_if_due(now_us_);
 }
 
 bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {

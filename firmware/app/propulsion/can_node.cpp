@@ -205,13 +205,13 @@ void CanNode::send(const link::RawCommand& command, bool armed, std::int64_t now
     if (command.cmd[i] != 0) escs_[i].driven = true;
   }
   // An ESC must hear that it is armed before its first command.
-  if (arming_due_.due(now_us) || armed != armed_) {
+  if (arming_due_.take_if_due(now_us) || armed != armed_) {
     armed_ = armed;
     const link::ArmingStatus arming{armed ? kFullyArmed : std::uint8_t{0}};
     send(arming, link::ArmingStatus::kType, kArmingPriority, arming_id_, counters, out);
   }
   send(command, link::RawCommand::kType, kCommandPriority, command_id_, counters, out);
-  if (status_due_.due(now_us)) {
+  if (status_due_.take_if_due(now_us)) {
     link::NodeStatus status;
     status.uptime_sec = uptime_s(*started_us_, now_us);
     send(status, link::NodeStatus::kType, kStatusPriority, status_id_, counters, out);

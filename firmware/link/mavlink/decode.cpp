@@ -72,7 +72,7 @@ std::size_t MavlinkDecoder::fill(std::span<const std::uint8_t> bytes) {
 }
 
 void MavlinkDecoder::give_up(Counters& counters) {
-  if (!waits()) return;
+  if (!has_bytes()) return;
   ++begin_;
   ++counters.mavlink_skipped_bytes;
 }

@@ -42,7 +42,7 @@ class MavlinkDecoder {
   }
 
   /// Whether the buffer holds a possible beginning of a message.
-  bool waits() const { return begin_ < end_; }
+  bool has_bytes() const { return begin_ < end_; }
 
   /// Number of whole messages, including those that were not returned.
   std::uint32_t whole() const { return whole_; }

@@ -210,13 +210,13 @@ TEST_CASE_TEMPLATE(
   w.hear(at(1'000'000, 1), 1'000'000);
   w.hear(at(1'100'000, NAN), 1'100'000);
   CHECK(w.counters.mavlink_bad_value == 1);
-  CHECK_FALSE(w.track.take_frame_complaint());
+  CHECK_FALSE(w.track.take_frame_warning());
   link::Odometry m = at(1'100'000, 9);
   m.frame_id = 20;
   w.hear(m, 1'100'000);
   CHECK(w.counters.mavlink_bad_frame == 1);
-  CHECK(w.track.take_frame_complaint());
-  CHECK_FALSE(w.track.take_frame_complaint());
+  CHECK(w.track.take_frame_warning());
+  CHECK_FALSE(w.track.take_frame_warning());
   CHECK(w.track.position().north_m == 1);
 }
 
@@ -515,7 +515,7 @@ TEST_CASE_TEMPLATE("who follows another vessel knows nothing of the one before",
   CHECK_FALSE(w.track.age_us(w.now_us));
   CHECK_FALSE(w.track.fresh(w.now_us, kLimit_us));
   CHECK_FALSE(w.track.has_origin());
-  CHECK_FALSE(w.track.take_frame_complaint());
+  CHECK_FALSE(w.track.take_frame_warning());
   w.hear(odometry_at(w.now_us, 0), w.now_us);
   CHECK_FALSE(w.track.age_us(w.now_us));  // the old one's voice
   w.hear(local_at(w.now_us, 3), w.now_us, {7, 1});

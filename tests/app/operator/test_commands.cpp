@@ -14,17 +14,19 @@ namespace {
 using core::Request;
 namespace mav = link::mav;
 
-Asked meaning(std::uint16_t command, std::array<float, 7> param) {
+DecodedCommand meaning(std::uint16_t command, std::array<float, 7> param) {
   return meaning_of(*command_of(link::CommandLong{command, param, {1, 1}, 0}));
 }
-Asked meaning(std::uint16_t command, float first, float second = 0) {
+DecodedCommand meaning(std::uint16_t command, float first, float second = 0) {
   return meaning(command, {first, second, 0, 0, 0, 0, 0});
 }
-bool asks_nothing(const Asked& asked) {
+bool asks_nothing(const DecodedCommand& asked) {
   return asked.request == Request::kNone && !asked.save_parameters && !asked.motor_test &&
          !asked.message && !asked.rate;
 }
-bool denied(const Asked& asked) { return asked.result == mav::kDenied && asks_nothing(asked); }
+bool denied(const DecodedCommand& asked) {
+  return asked.result == mav::kDenied && asks_nothing(asked);
+}
 
 TEST_CASE("arm and disarm ask the supervisor, with the unused fields 0, NaN or the force number") {
   for (const float second : {0.0F, NAN, 21196.0F}) {
@@ -53,7 +55,7 @@ TEST_CASE("modes are MANUAL, HOLD and FORMATION by Rover's numbers; every other 
   }
   for (int mode = -300; mode < 300; ++mode) {
     const bool known = mode == 0 || mode == 4 || mode == 6;
-    const Asked asked = meaning(mav::kCmdDoSetMode, 1, static_cast<float>(mode));
+    const DecodedCommand asked = meaning(mav::kCmdDoSetMode, 1, static_cast<float>(mode));
     CHECK(denied(asked) != known);
     CHECK(asked.why.empty() == known);
   }
@@ -80,7 +82,8 @@ TEST_CASE("sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boa
   for (const float base : {1.0F, 129.0F}) {
     for (float main = 0; main < 10; ++main) {
       for (float sub = 1; sub < 12; ++sub) {
-        const Asked asked = meaning(mav::kCmdDoSetMode, {base, main, sub, NAN, NAN, NAN, NAN});
+        const DecodedCommand asked =
+            meaning(mav::kCmdDoSetMode, {base, main, sub, NAN, NAN, NAN, NAN});
         const bool hold = main == 4 && sub == 3;
         CHECK(asked.request == (hold ? Request::kHold : Request::kNone));
         CHECK(denied(asked) != hold);
@@ -97,7 +100,7 @@ TEST_CASE("MANUAL is not asked for by a flag of the base mode, HOLD in any form"
   CHECK(meaning(mav::kCmdDoSetMode, 129, 0).request == Request::kManual);
   for (const float base : {1.0F, 129.0F, 29.0F, 217.0F}) {
     for (const float sub : {0.0F, 3.0F, NAN}) {
-      const Asked asked = meaning(mav::kCmdDoSetMode, {base, 4, sub, NAN, NAN, NAN, NAN});
+      const DecodedCommand asked = meaning(mav::kCmdDoSetMode, {base, 4, sub, NAN, NAN, NAN, NAN});
       CHECK(asked.request == Request::kHold);
     }
   }
@@ -122,7 +125,7 @@ TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that com
 TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {
   const std::set<unsigned> known{176, 185, 209, 245, 262, 400, 510, 511, 512, 519, 520};
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
-    const Asked asked = meaning(static_cast<std::uint16_t>(id), 1);
+    const DecodedCommand asked = meaning(static_cast<std::uint16_t>(id), 1);
     if (known.count(id) != 0) {
       REQUIRE(asked.result != mav::kUnsupported);
     } else {
@@ -137,7 +140,7 @@ TEST_CASE("a motor test is one propeller, up to 20 percent either way, for up to
   const auto test = [](float propeller, float kind, float percent, float s, float count) {
     return meaning(mav::kCmdDoMotorTest, {propeller, kind, percent, s, count, 0, NAN});
   };
-  const Asked port = test(1, 0, 20, 5, 0), stbd = test(2, 0, -12.5F, 0.5F, NAN);
+  const DecodedCommand port = test(1, 0, 20, 5, 0), stbd = test(2, 0, -12.5F, 0.5F, NAN);
   CHECK(port.result == mav::kAccepted);
   CHECK(port.request == Request::kTest);
   CHECK(port.motor_test == MotorTest{false, 0.2, 5'000'000});
@@ -166,12 +169,13 @@ TEST_CASE("termination and saving are asked for by exactly 1") {
 
 TEST_CASE("a message is asked for by its number, directly or by the older commands") {
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
-    const Asked asked = meaning(mav::kCmdRequestMessage, static_cast<float>(id), NAN);
+    const DecodedCommand asked = meaning(mav::kCmdRequestMessage, static_cast<float>(id), NAN);
     REQUIRE(asked.message);
     REQUIRE(asked.message->id == id);
     REQUIRE(asked.message->index == 0);
     REQUIRE(asked.reads_only());
-    const Asked interval = meaning(mav::kCmdGetMessageInterval, static_cast<float>(id), NAN);
+    const DecodedCommand interval =
+        meaning(mav::kCmdGetMessageInterval, static_cast<float>(id), NAN);
     REQUIRE(interval.message);
     REQUIRE(interval.message->id == link::MessageInterval::kId);
     REQUIRE(interval.message->index == id);
@@ -236,7 +240,7 @@ TEST_CASE("no bits in a command's fields, whatever they are, break anything") {
       if (random() % 2 == 0) x = kTypical[random() % kTypical.size()];
     }
     const std::uint16_t id = kKnown[random() % kKnown.size()];
-    const Asked asked = meaning(id, param);
+    const DecodedCommand asked = meaning(id, param);
     REQUIRE(asked.result <= mav::kFailed);
     if (asked.result != mav::kAccepted) REQUIRE(asks_nothing(asked));
     REQUIRE(asked.motor_test.has_value() == (asked.request == Request::kTest));

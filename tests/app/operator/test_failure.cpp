@@ -60,7 +60,7 @@ struct Simulated {
 
 TEST_CASE("a failure is three whole numbers, the last of which may be left out") {
   const auto meant = [](float unit, float type, float instance) {
-    const Asked asked = meaning_of(*command_of(asking(unit, type, instance)));
+    const DecodedCommand asked = meaning_of(*command_of(asking(unit, type, instance)));
     CHECK(asked.result == mav::kUnsupported);
     return asked.failure;
   };

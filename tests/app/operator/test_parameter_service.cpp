@@ -17,7 +17,7 @@ namespace flotilla::app {
 namespace {
 
 namespace mav = link::mav;
-using What = SetResult::What;
+using Outcome = SetResult::Outcome;
 
 constexpr link::Address kOperator{255, 190};
 constexpr std::size_t kHere = 1, kElsewhere = 3;  // links
@@ -114,13 +114,13 @@ TEST_CASE("any value that is allowed by itself and beside the others is taken an
       CAPTURE(value);
       const bool same = boat.values.*info.member == value;
       const SetResult result = boat.set(std::string(info.name), value);
-      CHECK(result.what == (same ? What::kUnchanged : What::kSet));
+      CHECK(result.outcome == (same ? Outcome::kUnchanged : Outcome::kSet));
       CHECK(result.info == &info);
       CHECK(result.sentence.text().empty());
       CHECK(boat.values.*info.member == value);
       check_answer_to_all(boat, info);
       if (info.name == "MAV_GCS_SYSID") continue;  // it may have locked this operator out
-      CHECK(boat.set(std::string(info.name), value).what == What::kUnchanged);
+      CHECK(boat.set(std::string(info.name), value).outcome == Outcome::kUnchanged);
       check_answer_to_all(boat, info);
     }
   }
@@ -143,7 +143,7 @@ TEST_CASE("a value that is no number, out of range or no whole one changes nothi
       CAPTURE(value);
       Boat boat;
       const SetResult result = boat.set(std::string(info.name), value);
-      CHECK(result.what == What::kRefused);
+      CHECK(result.outcome == Outcome::kRefused);
       CHECK(result.info == &info);
       CHECK(result.error == mav::kParamOutOfRange);
       CHECK(result.sentence.text().starts_with(std::string(info.name) + " "));
@@ -186,27 +186,28 @@ TEST_CASE("while armed only what may change at any time changes") {
     boat.armed = true;
     const auto result = boat.set(std::string(info.name), value);
     if (info.change == ParameterChange::kAnytime) {
-      CHECK(result.what == What::kSet);
+      CHECK(result.outcome == Outcome::kSet);
       CHECK(boat.values.*info.member == value);
       check_answer_to_all(boat, info);
     } else {
-      CHECK(result.what == What::kRefused);
+      CHECK(result.outcome == Outcome::kRefused);
       CHECK(boat.values.*info.member == info.default_value);
       check_refusal(boat, info, mav::kParamPermissionDenied);
     }
     // A repeated set asks for nothing new.
-    CHECK(boat.set(std::string(info.name), boat.values.*info.member).what == What::kUnchanged);
+    CHECK(boat.set(std::string(info.name), boat.values.*info.member).outcome ==
+          Outcome::kUnchanged);
   }
 }
 
 TEST_CASE("two values that exclude each other: the second one is refused, either way round") {
   Boat boat;
-  CHECK(boat.set("ESC_STBD", 0).what == What::kRefused);
+  CHECK(boat.set("ESC_STBD", 0).outcome == Outcome::kRefused);
   check_refusal(boat, *find_parameter("ESC_STBD"), mav::kParamOutOfRange);
-  CHECK(boat.set("ESC_PORT", 5).what == What::kSet);
-  CHECK(boat.set("ESC_STBD", 0).what == What::kSet);
-  CHECK(boat.set("FORM_LEADER", 1).what == What::kRefused);
-  CHECK(boat.set("MAV_SYSID", 100).what == What::kRefused);
+  CHECK(boat.set("ESC_PORT", 5).outcome == Outcome::kSet);
+  CHECK(boat.set("ESC_STBD", 0).outcome == Outcome::kSet);
+  CHECK(boat.set("FORM_LEADER", 1).outcome == Outcome::kRefused);
+  CHECK(boat.set("MAV_SYSID", 100).outcome == Outcome::kRefused);
   CHECK_FALSE(contradiction(boat.values));
 }
 
@@ -216,7 +217,7 @@ TEST_CASE("another type than REAL32 is a mismatch, whatever its bits would be as
     if (type == mav::kParamReal32) continue;
     CAPTURE(type);
     const auto result = boat.set("LAW_KX", 0.5F, static_cast<std::uint8_t>(type));
-    CHECK(result.what == What::kRefused);
+    CHECK(result.outcome == Outcome::kRefused);
     check_refusal(boat, *find_parameter("LAW_KX"), mav::kParamTypeMismatch);
   }
 }
@@ -227,7 +228,7 @@ TEST_CASE("a name that nobody knows is an error to the asker alone, set or read"
        {"", "LAW_K", "LAW_KXX", "law_kx", "_HASH_CHECK", "0123456789ABCDEF", "LAW_KX "}) {
     CAPTURE(name);
     const auto result = boat.set(name, 1);
-    CHECK(result.what == What::kRefused);
+    CHECK(result.outcome == Outcome::kRefused);
     CHECK(result.info == nullptr);
     boat.read(-1, name);
     const auto here = boat.heard(kHere);
@@ -243,23 +244,23 @@ TEST_CASE("a name that nobody knows is an error to the asker alone, set or read"
 TEST_CASE("a stranger sets nothing where one ground station alone may command") {
   Boat boat;
   boat.values.MAV_GCS_SYSID = 254;
-  CHECK(boat.set("LAW_KX", 1).what == What::kRefused);
+  CHECK(boat.set("LAW_KX", 1).outcome == Outcome::kRefused);
   check_refusal(boat, *find_parameter("LAW_KX"), mav::kParamPermissionDenied);
   boat.values.MAV_GCS_SYSID = 255;
-  CHECK(boat.set("LAW_KX", 1).what == What::kSet);
+  CHECK(boat.set("LAW_KX", 1).outcome == Outcome::kSet);
 }
 
 TEST_CASE("no boat follows itself: not under the id that it took, nor under the one it will have") {
   Boat companion;  // MAV_SYSID 1 is configured, 42 was taken of its autopilot
   companion.system = 42;
-  CHECK(companion.set("FORM_LEADER", 42).what == What::kRefused);
+  CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kRefused);
   check_refusal(companion, *find_parameter("FORM_LEADER"), mav::kParamOutOfRange);
-  CHECK(companion.set("FORM_LEADER", 1).what == What::kRefused);
-  CHECK(companion.set("FORM_LEADER", 43).what == What::kSet);
+  CHECK(companion.set("FORM_LEADER", 1).outcome == Outcome::kRefused);
+  CHECK(companion.set("FORM_LEADER", 43).outcome == Outcome::kSet);
   companion.values.FORM_LEADER = 42;  // it was so when the id was taken: the operator may go on
-  CHECK(companion.set("FORM_LEADER", 42).what == What::kUnchanged);
-  CHECK(companion.set("LAW_KX", 0.5F).what == What::kSet);
-  CHECK(companion.set("FORM_LEADER", 100).what == What::kSet);
+  CHECK(companion.set("FORM_LEADER", 42).outcome == Outcome::kUnchanged);
+  CHECK(companion.set("LAW_KX", 0.5F).outcome == Outcome::kSet);
+  CHECK(companion.set("FORM_LEADER", 100).outcome == Outcome::kSet);
 }
 
 TEST_CASE("known names are those of the list, whatever the value") {

@@ -47,7 +47,7 @@ std::int64_t sent(Streams& streams, std::size_t stream, std::size_t link, std::i
                   std::int64_t for_us, std::int64_t tick_us = kTick_us) {
   std::int64_t count = 0;
   for (std::int64_t now = from_us; now < from_us + for_us; now += tick_us) {
-    count += streams.schedule(stream, link).due(now) ? 1 : 0;
+    count += streams.schedule(stream, link).take_if_due(now) ? 1 : 0;
   }
   return count;
 }
@@ -233,7 +233,7 @@ TEST_CASE("parameters set to what they are shift no stream's grid") {
   CHECK(sent(streams, battery, 0, 0, kTick_us) == 1);
   for (std::int64_t now = kTick_us; now < 5 * kSecond_us - kTick_us; now += kTick_us) {
     streams.configure(configuration_of({}).operators);
-    REQUIRE_FALSE(streams.schedule(battery, 0).due(now));
+    REQUIRE_FALSE(streams.schedule(battery, 0).take_if_due(now));
   }
 }
 
@@ -255,14 +255,14 @@ TEST_CASE("that which is hurried leaves at once on every link that has it, and o
     REQUIRE(streams.set(link, link::CurrentMode::kId, 2 * kSecond_us, 0));
   }
   for (std::size_t link = 0; link < kLinks; ++link) sent(streams, mode, link, 0, kSecond_us);
-  streams.hurry(link::CurrentMode::kId);
+  streams.make_due(link::CurrentMode::kId);
   for (std::size_t link = 0; link < 3; ++link) {
-    CHECK(streams.schedule(mode, link).due(kSecond_us));
-    CHECK_FALSE(streams.schedule(mode, link).due(kSecond_us + kTick_us));
-    CHECK(streams.schedule(mode, link).due(3 * kSecond_us));
+    CHECK(streams.schedule(mode, link).take_if_due(kSecond_us));
+    CHECK_FALSE(streams.schedule(mode, link).take_if_due(kSecond_us + kTick_us));
+    CHECK(streams.schedule(mode, link).take_if_due(3 * kSecond_us));
   }
-  CHECK_FALSE(streams.schedule(mode, 3).due(kSecond_us));
-  streams.hurry(9999);  // nothing of the kind
+  CHECK_FALSE(streams.schedule(mode, 3).take_if_due(kSecond_us));
+  streams.make_due(9999);  // nothing of the kind
 }
 
 /// What leaves on a link in 100 s, as a share of ten a second.
@@ -358,7 +358,7 @@ TEST_CASE("a link is quiet while no stream but the state's waits, whatever was c
         streams.set(link, kStreams[stream].id, static_cast<std::int64_t>(random() % 3'000'000), 0);
         break;
       case 1:
-        streams.hurry(kStreams[stream].id);
+        streams.make_due(kStreams[stream].id);
         break;
       case 2:
         streams.radio_has_room(link, static_cast<std::uint8_t>(random() % 101), now_us);
@@ -370,11 +370,11 @@ TEST_CASE("a link is quiet while no stream but the state's waits, whatever was c
     bool waits = false;
     for (std::size_t i = 0; i < kStreams.size(); ++i) {
       if (!is_rest(kStreams[i].pace)) continue;
-      waits = waits || streams.schedule(i, link).waits(now_us);
+      waits = waits || streams.schedule(i, link).is_due(now_us);
     }
-    REQUIRE(streams.any_waits(link, now_us) == waits);
+    REQUIRE(streams.any_due(link, now_us) == waits);
     ++(waits ? busy : quiet);
-    for (std::size_t i = 0; i < kStreams.size(); ++i) streams.schedule(i, link).due(now_us);
+    for (std::size_t i = 0; i < kStreams.size(); ++i) streams.schedule(i, link).take_if_due(now_us);
   }
   CHECK(quiet > 1000);
   CHECK(busy > 1000);

@@ -131,7 +131,7 @@ TEST_CASE("a message that breaks off takes hardly any of those after it down wit
 /// As a host does that knows that nothing more will come.
 std::vector<Received> give_up(MavlinkDecoder& decoder, Counters& counters) {
   std::vector<Received> out;
-  while (decoder.waits()) {
+  while (decoder.has_bytes()) {
     const std::uint32_t skipped = counters.mavlink_skipped_bytes;
     decoder.give_up(counters);
     CHECK(counters.mavlink_skipped_bytes == skipped + 1);
@@ -234,7 +234,7 @@ TEST_CASE("datagrams of good messages and broken ones, given up at each end: no 
     take(give_up(decoder, counters));
     CAPTURE(k);
     REQUIRE(got == sent);
-    REQUIRE_FALSE(decoder.waits());
+    REQUIRE_FALSE(decoder.has_bytes());
   }
   CHECK(broken > 1000);
 }
@@ -264,7 +264,7 @@ TEST_CASE(
     }
     if (any.u32() % 4 == 0) decoder.give_up(counters);
     if (any.u32() % 4 != 0) continue;
-    while (decoder.waits()) {
+    while (decoder.has_bytes()) {
       decoder.give_up(counters);
       read();
     }
@@ -276,7 +276,7 @@ TEST_CASE(
   (void)give_up(decoder, counters);
   const std::uint32_t skipped = counters.mavlink_skipped_bytes;
   decoder.give_up(counters);  // nothing is waited for
-  CHECK_FALSE(decoder.waits());
+  CHECK_FALSE(decoder.has_bytes());
   CHECK(counters.mavlink_skipped_bytes == skipped);
 }
 
