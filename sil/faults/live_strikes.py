@@ -31,8 +31,10 @@ def _words(outing: LiveOuting) -> str:
 
 
 def _bus_untold(outing: LiveOuting) -> str:
-    told = _words(outing).splitlines()[-1].endswith("is down or not there")
-    return "" if told else "flotillad does not say that its bus is down"
+    # other lines may follow, of late ticks on a busy machine
+    told = [line for line in _words(outing).splitlines() if INTERFACE in line]
+    is_told = bool(told) and told[-1].endswith("is down or not there")
+    return "" if is_told else "flotillad does not say that its bus is down"
 
 
 def _left(outing: LiveOuting) -> bool:
