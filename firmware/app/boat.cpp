@@ -193,12 +193,21 @@ void Boat<S>::note_state(std::int64_t now_us) {
     vehicle_.send_statustext(link::mav::kSeverityInfo,
                              {"navigation quality is not reported, not checked"}, counters_);
   }
-  if (state() != core::State::kFormation || was == state()) return;
+  if (was == state()) return;
+  if (was == core::State::kAuto) pilot_.end_plan();
+  if (state() == core::State::kAuto) start_plan();
+  if (state() != core::State::kFormation) return;
   if (was == core::State::kCoast) {
     pilot_.close_anew();
   } else {
     pilot_.start(now_us);
   }
+}
+
+template <class S>
+void Boat<S>::start_plan() {
+  const MissionService& missions = vehicle_.missions();
+  pilot_.start_plan(missions.plan(), missions.current(), configuration().plan);
 }
 
 template <class S>
@@ -229,6 +238,8 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
     met |= core::kSlotSound;
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
+  const bool reached = state() != core::State::kAuto || pilot_.plan_vessel().is_sound();
+  if (!vehicle_.missions().plan().empty() && pilot_.located() && reached) met |= core::kPlanReady;
   if (vehicle_.doubled(now_us)) met &= ~core::kSoleVessel;
   if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
   return met;
@@ -280,6 +291,13 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
     case core::State::kFormation:
       law_output_ = pilot_.step(now_us, dt);
       break;
+    case core::State::kAuto: {
+      if (vehicle_.missions().take_jump()) start_plan();
+      law_output_ = pilot_.sail(vehicle_.missions().plan(), vehicle_.is_paused(), now_us, dt);
+      const PlanVessel<S>& sailed = pilot_.plan_vessel();
+      vehicle_.sailed(sailed.item(), sailed.has_arrived(), counters_);
+      break;
+    }
     case core::State::kDisarmed:
     case core::State::kHold:
     case core::State::kFault:
@@ -296,7 +314,7 @@ void Boat<S>::steer(std::int64_t now_us) {
   if (!drive || !core::law_drives(state())) law_output_ = {};
   const core::Thrust<S> desired = drive ? desired_thrust(now_us, dt) : core::Thrust<S>{};
   // In COAST the law follows a dead-reckoned leader; telemetry reports the error to the one heard.
-  const bool by_law = drive && state() == core::State::kFormation;
+  const bool by_law = drive && keeps_slot();
   if (!by_law && seen()) {
     const auto slot = pilot_.look(now_us);
     law_output_.error = slot.error;
@@ -402,7 +420,7 @@ void Boat<S>::warn_of_fast_slot(std::int64_t now_us) {
 template <class S>
 void Boat<S>::warn_of_station() {
   const core::Astray was = std::exchange(astray_, pilot_.astray());
-  if (astray_ == was || astray_ == core::Astray::kNo || state() != core::State::kFormation) return;
+  if (astray_ == was || astray_ == core::Astray::kNo || !keeps_slot()) return;
   const Parameters& p = parameters();
   Sentence why;
   if (astray_ == core::Astray::kSpins) {
@@ -471,7 +489,7 @@ template <class S>
 std::optional<link::FormationReference> Boat<S>::reference(std::int64_t now_us) const {
   const auto since_us = supervisor_.coasting_since_us();
   const bool coasts = since_us && now_us - *since_us < kShortCoast_us;
-  return pilot_.reference(now_us, state() == core::State::kFormation || coasts);
+  return pilot_.reference(now_us, keeps_slot() || coasts);
 }
 
 template <class S>
@@ -491,9 +509,8 @@ Report Boat<S>::report(std::int64_t now_us) {
     out.estimates = pilot_.estimates();
   }
   out.home = limits_.home();
-  if (seen()) {
-    const bool judged =
-        state() == core::State::kFormation && configuration().formation.judges_station;
+  if (error_known()) {
+    const bool judged = keeps_slot() && configuration().formation.judges_station;
     const auto told_in_slot = judged ? std::optional(in_slot()) : std::nullopt;
     out.formation = FormationReport{told_in_slot, convert::in_double(law_output_.error.e),
                                     convert::in_double(law_output_.desired.nu_star),
@@ -510,7 +527,7 @@ Report Boat<S>::report(std::int64_t now_us) {
   out.thrust = {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)};
   out.most_N = propulsion.ahead_N;
   out.least_N = -propulsion.astern_N;
-  out.leader = formation.leader;
+  out.leader = state() == core::State::kAuto ? vehicle_.self().system : formation.leader;
   const auto esc = [&](std::uint8_t index) {
     return EscReport{index, can_.esc_status(index, now_us)};
   };
@@ -532,7 +549,7 @@ Snapshot Boat<S>::snapshot() const {
           pilot_.leader_uncertainty_m(now_us),
           pilot_.reference_age_s(now_us),
           pilot_.estimates(),
-          seen(),
+          error_known(),
           convert::in_double(law.error.e),
           convert::in_double(law.desired.nu_star),
           convert::in_double(law.tau),

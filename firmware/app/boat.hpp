@@ -161,12 +161,18 @@ class Boat {
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
+  void start_plan();
   void collect_overflow();
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
     return (conditions_ & kSeen) == kSeen;
   }
-  bool in_slot() const { return state() == core::State::kFormation && pilot_.in_slot(); }
+  /// Behind the leader, or the own plan; not in COAST.
+  bool keeps_slot() const {
+    return state() == core::State::kFormation || state() == core::State::kAuto;
+  }
+  bool error_known() const { return seen() || state() == core::State::kAuto; }
+  bool in_slot() const { return keeps_slot() && pilot_.in_slot(); }
   core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);

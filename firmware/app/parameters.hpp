@@ -12,7 +12,7 @@ namespace flotilla::app {
 
 /// ArduPilot Rover's mode numbers: clients translate them to names by vehicle type.
 namespace mode {
-constexpr std::uint8_t kManual = 0, kHold = 4, kFormation = 6;
+constexpr std::uint8_t kManual = 0, kHold = 4, kFormation = 6, kAuto = 10;
 }
 
 struct Parameters {

@@ -28,6 +28,8 @@ std::uint8_t Supervisor::mode() const {
     case State::kFormation:
     case State::kCoast:
       return mode::kFormation;
+    case State::kAuto:
+      return mode::kAuto;
     case State::kDisarmed:
     case State::kHold:
     case State::kTest:
@@ -60,6 +62,7 @@ Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {
     if (request == Request::kManual) intended_mode_ = mode::kManual;
     if (request == Request::kHold) intended_mode_ = mode::kHold;
     if (request == Request::kFormation) intended_mode_ = mode::kFormation;
+    if (request == Request::kAuto) intended_mode_ = mode::kAuto;
   }
   return decide(verdict, now_us);
 }

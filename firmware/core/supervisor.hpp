@@ -19,8 +19,9 @@ enum class State : std::uint8_t {
   kCoast,      ///< armed, the law follows a dead-reckoned leader that slows down
   kTest,       ///< armed, one propeller turns, with limited thrust, for seconds
   kFault,      ///< no thrust, ESCs commanded to disarm; only disarming leaves it
+  kAuto,       ///< armed, the law drives behind the boat's own plan
 };
-constexpr std::size_t kStates = 7;
+constexpr std::size_t kStates = 8;
 
 enum class Request : std::uint8_t {
   kNone,
@@ -30,9 +31,10 @@ enum class Request : std::uint8_t {
   kManual,
   kFormation,
   kTest,
-  kTerminate
+  kTerminate,
+  kAuto
 };
-constexpr std::size_t kRequests = 8;
+constexpr std::size_t kRequests = 9;
 
 /// A set of conditions; a set bit means that all is well.
 using Conditions = std::uint64_t;
@@ -66,7 +68,8 @@ constexpr Conditions kOwnGood = 1U << 26U;      ///< the own unit does not call 
 constexpr Conditions kSoleVessel = 1U << 27U;   ///< no other vessel uses the boat's system id
 constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, or were once in this MANUAL
 constexpr Conditions kLeaderNear = 1U << 29U;     ///< the followed vessel is within FORM_DIST_MAX
-constexpr unsigned kConditionCount = 30;          ///< without the operator's choices
+constexpr Conditions kPlanReady = 1U << 30U;      ///< a plan is stored, and begins near the boat
+constexpr unsigned kConditionCount = 31;          ///< without the operator's choices
 // The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
 constexpr Conditions kLeaderLossHolds = Conditions{1} << kConditionCount;
 constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
@@ -84,10 +87,14 @@ constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
-constexpr Conditions kByLaw = kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel |
-                              kBoatAnswers | kPlace | kSound | kLimits;
+/// The law needs these whatever it follows.
+constexpr Conditions kSteers =
+    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel | kBoatAnswers | kSound | kLimits;
+constexpr Conditions kByLaw = kSteers | kPlace;
 constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
 constexpr Conditions kFormationBegins = kDrive | kClear;
+constexpr Conditions kAutoDrive = kSteers | kPlanReady | kOnStation | kGcsHeard;
+constexpr Conditions kAutoBegins = kAutoDrive | kClear;
 constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.
 constexpr Conditions kManualBegins = kSticksFresh | kSound;
@@ -103,7 +110,8 @@ constexpr std::uint8_t in(States... states) {
   return static_cast<std::uint8_t>(((1U << static_cast<unsigned>(states)) | ...));
 }
 constexpr std::uint8_t kAnyState = (1U << kStates) - 1U;
-constexpr std::uint8_t kLawDrives = in(State::kFormation, State::kCoast);
+constexpr std::uint8_t kFollowing = in(State::kFormation, State::kCoast);
+constexpr std::uint8_t kLawDrives = kFollowing | in(State::kAuto);
 constexpr std::uint8_t kArmed = in(State::kHold, State::kManual, State::kTest) | kLawDrives;
 
 struct Row {
@@ -114,29 +122,34 @@ struct Row {
   State to;
 };
 
-constexpr std::array<Row, 29> kTable{{
+constexpr std::array<Row, 34> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
     // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
     {kArmed, Request::kNone, 0, kSound, State::kFault},
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
-    {kLawDrives, Request::kNone, 0, kByLaw, State::kHold},
+    {in(State::kAuto), Request::kNone, 0, kAutoDrive, State::kHold},
+    {kFollowing, Request::kNone, 0, kByLaw, State::kHold},
     // After two losses the more careful choice counts, also if the second comes later, in COAST.
-    {kLawDrives, Request::kNone, kLeaderLossHolds, kFollows, State::kHold},
-    {kLawDrives, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
+    {kFollowing, Request::kNone, kLeaderLossHolds, kFollows, State::kHold},
+    {kFollowing, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
     {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kFollows, State::kCoast},
     {in(State::kFormation), Request::kNone, kGcsLossCoasts, kGcsHeard, State::kCoast},
     {in(State::kFormation), Request::kNone, kSticksFresh, kFollows | kGcsHeard, State::kManual},
     {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
     {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
     {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
-    // Requests. The first kArm row reports what FORMATION lacks: it arms for MANUAL only.
+    // Requests. A boat that can neither sail its plan nor follow a leader is armed for MANUAL only;
+    // the second kArm row reports what FORMATION lacks.
+    {in(State::kDisarmed), Request::kArm, kArming | kAutoBegins, 0, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, kFormationBegins, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
     {in(State::kHold) | kLawDrives, Request::kManual, kManualBegins, 0, State::kManual},
-    {in(State::kHold, State::kManual), Request::kFormation, kFormationBegins, 0, State::kFormation},
+    {in(State::kHold, State::kManual, State::kAuto), Request::kFormation, kFormationBegins, 0,
+     State::kFormation},
+    {in(State::kHold, State::kManual) | kFollowing, Request::kAuto, kAutoBegins, 0, State::kAuto},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
     // Requests for the present state: granted, as senders repeat a command whose answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
@@ -145,9 +158,11 @@ constexpr std::array<Row, 29> kTable{{
     {in(State::kFormation), Request::kArm, 0, 0, State::kFormation},
     {in(State::kCoast), Request::kArm, 0, 0, State::kCoast},
     {in(State::kTest), Request::kArm, 0, 0, State::kTest},
+    {in(State::kAuto), Request::kArm, 0, 0, State::kAuto},
     {in(State::kManual), Request::kManual, 0, 0, State::kManual},
     {in(State::kFormation), Request::kFormation, 0, 0, State::kFormation},
     {in(State::kCoast), Request::kFormation, 0, 0, State::kCoast},
+    {in(State::kAuto), Request::kAuto, 0, 0, State::kAuto},
 }};
 
 struct Verdict {
@@ -180,6 +195,7 @@ constexpr bool may_drive(State state, Conditions met) {
   return (state == State::kManual && all_of(kManualDrive)) ||
          (state == State::kFormation && all_of(kDrive)) ||
          (state == State::kCoast && all_of(kCoastDrive)) ||
+         (state == State::kAuto && all_of(kAutoDrive)) ||
          (state == State::kTest && all_of(kTestDrive));
 }
 

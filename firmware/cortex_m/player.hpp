@@ -49,8 +49,8 @@ class Player {
            std::span<const std::uint8_t> bytes);
 
   /// As on a microcontroller: one radio, one serial line.
-  static constexpr std::size_t kLinks = 2, kSigningStreams = 16;
-  app::LinkRoom<kLinks, kSigningStreams> room_;
+  static constexpr std::size_t kLinks = 2, kSigningStreams = 16, kPlanItems = 100;
+  app::Room<kLinks, kSigningStreams, kPlanItems> room_;
   app::Outbox<kLinks> outbox_;
   /// Never destroyed: that would need a heap.
   alignas(app::Boat<Scalar>) std::array<std::byte, sizeof(app::Boat<Scalar>)> place_;

@@ -510,7 +510,7 @@ std::vector<std::uint8_t> said(const Boat<float>::Output& out) {
 
 TEST_CASE("boats that share an outbox say what each of them says alone") {
   Outbox<kLinks> outbox;
-  std::array<LinkRoom<kLinks, 0>, 3> rooms;
+  std::array<Room<kLinks, 0, 10>, 3> rooms;
   std::vector<std::unique_ptr<Boat<float>>> together, alone;
   for (std::uint8_t system = 1; system <= 3; ++system) {
     Parameters p;
@@ -532,7 +532,7 @@ TEST_CASE("boats that share an outbox say what each of them says alone") {
 
 TEST_CASE("a boat in the storage of one that has been knows nothing of that one's links") {
   Outbox<kLinks> outbox;
-  LinkRoom<kLinks, 1> room;
+  Room<kLinks, 1, 10> room;
   const Storage storage(room, outbox);
   link::MavlinkEncoder client({255, 190});
   {
@@ -564,7 +564,7 @@ TEST_CASE("a boat in the storage of one that has been knows nothing of that one'
 }
 
 TEST_CASE("a thousand boats fit into a processor's memory") {
-  CHECK(sizeof(Boat<float>) + sizeof(LinkRoom<kLinks, 0>) < 24'000);
+  CHECK(sizeof(Boat<float>) + sizeof(Room<kLinks, 0, 10>) < 24'000);
 }
 
 }  // namespace

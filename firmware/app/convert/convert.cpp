@@ -13,6 +13,8 @@ namespace {
 
 using geodesy::Plane;
 
+constexpr double kSameSide_m = 6e6;  // depth below the plane
+
 /// At the origin's altitude if a body of water can lie there, else at 0 m.
 Plane plane_at(const link::GpsGlobalOrigin& o) {
   constexpr double kHighest_m = 9000;
@@ -33,7 +35,6 @@ Seen seen_from(const Position& own, const Position& leader) {
     return {leader.north_m - own.north_m, leader.east_m - own.east_m, 0, true};
   }
   const Plane ours = plane_at(own.origin), theirs = plane_at(leader.origin);
-  constexpr double kSameSide_m = 6e6;
   const auto [north_m, east_m, down_m] =
       ours.local_of(theirs.sea_level({number(leader.north_m), number(leader.east_m)}));
   return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
@@ -53,6 +54,14 @@ template <class S>
 Separation<S> separation(const Position& own, const Position& leader) {
   const Seen seen = seen_from(own, leader);
   return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen, kNear_m)};
+}
+
+template <class S>
+Separation<S> way_to(const Position& from, const GlobalPoint& to, float within_m) {
+  const Plane plane = plane_at(from.origin), there{to.latitude, to.longitude};
+  const auto [north_m, east_m, down_m] = plane.local_of(there.origin());
+  const Seen seen{north_m - from.north_m, east_m - from.east_m, 0, down_m < kSameSide_m};
+  return {{scalar<S>(seen.north_m), scalar<S>(seen.east_m)}, is_near(seen, within_m)};
 }
 
 template <class S>
@@ -111,6 +120,7 @@ double distance_m(const Position& a, const Position& b) {
 
 #define FLOTILLA_INSTANTIATE(S)                                                          \
   template Separation<S> separation<S>(const Position&, const Position&);                \
+  template Separation<S> way_to<S>(const Position&, const GlobalPoint&, float);          \
   template core::ControllerInput<S> controller_input_of<S>(                              \
       const Position&, const core::Motion<S>&, const Position&, const core::Motion<S>&); \
   template Sample<S> in_plane<S>(const Sample<S>&, const link::GpsGlobalOrigin&);

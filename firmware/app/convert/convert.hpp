@@ -114,6 +114,11 @@ struct Separation {
 template <class S>
 Separation<S> separation(const Position& own, const Position& leader);
 
+/// Vector to a point at sea level, m, north-east in the plane of the position's origin, and whether
+/// it is within `within_m`.
+template <class S>
+Separation<S> way_to(const Position& from, const GlobalPoint& to, float within_m);
+
 /// The law's input: two positions and the motions since, in the plane of our origin.
 template <class S>
 core::ControllerInput<S> controller_input_of(const Position& own, const core::Motion<S>& own_motion,

@@ -69,6 +69,20 @@ core::ForesightLimits<S> foresight_limits(const Parameters& p) {
           scalar<S>(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 4 : kAny)};
 }
 
+/// What the hull can follow with a quarter of its thrust, and what the law may demand; the rest is
+/// for its errors.
+template <class S>
+core::RouteParams<S> route_params(const Parameters& p) {
+  const float force = p.THR_FWD_MAX / 2, moment = p.THR_ARM * std::min(force, p.THR_REV_MAX / 2);
+  core::RouteParams<S> out;
+  out.accel = core::min(out.accel, scalar<S>(std::min(force / p.VES_M11, 1.0F)));
+  out.yaw_accel = core::min(out.yaw_accel, scalar<S>(std::min(moment / p.VES_M33, 1.0F)));
+  const float rate = std::min(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 2 : 1, moment / p.VES_D33);
+  out.yaw_rate = core::min(out.yaw_rate, scalar<S>(rate));
+  out.half_width = scalar<S>(p.WP_WIDTH);
+  return out;
+}
+
 }  // namespace
 
 template <class S>
@@ -84,7 +98,8 @@ Law<S> law_of(const Parameters& p) {
           .coast_s = scalar<S>(p.FS_COAST_S),
           .antenna = {scalar<S>(p.NAV_OFS_X), scalar<S>(p.NAV_OFS_Y)},
           .latency = {.d = p.VES_D33 / p.VES_M33},
-          .yaw_inertia_kgm2 = p.VES_M33};
+          .yaw_inertia_kgm2 = p.VES_M33,
+          .route = route_params<S>(p)};
 }
 
 template Law<float> law_of(const Parameters&);

@@ -8,6 +8,7 @@
 #include "core/estimation/observer.hpp"
 #include "core/estimation/plausibility.hpp"
 #include "core/reference.hpp"
+#include "core/route.hpp"
 #include "core/station.hpp"
 #include "core/thrust_curve.hpp"
 
@@ -32,6 +33,7 @@ struct Law {
   // float for every S: products of its variances are below Q16's resolution.
   core::LatencyParams<float> latency;
   float yaw_inertia_kgm2;
+  core::RouteParams<S> route;  ///< of the vessel that sails a plan
 };
 
 template <class S>

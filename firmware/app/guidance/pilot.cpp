@@ -138,6 +138,36 @@ void Pilot<S>::start(std::int64_t now_us) {
 }
 
 template <class S>
+Lead<S> Pilot<S>::lead_of_plan() const {
+  const std::uint8_t self = own_.track().system();
+  core::SlotParams<S> slot = law_.controller.slot;
+  slot.steers = S(0) < law_.observer.omega_c;
+  slot.d = {};
+  slot.turns = false;
+  return {self, {self, self}, plan_vessel_.from(), plan_vessel_.motion(), {}, slot};
+}
+
+template <class S>
+void Pilot<S>::start_plan(Plan plan, std::size_t first, const PlanDefaults& defaults) {
+  own_.begin();
+  reference_.lead(true);
+  plan_vessel_.start(plan, first, defaults, law_.route, own_.place(), own_.motion());
+  follower_.start();
+  follower_.follow(law_, own_, lead_of_plan(), S(0));
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::sail(Plan plan, bool paused, std::int64_t now_us, S dt) {
+  plan_vessel_.forward(plan, follower_.off(), paused, dt);
+  const core::Motion<S>& motion = plan_vessel_.motion();
+  reference_.tell({plan_vessel_.place(), {motion.psi, motion.nu, motion.nu_dot, S(0)}}, now_us);
+  follower_.follow(law_, own_, lead_of_plan(), dt);
+  const auto out = step_law(now_us, dt);
+  follower_.judge(law_, out, out.error, yaw_rate(), dt);
+  return out;
+}
+
+template <class S>
 core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
   std::optional<core::Traffic<S>> traffic;
   if (neighbours_.watches()) {

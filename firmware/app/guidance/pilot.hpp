@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/convert/convert_telemetry.hpp"
+#include "app/guidance/plan_vessel.hpp"
 #include "app/guidance/reference.hpp"
 #include "app/guidance/slot_claims.hpp"
 #include "app/guidance/slot_follower.hpp"
@@ -61,6 +62,15 @@ class Pilot {
   /// position relative to it is known.
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
+
+  /// Enters AUTO, or goes on there from another item: the law follows a vessel that sails the plan
+  /// from the boat's place to item `first`, and on. The plan must not change before end_plan().
+  void start_plan(Plan plan, std::size_t first, const PlanDefaults& defaults);
+  void end_plan() { reference_.lead(false); }
+
+  /// One step of the law in AUTO; paused: that vessel slows down and waits.
+  core::ControllerOutput<S> sail(Plan plan, bool paused, std::int64_t now_us, S dt);
+  const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }
 
   /// Whether the boat under the law keeps its slot, and is in it, since FORMATION was entered or
   /// the slot or leader changed.
@@ -128,6 +138,7 @@ class Pilot {
  private:
   void take_time(link::Address from, const link::Timesync& answer, std::int64_t now_us);
   Lead<S> lead(std::int64_t now_us) const;
+  Lead<S> lead_of_plan() const;
   core::Vec2<S> leaders_error(std::int64_t now_us) const;
   core::ControllerOutput<S> step_law(std::int64_t now_us, S dt);
 
@@ -137,6 +148,7 @@ class Pilot {
   TimeRequests time_;
   OwnMotion<S> own_;
   VesselTrack<S> leader_;
+  PlanVessel<S> plan_vessel_;
   SlotFollower<S> follower_;
   Neighbours neighbours_;
   Reference<S> reference_;

@@ -10,6 +10,8 @@ namespace {
 constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'000;
 // A lower sequence number with a motion later by more than this means that the maker restarted.
 constexpr std::int64_t kRestart_us = 1'000'000;
+// A plan's motion is exact: no follower needs it more often.
+constexpr std::int64_t kTold_us = 100'000;
 
 }  // namespace
 
@@ -20,9 +22,20 @@ void Reference<S>::configure(const Configuration::Formation& formation,
   limits_ = limits;
   reach_m_ = formation.reach_m.value_or(convert::kNear_m);
   clocks_.set_lag(formation.leader_lag_us);
-  const TreePlace::Own own{own_system, formation.leader,
-                           convert::wire_offset_of(formation.north_m, formation.east_m),
-                           formation.turns};
+  own_ = {own_system, formation.leader,
+          convert::wire_offset_of(formation.north_m, formation.east_m), formation.turns};
+  settle();
+}
+
+template <class S>
+void Reference<S>::lead(bool on) {
+  leads_ = on;
+  settle();
+}
+
+template <class S>
+void Reference<S>::settle() {
+  const TreePlace::Own own = leads_ ? TreePlace::Own{own_.system} : own_;
   if (own.leader != place_.own().leader || own.system != place_.own().system) {
     held_.reset();
     guard_ = {};
@@ -102,16 +115,24 @@ bool Reference<S>::believe(const convert::RootState<S>& root, std::int64_t valid
   return true;
 }
 
+template <class S>
+void Reference<S>::tell(const convert::RootState<S>& root, std::int64_t now_us) {
+  if (held_ && now_us - held_->valid_us < kTold_us) return;
+  if (const auto told = convert::reference_of(root)) {
+    hold({mine(), ++made_, *told, root, now_us, true, true});
+  }
+}
+
 /// Keeps updating valid_us: the leader's clock offset becomes more precise with time.
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
-  const Branch mine{place_.own().leader, place_.own().system};
   const auto message = leader.take_fix();
+  if (leads_) return;
   if (message) core::track_update(core::reference_track<S>(), shaped_, *message);
   const auto age_us = leader.age_us(now_us);
   if (!age_us || place_.branch(now_us) || !leader.has_origin()) return;
   if (!message) {
-    if (!held_ || held_->branch != mine) return;
+    if (!held_ || held_->branch != mine()) return;
     held_->valid_us = now_us - *age_us;
     held_->timed = leader.timed();
     return;
@@ -119,7 +140,7 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const convert::RootState<S> root{leader.position(),
                                    {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_of(root)) {
-    hold({mine, ++made_, *told, root, now_us - *age_us, true, leader.timed()});
+    hold({mine(), ++made_, *told, root, now_us - *age_us, true, leader.timed()});
   }
 }
 
@@ -134,8 +155,7 @@ template <class S>
 const typename Reference<S>::Held* Reference<S>::held(std::int64_t now_us,
                                                       std::int64_t oldest_us) const {
   if (!on_ || !held_ || now_us - held_->valid_us > oldest_us) return nullptr;
-  const Branch mine{place_.own().leader, place_.own().system};
-  return held_->branch == place_.branch(now_us).value_or(mine) ? &*held_ : nullptr;
+  return held_->branch == place_.branch(now_us).value_or(mine()) ? &*held_ : nullptr;
 }
 
 template <class S>

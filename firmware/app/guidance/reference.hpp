@@ -34,6 +34,12 @@ class Reference {
     clocks_.answered(from, sent_us, read_us, now_us);
   }
 
+  /// Whether the boat leads: it is the root itself, whatever FORM_LEADER and its slot are.
+  void lead(bool on);
+
+  /// The motion of the vessel that the boat follows in AUTO, as the reference of a boat that leads.
+  void tell(const convert::RootState<S>& root, std::int64_t now_us);
+
   /// Call in every tick: makes the reference if this boat is its maker. Also while LAW_REF is 0, so
   /// that it can be switched on at any time.
   void make(VesselTrack<S>& leader, std::int64_t now_us);
@@ -80,7 +86,13 @@ class Reference {
                std::int64_t now_us) const;
   const Held* held(std::int64_t now_us, std::int64_t oldest_us) const;
   void hold(const Held& held);
+  void settle();
+  Branch mine() const {
+    return {leads_ ? place_.own().system : place_.own().leader, place_.own().system};
+  }
 
+  TreePlace::Own own_;  // in FORMATION
+  bool leads_ = false;
   bool on_ = false;
   float reach_m_ = 0;
   core::ForesightLimits<S> limits_;

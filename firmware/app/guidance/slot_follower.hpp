@@ -58,6 +58,9 @@ class SlotFollower {
              const core::FormationError<S>& error, S r, S dt);
 
   const Lead<S>& lead() const { return lead_; }
+
+  /// Distance from the slot in the last step.
+  S off() const { return core::hypot(error_.e.x, error_.e.y); }
   core::Astray astray() const { return station_.astray; }
   bool in_slot() const { return station_.in; }
 

@@ -16,7 +16,7 @@ using core::Request;
 constexpr double kForce = 21196;
 constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
 constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
-constexpr std::string_view kAllModes = "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW";
+constexpr std::string_view kAllModes = "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO";
 constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
 DecodedCommand denied(std::string_view why = {}) {
@@ -48,7 +48,8 @@ DecodedCommand arm_or_disarm(const Command& c) {
 /// FOLLOW only in the form that Rover's clients send: 1, 6 and zeros. MAVSDK, which treats a
 /// GENERIC autopilot as a PX4, leaves the unused parameters NaN.
 DecodedCommand set_mode(const Command& c) {
-  constexpr double kLoiter = 3;  // PX4's AUTO.LOITER means HOLD, which stops the boat
+  // PX4's AUTO.LOITER means HOLD, which stops the boat; its AUTO.MISSION means AUTO.
+  constexpr double kLoiter = 3, kMission = 4;
   constexpr std::uint32_t kTold = mav::kModeFlagCustom | mav::kModeFlagArmed;
   const auto base = whole(c.param[0], 255);
   const double number = c.param[1], sub_mode = c.param[2];
@@ -56,9 +57,11 @@ DecodedCommand set_mode(const Command& c) {
   if (number == mode::kHold && (unused(sub_mode) || sub_mode == kLoiter)) {
     return {mav::kAccepted, Request::kHold};
   }
-  if (!unused(sub_mode)) return denied("no sub modes; 0 MANUAL, 4 HOLD, 6 FOLLOW");
+  if (number == mode::kHold && sub_mode == kMission) return {mav::kAccepted, Request::kAuto};
+  if (!unused(sub_mode)) return denied("no sub modes; 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO");
   const bool plain = !c.wants_ack || (*base & ~kTold) == 0;  // SET_MODE echoes the heartbeat's
   if (number == mode::kManual && plain) return {mav::kAccepted, Request::kManual};
+  if (number == mode::kAuto && plain) return {mav::kAccepted, Request::kAuto};
   if (number != mode::kFormation) return denied(kAllModes);
   const bool rovers =
       *base == mav::kModeFlagCustom &&
@@ -80,6 +83,27 @@ DecodedCommand motor_test(const Command& c) {
   asked.repeated = c.repeated;
   asked.motor_test =
       MotorTest{*propeller == 2, percent / 100, static_cast<std::int64_t>(time_s * 1e6)};
+  return asked;
+}
+
+DecodedCommand start_plan(const Command& c) {
+  const bool whole_plan = unused(c.param[0]) && unused(c.param[1]);
+  if (!whole_plan) return denied("plans are sailed whole");
+  return {mav::kAccepted, Request::kAuto};
+}
+
+DecodedCommand pause(const Command& c) {
+  if (c.param[0] != 0 && c.param[0] != 1) return denied();
+  DecodedCommand asked{mav::kAccepted};
+  asked.paused = c.param[0] == 0;
+  return asked;
+}
+
+DecodedCommand set_item(const Command& c) {
+  const auto item = whole(c.param[0], 65535);
+  if (!item) return denied();
+  DecodedCommand asked{mav::kAccepted};
+  asked.item = *item;
   return asked;
 }
 
@@ -145,6 +169,9 @@ std::optional<Command> command_of(const RequestMessage& message) {
                    false,
                    false};
   }
+  if (const auto* m = std::get_if<link::MissionSetCurrent>(&message)) {
+    return Command{mav::kCmdDoSetMissionCurrent, {double(m->seq)}, m->target, false, false};
+  }
   return std::nullopt;
 }
 
@@ -173,6 +200,12 @@ DecodedCommand meaning_of(const Command& c) {
       return set_mode(c);
     case mav::kCmdDoMotorTest:
       return motor_test(c);
+    case mav::kCmdMissionStart:
+      return start_plan(c);
+    case mav::kCmdDoPauseContinue:
+      return pause(c);
+    case mav::kCmdDoSetMissionCurrent:
+      return set_item(c);
     case mav::kCmdDoFlightTermination:
       return terminate(c);
     case mav::kCmdPreflightStorage:

@@ -22,16 +22,17 @@ using RequestMessage =
                  link::ParamRequestList, link::ParamRequestRead, link::ParamSet, link::FtpRequest,
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
                  link::MissionClearAll, link::MissionRequest, link::MissionRequestInt,
-                 link::MissionItem, link::MissionItemInt, link::LogRequestList>;
+                 link::MissionItem, link::MissionItemInt, link::MissionAck, link::MissionSetCurrent,
+                 link::LogRequestList>;
 
-/// COMMAND_LONG, COMMAND_INT or SET_MODE in one form. None of our commands has a position, so the
+/// COMMAND_LONG, COMMAND_INT, SET_MODE or MISSION_SET_CURRENT in one form. None of our commands has a position, so the
 /// frame of a COMMAND_INT is ignored.
 struct Command {
   std::uint16_t id;
   std::array<double, 7> param;  ///< as received; unused ones may be NaN
   link::Address target;
   bool repeated = false;  ///< a retransmission (COMMAND_LONG.confirmation)
-  bool wants_ack = true;  ///< false for SET_MODE, a message without acknowledgement
+  bool wants_ack = true;  ///< false for the last two, messages without acknowledgement
 };
 std::optional<Command> command_of(const RequestMessage& message);
 
@@ -62,8 +63,10 @@ struct DecodedCommand {
   bool repeated = false;
   std::optional<MessageRequest> message{};
   std::optional<MessageRate> rate{};
-  std::optional<Failure> failure{};  ///< supported only by hosts that simulate
-  std::string_view why{};            ///< of a refusal, for the operator
+  std::optional<Failure> failure{};   ///< supported only by hosts that simulate
+  std::optional<std::size_t> item{};  ///< of the plan, to go on from
+  std::optional<bool> paused{};       ///< of AUTO
+  std::string_view why{};             ///< of a refusal, for the operator
 
   /// Changes nothing that others see, so anybody may send it.
   bool reads_only() const { return message.has_value(); }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 
+#include "app/guidance/plan.hpp"
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/parameter_service.hpp"
 #include "app/operator/router.hpp"
@@ -15,14 +16,15 @@
 
 namespace flotilla::app {
 
-/// State of a boat's links, and of the senders of signed messages.
-template <std::size_t kLinks, std::size_t kSigningStreams>
-struct LinkRoom {
+/// State of a boat's links, and of the senders of signed messages; its plan, and the next one.
+template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems>
+struct Room {
   std::array<MavlinkLinks::Link, kLinks> links;
   std::array<Router::Link, kLinks> routes;
   std::array<ParameterService::Owed, kLinks> parameters;
   std::array<Streams::Link, kLinks> streams;
   std::array<link::Signing::Stream, kSigningStreams> signing;
+  std::array<PlanItem, 2 * kPlanItems> plans;
 };
 
 /// A boat's output of one tick. Boats that tick one after another may share it.
@@ -34,13 +36,14 @@ struct Outbox {
 
 /// Both, as passed to a boat; the owner keeps them for the boat's lifetime.
 struct Storage {
-  template <std::size_t kLinks, std::size_t kSigningStreams>
-  Storage(LinkRoom<kLinks, kSigningStreams>& room, Outbox<kLinks>& outbox)
+  template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems>
+  Storage(Room<kLinks, kSigningStreams, kPlanItems>& room, Outbox<kLinks>& outbox)
       : links(room.links),
         routes(room.routes),
         parameters(room.parameters),
         streams(room.streams),
         signing(room.signing),
+        plans(room.plans),
         mavlink(outbox.mavlink),
         can(outbox.can) {}
 
@@ -49,13 +52,14 @@ struct Storage {
   std::span<ParameterService::Owed> parameters;
   std::span<Streams::Link> streams;
   std::span<link::Signing::Stream> signing;
+  std::span<PlanItem> plans;
   std::span<Datagram> mavlink;
   CanOutput& can;
 };
 
 /// For hosts with ample memory: room for the maximum of everything.
 struct AmpleStorage {
-  LinkRoom<kMaxLinks, 255> room;
+  Room<kMaxLinks, 255, 1000> room;
   Outbox<kMaxLinks> outbox;
 };
 

@@ -46,6 +46,7 @@ inline constexpr std::array kStreams{
     StreamInfo{link::SysStatus::kId, 43, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::SystemTime::kId, 24, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::CurrentMode::kId, 21, Pace::kOnRequest, 0, true},
+    StreamInfo{link::MissionCurrent::kId, 43, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::HomePosition::kId, 72, Pace::kFixed, 2'000'000, false},
     StreamInfo{link::NavControllerOutput::kId, 38, Pace::kSlow, 0, false},
     StreamInfo{link::PositionTargetLocalNed::kId, 63, Pace::kSlow, 0, false},

@@ -16,7 +16,8 @@ namespace {
 namespace mav = link::mav;
 
 constexpr std::uint64_t kCapabilities = mav::kCapabilityMavlink2 | mav::kCapabilityCommandInt |
-                                        mav::kCapabilityParamBytewise | mav::kCapabilityFtp;
+                                        mav::kCapabilityMissionInt | mav::kCapabilityParamBytewise |
+                                        mav::kCapabilityFtp;
 
 struct Mode {
   std::uint8_t number;
@@ -24,9 +25,10 @@ struct Mode {
   std::string_view name;
 };
 // Clients call Rover's mode 6 FOLLOW; the law calls it FORMATION.
-constexpr std::array<Mode, 3> kModes{{{mode::kManual, 0, "MANUAL"},
+constexpr std::array<Mode, 4> kModes{{{mode::kManual, 0, "MANUAL"},
                                       {mode::kHold, 0, "HOLD"},
-                                      {mode::kFormation, mav::kModePropertyAuto, "FOLLOW"}}};
+                                      {mode::kFormation, mav::kModePropertyAuto, "FOLLOW"},
+                                      {mode::kAuto, mav::kModePropertyAuto, "AUTO"}}};
 
 std::uint32_t boot_ms(const Report& r) { return convert::boot_ms(r.now_us); }
 
@@ -272,6 +274,9 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
       return component_metadata(r);
     case link::CurrentMode::kId:
       return link::CurrentMode{0, r.mode, r.intended_mode};
+    case link::MissionCurrent::kId:
+      if (!r.plan) return std::nullopt;
+      return link::MissionCurrent{r.plan->item, r.plan->count, r.plan->state, 0, r.plan->id, 0, 0};
     case link::FormationReference::kId:
       if (!r.reference) return std::nullopt;
       return *r.reference;

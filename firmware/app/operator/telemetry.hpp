@@ -39,6 +39,13 @@ struct Home {
   std::int32_t altitude_mm = 0;
 };
 
+/// The plan, as in MISSION_CURRENT.
+struct PlanReport {
+  std::uint16_t item = 0, count = 0;
+  std::uint8_t state = 0;  ///< MISSION_STATE
+  std::uint32_t id = 0;
+};
+
 /// Input of all telemetry of one tick.
 struct Report {
   std::int64_t now_us = 0;
@@ -50,6 +57,7 @@ struct Report {
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
   std::optional<link::FormationReference> reference;  ///< for followers, while it can be followed
+  std::optional<PlanReport> plan;                     ///< if one is stored
   std::optional<double> depth;         ///< in the tree of leaders; unless FS_SEP_M is 0
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
   std::optional<Estimates> estimates;  ///< while the own state is fresh

@@ -13,7 +13,7 @@ namespace flotilla::app {
 
 inline std::string_view name_of(core::State state) {
   constexpr std::array<std::string_view, core::kStates> kNames{
-      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"};
+      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -46,6 +46,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kLeadersEnd, "leaders form a cycle"},
     {core::kSlotSound, "slot is taken, or needs sailing astern"},
     {core::kOnStation, "boat is out of formation", "FS_SLOT_M"},
+    {core::kPlanReady, "no plan, or it begins over 1 km away"},
     {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
     {core::kInsideFence, "outside FS_FENCE_M, or place unknown", "FS_FENCE_M"},
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
@@ -82,8 +83,6 @@ constexpr std::string_view refusal_of(std::uint32_t message_id) {
     case 86:   // SET_POSITION_TARGET_GLOBAL_INT
     case 139:  // SET_ACTUATOR_CONTROL_TARGET
       return "Refused: boats follow no setpoints";
-    case 41:  // MISSION_SET_CURRENT
-      return "Refused: boats have no missions";
     case 70:  // RC_CHANNELS_OVERRIDE
       return "Refused: RC override, send MANUAL_CONTROL";
     case 48:   // SET_GPS_GLOBAL_ORIGIN

@@ -70,6 +70,7 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       time_(time),
       router_(storage.routes.first(links.count())),
       parameter_service_(storage.parameters.first(links.count())),
+      missions_(storage.plans),
       ftp_(metadata_files()),
       streams_(configuration_, storage.streams.first(links.count())),
       heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2),
@@ -89,6 +90,7 @@ void Vehicle::freshen() {
   report_.self = self();
   report_.mode = supervisor_.mode();
   report_.intended_mode = supervisor_.intended_mode();
+  report_.plan = plan_report();
 }
 
 bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_t now_us,
@@ -316,6 +318,7 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
     send_complaints("MANUAL: ", core::kSticksCentred, counters);
   }
   announce_ = true;
+  paused_ = false;
   streams_.make_due(link::CurrentMode::kId);
 }
 

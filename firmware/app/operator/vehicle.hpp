@@ -15,6 +15,7 @@
 #include "app/operator/identity.hpp"
 #include "app/operator/inbox.hpp"
 #include "app/operator/mavlink_links.hpp"
+#include "app/operator/mission_service.hpp"
 #include "app/operator/parameter_service.hpp"
 #include "app/operator/rc_input.hpp"
 #include "app/operator/router.hpp"
@@ -97,6 +98,14 @@ class Vehicle {
   void send_statustext(std::uint8_t severity, std::initializer_list<std::string_view> parts,
                        link::Counters& counters);
 
+  MissionService& missions() { return missions_; }
+  const MissionService& missions() const { return missions_; }
+  /// An operator has paused AUTO.
+  bool is_paused() const { return paused_; }
+
+  /// How far AUTO has come: the item ahead; complete: the last one was reached.
+  void sailed(std::size_t item, bool complete, link::Counters& counters);
+
   /// Takes effect in the next tick, after all other requests.
   void disarm() { disarm_ = true; }
 
@@ -127,6 +136,9 @@ class Vehicle {
   void answer(const PendingRequest& pending, link::Counters& counters);
   void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
+  void tell_mission_news(link::Counters& counters);
+  std::uint8_t answer_of_plan(const DecodedCommand& asked);
+  std::optional<PlanReport> plan_report() const;
   void freshen();
   Supervisor::Decision ask(DecodedCommand& asked);
   void warn_of_signing(link::Counters& counters);
@@ -163,6 +175,8 @@ class Vehicle {
   Router router_;
   Inbox inbox_;
   ParameterService parameter_service_;
+  MissionService missions_;
+  bool paused_ = false;
   link::FtpServer ftp_;
   Streams streams_;
   Setpoints setpoints_;

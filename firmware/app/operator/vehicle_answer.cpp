@@ -13,7 +13,7 @@ using core::Request;
 /// both.
 bool drives(Request request) {
   return request == Request::kArm || request == Request::kManual ||
-         request == Request::kFormation || request == Request::kTest;
+         request == Request::kFormation || request == Request::kTest || request == Request::kAuto;
 }
 
 }  // namespace
@@ -42,28 +42,36 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
   }
 }
 
-/// The boat has no mission and accepts none.
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
-  const link::Address from = pending.from;
-  const RequestMessage& asked = pending.message;
-  const auto acknowledge = [&](std::uint8_t result, std::uint8_t type) {
-    links_.send(pending.link, link::MissionAck{from, result, type}, counters);
-  };
-  if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
-    links_.send(pending.link, link::MissionCount{0, from, list->mission_type}, counters);
-  } else if (const auto* count = std::get_if<link::MissionCount>(&asked)) {
-    acknowledge(mav::kMissionUnsupported, count->mission_type);
-  } else if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
-    acknowledge(mav::kMissionAccepted, clear->mission_type);
-  } else if (const auto* old = std::get_if<link::MissionRequest>(&asked)) {
-    acknowledge(mav::kMissionInvalidSequence, old->mission_type);
-  } else if (const auto* item = std::get_if<link::MissionRequestInt>(&asked)) {
-    acknowledge(mav::kMissionInvalidSequence, item->mission_type);
-  } else if (const auto* given = std::get_if<link::MissionItem>(&asked)) {
-    acknowledge(mav::kMissionUnsupported, given->mission_type);
-  } else if (const auto* whole = std::get_if<link::MissionItemInt>(&asked)) {
-    acknowledge(mav::kMissionUnsupported, whole->mission_type);
+  const bool sails = supervisor_.state() == core::State::kAuto;
+  const MissionService::Asker asker{pending.from, pending.link,
+                                    may_command(pending.from) && !sails};
+  const auto answer =
+      missions_.answer(pending.message, asker, configuration_.plan, pending.read_us);
+  if (answer) links_.send(pending.link, *answer, counters);
+  tell_mission_news(counters);
+}
+
+void Vehicle::tell_mission_news(link::Counters& counters) {
+  const auto news = missions_.take_news();
+  if (!news) return;
+  Sentence told;
+  if (!news->stored) {
+    told << "Plan refused at item " << static_cast<float>(news->item) << ": " << news->why;
+    send_statustext(mav::kSeverityWarning, {told.text()}, counters);
+    return;
   }
+  told << "plan of " << static_cast<float>(missions_.plan().size()) << " items stored";
+  send_statustext(mav::kSeverityInfo, {told.text()}, counters);
+  streams_.make_due(link::MissionCurrent::kId);
+}
+
+/// Goes to an item, or pauses AUTO.
+std::uint8_t Vehicle::answer_of_plan(const DecodedCommand& asked) {
+  if (asked.item) return missions_.set_current(*asked.item) ? mav::kAccepted : mav::kDenied;
+  if (supervisor_.state() != core::State::kAuto) return mav::kTemporarilyRejected;
+  paused_ = *asked.paused;
+  return mav::kAccepted;
 }
 
 void Vehicle::execute(const PendingRequest& pending, const Command& command,
@@ -92,6 +100,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
+  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);
   if (asked.message) {
     freshen();
     asked.result = answer_of(link, *asked.message);

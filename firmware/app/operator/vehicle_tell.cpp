@@ -41,6 +41,29 @@ link::Heartbeat Vehicle::heartbeat() const {
           base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
 }
 
+std::optional<PlanReport> Vehicle::plan_report() const {
+  if (missions_.plan().empty()) return std::nullopt;
+  const bool sails = supervisor_.state() == State::kAuto;
+  const std::uint8_t state = missions_.is_complete()            ? mav::kMissionComplete
+                             : sails && !paused_                ? mav::kMissionActive
+                             : missions_.current() > 0 || sails ? mav::kMissionPaused
+                                                                : mav::kMissionNotStarted;
+  const std::size_t count = missions_.plan().size();
+  const std::size_t item = missions_.is_complete() ? count - 1 : missions_.current();
+  return PlanReport{static_cast<std::uint16_t>(item), static_cast<std::uint16_t>(count), state,
+                    missions_.id()};
+}
+
+void Vehicle::sailed(std::size_t item, bool complete, link::Counters& counters) {
+  const std::size_t before = missions_.current();
+  const bool reached = complete ? !missions_.is_complete() : before < item;
+  missions_.sailed(item, complete);
+  if (!reached) return;
+  const std::size_t passed = complete ? item : before;
+  links_.broadcast(link::MissionItemReached{static_cast<std::uint16_t>(passed)}, counters);
+  streams_.make_due(link::MissionCurrent::kId);
+}
+
 /// Announces a changed origin, which followers need to convert our positions.
 void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
   const std::array<std::int32_t, 2> here{origin.latitude, origin.longitude};
@@ -68,6 +91,10 @@ void Vehicle::tell(link::Counters& counters) {
   if (heartbeat_due_.take_if_due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
   if (timesync_due_.take_if_due(now_us_)) ask_times(counters);
+  if (const auto again = missions_.repeat(now_us_)) {
+    links_.send(again->link, again->message, counters);
+    tell_mission_news(counters);
+  }
   if (separation_due_.take_if_due(now_us_) && report_.depth) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.take_if_due(now_us_)) {
     send_statustext(mav::kSeverityCritical,

@@ -44,6 +44,7 @@ Configuration configuration_of(const Parameters& p) {
                     .beam_m = 2 * p.THR_ARM,
                     .separation_m = separation_m(p),
                     .judges_station = p.FS_SLOT_M > 0},
+      .plan = {.speed_mps = p.WP_SPEED, .radius_m = p.WP_RADIUS, .fastest_mps = p.LAW_U_MAX},
       .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
                      .component = whole<Byte>(p.NAV_COMPID),
                      .link = p.NAV_LINK < 0 ? std::nullopt

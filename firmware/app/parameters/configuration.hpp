@@ -73,8 +73,13 @@ struct Configuration {
     std::int64_t state_us = 0, slow_us = 0;    ///< intervals, 0: not sent
   };
 
+  struct Plan {
+    float speed_mps = 0, radius_m = 0, fastest_mps = 0;  ///< fastest: 0, no limit
+  };
+
   Start start;
   Formation formation;
+  Plan plan;
   Navigation navigation;
   Propulsion propulsion;
   Failsafes failsafes;

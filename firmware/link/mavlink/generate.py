@@ -19,7 +19,16 @@ from pymavlink.generator import mavparse
 HERE = Path(__file__).parent
 WHEEL = Path(pymavlink.__file__).parent / "dialects" / "v20"
 # Extensions that upstream's common.xml has and the wheel's lacks.
-NEWER = {"TIMESYNC": ["target_system", "target_component"]}
+NEWER = {
+    "TIMESYNC": {"target_system": "uint8_t", "target_component": "uint8_t"},
+    "MISSION_COUNT": {"opaque_id": "uint32_t"},
+    "MISSION_ACK": {"opaque_id": "uint32_t"},
+    "MISSION_CURRENT": {
+        "mission_id": "uint32_t",
+        "fence_id": "uint32_t",
+        "rally_points_id": "uint32_t",
+    },
+}
 NO_TARGET = 255  # an offset that no payload reaches
 TARGET = ["target_system", "target_component"]
 
@@ -53,10 +62,11 @@ def dialect(path: Path = HERE / "flotilla.xml") -> dict[str, Any]:
         xml = mavparse.MAVXML(str(path), mavparse.PROTOCOL_2_0)
     messages = {message.name: message for message in xml.message}
     for message in messages.values():
-        for name in NEWER.get(message.name, []):
-            field = mavparse.MAVField(name, "uint8_t", None, xml)
+        for name, type_ in NEWER.get(message.name, {}).items():
+            field = mavparse.MAVField(name, type_, None, xml)
             field.wire_offset = message.wire_length
-            message.extensions_start = message.base_fields()
+            if message.extensions_start is None:
+                message.extensions_start = len(message.fields)
             message.fields.append(field)
             message.wire_length += field.wire_length
     for included in xml.include:

@@ -22,7 +22,8 @@ constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAccelera
 constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
-                        kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
+                        kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
+                        kCmdMissionStart = 300, kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
                         kCmdComponentArmDisarm = 400, kCmdInjectFailure = 420,
                         kCmdGetMessageInterval = 510, kCmdSetMessageInterval = 511,
                         kCmdRequestMessage = 512, kCmdRequestProtocolVersion = 519,
@@ -33,9 +34,19 @@ constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUn
 constexpr std::uint8_t kParamReal32 = 9;
 constexpr std::uint8_t kParamDoesNotExist = 1, kParamOutOfRange = 2, kParamPermissionDenied = 3,
                        kParamTypeMismatch = 7;
-constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupported = 3, kMissionInvalidSequence = 13;
+constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupportedFrame = 2, kMissionUnsupported = 3,
+                       kMissionNoSpace = 4, kMissionInvalid = 5, kMissionInvalidParam1 = 6,
+                       kMissionInvalidParam2 = 7, kMissionInvalidX = 10, kMissionInvalidY = 11,
+                       kMissionInvalidSequence = 13, kMissionDenied = 14, kMissionCancelled = 15;
+constexpr std::uint8_t kMissionTypePlan = 0, kMissionTypeAll = 255;
+/// MISSION_STATE.
+constexpr std::uint8_t kMissionNone = 1, kMissionNotStarted = 2, kMissionActive = 3,
+                       kMissionPaused = 4, kMissionComplete = 5;
+/// Commands in plans.
+constexpr std::uint16_t kNavWaypoint = 16, kNavLoiterUnlimited = 17, kNavLoiterTime = 19,
+                        kNavDelay = 93, kDoChangeSpeed = 178, kDoSetRoi = 201;
 
-constexpr std::uint64_t kCapabilityCommandInt = 8, kCapabilityParamBytewise = 16,
+constexpr std::uint64_t kCapabilityMissionInt = 4, kCapabilityCommandInt = 8, kCapabilityParamBytewise = 16,
                         kCapabilityFtp = 32, kCapabilityMavlink2 = 8192;
 constexpr std::uint32_t kModePropertyNotUserSelectable = 2, kModePropertyAuto = 4;
 

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+constexpr float kLongestWait_s = 86'400, kLargestRadius_m = 100, kSlowest_mps = 0.05F;
+// MAV_FRAME: global, with altitudes over the sea, over home or over ground, which boats ignore.
+constexpr std::array<std::uint8_t, 5> kGlobalFrames{0, 3, 5, 6, 11};
+
+/// Unused parameters are NaN.
+float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
+
+bool is_within(float param, float most) { return or_zero(param) >= 0 && or_zero(param) <= most; }
+
+bool has_place(const PlanItem& item) {
+  return item.command == mav::kNavWaypoint || item.command == mav::kNavLoiterUnlimited ||
+         item.command == mav::kNavLoiterTime;
+}
+
+/// A loiter at 0, 0 is where the boat is then.
+bool is_here(const PlanItem& item) {
+  return item.command != mav::kNavWaypoint && item.x == 0 && item.y == 0;
+}
+
+bool leads_somewhere(const PlanItem& item) { return has_place(item) && !is_here(item); }
+
+bool waits(const PlanItem& item) { return has_place(item) || item.command == mav::kNavDelay; }
+
+PlanFault fault_of_place(const PlanItem& item) {
+  const bool global = std::ranges::find(kGlobalFrames, item.frame) != kGlobalFrames.end();
+  if (!global) return {mav::kMissionUnsupportedFrame, "places are global"};
+  if (is_here(item) || convert::is_valid({item.x, item.y, 0, 0})) return {};
+  const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
+  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "no such place"};
+}
+
+PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
+  const float speed_mps = or_zero(item.param[1]);
+  if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "speed of the boat only"};
+  if (speed_mps < 0) return {};  // −1: no change, −2: the default
+  if (speed_mps < kSlowest_mps || !(speed_mps <= 20)) {
+    return {mav::kMissionInvalidParam2, "speed 0.05 to 20 m/s"};
+  }
+  if (fastest_mps > 0 && speed_mps > fastest_mps) {
+    return {mav::kMissionInvalidParam2, "speed is above LAW_U_MAX"};
+  }
+  return {};
+}
+
+}  // namespace
+
+PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults) {
+  const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited;
+  if (timed && !is_within(item.param[0], kLongestWait_s)) {
+    return {mav::kMissionInvalidParam1, "waits 0 to 86400 s"};
+  }
+  if (item.command == mav::kNavWaypoint && !is_within(item.param[1], kLargestRadius_m)) {
+    return {mav::kMissionInvalidParam2, "radius 0 to 100 m"};
+  }
+  if (has_place(item)) return fault_of_place(item);
+  switch (item.command) {
+    case mav::kNavDelay:
+    case mav::kDoSetRoi:
+      return {};
+    case mav::kDoChangeSpeed:
+      return fault_of_speed(item, defaults.fastest_mps);
+    default:
+      return {mav::kMissionUnsupported, "boats do not know that command"};
+  }
+}
+
+PlanFault fault_of_reach(Plan plan) {
+  const PlanItem &first = *std::ranges::find_if(plan, leads_somewhere), &last = plan.back();
+  if (!leads_somewhere(last)) return {};
+  const convert::Position from{0, 0, {first.x, first.y, 0, 0}};
+  if (convert::way_to<double>(from, {last.x, last.y}, kPlanReach_m).near) return {};
+  return {mav::kMissionInvalidX, "over 2 km from the first waypoint"};
+}
+
+PlanFault fault_of(Plan plan) {
+  const auto first = std::ranges::find_if(plan, leads_somewhere);
+  if (first == plan.end()) return {mav::kMissionInvalid, "it has no waypoint"};
+  if (std::any_of(plan.begin(), first, waits))
+    return {mav::kMissionInvalid, "it begins with a wait"};
+  return {};
+}
+
+void PlanReader::begin(Plan plan, std::size_t first, const PlanDefaults& defaults) {
+  *this = {};
+  defaults_ = defaults;
+  if (defaults.fastest_mps > 0) {
+    defaults_.speed_mps = std::min(defaults.speed_mps, defaults.fastest_mps);
+  }
+  speed_mps_ = defaults_.speed_mps;
+  while (at_ < std::min(first, plan.size())) note_speed(plan[at_++]);
+}
+
+void PlanReader::note_speed(const PlanItem& item) {
+  if (item.command != mav::kDoChangeSpeed) return;
+  const float told_mps = or_zero(item.param[1]);
+  if (told_mps > 0) speed_mps_ = told_mps;
+  if (told_mps == -2) speed_mps_ = defaults_.speed_mps;
+}
+
+std::optional<PlanPoint> PlanReader::next(Plan plan) {
+  std::optional<PlanPoint> point;
+  for (; at_ < plan.size(); ++at_) {
+    const PlanItem& item = plan[at_];
+    if (leads_somewhere(item)) {
+      if (point) return point;
+      const float told_m = item.command == mav::kNavWaypoint ? or_zero(item.param[1]) : 0;
+      point =
+          PlanPoint{at_, {item.x, item.y}, speed_mps_, told_m > 0 ? told_m : defaults_.radius_m};
+    }
+    if (item.command == mav::kNavLoiterUnlimited) {
+      at_ = plan.size();
+      return point;
+    }
+    if (waits(item) && point) point->wait_s += or_zero(item.param[0]);
+    note_speed(item);
+  }
+  return point;
+}
+
+}  // namespace flotilla::app

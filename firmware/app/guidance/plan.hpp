@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// A plan as a ground station sent it, item by item, and what its items mean for a boat.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "app/convert/convert.hpp"
+#include "app/parameters/configuration.hpp"
+
+namespace flotilla::app {
+
+/// Values as received, so that a download repeats them bit for bit.
+struct PlanItem {
+  std::array<float, 4> param{};
+  std::int32_t x = 0, y = 0;  ///< latitude and longitude, degE7, if the command has a place
+  float z = 0;
+  std::uint16_t command = 0;
+  std::uint8_t frame = 0, autocontinue = 0;
+  bool operator==(const PlanItem&) const = default;
+};
+
+using Plan = std::span<const PlanItem>;
+
+/// Speed and radius where the plan gives none, and the fastest that it may ask for.
+using PlanDefaults = Configuration::Plan;
+
+/// All places of a plan lie within this distance of the first one.
+constexpr float kPlanReach_m = 2000;
+
+/// Why a plan is refused.
+struct PlanFault {
+  std::uint8_t result = link::mav::kMissionAccepted;  ///< MAV_MISSION_RESULT
+  std::string_view why{};
+  explicit operator bool() const { return result != link::mav::kMissionAccepted; }
+};
+
+/// Judges one item by itself.
+PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults);
+
+/// Judges the last item of a plan, all others of which are sound: is its place within reach?
+PlanFault fault_of_reach(Plan plan);
+
+/// Judges a whole plan, each of whose items is sound.
+PlanFault fault_of(Plan plan);
+
+/// A point where the plan leads, and what happens there.
+struct PlanPoint {
+  std::size_t item = 0;  ///< the item that names the place
+  convert::GlobalPoint place{};
+  float speed_mps = 0;  ///< on the way there
+  float radius_m = 0;   ///< how far the rounded corner may pass from it
+  float wait_s = 0;     ///< 0: does not stop
+};
+
+/// Reads the points of a sound plan in order.
+class PlanReader {
+ public:
+  /// Begins with the first point at item `first` or later.
+  void begin(Plan plan, std::size_t first, const PlanDefaults& defaults);
+
+  /// Nothing after the last point.
+  std::optional<PlanPoint> next(Plan plan);
+
+ private:
+  void note_speed(const PlanItem& item);
+
+  PlanDefaults defaults_;
+  std::size_t at_ = 0;  // item
+  float speed_mps_ = 0;
+};
+
+}  // namespace flotilla::app

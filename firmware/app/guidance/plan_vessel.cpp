@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/plan_vessel.hpp"
+
+#include <algorithm>
+
+#include "app/convert/convert_scalar.hpp"
+
+namespace flotilla::app {
+namespace {
+
+// With kPlanReach_m, within the planner's tested range.
+constexpr float kFirst_m = 1000;
+// The vessel waits for a boat that is so far from it, and slows down from the first of these on.
+constexpr int kNear_m = 1, kFar_m = 3;
+
+}  // namespace
+
+template <class S>
+void PlanVessel<S>::start(Plan plan, std::size_t first, const PlanDefaults& defaults,
+                          const core::RouteParams<S>& limits, const convert::Position& own,
+                          const core::Motion<S>& motion) {
+  from_ = own;
+  limits_ = limits;
+  points_[0] = {};
+  items_[0] = first;
+  count_ = 1;
+  sound_ = true;
+  reader_.begin(plan, first, defaults);
+  fill(plan);
+  state_ = core::route_start(limits_, points());
+  const S off = core::wrap_pi(state_.motion.psi - motion.psi);
+  const bool on_course = core::abs(off) < S(0.5) && S(0.1) < motion.nu.u;
+  if (count_ < 2) {
+    state_.motion.psi = motion.psi;
+    state_.phase = core::RoutePhase::kWait;
+    state_.left = points_[0].wait;
+  } else if (on_course && !(S(0) < points_[0].wait)) {
+    state_.motion.nu.u = core::min(motion.nu.u, points_[1].speed);
+  } else {
+    state_.motion.psi = motion.psi;
+    state_.next = 0;
+    state_.left = points_[0].wait;
+    state_.phase = core::RoutePhase::kWait;
+  }
+}
+
+template <class S>
+void PlanVessel<S>::fill(Plan plan) {
+  while (count_ < kWindow) {
+    const auto point = reader_.next(plan);
+    if (!point) return;
+    add(*point);
+  }
+}
+
+template <class S>
+void PlanVessel<S>::add(const PlanPoint& point) {
+  const auto [way, near] = convert::way_to<S>(from_, point.place, kFirst_m + kPlanReach_m);
+  core::Waypoint<S>& last = points_[count_ - 1];
+  const S wait = convert::scalar<S>(point.wait_s);
+  const S leg = core::hypot(way.x - last.place.x, way.y - last.place.y);
+  sound_ = sound_ && near && (count_ > 1 || leg <= convert::scalar<S>(kFirst_m));
+  if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
+    last.wait = last.wait + wait;
+    items_[count_ - 1] = point.item;
+    return;
+  }
+  points_[count_] = {way, convert::scalar<S>(point.speed_mps), convert::scalar<S>(point.radius_m),
+                     wait};
+  items_[count_] = point.item;
+  ++count_;
+}
+
+template <class S>
+void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
+  constexpr std::size_t kPassed = 3;  // points behind that are kept
+  const S pace = core::clamp((S(kFar_m) - off_m) / S(kFar_m - kNear_m), S(0), S(1));
+  core::route_forward(limits_, points(), state_, paused ? S(0) : pace, dt);
+  if (state_.next <= kPassed) return;
+  const std::size_t passed = state_.next - 1;
+  std::shift_left(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(count_),
+                  static_cast<std::ptrdiff_t>(passed));
+  std::shift_left(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count_),
+                  static_cast<std::ptrdiff_t>(passed));
+  count_ -= passed;
+  state_.next = 1;
+  fill(plan);
+}
+
+template <class S>
+convert::Position PlanVessel<S>::place() const {
+  const core::Vec2<S>& moved = state_.motion.moved_n;
+  return {from_.north_m + moved.x, from_.east_m + moved.y, from_.origin};
+}
+
+template class PlanVessel<float>;
+template class PlanVessel<double>;
+template class PlanVessel<core::Q16>;
+
+}  // namespace flotilla::app

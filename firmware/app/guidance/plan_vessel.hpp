@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// The vessel that sails a plan, as nobody sees it: the paper's agent 0. A boat in AUTO follows it with
+// the law, and sends its motion as the formation's reference.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "app/guidance/plan.hpp"
+#include "core/route.hpp"
+
+namespace flotilla::app {
+
+/// Holds a few points of the plan at a time; the plan must not change between start() and the last
+/// forward().
+template <class S>
+class PlanVessel {
+ public:
+  /// From the boat's place and motion to the first point at item `first` or later, and on.
+  void start(Plan plan, std::size_t first, const PlanDefaults& defaults,
+             const core::RouteParams<S>& limits, const convert::Position& own,
+             const core::Motion<S>& motion);
+
+  /// dt seconds later. off_m: how far the boat is from this vessel, which slows down and waits.
+  void forward(Plan plan, S off_m, bool paused, S dt);
+
+  /// The plan begins near enough to the boat.
+  bool is_sound() const { return sound_; }
+  bool has_arrived() const { return state_.phase == core::RoutePhase::kArrived; }
+
+  /// The item whose place is ahead, or where the vessel waits or turns.
+  std::size_t item() const { return items_[std::min(state_.next, count_ - 1)]; }
+
+  /// Motion since the place where it started.
+  const convert::Position& from() const { return from_; }
+  const core::Motion<S>& motion() const { return state_.motion; }
+  convert::Position place() const;
+
+ private:
+  static constexpr std::size_t kWindow = 12;  // more than the planner looks ahead
+
+  core::Waypoints<S> points() const { return core::Waypoints<S>(points_).first(count_); }
+  void fill(Plan plan);
+  void add(const PlanPoint& point);
+
+  convert::Position from_;
+  core::RouteParams<S> limits_;
+  PlanReader reader_;
+  std::array<core::Waypoint<S>, kWindow> points_{};
+  std::array<std::size_t, kWindow> items_{};
+  std::size_t count_ = 1;
+  core::RouteState<S> state_{};
+  bool sound_ = false;
+};
+
+}  // namespace flotilla::app
