@@ -181,12 +181,13 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
     const Conditions unmet = row.needs & ~met;
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
     if (unmet == 0 && lacking) return {row.to, true, row.lacks & ~met};
-    missing |= unmet;
+    missing = unmet;  // of the row that asks least: the last
   }
   return {state, false, request == Request::kNone ? Conditions{0} : missing};
 }
 
 constexpr bool armed(State state) { return (kArmed & in(state)) != 0; }
+constexpr bool follows(State state) { return (kFollowing & in(state)) != 0; }
 constexpr bool law_drives(State state) { return (kLawDrives & in(state)) != 0; }
 
 /// Whether thrust is allowed; checked again after allocation.

@@ -9,9 +9,9 @@ import flotilla
 from sil import ROOT
 
 PAGE = ROOT / "firmware" / "docs" / "SUPERVISOR.md"
-PUSHING = ("MANUAL", "FORMATION", "COAST", "TEST")
+PUSHING = ("MANUAL", "FORMATION", "COAST", "AUTO", "TEST")
 DEFAULT = ("FS_LEADER_ACT 1", "FS_GCS_ACT 0")
-ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "TEST": "test"}
+ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "AUTO": "AUTO", "TEST": "test"}
 NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
 
 

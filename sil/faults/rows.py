@@ -13,7 +13,7 @@ from sil.scenario.toml_errors import Source
 
 FOLDER = Path(__file__).parent
 
-State = Literal["DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"]
+State = Literal["DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO"]
 
 
 class Row(Section):

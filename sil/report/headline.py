@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 from sil.lockstep.metrics import BoatSummary, Summary
 
 _COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
-_SAILS = ("FORMATION", "COAST")
+_SAILS = ("FORMATION", "COAST", "AUTO")
 
 
 Level = Literal["good", "fair", "bad"]
@@ -16,7 +16,7 @@ Level = Literal["good", "fair", "bad"]
 class Verdict(NamedTuple):
     """One line, and its level.
 
-    "bad": boats came too near, or one was in neither FORMATION nor COAST; "fair": one does not stay
+    "bad": boats came too near, or one was in none of FORMATION, COAST and AUTO; "fair": one does not stay
     in its slot to the end.
     """
 

@@ -44,7 +44,17 @@ _SCRIPTS = (
     "keys",
     "main",
 )
-_REQUESTS = ("arm", "disarm", "HOLD", "MANUAL", "FORMATION", "test", "terminate", "nothing")
+_REQUESTS = (
+    "arm",
+    "disarm",
+    "HOLD",
+    "MANUAL",
+    "FORMATION",
+    "AUTO",
+    "test",
+    "terminate",
+    "nothing",
+)
 _CHOICES = (
     {
         "name": "FS_LEADER_ACT",

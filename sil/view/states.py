@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The conditions that keep a boat out of FORMATION, from the firmware's own table."""
+"""The conditions that keep a boat from sailing, from the firmware's own table."""
 
 from functools import lru_cache
 from typing import Any
@@ -13,13 +13,15 @@ _CONDITIONS: list[dict[str, Any]] = flotilla.supervisor_conditions()
 def held_by(conditions: int, state: str) -> tuple[str, ...]:
     """The boat's message for each unmet condition that keeps it out of FORMATION.
 
-    `conditions`: the bits of `flotilla.supervisor_conditions()`, set if met. A disarmed boat also
-    needs the conditions for arming. The most important comes first; empty for a boat in FORMATION.
+    `conditions`: the bits of `flotilla.supervisor_conditions()`, set if met. A boat that can sail
+    its plan needs no leader. A disarmed boat also needs the conditions for arming. The most
+    important comes first; empty for a boat in FORMATION or AUTO.
     """
-    if state == "FORMATION":
+    if state in ("FORMATION", "AUTO"):
         return ()
     met = [c["name"] for c in _CONDITIONS if conditions >> c["bit"] & 1]
-    missing = set(flotilla.supervise("HOLD", "FORMATION", met)["missing"])
+    sails = flotilla.supervise("HOLD", "AUTO", met)["granted"]
+    missing = set() if sails else set(flotilla.supervise("HOLD", "FORMATION", met)["missing"])
     if state == "DISARMED":
         missing |= set(flotilla.supervise("DISARMED", "arm", met)["missing"])
     return tuple(c["complaint"] for c in _CONDITIONS if c["name"] in missing)

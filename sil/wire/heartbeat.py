@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """A boat's state in its HEARTBEAT; firmware/docs/SUPERVISOR.md lists the fields by state."""
 
-MANUAL, HOLD, FORMATION = 0, 4, 6  # custom_mode
+MANUAL, HOLD, FORMATION, AUTO = 0, 4, 6, 10  # custom_mode
 
 _ARMED, _TEST = 128, 2  # base_mode
 _CRITICAL, _EMERGENCY = 5, 6  # system_status
-_MODES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION"}
+_MODES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION", AUTO: "AUTO"}
 
 
 def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None:

@@ -10,7 +10,7 @@
 
 namespace flotilla::testing {
 
-inline constexpr std::array<std::uint16_t, 25> kEveryId{link::Heartbeat::kId,
+inline constexpr std::array<std::uint16_t, 26> kEveryId{link::Heartbeat::kId,
                                                         link::SysStatus::kId,
                                                         link::SystemTime::kId,
                                                         link::Attitude::kId,
@@ -34,6 +34,7 @@ inline constexpr std::array<std::uint16_t, 25> kEveryId{link::Heartbeat::kId,
                                                         link::ComponentInformationBasic::kId,
                                                         link::ComponentMetadata::kId,
                                                         link::AvailableModes::kId,
-                                                        link::CurrentMode::kId};
+                                                        link::CurrentMode::kId,
+                                                        link::MissionCurrent::kId};
 
 }  // namespace flotilla::testing

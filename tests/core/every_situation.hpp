@@ -22,7 +22,8 @@ inline std::vector<Conditions> classes() {
       note(row.needs);
       note(row.lacks);
     }
-    for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive}) note(set);
+    for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive, kAutoDrive})
+      note(set);
     found[role] |= Conditions{1} << bit;
   }
   std::vector<Conditions> out;

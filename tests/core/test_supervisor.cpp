@@ -11,13 +11,16 @@ namespace {
 
 /// What an operator reads of the boat, in words of his own; knows nothing of the table.
 struct World {
-  bool own, leader, sound, alone, gcs, limits, clear, saved, sticks, centred, test, coasts;
+  bool own, place, leader, station, plan, sound, alone, gcs, limits, clear, saved, sticks, centred,
+      test, coasts;
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady | kOwnTimed | kOwnGood | kOwnPrompt |
-                         kBoatAnswers | kLeadersEnd | kSlotSound)),
-        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady |
-                            kOnStation)),
+                         kBoatAnswers)),
+        place(has(met, kLeadersEnd | kSlotSound)),
+        leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady)),
+        station(has(met, kOnStation)),
+        plan(has(met, kPlanReady)),
         sound(has(met, kEscsOnline | kBusUp | kSoleController | kEscsObey | kInRange)),
         alone(has(met, kSoleVessel)),
         gcs(has(met, kGcsHeard)),
@@ -29,8 +32,11 @@ struct World {
         test(has(met, kTestRunning)),
         coasts(has(met, kCoastRunning)) {}
 
-  bool law() const { return own && sound && alone && limits; }
-  bool formation() const { return law() && leader && gcs; }
+  bool steers() const { return own && sound && alone && limits; }
+  bool law() const { return steers() && place; }
+  bool follows() const { return leader && station; }
+  bool formation() const { return law() && follows() && gcs; }
+  bool sails() const { return steers() && plan && station && gcs; }
 };
 
 enum class Care { kHold, kCoast, kManual, kNone };  // the more careful comes first
@@ -47,8 +53,10 @@ State by_itself(State state, Conditions met) {
   if (state == State::kManual) return is.sticks ? state : State::kHold;
   if (state == State::kTest) return is.test ? state : State::kHold;
   if (state == State::kHold) return state;
+  if (state == State::kAuto) return is.sails() ? state : State::kHold;
   if (!is.law()) return State::kHold;
-  const Care leader = care_of(!is.leader, has(met, kLeaderLossHolds), has(met, kLeaderLossCoasts));
+  const Care leader =
+      care_of(!is.follows(), has(met, kLeaderLossHolds), has(met, kLeaderLossCoasts));
   const Care gcs = care_of(!is.gcs, has(met, kGcsLossHolds), has(met, kGcsLossCoasts));
   const Care care = leader < gcs ? leader : gcs;
   if (care == Care::kNone) return State::kFormation;
@@ -74,6 +82,10 @@ Expected when_armed_and_asked(State state, Request request, Conditions met) {
     case Request::kManual:
       if (state == State::kManual) return {state, true};
       if (state != State::kTest && is.sound && is.sticks) return {State::kManual, true};
+      return {state, false};
+    case Request::kAuto:
+      if (state == State::kAuto) return {state, true};
+      if (state != State::kTest && is.sails() && is.clear) return {State::kAuto, true};
       return {state, false};
     case Request::kFormation:
       if (by_law) return {state, true};
@@ -159,13 +171,14 @@ TEST_CASE("every row of the table decides some situation") {
   }
 }
 
-TEST_CASE("the boat may push in four states, each with its own conditions, never else") {
+TEST_CASE("the boat may push in five states, each with its own conditions, never else") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request, Conditions met) {
     const World is(met);
     const bool fit = (state == State::kManual && is.sound && is.sticks && is.centred) ||
                      (state == State::kFormation && is.formation()) ||
                      (state == State::kCoast && is.law() && is.coasts) ||
+                     (state == State::kAuto && is.sails()) ||
                      (state == State::kTest && is.sound && is.test);
     if (may_drive(state, met) != fit || (fit && !armed(state))) ++wrong;
   });
@@ -248,7 +261,10 @@ TEST_CASE("what FORMATION lacks is named when a boat is armed without it") {
     const Verdict armed = supervise(state, request, met);
     if (request == Request::kNone || !armed.granted) return;
     const bool arms = state == State::kDisarmed && armed.state == State::kHold;
-    const Conditions refused = supervise(State::kHold, Request::kFormation, met).missing;
+    // A boat that can sail its plan lacks nothing.
+    const Conditions lacked = supervise(State::kHold, Request::kFormation, met).missing;
+    const Conditions refused =
+        supervise(State::kHold, Request::kAuto, met).granted ? Conditions{0} : lacked;
     if (armed.missing != (arms ? refused : 0)) ++wrong;
   });
   CHECK(wrong == 0);
@@ -266,6 +282,7 @@ TEST_CASE("after a FAULT a boat with a low battery, lost and out of its fence is
 }
 
 static_assert(supervise(State::kHold, Request::kFormation, kAllConditions).granted);
+static_assert(supervise(State::kHold, Request::kAuto, kAllConditions).granted);
 
 }  // namespace
 }  // namespace flotilla::core

@@ -24,19 +24,20 @@ struct Node {
   bool centred = true;  ///< the sticks, once since MANUAL began
 };
 
-constexpr std::array<Conditions, 9> kTroubles{
-    kOwnFresh | kOwnSteady,
-    kLeaderFresh | kLeaderTimed | kLeaderNear | kOnStation,
-    kSoleController | kBusUp | kInRange,
-    kGcsHeard,
-    kLimits,
-    kSticksFresh,
-    kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
-    kClear,
-    kParametersSaved | kSoleVessel};
+constexpr std::array<Conditions, 10> kTroubles{kOwnFresh | kOwnSteady,
+                                               kLeaderFresh | kLeaderTimed | kLeaderNear | kPlace,
+                                               kSoleController | kBusUp | kInRange,
+                                               kGcsHeard,
+                                               kLimits,
+                                               kSticksFresh,
+                                               kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
+                                               kClear,
+                                               kParametersSaved | kSoleVessel,
+                                               kPlanReady | kOnStation};
 /// Of these: no reason not to arm, and not to drive by the sticks.
-constexpr unsigned kHarmless = 0b011'010'011;
-constexpr unsigned kSticks = 0b000'100'000, kUnsaved = 0b100'000'000;
+constexpr unsigned kHarmless = 0b1'011'010'011;
+constexpr unsigned kSticks = 0b0'000'100'000, kUnsaved = 0b0'100'000'000;
+constexpr unsigned kLeaderAway = 0b0'000'000'010;
 constexpr unsigned kCoastTicks = 3, kTestTicks = 2;
 constexpr unsigned kCodeBits = 3 + 2 + kTroubles.size() + 2 + 2 + 2;
 
@@ -148,13 +149,13 @@ struct Broken {
   int pushed_unarmed = 0, pushed_without_escs = 0, law_pushed_blind = 0, fault_left = 0;
   int armed_without_escs = 0, disarm_refused = 0, terminate_refused = 0, coast_too_long = 0;
   int coast_ended_elsewhere = 0, formation_by_itself = 0, not_back_to_the_start = 0;
-  int manual_began_full = 0, formation_unfit = 0, stranded = 0;
+  int manual_began_full = 0, formation_unfit = 0, auto_unfit = 0, auto_by_itself = 0, stranded = 0;
 
   bool any() const {
     return pushed_unarmed + pushed_without_escs + law_pushed_blind + fault_left +
                armed_without_escs + disarm_refused + terminate_refused + coast_too_long +
                coast_ended_elsewhere + formation_by_itself + not_back_to_the_start +
-               manual_began_full + formation_unfit + stranded !=
+               manual_began_full + formation_unfit + auto_unfit + auto_by_itself + stranded !=
            0;
   }
 
@@ -173,6 +174,9 @@ struct Broken {
     formation_by_itself += quiet && is == State::kFormation && was != is && was != State::kCoast;
     formation_unfit +=
         is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved)) != 0;
+    auto_by_itself += quiet && is == State::kAuto && was != is;
+    auto_unfit += is == State::kAuto && !law_drives(was) &&
+                  (before.wrong & ~(kSticks | kUnsaved | kLeaderAway)) != 0;
     manual_began_full += tick.pushes && is == State::kManual && was != is && before.full;
     if (was != State::kCoast) return;
     coast_too_long += is == State::kCoast && tick.after.coast + 1 != before.coast;
@@ -213,6 +217,8 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
     CHECK(broken.not_back_to_the_start == 0);
     CHECK(broken.manual_began_full == 0);
     CHECK(broken.formation_unfit == 0);
+    CHECK(broken.auto_unfit == 0);
+    CHECK(broken.auto_by_itself == 0);
     CHECK(broken.stranded == 0);
     CHECK_FALSE(broken.any());
   });
@@ -230,7 +236,7 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
   });
   using enum State;
   constexpr unsigned kStops = in(kDisarmed, kFault);
-  constexpr unsigned kDriven = kStops | in(kHold, kManual, kFormation);
+  constexpr unsigned kDriven = kStops | in(kHold, kManual, kFormation, kAuto);
   CHECK(next[0] == (kStops | in(kHold)));
   CHECK(next[1] == (kDriven | in(kTest)));
   CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are gone, then a test is asked for
@@ -238,7 +244,8 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
   CHECK(next[4] == (kDriven | in(kCoast, kTest)));
   CHECK(next[5] == (kDriven | in(kTest)));
   CHECK(next[6] == kStops);
-  CHECK(pushing == in(kManual, kFormation, kCoast, kTest));
+  CHECK(next[7] == (kDriven | in(kTest)));
+  CHECK(pushing == in(kManual, kFormation, kCoast, kTest, kAuto));
 }
 
 }  // namespace

@@ -72,6 +72,17 @@ class Tick:
     def messages(self, link: int = 0) -> list[Any]:
         return decode(data for at, data in self.mavlink if at == link)
 
+    def payloads(self, message_id: int, link: int = 0) -> list[bytes]:
+        """The payloads of that message, as on the wire."""
+        found = []
+        data = b"".join(each for at, each in self.mavlink if at == link)
+        while data:
+            assert data[0] == 0xFD and not data[2] & 1
+            if int.from_bytes(data[7:10], "little") == message_id:
+                found.append(data[10 : 10 + data[1]])
+            data = data[12 + data[1] :]
+        return found
+
     def named(self, name: str, link: int = 0) -> list[Any]:
         return decode_named((data for at, data in self.mavlink if at == link), name)
 

@@ -76,8 +76,9 @@ PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults) {
 }
 
 PlanFault fault_of_reach(Plan plan) {
-  const PlanItem &first = *std::ranges::find_if(plan, leads_somewhere), &last = plan.back();
+  const PlanItem& last = plan.back();
   if (!leads_somewhere(last)) return {};
+  const PlanItem& first = *std::ranges::find_if(plan, leads_somewhere);
   const convert::Position from{0, 0, {first.x, first.y, 0, 0}};
   if (convert::way_to<double>(from, {last.x, last.y}, kPlanReach_m).near) return {};
   return {mav::kMissionInvalidX, "over 2 km from the first waypoint"};

@@ -14,15 +14,15 @@
 
 namespace flotilla::app {
 
-/// Values as received, so that a download repeats them bit for bit.
+/// Values as received, so that a download repeats them bit for bit; without padding.
 struct PlanItem {
   std::array<float, 4> param{};
   std::int32_t x = 0, y = 0;  ///< latitude and longitude, degE7, if the command has a place
   float z = 0;
   std::uint16_t command = 0;
   std::uint8_t frame = 0, autocontinue = 0;
-  bool operator==(const PlanItem&) const = default;
 };
+static_assert(sizeof(PlanItem) == 32);
 
 using Plan = std::span<const PlanItem>;
 

@@ -16,7 +16,7 @@ using core::Request;
 constexpr double kForce = 21196;
 constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
 constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
-constexpr std::string_view kAllModes = "modes: 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO";
+constexpr std::string_view kAllModes = "only 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO";
 constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
 DecodedCommand denied(std::string_view why = {}) {
@@ -58,7 +58,7 @@ DecodedCommand set_mode(const Command& c) {
     return {mav::kAccepted, Request::kHold};
   }
   if (number == mode::kHold && sub_mode == kMission) return {mav::kAccepted, Request::kAuto};
-  if (!unused(sub_mode)) return denied("no sub modes; 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO");
+  if (!unused(sub_mode)) return denied(kAllModes);
   const bool plain = !c.wants_ack || (*base & ~kTold) == 0;  // SET_MODE echoes the heartbeat's
   if (number == mode::kManual && plain) return {mav::kAccepted, Request::kManual};
   if (number == mode::kAuto && plain) return {mav::kAccepted, Request::kAuto};
@@ -84,6 +84,11 @@ DecodedCommand motor_test(const Command& c) {
   asked.motor_test =
       MotorTest{*propeller == 2, percent / 100, static_cast<std::int64_t>(time_s * 1e6)};
   return asked;
+}
+
+DecodedCommand set_standard_mode(const Command& c) {
+  if (c.param[0] != mav::kStandardModeMission) return {mav::kFailed};
+  return {mav::kAccepted, Request::kAuto};
 }
 
 DecodedCommand start_plan(const Command& c) {
@@ -223,7 +228,7 @@ DecodedCommand meaning_of(const Command& c) {
     case mav::kCmdInjectFailure:
       return failure(c);
     case mav::kCmdDoSetStandardMode:
-      return {mav::kFailed};
+      return set_standard_mode(c);
     default:
       return {mav::kUnsupported};
   }

@@ -2,8 +2,6 @@
 #include "app/operator/mission_service.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <utility>
 
 #include "link/mavlink/crc32.hpp"
@@ -27,21 +25,18 @@ PlanItem item_of(const link::MissionItemInt& m) {
   return {m.param, m.x, m.y, m.z, m.command, m.frame, m.autocontinue};
 }
 
-/// A checksum of the values, not of the padding between them.
+std::string_view bytes_of(Plan plan) {
+  return {reinterpret_cast<const char*>(plan.data()), plan.size_bytes()};
+}
+
+/// Bit by bit: a NaN is the same as itself.
+bool is_same(const PlanItem& a, const PlanItem& b) {
+  return bytes_of({&a, 1}) == bytes_of({&b, 1});
+}
+
 std::uint32_t id_of(Plan plan) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  const auto add = [&crc](std::uint32_t word) {
-    const auto bytes = std::bit_cast<std::array<char, 4>>(word);
-    crc = link::crc32(crc, {bytes.data(), bytes.size()});
-  };
-  for (const PlanItem& item : plan) {
-    for (const float param : item.param) add(std::bit_cast<std::uint32_t>(param));
-    add(static_cast<std::uint32_t>(item.x));
-    add(static_cast<std::uint32_t>(item.y));
-    add(std::bit_cast<std::uint32_t>(item.z));
-    add(std::uint32_t{item.command} << 16U | std::uint32_t{item.frame} << 8U | item.autocontinue);
-  }
-  return plan.empty() ? 0 : std::max(crc, std::uint32_t{1});
+  if (plan.empty()) return 0;
+  return std::max(link::crc32(0xFFFFFFFFU, bytes_of(plan)), std::uint32_t{1});
 }
 
 }  // namespace
@@ -116,7 +111,7 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
   // A late copy, or an item that nobody has asked for, changes nothing. Who did not hear that his
   // last item was the last one is told again.
   if (!upload_ && asker.from == stored_from_ && given.seq + std::size_t{1} == count_ &&
-      item_of(given) == plan_[given.seq]) {
+      is_same(item_of(given), plan_[given.seq])) {
     return acknowledgement(asker.from, mav::kMissionAccepted, mav::kMissionTypePlan, id_);
   }
   if (!is_from_uploader(asker)) return std::nullopt;

@@ -30,6 +30,11 @@ constexpr std::array<Mode, 4> kModes{{{mode::kManual, 0, "MANUAL"},
                                       {mode::kFormation, mav::kModePropertyAuto, "FOLLOW"},
                                       {mode::kAuto, mav::kModePropertyAuto, "AUTO"}}};
 
+/// MAV_STANDARD_MODE; 0: none.
+std::uint8_t standard_mode_of(std::uint8_t mode) {
+  return mode == app::mode::kAuto ? mav::kStandardModeMission : std::uint8_t{0};
+}
+
 std::uint32_t boot_ms(const Report& r) { return convert::boot_ms(r.now_us); }
 
 link::SysStatus sys_status(const Report& r) {
@@ -86,7 +91,7 @@ std::optional<link::Message> available_mode(std::uint32_t turn) {
   const Mode& mode = kModes[turn];
   link::AvailableModes out{static_cast<std::uint8_t>(kModes.size()),
                            static_cast<std::uint8_t>(turn + 1),
-                           0,
+                           standard_mode_of(mode.number),
                            mode.number,
                            mode.properties,
                            {}};
@@ -273,7 +278,7 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
     case link::ComponentMetadata::kId:
       return component_metadata(r);
     case link::CurrentMode::kId:
-      return link::CurrentMode{0, r.mode, r.intended_mode};
+      return link::CurrentMode{standard_mode_of(r.mode), r.mode, r.intended_mode};
     case link::MissionCurrent::kId:
       if (!r.plan) return std::nullopt;
       return link::MissionCurrent{r.plan->item, r.plan->count, r.plan->state, 0, r.plan->id, 0, 0};

@@ -23,11 +23,11 @@ constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
                         kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
-                        kCmdMissionStart = 300, kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
-                        kCmdComponentArmDisarm = 400, kCmdInjectFailure = 420,
-                        kCmdGetMessageInterval = 510, kCmdSetMessageInterval = 511,
-                        kCmdRequestMessage = 512, kCmdRequestProtocolVersion = 519,
-                        kCmdRequestAutopilotCapabilities = 520;
+                        kCmdMissionStart = 300, kCmdPreflightStorage = 245,
+                        kCmdDoSetStandardMode = 262, kCmdComponentArmDisarm = 400,
+                        kCmdInjectFailure = 420, kCmdGetMessageInterval = 510,
+                        kCmdSetMessageInterval = 511, kCmdRequestMessage = 512,
+                        kCmdRequestProtocolVersion = 519, kCmdRequestAutopilotCapabilities = 520;
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3,
                        kFailed = 4;
 
@@ -39,15 +39,18 @@ constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupportedFrame = 2, kMiss
                        kMissionInvalidParam2 = 7, kMissionInvalidX = 10, kMissionInvalidY = 11,
                        kMissionInvalidSequence = 13, kMissionDenied = 14, kMissionCancelled = 15;
 constexpr std::uint8_t kMissionTypePlan = 0, kMissionTypeAll = 255;
+/// MAV_STANDARD_MODE.
+constexpr std::uint8_t kStandardModeMission = 6;
 /// MISSION_STATE.
-constexpr std::uint8_t kMissionNone = 1, kMissionNotStarted = 2, kMissionActive = 3,
-                       kMissionPaused = 4, kMissionComplete = 5;
+constexpr std::uint8_t kMissionNotStarted = 2, kMissionActive = 3, kMissionPaused = 4,
+                       kMissionComplete = 5;
 /// Commands in plans.
 constexpr std::uint16_t kNavWaypoint = 16, kNavLoiterUnlimited = 17, kNavLoiterTime = 19,
                         kNavDelay = 93, kDoChangeSpeed = 178, kDoSetRoi = 201;
 
-constexpr std::uint64_t kCapabilityMissionInt = 4, kCapabilityCommandInt = 8, kCapabilityParamBytewise = 16,
-                        kCapabilityFtp = 32, kCapabilityMavlink2 = 8192;
+constexpr std::uint64_t kCapabilityMissionInt = 4, kCapabilityCommandInt = 8,
+                        kCapabilityParamBytewise = 16, kCapabilityFtp = 32,
+                        kCapabilityMavlink2 = 8192;
 constexpr std::uint32_t kModePropertyNotUserSelectable = 2, kModePropertyAuto = 4;
 
 constexpr std::uint32_t kSensorGyro = 1, kSensorAccel = 2, kSensorMag = 4, kSensorGps = 32,

@@ -40,7 +40,8 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kOwnGood, "own_good"},
                      {flotilla::core::kSoleVessel, "sole_vessel"},
                      {flotilla::core::kSticksCentred, "sticks_centred"},
-                     {flotilla::core::kLeaderNear, "leader_near"}}};
+                     {flotilla::core::kLeaderNear, "leader_near"},
+                     {flotilla::core::kPlanReady, "plan_ready"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);

@@ -19,7 +19,7 @@ using namespace nb::literals;
 namespace {
 
 constexpr std::array<const char*, core::kRequests> kRequestNames{
-    "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate"};
+    "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate", "AUTO"};
 constexpr std::array<std::pair<core::Conditions, const char*>, 4> kChoices{
     {{core::kLeaderLossHolds, "FS_LEADER_ACT 0"},
      {core::kLeaderLossCoasts, "FS_LEADER_ACT 1"},

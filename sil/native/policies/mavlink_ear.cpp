@@ -160,6 +160,11 @@ bool is_rovers(Bytes command) {
   return true;
 }
 
+/// PX4's AUTO.MISSION: main mode 4, sub mode 4.
+bool is_px4s_mission(Bytes command) {
+  return field<float>(command, 4) == 4 && field<float>(command, 8) == 4;
+}
+
 }  // namespace
 
 MavlinkEar::MavlinkEar(const app::Parameters& p)
@@ -211,7 +216,11 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
       ++n.asked[Ask::kAck];
       const double mode{field<float>(m, 4)};
       if (command == mav::kCmdDoSetMode && (mode != app::mode::kFormation || is_rovers(m))) {
-        hear_mode(mode, n);
+        hear_mode(is_px4s_mission(m) ? app::mode::kAuto : mode, n);
+      }
+      if (command == mav::kCmdMissionStart ||
+          (command == mav::kCmdDoSetStandardMode && field<float>(m, 0) == 6)) {
+        ++n.asked[Ask::kAuto];
       }
       hear_command({command, field<float>(m, 0)}, from, target, p, n);
       break;
@@ -224,6 +233,7 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
 void MavlinkEar::hear_mode(double mode, Moment& n) const {
   if (mode == app::mode::kManual) ++n.asked[Ask::kManual];
   if (mode == app::mode::kFormation) ++n.asked[Ask::kFormation];
+  if (mode == app::mode::kAuto) ++n.asked[Ask::kAuto];
 }
 
 void MavlinkEar::hear_command(Order order, link::Address from, link::Address target,

@@ -22,8 +22,17 @@ namespace flotilla::policies {
 constexpr std::int64_t kNever_us = std::numeric_limits<std::int64_t>::min() / 4;
 
 /// Actions that a boat must only take on request.
-enum class Ask : std::uint8_t { kArm, kArmAllowed, kManual, kFormation, kTest, kTerminate, kAck };
-constexpr std::size_t kAsks = 7;
+enum class Ask : std::uint8_t {
+  kArm,
+  kArmAllowed,
+  kManual,
+  kFormation,
+  kAuto,
+  kTest,
+  kTerminate,
+  kAck
+};
+constexpr std::size_t kAsks = 8;
 
 /// Number of requests, or of actions, by kind.
 class Asked {
@@ -101,6 +110,7 @@ struct Seen {
   bool in(core::State s) const { return state == s; }
   bool armed() const { return core::armed(state); }
   bool by_law() const { return core::law_drives(state); }
+  bool follows() const { return core::follows(state); }
   bool has(core::Conditions all) const { return (met & all) == all; }
   float loudest_N() const;
 };

@@ -139,10 +139,11 @@ void Monitor<S>::note_deeds() {
   Asked& done = now_.done;
   if (now_.armed() && !before_.armed()) ++done[Ask::kArm], ++done[Ask::kArmAllowed];
   if (now_.state != was) {
-    const bool lost = core::law_drives(was) && !now_.has(core::kFollows | core::kGcsHeard);
+    const bool lost = core::follows(was) && !now_.has(core::kFollows | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
     // If the leader is lost in the tick of the request, the state may be COAST already.
-    if (core::law_drives(now_.state) && !core::law_drives(was)) ++done[Ask::kFormation];
+    if (now_.follows() && !core::follows(was)) ++done[Ask::kFormation];
+    if (now_.in(State::kAuto)) ++done[Ask::kAuto];
     if (now_.in(State::kTest)) ++done[Ask::kTest];
     if (now_.in(State::kFault) && was == State::kDisarmed) ++done[Ask::kTerminate];
   }

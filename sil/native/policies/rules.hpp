@@ -69,7 +69,8 @@ inline bool slewed(std::int16_t before, std::int16_t now, const Moment& n) {
 /// ArduPilot Rover's mode numbers, as in heartbeats.
 constexpr std::uint8_t mode_of(State state) {
   if (state == State::kManual) return app::mode::kManual;
-  return core::law_drives(state) ? app::mode::kFormation : app::mode::kHold;
+  if (state == State::kAuto) return app::mode::kAuto;
+  return core::follows(state) ? app::mode::kFormation : app::mode::kHold;
 }
 
 /// A state became known, or a newer one arrived. An age that stays 0 means a stamp in the future.

@@ -22,7 +22,7 @@ DecodedCommand meaning(std::uint16_t command, float first, float second = 0) {
 }
 bool asks_nothing(const DecodedCommand& asked) {
   return asked.request == Request::kNone && !asked.save_parameters && !asked.motor_test &&
-         !asked.message && !asked.rate;
+         !asked.message && !asked.rate && !asked.item && !asked.paused;
 }
 bool denied(const DecodedCommand& asked) {
   return asked.result == mav::kDenied && asks_nothing(asked);
@@ -43,18 +43,20 @@ TEST_CASE("an arming that is neither 0 nor 1 is denied") {
   }
 }
 
-TEST_CASE("modes are MANUAL, HOLD and FORMATION by Rover's numbers; every other one is denied") {
+TEST_CASE(
+    "modes are MANUAL, HOLD, FORMATION and AUTO by Rover's numbers; every other one is denied") {
   CHECK(meaning(mav::kCmdDoSetMode, 1, 0).request == Request::kManual);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 4).request == Request::kHold);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 6).request == Request::kFormation);
-  for (const float mode : {5.0F, 6.5F, 10.0F, -6.0F, NAN, 1e30F, INFINITY}) {
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 10).request == Request::kAuto);
+  for (const float mode : {5.0F, 6.5F, 11.0F, -6.0F, NAN, 1e30F, INFINITY}) {
     CHECK(denied(meaning(mav::kCmdDoSetMode, 1, mode)));
   }
   for (const float base : {0.0F, 128.0F, NAN, -1.0F, 1e30F, 1.5F}) {
     CHECK(denied(meaning(mav::kCmdDoSetMode, base, 6)));
   }
   for (int mode = -300; mode < 300; ++mode) {
-    const bool known = mode == 0 || mode == 4 || mode == 6;
+    const bool known = mode == 0 || mode == 4 || mode == 6 || mode == 10;
     const DecodedCommand asked = meaning(mav::kCmdDoSetMode, 1, static_cast<float>(mode));
     CHECK(denied(asked) != known);
     CHECK(asked.why.empty() == known);
@@ -78,16 +80,17 @@ TEST_CASE("mode 6 is FOLLOW as Rover's clients ask for it, and OFFBOARD in every
   }
 }
 
-TEST_CASE("sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boat") {
+TEST_CASE(
+    "sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boat, (4, 4) is AUTO") {
   for (const float base : {1.0F, 129.0F}) {
     for (float main = 0; main < 10; ++main) {
       for (float sub = 1; sub < 12; ++sub) {
         const DecodedCommand asked =
             meaning(mav::kCmdDoSetMode, {base, main, sub, NAN, NAN, NAN, NAN});
-        const bool hold = main == 4 && sub == 3;
-        CHECK(asked.request == (hold ? Request::kHold : Request::kNone));
-        CHECK(denied(asked) != hold);
-        CHECK(asked.why.empty() == hold);
+        const bool hold = main == 4 && sub == 3, plan = main == 4 && sub == 4;
+        CHECK(asked.request == (hold ? Request::kHold : plan ? Request::kAuto : Request::kNone));
+        CHECK(denied(asked) != (hold || plan));
+        CHECK(asked.why.empty() == (hold || plan));
         CHECK(asked.why.size() <= 41);  // "Refused: " before it, 50 in all
       }
     }
@@ -123,7 +126,8 @@ TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that com
 }
 
 TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {
-  const std::set<unsigned> known{176, 185, 209, 245, 262, 400, 510, 511, 512, 519, 520};
+  const std::set<unsigned> known{176, 185, 193, 209, 224, 245, 262,
+                                 300, 400, 510, 511, 512, 519, 520};
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     const DecodedCommand asked = meaning(static_cast<std::uint16_t>(id), 1);
     if (known.count(id) != 0) {
@@ -134,6 +138,7 @@ TEST_CASE("every command number that the boat does not have is unsupported and a
     }
   }
   CHECK(meaning(mav::kCmdDoSetStandardMode, 1).result == mav::kFailed);
+  CHECK(meaning(mav::kCmdDoSetStandardMode, 6).request == Request::kAuto);
 }
 
 TEST_CASE("a motor test is one propeller, up to 20 percent either way, for up to 5 seconds") {

@@ -36,6 +36,7 @@ Report full() {
   r.reference = link::FormationReference{};
   r.reference->path.fill(1);
   r.reference->offset_b.fill(-1);
+  r.plan = PlanReport{1, 5, mav::kMissionActive, 12345};
   r.own_age_s = 0.1;
   r.leader_age_s = 0.2;
   r.leader_uncertainty_m = 0.3;
@@ -85,6 +86,7 @@ Report any_report(std::mt19937& random) {
   if (!often()) r.home.reset();
   if (!often()) r.formation.reset();
   if (!often()) r.reference.reset();
+  if (!often()) r.plan.reset();
   if (!often()) r.own_age_s.reset();
   if (!often()) r.leader_age_s.reset();
   if (!often()) r.leader_uncertainty_m.reset();
@@ -191,19 +193,19 @@ TEST_CASE("whether there is such a message at all does not depend on what is kno
   }
 }
 
-TEST_CASE("modes are listed from 1 on, each once, MANUAL, HOLD and FOLLOW") {
+TEST_CASE("modes are listed from 1 on, each once, MANUAL, HOLD, FOLLOW and AUTO") {
   const auto modes = all_as<link::AvailableModes>(link::AvailableModes::kId, full());
-  REQUIRE(modes.size() == 3);
-  const std::array<std::uint32_t, 3> numbers{0, 4, 6};
-  const std::array<std::string, 3> names{"MANUAL", "HOLD", "FOLLOW"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    CHECK(modes[i].number_modes == 3);
+  REQUIRE(modes.size() == 4);
+  const std::array<std::uint32_t, 4> numbers{0, 4, 6, 10};
+  const std::array<std::string, 4> names{"MANUAL", "HOLD", "FOLLOW", "AUTO"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(modes[i].number_modes == 4);
     CHECK(modes[i].mode_index == i + 1);
-    CHECK(modes[i].standard_mode == 0);
+    CHECK(modes[i].standard_mode == (numbers[i] == 10 ? 6 : 0));  // MISSION
     CHECK(modes[i].custom_mode == numbers[i]);
     CHECK(std::string(modes[i].mode_name.data()) == names[i]);
     CHECK((modes[i].properties & mav::kModePropertyNotUserSelectable) == 0);
-    CHECK(((modes[i].properties & mav::kModePropertyAuto) != 0) == (numbers[i] == 6));
+    CHECK(((modes[i].properties & mav::kModePropertyAuto) != 0) == (numbers[i] > 4));
   }
 }
 
@@ -336,7 +338,7 @@ TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they
 
 TEST_CASE("the boat says what it can, who made it and where its description is") {
   const auto version = all_as<link::AutopilotVersion>(link::AutopilotVersion::kId, full())[0];
-  CHECK(version.capabilities == (8192 | 8 | 16 | 32));
+  CHECK(version.capabilities == (8192 | 4 | 8 | 16 | 32));
   CHECK(version.uid != 0);
   Report sister = full();
   sister.self.system = 8;

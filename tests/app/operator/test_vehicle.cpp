@@ -90,6 +90,21 @@ struct Ship {
   void set(std::string_view name, float value) {
     ask(link::ParamSet{value, {1, 1}, text<16>(name), mav::kParamReal32});
   }
+  /// Sends a plan of one waypoint.
+  void store_plan() {
+    link::MissionCount count{};
+    count.count = 1;
+    count.target = {1, 1};
+    ask(count);
+    link::MissionItemInt item{};
+    item.target = {1, 1};
+    item.command = mav::kNavWaypoint;
+    item.x = 410'000'000;
+    item.y = 20'000'000;
+    ask(item);
+    tick();
+    REQUIRE(vehicle->missions().plan().size() == 1);
+  }
   void test_port(float percent = 5, float s = 2, std::uint8_t confirmation = 0) {
     ask(link::CommandLong{mav::kCmdDoMotorTest, {1, 0, percent, s, 0, 0, 0}, {1, 1}, confirmation});
   }
@@ -172,7 +187,9 @@ struct Ship {
     tick();
     sticks(0, 0);
     if (desired == State::kManual) command(mav::kCmdDoSetMode, 1, 0);
-    if (core::law_drives(desired)) command(mav::kCmdDoSetMode, 1, 6);
+    if (core::follows(desired)) command(mav::kCmdDoSetMode, 1, 6);
+    if (desired == State::kAuto) world |= core::kPlanReady;
+    if (desired == State::kAuto) command(mav::kCmdDoSetMode, 1, 10);
     if (desired == State::kTest) test_port();
     if (desired == State::kFault) command(mav::kCmdDoFlightTermination, 1);
     tick();
@@ -185,7 +202,7 @@ struct Ship {
 };
 
 constexpr std::array kEveryState{State::kDisarmed, State::kHold, State::kManual, State::kFormation,
-                                 State::kCoast,    State::kTest, State::kFault};
+                                 State::kCoast,    State::kTest, State::kFault,  State::kAuto};
 
 // Answers.
 
@@ -193,6 +210,7 @@ TEST_CASE("every message that is asked for comes after its one ACK, in the same 
   for (const std::uint16_t id : testing::kEveryId) {
     Ship s;
     s.pass(0.05);
+    s.store_plan();
     s.command(mav::kCmdRequestMessage, static_cast<float>(id));
     s.tick();
     CAPTURE(id);
@@ -229,7 +247,7 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
   for (const std::uint16_t id :
        {std::uint16_t{24}, std::uint16_t{147 + 1000}, std::uint16_t{65535}})
     CHECK(answer_to(id) == mav::kUnsupported);
-  s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 4);
+  s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 5);
   s.tick();
   CHECK(s.result() == mav::kUnsupported);
   CHECK(s.all<link::AvailableModes>().empty());
@@ -501,7 +519,10 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   s.ask(link::MissionRequest{{1, 1}, 0, 1}, 1);
   s.ask(link::MissionRequestInt{{1, 1}, 0, 1}, 1);
   s.ask(link::MissionItem{{1, 1}, 1}, 1);
-  s.ask(link::MissionItemInt{{1, 1}, 1}, 1);
+  link::MissionItemInt fence{};
+  fence.target = {1, 1};
+  fence.mission_type = 1;
+  s.ask(fence, 1);
   s.ask(link::LogRequestList{{1, 1}}, 1);
   s.ask(link::LogRequestList{{2, 1}}, 1);
   const auto not_sent = s.counters.mavlink_not_sent;
@@ -534,8 +555,14 @@ TEST_CASE("a disarm leads out of every state, and an operator's heartbeat tells 
 }
 
 TEST_CASE("every state has its heartbeat") {
-  const std::array<std::array<unsigned, 3>, core::kStates> kExpected{
-      {{1, 4, 3}, {129, 4, 4}, {193, 0, 4}, {141, 6, 4}, {141, 6, 5}, {131, 4, 4}, {1, 4, 6}}};
+  const std::array<std::array<unsigned, 3>, core::kStates> kExpected{{{1, 4, 3},
+                                                                      {129, 4, 4},
+                                                                      {193, 0, 4},
+                                                                      {141, 6, 4},
+                                                                      {141, 6, 5},
+                                                                      {131, 4, 4},
+                                                                      {1, 4, 6},
+                                                                      {141, 10, 4}}};
   for (const State state : kEveryState) {
     Ship s;
     s.bring_to(state);

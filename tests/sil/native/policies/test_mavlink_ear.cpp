@@ -55,6 +55,13 @@ TEST_CASE("what is asked is heard in every form that there is") {
   CHECK(e.n.asked[Ask::kFormation] == 2);
   e.hear(e.gcs, command(mav::kCmdDoSetMode, 1, 0));
   CHECK(e.n.asked[Ask::kManual] == 1);
+  e.hear(e.gcs, command(mav::kCmdDoSetMode, 1, 10));
+  e.hear(e.gcs, link::CommandLong{mav::kCmdDoSetMode, {1, 4, 4, 0, 0, 0, 0}, {1, 1}, 0});
+  e.hear(e.gcs, link::CommandLong{mav::kCmdDoSetMode, {1, 4, 3, 0, 0, 0, 0}, {1, 1}, 0});  // HOLD
+  e.hear(e.gcs, command(mav::kCmdMissionStart, 0));
+  e.hear(e.gcs, command(mav::kCmdDoSetStandardMode, 6));
+  e.hear(e.gcs, command(mav::kCmdDoSetStandardMode, 5));
+  CHECK(e.n.asked[Ask::kAuto] == 4);
   e.hear(e.gcs, command(mav::kCmdDoMotorTest, 1));
   e.hear(e.gcs, command(mav::kCmdDoFlightTermination, 1));
   CHECK(e.n.asked[Ask::kTest] == 1);

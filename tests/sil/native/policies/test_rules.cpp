@@ -138,7 +138,7 @@ const std::vector<Mutation> kThrust{
      lost(core::kLeaderTimed)},
     {"leader beyond FORM_DIST_MAX: no thrust in FORMATION", kLaw, lost(core::kLeaderNear)},
     {"navigation unit too late: no thrust by the law", kLaw, lost(core::kOwnPrompt)},
-    {"leaders in a ring, or no place for the boat: no thrust by the law", kLaw,
+    {"leaders in a ring, or no place for the boat: no thrust behind them", kLaw,
      lost(core::kSlotSound)},
     {"a boat that does not keep its slot is not driven in FORMATION", kLaw, lost(core::kOnStation)},
     {"a boat that does not answer is not driven by the law", kCoast, lost(core::kBoatAnswers)},
@@ -192,6 +192,7 @@ const std::vector<Mutation> kState{
      from(kHold, done(Ask::kManual))},
     {"FORMATION only where it was asked for or COAST is over", kLaw,
      from(kHold, done(Ask::kFormation))},
+    {"AUTO only where it was asked for", State::kAuto, from(kHold, done(Ask::kAuto))},
     {"TEST only after a command for a motor test", kTest, from(kHold, done(Ask::kTest))},
     {"a boat that is disarmed gets into FAULT by termination or a stop switch only", kFault,
      from(kOff, done(Ask::kTerminate))},
@@ -205,8 +206,13 @@ const std::vector<Mutation> kState{
     {"MANUAL only while sticks are fresh", kManual, lost(core::kSticksFresh)},
     {"FORMATION only with all that it needs", kLaw, lost(core::kLeaderLive)},
     {"FORMATION begins in clear water only", kLaw, from(kHold, lost(core::kClear))},
+    {"AUTO only with all that it needs", State::kAuto, lost(core::kPlanReady)},
+    {"AUTO only with all that it needs", State::kAuto, lost(core::kOnStation)},
+    {"AUTO only with all that it needs", State::kAuto, lost(core::kGcsHeard)},
+    {"AUTO begins in clear water only", State::kAuto, from(kHold, lost(core::kClear))},
     {"COAST only with all that it needs", kCoast, lost(core::kOwnSteady)},
     {"COAST begins in FORMATION only", kCoast, from(kHold)},
+    {"COAST begins in FORMATION only", kCoast, from(State::kAuto)},
     {"COAST begins where the leader, the slot or the ground station is lost", kCoast,
      from(kLaw, [](Pair& q) { q.n.met = core::kAllConditions; })},
     {"COAST ends within FS_COAST_S", kCoast, [](Pair& q) { q.n.state_us -= 4'011'000; }},
@@ -294,9 +300,11 @@ TEST_CASE("a boat with an SR_SLOW of 0.2 may ask by TIMESYNC every 5 s") {
 }
 
 TEST_CASE("a boat that goes from a state to another one breaks no rule") {
-  const std::vector<std::pair<State, State>> ways{{kOff, kHold},    {kHold, kLaw},  {kLaw, kCoast},
-                                                  {kCoast, kLaw},   {kLaw, kHold},  {kHold, kTest},
-                                                  {kHold, kManual}, {kHold, kFault}};
+  constexpr State kAuto = State::kAuto;
+  const std::vector<std::pair<State, State>> ways{{kOff, kHold},    {kHold, kLaw},   {kLaw, kCoast},
+                                                  {kCoast, kLaw},   {kLaw, kHold},   {kHold, kTest},
+                                                  {kHold, kManual}, {kHold, kFault}, {kHold, kAuto},
+                                                  {kLaw, kAuto},    {kAuto, kHold},  {kAuto, kLaw}};
   for (const auto& [before, now] : ways) {
     Pair q(now);
     from(before)(q);
@@ -319,7 +327,8 @@ TEST_CASE("every rule can be broken") {
 }
 
 TEST_CASE("where bytes came torn, no rule says that something was not asked for") {
-  for (const Ask what : {Ask::kArm, Ask::kManual, Ask::kFormation, Ask::kTest, Ask::kAck}) {
+  for (const Ask what :
+       {Ask::kArm, Ask::kManual, Ask::kFormation, Ask::kAuto, Ask::kTest, Ask::kAck}) {
     Pair q(kHold);
     ++q.n.done[what];
     CHECK(first_broken(q.b, q.n));

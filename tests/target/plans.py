@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: MIT
+"""Plans as a ground station sends and fetches them, by MAVLink's guide and pymavlink's encoder."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.sea import Sea, Tick
+from tests.target.stations import BOAT, ORIGIN, REQUEST_MESSAGE, Station
+
+WAYPOINT, LOITER, LOITER_TIME, DELAY, SPEED = 16, 17, 19, 93, 178
+GLOBAL_INT, GLOBAL_RELATIVE_ALT_INT = 5, 6
+ITEM_ACCEPTED, ERROR, UNSUPPORTED_FRAME, UNSUPPORTED_ITEM, NO_SPACE, INVALID = 0, 1, 2, 3, 4, 5
+INVALID_PARAM1, INVALID_PARAM2, INVALID_X, INVALID_Y, BAD_SEQUENCE = 6, 7, 10, 11, 13
+REFUSED, CANCELLED = 14, 15
+#: Metres in a ten-millionth of a degree of latitude, on the ellipsoid where the boats are.
+DEGREES_E7_M = 0.0111178
+
+
+class Item(NamedTuple):
+    """A MISSION_ITEM_INT without target and number."""
+
+    command: int = WAYPOINT
+    params: tuple[float, float, float, float] = (0.0, 0.0, 0.0, math.nan)
+    x: int = ORIGIN[0]
+    y: int = ORIGIN[1]
+    z: float = 0.0
+    frame: int = GLOBAL_RELATIVE_ALT_INT
+    autocontinue: int = 1
+
+    def message(self, seq: int, *, kind: int = 0, target: tuple[int, int] = (BOAT, 1)) -> Any:
+        return mavlink.MAVLink_mission_item_int_message(
+            *target,
+            seq,
+            self.frame,
+            self.command,
+            0,
+            self.autocontinue,
+            *self.params,
+            self.x,
+            self.y,
+            self.z,
+            kind,
+        )
+
+
+def at(north_m: float, east_m: float, hold_s: float = 0.0, radius_m: float = 0.0) -> Item:
+    """A waypoint so far from the origin."""
+    east = DEGREES_E7_M * math.cos(math.radians(ORIGIN[0] * 1e-7))
+    return Item(
+        params=(hold_s, radius_m, 0.0, math.nan),
+        x=ORIGIN[0] + round(north_m / DEGREES_E7_M),
+        y=ORIGIN[1] + round(east_m / east),
+    )
+
+
+def speed(metres_per_s: float) -> Item:
+    return Item(SPEED, (1.0, metres_per_s, -1.0, 0.0), 0, 0, frame=2)
+
+
+def fields(message: Any) -> tuple[bytes, ...]:
+    """The item in a message, as bytes: NaN equals itself."""
+    return (
+        *(bytes(mavlink.struct.pack("<f", getattr(message, f"param{k}"))) for k in (1, 2, 3, 4)),
+        mavlink.struct.pack("<iif", message.x, message.y, message.z),
+        mavlink.struct.pack("<HBB", message.command, message.frame, message.autocontinue),
+    )
+
+
+class Planner:
+    """A ground station that sends a plan, or fetches it, over a link that loses messages.
+
+    By the guide: it asks for what has not come within 1.5 s up to five times; an item that the boat
+    does not hear is the boat's to ask for again. It fetches with more patience than the guide's.
+    """
+
+    PATIENCE_US, TRIES, FETCHES = 1_500_000, 5, 20
+
+    def __init__(self, sea: Sea, *, station: Station | None = None, loss: float = 0.0) -> None:
+        self.sea = sea
+        self.station = station or sea.gcs
+        self._dice = random.Random(7)
+        self._loss = loss
+
+    def say(self, message: Any) -> None:
+        wire = self.station.pack(message)
+        if self._dice.random() >= self._loss:
+            self.sea.boat.on_mavlink(wire, self.sea.now_us)
+
+    def hear(self, tick: Tick) -> list[Any]:
+        """What has reached this station of the boat's mission protocol."""
+        return [
+            m
+            for m in tick.messages()
+            if m.get_type().startswith("MISSION_")
+            and getattr(m, "target_system", 0) == self.station.system
+            and self._dice.random() >= self._loss
+        ]
+
+    def send(self, items: Sequence[Item], *, count: int | None = None) -> int | None:
+        """Send a plan; the type of the boat's MISSION_ACK, None if it never came."""
+        opening: Any = mavlink.MAVLink_mission_count_message(
+            BOAT, 1, len(items) if count is None else count, 0
+        )
+        last = opening
+        self.say(last)
+        asked_us, tries = self.sea.now_us, 0
+        while tries < self.TRIES:
+            for m in self.hear(self.sea.step()):
+                if m.get_type() == "MISSION_ACK":
+                    return int(m.type)
+                if m.get_type() == "MISSION_REQUEST_INT" and m.seq < len(items):
+                    last = items[m.seq].message(m.seq)
+                    self.say(last)
+                    asked_us, tries = self.sea.now_us, 0
+            if self.sea.now_us - asked_us > self.PATIENCE_US:
+                self.say(last)
+                asked_us, tries = self.sea.now_us, tries + 1
+        return None
+
+    def fetch(self) -> list[Any]:
+        """The boat's plan: its MISSION_ITEM_INT messages."""
+        count = self._ask(mavlink.MAVLink_mission_request_list_message(BOAT, 1, 0), "COUNT").count
+        items = [
+            self._ask(mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, 0), "ITEM_INT", seq)
+            for seq in range(count)
+        ]
+        self.say(mavlink.MAVLink_mission_ack_message(BOAT, 1, 0, 0))
+        return items
+
+    def _ask(self, question: Any, answer: str, seq: int | None = None) -> Any:
+        for _ in range(self.FETCHES):
+            self.say(question)
+            end_us = self.sea.now_us + self.PATIENCE_US
+            while self.sea.now_us < end_us:
+                for m in self.hear(self.sea.step()):
+                    if m.get_type() == f"MISSION_{answer}" and seq in (None, getattr(m, "seq", 0)):
+                        return m
+        raise AssertionError(f"no MISSION_{answer} {seq}")
+
+
+def plan_of(sea: Sea) -> list[tuple[bytes, ...]]:
+    """The plan that the boat has."""
+    return [fields(m) for m in Planner(sea, station=Station(254, 190)).fetch()]
+
+
+def as_sent(items: Sequence[Item]) -> list[tuple[bytes, ...]]:
+    return [fields(item.message(seq)) for seq, item in enumerate(items)]
+
+
+def opaque_id(payload: bytes, at: int) -> int:
+    """An extension that pymavlink's messages lack; trailing zeros are not sent."""
+    return int.from_bytes(payload[at : at + 4], "little")
+
+
+def ids(sea: Sea) -> tuple[int, int]:
+    """The plan's id in MISSION_COUNT and in MISSION_CURRENT; 0 without a message."""
+    sea.say(mavlink.MAVLink_mission_request_list_message(BOAT, 1, 0))
+    (count,) = sea.run(0.1)[0].payloads(mavlink.MAVLINK_MSG_ID_MISSION_COUNT)
+    asked = sea.order(REQUEST_MESSAGE, float(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT))
+    current = asked.payloads(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
+    return opaque_id(count, 5), opaque_id(current[-1], 6) if current else 0
