@@ -295,7 +295,7 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       if (vehicle_.missions().take_jump()) start_plan();
       law_output_ = pilot_.sail(vehicle_.missions().plan(), vehicle_.is_paused(), now_us, dt);
       const PlanVessel<S>& sailed = pilot_.plan_vessel();
-      vehicle_.sailed(sailed.item(), sailed.has_arrived(), counters_);
+      vehicle_.sailed(sailed.item(), sailed.reached(), sailed.has_arrived(), counters_);
       break;
     }
     case core::State::kDisarmed:

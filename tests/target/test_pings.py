@@ -10,7 +10,7 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course
-from tests.target.sea import Sea, Tick, named, texts
+from tests.target.sea import Sea, named, texts
 from tests.target.stations import BOAT, GCS, GCS_COMPONENT, Station, odometry
 from tests.target.test_fuzz_mavlink import frame
 

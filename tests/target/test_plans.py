@@ -15,7 +15,6 @@ from tests.target.plans import (
     BAD_SEQUENCE,
     CANCELLED,
     DELAY,
-    GLOBAL_INT,
     INVALID,
     INVALID_PARAM1,
     INVALID_PARAM2,
@@ -225,9 +224,7 @@ def test_two_stations_fetch_at_once(planner: Planner, sea: Sea) -> None:
     stations = [Station(system, 190) for system in (253, 254)]
     for seq in range(len(SQUARE)):
         for station in stations:
-            sea.say(
-                mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, 0), sender=station
-            )
+            sea.say(mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, 0), sender=station)
         given = sea.step().named("MISSION_ITEM_INT")
         assert [(m.seq, m.target_system) for m in given] == [(seq, 253), (seq, 254)]
 

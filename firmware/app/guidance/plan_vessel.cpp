@@ -22,7 +22,7 @@ void PlanVessel<S>::start(Plan plan, std::size_t first, const PlanDefaults& defa
   from_ = own;
   limits_ = limits;
   points_[0] = {};
-  items_[0] = first;
+  items_ = {};
   count_ = 1;
   sound_ = true;
   reader_.begin(plan, first, defaults);
@@ -85,6 +85,13 @@ void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
   count_ -= passed;
   state_.next = 1;
   fill(plan);
+}
+
+template <class S>
+std::optional<std::size_t> PlanVessel<S>::reached() const {
+  using enum core::RoutePhase;
+  const bool under_way = state_.phase == kLeg || state_.phase == kCorner;
+  return items_[under_way ? state_.next - 1 : state_.next];
 }
 
 template <class S>

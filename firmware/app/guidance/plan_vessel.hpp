@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "app/guidance/plan.hpp"
 #include "core/route.hpp"
@@ -29,7 +30,10 @@ class PlanVessel {
   bool has_arrived() const { return state_.phase == core::RoutePhase::kArrived; }
 
   /// The item whose place is ahead, or where the vessel waits or turns.
-  std::size_t item() const { return items_[std::min(state_.next, count_ - 1)]; }
+  std::size_t item() const { return items_[state_.next].value_or(items_[1].value_or(0)); }
+
+  /// The item whose place was reached last, if any since the start.
+  std::optional<std::size_t> reached() const;
 
   /// Motion since the place where it started.
   const convert::Position& from() const { return from_; }
@@ -47,7 +51,7 @@ class PlanVessel {
   core::RouteParams<S> limits_;
   PlanReader reader_;
   std::array<core::Waypoint<S>, kWindow> points_{};
-  std::array<std::size_t, kWindow> items_{};
+  std::array<std::optional<std::size_t>, kWindow> items_{};  // none: where it started
   std::size_t count_ = 1;
   core::RouteState<S> state_{};
   bool sound_ = false;

@@ -319,6 +319,7 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
   }
   announce_ = true;
   paused_ = false;
+  reached_.reset();
   streams_.make_due(link::CurrentMode::kId);
 }
 

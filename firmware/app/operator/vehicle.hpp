@@ -103,8 +103,9 @@ class Vehicle {
   /// An operator has paused AUTO.
   bool is_paused() const { return paused_; }
 
-  /// How far AUTO has come: the item ahead; complete: the last one was reached.
-  void sailed(std::size_t item, bool complete, link::Counters& counters);
+  /// How far AUTO has come: the item ahead, the one reached last; complete: that is the last one.
+  void sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
+              link::Counters& counters);
 
   /// Takes effect in the next tick, after all other requests.
   void disarm() { disarm_ = true; }
@@ -177,6 +178,7 @@ class Vehicle {
   ParameterService parameter_service_;
   MissionService missions_;
   bool paused_ = false;
+  std::optional<std::size_t> reached_;  // item
   link::FtpServer ftp_;
   Streams streams_;
   Setpoints setpoints_;

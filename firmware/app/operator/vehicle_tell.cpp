@@ -54,13 +54,11 @@ std::optional<PlanReport> Vehicle::plan_report() const {
                     missions_.id()};
 }
 
-void Vehicle::sailed(std::size_t item, bool complete, link::Counters& counters) {
-  const std::size_t before = missions_.current();
-  const bool reached = complete ? !missions_.is_complete() : before < item;
+void Vehicle::sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
+                     link::Counters& counters) {
   missions_.sailed(item, complete);
-  if (!reached) return;
-  const std::size_t passed = complete ? item : before;
-  links_.broadcast(link::MissionItemReached{static_cast<std::uint16_t>(passed)}, counters);
+  if (std::exchange(reached_, reached) == reached || !reached) return;
+  links_.broadcast(link::MissionItemReached{static_cast<std::uint16_t>(*reached)}, counters);
   streams_.make_due(link::MissionCurrent::kId);
 }
 

@@ -1,0 +1,345 @@
+# SPDX-License-Identifier: MIT
+"""AUTO: a boat sails its plan, tells how far it is, and stops where it must not go on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.hull import Afloat, Hull
+from tests.target.plans import (
+    DELAY,
+    ITEM_ACCEPTED,
+    LOITER,
+    REFUSED,
+    Item,
+    Planner,
+    as_sent,
+    at,
+    plan_of,
+    speed,
+)
+from tests.target.sea import Sea, Tick, acks, named, texts
+from tests.target.stations import (
+    ACCEPTED,
+    BOAT,
+    DENIED,
+    FORMATION,
+    HOLD,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+)
+
+AUTO, MISSION_START, PAUSE, SET_CURRENT, STANDARD_MODE = 10, 300, 193, 224, 262
+NOT_STARTED, ACTIVE, PAUSED, COMPLETE = 2, 3, 4, 5
+CORNER = [at(10, 0), at(10, 10)]
+
+
+def at_sea(
+    plan: Sequence[Item],
+    parameters: dict[str, float] | None = None,
+    *,
+    kind: type[Afloat] = Afloat,
+) -> Afloat:
+    """An armed boat with a plan, without a leader."""
+    sea = kind(parameters, hull=Hull())
+    sea.leader.on = False
+    sea.run(2.0)
+    if plan:
+        assert Planner(sea).send(plan) == ITEM_ACCEPTED
+    sea.arm()
+    sea.step()
+    assert sea.state == "HOLD"
+    return sea
+
+
+def sailing(
+    plan: Sequence[Item],
+    parameters: dict[str, float] | None = None,
+    *,
+    kind: type[Afloat] = Afloat,
+) -> Afloat:
+    sea = at_sea(plan, parameters, kind=kind)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+    sea.step()
+    assert sea.state == "AUTO"
+    return sea
+
+
+def place(sea: Afloat) -> tuple[float, float]:
+    seen = sea.hull.seen
+    return seen.north, seen.east
+
+
+def reached(ticks: Sequence[Tick]) -> list[int]:
+    return [m.seq for m in named(ticks, "MISSION_ITEM_REACHED")]
+
+
+def progress(sea: Sea) -> tuple[int, int, int]:
+    (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
+    return told.seq, told.total, told.mission_state
+
+
+def test_a_boat_sails_its_plan_to_the_end_and_says_so() -> None:
+    sea = at_sea(CORNER)
+    assert progress(sea) == (0, 2, NOT_STARTED)
+    assert not [text for text in texts(sea.ticks) if "MANUAL only" in text]
+    sea.mode(AUTO)
+    ticks = sea.run(20.0)
+    assert progress(sea) == (0, 2, ACTIVE) and sea.snapshot()["error"]["x_m"] < 0.01
+    ticks += sea.run(40.0)
+    assert reached(ticks) == [0, 1] and progress(sea) == (1, 2, COMPLETE)
+    assert place(sea) == pytest.approx((10, 10), abs=0.05)
+    assert sea.state == "AUTO" and math.hypot(*sea.hull.q[3:5]) < 0.01
+
+
+def test_the_corner_is_rounded_within_its_radius() -> None:
+    sea = sailing([at(10, 0, radius_m=0.5), at(10, 10)])
+    nearest = math.inf
+    for _ in range(40):
+        sea.run(1.0)
+        nearest = min(nearest, math.dist(place(sea), (10, 0)))
+    assert 0.2 < nearest < 0.55
+
+
+@pytest.mark.parametrize("way", ["mode", "command", "standard mode"])
+def test_each_way_to_ask_for_auto(way: str) -> None:
+    sea = at_sea(CORNER)
+    order = {
+        "mode": (SET_MODE, 1.0, 10.0),
+        "command": (MISSION_START,),
+        "standard mode": (STANDARD_MODE, 6.0),
+    }[way]
+    assert acks(sea.order(int(order[0]), *order[1:])) == [(order[0], ACCEPTED)]
+    sea.step()
+    assert sea.state == "AUTO"
+
+
+def test_a_part_of_a_plan_is_not_started() -> None:
+    sea = at_sea(CORNER)
+    assert acks(sea.order(MISSION_START, 1.0, 1.0)) == [(MISSION_START, DENIED)]
+    assert sea.state == "HOLD"
+
+
+def test_without_a_plan_auto_is_refused_with_the_reason() -> None:
+    sea = at_sea([])
+    tick = sea.mode(AUTO)
+    assert acks(tick) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert any("no plan" in text for text in texts([tick, sea.step()]))
+    assert sea.state == "HOLD"
+
+
+def test_a_plan_that_begins_over_a_kilometre_away_is_not_sailed() -> None:
+    sea = at_sea([at(1001, 0)])
+    sea.mode(AUTO)
+    ticks = sea.run(0.2)
+    assert sea.state == "HOLD" and not any(any(tick.commands) for tick in ticks)
+    assert any("over 1 km away" in text for text in texts(sea.ticks[-40:]))
+
+
+def test_the_plan_under_way_is_not_changed_and_afterwards_it_is() -> None:
+    sea = sailing(CORNER)
+    assert Planner(sea).send([at(0, 5)]) == REFUSED
+    sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, 0))
+    (ack,) = sea.step().named("MISSION_ACK")
+    assert ack.type == REFUSED
+    assert plan_of(sea) == as_sent(CORNER) and sea.state == "AUTO"
+    sea.mode(HOLD)
+    assert Planner(sea).send([at(0, 5)]) == ITEM_ACCEPTED
+
+
+def test_an_upload_that_began_before_auto_does_not_end_in_it() -> None:
+    sea = at_sea(CORNER)
+    sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, 1, 0))
+    sea.step()
+    sea.mode(AUTO)
+    sea.step()
+    sea.say(at(0, 5).message(0))
+    (ack,) = sea.step().named("MISSION_ACK")
+    assert ack.type == REFUSED and plan_of(sea) == as_sent(CORNER) and sea.state == "AUTO"
+
+
+def test_pause_stops_the_boat_and_continue_sails_on() -> None:
+    sea = sailing(CORNER)
+    sea.run(10.0)
+    assert acks(sea.order(PAUSE, 0.0)) == [(PAUSE, ACCEPTED)]
+    sea.run(10.0)
+    stopped = place(sea)
+    sea.run(10.0)
+    assert math.dist(place(sea), stopped) < 0.02 and progress(sea)[2] == PAUSED
+    assert sea.state == "AUTO"
+    sea.order(PAUSE, 1.0)
+    sea.run(40.0)
+    assert place(sea) == pytest.approx((10, 10), abs=0.05)
+
+
+def test_pause_is_for_auto_only_and_a_new_auto_is_not_paused() -> None:
+    sea = at_sea(CORNER)
+    assert acks(sea.order(PAUSE, 0.0)) == [(PAUSE, TEMPORARILY_REJECTED)]
+    assert acks(sea.order(PAUSE, 2.0)) == [(PAUSE, DENIED)]
+    sea.mode(AUTO)
+    sea.step()
+    sea.order(PAUSE, 0.0)
+    sea.mode(HOLD)
+    sea.mode(AUTO)
+    sea.run(10.0)
+    assert place(sea)[0] > 2.0
+
+
+@pytest.mark.parametrize("old", [False, True])
+def test_the_operator_chooses_the_next_item(old: bool) -> None:
+    sea = sailing([at(0, 10), at(10, 0), at(10, 5)])
+    sea.run(3.0)
+    if old:
+        sea.say(mavlink.MAVLink_mission_set_current_message(BOAT, 1, 1))
+    else:
+        assert acks(sea.order(SET_CURRENT, 1.0)) == [(SET_CURRENT, ACCEPTED)]
+    ticks = sea.run(50.0)
+    assert reached(ticks) == [1, 2] and place(sea) == pytest.approx((10, 5), abs=0.05)
+    assert acks(sea.order(SET_CURRENT, 3.0)) == [(SET_CURRENT, DENIED)]
+    sea.order(SET_CURRENT, 0.0)
+    ticks = sea.run(90.0)
+    assert reached(ticks) == [0, 1, 2]
+
+
+def test_auto_goes_on_where_it_was_left() -> None:
+    sea = sailing([at(10, 0), at(10, 10), at(0, 10)])
+    sea.run(30.0)
+    assert progress(sea)[0] == 1
+    sea.mode(HOLD)
+    sea.run(3.0)
+    assert progress(sea) == (1, 3, PAUSED)
+    sea.mode(AUTO)
+    ticks = sea.run(60.0)
+    assert reached(ticks) == [1, 2] and place(sea) == pytest.approx((0, 10), abs=0.05)
+
+
+def test_a_plan_that_was_sailed_is_sailed_again_from_its_beginning() -> None:
+    sea = sailing([at(5, 0), at(0, 0)])
+    sea.run(60.0)
+    assert progress(sea)[2] == COMPLETE
+    sea.mode(HOLD)
+    sea.mode(AUTO)
+    assert reached(sea.run(80.0)) == [0, 1]
+
+
+def test_speeds_and_waits_of_the_plan_are_kept() -> None:
+    plan = [speed(0.3), at(6, 0, hold_s=6.0), speed(0.8), at(20, 0), Item(DELAY, (5.0, 0, 0, 0))]
+    sea = sailing(plan)
+    sea.run(12.0)
+    assert sea.hull.seen.u == pytest.approx(0.3, abs=0.01)
+    ticks = sea.run(14.0)
+    assert reached(ticks) == [1] and place(sea)[0] == pytest.approx(6.0, abs=0.05)
+    ticks = sea.run(16.0)
+    assert sea.hull.seen.u == pytest.approx(0.8, abs=0.02)
+    ticks += sea.run(20.0)
+    assert reached(ticks) == [3] and progress(sea)[2] == COMPLETE
+
+
+def test_a_loiter_without_end_is_the_end() -> None:
+    sea = sailing([at(5, 0), Item(LOITER, x=0, y=0), at(10, 10)])
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((5, 0), abs=0.05) and sea.state == "AUTO"
+
+
+def test_the_propellers_stop_where_the_own_state_is_lost_and_do_not_start_by_themselves() -> None:
+    sea = sailing(CORNER)
+    sea.run(5.0)
+    sea.own.on = False
+    sea.run(1.0)
+    assert sea.state == "HOLD" and not any(sea.commands)
+    sea.own.on = True
+    sea.run(5.0)
+    assert sea.state == "HOLD" and not any(sea.commands)
+    sea.mode(AUTO)
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((10, 10), abs=0.05)
+
+
+def test_a_plan_beyond_the_fence_ends_there() -> None:
+    sea = sailing([at(30, 0)], {"FS_FENCE_M": 10.0})
+    sea.run(60.0)
+    assert sea.state == "HOLD" and 9 < place(sea)[0] < 13
+
+
+def test_a_boat_that_a_current_carries_away_is_not_driven_on_for_ever() -> None:
+    sea = sailing([at(60, 0)])
+    sea.hull.push = (-80.0, 0.0)  # more than both propellers
+    sea.run(60.0)
+    assert sea.state == "HOLD" and not any(sea.commands)
+
+
+class Weak(Afloat):
+    """A boat whose propellers have a tenth of the thrust that its parameters tell."""
+
+    def obeyed(self, commands: tuple[int, ...]) -> tuple[int, ...]:
+        return tuple(command // 10 for command in commands)
+
+
+def test_the_plan_waits_for_a_boat_that_the_wind_slows_down() -> None:
+    sea = sailing([at(15, 0)], {"THR_FWD_MAX": 2.0, "THR_REV_MAX": 2.0}, kind=Weak)
+    sea.run(5.0)
+    sea.hull.push = (-2.5, 0.0)  # of 4 N
+    sea.run(20.0)
+    error = sea.snapshot()["error"]
+    assert 1.0 < math.hypot(error["x_m"], error["y_m"]) < 1.5 and sea.hull.seen.u < 0.45
+    sea.run(40.0)
+    assert sea.state == "AUTO" and place(sea)[0] == pytest.approx(15, abs=0.7)
+
+
+@pytest.mark.parametrize("current", [(-0.3, 0.0), (0.0, 0.3), (0.4, -0.2)])
+def test_a_boat_sails_its_plan_in_a_current_and_stays_at_its_end(
+    current: tuple[float, float],
+) -> None:
+    sea = at_sea(CORNER)
+    sea.hull.current = current
+    sea.run(3.0)
+    sea.mode(AUTO)
+    sea.run(120.0)
+    assert sea.state == "AUTO" and place(sea) == pytest.approx((10, 10), abs=0.05)
+    sea.run(60.0)
+    assert sea.state == "AUTO" and place(sea) == pytest.approx((10, 10), abs=0.05)
+
+
+@pytest.mark.parametrize("plan_first", [True, False])
+def test_a_boat_changes_between_auto_and_formation(plan_first: bool) -> None:
+    sea = Afloat(leader=None)
+    sea.run(2.0)
+    Planner(sea).send([at(20, 0)])
+    sea.arm()
+    sea.step()
+    for mode in (AUTO, FORMATION) if plan_first else (FORMATION, AUTO):
+        assert acks(sea.mode(mode)) == [(SET_MODE, ACCEPTED)]
+        sea.run(2.0)
+        assert sea.state == ("AUTO" if mode == AUTO else "FORMATION")
+
+
+def test_sticks_end_auto_only_when_they_are_asked_to() -> None:
+    sea = sailing(CORNER)
+    for _ in range(20):
+        sea.say(mavlink.MAVLink_manual_control_message(BOAT, 500, 0, 500, 0, 0))
+        sea.run(0.1)
+    assert sea.state == "AUTO"
+
+
+def test_an_order_for_auto_that_comes_again_changes_nothing() -> None:
+    sea = sailing(CORNER)
+    sea.run(10.0)
+    before = progress(sea)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+    sea.run(1.0)
+    assert progress(sea) == before and sea.state == "AUTO" and place(sea)[0] > 3.5
+
+
+def test_a_boat_in_auto_tells_its_formation_the_motion_of_its_plan() -> None:
+    sea = sailing([at(30, 0)])
+    told = named(sea.run(10.0), "FORMATION_REFERENCE")
+    assert 95 <= len(told) <= 101
+    assert {(m.root, m.maker, m.flags & 1) for m in told[10:]} == {(BOAT, BOAT, 1)}
+    last = told[-1]
+    assert not any(last.path) and (last.offset_north, last.offset_east) == (0, 0)
+    assert last.north / 1024 == pytest.approx(place(sea)[0], abs=0.1)
+    assert last.u / 1024 == pytest.approx(0.5, abs=0.001)
