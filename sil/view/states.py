@@ -14,13 +14,13 @@ def held_by(conditions: int, state: str) -> tuple[str, ...]:
     """The boat's message for each unmet condition that keeps it out of FORMATION.
 
     `conditions`: the bits of `flotilla.supervisor_conditions()`, set if met. A boat that can sail
-    its plan needs no leader. A disarmed boat also needs the conditions for arming. The most
+    its plan is armed without a leader. A disarmed boat also needs the conditions for arming. The most
     important comes first; empty for a boat in FORMATION or AUTO.
     """
     if state in ("FORMATION", "AUTO"):
         return ()
     met = [c["name"] for c in _CONDITIONS if conditions >> c["bit"] & 1]
-    sails = flotilla.supervise("HOLD", "AUTO", met)["granted"]
+    sails = state == "DISARMED" and flotilla.supervise("HOLD", "AUTO", met)["granted"]
     missing = set() if sails else set(flotilla.supervise("HOLD", "FORMATION", met)["missing"])
     if state == "DISARMED":
         missing |= set(flotilla.supervise("DISARMED", "arm", met)["missing"])

@@ -8,10 +8,11 @@ from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.plans import Planner, at
 from tests.target.sea import Sea, Tick
 from tests.target.stations import BOAT, Station
 
-MANUAL, STICKS_EVERY_S = 0, 0.05
+MANUAL, AUTO, STICKS_EVERY_S = 0, 10, 0.05
 MOTOR_TEST, TERMINATE, STORAGE, STANDARD_MODE = 209, 185, 245, 262
 REQUEST_MESSAGE, GET_INTERVAL, SET_INTERVAL = 512, 510, 511
 REAL32 = mavlink.MAV_PARAM_TYPE_REAL32
@@ -95,6 +96,15 @@ def enter_fault(sea: Sea) -> None:
     assert sea.state == "FAULT", sea.snapshot()
 
 
+def enter_auto(sea: Sea) -> None:
+    """Enter AUTO with a plan of one waypoint."""
+    sea.enter_hold()
+    Planner(sea).send([at(20, 0)])
+    sea.mode(AUTO)
+    sea.step()
+    assert sea.state == "AUTO", sea.snapshot()
+
+
 #: How to bring a boat into each state.
 ENTER = {
     "DISARMED": Sea.settle,
@@ -103,4 +113,5 @@ ENTER = {
     "FORMATION": Sea.enter_formation,
     "TEST": enter_test,
     "FAULT": enter_fault,
+    "AUTO": enter_auto,
 }

@@ -20,7 +20,7 @@ from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import COMPONENT, SYSTEM
 from tests.loop.vessel import Vessel, VirtualLeader
 
-STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT")
+STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO")
 _NOWHERE = (0, 0)
 
 Array = NDArray[Any]

@@ -105,13 +105,14 @@ def test_the_corner_is_rounded_within_its_radius() -> None:
     assert 0.2 < nearest < 0.55
 
 
-@pytest.mark.parametrize("way", ["mode", "command", "standard mode"])
+@pytest.mark.parametrize("way", ["mode", "command", "standard mode", "PX4's"])
 def test_each_way_to_ask_for_auto(way: str) -> None:
     sea = at_sea(CORNER)
     order = {
         "mode": (SET_MODE, 1.0, 10.0),
         "command": (MISSION_START,),
         "standard mode": (STANDARD_MODE, 6.0),
+        "PX4's": (SET_MODE, 129.0, 4.0, 4.0, *[math.nan] * 4),  # MAVSDK's start_mission()
     }[way]
     assert acks(sea.order(int(order[0]), *order[1:])) == [(order[0], ACCEPTED)]
     sea.step()

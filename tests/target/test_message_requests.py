@@ -35,7 +35,7 @@ ASKED_FOR = [148, 242, 49, MODES, 436, 397, 1, 0, INTERVAL, 33, 32, 30, ODOMETRY
 ALSO_TOLD = [2, 62, 85, 144, 147, 245, 251, 290, 291]
 NEEDS_OWN_STATE = [49, 33, 32, 30, ODOMETRY, 62, 85, 144]
 QUIET = {"SR_STATE": 0.0, "SR_SLOW": 0.0}
-MAVLINK2, COMMAND_INT, PARAM_BYTEWISE, FTP = 8192, 8, 16, 32  # as capabilities
+MAVLINK2, MISSION_INT, COMMAND_INT, PARAM_BYTEWISE, FTP = 8192, 4, 8, 16, 32  # as capabilities
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def answered(tick: Tick, command: int, result: int, link: int = 0) -> list[Any]:
 def test_what_is_asked_for_follows_its_ack(quiet: Sea, message_id: int, unused: float) -> None:
     others = answered(quiet.order(REQUEST, message_id, *[unused] * 6), REQUEST, ACCEPTED)
     assert others and {m.get_type() for m in others} == {kind_of(message_id)}
-    assert len(others) == {MODES: 3, 251: 22}.get(message_id, 1)
+    assert len(others) == {MODES: 4, 251: 22}.get(message_id, 1)
     assert not named(quiet.run(0.5), "COMMAND_ACK")
 
 
@@ -168,19 +168,21 @@ def test_each_mode_is_described_once(quiet: Sea) -> None:
         (1, 0, "MANUAL"),
         (2, 4, "HOLD"),
         (3, 6, "FOLLOW"),
+        (4, 10, "AUTO"),
     ]
     for m in told:
-        assert m.number_modes == 3 and m.standard_mode == 0
-        assert m.properties == (4 if m.custom_mode == 6 else 0)  # AUTO_MODE
+        assert m.number_modes == 4
+        assert m.standard_mode == (6 if m.custom_mode == 10 else 0)  # MISSION
+        assert m.properties == (4 if m.custom_mode > 4 else 0)  # AUTO_MODE
 
 
-@pytest.mark.parametrize("index", [1, 2, 3])
+@pytest.mark.parametrize("index", [1, 2, 3, 4])
 def test_a_mode_is_described_by_its_index(quiet: Sea, index: int) -> None:
     (mode,) = answered(quiet.order(REQUEST, MODES, float(index)), REQUEST, ACCEPTED)
-    assert (mode.mode_index, mode.custom_mode) == (index, (0, 4, 6)[index - 1])
+    assert (mode.mode_index, mode.custom_mode) == (index, (0, 4, 6, 10)[index - 1])
 
 
-@pytest.mark.parametrize("index", [4.0, 255.0, 257.0, 65535.0])
+@pytest.mark.parametrize("index", [5.0, 255.0, 257.0, 65535.0])
 def test_an_unknown_mode_index_is_refused_at_once(quiet: Sea, index: float) -> None:
     assert answered(quiet.order(REQUEST, MODES, index), REQUEST, UNSUPPORTED) == []
 
@@ -198,6 +200,7 @@ DEFAULTS_US = {
     30: 100_000,
     32: 100_000,
     33: 500_000,
+    42: 1_000_000,
     49: 1_000_000,
     62: 1_000_000,
     85: 1_000_000,
@@ -254,7 +257,7 @@ def test_odometry_tells_the_velocity_along_the_boats_own_axes() -> None:
 
 def test_the_version_tells_what_the_boat_can_do_and_no_more(quiet: Sea) -> None:
     (told,) = answered(quiet.order(REQUEST, 148.0), REQUEST, ACCEPTED)
-    assert told.capabilities == MAVLINK2 | COMMAND_INT | PARAM_BYTEWISE | FTP
+    assert told.capabilities == MAVLINK2 | MISSION_INT | COMMAND_INT | PARAM_BYTEWISE | FTP
     major, minor = (int(part) for part in flotilla.__version__.split(".")[:2])
     assert told.flight_sw_version >> 16 == major << 8 | minor
     revision = bytes(told.flight_custom_version).rstrip(b"\0").decode("ascii")

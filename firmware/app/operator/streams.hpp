@@ -57,7 +57,7 @@ inline constexpr std::array kStreams{
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
 };
 
-constexpr std::size_t kOriginStream = 0;
+constexpr std::size_t kOriginStream = 0, kPlanStream = 9;
 /// The state that followers need, at SR_STATE's pace.
 constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
 constexpr std::size_t kReferenceStream = 3;

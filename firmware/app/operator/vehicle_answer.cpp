@@ -80,7 +80,8 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   DecodedCommand asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
-  const bool autopilots = drives(asked.request) || unknown || at_rest;
+  const bool of_plan = asked.item || asked.paused;
+  const bool autopilots = drives(asked.request) || of_plan || unknown || at_rest;
   if (identity_.is_autopilots(command.target) && autopilots) return;
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
     asked = {mav::kDenied};
@@ -100,7 +101,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
       !streams_.set(link, asked.rate->id, asked.rate->interval_us, links_.bucket(link).limit())) {
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
-  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);
+  if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not if denied
   if (asked.message) {
     freshen();
     asked.result = answer_of(link, *asked.message);

@@ -213,7 +213,7 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// A stream with nothing to send yet stays due. If a slow link cannot carry all its messages at
+/// A stream with nothing to send yet stays due, but for the plan's: many boats never have one. If a slow link cannot carry all its messages at
 /// once, it continues in a later tick, before all others except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
@@ -230,7 +230,8 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
     links_.send(link, *message, counters);
   }
   begun = {};
-  return told > 0 && schedule.take_if_due(now_us_);
+  if (told > 0 || stream == kPlanStream) schedule.take_if_due(now_us_);
+  return told > 0;
 }
 
 bool Vehicle::tell_parameters(std::size_t link, link::Counters& counters) {

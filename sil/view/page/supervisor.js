@@ -10,7 +10,7 @@ function supervise(state, request, met) {
   const { table, drives } = CONFIG.supervisor;
   const has = new Set(met);
   const mayDrive = (now) => now in drives && drives[now].every((name) => has.has(name));
-  const missing = new Set();
+  let missing = [];
   for (const [i, row] of table.entries()) {
     if (!row.from.includes(state) || row.request !== request) continue;
     const unmet = row.needs.filter((name) => !has.has(name));
@@ -18,8 +18,8 @@ function supervise(state, request, met) {
     if (!unmet.length && (!row.lacks.length || lost.length)) {
       return { state: row.to, granted: true, missing: lost, drives: mayDrive(row.to), row: i };
     }
-    for (const name of unmet) missing.add(name);
+    missing = unmet;
   }
-  const refused = request === "nothing" ? [] : [...missing];
+  const refused = request === "nothing" ? [] : missing;
   return { state, granted: false, missing: refused, drives: mayDrive(state), row: null };
 }

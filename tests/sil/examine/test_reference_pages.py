@@ -28,16 +28,23 @@ def row_of(table: str, name: str) -> list[str]:
 
 def test_the_page_tells_what_a_loss_does_and_how_the_boat_comes_back() -> None:
     losses = supervisor_page.loss_table()
-    assert row_of(losses, "escs_online") == ["FAULT; disarm first"] * 5
-    assert row_of(losses, "leader_fresh") == ["", "", "COAST; by itself", "", ""]
-    assert row_of(losses, "own_fresh") == ["", "", "HOLD; asked for", "HOLD; asked for", ""]
+    assert row_of(losses, "escs_online") == ["FAULT; disarm first"] * 6
+    assert row_of(losses, "leader_fresh") == ["", "", "COAST; by itself", "", "", ""]
+    assert row_of(losses, "own_fresh") == [
+        "",
+        "",
+        "HOLD; asked for",
+        "HOLD; asked for",
+        "",
+        "HOLD; asked for",
+    ]
     assert row_of(losses, "coast_running")[3] == "HOLD; asked for"
 
 
 def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit() -> None:
     conditions = supervisor_page.condition_table()
-    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for FORMATION"]
-    assert row_of(conditions, "gcs_heard")[-2:] == ["`FS_GCS_S`", "to arm, for FORMATION"]
+    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for FORMATION, for AUTO"]
+    assert row_of(conditions, "gcs_heard")[-2:] == ["`FS_GCS_S`", "to arm, for FORMATION, for AUTO"]
     assert row_of(conditions, "sticks_centred")[-2:] == ["", "for thrust in MANUAL"]
     assert row_of(conditions, "sticks_fresh")[-2:] == ["", "for MANUAL"]
     assert all(name in conditions for name in some(supervisor_page.NAMES))

@@ -62,7 +62,7 @@ def test_supervisor_is_the_firmwares() -> None:
     assert content["table"] == flotilla.supervisor_table()
     assert content["conditions"] == flotilla.supervisor_conditions()
     assert set(content["requests"]) == {row["request"] for row in flotilla.supervisor_table()}
-    assert set(content["drives"]) == {"MANUAL", "FORMATION", "COAST", "TEST"}
+    assert set(content["drives"]) == {"MANUAL", "FORMATION", "COAST", "AUTO", "TEST"}
 
 
 def test_choices_are_those_of_the_table() -> None:

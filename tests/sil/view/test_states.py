@@ -23,4 +23,4 @@ def test_what_holds_a_boat_is_what_formation_needs_in_the_boats_own_words() -> N
 
 
 def test_numbers_of_conditions_that_there_are_not_say_nothing() -> None:
-    assert held_by(ALL | 1 << 30, "HOLD") == ()
+    assert held_by(ALL | 1 << 40, "HOLD") == ()
