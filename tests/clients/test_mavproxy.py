@@ -63,7 +63,7 @@ def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy,
         "6": "Mode FOLLOW",
         "HOLD": "COMMAND_ACK: DO_SET_MODE: ACCEPTED",
         "MANUAL": "Refused: no sticks: MANUAL_CONTROL is silent",
-    }.get(mode, "Refused: modes: 0 MANUAL, 4 HOLD, 6 FOLLOW")
+    }.get(mode, "Refused: only 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO")
     ready.tell(f"mode {mode}", answer)
     formation = mode in {"FOLLOW", "6"}
     sea.until(lambda: sea.state == ("FORMATION" if formation else "HOLD"))

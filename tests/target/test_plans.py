@@ -59,7 +59,7 @@ def many(count: int) -> list[Item]:
 def test_a_plan_that_was_sent_comes_back_bit_for_bit(planner: Planner, sea: Sea) -> None:
     assert planner.send(SQUARE) == ITEM_ACCEPTED
     assert plan_of(sea) == as_sent(SQUARE)
-    assert texts(sea.ticks)[-1] == "plan of 5 items stored"
+    assert texts(sea.ticks)[-1] == "Plan of 5 items stored"
 
 
 def test_a_boat_has_no_plan_at_first(planner: Planner, sea: Sea) -> None:

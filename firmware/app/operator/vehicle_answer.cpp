@@ -61,7 +61,7 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
     send_statustext(mav::kSeverityWarning, {told.text()}, counters);
     return;
   }
-  told << "plan of " << static_cast<float>(missions_.plan().size()) << " items stored";
+  told << "Plan of " << static_cast<float>(missions_.plan().size()) << " items stored";
   send_statustext(mav::kSeverityInfo, {told.text()}, counters);
   streams_.make_due(link::MissionCurrent::kId);
 }
