@@ -11,7 +11,7 @@
 //   C = Y/cos θ            from the waypoint to the curve
 //
 //  symbol  meaning                                             unit   tested range
-//  Δ       change of course                                    rad    ±2.6
+//  Δ       change of course                                    rad    ±2.8
 //  θ_0     turn of each clothoid in a sharp corner             rad    0 … 1
 //  R       radius of the arc                                   m      0 … 500
 //

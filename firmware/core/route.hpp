@@ -13,7 +13,7 @@
 //  l            distance to the next corner                          m         0 … 3000
 //  b            distance of the outermost slot from the leader       m         0 … 100
 //
-// At a waypoint with a wait, at the last one, and before a turn of more than 150° the vessel stops
+// At a waypoint with a wait, at the last one, and before a turn of more than 160° the vessel stops
 // on the waypoint, waits, and turns on the spot.
 //
 // Not in paper, where the virtual leader's input is given.
@@ -94,7 +94,7 @@ S turn_at(Waypoints<S> points, std::size_t i) {
 template <class S>
 bool stops_at(Waypoints<S> points, std::size_t i) {
   return i == 0 || i + 1 >= points.size() || S(0) < points[i].wait ||
-         S(2.6) < abs(turn_at(points, i));
+         S(2.8) < abs(turn_at(points, i));
 }
 
 /// The corner at waypoint i, where the vessel does not stop, and the speed in it.

@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("a corner ends on the next leg with its course", S, float, do
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int i = 0; i < 300; ++i) {
-    const double turn = random(-2.6, 2.6), theta_0 = random(0.05, 1.0), R = random(0.5, 30);
+    const double turn = random(-2.8, 2.8), theta_0 = random(0.05, 1.0), R = random(0.5, 30);
     const auto shape = corner_shape(in_scalar<S>(turn), in_scalar<S>(theta_0));
     const auto corner = corner_of(shape, in_scalar<S>(turn), in_scalar<S>(R));
     // Integrated by small steps of the tested curvature, in double.

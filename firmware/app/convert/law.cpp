@@ -80,6 +80,7 @@ core::RouteParams<S> route_params(const Parameters& p) {
   const float rate = std::min(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 2 : 1, moment / p.VES_D33);
   out.yaw_rate = core::min(out.yaw_rate, scalar<S>(rate));
   out.half_width = scalar<S>(p.WP_WIDTH);
+  out.radius = scalar<S>(1.25F * p.WP_WIDTH);  // the slot on the inside keeps steerage way
   return out;
 }
 

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: MIT
+"""A boat sails its plan and three others follow: the page's figures, and their limits."""
+
+import pytest
+
+from tests import measurements
+from tests.loop.leading import ROUTES, WELL, Sailed, sail
+
+
+@pytest.fixture(scope="module")
+def calm() -> dict[str, Sailed]:
+    return sail(list(ROUTES))
+
+
+@pytest.fixture(scope="module")
+def rough() -> dict[str, Sailed]:
+    return sail(list(ROUTES), "sea")
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_the_fleet_sails_the_plan_in_a_current_with_a_weak_propeller(
+    calm: dict[str, Sailed], name: str
+) -> None:
+    it = calm[name]
+    assert it.states == WELL
+    assert it.mean_m <= 0.08 and it.worst_m <= 0.35 and it.corner_m <= 0.25
+    assert it.speed >= 0.95 and it.rms_m <= 0.10 and it.closest >= 0.8
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_the_fleet_sails_the_plan_in_wind_and_a_strong_current(
+    rough: dict[str, Sailed], name: str
+) -> None:
+    it = rough[name]
+    assert it.states == WELL
+    assert it.mean_m <= 0.2 and it.speed >= 0.95 and it.rms_m <= 0.3 and it.closest >= 0.8
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_the_figures_are_those_of_the_page(
+    calm: dict[str, Sailed], rough: dict[str, Sailed], name: str
+) -> None:
+    for weather, it in (("calm", calm[name]), ("wind", rough[name])):
+        noted = measurements.numbers(" ".join(measurements.row(f"{name}, {weather}")))
+        figures = (it.mean_m, it.worst_m, it.corner_m, it.cut_m, it.speed, it.rms_m, it.closest)
+        assert noted == pytest.approx(figures, rel=0.05, abs=0.011)
