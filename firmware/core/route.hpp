@@ -251,7 +251,7 @@ void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState
       motion.nu.u = towards(before.u, min(pace * leg_speed, possible), du);
       S ds = state.way_rest.take(S(0.5) * (before.u + motion.nu.u), h);
       const bool at_stop = left < S(0.001) && before.u < S(2) * du;
-      if (!rounds && !(S(0) < at_end) && (at_stop || left < ds)) {
+      if (!rounds && !(S(0) < at_end) && (at_stop || !(ds < left))) {
         motion.nu.u = S(0);
         route::begin_next(params, points, state);
         motion.nu.r = S(0);
@@ -262,6 +262,10 @@ void route_forward(const RouteParams<S>& params, Waypoints<S> points, RouteState
         route::move(state, rest);
         ds = ds - rest;
         route::begin_next(params, points, state);
+      }
+      if (state.phase == kWait) {
+        motion.nu = {};
+        break;
       }
       route::move(state, ds);
       motion.nu.r = state.phase == kCorner && S(0) < state.corner.length

@@ -16,8 +16,8 @@ Level = Literal["good", "fair", "bad"]
 class Verdict(NamedTuple):
     """One line, and its level.
 
-    "bad": boats came too near, or one was in none of FORMATION, COAST and AUTO; "fair": one does not stay
-    in its slot to the end.
+    "bad": boats came too near, or one was in none of FORMATION, COAST and AUTO; "fair": one does
+    not stay in its slot to the end.
     """
 
     level: Level

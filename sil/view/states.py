@@ -14,8 +14,8 @@ def held_by(conditions: int, state: str) -> tuple[str, ...]:
     """The boat's message for each unmet condition that keeps it out of FORMATION.
 
     `conditions`: the bits of `flotilla.supervisor_conditions()`, set if met. A boat that can sail
-    its plan is armed without a leader. A disarmed boat also needs the conditions for arming. The most
-    important comes first; empty for a boat in FORMATION or AUTO.
+    its plan is armed without a leader. A disarmed boat also needs the conditions for arming. The
+    most important comes first; empty for a boat in FORMATION or AUTO.
     """
     if state in ("FORMATION", "AUTO"):
         return ()

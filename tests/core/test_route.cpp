@@ -5,6 +5,7 @@
 
 #include "core/arbitrary.hpp"
 #include "core/route.hpp"
+#include "core/scalar/overflow.hpp"
 
 namespace flotilla::core {
 namespace {
@@ -171,6 +172,23 @@ TEST_CASE_TEMPLATE("random routes are sailed to their end within the limits", S,
         nearest = std::min(nearest, distance(route[k].place, s.north, s.east));
       CHECK(nearest <= route[k].reach + 0.02);
     }
+  }
+}
+
+TEST_CASE("legs of any length end at rest, also where a step ends exactly on the waypoint") {
+  const Q16 lsb = Q16::of_raw(1), far = Q16(3);
+  (void)take_overflow<Q16>();
+  for (Q16 length = far; length < far + Q16(500) * lsb; length = length + lsb) {
+    std::vector<Waypoint<Q16>> points(2);
+    points[1] = {{length, Q16{}}, Q16(1) / Q16(2), Q16(2), Q16{}};
+    const RouteParams<Q16> params;
+    auto state = route_start<Q16>(params, points);
+    for (int k = 0; k < 2000 && state.phase != RoutePhase::kArrived; ++k) {
+      route_forward<Q16>(params, points, state, Q16(1), in_scalar<Q16>(0.01));
+    }
+    REQUIRE(state.phase == RoutePhase::kArrived);
+    REQUIRE(state.motion.moved_n.x.raw() == length.raw());
+    REQUIRE_FALSE(take_overflow<Q16>());
   }
 }
 

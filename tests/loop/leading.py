@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sil.lockstep.batch import Batch
+from sil.lockstep.policies import violations
 from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.scenario.route import ACCELERATION_MPS2, YAW_ACCELERATION_RADPS2
@@ -254,6 +255,7 @@ def sail(
             t_us += batch.h_us
             batch.tick(t_us)
             batch.bodies.advance(batch.command, tau, h_s)
+    assert not violations(batch), violations(batch)
     words = [[flotilla.STATES[state] for state in row] for row in batch.states.tolist()]
     return {
         name: judge(eta[:, run], plans[name], ROUTES[name][0], tuple(words[run]))

@@ -43,9 +43,10 @@ def at_sea(
     parameters: dict[str, float] | None = None,
     *,
     kind: type[Afloat] = Afloat,
+    scalar: str = "float",
 ) -> Afloat:
     """An armed boat with a plan, without a leader."""
-    sea = kind(parameters, hull=Hull())
+    sea = kind(parameters, hull=Hull(), scalar=scalar)
     sea.leader.on = False
     sea.run(2.0)
     if plan:
@@ -61,8 +62,9 @@ def sailing(
     parameters: dict[str, float] | None = None,
     *,
     kind: type[Afloat] = Afloat,
+    scalar: str = "float",
 ) -> Afloat:
-    sea = at_sea(plan, parameters, kind=kind)
+    sea = at_sea(plan, parameters, kind=kind, scalar=scalar)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
     sea.step()
     assert sea.state == "AUTO"
@@ -344,3 +346,24 @@ def test_a_boat_in_auto_tells_its_formation_the_motion_of_its_plan() -> None:
     assert not any(last.path) and (last.offset_north, last.offset_east) == (0, 0)
     assert last.north / 1024 == pytest.approx(place(sea)[0], abs=0.1)
     assert last.u / 1024 == pytest.approx(0.5, abs=0.001)
+
+
+@pytest.mark.parametrize("scalar", ["double", "q16"])
+def test_every_arithmetic_sails_the_plan(scalar: str) -> None:
+    sea = sailing(CORNER, scalar=scalar)
+    assert reached(sea.run(60.0)) == [0, 1]
+    assert sea.state == "AUTO" and place(sea) == pytest.approx((10, 10), abs=0.06)
+
+
+@pytest.mark.parametrize("scalar", ["float", "q16"])
+def test_the_longest_waits_one_after_another_are_no_overflow(scalar: str) -> None:
+    wait = Item(DELAY, (30000.0, 0, 0, 0))
+    sea = sailing([at(3, 0, hold_s=30000.0), wait, wait, at(3, 0, hold_s=30000.0)], scalar=scalar)
+    sea.run(60.0)
+    assert sea.state == "AUTO" and place(sea) == pytest.approx((3, 0), abs=0.05)
+
+
+def test_a_plan_of_many_items_is_sailed_item_by_item() -> None:
+    plan = [at(2.0 * k, 2.0 * (k % 2)) for k in range(1, 41)]
+    sea = sailing(plan)
+    assert reached(sea.run(320.0)) == list(range(40)) and progress(sea) == (39, 40, COMPLETE)

@@ -143,7 +143,7 @@ def test_a_plan_is_cleared(planner: Planner, sea: Sea, way: str) -> None:
 
 GOOD = [
     at(1, 2),
-    at(1, 2, hold_s=86400, radius_m=100),
+    at(1, 2, hold_s=30000, radius_m=100),
     Item(LOITER),
     Item(LOITER_TIME, (30.0, 0.0, 0.0, NAN)),
     *[Item(frame=frame) for frame in (0, 3, 5, 6, 11)],
@@ -157,7 +157,7 @@ BAD = [
     (Item(frame=1), UNSUPPORTED_FRAME),  # local
     (Item(frame=2), UNSUPPORTED_FRAME),  # of no place
     (Item(params=(-1.0, 0.0, 0.0, NAN)), INVALID_PARAM1),
-    (Item(params=(86401.0, 0.0, 0.0, NAN)), INVALID_PARAM1),
+    (Item(params=(30001.0, 0.0, 0.0, NAN)), INVALID_PARAM1),
     (Item(params=(math.inf, 0.0, 0.0, NAN)), INVALID_PARAM1),
     (Item(params=(0.0, -1.0, 0.0, NAN)), INVALID_PARAM2),
     (Item(params=(0.0, 101.0, 0.0, NAN)), INVALID_PARAM2),
@@ -167,6 +167,7 @@ BAD = [
     (Item(x=0, y=0), INVALID_Y),  # the Gulf of Guinea, and no place at all
     (Item(SPEED, (2.0, 1.0, -1.0, 0.0)), INVALID_PARAM1),
     (Item(SPEED, (1.0, 0.01, -1.0, 0.0)), INVALID_PARAM2),
+    (Item(SPEED, (1.0, 5.1, -1.0, 0.0)), INVALID_PARAM2),
     (Item(SPEED, (1.0, math.inf, -1.0, 0.0)), INVALID_PARAM2),
     (Item(DELAY, (-1.0, 0.0, 0.0, 0.0)), INVALID_PARAM1),
     (at(2001, 0), INVALID_X),  # from the first
@@ -369,6 +370,18 @@ def test_plans_of_others_are_not_ours(planner: Planner, sea: Sea, target: tuple[
     ticks = sea.run(0.2)
     assert not named(ticks, "MISSION_COUNT") and not named(ticks, "MISSION_ACK")
     assert plan_of(sea) == as_sent(SQUARE)
+
+
+@pytest.mark.parametrize("current", [2, 3])
+def test_go_there_now_of_ardupilots_clients_is_refused(
+    planner: Planner, sea: Sea, current: int
+) -> None:
+    planner.send(SQUARE)
+    message = at(9, 9).message(0)
+    message.current = current
+    sea.say(message)
+    (ack,) = sea.step().named("MISSION_ACK")
+    assert ack.type == UNSUPPORTED_ITEM and plan_of(sea) == as_sent(SQUARE)
 
 
 def test_an_acknowledgement_is_not_acknowledged(planner: Planner, sea: Sea) -> None:

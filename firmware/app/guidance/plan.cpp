@@ -9,7 +9,7 @@ namespace {
 
 namespace mav = link::mav;
 
-constexpr float kLongestWait_s = 86'400, kLargestRadius_m = 100, kSlowest_mps = 0.05F;
+constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F, kFastest_mps = 5;
 // MAV_FRAME: global, with altitudes over the sea, over home or over ground, which boats ignore.
 constexpr std::array<std::uint8_t, 5> kGlobalFrames{0, 3, 5, 6, 11};
 
@@ -44,8 +44,8 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
   const float speed_mps = or_zero(item.param[1]);
   if (!is_within(item.param[0], 1)) return {mav::kMissionInvalidParam1, "speed of the boat only"};
   if (speed_mps < 0) return {};  // −1: no change, −2: the default
-  if (speed_mps < kSlowest_mps || !(speed_mps <= 20)) {
-    return {mav::kMissionInvalidParam2, "speed 0.05 to 20 m/s"};
+  if (speed_mps < kSlowest_mps || !(speed_mps <= kFastest_mps)) {
+    return {mav::kMissionInvalidParam2, "speed 0.05 to 5 m/s"};
   }
   if (fastest_mps > 0 && speed_mps > fastest_mps) {
     return {mav::kMissionInvalidParam2, "speed is above LAW_U_MAX"};
@@ -58,7 +58,7 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
 PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults) {
   const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited;
   if (timed && !is_within(item.param[0], kLongestWait_s)) {
-    return {mav::kMissionInvalidParam1, "waits 0 to 86400 s"};
+    return {mav::kMissionInvalidParam1, "waits 0 to 30000 s"};
   }
   if (item.command == mav::kNavWaypoint && !is_within(item.param[1], kLargestRadius_m)) {
     return {mav::kMissionInvalidParam2, "radius 0 to 100 m"};

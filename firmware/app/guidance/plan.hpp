@@ -32,6 +32,9 @@ using PlanDefaults = Configuration::Plan;
 /// All places of a plan lie within this distance of the first one.
 constexpr float kPlanReach_m = 2000;
 
+/// Also of several waits at one place together: Q16.16 reaches to 32,767.
+constexpr float kLongestWait_s = 30'000;
+
 /// Why a plan is refused.
 struct PlanFault {
   std::uint8_t result = link::mav::kMissionAccepted;  ///< MAV_MISSION_RESULT

@@ -57,11 +57,11 @@ template <class S>
 void PlanVessel<S>::add(const PlanPoint& point) {
   const auto [way, near] = convert::way_to<S>(from_, point.place, kFirst_m + kPlanReach_m);
   core::Waypoint<S>& last = points_[count_ - 1];
-  const S wait = convert::scalar<S>(point.wait_s);
+  const S wait = convert::scalar<S>(std::min(point.wait_s, kLongestWait_s));
   const S leg = core::hypot(way.x - last.place.x, way.y - last.place.y);
   sound_ = sound_ && near && (count_ > 1 || leg <= convert::scalar<S>(kFirst_m));
   if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
-    last.wait = last.wait + wait;
+    last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
     items_[count_ - 1] = point.item;
     return;
   }

@@ -105,7 +105,8 @@ std::optional<link::Message> MissionService::begin(const link::MissionCount& cou
 std::optional<link::Message> MissionService::take(const link::MissionItemInt& given,
                                                   const Asker& asker, const PlanDefaults& defaults,
                                                   std::int64_t now_us) {
-  if (given.mission_type != mav::kMissionTypePlan) {
+  constexpr std::uint8_t kCurrent = 1;  // larger: ArduPilot's "go there now"
+  if (given.mission_type != mav::kMissionTypePlan || given.current > kCurrent) {
     return acknowledgement(asker.from, mav::kMissionUnsupported, given.mission_type);
   }
   // A late copy, or an item that nobody has asked for, changes nothing. Who did not hear that his
