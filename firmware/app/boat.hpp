@@ -124,6 +124,14 @@ class Boat {
 
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
+  /// The stored plan, for the host to keep; its id changes with it, and is 0 without one.
+  Plan plan() const { return vehicle_.missions().plan(); }
+  std::uint32_t plan_id() const { return vehicle_.missions().id(); }
+  /// At the start: the plan of before, unless it is not sound.
+  PlanFault restore_plan(Plan plan) {
+    return vehicle_.missions().restore(plan, configuration().plan);
+  }
+
   /// One control step; returns all output.
   Output tick(std::int64_t now_us);
 

@@ -73,6 +73,7 @@ Loop::Loop(const Config& config)
                                                 config.mavlink.size())),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
       node_table_(config.node_id_file()),
+      plan_saver_(config.plan_file()),
       logs_({config.log, candump_name(config.can)}),
       stop_(config.stop.chip, config.stop.line),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
@@ -88,12 +89,30 @@ Loop::Loop(const Config& config)
   if (!config.signing_key.empty()) secure();
   stop_.reopen();
   node_table_.load(boat_->node_ids());
+  restore_plan();
   openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
   for (const auto& link : links_) {
     openers_.emplace_back(kReopen, [&link] { link->reopen(); }, "a MAVLink link");
   }
   openers_.emplace_back(kReopen, [this] { stop_.reopen(); }, "the stop switch");
   for (const std::string& note : parameters_.notes()) messages_.put(note);
+}
+
+void Loop::restore_plan() {
+  const LoadedPlan stored = load_plan(config_.plan_file());
+  if (!stored.note.empty()) messages_.put(stored.note);
+  if (const app::PlanFault fault = boat_->restore_plan(stored.items)) {
+    messages_.put("plan.txt is not used: " + std::string(fault.why));
+  }
+  saved_plan_ = boat_->plan_id();
+}
+
+/// False: try again.
+bool Loop::keep_plan() {
+  if (boat_->plan_id() == saved_plan_) return true;
+  if (!plan_saver_.put(boat_->plan())) return false;
+  saved_plan_ = boat_->plan_id();
+  return true;
 }
 
 void Loop::secure() {
@@ -259,6 +278,8 @@ void Loop::keep_house(std::int64_t now_us) {
           parameters_.maintain(boat_->take_save_request(), boat_->parameters(), now_us)) {
     messages_.put(*news);
   }
+  keep_plan();
+  if (const auto complaint = plan_saver_.complaint()) messages_.put(*complaint);
   // Disk writes may block, so an armed boat does not start them.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
@@ -301,6 +322,7 @@ void Loop::shut_down() {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
   service_manager_.notify("STOPPING=1");
+  while (!keep_plan()) ::sched_yield();
   for (const std::string& news :
        parameters_.finish(boat_->take_save_request(), boat_->parameters())) {
     messages_.put(news);

@@ -13,6 +13,7 @@
 #include "linux/can/can_bus.hpp"
 #include "linux/config/config.hpp"
 #include "linux/files/node_table.hpp"
+#include "linux/files/plan_file.hpp"
 #include "linux/files/saved_parameters.hpp"
 #include "linux/files/signing_time.hpp"
 #include "linux/logs/line_writer.hpp"
@@ -37,6 +38,8 @@ class Loop {
 
  private:
   void secure();
+  void restore_plan();
+  bool keep_plan();
   void ask_for_real_time();
   void wait();
   void read_links(std::int64_t now_us);
@@ -56,6 +59,8 @@ class Loop {
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   std::uint8_t closed_links_ = 0;  // a bit each, as last reported
   NodeTable node_table_;
+  PlanSaver plan_saver_;
+  std::uint32_t saved_plan_ = 0;  // id
   Logs logs_;
   std::optional<SigningTime> signing_time_;  // only with a key
   ServiceManager service_manager_;

@@ -17,6 +17,7 @@ EXAMPLES = (
     "flotilla live diamond --bus mcast:0",
     "tools/with-vcan flotilla live diamond --bus socketcan:vcan0",
     "flotilla live diamond --bus mcast:0 --mavlink mcast:    # and elsewhere: flotilla view mcast:",
+    "flotilla live diamond --bus mcast:0 --gcs udpout:127.0.0.1:14550 --duration 3600",
 )
 
 
@@ -33,6 +34,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--mavlink",
         metavar="mcast:[GROUP:PORT[:ADDRESS]]|udpout:HOST:PORT",
         help="repeat the radio's messages there, for flotilla view and ground stations",
+    )
+    parser.add_argument(
+        "--gcs",
+        metavar="udpout:HOST:PORT",
+        help="a ground station there commands the boats as it would real ones: QGroundControl, "
+        "MAVSDK and MAVProxy listen on 14550",
     )
     parser.add_argument("--duration", type=float, help="seconds (the scenario's)")
 
@@ -55,8 +62,9 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     out = claim(options.out or Path("out") / chosen.name, "summary.json", chosen.name)
     parameters = arguments.parameters_of(options.param)
     repeat = shlex.join(["flotilla", *given])
+    links = options.mavlink, options.gcs
     try:
-        one_run.live(chosen, options.bus, out, parameters, repeat, Console(), options.mavlink)
+        one_run.live(chosen, options.bus, out, parameters, repeat, Console(), *links)
     except (StartError, can.CanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

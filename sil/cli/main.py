@@ -5,6 +5,7 @@ import argparse
 import difflib
 import errno
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -50,7 +51,11 @@ _INTERRUPTED = 130
 
 def main(given: Sequence[str] | None = None) -> int:
     """Exit status: 0 as wanted, 1 a limit missed, 2 a mistake of the caller, 130 interrupted."""
-    given = sys.argv[1:] if given is None else list(given)
+    if given is None:
+        # A live run that is told to end takes its boats with it, as after Ctrl-C.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        given = sys.argv[1:]
+    given = list(given)
     if not given or given[0] in ("-h", "--help"):
         print(_overview())
         return 0 if given else 2

@@ -73,8 +73,9 @@ class LiveWorld:
     """One scenario, ready to be sailed once in real time. A context manager.
 
     `bus`: address of boat 1's bus. `mavlink`: address to which all radio traffic is repeated, as
-    for `sil.wire.mavlink_mcast.Mouth`; None: nowhere. ValueError for an invalid address;
-    can.CanError or OSError if it cannot be opened.
+    for `sil.wire.mavlink_mcast.Mouth`; None: nowhere. `gcs`: the ground station with which every
+    boat has a link of its own, udpout:HOST:PORT. ValueError for an invalid address; can.CanError or
+    OSError if it cannot be opened.
     """
 
     def __init__(
@@ -83,8 +84,12 @@ class LiveWorld:
         bus: str,
         param_overrides: dict[str, float],
         mavlink: str | None = None,
+        gcs: str | None = None,
     ) -> None:
+        if gcs is not None and not gcs.startswith("udpout:"):
+            raise ValueError(f'--gcs "{gcs}": must be udpout:HOST:PORT')
         self._scenario = scenario
+        self._gcs = [] if gcs is None else [f"--mavlink={gcs}"]
         link_rng = generator(scenario.seed, Stream.LINKS)
         clocks = clocks_of(scenario)
         self._parameters = parameters_of(scenario, param_overrides)
@@ -138,7 +143,7 @@ class LiveWorld:
         """Start the boats' processes and sail the scenario; the motion since the release."""
         for boat in self.boats:
             folder = out / f"boat{boat.system}"
-            boat.start(program, folder, f"--log={folder / 'log'}")
+            boat.start(program, folder, f"--log={folder / 'log'}", *self._gcs)
         tick_us = self._start()
         self.release_unix_s = time.time() + 1e-6 * (tick_us - now_us())
         tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])

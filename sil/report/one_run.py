@@ -63,12 +63,13 @@ def live(
     command: str,
     console: Console,
     mavlink: str | None = None,
+    gcs: str | None = None,
 ) -> Summary:
     """Sail `scenario` in real time, a flotillad a boat, and leave the same results but no digest.
 
     `bus` is the address of boat 1's bus; `mavlink` is where what is said over the radio is
-    repeated. Raises as `run`, and OSError or can.CanError where the
-    bus or the other address cannot be opened.
+    repeated; `gcs` is a ground station that may command the boats. Raises as `run`, and OSError or
+    can.CanError where the bus or another address cannot be opened.
     """
     # The bus's libraries are for live runs alone.
     from sil.live import live_world  # noqa: PLC0415
@@ -80,7 +81,7 @@ def live(
     _remove_earlier(out, len(scenario.boat))
     began_s = time.perf_counter()
     with (
-        live_world.LiveWorld(scenario, bus, param_overrides, mavlink) as world,
+        live_world.LiveWorld(scenario, bus, param_overrides, mavlink, gcs) as world,
         _bar(scenario, console) as progress,
     ):
         tracer = world.run(program, out, progress)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
@@ -47,6 +48,21 @@ class Client(Protocol):
     def words(self) -> str:
         """All its output."""
         ...
+
+
+class Waters(Protocol):
+    """Boats, and a client of theirs at `port`."""
+
+    port: int
+    client: Client | None
+
+    @property
+    def words(self) -> str:
+        """The output of all programs, to diagnose a failed test."""
+        ...
+
+    def until(self, done: Callable[[], object]) -> None:
+        """Sail on until the condition is true."""
 
 
 class Sea(RealSea):

@@ -18,8 +18,7 @@ from mavsdk.plugins.mavlink_direct import MavlinkDirect, MavlinkMessage
 from mavsdk.plugins.param import Param
 from mavsdk.plugins.telemetry import Telemetry
 
-from tests.clients.boat import Sea
-from tests.clients.fleet_sea import FleetSea
+from tests.clients.boat import Waters
 from tests.linux.process import LOOPBACK
 
 _LONGEST_CALL_S = 30.0
@@ -28,7 +27,7 @@ _LONGEST_CALL_S = 30.0
 class MavsdkClient:
     """The synchronous API: blocking calls run in a thread, subscriptions fill lists."""
 
-    def __init__(self, sea: Sea | FleetSea) -> None:
+    def __init__(self, sea: Waters) -> None:
         self.sea = sea
         sea.client = self
         self._log: list[str] = []

@@ -14,7 +14,7 @@ import pytest
 from mavsdk.plugins.mission import Mission
 from mavsdk.plugins.mission.mission import MissionError, MissionItem, MissionPlan, MissionResult
 
-from tests.clients.boat import Sea
+from tests.clients.boat import Sea, Waters
 from tests.clients.fleet_sea import FleetSea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
@@ -34,7 +34,7 @@ def fleet() -> Iterator[FleetSea]:
 class Planner:
     """MAVSDK with its mission plugin."""
 
-    def __init__(self, sea: FleetSea) -> None:
+    def __init__(self, sea: Waters) -> None:
         self.sdk = MavsdkClient(sea)
         self.mission = Mission(self.sdk.system)
         self._places = self.sdk.watch("position")

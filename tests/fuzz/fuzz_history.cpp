@@ -19,7 +19,18 @@ constexpr std::array kCommands{link::mav::kCmdComponentArmDisarm,
                                link::mav::kCmdRequestAutopilotCapabilities,
                                link::mav::kCmdRequestProtocolVersion,
                                link::mav::kCmdSetMessageInterval,
-                               link::mav::kCmdDoSetStandardMode};
+                               link::mav::kCmdDoSetStandardMode,
+                               link::mav::kCmdMissionStart,
+                               link::mav::kCmdDoPauseContinue,
+                               link::mav::kCmdDoSetMissionCurrent};
+/// Commands in plans; the last one is unknown to boats.
+constexpr std::array<std::uint16_t, 7> kItems{link::mav::kNavWaypoint,
+                                              link::mav::kNavLoiterUnlimited,
+                                              link::mav::kNavLoiterTime,
+                                              link::mav::kNavDelay,
+                                              link::mav::kDoChangeSpeed,
+                                              link::mav::kDoSetRoi,
+                                              20};
 
 /// Numbers that mean something somewhere.
 float any_param(Stream& in) {
@@ -109,6 +120,9 @@ void History<S>::op(Stream& in) {
       talkers_->sign(sign_);
       boat_->limit_link(link(), in.number<std::uint16_t>());
       break;
+    case Op::kPlan:
+      plan(in);
+      break;
     case Op::kCount:
       break;
   }
@@ -121,7 +135,7 @@ void History<S>::ask(std::uint8_t what) {
     talkers_->tell(Talkers<S>::kOperator, link::CommandLong{number, param, boat_->boat().self(), 0},
                    now_us_);
   };
-  switch (what % 9) {
+  switch (what % 10) {
     case 0:
       return command(mav::kCmdComponentArmDisarm, {1});
     case 1:
@@ -138,6 +152,8 @@ void History<S>::ask(std::uint8_t what) {
       return command(mav::kCmdDoMotorTest, {2, 0, -20, 5});
     case 7:
       return command(mav::kCmdDoFlightTermination, {1});
+    case 8:
+      return command(mav::kCmdDoSetMode, {1, app::mode::kAuto});
     default:
       // The host's word is on no wire: after noise there, nobody asks for the command.
       talkers_->bytes(std::array<std::uint8_t, 1>{}, false, now_us_, 0);
@@ -157,6 +173,27 @@ void History<S>::any_command(Stream& in) {
   for (float& x : command.param) x = any_param(in);
   talkers_->tell((flags & 2U) != 0 ? in.byte() : std::uint8_t{Talkers<S>::kOperator}, command,
                  now_us_, (flags >> 2U) % boat_->links());
+}
+
+template <class S>
+void History<S>::plan(Stream& in) {
+  const link::Address boat = boat_->boat().self();
+  const auto count = static_cast<std::uint16_t>(in.byte() % 16U);
+  link::MissionCount opening{};
+  opening.count = count;
+  opening.target = boat;
+  talkers_->tell(Talkers<S>::kOperator, opening, now_us_);
+  for (std::uint16_t seq = 0; seq < count; ++seq) {
+    link::MissionItemInt item{};
+    item.target = boat;
+    item.seq = seq;
+    item.command = kItems[in.byte() % kItems.size()];
+    item.param[0] = any_param(in);
+    item.param[1] = any_param(in);
+    item.x = own_.origin.latitude + in.number<std::int8_t>() * 100;  // about a metre each
+    item.y = own_.origin.longitude + in.number<std::int8_t>() * 100;
+    talkers_->tell(Talkers<S>::kOperator, item, now_us_);
+  }
 }
 
 template <class S>

@@ -34,6 +34,7 @@ enum class Op : std::uint8_t {
   kClock,      ///< the host's clock jumps, by int32 ms
   kRestart,    ///< a new process with the same parameters
   kLink,       ///< a link's rate; whether talkers sign
+  kPlan,       ///< a plan of up to 15 items around the boat, in MAVLink's dialogue
   kCount
 };
 
@@ -72,6 +73,7 @@ class History {
   void esc(Stream& in);
   void host(Stream& in);
   void any_command(Stream& in);
+  void plan(Stream& in);
   void answer_time(const link::Timesync& request);
   void talk();
   void talk_bus();

@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 OPS = re.findall(r"^  k(\w+),", (Path(__file__).parent / "history.hpp").read_text(), re.MULTILINE)
 ASKS = (
     *("arm", "formation", "manual", "hold", "disarm"),
-    *("test_port", "test_stbd", "terminate", "leave"),
+    *("test_port", "test_stbd", "terminate", "auto", "leave"),
 )
 PARAMETERS = re.findall(
     r"^FLOTILLA_PARAMETER\(\"\w+\", (\w+), \"[^\"]*\", (\S+),",
@@ -30,6 +30,10 @@ PARAMETERS = re.findall(
 )
 NAVIGATION, LEADER, PORT, STBD, OPERATOR, STICKS, OTHER, IMPOSTOR = (1 << bit for bit in range(8))
 ALL = NAVIGATION | LEADER | PORT | STBD | OPERATOR
+
+
+# Three waypoints, a speed and a delay: command, two parameters + 20, place.
+PLAN = [5, 0, 20, 20, 5, 0, 4, 21, 21, 0, 0, 0, 22, 20, 8, 8, 3, 21, 20, 0, 0, 0, 20, 22, 0, 9]
 
 
 class History:
@@ -102,6 +106,10 @@ def histories() -> Iterator[tuple[str, bytes]]:
         yield f"silent_{name}", silent.bytes + History().talk(ALL & ~who).sail(60).bytes[1:]
     yield "terminated", History().cast_off().ask("terminate").sail(3).ask("disarm").sail(3).bytes
     yield "left", History().cast_off().ask("terminate").sail(60).ask("leave").sail(3).bytes
+    for kind in (0, 1, 2, COMPANION):
+        led = History(kind).talk(ALL).op("Step", 2).sail(20).op("Plan", *PLAN)
+        led.sail(2).ask("arm").sail(20).ask("auto").sail(200)
+        yield f"plan_{kind}", led.ask("hold").sail(3).ask("auto").sail(200).bytes
     yield (
         "bus",
         History().cast_off().op("Host", 1).sail(3).op("Host", 0).ask("disarm").sail(9).bytes,

@@ -21,11 +21,14 @@ CLOCK = 40_000_000_000_000
 MINUTE = 6_000_000
 COMMANDS: dict[int, list[tuple[float, ...]]] = {
     400: [(1, 0), (0, 0), (1, 21196), (1, 5), (2, 0)],
-    176: [(1, 0), (1, 4), (1, 6), (0, 6), (1, 5)],
+    176: [(1, 0), (1, 4), (1, 6), (0, 6), (1, 5), (1, 10), (1, 4, 4)],
+    193: [(0,), (1,)],
+    224: [(0,), (3,)],
     209: [(1, 0, 10, 1), (2, 0, -10, 1, 1), (1, 0, 90, 1), (3, 0, 10, 1)],
     185: [(1,), (0,)],
     245: [(1,), (0,)],
-    262: [(1,)],
+    262: [(1,), (6,)],
+    300: [(0, 0), (1, 1)],
     510: [(30,), (9999,), (-1,)],
     511: [(30, 100_000), (30, -1), (30, 0), (0, 5), (32, 2e9), (32, 3e38), (144, 2e5), (245, 1e6)],
     519: [()],
@@ -147,9 +150,39 @@ def questions() -> Iterator[tuple[str, bytes]]:
             asked = chunk(client.say("PARAM_SET", 1, 1, name.encode(), value, 9), TICK)
             yield f"set_{name}_{value}", asked + ticks
     yield "set_integer", chunk(client.say("PARAM_SET", 1, 1, b"ESC_PORT", 2, 6), TICK)
+    yield "plan", b"".join(chunk(frame, TICK) for frame in plan(client)) + ticks
     for index in (-1, 0, 3, 999):
         yield f"read_{index}", chunk(client.say("PARAM_REQUEST_READ", 1, 1, b"MODE", index), TICK)
     yield "list", chunk(client.say("PARAM_REQUEST_LIST", 1, 0), TICK) + ticks * 3
+
+
+def plan(client: Client) -> Iterator[bytes]:
+    """The dialogue of a plan of three items, its download, and its end."""
+    yield client.say("MISSION_COUNT", 1, 1, 3, 0)
+    for seq, command, params in (
+        (0, 16, (5, 2, 0, 0)),
+        (1, 178, (1, 0.5, -1, 0)),
+        (2, 19, (3, 0, 0, 0)),
+    ):
+        yield client.say(
+            "MISSION_ITEM_INT",
+            1,
+            1,
+            seq,
+            6,
+            command,
+            0,
+            1,
+            *params,
+            410000000,
+            20000000 + seq,
+            0,
+            0,
+        )
+    yield client.say("MISSION_REQUEST_LIST", 1, 1, 0)
+    yield client.say("MISSION_REQUEST_INT", 1, 1, 2, 0)
+    yield client.say("MISSION_SET_CURRENT", 1, 1, 1)
+    yield client.say("MISSION_CLEAR_ALL", 1, 1, 0)
 
 
 def radio() -> bytes:

@@ -53,9 +53,7 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
   return {};
 }
 
-}  // namespace
-
-PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults) {
+PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
   const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited;
   if (timed && !is_within(item.param[0], kLongestWait_s)) {
     return {mav::kMissionInvalidParam1, "waits 0 to 30000 s"};
@@ -75,6 +73,7 @@ PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults) {
   }
 }
 
+/// All places are near the first.
 PlanFault fault_of_reach(Plan plan) {
   const PlanItem& last = plan.back();
   if (!leads_somewhere(last)) return {};
@@ -82,6 +81,13 @@ PlanFault fault_of_reach(Plan plan) {
   const convert::Position from{0, 0, {first.x, first.y, 0, 0}};
   if (convert::way_to<double>(from, {last.x, last.y}, kPlanReach_m).near) return {};
   return {mav::kMissionInvalidX, "over 2 km from the first waypoint"};
+}
+
+}  // namespace
+
+PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
+  const PlanFault fault = fault_of_item(plan.back(), defaults);
+  return fault ? fault : fault_of_reach(plan);
 }
 
 PlanFault fault_of(Plan plan) {

@@ -42,11 +42,8 @@ struct PlanFault {
   explicit operator bool() const { return result != link::mav::kMissionAccepted; }
 };
 
-/// Judges one item by itself.
-PlanFault fault_of(const PlanItem& item, const PlanDefaults& defaults);
-
-/// Judges the last item of a plan, all others of which are sound: is its place within reach?
-PlanFault fault_of_reach(Plan plan);
+/// Judges the last item of a plan, all others of which are sound.
+PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults);
 
 /// Judges a whole plan, each of whose items is sound.
 PlanFault fault_of(Plan plan);

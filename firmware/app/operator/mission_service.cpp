@@ -119,10 +119,8 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
   if (given.seq < upload_->next) return std::nullopt;
   if (given.seq > upload_->next) return ask(now_us);
   if (!asker.may_change) return refuse(asker, {mav::kMissionDenied}, given.seq);
-  const PlanItem item = item_of(given);
-  incoming_[upload_->next] = item;
-  PlanFault fault = fault_of(item, defaults);
-  if (!fault) fault = fault_of_reach(incoming_.first(upload_->next + 1));
+  incoming_[upload_->next] = item_of(given);
+  const PlanFault fault = fault_of_last(incoming_.first(upload_->next + 1), defaults);
   if (fault) return refuse(asker, fault, given.seq);
   upload_->tries = 0;
   if (++upload_->next < upload_->count) return ask(now_us);
@@ -130,6 +128,18 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
     return refuse(asker, whole, 0);
   }
   return finish(asker);
+}
+
+PlanFault MissionService::restore(Plan plan, const PlanDefaults& defaults) {
+  if (plan.empty()) return {};
+  if (plan.size() > plan_.size()) return {mav::kMissionNoSpace, "too many items"};
+  for (std::size_t count = 1; count <= plan.size(); ++count) {
+    if (const PlanFault fault = fault_of_last(plan.first(count), defaults)) return fault;
+  }
+  if (const PlanFault fault = fault_of(plan)) return fault;
+  std::ranges::copy(plan, plan_.begin());
+  replace(plan.size());
+  return {};
 }
 
 link::Message MissionService::finish(const Asker& asker) {

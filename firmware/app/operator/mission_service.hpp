@@ -26,6 +26,9 @@ class MissionService {
   /// Changes with each plan; 0: there is none.
   std::uint32_t id() const { return id_; }
 
+  /// At the start: the plan of before, unless it is not sound.
+  PlanFault restore(Plan plan, const PlanDefaults& defaults);
+
   /// Who asks, and what he may do.
   struct Asker {
     link::Address from;

@@ -49,6 +49,7 @@ struct Config {
 
   std::filesystem::path parameter_file() const { return state_dir / "parameters.txt"; }
   std::filesystem::path node_id_file() const { return state_dir / "node_ids.txt"; }
+  std::filesystem::path plan_file() const { return state_dir / "plan.txt"; }
   std::filesystem::path signing_time_file() const { return state_dir / "signing_time.txt"; }
 
   /// The link's own policy; by default, required if there is a key, else off.

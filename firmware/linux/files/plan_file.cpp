@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "linux/files/plan_file.hpp"
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <string_view>
+#include <utility>
+
+#include "linux/files/durable_file.hpp"
+
+namespace flotilla::target {
+namespace {
+
+constexpr std::string_view kTitle = "flotilla-plan 1\n";
+constexpr std::size_t kMostItems = 1000;
+
+std::string line_of(const app::PlanItem& item) {
+  std::array<char, 128> line{};
+  const auto bits = [](float x) { return static_cast<unsigned>(std::bit_cast<std::uint32_t>(x)); };
+  std::snprintf(line.data(), line.size(), "%u %u %u %d %d %08X %08X %08X %08X %08X\n",
+                unsigned{item.command}, unsigned{item.frame}, unsigned{item.autocontinue}, item.x,
+                item.y, bits(item.param[0]), bits(item.param[1]), bits(item.param[2]),
+                bits(item.param[3]), bits(item.z));
+  return line.data();
+}
+
+app::PlanItem item_of(const std::string& line) {
+  unsigned command = 0, frame = 0, autocontinue = 0;
+  std::array<unsigned, 5> bits{};
+  app::PlanItem item;
+  // What does not fit shows where the file is compared with what its items would be written as.
+  (void)std::sscanf(line.c_str(), "%u %u %u %d %d %8X %8X %8X %8X %8X", &command, &frame,
+                    &autocontinue, &item.x, &item.y, &bits[0], &bits[1], &bits[2], &bits[3],
+                    &bits[4]);
+  item.command = static_cast<std::uint16_t>(command);
+  item.frame = static_cast<std::uint8_t>(frame);
+  item.autocontinue = static_cast<std::uint8_t>(autocontinue);
+  for (std::size_t i = 0; i < 4; ++i) item.param[i] = std::bit_cast<float>(bits[i]);
+  item.z = std::bit_cast<float>(bits[4]);
+  return item;
+}
+
+}  // namespace
+
+std::string plan_text(app::Plan plan) {
+  std::string body(kTitle);
+  for (const app::PlanItem& item : plan) body += line_of(item);
+  return body + checksum_line(body);
+}
+
+LoadedPlan load_plan(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const FileContent content = read_file(path);
+  if (content.error == ENOENT) return {};
+  if (content.error != 0) {
+    return {{}, name + " cannot be read: " + std::strerror(content.error) + "; no plan"};
+  }
+  LoadedPlan loaded;
+  std::size_t at = kTitle.size();
+  for (std::size_t end; (end = content.text.find('\n', at)) != std::string::npos; at = end + 1) {
+    const std::string line = content.text.substr(at, end - at);
+    if (line.starts_with("crc32") || loaded.items.size() >= kMostItems) break;
+    loaded.items.push_back(item_of(line));
+  }
+  if (content.text != plan_text(loaded.items)) return {{}, name + " is damaged; no plan"};
+  return loaded;
+}
+
+PlanSaver::PlanSaver(std::filesystem::path path, std::chrono::milliseconds every)
+    : path_(std::move(path)), writer_(every, [this] { write(); }, "the plan's saver") {
+  plan_.reserve(kMostItems);
+}
+
+bool PlanSaver::put(app::Plan plan) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return false;
+  plan_.assign(plan.begin(), plan.end());
+  changed_ = true;
+  return true;
+}
+
+void PlanSaver::write() {
+  try {
+    std::string text;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!std::exchange(changed_, false)) return;
+      text = plan_text(plan_);
+    }
+    const auto fault = replace_file(path_, text);
+    if (!fault) return;
+    complaint_.put(*fault);
+  } catch (const std::exception& error) {  // out of memory: retried as well
+    complaint_.put(error.what());
+  }
+  const std::scoped_lock lock(mutex_);
+  changed_ = true;
+}
+
+}  // namespace flotilla::target

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// The boat's plan on disk: bit for bit as its sender gave it, with a checksum.
+//
+//   flotilla-plan 1
+//   16 6 1 473977420 85455940 00000000 3FC00000 00000000 7FC00000 00000000
+//   …
+//   crc32 = 89ABCDEF
+//
+// A line is an item: MAV_CMD, frame, autocontinue, x, y, and as the bits of floats parameters 1 to 4
+// and z. The file is replaced by a rename, so after a crash it holds the old plan or the new one.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/guidance/plan.hpp"
+#include "linux/system/first_complaint.hpp"
+#include "linux/system/repeating_thread.hpp"
+
+namespace flotilla::target {
+
+struct LoadedPlan {
+  std::vector<app::PlanItem> items;
+  std::string note;  ///< for the operator, or empty
+};
+
+/// Never throws for the content of the disk.
+LoadedPlan load_plan(const std::filesystem::path& path);
+
+/// The content of the file.
+std::string plan_text(app::Plan plan);
+
+/// Writes the plan in its own thread, as a boat that sails must not wait for the disk.
+class PlanSaver {
+ public:
+  /// Throws std::system_error if the thread cannot be started.
+  explicit PlanSaver(std::filesystem::path path,
+                     std::chrono::milliseconds every = std::chrono::milliseconds(100));
+
+  /// The plan to save from now on. Never blocks; false: try again.
+  bool put(app::Plan plan);
+
+  /// The first error with the file, once. Writing is retried.
+  std::optional<std::string> complaint() { return complaint_.take(); }
+
+ private:
+  void write();
+
+  std::filesystem::path path_;
+  std::mutex mutex_;  // of the next two; never held during a write
+  std::vector<app::PlanItem> plan_;
+  bool changed_ = false;
+  FirstComplaint complaint_;
+  RepeatingThread writer_;
+};
+
+}  // namespace flotilla::target

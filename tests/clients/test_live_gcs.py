@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: MIT
+"""`flotilla live --gcs`: MAVSDK commands a simulated boat as it would a real one."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.clients.boat import Client, quiet_port
+from tests.clients.test_missions import Planner
+from tests.linux.conftest import bus
+from tests.linux.process import LOOPBACK, PROGRAM
+
+__all__ = ["bus"]
+
+_PATIENCE_S = 90.0
+SCENARIO = """
+duration_s = 150.0
+law = "product"
+
+[leader]
+
+[navigation]
+rate_hz = 20.0
+
+[[boat]]
+follows = 0
+offset_m = [0.0, 0.0]
+eta = [0.0, 0.0, 0.0]
+"""
+
+
+class LiveFleet:
+    """A live run in a process of its own; the client at `port` commands its boat."""
+
+    def __init__(self, bus: int, folder: Path) -> None:
+        self.port = quiet_port(bus)
+        self.client: Client | None = None
+        self._words = folder / "words"
+        scenario = folder / "alone.toml"
+        scenario.write_text(SCENARIO)
+        gcs = f"udpout:{LOOPBACK}:{self.port}"
+        command = [sys.executable, "-m", "sil", "live", str(scenario), f"--bus=mcast:{bus}"]
+        with self._words.open("wb") as words:
+            self._process = subprocess.Popen(
+                [*command, f"--gcs={gcs}", f"--out={folder / 'out'}"],
+                stdin=subprocess.DEVNULL,
+                stdout=words,
+                stderr=subprocess.STDOUT,
+            )
+
+    @property
+    def words(self) -> str:
+        """The output of all programs, to diagnose a failed test."""
+        client = "" if self.client is None else self.client.words
+        return f"{self._words.read_text(errors='replace')}\nclient: {client}"
+
+    def until(self, done: Callable[[], object]) -> None:
+        """Wait until the condition is true."""
+        end_s = time.monotonic() + _PATIENCE_S
+        while not done():
+            assert time.monotonic() < end_s and self._process.poll() is None, self.words
+            time.sleep(0.01)
+
+    def close(self) -> None:
+        boats = psutil.Process(self._process.pid).children()
+        self._process.terminate()
+        assert self._process.wait(20.0) == 130
+        assert boats and not any(boat.is_running() for boat in boats)
+
+
+@pytest.fixture
+def fleet(bus: int, tmp_path: Path) -> Iterator[LiveFleet]:
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    with closing(LiveFleet(bus, tmp_path)) as fleet:
+        yield fleet
+        print(fleet.words)
+
+
+@pytest.fixture
+def planner(fleet: LiveFleet, home: Path) -> Iterator[Planner]:
+    with closing(Planner(fleet)) as planner:
+        yield planner
+
+
+def test_a_ground_station_sends_a_plan_and_a_live_boat_sails_it(planner: Planner) -> None:
+    planner.sdk.sea.until(lambda: "FORMATION" in planner.sdk.texts)  # the run's start
+    planner.upload(planner.at(4, 0), planner.at(4, 3))
+    planner.sdk.call(planner.mission.start_mission)
+    planner.sdk.sea.until(lambda: planner.progress and planner.progress[-1].current == 2)
+    assert planner.sdk.call(planner.mission.is_mission_finished)

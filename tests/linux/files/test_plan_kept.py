@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""A plan survives the end of flotillad, however sudden; a damaged file is said and not used."""
+
+import signal
+from collections.abc import Callable, Sequence
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.linux.process import PATIENT, RealSea
+from tests.target.plans import Item, as_sent, at, fields, speed
+from tests.target.stations import BOAT
+
+PLAN = [at(10, 0, hold_s=3.0), speed(0.8), at(10, 10, radius_m=1.5)]
+OTHER = [at(5, 5)]
+
+
+def send(sea: RealSea, items: Sequence[Item]) -> None:
+    """Send a plan and wait for its acceptance."""
+    sea.until(sea.ready)
+    acknowledged, asked = len(sea.named("MISSION_ACK")), len(sea.named("MISSION_REQUEST_INT"))
+    sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, len(items), 0))
+    for seq, item in enumerate(items):
+        sea.until(
+            lambda seq=seq: [m.seq for m in sea.named("MISSION_REQUEST_INT")[asked:]][-1:] == [seq]
+        )
+        sea.say(item.message(seq))
+    sea.until(lambda: len(sea.named("MISSION_ACK")) > acknowledged)
+    assert sea.named("MISSION_ACK")[-1].type == 0
+
+
+def fetched(sea: RealSea) -> list[tuple[bytes, ...]]:
+    """The boat's plan."""
+    sea.until(sea.ready)
+    told = len(sea.named("MISSION_COUNT"))
+    sea.say(mavlink.MAVLink_mission_request_list_message(BOAT, 1, 0))
+    sea.until(lambda: len(sea.named("MISSION_COUNT")) > told)
+    items = []
+    for seq in range(sea.named("MISSION_COUNT")[-1].count):
+        given = len(sea.named("MISSION_ITEM_INT"))
+        sea.say(mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, 0))
+        sea.until(lambda given=given: len(sea.named("MISSION_ITEM_INT")) > given)
+        items.append(fields(sea.named("MISSION_ITEM_INT")[-1]))
+    return items
+
+
+@pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGKILL])
+def test_a_plan_is_there_after_a_restart(sea: RealSea, end: signal.Signals) -> None:
+    sea.start()
+    send(sea, PLAN)
+    file = sea.state_dir / "plan.txt"
+    if end == signal.SIGKILL:
+        sea.until(lambda: file.exists() and len(file.read_text().splitlines()) == 5)
+    sea.end(end)
+    sea.start()
+    assert fetched(sea) == as_sent(PLAN)
+    send(sea, OTHER)
+    sea.end()
+    sea.start()
+    assert fetched(sea) == as_sent(OTHER)
+
+
+def test_a_cleared_plan_stays_cleared(sea: RealSea) -> None:
+    sea.start()
+    send(sea, PLAN)
+    sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, 0))
+    sea.until(lambda: len(sea.named("MISSION_ACK")) > 1)
+    sea.end()
+    sea.start()
+    assert fetched(sea) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda text: text[:40], "plan.txt is damaged; no plan"),
+        (lambda text: text.replace("16 6 1", "16 6 0", 1), "plan.txt is damaged; no plan"),
+    ],
+    ids=["cut", "changed"],
+)
+def test_a_damaged_file_is_said_and_not_used(
+    sea: RealSea, change: Callable[[str], str], words: str
+) -> None:
+    sea.start()
+    send(sea, PLAN)
+    sea.end()
+    file = sea.state_dir / "plan.txt"
+    file.write_text(change(file.read_text()))
+    sea.start()
+    assert fetched(sea) == []
+    sea.until(lambda: words in sea.process.words)
+
+
+def test_a_plan_that_the_boat_may_not_sail_any_more_is_not_used(sea: RealSea) -> None:
+    sea.start()
+    send(sea, PLAN)
+    sea.end()
+    sea.start(param=PATIENT | {"LAW_U_MAX": 0.5})
+    assert fetched(sea) == []
+    words = "plan.txt is not used: speed is above LAW_U_MAX"
+    sea.until(lambda: words in sea.process.words)
