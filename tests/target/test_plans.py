@@ -220,6 +220,18 @@ def test_a_second_station_is_refused_while_the_first_sends(planner: Planner, sea
     assert other.send(SQUARE) == ITEM_ACCEPTED and plan_of(sea) == as_sent(SQUARE)
 
 
+def test_a_station_that_is_refused_again_and_again_is_told_why_twice_a_second(
+    planner: Planner, sea: Sea
+) -> None:
+    told = []
+    for _ in range(100):
+        sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, 2000, 0))
+        tick = sea.step()
+        assert [m.type for m in tick.named("MISSION_ACK")] == [NO_SPACE]
+        told += texts([tick])
+    assert told == ["Plan refused at item 0: too many items"] * 2
+
+
 def test_two_stations_fetch_at_once(planner: Planner, sea: Sea) -> None:
     planner.send(SQUARE)
     stations = [Station(system, 190) for system in (253, 254)]

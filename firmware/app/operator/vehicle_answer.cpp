@@ -57,6 +57,7 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   if (!news) return;
   Sentence told;
   if (!news->stored) {
+    if (!refusal_due_.take_if_due(now_us_)) return;
     told << "Plan refused at item " << static_cast<float>(news->item) << ": " << news->why;
     send_statustext(mav::kSeverityWarning, {told.text()}, counters);
     return;
