@@ -226,11 +226,12 @@ def test_a_link_without_signing_looks_at_no_signature_and_sends_none() -> None:
 
 
 def test_each_link_keeps_to_its_own_policy() -> None:
+    station = Station(255, 190)  # which counts its messages
     sea = SecureSea("required", links=3)
     sea.boat.set_signing(2, "accept")
-    assert sea.moved(Station(255, 190).pack(order()), 2) == (True, {})
-    assert sea.moved(Station(255, 190).pack(order()), 1) == (False, {"unsigned_refused": 1})
-    assert sea.moved(Station(255, 190).pack(order()), 0) == (True, {})
+    assert sea.moved(station.pack(order()), 2) == (True, {})
+    assert sea.moved(station.pack(order()), 1) == (False, {"unsigned_refused": 1})
+    assert sea.moved(station.pack(order()), 0) == (True, {})
 
 
 def test_a_required_link_without_a_key_obeys_nobody() -> None:

@@ -124,8 +124,9 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   }
   const auto request = std::visit(RequestOf{ftp_}, received.message);
   if (!request) return false;
-  inbox_.push({now_us, *request, received.from, received.target, static_cast<std::uint8_t>(link)},
-              counters);
+  const PendingRequest pending{now_us, *request, received.from, received.target,
+                               static_cast<std::uint8_t>(link)};
+  if (!copies_.is_copy(received, link, now_us) || stops(pending)) inbox_.push(pending, counters);
   return true;
 }
 

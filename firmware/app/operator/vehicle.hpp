@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "app/navigation/time_requests.hpp"
+#include "app/operator/copies.hpp"
 #include "app/operator/identity.hpp"
 #include "app/operator/inbox.hpp"
 #include "app/operator/mavlink_links.hpp"
@@ -175,6 +176,7 @@ class Vehicle {
   TimeRequests& time_;
   Router router_;
   Inbox inbox_;
+  Copies copies_;
   ParameterService parameter_service_;
   MissionService missions_;
   bool paused_ = false;
