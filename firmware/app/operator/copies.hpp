@@ -7,7 +7,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "link/mavlink/messages.hpp"
 
@@ -17,12 +16,12 @@ class Copies {
  public:
   /// Whether this very message came by another link within the last 5 s; remembers it.
   bool is_copy(const link::Received& received, std::size_t link, std::int64_t now_us) {
-    constexpr std::int64_t kLate_us = 5'000'000;
-    const Seen now{now_us, received.from, received.id, static_cast<std::uint8_t>(link),
-                   received.sequence};
+    constexpr std::uint32_t kLate_ms = 5000;
+    const Seen now{static_cast<std::uint32_t>(now_us / 1000), received.id, received.from,
+                   received.sequence, static_cast<std::uint8_t>(link)};
     const bool copy = std::ranges::any_of(seen_, [&](const Seen& then) {
       return then.link != now.link && then.sequence == now.sequence && then.id == now.id &&
-             then.from == now.from && now_us - then.us < kLate_us;
+             then.from == now.from && now.ms - then.ms < kLate_ms;
     });
     seen_[next_] = now;
     next_ = (next_ + 1) % seen_.size();
@@ -31,13 +30,12 @@ class Copies {
 
  private:
   struct Seen {
-    std::int64_t us = std::numeric_limits<std::int64_t>::min() / 2;
-    link::Address from{};
-    std::uint32_t id = 0;
-    std::uint8_t link = 0, sequence = 0;
+    std::uint32_t ms = 0, id = 0;
+    link::Address from{};  // of nobody
+    std::uint8_t sequence = 0, link = 0;
   };
 
-  std::array<Seen, 24> seen_{};
+  std::array<Seen, 32> seen_{};
   std::size_t next_ = 0;
 };
 

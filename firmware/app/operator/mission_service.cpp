@@ -94,6 +94,8 @@ std::optional<link::Message> MissionService::begin(const link::MissionCount& cou
   }
   if (!asker.may_change) return refuse(asker, {mav::kMissionDenied}, 0);
   if (upload_ && !is_from_uploader(asker)) {
+    // Of the same sender by another link: a copy that another vessel has handed on.
+    if (upload_->asker.from == asker.from) return std::nullopt;
     return refuse(asker, {mav::kMissionDenied, "another plan is being sent"}, 0);
   }
   if (count.count > incoming_.size()) return refuse(asker, {mav::kMissionNoSpace}, 0);
