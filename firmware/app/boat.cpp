@@ -194,8 +194,9 @@ void Boat<S>::note_state(std::int64_t now_us) {
                              {"navigation quality is not reported, not checked"}, counters_);
   }
   if (was == state()) return;
-  if (was == core::State::kAuto) pilot_.end_plan();
-  if (state() == core::State::kAuto) start_plan();
+  if (core::sails_alone(was)) pilot_.end_plan();
+  if (core::sails_alone(state())) start_plan();
+  if (!core::sails_alone(state())) vehicle_.take_target();  // asked for before another request
   if (state() != core::State::kFormation) return;
   if (was == core::State::kCoast) {
     pilot_.close_anew();
@@ -204,17 +205,31 @@ void Boat<S>::note_state(std::int64_t now_us) {
   }
 }
 
+/// Begins AUTO, or the errand of GUIDED, LOITER or RTL.
 template <class S>
 void Boat<S>::start_plan() {
-  const MissionService& missions = vehicle_.missions();
-  pilot_.start_plan(missions.plan(), missions.current(), configuration().plan);
+  if (state() == core::State::kAuto) {
+    const MissionService& missions = vehicle_.missions();
+    pilot_.start_plan({missions.plan(), missions.current()}, configuration().plan);
+    return;
+  }
+  const std::optional<Target> asked = vehicle_.take_target();
+  const auto home = limits_.home();
+  if (state() == core::State::kGuided && asked) {
+    errand_.sail_to(*asked);
+  } else if (state() == core::State::kReturn && home) {
+    errand_.sail_to({{home->latitude, home->longitude}});
+  } else {
+    errand_.sail_to(pilot_.stop_ahead());
+  }
+  pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
 template <class S>
 void Boat<S>::configure() {
   collect_overflow();
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
-  choices_ = choices_of(configuration().failsafes);
+  supervisor_.choose(configuration().failsafes.choices);
   const auto law = convert::law_of<S>(parameters());
   pilot_.configure(configuration(), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
@@ -229,7 +244,7 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   const bool sails = core::law_drives(state());
   core::Conditions met =
       supervisor_.conditions(now_us) | vehicle_.conditions(now_us) | pilot_.conditions(now_us) |
-      propulsion_of(can_, configuration().propulsion, now_us) | limits_.conditions() | choices_;
+      propulsion_of(can_, configuration().propulsion, now_us) | limits_.conditions();
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;
   if (coasts_on(now_us)) met |= core::kCoastRunning;
@@ -238,8 +253,10 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
     met |= core::kSlotSound;
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
-  const bool reached = state() != core::State::kAuto || pilot_.plan_vessel().is_sound();
+  if (pilot_.located()) met |= core::kLocated;
+  const bool reached = !core::sails_alone(state()) || pilot_.plan_vessel().is_sound();
   if (!vehicle_.missions().plan().empty() && pilot_.located() && reached) met |= core::kPlanReady;
+  if (!reached) met &= ~core::kHomeNear;
   if (vehicle_.doubled(now_us)) met &= ~core::kSoleVessel;
   if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
   return met;
@@ -258,7 +275,7 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
   const auto& [failsafes, propulsion] =
       std::tie(configuration().failsafes, configuration().propulsion);
   const bool armed = core::armed(state());
-  const bool placed = limits_.asks_place(failsafes, armed) && pilot_.located() &&
+  const bool placed = limits_.asks_place(failsafes, armed, now_us) && pilot_.located() &&
                       (conditions_ & core::kOwnFresh) != 0;
   limits_.look(failsafes, {now_us,
                            armed,
@@ -298,6 +315,12 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       vehicle_.sailed(sailed.item(), sailed.reached(), sailed.has_arrived(), counters_);
       break;
     }
+    case core::State::kGuided:
+    case core::State::kLoiter:
+    case core::State::kReturn:
+      if (vehicle_.has_target()) start_plan();
+      law_output_ = pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
+      break;
     case core::State::kDisarmed:
     case core::State::kHold:
     case core::State::kFault:
@@ -527,7 +550,7 @@ Report Boat<S>::report(std::int64_t now_us) {
   out.thrust = {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)};
   out.most_N = propulsion.ahead_N;
   out.least_N = -propulsion.astern_N;
-  out.leader = state() == core::State::kAuto ? vehicle_.self().system : formation.leader;
+  out.leader = core::sails_alone(state()) ? vehicle_.self().system : formation.leader;
   const auto esc = [&](std::uint8_t index) {
     return EscReport{index, can_.esc_status(index, now_us)};
   };

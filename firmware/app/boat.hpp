@@ -177,9 +177,9 @@ class Boat {
   }
   /// Behind the leader, or the own plan; not in COAST.
   bool keeps_slot() const {
-    return state() == core::State::kFormation || state() == core::State::kAuto;
+    return state() == core::State::kFormation || core::sails_alone(state());
   }
-  bool error_known() const { return seen() || state() == core::State::kAuto; }
+  bool error_known() const { return seen() || core::sails_alone(state()); }
   bool in_slot() const { return keeps_slot() && pilot_.in_slot(); }
   core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
   void steer(std::int64_t now_us);
@@ -207,11 +207,12 @@ class Boat {
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
-  core::Conditions choices_ = 0;  // the operator's failsafe actions
   bool fits_ = true;              // the scalar's range holds all parameters
   bool overflow_ = false;         // the scalar has overflowed since the last tick began
   bool in_range_ = true;
   FailsafeLimits limits_;
+
+  Errand errand_;  // of GUIDED, LOITER, RTL
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};

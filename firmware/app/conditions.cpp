@@ -6,15 +6,6 @@
 
 namespace flotilla::app {
 
-core::Conditions choices_of(const Configuration::Failsafes& failsafes) {
-  core::Conditions chosen = 0;
-  if (failsafes.leader_loss == LossAction::kHold) chosen |= core::kLeaderLossHolds;
-  if (failsafes.leader_loss == LossAction::kCoast) chosen |= core::kLeaderLossCoasts;
-  if (failsafes.gcs_loss == LossAction::kHold) chosen |= core::kGcsLossHolds;
-  if (failsafes.gcs_loss == LossAction::kCoast) chosen |= core::kGcsLossCoasts;
-  return chosen;
-}
-
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
                                std::int64_t now_us) {
   const auto& [port, stbd] = std::tie(propulsion.port_esc, propulsion.stbd_esc);
@@ -44,6 +35,11 @@ void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen&
   met_ = 0;
   if (battery_good_.is() || !battery_V) met_ |= core::kBatteryGood;
   if (!fence_m || inside(*fence_m, seen)) met_ |= core::kInsideFence;
+  if (seen.place && seen.now_us >= home_due_us_) {
+    home_near_ = convert::distance_m(*left_from_, *seen.place) < double{kErrandReach_m};
+    home_due_us_ = seen.now_us + 1'000'000;
+  }
+  if (home_near_) met_ |= core::kHomeNear;
 }
 
 /// A disarmed boat is inside: arming makes its position the new home.

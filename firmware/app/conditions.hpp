@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The supervisor's conditions that depend on ESCs, voltage, position and the operator's choices;
-// the others come from Vehicle, Pilot and the host.
+// The supervisor's conditions that depend on ESCs, voltage and position; the others come from
+// Vehicle, Pilot and the host.
 #pragma once
 
 #include <array>
@@ -11,9 +11,6 @@
 #include "app/propulsion/can_node.hpp"
 
 namespace flotilla::app {
-
-/// FS_LEADER_ACT and FS_GCS_ACT as conditions.
-core::Conditions choices_of(const Configuration::Failsafes& failsafes);
 
 /// Whether both ESCs are online and obey, and no other node commands them.
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
@@ -40,7 +37,8 @@ class Settled {
   std::optional<std::int64_t> differs_since_us_;
 };
 
-/// The operator's limits FS_BATT_V and FS_FENCE_M. An unknown voltage or position violates them.
+/// The operator's limits FS_BATT_V and FS_FENCE_M, which an unknown voltage or position violates,
+/// and the place to return to.
 class FailsafeLimits {
  public:
   struct Seen {
@@ -51,8 +49,9 @@ class FailsafeLimits {
   };
 
   /// Whether look() needs the position.
-  bool asks_place(const Configuration::Failsafes& failsafes, bool armed) const {
-    return !home_ || (armed && !was_armed_) || failsafes.fence_m;
+  bool asks_place(const Configuration::Failsafes& failsafes, bool armed,
+                  std::int64_t now_us) const {
+    return !home_ || (armed && !was_armed_) || failsafes.fence_m || now_us >= home_due_us_;
   }
 
   /// Once a tick.
@@ -71,6 +70,8 @@ class FailsafeLimits {
   std::optional<convert::Position> left_from_;
   std::optional<Home> home_;  // left_from_ as a global position
   bool was_armed_ = false;
+  bool home_near_ = false;  // looked at once a second
+  std::int64_t home_due_us_ = 0;
 };
 
 }  // namespace flotilla::app

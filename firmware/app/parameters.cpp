@@ -22,6 +22,7 @@ bool is_valid(const ParameterInfo& info, float value) {
     case ParameterKind::kFrame:
     case ParameterKind::kSwitch:
     case ParameterKind::kAction:
+    case ParameterKind::kStop:
       return static_cast<float>(static_cast<std::int64_t>(value)) == value;
     case ParameterKind::kSign:
       return std::abs(value) == 1.0F;

@@ -30,6 +30,12 @@ std::uint8_t Supervisor::mode() const {
       return mode::kFormation;
     case State::kAuto:
       return mode::kAuto;
+    case State::kGuided:
+      return mode::kGuided;
+    case State::kLoiter:
+      return mode::kLoiter;
+    case State::kReturn:
+      return mode::kReturn;
     case State::kDisarmed:
     case State::kHold:
     case State::kTest:
@@ -53,7 +59,8 @@ core::Conditions Supervisor::conditions(std::int64_t now_us) const {
 Supervisor::Decision Supervisor::apply_conditions(core::Conditions conditions,
                                                   std::int64_t now_us) {
   conditions_ = conditions;
-  return decide(core::supervise(state_, Request::kNone, conditions_), now_us);
+  const core::Reaction reaction = core::reaction_to(choices_, state_, conditions_);
+  return decide(core::supervise(state_, Request::kNone, conditions_, reaction), now_us);
 }
 
 Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {
@@ -63,6 +70,9 @@ Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {
     if (request == Request::kHold) intended_mode_ = mode::kHold;
     if (request == Request::kFormation) intended_mode_ = mode::kFormation;
     if (request == Request::kAuto) intended_mode_ = mode::kAuto;
+    if (request == Request::kGuided) intended_mode_ = mode::kGuided;
+    if (request == Request::kLoiter) intended_mode_ = mode::kLoiter;
+    if (request == Request::kReturn) intended_mode_ = mode::kReturn;
   }
   return decide(verdict, now_us);
 }

@@ -44,6 +44,9 @@ class Supervisor {
   /// Time at which COAST began; nothing in other states.
   std::optional<std::int64_t> coasting_since_us() const { return coast_us_; }
 
+  /// What losses lead to from now on.
+  void choose(const core::Choices& choices) { choices_ = choices; }
+
   /// The conditions that depend on the sticks and the motor test.
   core::Conditions conditions(std::int64_t now_us) const;
 
@@ -71,6 +74,7 @@ class Supervisor {
 
   core::State state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
+  core::Choices choices_;
   std::uint8_t intended_mode_ = mode::kHold;
   Sticks sticks_;
   link::Address sticks_from_{};

@@ -2,7 +2,8 @@
 // Decides when the boat may drive: conditions and an operator's request → ordered table → state.
 //
 // The first matching row wins. A row matches when the state is one of `from`, the request is the
-// row's, every condition in `needs` is met and, unless `lacks` is empty, one in `lacks` is not.
+// row's, every condition in `needs` is met, unless `lacks` is empty, one in `lacks` is not, and,
+// unless `on` is empty, it holds the reaction that the operator chose for what is lost.
 #pragma once
 
 #include <array>
@@ -20,8 +21,11 @@ enum class State : std::uint8_t {
   kTest,       ///< armed, one propeller turns, with limited thrust, for seconds
   kFault,      ///< no thrust, ESCs commanded to disarm; only disarming leaves it
   kAuto,       ///< armed, the law drives behind the boat's own plan
+  kGuided,     ///< the same, to where an operator or a script points
+  kLoiter,     ///< the same, to a stop, and waits there
+  kReturn,     ///< the same, home or to a rally point, and waits there
 };
-constexpr std::size_t kStates = 8;
+constexpr std::size_t kStates = 11;
 
 enum class Request : std::uint8_t {
   kNone,
@@ -32,9 +36,23 @@ enum class Request : std::uint8_t {
   kFormation,
   kTest,
   kTerminate,
-  kAuto
+  kAuto,
+  kGuided,
+  kLoiter,
+  kReturn
 };
-constexpr std::size_t kRequests = 9;
+constexpr std::size_t kRequests = 12;
+
+/// What the boat does about a loss; the more careful comes first.
+enum class Reaction : std::uint8_t {
+  kHold,
+  kLoiter,
+  kReturn,
+  kCoast,   ///< then as Choices::coast_end
+  kManual,  ///< if sticks are fresh, else HOLD
+  kNone,    ///< nothing is lost
+};
+constexpr std::size_t kReactions = 6;
 
 /// A set of conditions; a set bit means that all is well.
 using Conditions = std::uint64_t;
@@ -69,12 +87,9 @@ constexpr Conditions kSoleVessel = 1U << 27U;   ///< no other vessel uses the bo
 constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, or were once in this MANUAL
 constexpr Conditions kLeaderNear = 1U << 29U;     ///< the followed vessel is within FORM_DIST_MAX
 constexpr Conditions kPlanReady = 1U << 30U;      ///< a plan is stored, and begins near the boat
-constexpr unsigned kConditionCount = 31;          ///< without the operator's choices
-// The operator's choices FS_LEADER_ACT and FS_GCS_ACT; neither bit of a pair: MANUAL, else HOLD.
-constexpr Conditions kLeaderLossHolds = Conditions{1} << kConditionCount;
-constexpr Conditions kLeaderLossCoasts = kLeaderLossHolds << 1U;
-constexpr Conditions kGcsLossHolds = kLeaderLossHolds << 2U;
-constexpr Conditions kGcsLossCoasts = kLeaderLossHolds << 3U;
+constexpr Conditions kHomeNear = 1U << 31U;       ///< the place to return to is known and near
+constexpr Conditions kLocated = Conditions{1} << 32U;  ///< the own place on the globe is known
+constexpr unsigned kConditionCount = 33;
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
 /// Without these the boat may not obey commands and needs an inspection.
@@ -85,71 +100,113 @@ constexpr Conditions kLeader =
 /// A boat that leaves its slot counts as one that has lost its leader.
 constexpr Conditions kFollows = kLeader | kOnStation;
 constexpr Conditions kLimits = kBatteryGood | kInsideFence;
+/// For each of these an operator chooses what its loss leads to.
+constexpr Conditions kLosses = kFollows | kGcsHeard | kLimits;
 /// Without these the boat has no valid place in the formation tree.
 constexpr Conditions kPlace = kLeadersEnd | kSlotSound;
 /// The law needs these whatever it follows.
 constexpr Conditions kSteers =
-    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel | kBoatAnswers | kSound | kLimits;
+    kOwn | kOwnTimed | kOwnGood | kOwnPrompt | kSoleVessel | kBoatAnswers | kSound;
 constexpr Conditions kByLaw = kSteers | kPlace;
-constexpr Conditions kDrive = kByLaw | kFollows | kGcsHeard;
+constexpr Conditions kDrive = kByLaw | kLosses;
 constexpr Conditions kFormationBegins = kDrive | kClear;
-constexpr Conditions kAutoDrive = kSteers | kPlanReady | kOnStation | kGcsHeard;
+constexpr Conditions kCoastDrive = kByLaw | kLimits | kCoastRunning;
+// A boat that waits or returns needs no ground station, and may have to because of a limit.
+constexpr Conditions kLoiterDrive = kSteers | kLocated | kOnStation;
+constexpr Conditions kLoiterBegins = kLoiterDrive | kLimits;
+constexpr Conditions kReturnDrive = kLoiterDrive | kHomeNear;
+constexpr Conditions kReturnBegins = kReturnDrive | kClear;
+constexpr Conditions kGuidedDrive = kLoiterDrive | kLimits | kGcsHeard;
+constexpr Conditions kGuidedBegins = kGuidedDrive | kClear;
+constexpr Conditions kAutoDrive = kGuidedDrive | kPlanReady;
 constexpr Conditions kAutoBegins = kAutoDrive | kClear;
-constexpr Conditions kCoastDrive = kByLaw | kCoastRunning;
 // Needs no own state, so that a boat that has lost its navigation can be driven home.
 constexpr Conditions kManualBegins = kSticksFresh | kSound;
 constexpr Conditions kManualDrive = kManualBegins | kSticksCentred;
 // Arming needs no own state either, and ignores battery and fence.
 constexpr Conditions kArming = kSound | kSoleVessel | kGcsHeard | kParametersSaved;
 constexpr Conditions kTestDrive = kTestRunning | kSound;
-constexpr Conditions kAllConditions = kLeaderLossHolds - 1;
+constexpr Conditions kAllConditions = (Conditions{1} << kConditionCount) - 1;
+
+using States = std::uint16_t;
+using Reactions = std::uint8_t;
 
 /// The set of these states.
-template <class... States>
-constexpr std::uint8_t in(States... states) {
-  return static_cast<std::uint8_t>(((1U << static_cast<unsigned>(states)) | ...));
+template <class... Any>
+constexpr States in(Any... states) {
+  return static_cast<States>(((1U << static_cast<unsigned>(states)) | ...));
 }
-constexpr std::uint8_t kAnyState = (1U << kStates) - 1U;
-constexpr std::uint8_t kFollowing = in(State::kFormation, State::kCoast);
-constexpr std::uint8_t kLawDrives = kFollowing | in(State::kAuto);
-constexpr std::uint8_t kArmed = in(State::kHold, State::kManual, State::kTest) | kLawDrives;
+/// The set of these reactions.
+template <class... Any>
+constexpr Reactions by(Any... reactions) {
+  return static_cast<Reactions>(((1U << static_cast<unsigned>(reactions)) | ...));
+}
+constexpr States kAnyState = (1U << kStates) - 1U;
+constexpr States kFollowing = in(State::kFormation, State::kCoast);
+constexpr States kAlone = in(State::kAuto, State::kGuided, State::kLoiter, State::kReturn);
+constexpr States kLawDrives = kFollowing | kAlone;
+constexpr States kArmed = in(State::kHold, State::kManual, State::kTest) | kLawDrives;
+/// In these a ground station must be heard, and the limits be kept.
+constexpr States kBound = kFollowing | in(State::kAuto, State::kGuided);
+/// Operators may change between these.
+constexpr States kChosen = (kArmed & ~in(State::kTest, State::kCoast));
 
 struct Row {
-  std::uint8_t from;
+  States from;
   Request request;
   Conditions needs;
   Conditions lacks;
   State to;
+  Reactions on = 0;  ///< the row needs one of these reactions; 0: whatever it is
 };
 
-constexpr std::array<Row, 34> kTable{{
+constexpr std::array<Row, 47> kTable{{
     {kAnyState, Request::kDisarm, 0, 0, State::kDisarmed},
     {kAnyState, Request::kTerminate, 0, 0, State::kFault},
     // Automatic transitions. None leaves FAULT or leads from HOLD to motion; COAST ends by itself.
     {kArmed, Request::kNone, 0, kSound, State::kFault},
     {in(State::kManual), Request::kNone, 0, kSticksFresh, State::kHold},
     {in(State::kTest), Request::kNone, 0, kTestRunning, State::kHold},
-    {in(State::kAuto), Request::kNone, 0, kAutoDrive, State::kHold},
     {kFollowing, Request::kNone, 0, kByLaw, State::kHold},
-    // After two losses the more careful choice counts, also if the second comes later, in COAST.
-    {kFollowing, Request::kNone, kLeaderLossHolds, kFollows, State::kHold},
-    {kFollowing, Request::kNone, kGcsLossHolds, kGcsHeard, State::kHold},
-    {in(State::kFormation), Request::kNone, kLeaderLossCoasts, kFollows, State::kCoast},
-    {in(State::kFormation), Request::kNone, kGcsLossCoasts, kGcsHeard, State::kCoast},
-    {in(State::kFormation), Request::kNone, kSticksFresh, kFollows | kGcsHeard, State::kManual},
-    {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kHold},
-    {in(State::kCoast), Request::kNone, kFollows | kGcsHeard, 0, State::kFormation},
-    {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold},
-    // Requests. A boat that can neither sail its plan nor follow a leader is armed for MANUAL only;
+    {kAlone, Request::kNone, 0, kLoiterDrive, State::kHold},
+    {in(State::kAuto), Request::kNone, 0, kPlanReady, State::kHold},
+    {in(State::kReturn), Request::kNone, 0, kHomeNear, State::kHold},
+    // Losses, each with the reaction that its operator chose.
+    {in(State::kCoast), Request::kNone, kLoiterDrive, kCoastRunning, State::kLoiter,
+     by(Reaction::kLoiter)},
+    {in(State::kCoast), Request::kNone, kReturnDrive, kCoastRunning, State::kReturn,
+     by(Reaction::kReturn)},
+    {in(State::kCoast), Request::kNone, 0, kCoastRunning, State::kHold,
+     by(Reaction::kHold, Reaction::kLoiter, Reaction::kReturn)},
+    {kBound, Request::kNone, kLoiterDrive, kLosses, State::kLoiter, by(Reaction::kLoiter)},
+    {kBound | in(State::kLoiter), Request::kNone, kReturnDrive, kLosses, State::kReturn,
+     by(Reaction::kReturn)},
+    {in(State::kFormation), Request::kNone, 0, kFollows | kGcsHeard, State::kCoast,
+     by(Reaction::kCoast)},
+    {in(State::kFormation), Request::kNone, kSticksFresh, kFollows | kGcsHeard, State::kManual,
+     by(Reaction::kManual)},
+    {kBound, Request::kNone, 0, kLosses, State::kHold,
+     by(Reaction::kHold, Reaction::kLoiter, Reaction::kReturn, Reaction::kManual)},
+    {in(State::kLoiter), Request::kNone, 0, kLimits, State::kHold,
+     by(Reaction::kHold, Reaction::kReturn)},
+    {in(State::kCoast), Request::kNone, kLosses, 0, State::kFormation},
+    // Requests. A boat that can neither sail its plan nor follow a leader is armed all the same;
     // the second kArm row reports what FORMATION lacks.
     {in(State::kDisarmed), Request::kArm, kArming | kAutoBegins, 0, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, kFormationBegins, State::kHold},
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
     {in(State::kHold) | kLawDrives, Request::kManual, kManualBegins, 0, State::kManual},
-    {in(State::kHold, State::kManual, State::kAuto), Request::kFormation, kFormationBegins, 0,
+    {kChosen & ~in(State::kFormation), Request::kFormation, kFormationBegins, 0,
      State::kFormation},
-    {in(State::kHold, State::kManual) | kFollowing, Request::kAuto, kAutoBegins, 0, State::kAuto},
+    {(kChosen & ~in(State::kAuto)) | in(State::kCoast), Request::kAuto, kAutoBegins, 0,
+     State::kAuto},
+    {(kChosen & ~in(State::kGuided)) | in(State::kCoast), Request::kGuided, kGuidedBegins, 0,
+     State::kGuided},
+    {(kChosen & ~in(State::kLoiter)) | in(State::kCoast), Request::kLoiter, kLoiterBegins, 0,
+     State::kLoiter},
+    {(kChosen & ~in(State::kReturn)) | in(State::kCoast), Request::kReturn, kReturnBegins, 0,
+     State::kReturn},
     {in(State::kHold), Request::kTest, kTestDrive, 0, State::kTest},
     // Requests for the present state: granted, as senders repeat a command whose answer is lost.
     {in(State::kDisarmed), Request::kHold, 0, 0, State::kDisarmed},
@@ -159,11 +216,51 @@ constexpr std::array<Row, 34> kTable{{
     {in(State::kCoast), Request::kArm, 0, 0, State::kCoast},
     {in(State::kTest), Request::kArm, 0, 0, State::kTest},
     {in(State::kAuto), Request::kArm, 0, 0, State::kAuto},
+    {in(State::kGuided), Request::kArm, 0, 0, State::kGuided},
+    {in(State::kLoiter), Request::kArm, 0, 0, State::kLoiter},
+    {in(State::kReturn), Request::kArm, 0, 0, State::kReturn},
     {in(State::kManual), Request::kManual, 0, 0, State::kManual},
     {in(State::kFormation), Request::kFormation, 0, 0, State::kFormation},
     {in(State::kCoast), Request::kFormation, 0, 0, State::kCoast},
     {in(State::kAuto), Request::kAuto, 0, 0, State::kAuto},
+    {in(State::kGuided), Request::kGuided, 0, 0, State::kGuided},
+    {in(State::kLoiter), Request::kLoiter, 0, 0, State::kLoiter},
+    {in(State::kReturn), Request::kReturn, 0, 0, State::kReturn},
 }};
+
+/// The operator's choices: FS_LEADER_ACT, FS_GCS_ACT, FS_BATT_ACT, FS_FENCE_ACT, FS_COAST_ACT.
+struct Choices {
+  Reaction leader = Reaction::kCoast, gcs = Reaction::kHold, battery = Reaction::kHold,
+           fence = Reaction::kHold, coast_end = Reaction::kHold;
+  bool operator==(const Choices&) const = default;
+};
+
+/// What is lost in these states where not all of `needs` is met, and whose choice then counts.
+struct Loss {
+  States in;
+  Conditions needs;
+  Reaction Choices::* choice;
+};
+constexpr std::array<Loss, 4> kLossTable{{
+    {kFollowing, kFollows, &Choices::leader},
+    {kBound, kGcsHeard, &Choices::gcs},
+    {kBound | in(State::kLoiter), kBatteryGood, &Choices::battery},
+    {kBound | in(State::kLoiter), kInsideFence, &Choices::fence},
+}};
+
+/// The most careful of the reactions to what is lost in this state.
+constexpr Reaction reaction_to(const Choices& choices, State state, Conditions met) {
+  Reaction out = Reaction::kNone;
+  for (const Loss& loss : kLossTable) {
+    const bool lost = (loss.in & in(state)) != 0 && (met & loss.needs) != loss.needs;
+    if (lost && choices.*loss.choice < out) out = choices.*loss.choice;
+  }
+  if (out != Reaction::kCoast && out != Reaction::kManual) return out;
+  // Only a boat behind a leader can coast, or hand over to the sticks by itself.
+  if ((kFollowing & in(state)) == 0) return Reaction::kHold;
+  if (state != State::kCoast) return out;
+  return (met & kCoastRunning) != 0 ? Reaction::kCoast : choices.coast_end;
+}
 
 struct Verdict {
   State state;
@@ -174,10 +271,12 @@ struct Verdict {
   Conditions missing;
 };
 
-constexpr Verdict supervise(State state, Request request, Conditions met) {
+constexpr Verdict supervise(State state, Request request, Conditions met,
+                            Reaction reaction = Reaction::kNone) {
   Conditions missing = 0;
   for (const Row& row : kTable) {
     if ((row.from & in(state)) == 0 || row.request != request) continue;
+    if (row.on != 0 && (row.on & by(reaction)) == 0) continue;
     const Conditions unmet = row.needs & ~met;
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
     if (unmet == 0 && lacking) return {row.to, true, row.lacks & ~met};
@@ -187,6 +286,7 @@ constexpr Verdict supervise(State state, Request request, Conditions met) {
 }
 
 constexpr bool armed(State state) { return (kArmed & in(state)) != 0; }
+constexpr bool sails_alone(State state) { return (kAlone & in(state)) != 0; }
 constexpr bool follows(State state) { return (kFollowing & in(state)) != 0; }
 constexpr bool law_drives(State state) { return (kLawDrives & in(state)) != 0; }
 
@@ -197,6 +297,9 @@ constexpr bool may_drive(State state, Conditions met) {
          (state == State::kFormation && all_of(kDrive)) ||
          (state == State::kCoast && all_of(kCoastDrive)) ||
          (state == State::kAuto && all_of(kAutoDrive)) ||
+         (state == State::kGuided && all_of(kGuidedDrive)) ||
+         (state == State::kLoiter && all_of(kLoiterDrive)) ||
+         (state == State::kReturn && all_of(kReturnDrive)) ||
          (state == State::kTest && all_of(kTestDrive));
 }
 

@@ -51,24 +51,13 @@ _REQUESTS = (
     "MANUAL",
     "FORMATION",
     "AUTO",
+    "GUIDED",
+    "LOITER",
+    "RTL",
     "test",
     "terminate",
     "nothing",
 )
-_CHOICES = (
-    {
-        "name": "FS_LEADER_ACT",
-        "options": [["0", "0: HOLD"], ["1", "1: COAST"], ["2", "2: MANUAL, else HOLD"]],
-        "chosen": "1",
-    },
-    {
-        "name": "FS_GCS_ACT",
-        "options": [["0", "0: HOLD"], ["1", "1: COAST"], ["2", "2: MANUAL, else HOLD"]],
-        "chosen": "0",
-    },
-)
-
-
 class PageError(RuntimeError):
     """The page cannot be made; the text names what is missing."""
 
@@ -104,15 +93,16 @@ def frame_with(history: Mapping[str, Any], title: str) -> str:
 def supervisor_json() -> str:
     """The firmware's supervisor for the page's what-if panel.
 
-    `table` and `conditions` of the module `flotilla`, `states`, `requests`, the operator's
-    `choices`, and `drives`: by state, the conditions for the propellers to turn.
+    `table`, `conditions`, `losses` and the operator's `choices` of the module `flotilla`, `states`,
+    `requests`, and `drives`: by state, the conditions for the propellers to turn.
     """
     content = {
         "states": list(flotilla.STATES),
         "requests": _REQUESTS,
         "conditions": flotilla.supervisor_conditions(),
         "table": flotilla.supervisor_table(),
-        "choices": _CHOICES,
+        "losses": flotilla.supervisor_losses(),
+        "choices": flotilla.supervisor_choices(),
         "drives": drives(),
     }
     return json.dumps(content)

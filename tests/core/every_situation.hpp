@@ -9,21 +9,21 @@
 
 namespace flotilla::core {
 
-constexpr unsigned kBits = kConditionCount + 4;  // conditions and choices
-
 /// Conditions that no row tells apart, found from the table itself: what holds of one that is not
 /// met holds of any of them.
 inline std::vector<Conditions> classes() {
   std::map<std::vector<bool>, Conditions> found;
-  for (unsigned bit = 0; bit < kBits; ++bit) {
+  for (unsigned bit = 0; bit < kConditionCount; ++bit) {
     std::vector<bool> role;
     const auto note = [&](Conditions set) { role.push_back((set >> bit & 1U) != 0); };
     for (const Row& row : kTable) {
       note(row.needs);
       note(row.lacks);
     }
-    for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive, kAutoDrive})
+    for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive, kAutoDrive, kGuidedDrive,
+                                 kLoiterDrive, kReturnDrive}) {
       note(set);
+    }
     found[role] |= Conditions{1} << bit;
   }
   std::vector<Conditions> out;
@@ -43,13 +43,42 @@ inline std::vector<Conditions> every_set() {
   return out;
 }
 
-/// Calls f(state, request, conditions) for all there are.
+/// Whether the operator's choices can lead to that reaction: to nothing where nothing is lost, and
+/// to something where something is.
+inline bool is_possible(State state, Conditions met, Reaction reaction) {
+  const auto lacks = [&](Conditions needed) { return (met & needed) != needed; };
+  const bool behind = state == State::kFormation || state == State::kCoast;
+  const bool bound = behind || state == State::kAuto || state == State::kGuided;
+  const bool of_limits = (bound || state == State::kLoiter) && lacks(kLimits);
+  const bool of_others = (behind && lacks(kFollows)) || (bound && lacks(kGcsHeard));
+  if (!of_limits && !of_others) return reaction == Reaction::kNone;
+  if (reaction == Reaction::kNone) return false;
+  if (reaction == Reaction::kCoast || reaction == Reaction::kManual) {
+    const bool over = state == State::kCoast &&
+                      (lacks(kCoastRunning) || reaction == Reaction::kManual);
+    return behind && !of_limits && !over;
+  }
+  return true;
+}
+
+/// Calls f(state, request, conditions, reaction) for all there are.
 template <class F>
 void for_every_situation(F f) {
   static const std::vector<Conditions> kSets = every_set();
   for (unsigned s = 0; s < kStates; ++s) {
     for (unsigned r = 0; r < kRequests; ++r) {
-      for (const Conditions met : kSets) f(static_cast<State>(s), static_cast<Request>(r), met);
+      for (const Conditions met : kSets) {
+        const auto state = static_cast<State>(s);
+        const auto request = static_cast<Request>(r);
+        for (unsigned on = 0; on < kReactions; ++on) {
+          const auto reaction = static_cast<Reaction>(on);
+          // requests are judged without one
+          if (request != Request::kNone ? reaction == Reaction::kNone
+                                        : is_possible(state, met, reaction)) {
+            f(state, request, met, reaction);
+          }
+        }
+      }
     }
   }
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <vector>
 
 #include "core/every_situation.hpp"
 
@@ -11,13 +13,15 @@ namespace {
 
 /// What an operator reads of the boat, in words of his own; knows nothing of the table.
 struct World {
-  bool own, place, leader, station, plan, sound, alone, gcs, limits, clear, saved, sticks, centred,
+  bool own, place, located, home, leader, station, plan, sound, alone, gcs, limits, clear, saved, sticks, centred,
       test, coasts;
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady | kOwnTimed | kOwnGood | kOwnPrompt |
                          kBoatAnswers)),
         place(has(met, kLeadersEnd | kSlotSound)),
+        located(has(met, kLocated)),
+        home(has(met, kHomeNear)),
         leader(has(met, kLeaderFresh | kLeaderTimed | kLeaderNear | kLeaderLive | kLeaderSteady)),
         station(has(met, kOnStation)),
         plan(has(met, kPlanReady)),
@@ -32,38 +36,48 @@ struct World {
         test(has(met, kTestRunning)),
         coasts(has(met, kCoastRunning)) {}
 
-  bool steers() const { return own && sound && alone && limits; }
+  bool steers() const { return own && sound && alone; }
   bool law() const { return steers() && place; }
   bool follows() const { return leader && station; }
-  bool formation() const { return law() && follows() && gcs; }
-  bool sails() const { return steers() && plan && station && gcs; }
+  bool formation() const { return law() && limits && follows() && gcs; }
+  bool waits() const { return steers() && located && station; }
+  bool returns() const { return waits() && home; }
+  bool guided() const { return waits() && limits && gcs; }
+  bool sails() const { return guided() && plan; }
 };
 
-enum class Care { kHold, kCoast, kManual, kNone };  // the more careful comes first
-
-Care care_of(bool lost, bool holds, bool coasts) {
-  if (!lost) return Care::kNone;
-  return holds ? Care::kHold : coasts ? Care::kCoast : Care::kManual;
+/// Where the reaction to a loss leads, if the boat is fit for that.
+State after_loss(State state, const World& is, Reaction reaction) {
+  switch (reaction) {
+    case Reaction::kNone:
+      return state == State::kCoast ? State::kFormation : state;
+    case Reaction::kHold:
+      return State::kHold;
+    case Reaction::kLoiter:
+      return is.waits() ? State::kLoiter : State::kHold;
+    case Reaction::kReturn:
+      return is.returns() ? State::kReturn : State::kHold;
+    case Reaction::kCoast:
+      return State::kCoast;
+    case Reaction::kManual:
+      return is.sticks ? State::kManual : State::kHold;
+  }
+  return state;
 }
 
-State by_itself(State state, Conditions met) {
+State by_itself(State state, Conditions met, Reaction reaction) {
   const World is(met);
   if (state == State::kDisarmed || state == State::kFault) return state;
   if (!is.sound) return State::kFault;
   if (state == State::kManual) return is.sticks ? state : State::kHold;
   if (state == State::kTest) return is.test ? state : State::kHold;
   if (state == State::kHold) return state;
-  if (state == State::kAuto) return is.sails() ? state : State::kHold;
-  if (!is.law()) return State::kHold;
-  const Care leader =
-      care_of(!is.follows(), has(met, kLeaderLossHolds), has(met, kLeaderLossCoasts));
-  const Care gcs = care_of(!is.gcs, has(met, kGcsLossHolds), has(met, kGcsLossCoasts));
-  const Care care = leader < gcs ? leader : gcs;
-  if (care == Care::kNone) return State::kFormation;
-  if (care == Care::kHold) return State::kHold;
-  if (state == State::kCoast) return is.coasts ? State::kCoast : State::kHold;
-  if (care == Care::kCoast) return State::kCoast;
-  return is.sticks ? State::kManual : State::kHold;
+  if (state == State::kReturn) return is.returns() ? state : State::kHold;
+  if (state == State::kFormation || state == State::kCoast) {
+    return is.law() ? after_loss(state, is, reaction) : State::kHold;
+  }
+  if (!is.waits() || (state == State::kAuto && !is.plan)) return State::kHold;
+  return after_loss(state, is, reaction);
 }
 
 struct Expected {
@@ -74,6 +88,10 @@ struct Expected {
 Expected when_armed_and_asked(State state, Request request, Conditions met) {
   const World is(met);
   const bool by_law = state == State::kFormation || state == State::kCoast;
+  const auto changed = [state](State to, bool fit) {
+    const bool goes = state == to || (state != State::kTest && fit);
+    return Expected{goes ? to : state, goes};
+  };
   switch (request) {
     case Request::kArm:
       return {state, true};
@@ -84,9 +102,13 @@ Expected when_armed_and_asked(State state, Request request, Conditions met) {
       if (state != State::kTest && is.sound && is.sticks) return {State::kManual, true};
       return {state, false};
     case Request::kAuto:
-      if (state == State::kAuto) return {state, true};
-      if (state != State::kTest && is.sails() && is.clear) return {State::kAuto, true};
-      return {state, false};
+      return changed(State::kAuto, is.sails() && is.clear);
+    case Request::kGuided:
+      return changed(State::kGuided, is.guided() && is.clear);
+    case Request::kLoiter:
+      return changed(State::kLoiter, is.waits() && is.limits);
+    case Request::kReturn:
+      return changed(State::kReturn, is.returns() && is.clear);
     case Request::kFormation:
       if (by_law) return {state, true};
       if (state != State::kTest && is.formation() && is.clear) return {State::kFormation, true};
@@ -97,12 +119,12 @@ Expected when_armed_and_asked(State state, Request request, Conditions met) {
   }
 }
 
-Expected specified(State state, Request request, Conditions met) {
+Expected specified(State state, Request request, Conditions met, Reaction reaction) {
   const World is(met);
   if (request == Request::kDisarm) return {State::kDisarmed, true};
   if (request == Request::kTerminate) return {State::kFault, true};
   if (request == Request::kNone) {
-    const State next = by_itself(state, met);
+    const State next = by_itself(state, met, reaction);
     return {next, next != state};
   }
   if (state == State::kFault) return {state, false};
@@ -116,18 +138,19 @@ Expected specified(State state, Request request, Conditions met) {
 
 TEST_CASE("every state, request and set of conditions ends where the specification says") {
   std::uint64_t situations = 0;
-  for_every_situation([&](State state, Request request, Conditions met) {
-    const Expected expected = specified(state, request, met);
-    const Verdict verdict = supervise(state, request, met);
+  for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
+    const Expected expected = specified(state, request, met, reaction);
+    const Verdict verdict = supervise(state, request, met, reaction);
     ++situations;
     const bool right = verdict.state == expected.state && verdict.granted == expected.granted;
     if (right && (verdict.missing & met) == 0) return;
     CAPTURE(static_cast<int>(state));
     CAPTURE(static_cast<int>(request));
     CAPTURE(met);
+    CAPTURE(static_cast<int>(reaction));
     FAIL_CHECK(static_cast<int>(verdict.state), " for ", static_cast<int>(expected.state));
   });
-  CHECK(situations == (std::uint64_t{kStates * kRequests} << classes().size()));
+  CHECK(situations > (std::uint64_t{kStates * kRequests} << classes().size()));
   MESSAGE(situations, " situations");
 }
 
@@ -142,8 +165,11 @@ TEST_CASE("conditions of one kind count one by one: any that is not met is as ba
         for (unsigned r = 0; r < kRequests; ++r) {
           const auto state = static_cast<State>(s);
           const auto request = static_cast<Request>(r);
-          CHECK(supervise(state, request, all & ~(Conditions{1} << bit)).state ==
-                supervise(state, request, all & ~kind).state);
+          for (unsigned on = 0; on < kReactions; ++on) {
+            const auto reaction = static_cast<Reaction>(on);
+            CHECK(supervise(state, request, all & ~(Conditions{1} << bit), reaction).state ==
+                  supervise(state, request, all & ~kind, reaction).state);
+          }
         }
         CHECK(may_drive(static_cast<State>(s), all & ~(Conditions{1} << bit)) ==
               may_drive(static_cast<State>(s), all & ~kind));
@@ -155,12 +181,13 @@ TEST_CASE("conditions of one kind count one by one: any that is not met is as ba
 
 TEST_CASE("every row of the table decides some situation") {
   std::array<bool, kTable.size()> used{};
-  for_every_situation([&](State state, Request request, Conditions met) {
+  for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
     for (std::size_t i = 0; i < kTable.size(); ++i) {
       const Row& row = kTable[i];
       const bool from = ((row.from >> static_cast<unsigned>(state)) & 1U) != 0;
       const bool lacks = row.lacks == 0 || !has(met, row.lacks);
-      if (!from || row.request != request || !has(met, row.needs) || !lacks) continue;
+      const bool on = row.on == 0 || (row.on & by(reaction)) != 0;
+      if (!from || row.request != request || !has(met, row.needs) || !lacks || !on) continue;
       used[i] = true;
       break;
     }
@@ -171,14 +198,17 @@ TEST_CASE("every row of the table decides some situation") {
   }
 }
 
-TEST_CASE("the boat may push in five states, each with its own conditions, never else") {
+TEST_CASE("the boat may push in eight states, each with its own conditions, never else") {
   std::uint64_t wrong = 0;
-  for_every_situation([&](State state, Request, Conditions met) {
+  for_every_situation([&](State state, Request, Conditions met, Reaction) {
     const World is(met);
     const bool fit = (state == State::kManual && is.sound && is.sticks && is.centred) ||
                      (state == State::kFormation && is.formation()) ||
-                     (state == State::kCoast && is.law() && is.coasts) ||
+                     (state == State::kCoast && is.law() && is.limits && is.coasts) ||
                      (state == State::kAuto && is.sails()) ||
+                     (state == State::kGuided && is.guided()) ||
+                     (state == State::kLoiter && is.waits()) ||
+                     (state == State::kReturn && is.returns()) ||
                      (state == State::kTest && is.sound && is.test);
     if (may_drive(state, met) != fit || (fit && !armed(state))) ++wrong;
   });
@@ -190,11 +220,11 @@ TEST_CASE("the boat may push in five states, each with its own conditions, never
 
 TEST_CASE("a boat that stays or comes into a state that pushes may push at once") {
   std::uint64_t wrong = 0;
-  for_every_situation([&](State state, Request request, Conditions met) {
-    const State own = supervise(state, Request::kNone, met).state;  // as each tick begins
+  for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
+    const State next = supervise(state, request, met, reaction).state;
+    if (request != Request::kNone && next == state) return;  // looked at without a request
     // COAST has just begun where the boat comes into it. In MANUAL it waits for the sticks.
     const Conditions begun = state == State::kCoast ? met : met | kCoastRunning;
-    const State next = supervise(own, request, met).state;
     const Conditions now = next == State::kManual ? begun | kSticksCentred : begun;
     const bool pushes = next == State::kManual || law_drives(next) || next == State::kTest;
     if (pushes && !may_drive(next, now)) ++wrong;
@@ -204,7 +234,7 @@ TEST_CASE("a boat that stays or comes into a state that pushes may push at once"
 
 TEST_CASE("a request that was granted is granted again, but for a test, and changes nothing more") {
   std::uint64_t wrong = 0;
-  for_every_situation([&](State state, Request request, Conditions met) {
+  for_every_situation([&](State state, Request request, Conditions met, Reaction) {
     if (request == Request::kNone || request == Request::kTest) return;
     const Verdict first = supervise(state, request, met);
     const Verdict again = supervise(first.state, request, met);
@@ -215,7 +245,7 @@ TEST_CASE("a request that was granted is granted again, but for a test, and chan
 
 TEST_CASE("a refusal for want of conditions names exactly those, and meeting them is enough") {
   std::uint64_t wrong = 0;
-  for_every_situation([&](State state, Request request, Conditions met) {
+  for_every_situation([&](State state, Request request, Conditions met, Reaction) {
     const Verdict refused = supervise(state, request, met);
     if (refused.granted || refused.missing == 0) return;
     if (!supervise(state, request, met | refused.missing).granted) ++wrong;
@@ -231,7 +261,8 @@ TEST_CASE("a refusal for want of conditions names exactly those, and meeting the
 
 TEST_CASE("what the boat lost is named when it changes its state by itself") {
   const auto lost = [](State state, Conditions unmet) {
-    return supervise(state, Request::kNone, (kAllConditions | kLeaderLossCoasts) & ~unmet);
+    const Conditions met = kAllConditions & ~unmet;
+    return supervise(state, Request::kNone, met, reaction_to(Choices{}, state, met));
   };
   CHECK(lost(State::kManual, kSticksFresh | kOwnFresh).missing == kSticksFresh);
   CHECK(lost(State::kFormation, kLeaderLive | kSticksFresh).missing == kLeaderLive);
@@ -246,6 +277,62 @@ TEST_CASE("what the boat lost is named when it changes its state by itself") {
   CHECK(lost(State::kCoast, 0).missing == 0);
 }
 
+/// The specification of the reactions, from what is lost to what follows.
+Reaction chosen(const Choices& choices, State state, Conditions met) {
+  const World is(met);
+  const bool behind = state == State::kFormation || state == State::kCoast;
+  const bool needs_station = behind || state == State::kAuto || state == State::kGuided;
+  const bool keeps_limits = needs_station || state == State::kLoiter;
+  std::vector<Reaction> all;
+  if (behind && !is.follows()) all.push_back(choices.leader);
+  if (needs_station && !is.gcs) all.push_back(choices.gcs);
+  if (keeps_limits && !has(met, kBatteryGood)) all.push_back(choices.battery);
+  if (keeps_limits && !has(met, kInsideFence)) all.push_back(choices.fence);
+  for (const Reaction careful : {Reaction::kHold, Reaction::kLoiter, Reaction::kReturn}) {
+    if (std::ranges::find(all, careful) != all.end()) return careful;
+  }
+  if (all.empty()) return Reaction::kNone;
+  if (!behind) return Reaction::kHold;
+  if (state == State::kCoast) return is.coasts ? Reaction::kCoast : choices.coast_end;
+  const bool coasts = std::ranges::find(all, Reaction::kCoast) != all.end();
+  return coasts ? Reaction::kCoast : Reaction::kManual;
+}
+
+TEST_CASE("of several losses the most careful choice counts") {
+  using enum Reaction;
+  constexpr std::array kActions{kHold, kCoast, kManual, kLoiter, kReturn};
+  constexpr std::array kStops{kHold, kLoiter, kReturn};
+  constexpr std::array kParts{kLeaderFresh, kOnStation, kGcsHeard, kBatteryGood, kInsideFence,
+                              kCoastRunning};
+  std::uint64_t wrong = 0, compared = 0;
+  const auto compare = [&](const Choices& choices) {
+    for (unsigned lost = 0; lost < 1U << kParts.size(); ++lost) {
+      Conditions met = kAllConditions;
+      for (std::size_t i = 0; i < kParts.size(); ++i) {
+        if ((lost >> i & 1U) != 0) met &= ~kParts[i];
+      }
+      for (unsigned s = 0; s < kStates; ++s) {
+        const auto state = static_cast<State>(s);
+        const Reaction reaction = reaction_to(choices, state, met);
+        wrong += reaction != chosen(choices, state, met);
+        wrong += !is_possible(state, met, reaction);
+        ++compared;
+      }
+    }
+  };
+  for (const Reaction leader : kActions) {
+    for (const Reaction gcs : kActions) {
+      for (const Reaction battery : kStops) {
+        for (const Reaction fence : kStops) {
+          for (const Reaction end : kStops) compare({leader, gcs, battery, fence, end});
+        }
+      }
+    }
+  }
+  CHECK(wrong == 0);
+  CHECK(compared == 5 * 5 * 3 * 3 * 3 * 64 * kStates);
+}
+
 TEST_CASE("a boat that lost its navigation and its leader can be driven home") {
   constexpr Conditions kBlind = kSound | kSticksFresh | kSticksCentred;
   const State held = supervise(State::kFormation, Request::kNone, kBlind).state;
@@ -257,7 +344,7 @@ TEST_CASE("a boat that lost its navigation and its leader can be driven home") {
 
 TEST_CASE("what FORMATION lacks is named when a boat is armed without it") {
   std::uint64_t wrong = 0;
-  for_every_situation([&](State state, Request request, Conditions met) {
+  for_every_situation([&](State state, Request request, Conditions met, Reaction) {
     const Verdict armed = supervise(state, request, met);
     if (request == Request::kNone || !armed.granted) return;
     const bool arms = state == State::kDisarmed && armed.state == State::kHold;

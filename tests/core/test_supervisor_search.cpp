@@ -24,7 +24,7 @@ struct Node {
   bool centred = true;  ///< the sticks, once since MANUAL began
 };
 
-constexpr std::array<Conditions, 10> kTroubles{kOwnFresh | kOwnSteady,
+constexpr std::array<Conditions, 11> kTroubles{kOwnFresh | kOwnSteady,
                                                kLeaderFresh | kLeaderTimed | kLeaderNear | kPlace,
                                                kSoleController | kBusUp | kInRange,
                                                kGcsHeard,
@@ -33,13 +33,14 @@ constexpr std::array<Conditions, 10> kTroubles{kOwnFresh | kOwnSteady,
                                                kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
                                                kClear,
                                                kParametersSaved | kSoleVessel,
-                                               kPlanReady | kOnStation};
+                                               kPlanReady | kOnStation,
+                                               kHomeNear | kLocated};
 /// Of these: no reason not to arm, and not to drive by the sticks.
-constexpr unsigned kHarmless = 0b1'011'010'011;
-constexpr unsigned kSticks = 0b0'000'100'000, kUnsaved = 0b0'100'000'000;
-constexpr unsigned kLeaderAway = 0b0'000'000'010;
+constexpr unsigned kHarmless = 0b11'011'010'011;
+constexpr unsigned kSticks = 0b00'000'100'000, kUnsaved = 0b00'100'000'000;
+constexpr unsigned kLeaderAway = 0b00'000'000'010, kNoHome = 0b10'000'000'000;
 constexpr unsigned kCoastTicks = 3, kTestTicks = 2;
-constexpr unsigned kCodeBits = 3 + 2 + kTroubles.size() + 2 + 2 + 2;
+constexpr unsigned kCodeBits = 4 + 2 + kTroubles.size() + 2 + 2 + 2;
 
 unsigned code_of(const Node& n) {
   unsigned code = static_cast<unsigned>(n.state);
@@ -49,8 +50,8 @@ unsigned code_of(const Node& n) {
   return (code << 1U | (n.full ? 1U : 0U)) << 1U | (n.centred ? 1U : 0U);
 }
 
-Conditions conditions_of(const Node& n, Conditions choices) {
-  Conditions met = kAllConditions | choices;
+Conditions conditions_of(const Node& n) {
+  Conditions met = kAllConditions;
   for (std::size_t i = 0; i < kTroubles.size(); ++i) {
     if ((n.wrong >> i & 1U) != 0) met &= ~kTroubles[i];
   }
@@ -68,7 +69,7 @@ struct Tick {
   bool pushes = false;
 };
 
-Tick tick_of(Node n, Request request, Conditions choices) {
+Tick tick_of(Node n, Request request, const Choices& choices) {
   const auto enter = [&n](State state) {
     if (state == State::kCoast && n.state != State::kCoast) n.coast = kCoastTicks;
     if (state != State::kCoast) n.coast = 0;
@@ -77,15 +78,16 @@ Tick tick_of(Node n, Request request, Conditions choices) {
     n.state = state;
   };
   n.centred = !n.full || (n.centred && n.state == State::kManual);
-  enter(supervise(n.state, Request::kNone, conditions_of(n, choices)).state);
+  const Conditions met = conditions_of(n);
+  enter(supervise(n.state, Request::kNone, met, reaction_to(choices, n.state, met)).state);
   Node asked = n;
   if (request == Request::kTest && n.test == 0) asked.test = kTestTicks;
-  const Verdict verdict = supervise(n.state, request, conditions_of(asked, choices));
+  const Verdict verdict = supervise(n.state, request, conditions_of(asked));
   if (request != Request::kNone && verdict.granted) {
     n.test = asked.test;
     enter(verdict.state);
   }
-  const bool pushes = may_drive(n.state, conditions_of(n, choices));
+  const bool pushes = may_drive(n.state, conditions_of(n));
   if (n.coast > 0) --n.coast;
   if (n.test > 0) --n.test;
   return {n, pushes};
@@ -112,7 +114,7 @@ std::vector<Node> events_of(const Node& n) {
 /// Calls f(before, request, tick) for every tick of every history, from a boat that is switched on
 /// where all is well; the number of nodes.
 template <class F>
-std::size_t search(Conditions choices, F f) {
+std::size_t search(const Choices& choices, F f) {
   std::vector<bool> seen(std::size_t{1} << kCodeBits);
   std::vector<Node> open;
   const auto visit = [&](const Node& n) {
@@ -136,11 +138,18 @@ std::size_t search(Conditions choices, F f) {
   return nodes;
 }
 
-/// FS_LEADER_ACT and FS_GCS_ACT, three choices each.
+/// Choices that differ in what they lead to; test_supervisor.cpp has all of their combinations.
 template <class F>
-void for_every_choice(F f) {
-  for (const Conditions leader : {Conditions{0}, kLeaderLossHolds, kLeaderLossCoasts}) {
-    for (const Conditions gcs : {Conditions{0}, kGcsLossHolds, kGcsLossCoasts}) f(leader | gcs);
+void for_some_choices(F f) {
+  using enum Reaction;
+  for (const Choices& choices : {Choices{kHold, kHold, kHold, kHold, kHold},
+                                 Choices{kCoast, kHold, kHold, kReturn, kHold},
+                                 Choices{kCoast, kCoast, kReturn, kLoiter, kLoiter},
+                                 Choices{kManual, kManual, kLoiter, kHold, kReturn},
+                                 Choices{kLoiter, kReturn, kReturn, kReturn, kReturn},
+                                 Choices{kReturn, kLoiter, kLoiter, kLoiter, kLoiter},
+                                 Choices{kManual, kCoast, kReturn, kReturn, kReturn}}) {
+    f(choices);
   }
 }
 
@@ -150,12 +159,14 @@ struct Broken {
   int armed_without_escs = 0, disarm_refused = 0, terminate_refused = 0, coast_too_long = 0;
   int coast_ended_elsewhere = 0, formation_by_itself = 0, not_back_to_the_start = 0;
   int manual_began_full = 0, formation_unfit = 0, auto_unfit = 0, auto_by_itself = 0, stranded = 0;
+  int moved_from_hold = 0, returned_lost = 0;
 
   bool any() const {
     return pushed_unarmed + pushed_without_escs + law_pushed_blind + fault_left +
                armed_without_escs + disarm_refused + terminate_refused + coast_too_long +
                coast_ended_elsewhere + formation_by_itself + not_back_to_the_start +
-               manual_began_full + formation_unfit + auto_unfit + auto_by_itself + stranded !=
+               manual_began_full + formation_unfit + auto_unfit + auto_by_itself + stranded +
+               moved_from_hold + returned_lost !=
            0;
   }
 
@@ -173,8 +184,10 @@ struct Broken {
     terminate_refused += request == Request::kTerminate && is != State::kFault;
     formation_by_itself += quiet && is == State::kFormation && was != is && was != State::kCoast;
     formation_unfit +=
-        is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved)) != 0;
-    auto_by_itself += quiet && is == State::kAuto && was != is;
+        is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved | kNoHome)) != 0;
+    auto_by_itself += quiet && (is == State::kAuto || is == State::kGuided) && was != is;
+    moved_from_hold += quiet && was == State::kHold && law_drives(is);
+    returned_lost += tick.pushes && is == State::kReturn && (before.wrong & kNoHome) != 0;
     auto_unfit += is == State::kAuto && !law_drives(was) &&
                   (before.wrong & ~(kSticks | kUnsaved | kLeaderAway)) != 0;
     manual_began_full += tick.pushes && is == State::kManual && was != is && before.full;
@@ -182,13 +195,14 @@ struct Broken {
     coast_too_long += is == State::kCoast && tick.after.coast + 1 != before.coast;
     const bool well = online && (before.wrong & 0b100U) == 0;
     coast_ended_elsewhere +=
-        quiet && well && is != State::kCoast && is != State::kHold && is != State::kFormation;
+        quiet && well && is != State::kCoast && is != State::kHold && is != State::kFormation &&
+        is != State::kLoiter && is != State::kReturn;
   }
 };
 
 TEST_CASE("no history of faults and requests ends where the boat must not be") {
   std::size_t nodes = 0;
-  for_every_choice([&](Conditions choices) {
+  for_some_choices([&](const Choices& choices) {
     Broken broken;
     nodes += search(choices, [&](const Node& before, Request request, const Tick& tick) {
       broken.look(before, request, tick);
@@ -203,7 +217,8 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
       }
       broken.stranded += !tick_of(home, Request::kManual, choices).pushes;
     });
-    CAPTURE(choices);
+    CAPTURE(static_cast<int>(choices.leader));
+    CAPTURE(static_cast<int>(choices.gcs));
     CHECK(broken.pushed_unarmed == 0);
     CHECK(broken.pushed_without_escs == 0);
     CHECK(broken.law_pushed_blind == 0);
@@ -220,6 +235,8 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
     CHECK(broken.auto_unfit == 0);
     CHECK(broken.auto_by_itself == 0);
     CHECK(broken.stranded == 0);
+    CHECK(broken.moved_from_hold == 0);
+    CHECK(broken.returned_lost == 0);
     CHECK_FALSE(broken.any());
   });
   MESSAGE(nodes, " states visited");
@@ -228,7 +245,7 @@ TEST_CASE("no history of faults and requests ends where the boat must not be") {
 TEST_CASE("every state is reached, and from each in one tick just those that it may lead to") {
   std::array<unsigned, kStates> next{};
   unsigned pushing = 0;
-  for_every_choice([&](Conditions choices) {
+  for_some_choices([&](const Choices& choices) {
     search(choices, [&](const Node& before, Request, const Tick& tick) {
       next[static_cast<std::size_t>(before.state)] |= in(tick.after.state);
       if (tick.pushes) pushing |= in(tick.after.state);
@@ -236,7 +253,7 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
   });
   using enum State;
   constexpr unsigned kStops = in(kDisarmed, kFault);
-  constexpr unsigned kDriven = kStops | in(kHold, kManual, kFormation, kAuto);
+  constexpr unsigned kDriven = kStops | in(kHold, kManual, kFormation, kAuto, kGuided, kLoiter, kReturn);
   CHECK(next[0] == (kStops | in(kHold)));
   CHECK(next[1] == (kDriven | in(kTest)));
   CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are gone, then a test is asked for
@@ -244,8 +261,8 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
   CHECK(next[4] == (kDriven | in(kCoast, kTest)));
   CHECK(next[5] == (kDriven | in(kTest)));
   CHECK(next[6] == kStops);
-  CHECK(next[7] == (kDriven | in(kTest)));
-  CHECK(pushing == in(kManual, kFormation, kCoast, kTest, kAuto));
+  for (unsigned alone = 7; alone < kStates; ++alone) CHECK(next[alone] == (kDriven | in(kTest)));
+  CHECK(pushing == in(kManual, kFormation, kCoast, kTest, kAuto, kGuided, kLoiter, kReturn));
 }
 
 }  // namespace

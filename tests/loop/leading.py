@@ -114,6 +114,27 @@ BOAT = [
 ]
 
 
+#: The firmware's parameters of that boat.
+PRODUCT = {
+    "SR_STATE": 10,
+    "VES_M11": 24,
+    "VES_M22": 38,
+    "VES_M33": 5.5,
+    "VES_D11": 13,  # at 0.5 m/s
+    "VES_D22": 70,
+    "VES_D33": 9,
+    # As in `sea`: (d11 + k_du) / m11 = 1.5 rad/s, (d33 + k_dr) / m33 = 3.9 rad/s.
+    "LAW_KDU": 25,
+    "LAW_KDR": 12,
+    "THR_SLEW": 5,
+    "THR_ARM": 0.29,
+    "THR_FWD_MAX": 20,
+    "THR_REV_MAX": 20,
+    "FS_SEP_M": -1,
+    "BOAT_LEN": HULL_M,
+    "WP_RADIUS": RADIUS_M,
+}
+
 @dataclass(frozen=True)
 class Sailed:
     """One route: metres, and shares.
@@ -149,26 +170,7 @@ def scenario_of(weather: str, noise_m: float, drift_m: float) -> scenario.Scenar
         f"navigation.position_noise_m={noise_m}",
         f"navigation.position_drift_m={drift_m}",
     ]
-    product = {
-        "SR_STATE": 10,
-        "VES_M11": 24,
-        "VES_M22": 38,
-        "VES_M33": 5.5,
-        "VES_D11": 13,  # at 0.5 m/s
-        "VES_D22": 70,
-        "VES_D33": 9,
-        # As in `sea`: (d11 + k_du) / m11 = 1.5 rad/s, (d33 + k_dr) / m33 = 3.9 rad/s.
-        "LAW_KDU": 25,
-        "LAW_KDR": 12,
-        "THR_SLEW": 5,
-        "THR_ARM": 0.29,
-        "THR_FWD_MAX": 20,
-        "THR_REV_MAX": 20,
-        "FS_SEP_M": -1,
-        "BOAT_LEN": HULL_M,
-        "WP_RADIUS": RADIUS_M,
-    }
-    given = [f"parameters.{name}={float(value)}" for name, value in product.items()]
+    given = [f"parameters.{name}={float(value)}" for name, value in PRODUCT.items()]
     return scenario.load("diamond", [*BOAT, *WEATHERS[weather], *places, *errors, *given])
 
 

@@ -148,12 +148,23 @@ Lead<S> Pilot<S>::lead_of_plan() const {
 }
 
 template <class S>
-void Pilot<S>::start_plan(Plan plan, std::size_t first, const PlanDefaults& defaults) {
+void Pilot<S>::start_plan(const Voyage& voyage, const PlanDefaults& defaults) {
   own_.begin();
   reference_.lead(true);
-  plan_vessel_.start(plan, first, defaults, law_.route, own_.place(), own_.motion());
+  plan_vessel_.start(voyage, defaults, law_.route, own_.place(), own_.motion());
   follower_.start();
   follower_.follow(law_, own_, lead_of_plan(), S(0));
+}
+
+template <class S>
+Target Pilot<S>::stop_ahead() const {
+  const core::Motion<S>& motion = own_.motion();
+  const S u = core::max(motion.nu.u, S(0));
+  const S way = u * u / (S(1.8) * law_.route.accel);  // as the planner stops
+  const core::Vec2<S> on = core::to_north_east(motion.psi, core::Vec2<S>{way, S(0)});
+  const convert::Position here = own_.place();
+  return {convert::global_of({here.north_m + on.x, here.east_m + on.y, here.origin}),
+          static_cast<float>(convert::number(u))};
 }
 
 template <class S>

@@ -63,12 +63,12 @@ class Pilot {
   core::ControllerOutput<S> coast(std::int64_t now_us, S dt);
   bool can_coast() const;
 
-  /// Enters AUTO, or goes on there from another item: the law follows a vessel that sails the plan
-  /// from the boat's place to item `first`, and on. The plan must not change before end_plan().
-  void start_plan(Plan plan, std::size_t first, const PlanDefaults& defaults);
+  /// Enters a mode without a leader, or goes on there by another plan or item: the law follows a
+  /// vessel that sails the plan from the boat's place. The plan must not change before end_plan().
+  void start_plan(const Voyage& voyage, const PlanDefaults& defaults);
   void end_plan() { reference_.lead(false); }
 
-  /// One step of the law in AUTO; paused: that vessel slows down and waits.
+  /// One step of the law behind that vessel; paused: it slows down and waits.
   core::ControllerOutput<S> sail(Plan plan, bool paused, std::int64_t now_us, S dt);
   const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }
 
@@ -92,6 +92,9 @@ class Pilot {
   bool located() const { return own_.track().has_origin(); }
   const link::GpsGlobalOrigin& origin() const { return own_.anchor().origin; }
   convert::Position place() const { return own_.place(); }
+
+  /// Where the boat can stop if it sails straight on, and the speed at which it begins.
+  Target stop_ahead() const;
 
   /// Depth in the tree, to be sent; nothing if FS_SEP_M is 0.
   std::optional<double> depth() const;

@@ -10,9 +10,6 @@ namespace {
 namespace mav = link::mav;
 
 constexpr float kLargestRadius_m = 100, kSlowest_mps = 0.05F, kFastest_mps = 5;
-// MAV_FRAME: global, with altitudes over the sea, over home or over ground, which boats ignore.
-constexpr std::array<std::uint8_t, 5> kGlobalFrames{0, 3, 5, 6, 11};
-
 /// Unused parameters are NaN.
 float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
 
@@ -33,8 +30,7 @@ bool leads_somewhere(const PlanItem& item) { return has_place(item) && !is_here(
 bool waits(const PlanItem& item) { return has_place(item) || item.command == mav::kNavDelay; }
 
 PlanFault fault_of_place(const PlanItem& item) {
-  const bool global = std::ranges::find(kGlobalFrames, item.frame) != kGlobalFrames.end();
-  if (!global) return {mav::kMissionUnsupportedFrame, "places are global"};
+  if (!is_global(item.frame)) return {mav::kMissionUnsupportedFrame, "places are global"};
   if (is_here(item) || convert::is_valid({item.x, item.y, 0, 0})) return {};
   const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
   return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "no such place"};
@@ -84,6 +80,17 @@ PlanFault fault_of_reach(Plan plan) {
 }
 
 }  // namespace
+
+bool is_global(std::uint8_t frame) {
+  constexpr std::array<std::uint8_t, 5> kGlobal{0, 3, 5, 6, 11};
+  return std::ranges::find(kGlobal, frame) != kGlobal.end();
+}
+
+bool is_speed(double mps, const PlanDefaults& defaults) {
+  const bool limited = defaults.fastest_mps > 0;
+  const float most = limited ? std::min(defaults.fastest_mps, kFastest_mps) : kFastest_mps;
+  return mps >= double{kSlowest_mps} && mps <= double{most};
+}
 
 PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
   const PlanFault fault = fault_of_item(plan.back(), defaults);

@@ -31,9 +31,17 @@ using PlanDefaults = Configuration::Plan;
 
 /// All places of a plan lie within this distance of the first one.
 constexpr float kPlanReach_m = 2000;
+/// The farthest that a boat may be from the place where its plan begins.
+constexpr float kPlanStart_m = 1000;
 
 /// Also of several waits at one place together: Q16.16 reaches to 32,767.
 constexpr float kLongestWait_s = 30'000;
+
+/// Whether a MAV_FRAME is global: its altitudes, over whatever, are ignored.
+bool is_global(std::uint8_t frame);
+
+/// Whether a boat may be asked for that speed.
+bool is_speed(double mps, const PlanDefaults& defaults);
 
 /// Why a plan is refused.
 struct PlanFault {

@@ -8,25 +8,26 @@
 namespace flotilla::app {
 namespace {
 
-// With kPlanReach_m, within the planner's tested range.
-constexpr float kFirst_m = 1000;
+constexpr float kLongestWay_m = 3000;  // the planner's tested range
+static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
 // The vessel waits for a boat that is so far from it, and slows down from the first of these on.
 constexpr int kNear_m = 1, kFar_m = 3;
 
 }  // namespace
 
 template <class S>
-void PlanVessel<S>::start(Plan plan, std::size_t first, const PlanDefaults& defaults,
+void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
                           const core::RouteParams<S>& limits, const convert::Position& own,
                           const core::Motion<S>& motion) {
   from_ = own;
+  start_m_ = voyage.start_m;
   limits_ = limits;
   points_[0] = {};
   items_ = {};
   count_ = 1;
   sound_ = true;
-  reader_.begin(plan, first, defaults);
-  fill(plan);
+  reader_.begin(voyage.plan, voyage.first, defaults);
+  fill(voyage.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);
   const bool on_course = core::abs(off) < S(0.5) && S(0.1) < motion.nu.u;
@@ -55,11 +56,11 @@ void PlanVessel<S>::fill(Plan plan) {
 
 template <class S>
 void PlanVessel<S>::add(const PlanPoint& point) {
-  const auto [way, near] = convert::way_to<S>(from_, point.place, kFirst_m + kPlanReach_m);
+  const auto [way, near] = convert::way_to<S>(from_, point.place, kLongestWay_m);
   core::Waypoint<S>& last = points_[count_ - 1];
   const S wait = convert::scalar<S>(std::min(point.wait_s, kLongestWait_s));
   const S leg = core::hypot(way.x - last.place.x, way.y - last.place.y);
-  sound_ = sound_ && near && (count_ > 1 || leg <= convert::scalar<S>(kFirst_m));
+  sound_ = sound_ && near && (count_ > 1 || leg <= convert::scalar<S>(start_m_));
   if (leg < S(0.001) * S(core::kShortestLeg_mm)) {
     last.wait = core::min(last.wait, convert::scalar<S>(kLongestWait_s) - wait) + wait;
     items_[count_ - 1] = point.item;

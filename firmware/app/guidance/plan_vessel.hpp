@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: MIT
-// The vessel that sails a plan, as nobody sees it: the paper's agent 0. A boat in AUTO follows it with
-// the law, and sends its motion as the formation's reference.
+// The vessel that sails a plan or an errand, as nobody sees it: the paper's agent 0. A boat that has
+// no leader follows it with the law, and sends its motion as the formation's reference.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <optional>
 
-#include "app/guidance/plan.hpp"
+#include "app/guidance/errand.hpp"
 #include "core/route.hpp"
 
 namespace flotilla::app {
+
+/// A plan, or an errand.
+struct Voyage {
+  Plan plan{};
+  std::size_t first = 0;         ///< begins with the first place at that item or later
+  float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
+};
 
 /// Holds a few points of the plan at a time; the plan must not change between start() and the last
 /// forward().
 template <class S>
 class PlanVessel {
  public:
-  /// From the boat's place and motion to the first point at item `first` or later, and on.
-  void start(Plan plan, std::size_t first, const PlanDefaults& defaults,
+  /// From the boat's place and motion to the first point of the voyage, and on.
+  void start(const Voyage& voyage, const PlanDefaults& defaults,
              const core::RouteParams<S>& limits, const convert::Position& own,
              const core::Motion<S>& motion);
 
@@ -48,6 +55,7 @@ class PlanVessel {
   void add(const PlanPoint& point);
 
   convert::Position from_;
+  float start_m_ = 0;
   core::RouteParams<S> limits_;
   PlanReader reader_;
   std::array<core::Waypoint<S>, kWindow> points_{};

@@ -16,7 +16,7 @@ using core::Request;
 constexpr double kForce = 21196;
 constexpr double kMaxTestPercent = 20, kLongestTest_s = 5;
 constexpr double kThrottlePercent = 0;  // MOTOR_TEST_THROTTLE_PERCENT
-constexpr std::string_view kAllModes = "only 0 MANUAL, 4 HOLD, 6 FOLLOW, 10 AUTO";
+constexpr std::string_view kAllModes = "modes are 0, 4, 5, 6, 10, 11, 15";
 constexpr double kLongestInterval_us = 2147483647;  // MESSAGE_INTERVAL's maximum
 
 DecodedCommand denied(std::string_view why = {}) {
@@ -43,13 +43,24 @@ DecodedCommand arm_or_disarm(const Command& c) {
   return denied("force overrides no check");
 }
 
+std::optional<Request> request_of(double number) {
+  if (number == mode::kManual) return Request::kManual;
+  if (number == mode::kHold) return Request::kHold;
+  if (number == mode::kLoiter) return Request::kLoiter;
+  if (number == mode::kFormation) return Request::kFormation;
+  if (number == mode::kAuto) return Request::kAuto;
+  if (number == mode::kReturn) return Request::kReturn;
+  if (number == mode::kGuided) return Request::kGuided;
+  return std::nullopt;
+}
+
 /// In SET_MODE a number identifies an ArduPilot Rover mode: PX4's are multiples of 65536 there. In
 /// MAV_CMD_DO_SET_MODE it is ambiguous: (6, 0) is Rover's FOLLOW or PX4's OFFBOARD. It counts as
 /// FOLLOW only in the form that Rover's clients send: 1, 6 and zeros. MAVSDK, which treats a
 /// GENERIC autopilot as a PX4, leaves the unused parameters NaN.
 DecodedCommand set_mode(const Command& c) {
-  // PX4's AUTO.LOITER means HOLD, which stops the boat; its AUTO.MISSION means AUTO.
-  constexpr double kLoiter = 3, kMission = 4;
+  // PX4's AUTO.LOITER means HOLD, which stops the boat; AUTO.MISSION means AUTO, AUTO.RTL RTL.
+  constexpr double kLoiter = 3, kMission = 4, kReturn = 5;
   constexpr std::uint32_t kTold = mav::kModeFlagCustom | mav::kModeFlagArmed;
   const auto base = whole(c.param[0], 255);
   const double number = c.param[1], sub_mode = c.param[2];
@@ -58,11 +69,13 @@ DecodedCommand set_mode(const Command& c) {
     return {mav::kAccepted, Request::kHold};
   }
   if (number == mode::kHold && sub_mode == kMission) return {mav::kAccepted, Request::kAuto};
-  if (!unused(sub_mode)) return denied(kAllModes);
+  if (number == mode::kHold && sub_mode == kReturn) return {mav::kAccepted, Request::kReturn};
+  const auto request = request_of(number);
   const bool plain = !c.wants_ack || (*base & ~kTold) == 0;  // SET_MODE echoes the heartbeat's
-  if (number == mode::kManual && plain) return {mav::kAccepted, Request::kManual};
-  if (number == mode::kAuto && plain) return {mav::kAccepted, Request::kAuto};
-  if (number != mode::kFormation) return denied(kAllModes);
+  if (!unused(sub_mode) || !request) return denied(kAllModes);
+  if (number != mode::kFormation) {
+    return plain ? DecodedCommand{mav::kAccepted, *request} : denied(kAllModes);
+  }
   const bool rovers =
       *base == mav::kModeFlagCustom &&
       std::all_of(c.param.begin() + 2, c.param.end(), [](double x) { return x == 0; });
@@ -87,8 +100,26 @@ DecodedCommand motor_test(const Command& c) {
 }
 
 DecodedCommand set_standard_mode(const Command& c) {
-  if (c.param[0] != mav::kStandardModeMission) return {mav::kFailed};
-  return {mav::kAccepted, Request::kAuto};
+  if (c.param[0] == mav::kStandardModeMission) return {mav::kAccepted, Request::kAuto};
+  if (c.param[0] == mav::kStandardModeSafeRecovery) return {mav::kAccepted, Request::kReturn};
+  return {mav::kFailed};
+}
+
+/// The boat's heading there, and a radius, are not for boats: ignored. A float's degrees, in
+/// COMMAND_LONG, are metres off.
+DecodedCommand reposition(const Command& c) {
+  constexpr double kChangesMode = 1;
+  if (!c.frame) return {mav::kCommandIntOnly};
+  if (!is_global(*c.frame)) return {mav::kUnsupportedFrame};
+  const bool changes = c.param[1] == kChangesMode;
+  if (!changes && !unused(c.param[1])) return denied();
+  DecodedCommand asked{mav::kAccepted, changes ? Request::kGuided : Request::kNone};
+  const bool fast = !std::isnan(c.param[0]) && c.param[0] != -1 && c.param[0] != 0;
+  const convert::GlobalPoint place{static_cast<std::int32_t>(c.param[4]),
+                                   static_cast<std::int32_t>(c.param[5])};
+  if (!convert::is_valid({place.latitude, place.longitude, 0, 0})) return denied("no such place");
+  asked.target = Target{place, fast ? static_cast<float>(c.param[0]) : 0.0F};
+  return asked;
 }
 
 DecodedCommand start_plan(const Command& c) {
@@ -165,7 +196,10 @@ std::optional<Command> command_of(const RequestMessage& message) {
     return Command{c->command,
                    {double{c->param[0]}, double{c->param[1]}, double{c->param[2]},
                     double{c->param[3]}, double(c->x), double(c->y), double{c->z}},
-                   c->target};
+                   c->target,
+                   false,
+                   true,
+                   c->frame};
   }
   if (const auto* m = std::get_if<link::SetMode>(&message)) {
     return Command{mav::kCmdDoSetMode,
@@ -207,6 +241,10 @@ DecodedCommand meaning_of(const Command& c) {
       return motor_test(c);
     case mav::kCmdMissionStart:
       return start_plan(c);
+    case mav::kCmdDoReposition:
+      return reposition(c);
+    case mav::kCmdNavReturnToLaunch:
+      return {mav::kAccepted, Request::kReturn};
     case mav::kCmdDoPauseContinue:
       return pause(c);
     case mav::kCmdDoSetMissionCurrent:

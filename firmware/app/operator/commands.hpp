@@ -8,6 +8,7 @@
 #include <string_view>
 #include <variant>
 
+#include "app/guidance/errand.hpp"
 #include "app/operator/failure.hpp"
 #include "app/supervisor.hpp"
 #include "core/supervisor.hpp"
@@ -25,14 +26,14 @@ using RequestMessage =
                  link::MissionItem, link::MissionItemInt, link::MissionAck, link::MissionSetCurrent,
                  link::LogRequestList>;
 
-/// COMMAND_LONG, COMMAND_INT, SET_MODE or MISSION_SET_CURRENT in one form. None of our commands has a position, so the
-/// frame of a COMMAND_INT is ignored.
+/// COMMAND_LONG, COMMAND_INT, SET_MODE or MISSION_SET_CURRENT in one form.
 struct Command {
   std::uint16_t id;
   std::array<double, 7> param;  ///< as received; unused ones may be NaN
   link::Address target;
   bool repeated = false;  ///< a retransmission (COMMAND_LONG.confirmation)
   bool wants_ack = true;  ///< false for the last two, messages without acknowledgement
+  std::optional<std::uint8_t> frame{};  ///< of a COMMAND_INT, whose place is in degE7
 };
 std::optional<Command> command_of(const RequestMessage& message);
 
@@ -65,7 +66,8 @@ struct DecodedCommand {
   std::optional<MessageRate> rate{};
   std::optional<Failure> failure{};   ///< supported only by hosts that simulate
   std::optional<std::size_t> item{};  ///< of the plan, to go on from
-  std::optional<bool> paused{};       ///< of AUTO
+  std::optional<bool> paused{};       ///< of the plan or the errand
+  std::optional<Target> target{};     ///< with Request::kGuided, or for a boat in GUIDED
   std::string_view why{};             ///< of a refusal, for the operator
 
   /// Changes nothing that others see, so anybody may send it.

@@ -23,7 +23,14 @@ KINDS = {"Real": {"decimalPlaces": 4}, "Whole": WHOLE | {"increment": 1}} | {
         "Identity": {0: "vehicle", 1: "companion"},
         "Frame": {0: "north-east", 1: "ahead-starboard"},
         "Switch": {0: "off", 1: "on"},
-        "Action": {0: "HOLD", 1: "COAST, then HOLD", 2: "MANUAL with fresh sticks"},
+        "Action": {
+            0: "HOLD",
+            1: "COAST, then FS_COAST_ACT",
+            2: "MANUAL with fresh sticks",
+            3: "LOITER",
+            4: "RTL",
+        },
+        "Stop": {0: "HOLD", 1: "LOITER", 2: "RTL"},
     }.items()
 }
 CHANGES = {

@@ -45,6 +45,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
     case ParameterKind::kFrame:
     case ParameterKind::kSwitch:
     case ParameterKind::kAction:
+    case ParameterKind::kStop:
       sentence << "whole numbers, ";
       break;
     case ParameterKind::kReal:

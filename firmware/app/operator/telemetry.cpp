@@ -25,14 +25,18 @@ struct Mode {
   std::string_view name;
 };
 // Clients call Rover's mode 6 FOLLOW; the law calls it FORMATION.
-constexpr std::array<Mode, 4> kModes{{{mode::kManual, 0, "MANUAL"},
+constexpr std::array<Mode, 7> kModes{{{mode::kManual, 0, "MANUAL"},
                                       {mode::kHold, 0, "HOLD"},
+                                      {mode::kLoiter, mav::kModePropertyAuto, "LOITER"},
                                       {mode::kFormation, mav::kModePropertyAuto, "FOLLOW"},
-                                      {mode::kAuto, mav::kModePropertyAuto, "AUTO"}}};
+                                      {mode::kAuto, mav::kModePropertyAuto, "AUTO"},
+                                      {mode::kReturn, mav::kModePropertyAuto, "RTL"},
+                                      {mode::kGuided, mav::kModePropertyAuto, "GUIDED"}}};
 
 /// MAV_STANDARD_MODE; 0: none.
 std::uint8_t standard_mode_of(std::uint8_t mode) {
-  return mode == app::mode::kAuto ? mav::kStandardModeMission : std::uint8_t{0};
+  if (mode == app::mode::kAuto) return mav::kStandardModeMission;
+  return mode == app::mode::kReturn ? mav::kStandardModeSafeRecovery : std::uint8_t{0};
 }
 
 std::uint32_t boot_ms(const Report& r) { return convert::boot_ms(r.now_us); }

@@ -13,7 +13,8 @@ namespace flotilla::app {
 
 inline std::string_view name_of(core::State state) {
   constexpr std::array<std::string_view, core::kStates> kNames{
-      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO"};
+      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO", "GUIDED", "LOITER",
+      "RTL"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -47,6 +48,8 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSlotSound, "slot is taken, or needs sailing astern"},
     {core::kOnStation, "boat is out of formation", "FS_SLOT_M"},
     {core::kPlanReady, "no plan, or it begins over 1 km away"},
+    {core::kLocated, "own place on the globe is unknown"},
+    {core::kHomeNear, "home is unknown, or over 2.9 km away"},
     {core::kClear, "a vessel is nearer than FS_SEP_M", "FS_SEP_M"},
     {core::kInsideFence, "outside FS_FENCE_M, or place unknown", "FS_FENCE_M"},
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},

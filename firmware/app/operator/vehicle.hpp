@@ -101,7 +101,10 @@ class Vehicle {
 
   MissionService& missions() { return missions_; }
   const MissionService& missions() const { return missions_; }
-  /// An operator has paused AUTO.
+  /// A target that GUIDED has not begun to sail to yet.
+  bool has_target() const { return target_.has_value(); }
+  std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
+  /// An operator has paused the plan or the errand.
   bool is_paused() const { return paused_; }
 
   /// How far AUTO has come: the item ahead, the one reached last; complete: that is the last one.
@@ -140,6 +143,7 @@ class Vehicle {
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_plan(const DecodedCommand& asked);
+  void judge_target(DecodedCommand& asked) const;
   std::optional<PlanReport> plan_report() const;
   void freshen();
   Supervisor::Decision ask(DecodedCommand& asked);
@@ -180,6 +184,7 @@ class Vehicle {
   ParameterService parameter_service_;
   MissionService missions_;
   bool paused_ = false;
+  std::optional<Target> target_;
   std::optional<std::size_t> reached_;  // item
   link::FtpServer ftp_;
   Streams streams_;

@@ -12,8 +12,23 @@ using core::Request;
 /// such a request is for the autopilot, not for its companion; a request that stops the boat is for
 /// both.
 bool drives(Request request) {
-  return request == Request::kArm || request == Request::kManual ||
-         request == Request::kFormation || request == Request::kTest || request == Request::kAuto;
+  switch (request) {
+    case Request::kNone:
+    case Request::kDisarm:
+    case Request::kHold:
+    case Request::kTerminate:
+      return false;
+    case Request::kArm:
+    case Request::kManual:
+    case Request::kFormation:
+    case Request::kTest:
+    case Request::kAuto:
+    case Request::kGuided:
+    case Request::kLoiter:
+    case Request::kReturn:
+      break;
+  }
+  return true;
 }
 
 }  // namespace
@@ -67,10 +82,32 @@ void Vehicle::tell_mission_news(link::Counters& counters) {
   streams_.make_due(link::MissionCurrent::kId);
 }
 
-/// Goes to an item, or pauses AUTO.
+/// Judges a target before the mode changes. A boat in GUIDED goes to its new one.
+void Vehicle::judge_target(DecodedCommand& asked) const {
+  const auto refuse = [&](std::uint8_t result, std::string_view why) {
+    asked = {result};
+    asked.why = why;
+  };
+  const bool guided = supervisor_.state() == core::State::kGuided;
+  if (asked.target->speed_mps != 0 && !is_speed(asked.target->speed_mps, configuration_.plan)) {
+    refuse(mav::kDenied, "speed 0.05 to 5 m/s, or LAW_U_MAX");
+  } else if (asked.request == Request::kNone && !guided) {
+    refuse(mav::kDenied, "target without GUIDED");
+  } else if (!report_.own || !report_.own->located) {
+    refuse(mav::kTemporarilyRejected, "own place is unknown");
+  } else {
+    const convert::OwnState& own = report_.own->state;
+    const convert::Position here{own.north_m, own.east_m, own.origin};
+    if (!convert::way_to<double>(here, asked.target->place, kErrandReach_m).near) {
+      refuse(mav::kDenied, "target is over 2.9 km away");
+    }
+  }
+}
+
+/// Goes to an item, or pauses the plan or the errand.
 std::uint8_t Vehicle::answer_of_plan(const DecodedCommand& asked) {
   if (asked.item) return missions_.set_current(*asked.item) ? mav::kAccepted : mav::kDenied;
-  if (supervisor_.state() != core::State::kAuto) return mav::kTemporarilyRejected;
+  if (!core::sails_alone(supervisor_.state())) return mav::kTemporarilyRejected;
   paused_ = *asked.paused;
   return mav::kAccepted;
 }
@@ -81,7 +118,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   DecodedCommand asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
-  const bool of_plan = asked.item || asked.paused;
+  const bool of_plan = asked.item || asked.paused || asked.target;
   const bool autopilots = drives(asked.request) || of_plan || unknown || at_rest;
   if (identity_.is_autopilots(command.target) && autopilots) return;
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
@@ -95,6 +132,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked = {mav::kDenied};
     asked.why = "mode 6 after setpoints is OFFBOARD";
   }
+  if (asked.target) judge_target(asked);
   Supervisor::Decision decision{true, false, 0};
   if (asked.request == Request::kArm) warn_of_signing(counters);
   if (asked.request != Request::kNone) decision = ask(asked);
@@ -103,6 +141,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not if denied
+  if (asked.target && decision.granted) target_ = asked.target;
   if (asked.message) {
     freshen();
     asked.result = answer_of(link, *asked.message);
@@ -117,7 +156,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   if (!decision.granted) {
     refuse(asked.request, decision.missing, counters);
   } else {
-    send_complaints("armed for MANUAL only: ", decision.missing, counters);
+    send_complaints("armed, no FORMATION: ", decision.missing, counters);
   }
   if (!asked.why.empty() && refusal_due_.take_if_due(now_us_)) {
     send_statustext(mav::kSeverityWarning, {"Refused: ", asked.why}, counters);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/parameters/configuration.hpp"
 
+#include <array>
+
 #include "app/convert/times.hpp"
 
 namespace flotilla::app {
@@ -18,6 +20,18 @@ std::optional<T> unless_zero(T value) {
 
 std::optional<float> unless_negative(float value) {
   return value < 0 ? std::nullopt : std::optional(value);
+}
+
+core::Reaction reaction_of(float action) {
+  using enum core::Reaction;
+  constexpr std::array kActions{kHold, kCoast, kManual, kLoiter, kReturn};
+  return kActions[whole<std::size_t>(action)];
+}
+
+core::Reaction stop_of(float action) {
+  using enum core::Reaction;
+  constexpr std::array kStops{kHold, kLoiter, kReturn};
+  return kStops[whole<std::size_t>(action)];
 }
 
 }  // namespace
@@ -63,8 +77,11 @@ Configuration configuration_of(const Parameters& p) {
                      .astern_N = p.THR_REV_MAX,
                      .dead_N = p.THR_DEAD,
                      .esc_limit_us = microseconds(p.FS_ESC_S)},
-      .failsafes = {.leader_loss = whole<LossAction>(p.FS_LEADER_ACT),
-                    .gcs_loss = whole<LossAction>(p.FS_GCS_ACT),
+      .failsafes = {.choices = {.leader = reaction_of(p.FS_LEADER_ACT),
+                                .gcs = reaction_of(p.FS_GCS_ACT),
+                                .battery = stop_of(p.FS_BATT_ACT),
+                                .fence = stop_of(p.FS_FENCE_ACT),
+                                .coast_end = stop_of(p.FS_COAST_ACT)},
                     .coast_us = microseconds(p.FS_COAST_S),
                     .battery_V = unless_zero(p.FS_BATT_V),
                     .fence_m = unless_zero(p.FS_FENCE_M)},

@@ -7,11 +7,9 @@
 #include <optional>
 
 #include "app/parameters.hpp"
+#include "core/supervisor.hpp"
 
 namespace flotilla::app {
-
-/// FS_LEADER_ACT, FS_GCS_ACT.
-enum class LossAction : std::uint8_t { kHold, kCoast, kManual };
 
 /// Derived again after each change of a parameter, so that no tick converts one. The law's numbers,
 /// in its scalar, are in convert::Law. An empty optional: the parameter is 0, the limit is off.
@@ -61,7 +59,7 @@ struct Configuration {
   };
 
   struct Failsafes {
-    LossAction leader_loss = LossAction::kHold, gcs_loss = LossAction::kHold;
+    core::Choices choices;
     std::int64_t coast_us = 0;
     std::optional<float> battery_V, fence_m;
   };

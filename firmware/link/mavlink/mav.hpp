@@ -22,14 +22,15 @@ constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAccelera
 constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
-                        kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
+                        kCmdNavReturnToLaunch = 20,
+                        kCmdDoReposition = 192, kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
                         kCmdMissionStart = 300, kCmdPreflightStorage = 245,
                         kCmdDoSetStandardMode = 262, kCmdComponentArmDisarm = 400,
                         kCmdInjectFailure = 420, kCmdGetMessageInterval = 510,
                         kCmdSetMessageInterval = 511, kCmdRequestMessage = 512,
                         kCmdRequestProtocolVersion = 519, kCmdRequestAutopilotCapabilities = 520;
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3,
-                       kFailed = 4;
+                       kFailed = 4, kCommandIntOnly = 8, kUnsupportedFrame = 9;
 
 constexpr std::uint8_t kParamReal32 = 9;
 constexpr std::uint8_t kParamDoesNotExist = 1, kParamOutOfRange = 2, kParamPermissionDenied = 3,
@@ -40,7 +41,7 @@ constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupportedFrame = 2, kMiss
                        kMissionInvalidSequence = 13, kMissionDenied = 14, kMissionCancelled = 15;
 constexpr std::uint8_t kMissionTypePlan = 0, kMissionTypeAll = 255;
 /// MAV_STANDARD_MODE.
-constexpr std::uint8_t kStandardModeMission = 6;
+constexpr std::uint8_t kStandardModeSafeRecovery = 5, kStandardModeMission = 6;
 /// MISSION_STATE.
 constexpr std::uint8_t kMissionNotStarted = 2, kMissionActive = 3, kMissionPaused = 4,
                        kMissionComplete = 5;

@@ -41,7 +41,9 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kSoleVessel, "sole_vessel"},
                      {flotilla::core::kSticksCentred, "sticks_centred"},
                      {flotilla::core::kLeaderNear, "leader_near"},
-                     {flotilla::core::kPlanReady, "plan_ready"}}};
+                     {flotilla::core::kPlanReady, "plan_ready"},
+                     {flotilla::core::kHomeNear, "home_near"},
+                     {flotilla::core::kLocated, "located"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <bit>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -19,22 +20,35 @@ using namespace nb::literals;
 namespace {
 
 constexpr std::array<const char*, core::kRequests> kRequestNames{
-    "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate", "AUTO"};
-constexpr std::array<std::pair<core::Conditions, const char*>, 4> kChoices{
-    {{core::kLeaderLossHolds, "FS_LEADER_ACT 0"},
-     {core::kLeaderLossCoasts, "FS_LEADER_ACT 1"},
-     {core::kGcsLossHolds, "FS_GCS_ACT 0"},
-     {core::kGcsLossCoasts, "FS_GCS_ACT 1"}}};
+    "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate", "AUTO",
+    "GUIDED",  "LOITER", "RTL"};
+constexpr std::array<const char*, core::kReactions> kReactionNames{"HOLD",  "LOITER", "RTL",
+                                                                   "COAST", "MANUAL", "none"};
+struct Choice {
+  const char* parameter;
+  core::Reaction core::Choices::* member;
+};
+constexpr std::array<Choice, 5> kChoices{{{"FS_LEADER_ACT", &core::Choices::leader},
+                                          {"FS_GCS_ACT", &core::Choices::gcs},
+                                          {"FS_BATT_ACT", &core::Choices::battery},
+                                          {"FS_FENCE_ACT", &core::Choices::fence},
+                                          {"FS_COAST_ACT", &core::Choices::coast_end}}};
 
 nb::str text(std::string_view s) { return nb::str(s.data(), s.size()); }
 
 nb::list names_of(core::Conditions set) {
   nb::list out;
-  for (const auto& [bit, name] : kChoices) {
-    if ((set & bit) != 0) out.append(name);
-  }
   for (const auto& [bit, name] : kConditionNames) {
     if ((set & bit) != 0) out.append(name);
+  }
+  return out;
+}
+
+nb::list states_of(core::States set) {
+  nb::list out;
+  for (std::size_t i = 0; i < core::kStates; ++i) {
+    const auto state = static_cast<core::State>(i);
+    if ((set & core::in(state)) != 0) out.append(text(app::name_of(state)));
   }
   return out;
 }
@@ -53,32 +67,81 @@ core::State state_of(const std::string& name) {
   }));
 }
 
-core::Conditions set_of(const std::vector<std::string>& names) {
-  core::Conditions set = 0;
+/// Conditions that are met, and choices such as "FS_LEADER_ACT 1"; the others are the defaults.
+struct Told {
+  core::Conditions met = 0;
+  app::Parameters parameters{};
+  core::Choices choices() const { return app::configuration_of(parameters).failsafes.choices; }
+};
+
+Told told_of(const std::vector<std::string>& names) {
+  Told told;
   for (const std::string& name : names) {
-    const std::size_t i = index_of(name, kConditionNames.size() + kChoices.size(), [](auto at) {
-      return at < kChoices.size() ? kChoices[at].second
-                                  : kConditionNames[at - kChoices.size()].second;
-    });
-    set |= i < kChoices.size() ? kChoices[i].first : kConditionNames[i - kChoices.size()].first;
+    const std::size_t blank = name.find(' ');
+    if (blank == name.npos) {
+      told.met |= kConditionNames[index_of(name, kConditionNames.size(), [](std::size_t i) {
+                    return kConditionNames[i].second;
+                  })].first;
+      continue;
+    }
+    const std::string parameter = name.substr(0, blank);
+    index_of(parameter, kChoices.size(), [](std::size_t i) { return kChoices[i].parameter; });
+    const app::ParameterInfo& info = *app::find_parameter(parameter);
+    const float value = std::strtof(name.c_str() + blank, nullptr);
+    if (!app::is_valid(info, value)) throw nb::value_error(("no such choice: " + name).c_str());
+    told.parameters.*info.member = value;
   }
-  return set;
+  return told;
 }
 
 nb::list table() {
   nb::list out;
   for (const core::Row& row : core::kTable) {
-    nb::list from;
-    for (std::size_t i = 0; i < core::kStates; ++i) {
-      const auto state = static_cast<core::State>(i);
-      if ((row.from & core::in(state)) != 0) from.append(text(app::name_of(state)));
+    nb::list on;
+    for (std::size_t i = 0; i < core::kReactions; ++i) {
+      if ((row.on & core::by(static_cast<core::Reaction>(i))) != 0) on.append(kReactionNames[i]);
     }
     nb::dict entry;
-    entry["from"] = from;
+    entry["from"] = states_of(row.from);
     entry["request"] = kRequestNames[static_cast<std::size_t>(row.request)];
     entry["needs"] = names_of(row.needs);
     entry["lacks"] = names_of(row.lacks);
+    entry["on"] = on;
     entry["to"] = text(app::name_of(row.to));
+    out.append(entry);
+  }
+  return out;
+}
+
+nb::list losses() {
+  nb::list out;
+  for (const core::Loss& loss : core::kLossTable) {
+    nb::dict entry;
+    entry["in"] = states_of(loss.in);
+    entry["needs"] = names_of(loss.needs);
+    for (const Choice& choice : kChoices) {
+      if (choice.member == loss.choice) entry["choice"] = choice.parameter;
+    }
+    out.append(entry);
+  }
+  return out;
+}
+
+nb::list choices() {
+  nb::list out;
+  for (const Choice& choice : kChoices) {
+    const app::ParameterInfo& info = *app::find_parameter(choice.parameter);
+    nb::list reactions;
+    for (float value = info.least; value <= info.greatest; ++value) {
+      app::Parameters parameters;
+      parameters.*info.member = value;
+      const auto chosen = app::configuration_of(parameters).failsafes.choices.*choice.member;
+      reactions.append(kReactionNames[static_cast<std::size_t>(chosen)]);
+    }
+    nb::dict entry;
+    entry["name"] = choice.parameter;
+    entry["reactions"] = reactions;
+    entry["default"] = static_cast<int>(info.default_value);
     out.append(entry);
   }
   return out;
@@ -101,12 +164,15 @@ nb::dict supervise(const std::string& state, const std::string& request,
                    const std::vector<std::string>& met) {
   const auto asked = static_cast<core::Request>(
       index_of(request, core::kRequests, [](std::size_t i) { return kRequestNames[i]; }));
-  const core::Verdict verdict = core::supervise(state_of(state), asked, set_of(met));
+  const Told told = told_of(met);
+  const core::State from = state_of(state);
+  const core::Verdict verdict = core::supervise(
+      from, asked, told.met, core::reaction_to(told.choices(), from, told.met));
   nb::dict out;
   out["state"] = text(app::name_of(verdict.state));
   out["granted"] = verdict.granted;
   out["missing"] = names_of(verdict.missing);
-  out["drives"] = core::may_drive(verdict.state, set_of(met));
+  out["drives"] = core::may_drive(verdict.state, told.met);
   return out;
 }
 
@@ -114,14 +180,21 @@ nb::dict supervise(const std::string& state, const std::string& request,
 
 void bind_supervisor(nb::module_& m) {
   m.def("supervisor_table", &table,
-        "The supervisor's transitions in order: from, request, needs, lacks, to.");
+        "The supervisor's transitions in order: from, request, needs, lacks, on (reactions, none: any), "
+        "to.");
+  m.def("supervisor_losses", &losses,
+        "What counts as lost: in (states), needs, choice (the parameter that says what follows). The "
+        "most careful reaction counts: HOLD, LOITER, RTL, COAST, MANUAL.");
+  m.def("supervisor_choices", &choices,
+        "The operator's choices: name of the parameter, reactions by its value, default.");
   m.def(
       "supervisor_conditions", &conditions,
       "Its conditions, the most important first: name, bit (in NAMED_VALUE_FLOAT COND, from 24 on "
       "in COND2), complaint "
       "(what the boat says where it is not met), limit (the parameter that sets it, or nothing).");
   m.def("supervise", &supervise, "state"_a, "request"_a, "met"_a,
-        "What the table makes of a state, a request and the names of what is met or chosen: state, "
+        "What the table makes of a state, a request and the names of what is met or chosen "
+        "(\"FS_GCS_ACT 1\"; else the defaults): state, "
         "granted, missing, and drives, whether propellers may turn there. ValueError for a name "
         "that there is not.");
 }

@@ -161,8 +161,8 @@ bool is_rovers(Bytes command) {
 }
 
 /// PX4's AUTO.MISSION: main mode 4, sub mode 4.
-bool is_px4s_mission(Bytes command) {
-  return field<float>(command, 4) == 4 && field<float>(command, 8) == 4;
+bool is_px4s(float sub_mode, Bytes command) {
+  return field<float>(command, 4) == 4 && field<float>(command, 8) == sub_mode;
 }
 
 }  // namespace
@@ -216,12 +216,17 @@ void MavlinkEar::hear_request(std::uint32_t id, link::Address from, Bytes m,
       ++n.asked[Ask::kAck];
       const double mode{field<float>(m, 4)};
       if (command == mav::kCmdDoSetMode && (mode != app::mode::kFormation || is_rovers(m))) {
-        hear_mode(is_px4s_mission(m) ? app::mode::kAuto : mode, n);
+        hear_mode(is_px4s(4, m) ? app::mode::kAuto : is_px4s(5, m) ? app::mode::kReturn : mode, n);
       }
       if (command == mav::kCmdMissionStart ||
           (command == mav::kCmdDoSetStandardMode && field<float>(m, 0) == 6)) {
         ++n.asked[Ask::kAuto];
       }
+      if (command == mav::kCmdNavReturnToLaunch ||
+          (command == mav::kCmdDoSetStandardMode && field<float>(m, 0) == 5)) {
+        ++n.asked[Ask::kReturn];
+      }
+      if (command == mav::kCmdDoReposition) ++n.asked[Ask::kGuided];
       hear_command({command, field<float>(m, 0)}, from, target, p, n);
       break;
     }
@@ -234,6 +239,9 @@ void MavlinkEar::hear_mode(double mode, Moment& n) const {
   if (mode == app::mode::kManual) ++n.asked[Ask::kManual];
   if (mode == app::mode::kFormation) ++n.asked[Ask::kFormation];
   if (mode == app::mode::kAuto) ++n.asked[Ask::kAuto];
+  if (mode == app::mode::kGuided) ++n.asked[Ask::kGuided];
+  if (mode == app::mode::kLoiter) ++n.asked[Ask::kLoiter];
+  if (mode == app::mode::kReturn) ++n.asked[Ask::kReturn];
 }
 
 void MavlinkEar::hear_command(Order order, link::Address from, link::Address target,

@@ -28,11 +28,14 @@ enum class Ask : std::uint8_t {
   kManual,
   kFormation,
   kAuto,
+  kGuided,
+  kLoiter,
+  kReturn,
   kTest,
   kTerminate,
   kAck
 };
-constexpr std::size_t kAsks = 8;
+constexpr std::size_t kAsks = 11;
 
 /// Number of requests, or of actions, by kind.
 class Asked {
@@ -111,6 +114,7 @@ struct Seen {
   bool armed() const { return core::armed(state); }
   bool by_law() const { return core::law_drives(state); }
   bool follows() const { return core::follows(state); }
+  bool waits() const { return in(core::State::kLoiter) || in(core::State::kReturn); }
   bool has(core::Conditions all) const { return (met & all) == all; }
   float loudest_N() const;
 };

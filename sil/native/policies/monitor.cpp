@@ -141,6 +141,11 @@ void Monitor<S>::note_deeds() {
   if (now_.state != was) {
     const bool lost = core::follows(was) && !now_.has(core::kFollows | core::kGcsHeard);
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
+    // A loss may lead to these, by the operator's choice; COAST is over where nothing else is lost.
+    const bool failed = core::law_drives(was) && (was == State::kCoast || !now_.has(core::kLosses));
+    if (now_.in(State::kLoiter) && !failed) ++done[Ask::kLoiter];
+    if (now_.in(State::kReturn) && !failed) ++done[Ask::kReturn];
+    if (now_.in(State::kGuided)) ++done[Ask::kGuided];
     // If the leader is lost in the tick of the request, the state may be COAST already.
     if (now_.follows() && !core::follows(was)) ++done[Ask::kFormation];
     if (now_.in(State::kAuto)) ++done[Ask::kAuto];

@@ -70,6 +70,9 @@ inline bool slewed(std::int16_t before, std::int16_t now, const Moment& n) {
 constexpr std::uint8_t mode_of(State state) {
   if (state == State::kManual) return app::mode::kManual;
   if (state == State::kAuto) return app::mode::kAuto;
+  if (state == State::kGuided) return app::mode::kGuided;
+  if (state == State::kLoiter) return app::mode::kLoiter;
+  if (state == State::kReturn) return app::mode::kReturn;
   return core::follows(state) ? app::mode::kFormation : app::mode::kHold;
 }
 

@@ -13,7 +13,7 @@ class WhatIf {
     this.places = places;
     this.pills = states.map((state) => this.button(places.states, state, () => this.put(state)));
     for (const request of requests) if (request !== "nothing") this.button(places.requests, request, () => this.ask(request));
-    for (const { name, options, chosen } of choices) this.choice(name, options, chosen);
+    for (const choice of choices) this.choice(choice);
     for (const condition of conditions) this.condition(condition);
     this.rows();
     this.put(this.state);
@@ -25,12 +25,12 @@ class WhatIf {
     return made;
   }
 
-  choice(name, options, chosen) {
+  choice({ name, reactions, default: usual }) {
     const label = element("label", this.places.choices);
     element("code", label, { text: name });
     const select = element("select", label, { id: name });
-    for (const [value, text] of options) element("option", select, { value, text });
-    select.value = chosen;
+    reactions.forEach((reaction, value) => element("option", select, { value, text: `${value}: ${reaction}` }));
+    select.value = usual;
     select.addEventListener("change", () => this.settle([`${name} is ${select.value} now`]));
   }
 
@@ -50,7 +50,7 @@ class WhatIf {
     this.tableRows = CONFIG.supervisor.table.map((row) => {
       const made = element("tr", body);
       const from = row.from.length === everywhere ? "any" : row.from.join(", ");
-      for (const text of [from, row.request, row.needs.join(", "), row.lacks.join(", "), row.to]) element("td", made, { text });
+      for (const text of [from, row.request, row.needs.join(", "), row.lacks.join(", "), row.on.join(", "), row.to]) element("td", made, { text });
       return made;
     });
   }
