@@ -193,10 +193,10 @@ void Boat<S>::note_state(std::int64_t now_us) {
     vehicle_.send_statustext(link::mav::kSeverityInfo,
                              {"navigation quality is not reported, not checked"}, counters_);
   }
+  if (!core::sails_alone(state())) vehicle_.take_target();  // it came before another request
   if (was == state()) return;
   if (core::sails_alone(was)) pilot_.end_plan();
   if (core::sails_alone(state())) start_plan();
-  if (!core::sails_alone(state())) vehicle_.take_target();  // asked for before another request
   if (state() != core::State::kFormation) return;
   if (was == core::State::kCoast) {
     pilot_.close_anew();
@@ -315,10 +315,16 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       vehicle_.sailed(sailed.item(), sailed.reached(), sailed.has_arrived(), counters_);
       break;
     }
-    case core::State::kGuided:
+    case core::State::kGuided: {
+      const auto drive = vehicle_.drive(now_us);
+      if (vehicle_.has_target() || (driven_ && !drive)) start_plan();
+      driven_ = drive.has_value();
+      law_output_ = drive ? pilot_.drive(convert::drive_of<S>(*drive), vehicle_.is_paused(), now_us, dt)
+                          : pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
+      break;
+    }
     case core::State::kLoiter:
     case core::State::kReturn:
-      if (vehicle_.has_target()) start_plan();
       law_output_ = pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
       break;
     case core::State::kDisarmed:

@@ -207,12 +207,13 @@ class Boat {
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
-  bool fits_ = true;              // the scalar's range holds all parameters
-  bool overflow_ = false;         // the scalar has overflowed since the last tick began
+  bool fits_ = true;       // the scalar's range holds all parameters
+  bool overflow_ = false;  // the scalar has overflowed since the last tick began
   bool in_range_ = true;
   FailsafeLimits limits_;
 
-  Errand errand_;  // of GUIDED, LOITER, RTL
+  Errand errand_;        // of GUIDED, LOITER, RTL
+  bool driven_ = false;  // by velocities, in GUIDED
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};

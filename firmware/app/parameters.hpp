@@ -12,8 +12,8 @@ namespace flotilla::app {
 
 /// ArduPilot Rover's mode numbers: clients translate them to names by vehicle type.
 namespace mode {
-constexpr std::uint8_t kManual = 0, kHold = 4, kLoiter = 5, kFormation = 6, kAuto = 10, kReturn = 11,
-                       kGuided = 15;
+constexpr std::uint8_t kManual = 0, kHold = 4, kLoiter = 5, kFormation = 6, kAuto = 10,
+                       kReturn = 11, kGuided = 15;
 }
 
 struct Parameters {

@@ -59,8 +59,8 @@ core::Conditions Supervisor::conditions(std::int64_t now_us) const {
 Supervisor::Decision Supervisor::apply_conditions(core::Conditions conditions,
                                                   std::int64_t now_us) {
   conditions_ = conditions;
-  const core::Reaction reaction = core::reaction_to(choices_, state_, conditions_);
-  return decide(core::supervise(state_, Request::kNone, conditions_, reaction), now_us);
+  const core::Response response = core::response_to(choices_, state_, conditions_);
+  return decide(core::supervise(state_, Request::kNone, conditions_, response), now_us);
 }
 
 Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {

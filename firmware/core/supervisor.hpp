@@ -197,8 +197,7 @@ constexpr std::array<Row, 47> kTable{{
     {in(State::kDisarmed), Request::kArm, kArming, 0, State::kHold},
     {kArmed, Request::kHold, 0, 0, State::kHold},
     {in(State::kHold) | kLawDrives, Request::kManual, kManualBegins, 0, State::kManual},
-    {kChosen & ~in(State::kFormation), Request::kFormation, kFormationBegins, 0,
-     State::kFormation},
+    {kChosen & ~in(State::kFormation), Request::kFormation, kFormationBegins, 0, State::kFormation},
     {(kChosen & ~in(State::kAuto)) | in(State::kCoast), Request::kAuto, kAutoBegins, 0,
      State::kAuto},
     {(kChosen & ~in(State::kGuided)) | in(State::kCoast), Request::kGuided, kGuidedBegins, 0,
@@ -248,18 +247,27 @@ constexpr std::array<Loss, 4> kLossTable{{
     {kBound | in(State::kLoiter), kInsideFence, &Choices::fence},
 }};
 
+/// A reaction, and the lost conditions that lead to it.
+struct Response {
+  Reaction reaction = Reaction::kNone;
+  Conditions lost = 0;
+};
+
 /// The most careful of the reactions to what is lost in this state.
-constexpr Reaction reaction_to(const Choices& choices, State state, Conditions met) {
-  Reaction out = Reaction::kNone;
+constexpr Response response_to(const Choices& choices, State state, Conditions met) {
+  Response out;
   for (const Loss& loss : kLossTable) {
-    const bool lost = (loss.in & in(state)) != 0 && (met & loss.needs) != loss.needs;
-    if (lost && choices.*loss.choice < out) out = choices.*loss.choice;
+    const Conditions lost = (loss.in & in(state)) != 0 ? loss.needs & ~met : 0;
+    const Reaction choice = choices.*loss.choice;
+    if (lost == 0 || out.reaction < choice) continue;
+    out = {choice, choice == out.reaction ? out.lost | lost : lost};
   }
-  if (out != Reaction::kCoast && out != Reaction::kManual) return out;
+  if (out.reaction != Reaction::kCoast && out.reaction != Reaction::kManual) return out;
   // Only a boat behind a leader can coast, or hand over to the sticks by itself.
-  if ((kFollowing & in(state)) == 0) return Reaction::kHold;
+  if ((kFollowing & in(state)) == 0) return {Reaction::kHold, out.lost};
   if (state != State::kCoast) return out;
-  return (met & kCoastRunning) != 0 ? Reaction::kCoast : choices.coast_end;
+  if ((met & kCoastRunning) != 0) return {Reaction::kCoast, out.lost};
+  return {choices.coast_end, kCoastRunning};
 }
 
 struct Verdict {
@@ -272,14 +280,15 @@ struct Verdict {
 };
 
 constexpr Verdict supervise(State state, Request request, Conditions met,
-                            Reaction reaction = Reaction::kNone) {
+                            const Response& response = {}) {
   Conditions missing = 0;
   for (const Row& row : kTable) {
     if ((row.from & in(state)) == 0 || row.request != request) continue;
-    if (row.on != 0 && (row.on & by(reaction)) == 0) continue;
+    if (row.on != 0 && (row.on & by(response.reaction)) == 0) continue;
     const Conditions unmet = row.needs & ~met;
     const bool lacking = row.lacks == 0 || (row.lacks & ~met) != 0;
-    if (unmet == 0 && lacking) return {row.to, true, row.lacks & ~met};
+    const Conditions lost = row.on != 0 ? row.lacks & response.lost : row.lacks & ~met;
+    if (unmet == 0 && lacking) return {row.to, true, lost};
     missing = unmet;  // of the row that asks least: the last
   }
   return {state, false, request == Request::kNone ? Conditions{0} : missing};

@@ -160,19 +160,40 @@ TEST_CASE("a fence holds when the navigation unit chooses another origin, and ac
   CHECK_FALSE(watch.inside());
 }
 
-TEST_CASE("each choice of action is one of three, for leader and ground station by themselves") {
+TEST_CASE("each choice has its own parameter; those of a stop begin with HOLD, LOITER, RTL") {
+  using enum core::Reaction;
   Parameters p;
+  CHECK(configuration_of(p).failsafes.choices ==
+        core::Choices{kCoast, kHold, kHold, kReturn, kHold});
   p.FS_LEADER_ACT = 2;
-  p.FS_GCS_ACT = 2;
-  CHECK(choices_of(configuration_of(p).failsafes) == 0);
-  p.FS_LEADER_ACT = 1;
-  p.FS_GCS_ACT = 0;
-  CHECK(choices_of(configuration_of(p).failsafes) ==
-        (core::kLeaderLossCoasts | core::kGcsLossHolds));
-  p.FS_LEADER_ACT = 0;
+  p.FS_GCS_ACT = 3;
+  p.FS_BATT_ACT = 2;
+  p.FS_FENCE_ACT = 0;
+  p.FS_COAST_ACT = 1;
+  CHECK(configuration_of(p).failsafes.choices ==
+        core::Choices{kManual, kLoiter, kReturn, kHold, kLoiter});
+  p.FS_LEADER_ACT = 4;
   p.FS_GCS_ACT = 1;
-  CHECK(choices_of(configuration_of(p).failsafes) ==
-        (core::kLeaderLossHolds | core::kGcsLossCoasts));
+  CHECK(configuration_of(p).failsafes.choices ==
+        core::Choices{kReturn, kCoast, kReturn, kHold, kLoiter});
+}
+
+TEST_CASE("home is near within the reach of an errand, looked at once a second") {
+  Watch watch;
+  const auto near = [&] { return has(watch.limits.conditions(), core::kHomeNear); };
+  watch.pass(0.1);
+  CHECK_FALSE(near());
+  watch.at(0);
+  watch.pass(0.1);
+  CHECK(near());
+  watch.at(2950);
+  watch.pass(0.5);
+  CHECK(near());
+  watch.pass(0.6);
+  CHECK_FALSE(near());
+  watch.at(2850);
+  watch.pass(1.1);
+  CHECK(near());
 }
 
 }  // namespace

@@ -91,6 +91,7 @@ TEST_CASE("HOLD and MANUAL in one tick begin MANUAL anew") {
 TEST_CASE("a failsafe brings a boat into MANUAL while a pilot holds full ahead: no thrust yet") {
   for (const bool leader : {true, false}) {
     Helm helm;
+    helm.supervisor.choose({.leader = core::Reaction::kManual, .gcs = core::Reaction::kManual});
     helm.hear(kFull, Request::kFormation);
     REQUIRE(helm.supervisor.state() == State::kFormation);
     CHECK(helm.pushes());

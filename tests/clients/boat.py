@@ -16,7 +16,7 @@ from tests.linux.process import LOOPBACK, PATIENT, RealSea
 from tests.target.stations import BOAT
 
 ESCS_SILENT = "PreArm: ESCs are not online"
-OWN_STATE_STALE = "armed for MANUAL only: own state is not fresh"
+OWN_STATE_STALE = "armed, no FORMATION: own state is not fresh"
 
 
 def parameters() -> dict[str, float]:

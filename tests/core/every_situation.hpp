@@ -20,8 +20,8 @@ inline std::vector<Conditions> classes() {
       note(row.needs);
       note(row.lacks);
     }
-    for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive, kAutoDrive, kGuidedDrive,
-                                 kLoiterDrive, kReturnDrive}) {
+    for (const Conditions set : {kManualDrive, kDrive, kCoastDrive, kTestDrive, kAutoDrive,
+                                 kGuidedDrive, kLoiterDrive, kReturnDrive}) {
       note(set);
     }
     found[role] |= Conditions{1} << bit;
@@ -54,8 +54,8 @@ inline bool is_possible(State state, Conditions met, Reaction reaction) {
   if (!of_limits && !of_others) return reaction == Reaction::kNone;
   if (reaction == Reaction::kNone) return false;
   if (reaction == Reaction::kCoast || reaction == Reaction::kManual) {
-    const bool over = state == State::kCoast &&
-                      (lacks(kCoastRunning) || reaction == Reaction::kManual);
+    const bool over =
+        state == State::kCoast && (lacks(kCoastRunning) || reaction == Reaction::kManual);
     return behind && !of_limits && !over;
   }
   return true;

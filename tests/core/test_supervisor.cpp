@@ -13,8 +13,8 @@ namespace {
 
 /// What an operator reads of the boat, in words of his own; knows nothing of the table.
 struct World {
-  bool own, place, located, home, leader, station, plan, sound, alone, gcs, limits, clear, saved, sticks, centred,
-      test, coasts;
+  bool own, place, located, home, leader, station, plan, sound, alone, gcs, limits, clear, saved,
+      sticks, centred, test, coasts;
 
   explicit World(Conditions met)
       : own(has(met, kOwnFresh | kOwnLive | kOwnSteady | kOwnTimed | kOwnGood | kOwnPrompt |
@@ -140,7 +140,7 @@ TEST_CASE("every state, request and set of conditions ends where the specificati
   std::uint64_t situations = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
     const Expected expected = specified(state, request, met, reaction);
-    const Verdict verdict = supervise(state, request, met, reaction);
+    const Verdict verdict = supervise(state, request, met, {reaction});
     ++situations;
     const bool right = verdict.state == expected.state && verdict.granted == expected.granted;
     if (right && (verdict.missing & met) == 0) return;
@@ -167,8 +167,8 @@ TEST_CASE("conditions of one kind count one by one: any that is not met is as ba
           const auto request = static_cast<Request>(r);
           for (unsigned on = 0; on < kReactions; ++on) {
             const auto reaction = static_cast<Reaction>(on);
-            CHECK(supervise(state, request, all & ~(Conditions{1} << bit), reaction).state ==
-                  supervise(state, request, all & ~kind, reaction).state);
+            CHECK(supervise(state, request, all & ~(Conditions{1} << bit), {reaction}).state ==
+                  supervise(state, request, all & ~kind, {reaction}).state);
           }
         }
         CHECK(may_drive(static_cast<State>(s), all & ~(Conditions{1} << bit)) ==
@@ -202,14 +202,13 @@ TEST_CASE("the boat may push in eight states, each with its own conditions, neve
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request, Conditions met, Reaction) {
     const World is(met);
-    const bool fit = (state == State::kManual && is.sound && is.sticks && is.centred) ||
-                     (state == State::kFormation && is.formation()) ||
-                     (state == State::kCoast && is.law() && is.limits && is.coasts) ||
-                     (state == State::kAuto && is.sails()) ||
-                     (state == State::kGuided && is.guided()) ||
-                     (state == State::kLoiter && is.waits()) ||
-                     (state == State::kReturn && is.returns()) ||
-                     (state == State::kTest && is.sound && is.test);
+    const bool fit =
+        (state == State::kManual && is.sound && is.sticks && is.centred) ||
+        (state == State::kFormation && is.formation()) ||
+        (state == State::kCoast && is.law() && is.limits && is.coasts) ||
+        (state == State::kAuto && is.sails()) || (state == State::kGuided && is.guided()) ||
+        (state == State::kLoiter && is.waits()) || (state == State::kReturn && is.returns()) ||
+        (state == State::kTest && is.sound && is.test);
     if (may_drive(state, met) != fit || (fit && !armed(state))) ++wrong;
   });
   CHECK(wrong == 0);
@@ -221,7 +220,7 @@ TEST_CASE("the boat may push in eight states, each with its own conditions, neve
 TEST_CASE("a boat that stays or comes into a state that pushes may push at once") {
   std::uint64_t wrong = 0;
   for_every_situation([&](State state, Request request, Conditions met, Reaction reaction) {
-    const State next = supervise(state, request, met, reaction).state;
+    const State next = supervise(state, request, met, {reaction}).state;
     if (request != Request::kNone && next == state) return;  // looked at without a request
     // COAST has just begun where the boat comes into it. In MANUAL it waits for the sticks.
     const Conditions begun = state == State::kCoast ? met : met | kCoastRunning;
@@ -262,7 +261,7 @@ TEST_CASE("a refusal for want of conditions names exactly those, and meeting the
 TEST_CASE("what the boat lost is named when it changes its state by itself") {
   const auto lost = [](State state, Conditions unmet) {
     const Conditions met = kAllConditions & ~unmet;
-    return supervise(state, Request::kNone, met, reaction_to(Choices{}, state, met));
+    return supervise(state, Request::kNone, met, response_to(Choices{}, state, met));
   };
   CHECK(lost(State::kManual, kSticksFresh | kOwnFresh).missing == kSticksFresh);
   CHECK(lost(State::kFormation, kLeaderLive | kSticksFresh).missing == kLeaderLive);
@@ -302,8 +301,8 @@ TEST_CASE("of several losses the most careful choice counts") {
   using enum Reaction;
   constexpr std::array kActions{kHold, kCoast, kManual, kLoiter, kReturn};
   constexpr std::array kStops{kHold, kLoiter, kReturn};
-  constexpr std::array kParts{kLeaderFresh, kOnStation, kGcsHeard, kBatteryGood, kInsideFence,
-                              kCoastRunning};
+  constexpr std::array kParts{kLeaderFresh, kOnStation,   kGcsHeard,
+                              kBatteryGood, kInsideFence, kCoastRunning};
   std::uint64_t wrong = 0, compared = 0;
   const auto compare = [&](const Choices& choices) {
     for (unsigned lost = 0; lost < 1U << kParts.size(); ++lost) {
@@ -313,7 +312,9 @@ TEST_CASE("of several losses the most careful choice counts") {
       }
       for (unsigned s = 0; s < kStates; ++s) {
         const auto state = static_cast<State>(s);
-        const Reaction reaction = reaction_to(choices, state, met);
+        const Response response = response_to(choices, state, met);
+        const Reaction reaction = response.reaction;
+        wrong += (response.lost & met) != 0 || (response.lost == 0) != (reaction == kNone);
         wrong += reaction != chosen(choices, state, met);
         wrong += !is_possible(state, met, reaction);
         ++compared;

@@ -79,7 +79,7 @@ Tick tick_of(Node n, Request request, const Choices& choices) {
   };
   n.centred = !n.full || (n.centred && n.state == State::kManual);
   const Conditions met = conditions_of(n);
-  enter(supervise(n.state, Request::kNone, met, reaction_to(choices, n.state, met)).state);
+  enter(supervise(n.state, Request::kNone, met, response_to(choices, n.state, met)).state);
   Node asked = n;
   if (request == Request::kTest && n.test == 0) asked.test = kTestTicks;
   const Verdict verdict = supervise(n.state, request, conditions_of(asked));
@@ -142,13 +142,13 @@ std::size_t search(const Choices& choices, F f) {
 template <class F>
 void for_some_choices(F f) {
   using enum Reaction;
-  for (const Choices& choices : {Choices{kHold, kHold, kHold, kHold, kHold},
-                                 Choices{kCoast, kHold, kHold, kReturn, kHold},
-                                 Choices{kCoast, kCoast, kReturn, kLoiter, kLoiter},
-                                 Choices{kManual, kManual, kLoiter, kHold, kReturn},
-                                 Choices{kLoiter, kReturn, kReturn, kReturn, kReturn},
-                                 Choices{kReturn, kLoiter, kLoiter, kLoiter, kLoiter},
-                                 Choices{kManual, kCoast, kReturn, kReturn, kReturn}}) {
+  for (const Choices& choices :
+       {Choices{kHold, kHold, kHold, kHold, kHold}, Choices{kCoast, kHold, kHold, kReturn, kHold},
+        Choices{kCoast, kCoast, kReturn, kLoiter, kLoiter},
+        Choices{kManual, kManual, kLoiter, kHold, kReturn},
+        Choices{kLoiter, kReturn, kReturn, kReturn, kReturn},
+        Choices{kReturn, kLoiter, kLoiter, kLoiter, kLoiter},
+        Choices{kManual, kCoast, kReturn, kReturn, kReturn}}) {
     f(choices);
   }
 }
@@ -183,8 +183,8 @@ struct Broken {
     disarm_refused += request == Request::kDisarm && is != State::kDisarmed;
     terminate_refused += request == Request::kTerminate && is != State::kFault;
     formation_by_itself += quiet && is == State::kFormation && was != is && was != State::kCoast;
-    formation_unfit +=
-        is == State::kFormation && !law_drives(was) && (before.wrong & ~(kSticks | kUnsaved | kNoHome)) != 0;
+    formation_unfit += is == State::kFormation && !law_drives(was) &&
+                       (before.wrong & ~(kSticks | kUnsaved | kNoHome)) != 0;
     auto_by_itself += quiet && (is == State::kAuto || is == State::kGuided) && was != is;
     moved_from_hold += quiet && was == State::kHold && law_drives(is);
     returned_lost += tick.pushes && is == State::kReturn && (before.wrong & kNoHome) != 0;
@@ -194,9 +194,9 @@ struct Broken {
     if (was != State::kCoast) return;
     coast_too_long += is == State::kCoast && tick.after.coast + 1 != before.coast;
     const bool well = online && (before.wrong & 0b100U) == 0;
-    coast_ended_elsewhere +=
-        quiet && well && is != State::kCoast && is != State::kHold && is != State::kFormation &&
-        is != State::kLoiter && is != State::kReturn;
+    coast_ended_elsewhere += quiet && well && is != State::kCoast && is != State::kHold &&
+                             is != State::kFormation && is != State::kLoiter &&
+                             is != State::kReturn;
   }
 };
 
@@ -253,7 +253,8 @@ TEST_CASE("every state is reached, and from each in one tick just those that it 
   });
   using enum State;
   constexpr unsigned kStops = in(kDisarmed, kFault);
-  constexpr unsigned kDriven = kStops | in(kHold, kManual, kFormation, kAuto, kGuided, kLoiter, kReturn);
+  constexpr unsigned kDriven =
+      kStops | in(kHold, kManual, kFormation, kAuto, kGuided, kLoiter, kReturn);
   CHECK(next[0] == (kStops | in(kHold)));
   CHECK(next[1] == (kDriven | in(kTest)));
   CHECK(next[2] == (kDriven | in(kTest)));  // the sticks are gone, then a test is asked for

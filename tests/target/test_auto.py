@@ -263,7 +263,7 @@ def test_the_propellers_stop_where_the_own_state_is_lost_and_do_not_start_by_the
 
 
 def test_a_plan_beyond_the_fence_ends_there() -> None:
-    sea = sailing([at(30, 0)], {"FS_FENCE_M": 10.0})
+    sea = sailing([at(30, 0)], {"FS_FENCE_M": 10.0, "FS_FENCE_ACT": 0})
     sea.run(60.0)
     assert sea.state == "HOLD" and 9 < place(sea)[0] < 13
 

@@ -23,7 +23,7 @@ from tests.target.stations import (
 from tests.target.test_long_texts import sentences
 
 CENTRE = "MANUAL: centre the sticks first"
-ONLY = "armed for MANUAL only: "
+ONLY = "armed, no FORMATION: "
 
 
 def no_own_state(sea: Sea) -> None:
@@ -112,7 +112,8 @@ def test_an_esc_that_fails_for_a_moment_strands_no_boat(lost: str) -> None:
 
 def test_from_outside_the_fence_a_boat_is_armed_again_and_driven() -> None:
     leader = Course(math.cos(0.3), math.sin(0.3), 0.3, 0.5)
-    sea = Afloat({"FS_FENCE_M": 3.0}, hull=Hull([0.0, 0.0, 0.3, 0, 0, 0]), leader=leader)
+    fence = {"FS_FENCE_M": 3.0, "FS_FENCE_ACT": 0}
+    sea = Afloat(fence, hull=Hull([0.0, 0.0, 0.3, 0, 0, 0]), leader=leader)
     sea.enter_formation()
     sea.run_until("HOLD", 15.0)
     sea.own.on = False

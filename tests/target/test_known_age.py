@@ -55,7 +55,7 @@ def test_a_leader_that_was_late_from_its_start_and_answers_is_as_old_as_it_is(
 def test_an_own_unit_that_was_late_from_its_start_leaves_manual_only(late_s: float) -> None:
     sea = prompt_sea()
     said = asked_for_formation(sea, sea.own, late_s)
-    assert "armed for MANUAL only: own state is not fresh" in said
+    assert "armed, no FORMATION: own state is not fresh" in said
     assert sea.snapshot()["own_age_s"] == pytest.approx(late_s + 0.025, abs=0.04)
 
 

@@ -71,7 +71,7 @@ def test_a_battery_that_dips_for_a_moment_is_good() -> None:
 def test_a_boat_with_a_low_battery_is_armed_for_manual_only_and_says_why() -> None:
     sea = Sea({"FS_BATT_V": 25.0})
     sea.run(5.0)
-    assert sentences([sea.arm()]) == ["HOLD", f"armed for MANUAL only: {LOW}"]
+    assert sentences([sea.arm()]) == ["HOLD", f"armed, no FORMATION: {LOW}"]
     assert fence_and_battery(sea)[PREARM] == (True, False)
     assert texts([sea.mode(FORMATION)]) == [f"Refused: {LOW}"] and sea.state == "HOLD"
     sea.escs[0].voltage = sea.escs[1].voltage = 25.5
@@ -98,7 +98,8 @@ def test_beyond_the_fence_the_law_stops_and_within_it_the_operator_may_go_on(
     bearing: float,
 ) -> None:
     leader = Course(math.cos(bearing), math.sin(bearing), bearing, 0.5)
-    sea = Afloat({"FS_FENCE_M": 3.0}, hull=Hull([0.0, 0.0, bearing] + [0.0] * 3), leader=leader)
+    fence = {"FS_FENCE_M": 3.0, "FS_FENCE_ACT": 0}
+    sea = Afloat(fence, hull=Hull([0.0, 0.0, bearing] + [0.0] * 3), leader=leader)
     sea.enter_formation()
     sea.run_until("HOLD", 15.0)
     assert math.hypot(*sea.hull.q[:2]) == pytest.approx(3.0, abs=0.1)
@@ -131,7 +132,7 @@ def test_a_boat_that_does_not_know_its_place_is_armed_for_manual_only() -> None:
         sea.settle()
         tick = sea.arm()
         assert sea.state == "HOLD"
-        assert (f"armed for MANUAL only: {FAR}" in sentences([tick])) == bool(fence_m)
+        assert (f"armed, no FORMATION: {FAR}" in sentences([tick])) == bool(fence_m)
 
 
 def test_without_limits_there_is_no_fence_and_any_battery_will_do() -> None:

@@ -167,22 +167,25 @@ def test_each_mode_is_described_once(quiet: Sea) -> None:
     assert [(m.mode_index, m.custom_mode, m.mode_name) for m in told] == [
         (1, 0, "MANUAL"),
         (2, 4, "HOLD"),
-        (3, 6, "FOLLOW"),
-        (4, 10, "AUTO"),
+        (3, 5, "LOITER"),
+        (4, 6, "FOLLOW"),
+        (5, 10, "AUTO"),
+        (6, 11, "RTL"),
+        (7, 15, "GUIDED"),
     ]
     for m in told:
-        assert m.number_modes == 4
-        assert m.standard_mode == (6 if m.custom_mode == 10 else 0)  # MISSION
+        assert m.number_modes == 7
+        assert m.standard_mode == {10: 6, 11: 5}.get(m.custom_mode, 0)  # MISSION, SAFE_RECOVERY
         assert m.properties == (4 if m.custom_mode > 4 else 0)  # AUTO_MODE
 
 
-@pytest.mark.parametrize("index", [1, 2, 3, 4])
+@pytest.mark.parametrize("index", [1, 2, 3, 4, 5, 6, 7])
 def test_a_mode_is_described_by_its_index(quiet: Sea, index: int) -> None:
     (mode,) = answered(quiet.order(REQUEST, MODES, float(index)), REQUEST, ACCEPTED)
-    assert (mode.mode_index, mode.custom_mode) == (index, (0, 4, 6, 10)[index - 1])
+    assert (mode.mode_index, mode.custom_mode) == (index, (0, 4, 5, 6, 10, 11, 15)[index - 1])
 
 
-@pytest.mark.parametrize("index", [5.0, 255.0, 257.0, 65535.0])
+@pytest.mark.parametrize("index", [8.0, 255.0, 257.0, 65535.0])
 def test_an_unknown_mode_index_is_refused_at_once(quiet: Sea, index: float) -> None:
     assert answered(quiet.order(REQUEST, MODES, index), REQUEST, UNSUPPORTED) == []
 

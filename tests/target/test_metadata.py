@@ -103,12 +103,22 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
     ]
     action = [
         {"value": 0, "description": "HOLD"},
-        {"value": 1, "description": "COAST, then HOLD"},
+        {"value": 1, "description": "COAST, then FS_COAST_ACT"},
         {"value": 2, "description": "MANUAL with fresh sticks"},
+        {"value": 3, "description": "LOITER"},
+        {"value": 4, "description": "RTL"},
+    ]
+    stop = [
+        {"value": 0, "description": "HOLD"},
+        {"value": 1, "description": "LOITER"},
+        {"value": 2, "description": "RTL"},
     ]
     assert choices == {
         "FS_LEADER_ACT": action,
         "FS_GCS_ACT": action,
+        "FS_COAST_ACT": stop,
+        "FS_BATT_ACT": stop,
+        "FS_FENCE_ACT": stop,
         "MAV_IDENTITY": [
             {"value": 0, "description": "vehicle"},
             {"value": 1, "description": "companion"},

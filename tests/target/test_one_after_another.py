@@ -103,7 +103,7 @@ def test_a_shorter_patience_is_in_force_for_arming(sea: Sea, chunks: int) -> Non
     assert sea.condition("own_fresh")
     say(sea, chunks, param_set("FS_NAV_S", 0.05), command_long(ARM, 1.0))
     tick = sea.step()
-    only = "armed for MANUAL only: own state is not fresh"
+    only = "armed, no FORMATION: own state is not fresh"
     assert acks(tick) == [(ARM, ACCEPTED)] and only in texts([tick])
     sea.disarm()
     say(sea, chunks, param_set("FS_NAV_S", 2.0), command_long(ARM, 1.0))

@@ -128,11 +128,11 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 @EACH
 def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
-    assert p["kind"] in ("real", "whole", "sign", "identity", "frame", "switch", "action")
+    assert p["kind"] in ("real", "whole", "sign", "identity", "frame", "switch", "action", "stop")
     assert p["integer"] == (p["kind"] != "real")
     assert p["change"] in ("anytime", "disarmed", "restart")
     assert (p["kind"] == "sign") == p["name"].endswith("_DIR")
-    assert (p["kind"] == "action") == p["name"].endswith("_ACT")
+    assert (p["kind"] in ("action", "stop")) == p["name"].endswith("_ACT")
     assert (p["kind"] == "frame") == (p["name"] == "FORM_FRAME")
     assert (p["kind"] == "switch") == (p["name"] == "LAW_REF")
     assert re.fullmatch(r"[A-Z][A-Za-z]+", p["group"])

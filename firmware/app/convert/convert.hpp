@@ -9,6 +9,7 @@
 #include "app/convert/convert_scalar.hpp"
 #include "app/convert/law.hpp"
 #include "app/convert/times.hpp"
+#include "core/drive.hpp"
 #include "core/estimation/track.hpp"
 #include "link/mavlink/messages.hpp"
 
@@ -124,6 +125,14 @@ template <class S>
 core::ControllerInput<S> controller_input_of(const Position& own, const core::Motion<S>& own_motion,
                                              const Position& leader,
                                              const core::Motion<S>& leader_motion);
+
+/// A script's velocities, in double, for the law.
+template <class S>
+core::Drive<S> drive_of(const core::Drive<double>& told) {
+  core::Drive<S> out{scalar<S>(told.u), scalar<S>(told.r), {}};
+  if (told.course) out.course = scalar<S>(*told.course);
+  return out;
+}
 
 template <class S>
 core::Nu<S> nu_of(const Sample<S>& sample) {

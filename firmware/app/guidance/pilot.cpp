@@ -170,6 +170,18 @@ Target Pilot<S>::stop_ahead() const {
 template <class S>
 core::ControllerOutput<S> Pilot<S>::sail(Plan plan, bool paused, std::int64_t now_us, S dt) {
   plan_vessel_.forward(plan, follower_.off(), paused, dt);
+  return follow_plan_vessel(now_us, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::drive(const core::Drive<S>& desired, bool paused,
+                                          std::int64_t now_us, S dt) {
+  if (S(0) < dt) plan_vessel_.drive(desired, follower_.off(), paused, dt);
+  return follow_plan_vessel(now_us, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt) {
   const core::Motion<S>& motion = plan_vessel_.motion();
   reference_.tell({plan_vessel_.place(), {motion.psi, motion.nu, motion.nu_dot, S(0)}}, now_us);
   follower_.follow(law_, own_, lead_of_plan(), dt);

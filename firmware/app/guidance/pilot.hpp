@@ -70,6 +70,9 @@ class Pilot {
 
   /// One step of the law behind that vessel; paused: it slows down and waits.
   core::ControllerOutput<S> sail(Plan plan, bool paused, std::int64_t now_us, S dt);
+  /// The same where velocities drive it.
+  core::ControllerOutput<S> drive(const core::Drive<S>& desired, bool paused, std::int64_t now_us,
+                                  S dt);
   const PlanVessel<S>& plan_vessel() const { return plan_vessel_; }
 
   /// Whether the boat under the law keeps its slot, and is in it, since FORMATION was entered or
@@ -143,6 +146,7 @@ class Pilot {
   Lead<S> lead(std::int64_t now_us) const;
   Lead<S> lead_of_plan() const;
   core::Vec2<S> leaders_error(std::int64_t now_us) const;
+  core::ControllerOutput<S> follow_plan_vessel(std::int64_t now_us, S dt);
   core::ControllerOutput<S> step_law(std::int64_t now_us, S dt);
 
   convert::Law<S> law_;

@@ -72,11 +72,29 @@ void PlanVessel<S>::add(const PlanPoint& point) {
   ++count_;
 }
 
+/// Share of its speed that the vessel sails with before a boat that far from it.
+template <class S>
+S pace(S off_m, bool paused) {
+  if (paused) return S(0);
+  return core::clamp((S(kFar_m) - off_m) / S(kFar_m - kNear_m), S(0), S(1));
+}
+
+template <class S>
+void PlanVessel<S>::drive(const core::Drive<S>& desired, S off_m, bool paused, S dt) {
+  constexpr int kLongWay_m = 500;
+  core::Motion<S>& motion = state_.motion;
+  if (S(kLongWay_m) < core::abs(motion.moved_n.x) || S(kLongWay_m) < core::abs(motion.moved_n.y)) {
+    from_ = place();
+    motion.moved_n = {};
+  }
+  const S share = pace(off_m, paused);
+  core::drive_forward(limits_, {share * desired.u, share * desired.r, desired.course}, state_, dt);
+}
+
 template <class S>
 void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
   constexpr std::size_t kPassed = 3;  // points behind that are kept
-  const S pace = core::clamp((S(kFar_m) - off_m) / S(kFar_m - kNear_m), S(0), S(1));
-  core::route_forward(limits_, points(), state_, paused ? S(0) : pace, dt);
+  core::route_forward(limits_, points(), state_, pace(off_m, paused), dt);
   if (state_.next <= kPassed) return;
   const std::size_t passed = state_.next - 1;
   std::shift_left(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(count_),

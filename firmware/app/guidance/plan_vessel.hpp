@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "app/guidance/errand.hpp"
-#include "core/route.hpp"
+#include "core/drive.hpp"
 
 namespace flotilla::app {
 
@@ -25,12 +25,14 @@ template <class S>
 class PlanVessel {
  public:
   /// From the boat's place and motion to the first point of the voyage, and on.
-  void start(const Voyage& voyage, const PlanDefaults& defaults,
-             const core::RouteParams<S>& limits, const convert::Position& own,
-             const core::Motion<S>& motion);
+  void start(const Voyage& voyage, const PlanDefaults& defaults, const core::RouteParams<S>& limits,
+             const convert::Position& own, const core::Motion<S>& motion);
 
   /// dt seconds later. off_m: how far the boat is from this vessel, which slows down and waits.
   void forward(Plan plan, S off_m, bool paused, S dt);
+
+  /// The same, driven by these velocities; the plan is given up.
+  void drive(const core::Drive<S>& desired, S off_m, bool paused, S dt);
 
   /// The plan begins near enough to the boat.
   bool is_sound() const { return sound_; }

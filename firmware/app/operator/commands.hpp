@@ -24,7 +24,8 @@ using RequestMessage =
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
                  link::MissionClearAll, link::MissionRequest, link::MissionRequestInt,
                  link::MissionItem, link::MissionItemInt, link::MissionAck, link::MissionSetCurrent,
-                 link::LogRequestList>;
+                 link::LogRequestList, link::SetPositionTargetLocalNed,
+                 link::SetPositionTargetGlobalInt>;
 
 /// COMMAND_LONG, COMMAND_INT, SET_MODE or MISSION_SET_CURRENT in one form.
 struct Command {

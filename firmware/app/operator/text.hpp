@@ -13,8 +13,8 @@ namespace flotilla::app {
 
 inline std::string_view name_of(core::State state) {
   constexpr std::array<std::string_view, core::kStates> kNames{
-      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO", "GUIDED", "LOITER",
-      "RTL"};
+      "DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST",
+      "FAULT",    "AUTO", "GUIDED", "LOITER",    "RTL"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -82,10 +82,8 @@ inline std::string_view complaint_of(core::Conditions unmet) {
 constexpr std::string_view refusal_of(std::uint32_t message_id) {
   switch (message_id) {
     case 82:   // SET_ATTITUDE_TARGET
-    case 84:   // SET_POSITION_TARGET_LOCAL_NED
-    case 86:   // SET_POSITION_TARGET_GLOBAL_INT
     case 139:  // SET_ACTUATOR_CONTROL_TARGET
-      return "Refused: boats follow no setpoints";
+      return "Refused: setpoint is no place or velocity";
     case 70:  // RC_CHANNELS_OVERRIDE
       return "Refused: RC override, send MANUAL_CONTROL";
     case 48:   // SET_GPS_GLOBAL_ORIGIN

@@ -320,6 +320,7 @@ void Vehicle::announce_state(core::Conditions missing, link::Counters& counters)
   }
   announce_ = true;
   paused_ = false;
+  drive_.reset();
   reached_.reset();
   streams_.make_due(link::CurrentMode::kId);
 }

@@ -20,6 +20,7 @@
 #include "app/operator/parameter_service.hpp"
 #include "app/operator/rc_input.hpp"
 #include "app/operator/router.hpp"
+#include "app/operator/setpoint.hpp"
 #include "app/operator/setpoints.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/streams.hpp"
@@ -104,6 +105,8 @@ class Vehicle {
   /// A target that GUIDED has not begun to sail to yet.
   bool has_target() const { return target_.has_value(); }
   std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
+  /// Velocities that a script has set for GUIDED, until it was silent for three seconds.
+  std::optional<core::Drive<double>> drive(std::int64_t now_us) const;
   /// An operator has paused the plan or the errand.
   bool is_paused() const { return paused_; }
 
@@ -144,6 +147,7 @@ class Vehicle {
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_plan(const DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
+  void take_setpoint(const PendingRequest& pending);
   std::optional<PlanReport> plan_report() const;
   void freshen();
   Supervisor::Decision ask(DecodedCommand& asked);
@@ -185,6 +189,8 @@ class Vehicle {
   MissionService missions_;
   bool paused_ = false;
   std::optional<Target> target_;
+  std::optional<core::Drive<double>> drive_;  // in GUIDED
+  std::int64_t drive_us_ = 0;
   std::optional<std::size_t> reached_;  // item
   link::FtpServer ftp_;
   Streams streams_;

@@ -52,9 +52,55 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
   } else if (std::holds_alternative<link::LogRequestList>(pending.message)) {
     if (!identity_.is_autopilots(pending.target)) links_.send(link, link::LogEntry{}, counters);
+  } else if (std::holds_alternative<link::SetPositionTargetLocalNed>(pending.message) ||
+             std::holds_alternative<link::SetPositionTargetGlobalInt>(pending.message)) {
+    take_setpoint(pending);
   } else if (!identity_.is_autopilots(pending.target)) {
     answer_mission(pending, counters);
   }
+}
+
+/// Setpoints have no acknowledgement: what is refused is told, once in ten seconds.
+void Vehicle::take_setpoint(const PendingRequest& pending) {
+  if (identity_.is_autopilots(pending.target)) return;
+  if (!may_command(pending.from)) {
+    ignored_ = "Refused: setpoint, not your boat";
+    return;
+  }
+  if (supervisor_.state() != core::State::kGuided) {
+    ignored_ = "Refused: setpoints are for GUIDED";
+    return;
+  }
+  const auto* local = std::get_if<link::SetPositionTargetLocalNed>(&pending.message);
+  const bool placed = report_.own && report_.own->located;
+  Setpoint wish;
+  if (local == nullptr) {
+    wish = setpoint_of(std::get<link::SetPositionTargetGlobalInt>(pending.message));
+  } else if (placed) {
+    wish = setpoint_of(*local, report_.own->state);
+  } else {
+    wish.why = "own place is unknown";
+  }
+  DecodedCommand asked{mav::kAccepted};
+  asked.why = wish.why;
+  asked.target = wish.target;
+  if (asked.target) judge_target(asked);
+  const auto& drive = wish.drive;
+  if (drive && drive->u != 0 && !is_speed(drive->u, configuration_.plan)) {
+    asked.why = "speed 0.05 to 5 m/s, or LAW_U_MAX";
+  }
+  if (!asked.why.empty()) {
+    ignored_ = asked.why;
+    return;
+  }
+  if (asked.target) target_ = asked.target;
+  drive_ = drive;
+  drive_us_ = now_us_;
+}
+
+std::optional<core::Drive<double>> Vehicle::drive(std::int64_t now_us) const {
+  constexpr std::int64_t kSilent_us = 3'000'000;
+  return now_us - drive_us_ < kSilent_us ? drive_ : std::nullopt;
 }
 
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
@@ -141,7 +187,10 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     asked.result = asked.rate->id == link::Heartbeat::kId ? mav::kDenied : mav::kUnsupported;
   }
   if (asked.item || asked.paused) asked.result = answer_of_plan(asked);  // not if denied
-  if (asked.target && decision.granted) target_ = asked.target;
+  if (asked.target && decision.granted) {
+    target_ = asked.target;
+    drive_.reset();
+  }
   if (asked.message) {
     freshen();
     asked.result = answer_of(link, *asked.message);

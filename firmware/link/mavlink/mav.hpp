@@ -22,8 +22,8 @@ constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAccelera
 constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
-                        kCmdNavReturnToLaunch = 20,
-                        kCmdDoReposition = 192, kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
+                        kCmdNavReturnToLaunch = 20, kCmdDoReposition = 192,
+                        kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
                         kCmdMissionStart = 300, kCmdPreflightStorage = 245,
                         kCmdDoSetStandardMode = 262, kCmdComponentArmDisarm = 400,
                         kCmdInjectFailure = 420, kCmdGetMessageInterval = 510,

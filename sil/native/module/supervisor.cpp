@@ -20,8 +20,8 @@ using namespace nb::literals;
 namespace {
 
 constexpr std::array<const char*, core::kRequests> kRequestNames{
-    "nothing", "disarm", "arm", "HOLD", "MANUAL", "FORMATION", "test", "terminate", "AUTO",
-    "GUIDED",  "LOITER", "RTL"};
+    "nothing", "disarm",    "arm",  "HOLD",   "MANUAL", "FORMATION",
+    "test",    "terminate", "AUTO", "GUIDED", "LOITER", "RTL"};
 constexpr std::array<const char*, core::kReactions> kReactionNames{"HOLD",  "LOITER", "RTL",
                                                                    "COAST", "MANUAL", "none"};
 struct Choice {
@@ -166,8 +166,8 @@ nb::dict supervise(const std::string& state, const std::string& request,
       index_of(request, core::kRequests, [](std::size_t i) { return kRequestNames[i]; }));
   const Told told = told_of(met);
   const core::State from = state_of(state);
-  const core::Verdict verdict = core::supervise(
-      from, asked, told.met, core::reaction_to(told.choices(), from, told.met));
+  const core::Verdict verdict =
+      core::supervise(from, asked, told.met, core::response_to(told.choices(), from, told.met));
   nb::dict out;
   out["state"] = text(app::name_of(verdict.state));
   out["granted"] = verdict.granted;
@@ -180,11 +180,13 @@ nb::dict supervise(const std::string& state, const std::string& request,
 
 void bind_supervisor(nb::module_& m) {
   m.def("supervisor_table", &table,
-        "The supervisor's transitions in order: from, request, needs, lacks, on (reactions, none: any), "
+        "The supervisor's transitions in order: from, request, needs, lacks, on (reactions, none: "
+        "any), "
         "to.");
-  m.def("supervisor_losses", &losses,
-        "What counts as lost: in (states), needs, choice (the parameter that says what follows). The "
-        "most careful reaction counts: HOLD, LOITER, RTL, COAST, MANUAL.");
+  m.def(
+      "supervisor_losses", &losses,
+      "What counts as lost: in (states), needs, choice (the parameter that says what follows). The "
+      "most careful reaction counts: HOLD, LOITER, RTL, COAST, MANUAL.");
   m.def("supervisor_choices", &choices,
         "The operator's choices: name of the parameter, reactions by its value, default.");
   m.def(

@@ -43,20 +43,23 @@ TEST_CASE("an arming that is neither 0 nor 1 is denied") {
   }
 }
 
-TEST_CASE(
-    "modes are MANUAL, HOLD, FORMATION and AUTO by Rover's numbers; every other one is denied") {
+TEST_CASE("modes have Rover's numbers; every other one is denied") {
   CHECK(meaning(mav::kCmdDoSetMode, 1, 0).request == Request::kManual);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 4).request == Request::kHold);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 6).request == Request::kFormation);
   CHECK(meaning(mav::kCmdDoSetMode, 1, 10).request == Request::kAuto);
-  for (const float mode : {5.0F, 6.5F, 11.0F, -6.0F, NAN, 1e30F, INFINITY}) {
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 5).request == Request::kLoiter);
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 11).request == Request::kReturn);
+  CHECK(meaning(mav::kCmdDoSetMode, 1, 15).request == Request::kGuided);
+  for (const float mode : {3.0F, 6.5F, 12.0F, -6.0F, NAN, 1e30F, INFINITY}) {
     CHECK(denied(meaning(mav::kCmdDoSetMode, 1, mode)));
   }
   for (const float base : {0.0F, 128.0F, NAN, -1.0F, 1e30F, 1.5F}) {
     CHECK(denied(meaning(mav::kCmdDoSetMode, base, 6)));
   }
   for (int mode = -300; mode < 300; ++mode) {
-    const bool known = mode == 0 || mode == 4 || mode == 6 || mode == 10;
+    constexpr std::array kKnown{0, 4, 5, 6, 10, 11, 15};
+    const bool known = std::ranges::find(kKnown, mode) != kKnown.end();
     const DecodedCommand asked = meaning(mav::kCmdDoSetMode, 1, static_cast<float>(mode));
     CHECK(denied(asked) != known);
     CHECK(asked.why.empty() == known);
@@ -81,16 +84,21 @@ TEST_CASE("mode 6 is FOLLOW as Rover's clients ask for it, and OFFBOARD in every
 }
 
 TEST_CASE(
-    "sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boat, (4, 4) is AUTO") {
+    "sub modes are denied with a sentence; PX4's hold, (4, 3), stops a boat, (4, 4) is AUTO, (4, "
+    "5) "
+    "RTL") {
   for (const float base : {1.0F, 129.0F}) {
     for (float main = 0; main < 10; ++main) {
       for (float sub = 1; sub < 12; ++sub) {
         const DecodedCommand asked =
             meaning(mav::kCmdDoSetMode, {base, main, sub, NAN, NAN, NAN, NAN});
-        const bool hold = main == 4 && sub == 3, plan = main == 4 && sub == 4;
-        CHECK(asked.request == (hold ? Request::kHold : plan ? Request::kAuto : Request::kNone));
-        CHECK(denied(asked) != (hold || plan));
-        CHECK(asked.why.empty() == (hold || plan));
+        const bool known = main == 4 && sub >= 3 && sub <= 5;
+        CHECK(asked.request == (!known     ? Request::kNone
+                                : sub == 3 ? Request::kHold
+                                : sub == 4 ? Request::kAuto
+                                           : Request::kReturn));
+        CHECK(denied(asked) != known);
+        CHECK(asked.why.empty() == known);
         CHECK(asked.why.size() <= 41);  // "Refused: " before it, 50 in all
       }
     }
@@ -126,8 +134,8 @@ TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that com
 }
 
 TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {
-  const std::set<unsigned> known{176, 185, 193, 209, 224, 245, 262,
-                                 300, 400, 510, 511, 512, 519, 520};
+  const std::set<unsigned> known{20,  176, 185, 192, 193, 209, 224, 245,
+                                 262, 300, 400, 510, 511, 512, 519, 520};
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     const DecodedCommand asked = meaning(static_cast<std::uint16_t>(id), 1);
     if (known.count(id) != 0) {
@@ -139,6 +147,38 @@ TEST_CASE("every command number that the boat does not have is unsupported and a
   }
   CHECK(meaning(mav::kCmdDoSetStandardMode, 1).result == mav::kFailed);
   CHECK(meaning(mav::kCmdDoSetStandardMode, 6).request == Request::kAuto);
+  CHECK(meaning(mav::kCmdDoSetStandardMode, 5).request == Request::kReturn);
+  CHECK(meaning(mav::kCmdNavReturnToLaunch, 0).request == Request::kReturn);
+}
+
+TEST_CASE("DO_REPOSITION is GUIDED to a place, in COMMAND_INT and a global frame only") {
+  const auto reposition = [](float speed, float flags, std::int32_t x, std::uint8_t frame) {
+    link::CommandInt c{};
+    c.command = mav::kCmdDoReposition;
+    c.param = {speed, flags, NAN, NAN};
+    c.x = x;
+    c.y = 20'000'000;
+    c.z = NAN;
+    c.frame = frame;
+    return meaning_of(*command_of(c));
+  };
+  const DecodedCommand asked = reposition(1.5F, 1, 410'000'000, 6);
+  CHECK(asked.result == mav::kAccepted);
+  CHECK(asked.request == Request::kGuided);
+  REQUIRE(asked.target);
+  CHECK(asked.target->place.latitude == 410'000'000);
+  CHECK(asked.target->place.longitude == 20'000'000);
+  CHECK(asked.target->speed_mps == 1.5F);
+  for (const float none : {NAN, -1.0F, 0.0F}) {
+    CHECK(reposition(none, 1, 410'000'000, 0).target->speed_mps == 0);
+  }
+  CHECK(reposition(NAN, 0, 410'000'000, 3).request == Request::kNone);  // for a boat in GUIDED
+  CHECK(denied(reposition(NAN, 2, 410'000'000, 3)));
+  CHECK(denied(reposition(NAN, 1, 899'000'000, 3)));
+  for (const std::uint8_t local : std::initializer_list<std::uint8_t>{1, 7, 8, 12}) {
+    CHECK(reposition(NAN, 1, 410'000'000, local).result == mav::kUnsupportedFrame);
+  }
+  CHECK(meaning(mav::kCmdDoReposition, {-1, 1, 0, NAN, 41, 2, 0}).result == mav::kCommandIntOnly);
 }
 
 TEST_CASE("a motor test is one propeller, up to 20 percent either way, for up to 5 seconds") {

@@ -193,15 +193,17 @@ TEST_CASE("whether there is such a message at all does not depend on what is kno
   }
 }
 
-TEST_CASE("modes are listed from 1 on, each once, MANUAL, HOLD, FOLLOW and AUTO") {
+TEST_CASE("modes are listed from 1 on, each once, as Rover numbers and names them") {
   const auto modes = all_as<link::AvailableModes>(link::AvailableModes::kId, full());
-  REQUIRE(modes.size() == 4);
-  const std::array<std::uint32_t, 4> numbers{0, 4, 6, 10};
-  const std::array<std::string, 4> names{"MANUAL", "HOLD", "FOLLOW", "AUTO"};
-  for (std::size_t i = 0; i < 4; ++i) {
-    CHECK(modes[i].number_modes == 4);
+  REQUIRE(modes.size() == 7);
+  const std::array<std::uint32_t, 7> numbers{0, 4, 5, 6, 10, 11, 15};
+  const std::array<std::string, 7> names{"MANUAL", "HOLD", "LOITER", "FOLLOW",
+                                         "AUTO",   "RTL",  "GUIDED"};
+  for (std::size_t i = 0; i < 7; ++i) {
+    CHECK(modes[i].number_modes == 7);
     CHECK(modes[i].mode_index == i + 1);
-    CHECK(modes[i].standard_mode == (numbers[i] == 10 ? 6 : 0));  // MISSION
+    const int standard = numbers[i] == 10 ? 6 : numbers[i] == 11 ? 5 : 0;  // MISSION, SAFE_RECOVERY
+    CHECK(modes[i].standard_mode == standard);
     CHECK(modes[i].custom_mode == numbers[i]);
     CHECK(std::string(modes[i].mode_name.data()) == names[i]);
     CHECK((modes[i].properties & mav::kModePropertyNotUserSelectable) == 0);
@@ -298,7 +300,8 @@ TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whateve
   for (unsigned one = 0; one < core::kConditionCount; ++one) {
     for (unsigned other = 0; other < core::kConditionCount; ++other) {
       Report r = full();
-      r.conditions = core::kAllConditions & ~(1U << one | 1U << other);
+      r.conditions =
+          core::kAllConditions & ~(core::Conditions{1} << one | core::Conditions{1} << other);
       const auto has = [&](core::Conditions all) { return (r.conditions & all) == all; };
       const auto s = all_as<link::SysStatus>(link::SysStatus::kId, r)[0];
       REQUIRE((s.sensors_health & kSensors) == (has(core::kOwn) ? kSensors : 0));

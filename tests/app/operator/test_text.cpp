@@ -30,7 +30,7 @@ TEST_CASE("every state has its own name") {
 TEST_CASE("every condition that is not met has a sentence of its own, which fits a STATUSTEXT") {
   std::set<std::string> said;
   for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
-    const auto unmet = static_cast<core::Conditions>(1U << bit);
+    const auto unmet = core::Conditions{1} << bit;
     const auto sentences = complaints_of(unmet);
     REQUIRE(sentences.size() == 1);
     CHECK(complaint_of(unmet) == sentences[0]);
@@ -50,7 +50,7 @@ TEST_CASE("several wants are said one by one, the one to see to first in front")
                                          "ESCs are not online", "no motor test is running"});
   for (unsigned one = 0; one < core::kConditionCount; ++one) {
     for (unsigned other = 0; other < core::kConditionCount; ++other) {
-      const auto set = static_cast<core::Conditions>(1U << one | 1U << other);
+      const auto set = core::Conditions{1} << one | core::Conditions{1} << other;
       CHECK(complaint_of(set) == complaints_of(set).at(0));
     }
   }

@@ -26,9 +26,9 @@ using testing::frame_of;
 using testing::received_from;
 constexpr std::int64_t kTick_us = 10'000, kSecond_us = 1'000'000;
 /// All that the world, and not the operator, makes.
-constexpr core::Conditions kFair = core::kDrive | core::kArming | core::kClear |
-                                   core::kCoastRunning | core::kLeaderLossHolds |
-                                   core::kGcsLossHolds;
+constexpr core::Conditions kFair = core::kDrive | core::kArming | core::kClear | core::kLocated |
+                                   core::kHomeNear | core::kCoastRunning;
+constexpr core::Choices kAllHold{.leader = core::Reaction::kHold};
 
 std::string text_of(const link::Statustext& t) {
   return {t.text.data(), ::strnlen(t.text.data(), t.text.size())};
@@ -49,7 +49,9 @@ struct Ship {
         vehicle(std::make_unique<Vehicle>(p, supervisor, links, time,
                                           Storage(storage->room, storage->outbox))),
         heard(count),
-        decoders(count) {}
+        decoders(count) {
+    supervisor.choose(kAllHold);
+  }
 
   std::unique_ptr<AmpleStorage> storage = std::make_unique<AmpleStorage>();
   Supervisor supervisor;
@@ -190,19 +192,24 @@ struct Ship {
     if (core::follows(desired)) command(mav::kCmdDoSetMode, 1, 6);
     if (desired == State::kAuto) world |= core::kPlanReady;
     if (desired == State::kAuto) command(mav::kCmdDoSetMode, 1, 10);
+    if (desired == State::kGuided) command(mav::kCmdDoSetMode, 1, 15);
+    if (desired == State::kLoiter) command(mav::kCmdDoSetMode, 1, 5);
+    if (desired == State::kReturn) command(mav::kCmdDoSetMode, 1, 11);
     if (desired == State::kTest) test_port();
     if (desired == State::kFault) command(mav::kCmdDoFlightTermination, 1);
     tick();
     if (desired == State::kCoast) {
-      world ^= core::kLeaderFresh | core::kLeaderLossHolds | core::kLeaderLossCoasts;
+      supervisor.choose({});
+      world ^= core::kLeaderFresh;
       tick();
     }
     REQUIRE(state() == desired);
   }
 };
 
-constexpr std::array kEveryState{State::kDisarmed, State::kHold, State::kManual, State::kFormation,
-                                 State::kCoast,    State::kTest, State::kFault,  State::kAuto};
+constexpr std::array kEveryState{
+    State::kDisarmed, State::kHold, State::kManual, State::kFormation, State::kCoast, State::kTest,
+    State::kFault,    State::kAuto, State::kGuided, State::kLoiter,    State::kReturn};
 
 // Answers.
 
@@ -247,7 +254,7 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
   for (const std::uint16_t id :
        {std::uint16_t{24}, std::uint16_t{147 + 1000}, std::uint16_t{65535}})
     CHECK(answer_to(id) == mav::kUnsupported);
-  s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 5);
+  s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 8);
   s.tick();
   CHECK(s.result() == mav::kUnsupported);
   CHECK(s.all<link::AvailableModes>().empty());
@@ -562,7 +569,10 @@ TEST_CASE("every state has its heartbeat") {
                                                                       {141, 6, 5},
                                                                       {131, 4, 4},
                                                                       {1, 4, 6},
-                                                                      {141, 10, 4}}};
+                                                                      {141, 10, 4},
+                                                                      {141, 15, 4},
+                                                                      {141, 5, 4},
+                                                                      {141, 11, 4}}};
   for (const State state : kEveryState) {
     Ship s;
     s.bring_to(state);
@@ -768,21 +778,20 @@ TEST_CASE("a refusal is said once for each failing check, and not more often tha
   CHECK(s.state() == State::kDisarmed);
 }
 
-TEST_CASE(
-    "a boat is armed for MANUAL only where FORMATION lacks something, and that is told once") {
+TEST_CASE("where FORMATION lacks something a boat is armed all the same, and that is told once") {
   constexpr core::Conditions kMayLack =
       core::kOwn | core::kOwnTimed | core::kOwnPrompt | core::kLimits | core::kFollows;
   for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
     if ((kMayLack >> bit & 1U) == 0) continue;
     Ship s;
-    s.world = kFair & ~(1U << bit);
+    s.world = kFair & ~(core::Conditions{1} << bit);
     s.tick();
     s.command(mav::kCmdComponentArmDisarm, 1);
     s.tick();
     CHECK(s.result() == mav::kAccepted);
-    const std::string why(complaint_of(1U << bit));
+    const std::string why(complaint_of(core::Conditions{1} << bit));
     CHECK(s.says("HOLD"));
-    CHECK(s.says("armed for MANUAL only: " + why.substr(0, 20)));
+    CHECK(s.says("armed, no FORMATION: " + why.substr(0, 20)));
     s.command(mav::kCmdComponentArmDisarm, 1);
     s.tick();
     CHECK(s.all<link::Statustext>().empty());

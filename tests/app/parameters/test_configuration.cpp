@@ -72,8 +72,8 @@ TEST_CASE("times and rates are those of the parameters' list") {
   CHECK(c.failsafes.coast_us == 5'000'000);
   CHECK(c.operators.state_us == 100'000);
   CHECK(c.operators.slow_us == 1'000'000);
-  CHECK(c.failsafes.leader_loss == LossAction::kCoast);
-  CHECK(c.failsafes.gcs_loss == LossAction::kHold);
+  CHECK(c.failsafes.choices.leader == core::Reaction::kCoast);
+  CHECK(c.failsafes.choices.gcs == core::Reaction::kHold);
 }
 
 }  // namespace

@@ -62,15 +62,19 @@ def test_supervisor_is_the_firmwares() -> None:
     assert content["table"] == flotilla.supervisor_table()
     assert content["conditions"] == flotilla.supervisor_conditions()
     assert set(content["requests"]) == {row["request"] for row in flotilla.supervisor_table()}
-    assert set(content["drives"]) == {"MANUAL", "FORMATION", "COAST", "AUTO", "TEST"}
-
-
-def test_choices_are_those_of_the_table() -> None:
-    names = {c["name"] for c in flotilla.supervisor_conditions()}
-    chosen = {name for row in flotilla.supervisor_table() for name in row["needs"]} - names
-    offered = {
-        f"{choice['name']} {value}"
-        for choice in json.loads(page.supervisor_json())["choices"]
-        for value, _ in choice["options"]
+    assert set(content["drives"]) == {
+        *("MANUAL", "FORMATION", "COAST", "TEST"),
+        *("AUTO", "GUIDED", "LOITER", "RTL"),
     }
-    assert chosen <= offered
+    assert content["losses"] == flotilla.supervisor_losses()
+
+
+def test_choices_are_the_firmwares() -> None:
+    choices = json.loads(page.supervisor_json())["choices"]
+    assert choices == flotilla.supervisor_choices()
+    names = {choice["name"] for choice in choices}
+    assert {loss["choice"] for loss in flotilla.supervisor_losses()} <= names
+    by_name = {p["name"]: p for p in flotilla.parameter_list()}
+    for choice in choices:
+        p = by_name[choice["name"]]
+        assert len(choice["reactions"]) == p["greatest"] + 1 and choice["default"] == p["default"]

@@ -15,7 +15,11 @@ from tests.sil.view.browser import Browser
 NAMES = [c["name"] for c in flotilla.supervisor_conditions()]
 COMPLAINTS = {c["name"]: c["complaint"] for c in flotilla.supervisor_conditions()}
 REQUESTS = sorted({row["request"] for row in flotilla.supervisor_table()})
-CHOICES = [f"{name} {value}" for name in ("FS_LEADER_ACT", "FS_GCS_ACT") for value in (0, 1)]
+CHOICES = [
+    f"{choice['name']} {value}"
+    for choice in flotilla.supervisor_choices()
+    for value in range(len(choice["reactions"]))
+]
 SEED, RANDOM_SETS = 20261121, 200
 
 

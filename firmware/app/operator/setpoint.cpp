@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/setpoint.hpp"
+
+#include <cmath>
+
+#include "app/convert/portable.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+// POSITION_TARGET_TYPEMASK: fields to ignore.
+constexpr unsigned kPlace = 1 | 2, kVelocity = 8 | 16, kAcceleration = 64 | 128 | 256,
+                   kYawRate = 2048;
+
+/// What both messages share; north and east, or ahead and to starboard.
+struct Wish {
+  unsigned ignored;
+  bool in_body;  ///< the velocity
+  double vx, vy, yaw_rate;
+};
+
+bool has(const Wish& wish, unsigned fields) { return (wish.ignored & fields) == 0; }
+
+/// Whether both or none of two fields are used, and numbers if they are.
+bool is_whole(const Wish& wish, unsigned fields, double a, double b) {
+  if ((wish.ignored & fields) == fields) return true;
+  return has(wish, fields) && std::isfinite(a) && std::isfinite(b);
+}
+
+Setpoint velocity_of(const Wish& wish) {
+  const bool turns = has(wish, kYawRate);
+  if (turns && !std::isfinite(wish.yaw_rate)) return {.why = "setpoint is no number"};
+  if (!wish.in_body && turns) return {.why = "yaw rate goes with a speed ahead"};
+  if (wish.in_body && (wish.vx < 0 || wish.vy != 0)) return {.why = "boats are driven ahead only"};
+  core::Drive<double> drive{wish.vx, turns ? wish.yaw_rate : 0.0, {}};
+  if (!wish.in_body) {
+    drive.u = portable::hypot(wish.vx, wish.vy);
+    if (drive.u > 0) drive.course = portable::atan2(wish.vy, wish.vx);
+  }
+  return {.drive = drive};
+}
+
+/// place: nothing if it is in a frame for velocities only.
+Setpoint setpoint(const Wish& wish, const std::optional<convert::GlobalPoint>& place) {
+  if ((wish.ignored & kAcceleration) != kAcceleration) return {.why = "no accelerations"};
+  if (!is_whole(wish, kVelocity, wish.vx, wish.vy)) return {.why = "setpoint has half a velocity"};
+  if (!has(wish, kPlace)) {
+    return has(wish, kVelocity) ? velocity_of(wish) : Setpoint{.why = "setpoint asks for nothing"};
+  }
+  if (!place || !convert::is_valid({place->latitude, place->longitude, 0, 0})) {
+    return {.why = "setpoint's place has no such frame"};
+  }
+  const double speed = has(wish, kVelocity) ? portable::hypot(wish.vx, wish.vy) : 0;
+  return {.target = Target{*place, static_cast<float>(speed)}};
+}
+
+}  // namespace
+
+Setpoint setpoint_of(const link::SetPositionTargetLocalNed& m, const convert::OwnState& own) {
+  constexpr std::uint8_t kLocalOffsetNed = 7;
+  const bool in_body = m.coordinate_frame == mav::kFrameBodyNed ||
+                       m.coordinate_frame == mav::kFrameBodyOffsetNed ||
+                       m.coordinate_frame == mav::kFrameBodyFrd;
+  const bool offset = m.coordinate_frame == kLocalOffsetNed;
+  if (!in_body && !offset && m.coordinate_frame != mav::kFrameLocalNed) {
+    return {.why = "setpoint's frame is unknown"};
+  }
+  const Wish wish{m.type_mask, in_body, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
+  if (!is_whole(wish, kPlace, double{m.x}, double{m.y})) {
+    return {.why = "setpoint has half a place"};
+  }
+  std::optional<convert::GlobalPoint> place;
+  constexpr float kFar_m = 100'000;  // beyond it a plane is no map
+  if (!in_body && std::abs(m.x) < kFar_m && std::abs(m.y) < kFar_m) {
+    place = convert::global_of({double{m.x} + (offset ? own.north_m : 0.0),
+                                double{m.y} + (offset ? own.east_m : 0.0), own.origin});
+  }
+  return setpoint(wish, place);
+}
+
+Setpoint setpoint_of(const link::SetPositionTargetGlobalInt& m) {
+  if (!is_global(m.coordinate_frame)) return {.why = "setpoint's frame is unknown"};
+  const Wish wish{m.type_mask, false, double{m.vx}, double{m.vy}, double{m.yaw_rate}};
+  if (!is_whole(wish, kPlace, 0, 0)) return {.why = "setpoint has half a place"};
+  return setpoint(wish, convert::GlobalPoint{m.lat_int, m.lon_int});
+}
+
+}  // namespace flotilla::app

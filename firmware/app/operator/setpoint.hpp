@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Decodes the setpoints of scripts: SET_POSITION_TARGET_LOCAL_NED and SET_POSITION_TARGET_GLOBAL_INT.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "app/convert/convert_telemetry.hpp"
+#include "app/guidance/errand.hpp"
+#include "core/drive.hpp"
+
+namespace flotilla::app {
+
+/// A place, or velocities; neither if `why` says what is wrong.
+struct Setpoint {
+  std::optional<Target> target{};
+  std::optional<core::Drive<double>> drive{};
+  std::string_view why{};
+};
+
+/// own: its place is known, and the origin of local places is its own.
+Setpoint setpoint_of(const link::SetPositionTargetLocalNed& message, const convert::OwnState& own);
+Setpoint setpoint_of(const link::SetPositionTargetGlobalInt& message);
+
+}  // namespace flotilla::app

@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: MIT
+"""GUIDED, LOITER and RTL: a boat goes where it is told, waits, and comes home."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.hull import Afloat
+from tests.target.plans import Item, at
+from tests.target.sea import Tick, acks, texts
+from tests.target.stations import (
+    ACCEPTED,
+    BOAT,
+    DENIED,
+    FORMATION,
+    HOLD,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+)
+from tests.target.test_auto import CORNER, at_sea, place, sailing
+
+LOITER, RTL, GUIDED = 5, 11, 15
+REPOSITION, RETURN, PAUSE, STANDARD_MODE = 192, 20, 193, 262
+INT_ONLY, WRONG_FRAME = 8, 9
+CHANGE_MODE = 1.0
+
+
+def reposition(
+    sea: Afloat, to: Item, *, speed_mps: float = math.nan, flags: float = CHANGE_MODE, frame: int = 6
+) -> Tick:
+    """MAV_CMD_DO_REPOSITION by COMMAND_INT, as clients send it."""
+    sea.say(
+        mavlink.MAVLink_command_int_message(
+            BOAT, 1, frame, REPOSITION, 0, 0, speed_mps, flags, 0, math.nan, to.x, to.y, math.nan
+        )
+    )
+    return sea.step()
+
+
+def guided(north_m: float = 10.0, east_m: float = 0.0, **how: float) -> Afloat:
+    sea = at_sea([])
+    assert acks(reposition(sea, at(north_m, east_m), **how)) == [(REPOSITION, ACCEPTED)]
+    sea.step()
+    assert sea.state == "GUIDED"
+    return sea
+
+
+def test_a_boat_goes_where_it_is_told_and_waits_there() -> None:
+    sea = guided(10.0, 5.0)
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((10, 5), abs=0.05) and sea.state == "GUIDED"
+    assert math.hypot(*sea.hull.q[3:5]) < 0.01
+    assert sea.snapshot()["in_slot"]
+
+
+def test_a_new_target_takes_the_place_of_the_old_one_under_way() -> None:
+    sea = guided(20.0)
+    sea.run(10.0)
+    assert 1.0 < place(sea)[0] < 8.0
+    assert acks(reposition(sea, at(5, 10), flags=0.0)) == [(REPOSITION, ACCEPTED)]
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((5, 10), abs=0.05) and sea.state == "GUIDED"
+
+
+def test_the_speed_of_a_target_is_kept() -> None:
+    sea = guided(20.0, speed_mps=0.3)
+    sea.run(20.0)
+    assert sea.hull.seen.u == pytest.approx(0.3, abs=0.01)
+
+
+@pytest.mark.parametrize("speed_mps", [0.01, 1.6, 6.0, -2.0, math.inf])
+def test_a_speed_that_the_boat_must_not_have_is_denied(speed_mps: float) -> None:
+    sea = at_sea([])
+    assert acks(reposition(sea, at(5, 0), speed_mps=speed_mps)) == [(REPOSITION, DENIED)]
+    sea.run(1.0)
+    assert sea.state == "HOLD" and not any(sea.commands)
+
+
+def test_a_target_without_the_change_of_mode_is_denied_outside_guided() -> None:
+    sea = at_sea([])
+    tick = reposition(sea, at(5, 0), flags=0.0)
+    assert acks(tick) == [(REPOSITION, DENIED)]
+    assert "Refused: target without GUIDED" in texts([tick, sea.step()])
+    sea.mode(GUIDED)
+    sea.run(20.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.05)  # the refused target is forgotten
+
+
+@pytest.mark.parametrize("far_m", [2899.0, 2901.0])
+def test_a_target_out_of_reach_is_denied_before_the_mode_changes(far_m: float) -> None:
+    sea = at_sea([])
+    near = far_m < 2900
+    tick = reposition(sea, at(far_m, 0))
+    assert acks(tick) == [(REPOSITION, ACCEPTED if near else DENIED)]
+    sea.run(3.0)
+    assert sea.state == ("GUIDED" if near else "HOLD") and any(sea.commands) == near
+
+
+@pytest.mark.parametrize("frame", [1, 7, 8, 9, 12, 20])
+def test_a_target_in_a_local_frame_is_refused(frame: int) -> None:
+    sea = at_sea([])
+    assert acks(reposition(sea, at(5, 0), frame=frame)) == [(REPOSITION, WRONG_FRAME)]
+    assert sea.state == "HOLD"
+
+
+def test_a_target_in_degrees_as_floats_is_refused() -> None:
+    sea = at_sea([])
+    assert acks(sea.order(REPOSITION, -1.0, 1.0, 0.0, 0.0, 47.4, 8.5, 0.0)) == [
+        (REPOSITION, INT_ONLY)
+    ]
+    assert sea.state == "HOLD"
+
+
+def test_a_disarmed_boat_goes_nowhere() -> None:
+    sea = at_sea([])
+    sea.disarm()
+    assert acks(reposition(sea, at(5, 0))) == [(REPOSITION, TEMPORARILY_REJECTED)]
+    sea.arm()
+    sea.run(1.0)
+    assert sea.state == "HOLD"
+    sea.mode(GUIDED)
+    sea.run(20.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_a_hold_after_the_target_in_the_same_tick_forgets_it() -> None:
+    sea = at_sea([])
+    target = at(5, 0)
+    sea.say(
+        mavlink.MAVLink_command_int_message(
+            BOAT, 1, 6, REPOSITION, 0, 0, -1.0, 1.0, 0, 0, target.x, target.y, 0
+        ),
+        mavlink.MAVLink_set_mode_message(BOAT, 1, HOLD),
+    )
+    sea.step()
+    assert sea.state == "HOLD"
+    sea.mode(GUIDED)
+    sea.run(20.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_guided_without_a_target_stops_the_boat_and_waits() -> None:
+    sea = sailing([at(40, 0)])
+    sea.run(15.0)
+    begins = place(sea)[0]
+    assert acks(sea.mode(GUIDED)) == [(SET_MODE, ACCEPTED)]
+    sea.run(30.0)
+    stopped = place(sea)
+    assert 0.2 < stopped[0] - begins < 4.0
+    sea.run(10.0)
+    assert place(sea) == pytest.approx(stopped, abs=0.02) and sea.state == "GUIDED"
+
+
+@pytest.mark.parametrize("current", [(0.0, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.2, 0.2)])
+def test_loiter_stops_a_boat_and_keeps_its_place_in_a_current(
+    current: tuple[float, float],
+) -> None:
+    sea = at_sea([at(40, 0)])
+    sea.hull.current = current
+    sea.run(3.0)
+    sea.mode(10)
+    sea.run(20.0)
+    assert sea.state == "AUTO"
+    sea.mode(LOITER)
+    sea.run(60.0)
+    kept = place(sea)
+    for _ in range(20):
+        sea.run(3.0)
+        assert sea.state == "LOITER" and place(sea) == pytest.approx(kept, abs=0.1)
+
+
+def test_loiter_goes_on_from_formation_and_formation_from_loiter() -> None:
+    sea = Afloat()
+    sea.settle()
+    sea.enter_formation()
+    sea.run(2.0)
+    assert acks(sea.mode(LOITER)) == [(SET_MODE, ACCEPTED)]
+    sea.run(1.0)
+    assert sea.state == "LOITER"
+    assert acks(sea.mode(FORMATION)) == [(SET_MODE, ACCEPTED)]
+    sea.run(1.0)
+    assert sea.state == "FORMATION"
+
+
+@pytest.mark.parametrize("way", ["mode", "command", "standard mode", "PX4's"])
+def test_each_way_to_call_a_boat_home(way: str) -> None:
+    sea = sailing([at(15, 0)])
+    sea.run(20.0)
+    order = {
+        "mode": (SET_MODE, 1.0, 11.0),
+        "command": (RETURN,),
+        "standard mode": (STANDARD_MODE, 5.0),
+        "PX4's": (SET_MODE, 129.0, 4.0, 5.0, *[math.nan] * 4),  # MAVSDK's return_to_launch()
+    }[way]
+    assert acks(sea.order(int(order[0]), *order[1:])) == [(order[0], ACCEPTED)]
+    sea.run(60.0)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_home_is_where_the_boat_was_armed_last() -> None:
+    sea = guided(10.0)
+    sea.run(40.0)
+    sea.disarm()
+    sea.arm()
+    sea.step()
+    reposition(sea, at(20, 0))
+    sea.run(40.0)
+    sea.mode(RTL)
+    sea.run(40.0)
+    assert place(sea) == pytest.approx((10, 0), abs=0.05)
+
+
+def test_a_boat_on_its_way_home_can_be_paused() -> None:
+    sea = guided(15.0)
+    sea.run(40.0)
+    sea.mode(RTL)
+    sea.run(8.0)
+    assert acks(sea.order(PAUSE, 0.0)) == [(PAUSE, ACCEPTED)]
+    sea.run(10.0)
+    stopped = place(sea)
+    sea.run(10.0)
+    assert place(sea) == pytest.approx(stopped, abs=0.02)
+    sea.order(PAUSE, 1.0)
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_the_propellers_stop_where_the_own_state_is_lost() -> None:
+    for number in (LOITER, RTL, GUIDED):
+        sea = guided(15.0)
+        sea.run(5.0)
+        sea.mode(number)
+        sea.run(1.0)
+        sea.own.on = False
+        sea.run(1.0)
+        assert sea.state == "HOLD" and not any(sea.commands)
+        sea.own.on = True
+        sea.run(3.0)
+        assert sea.state == "HOLD" and not any(sea.commands)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "into"),
+    [
+        ({"FS_LEADER_ACT": 3}, "LOITER"),
+        ({"FS_LEADER_ACT": 4}, "RTL"),
+        ({"FS_LEADER_ACT": 1, "FS_COAST_ACT": 1, "FS_COAST_S": 1}, "LOITER"),
+        ({"FS_LEADER_ACT": 1, "FS_COAST_ACT": 2, "FS_COAST_S": 1}, "RTL"),
+    ],
+)
+def test_a_boat_that_loses_its_leader_waits_or_returns_as_chosen(
+    parameters: dict[str, float], into: str
+) -> None:
+    sea = Afloat(parameters)
+    sea.settle()
+    sea.enter_formation()
+    sea.run(5.0)
+    sea.leader.on = False
+    sea.run(4.0)
+    assert sea.state == into
+    sea.leader.on = True
+    sea.run(5.0)
+    assert sea.state == into  # it does not change by itself
+    sea.mode(FORMATION)
+    sea.run(1.0)
+    assert sea.state == "FORMATION"
+
+
+@pytest.mark.parametrize(("action", "into"), [(0, "HOLD"), (1, "LOITER"), (2, "RTL")])
+def test_a_boat_at_its_fence_stops_waits_or_turns_back(action: int, into: str) -> None:
+    sea = sailing([at(30, 0)], {"FS_FENCE_M": 10.0, "FS_FENCE_ACT": action})
+    farthest = 0.0
+    for _ in range(60):
+        sea.run(1.0)
+        farthest = max(farthest, place(sea)[0])
+    assert sea.state == into and 9.0 < farthest < 13.0
+    if into == "RTL":
+        sea.run(30.0)
+        assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_a_boat_comes_home_with_a_low_battery_if_it_may() -> None:
+    sea = sailing(CORNER, {"FS_BATT_V": 22.0, "FS_BATT_ACT": 2})
+    sea.run(15.0)
+    assert sea.state == "AUTO"
+    sea.escs[0].voltage = 20.0
+    sea.run(60.0)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.05)
