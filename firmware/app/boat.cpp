@@ -319,8 +319,9 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       const auto drive = vehicle_.drive(now_us);
       if (vehicle_.has_target() || (driven_ && !drive)) start_plan();
       driven_ = drive.has_value();
-      law_output_ = drive ? pilot_.drive(convert::drive_of<S>(*drive), vehicle_.is_paused(), now_us, dt)
-                          : pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
+      law_output_ =
+          drive ? pilot_.drive(convert::drive_of<S>(*drive), vehicle_.is_paused(), now_us, dt)
+                : pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
       break;
     }
     case core::State::kLoiter:

@@ -9,18 +9,24 @@ import flotilla
 from sil import ROOT
 
 PAGE = ROOT / "firmware" / "docs" / "SUPERVISOR.md"
-PUSHING = ("MANUAL", "FORMATION", "COAST", "AUTO", "TEST")
-DEFAULT = ("FS_LEADER_ACT 1", "FS_GCS_ACT 0")
-ASKED = {"MANUAL": "MANUAL", "FORMATION": "FORMATION", "AUTO": "AUTO", "TEST": "test"}
+PUSHING = ("MANUAL", "FORMATION", "COAST", "AUTO", "GUIDED", "LOITER", "RTL", "TEST")
+MODES = ("MANUAL", "FORMATION", "AUTO", "GUIDED", "LOITER", "RTL")
+ASKED = {mode: mode for mode in MODES} | {"TEST": "test"}
+BY_LAW = ("FORMATION", "AUTO", "GUIDED", "LOITER", "RTL")
+#: What is lost, by the parameter that says what follows.
+LOSSES = {
+    "FS_LEADER_ACT": "leader_fresh",
+    "FS_GCS_ACT": "gcs_heard",
+    "FS_BATT_ACT": "battery_good",
+    "FS_FENCE_ACT": "inside_fence",
+}
 NAMES = tuple(c["name"] for c in flotilla.supervisor_conditions())
 
 
-def after(
-    state: str, request: str, lost: Iterable[str] = (), chosen: tuple[str, ...] = DEFAULT
-) -> str:
-    """The state after a request when only `lost` is unmet; a choice of 2 is neither 0 nor 1."""
-    met = [name for name in (*NAMES, *chosen) if name not in lost and not name.endswith(" 2")]
-    return str(flotilla.supervise(state, request, met)["state"])
+def after(state: str, request: str, lost: Iterable[str] = (), chosen: Iterable[str] = ()) -> str:
+    """The state after a request when only `lost` is unmet, by the default choices and `chosen`."""
+    met = [name for name in NAMES if name not in lost]
+    return str(flotilla.supervise(state, request, [*met, *chosen])["state"])
 
 
 def table(head: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
@@ -35,9 +41,10 @@ def condition_table() -> str:
     for c in flotilla.supervisor_conditions():
         name = c["name"]
         needed = ["to arm"] if after("DISARMED", "arm", [name]) == "DISARMED" else []
-        needed += [
-            f"for {state}" for state, ask in ASKED.items() if after("HOLD", ask, [name]) != state
-        ]
+        states = [s for s, ask in ASKED.items() if after("HOLD", ask, [name]) != s]
+        if set(BY_LAW) <= set(states):
+            states = [*(s for s in states if s not in BY_LAW), "every mode of the law"]
+        needed += [f"for {state}" for state in states]
         # A condition that no request needs is needed for thrust.
         needed = needed or [f"for thrust in {state}" for state in PUSHING if stills(state, name)]
         limit = f"`{c['limit']}`" if c["limit"] else ""
@@ -82,19 +89,24 @@ def loss_table() -> str:
 
 
 def choice_table() -> str:
-    """The effect of each failsafe choice when the leader or the ground stations are lost."""
+    """The effect of each failsafe choice when what it is for is lost."""
     rows = []
-    for parameter, lost in (("FS_LEADER_ACT", "leader_fresh"), ("FS_GCS_ACT", "gcs_heard")):
-        for number in (0, 1, 2):
-            others = [c for c in DEFAULT if not c.startswith(parameter)]
-            chosen = (f"{parameter} {number}", *others)
+    for choice in flotilla.supervisor_choices():
+        parameter = choice["name"]
+        for number in range(len(choice["reactions"])):
+            chosen = [f"{parameter} {number}"]
+            default = " (default)" if number == choice["default"] else ""
+            name = f"`{parameter}` {number}{default}"
+            if parameter == "FS_COAST_ACT":
+                over = after("COAST", "nothing", ["leader_fresh", "coast_running"], chosen)
+                rows.append([name, "COAST is over", over, over])
+                continue
+            lost = LOSSES[parameter]
             held = after("FORMATION", "nothing", [lost], chosen)
             free = after("FORMATION", "nothing", [lost, "sticks_fresh"], chosen)
-            over = after("COAST", "nothing", [lost, "coast_running"], chosen)
-            then = f"{free}, then {over}" if free == "COAST" else free
-            default = " (default)" if f"{parameter} {number}" in DEFAULT else ""
-            rows.append([f"`{parameter}` {number}{default}", then, held if held != free else then])
-    return table(("choice", "FORMATION goes to", "with fresh sticks"), rows)
+            then = f"{free}, then as `FS_COAST_ACT`" if free == "COAST" else free
+            rows.append([name, f"no `{lost}`", then, held if held != free else then])
+    return table(("choice", "when", "FORMATION goes to", "with fresh sticks"), rows)
 
 
 def transition_table() -> str:
@@ -105,20 +117,25 @@ def transition_table() -> str:
             row["request"],
             ", ".join(row["needs"]),
             ", ".join(row["lacks"]),
+            ", ".join(row["on"]),
             row["to"],
         ]
         for row in flotilla.supervisor_table()
     ]
-    return table(("in state", "asked", "all of", "or lost one of", "goes to"), rows)
+    return table(("in state", "asked", "all of", "or lost one of", "chosen", "goes to"), rows)
 
 
 def edges() -> dict[tuple[str, str], list[str]]:
-    """A boat's transitions: requested, by a loss, or by a recovery; all but disarming."""
+    """A boat's transitions: requested, by a loss, or by a recovery.
+
+    Without disarming, and without requests that lead from one mode to another.
+    """
     out: dict[tuple[str, str], list[str]] = defaultdict(list)
     for state in flotilla.STATES:
         for request in ("arm", "HOLD", *ASKED.values()):
-            to = after(state, request, chosen=DEFAULT)
-            if to != state and to != after(state, "nothing"):
+            to = after(state, request)
+            between = state not in ("DISARMED", "HOLD") and to != "HOLD"
+            if to not in (state, after(state, "nothing")) and not between:
                 out[state, to].append(request)
         if after(state, "nothing") != state:
             out[state, after(state, "nothing")].append("all is well again")

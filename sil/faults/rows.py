@@ -13,7 +13,10 @@ from sil.scenario.toml_errors import Source
 
 FOLDER = Path(__file__).parent
 
-State = Literal["DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO"]
+State = Literal[
+    *("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"),
+    *("AUTO", "GUIDED", "LOITER", "RTL"),
+]
 
 
 class Row(Section):

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 from sil.lockstep.metrics import BoatSummary, Summary
 
 _COLOURS = {"good": "green", "fair": "yellow", "bad": "red"}
-_SAILS = ("FORMATION", "COAST", "AUTO")
+_SAILS = ("FORMATION", "COAST", "AUTO", "GUIDED", "LOITER", "RTL")
 
 
 Level = Literal["good", "fair", "bad"]
@@ -16,7 +16,7 @@ Level = Literal["good", "fair", "bad"]
 class Verdict(NamedTuple):
     """One line, and its level.
 
-    "bad": boats came too near, or one was in none of FORMATION, COAST and AUTO; "fair": one does
+    "bad": boats came too near, or one was in no state in which the law drives; "fair": one does
     not stay in its slot to the end.
     """
 

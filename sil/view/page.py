@@ -58,6 +58,8 @@ _REQUESTS = (
     "terminate",
     "nothing",
 )
+
+
 class PageError(RuntimeError):
     """The page cannot be made; the text names what is missing."""
 

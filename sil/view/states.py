@@ -15,9 +15,9 @@ def held_by(conditions: int, state: str) -> tuple[str, ...]:
 
     `conditions`: the bits of `flotilla.supervisor_conditions()`, set if met. A boat that can sail
     its plan is armed without a leader. A disarmed boat also needs the conditions for arming. The
-    most important comes first; empty for a boat in FORMATION or AUTO.
+    most important comes first; empty for a boat that the law drives.
     """
-    if state in ("FORMATION", "AUTO"):
+    if state in ("FORMATION", "AUTO", "GUIDED", "LOITER", "RTL"):
         return ()
     met = [c["name"] for c in _CONDITIONS if conditions >> c["bit"] & 1]
     sails = state == "DISARMED" and flotilla.supervise("HOLD", "AUTO", met)["granted"]

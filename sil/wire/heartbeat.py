@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: MIT
 """A boat's state in its HEARTBEAT; firmware/docs/SUPERVISOR.md lists the fields by state."""
 
-MANUAL, HOLD, FORMATION, AUTO = 0, 4, 6, 10  # custom_mode
+MANUAL, HOLD, LOITER, FORMATION, AUTO, RTL, GUIDED = 0, 4, 5, 6, 10, 11, 15  # custom_mode
 
 _ARMED, _TEST = 128, 2  # base_mode
 _CRITICAL, _EMERGENCY = 5, 6  # system_status
-_MODES = {MANUAL: "MANUAL", HOLD: "HOLD", FORMATION: "FORMATION", AUTO: "AUTO"}
+_MODES = {
+    MANUAL: "MANUAL",
+    HOLD: "HOLD",
+    LOITER: "LOITER",
+    FORMATION: "FORMATION",
+    AUTO: "AUTO",
+    RTL: "RTL",
+    GUIDED: "GUIDED",
+}
 
 
 def state_of(custom_mode: int, base_mode: int, system_status: int) -> str | None:

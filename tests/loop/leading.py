@@ -135,6 +135,7 @@ PRODUCT = {
     "WP_RADIUS": RADIUS_M,
 }
 
+
 @dataclass(frozen=True)
 class Sailed:
     """One route: metres, and shares.

@@ -60,7 +60,9 @@ def wait(weather: str, minutes: float) -> Waited:
     """One run of that weather."""
     given = [f"parameters.{name}={float(value)}" for name, value in PRODUCT.items()]
     errors = ["navigation.position_noise_m=0.02", "navigation.position_drift_m=0.03"]
-    one = scenario.load("diamond", [*BOAT, *WEATHERS[weather], *errors, *given, "boat.1.eta=[0,0,0]"])
+    one = scenario.load(
+        "diamond", [*BOAT, *WEATHERS[weather], *errors, *given, "boat.1.eta=[0,0,0]"]
+    )
     one = one.model_copy(update={"boat": one.boat[:1]})
     batch = Batch([one], {})
     agent = batch.row(0, 1)
@@ -111,7 +113,9 @@ def main() -> None:
     for weather in WEATHERS:
         it = wait(weather, given.minutes)
         cells = f"{it.mean_m:.2f} m | {it.worst_m:.2f} m | {it.thrust:.2f} | {it.needed_N:.1f} N"
-        print(f"| {weather} | {cells} |" + ("" if it.state == "LOITER" else f" ended in {it.state}"))
+        print(
+            f"| {weather} | {cells} |" + ("" if it.state == "LOITER" else f" ended in {it.state}")
+        )
 
 
 if __name__ == "__main__":

@@ -20,7 +20,10 @@ from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import COMPONENT, SYSTEM
 from tests.loop.vessel import Vessel, VirtualLeader
 
-STATES = ("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT", "AUTO")
+STATES = (
+    *("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"),
+    *("AUTO", "GUIDED", "LOITER", "RTL"),
+)
 _NOWHERE = (0, 0)
 
 Array = NDArray[Any]

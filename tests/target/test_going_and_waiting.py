@@ -16,9 +16,11 @@ from tests.target.stations import (
     BOAT,
     DENIED,
     FORMATION,
+    GCS,
     HOLD,
     SET_MODE,
     TEMPORARILY_REJECTED,
+    Station,
 )
 from tests.target.test_auto import CORNER, at_sea, place, sailing
 
@@ -29,7 +31,12 @@ CHANGE_MODE = 1.0
 
 
 def reposition(
-    sea: Afloat, to: Item, *, speed_mps: float = math.nan, flags: float = CHANGE_MODE, frame: int = 6
+    sea: Afloat,
+    to: Item,
+    *,
+    speed_mps: float = math.nan,
+    flags: float = CHANGE_MODE,
+    frame: int = 6,
 ) -> Tick:
     """MAV_CMD_DO_REPOSITION by COMMAND_INT, as clients send it."""
     sea.say(
@@ -289,3 +296,119 @@ def test_a_boat_comes_home_with_a_low_battery_if_it_may() -> None:
     sea.escs[0].voltage = 20.0
     sea.run(60.0)
     assert sea.state == "RTL" and place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+IGNORED = 64 | 128 | 256 | 1024  # accelerations, yaw
+PLACE, VELOCITY, YAW_RATE = 1 | 2 | 4, 8 | 16 | 32, 2048
+NED, OFFSET_NED, BODY_NED, BODY_OFFSET_NED, BODY_FRD = 1, 7, 8, 9, 12
+
+
+def local(
+    frame: int,
+    *,
+    place_m: tuple[float, float] | None = None,
+    velocity_mps: tuple[float, float] | None = None,
+    yaw_rate_radps: float | None = None,
+    mask: int = IGNORED,
+) -> mavlink.MAVLink_message:
+    """SET_POSITION_TARGET_LOCAL_NED of what is given."""
+    mask |= (place_m is None) * PLACE | (velocity_mps is None) * VELOCITY
+    mask |= (yaw_rate_radps is None) * YAW_RATE
+    x, y = place_m or (0.0, 0.0)
+    vx, vy = velocity_mps or (0.0, 0.0)
+    return mavlink.MAVLink_set_position_target_local_ned_message(
+        *(0, BOAT, 1, frame, mask, x, y, 0.0, vx, vy, 0.0, 0.0, 0.0, 0.0, 0.0),
+        yaw_rate_radps or 0.0,
+    )
+
+
+def waiting() -> Afloat:
+    sea = at_sea([])
+    sea.mode(GUIDED)
+    sea.run(1.0)
+    assert sea.state == "GUIDED"
+    return sea
+
+
+def test_a_script_moves_the_place_in_each_frame() -> None:
+    sea = waiting()
+    sea.say(local(NED, place_m=(5.0, 3.0)))
+    sea.run(50.0)
+    assert place(sea) == pytest.approx((5, 3), abs=0.05)
+    sea.say(local(OFFSET_NED, place_m=(0.0, 4.0), velocity_mps=(0.0, 0.3)))
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((5, 7), abs=0.1)
+    to = at(0, 0)
+    sea.say(
+        mavlink.MAVLink_set_position_target_global_int_message(
+            *(0, BOAT, 1, 6, IGNORED | VELOCITY | YAW_RATE, to.x, to.y), *(0.0,) * 9
+        )
+    )
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.05) and sea.state == "GUIDED"
+
+
+@pytest.mark.parametrize("frame", [BODY_NED, BODY_OFFSET_NED, BODY_FRD])
+def test_a_script_drives_the_boat_ahead_and_in_a_turn(frame: int) -> None:
+    sea = waiting()
+    for _ in range(100):
+        sea.say(local(frame, velocity_mps=(0.6, 0.0), yaw_rate_radps=0.2))
+        sea.run(0.2)
+    assert sea.hull.seen.u == pytest.approx(0.6, abs=0.03)
+    assert sea.hull.seen.r == pytest.approx(0.2, abs=0.02)
+
+
+def test_a_script_drives_the_boat_on_a_course_until_it_is_silent() -> None:
+    sea = waiting()
+    for _ in range(200):
+        sea.say(local(NED, velocity_mps=(0.0, 0.5)))
+        sea.run(0.2)
+    north, east = place(sea)
+    assert sea.hull.seen.psi == pytest.approx(math.pi / 2, abs=0.03) and east > 10
+    assert sea.hull.seen.u == pytest.approx(0.5, abs=0.02)
+    sea.run(30.0)
+    assert sea.state == "GUIDED" and math.hypot(*sea.hull.q[3:5]) < 0.01
+    assert 1.0 < place(sea)[1] - east < 6.0
+    assert place(sea)[0] == pytest.approx(north, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("message", "why"),
+    [
+        (local(3, place_m=(5.0, 0.0)), "setpoint's frame is unknown"),
+        (local(BODY_NED, place_m=(5.0, 0.0)), "setpoint's place has no such frame"),
+        (local(NED, place_m=(5.0, 0.0), mask=IGNORED | 2), "setpoint has half a place"),
+        (local(NED, velocity_mps=(0.5, 0.0), mask=IGNORED | 16), "setpoint has half a velocity"),
+        (local(NED, place_m=(math.nan, 0.0)), "setpoint has half a place"),
+        (local(NED, velocity_mps=(math.inf, 0.0)), "setpoint has half a velocity"),
+        (local(NED), "setpoint asks for nothing"),
+        (local(NED, place_m=(5.0, 0.0), mask=1024), "no accelerations"),
+        (local(NED, place_m=(3000.0, 0.0)), "target is over 2.9 km away"),
+        (local(NED, velocity_mps=(3.0, 0.0)), "speed 0.05 to 5 m/s, or LAW_U_MAX"),
+        (
+            local(NED, velocity_mps=(0.5, 0.0), yaw_rate_radps=0.1),
+            "yaw rate goes with a speed ahead",
+        ),
+        (local(BODY_NED, velocity_mps=(-0.5, 0.0)), "boats are driven ahead only"),
+        (local(BODY_NED, velocity_mps=(0.5, 0.1)), "boats are driven ahead only"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_setpoint_that_a_boat_cannot_follow_is_told_and_changes_nothing(
+    message: mavlink.MAVLink_message, why: str
+) -> None:
+    sea = waiting()
+    sea.say(message)
+    ticks = sea.run(10.0)
+    assert [text for text in texts(ticks) if text.startswith("Refused")] == [f"Refused: {why}"]
+    assert place(sea) == pytest.approx((0, 0), abs=0.05) and sea.state == "GUIDED"
+
+
+def test_setpoints_of_who_may_not_command_move_no_boat() -> None:
+    sea = at_sea([], {"MAV_GCS_SYSID": float(GCS)})
+    sea.mode(GUIDED)
+    sea.run(1.0)
+    assert sea.state == "GUIDED"
+    sea.say(local(NED, place_m=(5.0, 0.0)), sender=Station(7, 190))
+    assert "Refused: setpoint, not your boat" in texts(sea.run(10.0))
+    assert place(sea) == pytest.approx((0, 0), abs=0.05)

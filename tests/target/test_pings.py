@@ -32,11 +32,13 @@ def test_there_are_no_logs_to_download(sea: Sea) -> None:
 
 
 NO_ONE = {
-    "Refused: boats follow no setpoints": [
+    "Refused: setpoint is no place or velocity": [
         mavlink.MAVLink_set_attitude_target_message(0, BOAT, 1, 0, [1.0, 0, 0, 0], 0, 0, 0, 0),
+        mavlink.MAVLink_set_actuator_control_target_message(0, 0, BOAT, 1, [0.0] * 8),
+    ],
+    "Refused: setpoints are for GUIDED": [
         mavlink.MAVLink_set_position_target_local_ned_message(0, BOAT, 1, 1, 0, *(0.0,) * 11),
         mavlink.MAVLink_set_position_target_global_int_message(0, BOAT, 1, 5, 0, 0, 0, *(0.0,) * 9),
-        mavlink.MAVLink_set_actuator_control_target_message(0, 0, BOAT, 1, [0.0] * 8),
     ],
     "Refused: RC override, send MANUAL_CONTROL": [
         mavlink.MAVLink_rc_channels_override_message(BOAT, 1, *[1500] * 8)

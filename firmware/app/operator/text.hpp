@@ -83,15 +83,15 @@ constexpr std::string_view refusal_of(std::uint32_t message_id) {
   switch (message_id) {
     case 82:   // SET_ATTITUDE_TARGET
     case 139:  // SET_ACTUATOR_CONTROL_TARGET
-      return "Refused: setpoint is no place or velocity";
+      return "setpoint is no place or velocity";
     case 70:  // RC_CHANNELS_OVERRIDE
-      return "Refused: RC override, send MANUAL_CONTROL";
+      return "RC override, send MANUAL_CONTROL";
     case 48:   // SET_GPS_GLOBAL_ORIGIN
     case 243:  // SET_HOME_POSITION
-      return "Refused: origin and home are the boat's own";
+      return "origin and home are the boat's own";
     case 119:  // LOG_REQUEST_DATA
     case 121:  // LOG_ERASE
-      return "Refused: logs are on the boat's disk";
+      return "logs are on the boat's disk";
     default:
       return {};
   }

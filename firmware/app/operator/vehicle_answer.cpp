@@ -64,11 +64,11 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
 void Vehicle::take_setpoint(const PendingRequest& pending) {
   if (identity_.is_autopilots(pending.target)) return;
   if (!may_command(pending.from)) {
-    ignored_ = "Refused: setpoint, not your boat";
+    ignored_ = "setpoint, not your boat";
     return;
   }
   if (supervisor_.state() != core::State::kGuided) {
-    ignored_ = "Refused: setpoints are for GUIDED";
+    ignored_ = "setpoints are for GUIDED";
     return;
   }
   const auto* local = std::get_if<link::SetPositionTargetLocalNed>(&pending.message);

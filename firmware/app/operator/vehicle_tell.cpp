@@ -100,7 +100,7 @@ void Vehicle::tell(link::Counters& counters) {
   }
   if (const auto why = std::exchange(ignored_, {});
       !why.empty() && ignored_due_.take_if_due(now_us_)) {
-    send_statustext(mav::kSeverityWarning, {why}, counters);
+    send_statustext(mav::kSeverityWarning, {"Refused: ", why}, counters);
   }
   if (std::exchange(origin_moved_, false)) {  // before any position relative to it
     for (std::size_t link = 0; link < links_.count(); ++link) {

@@ -160,7 +160,8 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real", "whole", "sign", "identity", "frame", "switch", "action", "stop"};
+  constexpr std::array kNames{"real",  "whole",  "sign",   "identity",
+                              "frame", "switch", "action", "stop"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

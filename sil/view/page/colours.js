@@ -41,7 +41,7 @@ function dashOf(vessel) {
 }
 
 const STATE_THEME = {
-  DISARMED: "calm", HOLD: "warn", MANUAL: "hand", FORMATION: "good", AUTO: "good", COAST: "warn", TEST: "odd", FAULT: "bad",
+  DISARMED: "calm", HOLD: "warn", MANUAL: "hand", FORMATION: "good", AUTO: "good", GUIDED: "good", LOITER: "good", RTL: "good", COAST: "warn", TEST: "odd", FAULT: "bad",
 };
 
 function nameOf(vessel) {

@@ -38,7 +38,7 @@ function fleetLine(vessels) {
   if (!boats.length) return { boats: vessels.length ? "No Flotilla boat among them" : "", states: "", worst: "", troubles: "" };
   const heard = boats.filter((boat) => !isSilent(boat));
   const count = `${boats.length} boat${boats.length > 1 ? "s" : ""}`;
-  const inSlot = heard.filter((boat) => ["FORMATION", "AUTO"].includes(boat.state) && boat.in_slot >= 1).length;
+  const inSlot = heard.filter((boat) => ["FORMATION", "AUTO", "GUIDED", "LOITER", "RTL"].includes(boat.state) && boat.in_slot >= 1).length;
   const states = new Map();
   for (const boat of boats) {
     const state = (isSilent(boat) ? null : boat.state) ?? "unknown";

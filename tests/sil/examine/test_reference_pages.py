@@ -28,23 +28,23 @@ def row_of(table: str, name: str) -> list[str]:
 
 def test_the_page_tells_what_a_loss_does_and_how_the_boat_comes_back() -> None:
     losses = supervisor_page.loss_table()
-    assert row_of(losses, "escs_online") == ["FAULT; disarm first"] * 6
-    assert row_of(losses, "leader_fresh") == ["", "", "COAST; by itself", "", "", ""]
-    assert row_of(losses, "own_fresh") == [
-        "",
-        "",
-        "HOLD; asked for",
-        "HOLD; asked for",
-        "",
-        "HOLD; asked for",
-    ]
+    assert row_of(losses, "escs_online") == ["FAULT; disarm first"] * 9
+    # in HOLD, MANUAL, FORMATION, COAST, TEST, AUTO, GUIDED, LOITER, RTL
+    assert row_of(losses, "leader_fresh") == ["", "", "COAST; by itself", *[""] * 6]
+    held = "HOLD; asked for"
+    assert row_of(losses, "own_fresh") == ["", "", held, held, "", held, held, held, held]
+    back = "RTL; asked for"
+    assert row_of(losses, "inside_fence") == ["", "", back, back, "", back, back, back, ""]
     assert row_of(losses, "coast_running")[3] == "HOLD; asked for"
 
 
 def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit() -> None:
     conditions = supervisor_page.condition_table()
-    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for FORMATION, for AUTO"]
-    assert row_of(conditions, "gcs_heard")[-2:] == ["`FS_GCS_S`", "to arm, for FORMATION, for AUTO"]
+    assert row_of(conditions, "own_fresh")[-2:] == ["`FS_NAV_S`", "for every mode of the law"]
+    assert row_of(conditions, "gcs_heard")[-2:] == [
+        "`FS_GCS_S`",
+        "to arm, for FORMATION, for AUTO, for GUIDED",
+    ]
     assert row_of(conditions, "sticks_centred")[-2:] == ["", "for thrust in MANUAL"]
     assert row_of(conditions, "sticks_fresh")[-2:] == ["", "for MANUAL"]
     assert all(name in conditions for name in some(supervisor_page.NAMES))
@@ -52,8 +52,11 @@ def test_the_page_tells_what_is_needed_to_arm_and_which_parameter_is_its_limit()
 
 def test_the_page_tells_what_each_choice_does() -> None:
     choices = supervisor_page.choice_table()
-    assert "| `FS_LEADER_ACT` 1 (default) | COAST, then HOLD | COAST, then HOLD |" in choices
-    assert "| `FS_GCS_ACT` 2 | HOLD | MANUAL |" in choices
+    coast = "COAST, then as `FS_COAST_ACT`"
+    assert f"| `FS_LEADER_ACT` 1 (default) | no `leader_fresh` | {coast} | {coast} |" in choices
+    assert "| `FS_GCS_ACT` 2 | no `gcs_heard` | HOLD | MANUAL |" in choices
+    assert "| `FS_FENCE_ACT` 2 (default) | no `inside_fence` | RTL | RTL |" in choices
+    assert "| `FS_COAST_ACT` 1 | COAST is over | LOITER | LOITER |" in choices
 
 
 def test_the_diagram_shows_each_state_and_no_way_out_of_fault_but_disarming() -> None:
