@@ -14,8 +14,17 @@ from sil.scenario.toml_errors import Source
 FOLDER = Path(__file__).parent
 
 State = Literal[
-    *("DISARMED", "HOLD", "MANUAL", "FORMATION", "COAST", "TEST", "FAULT"),
-    *("AUTO", "GUIDED", "LOITER", "RTL"),
+    "DISARMED",
+    "HOLD",
+    "MANUAL",
+    "FORMATION",
+    "COAST",
+    "TEST",
+    "FAULT",
+    "AUTO",
+    "GUIDED",
+    "LOITER",
+    "RTL",
 ]
 
 

@@ -54,7 +54,7 @@ def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: M
     sea.until(lambda: not sea.armed)
 
 
-@pytest.mark.parametrize("mode", ["FOLLOW", "HOLD", "MANUAL", "6", "GUIDED", "AUTO", "RTL"])
+@pytest.mark.parametrize("mode", ["FOLLOW", "HOLD", "MANUAL", "6", "AUTO", "STEERING"])
 def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy, mode: str) -> None:
     sea.until(lambda: sea.armable)
     ready.tell("arm throttle", "ARMED")
@@ -71,6 +71,17 @@ def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy,
     if not formation:
         sea.beat()
         assert not sea.driven()
+
+
+def test_a_boat_is_sent_to_a_place_waits_and_is_called_home(sea: Sea, ready: MavProxy) -> None:
+    sea.until(lambda: sea.armable)
+    ready.tell("arm throttle", "ARMED")
+    for mode in ("LOITER", "RTL", "GUIDED"):
+        ready.tell(f"mode {mode}", f"Mode {mode}")
+        sea.until(lambda mode=mode: sea.state == mode)
+    ready.tell("guided 47.3977 8.5456 0", "COMMAND_ACK: DO_REPOSITION: ACCEPTED")
+    sea.until(lambda: sea.state == "GUIDED" and sea.driven())
+    ready.tell("guided 47.5 8.5456 0", "Refused: target is over 2.9 km away")
 
 
 def test_a_saved_parameter_file_starts_no_boat(sea: Sea, ready: MavProxy, tmp_path: Path) -> None:

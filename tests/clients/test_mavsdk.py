@@ -286,14 +286,13 @@ def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient
 def px4_calls(mavsdk: MavsdkClient) -> dict[str, tuple[Callable[..., Any], IntEnum]]:
     """MAVSDK's calls for a PX4 autopilot, and how each must fail."""
     action, system = mavsdk.action, mavsdk.system
-    offboard = Offboard(system)
+    offboard, denied = Offboard(system), ActionResult.COMMAND_DENIED
     mavsdk.call(offboard.set_velocity_ned, VelocityNedYaw(1.0, 0.0, 0.0, 0.0))
     return {
         "offboard": (offboard.start, OffboardResult.COMMAND_DENIED),
-        "goto": (lambda: action.goto_location(47.4, 8.5, 490.0, 0.0), ActionResult.UNSUPPORTED),
+        "goto": (lambda: action.goto_location(47.4, 8.5, 490.0, 0.0), denied),  # 3 km away
         "takeoff": (action.takeoff, ActionResult.UNSUPPORTED),
         "mission": (Mission(system).start_mission, MissionResult.DENIED),
-        "return": (action.return_to_launch, ActionResult.COMMAND_DENIED),
         "follow": (FollowMe(system).start, FollowMeResult.COMMAND_DENIED),
     }
 
@@ -317,6 +316,20 @@ def test_what_is_asked_of_a_px4_is_refused_and_changes_nothing(
     assert "Refused: mode 6 of a PX4 client is OFFBOARD" in mavsdk.texts
     if state == "HOLD":
         assert set(some(sea.raw_commands()[before:])) == {(0, 0)}
+
+
+def test_goto_and_return_of_mavsdk(sea: Sea, mavsdk: MavsdkClient) -> None:
+    places = mavsdk.watch("position")
+    sea.until(lambda: sea.armable and places)
+    here = places[-1]
+    mavsdk.call(mavsdk.action.arm)
+    north = here.latitude_deg + 1e-4  # 11 m
+    mavsdk.call(mavsdk.action.goto_location, north, here.longitude_deg, 490.0, math.nan)
+    sea.until(lambda: sea.state == "GUIDED" and sea.driven())
+    mavsdk.call(mavsdk.action.return_to_launch)
+    sea.until(lambda: sea.state == "RTL")
+    mavsdk.call(mavsdk.action.hold)
+    sea.until(lambda: sea.state == "HOLD" and not sea.driven())
 
 
 # -- files

@@ -3,8 +3,8 @@
 
     python -m tests.loop.waiting [--minutes 20]
 
-The hull of `tests.loop.leading`, one propeller 15 % weak, in a current of 0.3 m/s across the heading
-with which it arrives, alone and with 8 m/s of wind and gusts.
+The hull of `tests.loop.leading`, one propeller 15 % weak, in a current of 0.3 m/s across its first
+heading, alone and with 8 m/s of wind and gusts.
 """
 
 import argparse
@@ -49,7 +49,7 @@ class Waited:
 
 
 def needed_N(one: scenario.Scenario) -> float:
-    """Thrust that holds the hull's speed over ground at zero, its bow into current and mean wind."""
+    """Thrust that holds the hull against current and mean wind with its bow into them."""
     hull, speed = one.vessel, CURRENT_MPS
     wind_mps = float(np.hypot(*one.wind.mean_mps))
     air = 0.5 * 1.225 * hull.wind_x * hull.frontal_m2 * wind_mps**2

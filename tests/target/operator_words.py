@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from pymavlink.dialects.v20 import common as mavlink
@@ -105,6 +106,16 @@ def enter_auto(sea: Sea) -> None:
     assert sea.state == "AUTO", sea.snapshot()
 
 
+def enter_alone(mode: int) -> Callable[[Sea], None]:
+    """Into GUIDED, LOITER or RTL."""
+
+    def enter(sea: Sea) -> None:
+        sea.enter_hold()
+        sea.mode(mode)
+
+    return enter
+
+
 #: How to bring a boat into each state.
 ENTER = {
     "DISARMED": Sea.settle,
@@ -114,4 +125,7 @@ ENTER = {
     "TEST": enter_test,
     "FAULT": enter_fault,
     "AUTO": enter_auto,
+    "GUIDED": enter_alone(15),
+    "LOITER": enter_alone(5),
+    "RTL": enter_alone(11),
 }

@@ -47,9 +47,11 @@ def reposition(
     return sea.step()
 
 
-def guided(north_m: float = 10.0, east_m: float = 0.0, **how: float) -> Afloat:
+def guided(north_m: float = 10.0, east_m: float = 0.0, speed_mps: float = math.nan) -> Afloat:
     sea = at_sea([])
-    assert acks(reposition(sea, at(north_m, east_m), **how)) == [(REPOSITION, ACCEPTED)]
+    assert acks(reposition(sea, at(north_m, east_m), speed_mps=speed_mps)) == [
+        (REPOSITION, ACCEPTED)
+    ]
     sea.step()
     assert sea.state == "GUIDED"
     return sea
