@@ -94,7 +94,7 @@ TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that
   for (int i = 0; i < 500; ++i) {
     const double psi = random.angle(), course = random.angle(), speed = random(0.01, 3);
     const Way<double> way =
-        way_to(psi, Vec2<double>{speed * std::cos(course), speed * std::sin(course)});
+        way_to(rotation(psi), Vec2<double>{speed * std::cos(course), speed * std::sin(course)});
     const double turn = std::remainder(course - psi, 2 * testing::kPi);
     const bool astern = std::abs(turn) > testing::kPi / 2;
     CHECK((way.u < 0) == astern);
@@ -102,7 +102,7 @@ TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that
                                   2 * testing::kPi)) < 2e-3);
     CHECK(std::abs(way.u) == doctest::Approx(speed * std::pow(std::cos(turn), 2)));
   }
-  const Way<double> nowhere = way_to(0.3, Vec2<double>{});
+  const Way<double> nowhere = way_to(rotation(0.3), Vec2<double>{});
   CHECK((nowhere.delta == 0 && nowhere.u == 0));
 }
 

@@ -65,8 +65,8 @@ void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::
 }
 
 template <class S>
-core::Conditions Pilot<S>::conditions(std::int64_t now_us) const {
-  core::Conditions met = own_.conditions(limits_.own_limit_us, now_us);
+core::Conditions Pilot<S>::heard(std::int64_t now_us) const {
+  core::Conditions met = 0;
   const VesselTrack<S>& own = own_.track();
   const bool placed = leader_.has_origin() && own.has_origin();
   const bool near = placed && convert::near(own.position(), leader_.position(), reach_m_);
@@ -169,12 +169,11 @@ core::ControllerOutput<S> Pilot<S>::sail(Plan plan, bool paused, std::int64_t no
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
-  std::optional<core::Traffic<S>> traffic;
-  if (neighbours_.watches()) {
-    traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
-  }
+  const bool watches = neighbours_.watches();
+  const auto traffic = watches ? neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us)
+                               : core::Traffic<S>{};
   const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, follower_.lead().slot);
-  const auto out = follower_.step(law_, own_, traffic ? &*traffic : nullptr, dt);
+  const auto out = follower_.step(law_, own_, watches ? &traffic : nullptr, dt);
   law_.controller.slot = own_slot;
   own_.desire(out.desired.nu_star);
   return out;

@@ -74,7 +74,11 @@ class Neighbours {
   Vessel* find(std::uint8_t system);
   Vessel* place_for(std::uint8_t system, std::optional<double> distance_m,
                     const convert::Position& own, std::int64_t now_us);
+  static bool counts(const Vessel& vessel, std::int64_t now_us);
   bool has_way(const Vessel& vessel) const;
+  template <class S>
+  static core::OtherVessel<S> seen(const Vessel& vessel, const convert::Position& own,
+                                   const core::Vec2<S>& moved_n, std::int64_t now_us);
 
   std::uint8_t own_system_ = 0, leader_system_ = 0;
   float least_m_ = 0;
