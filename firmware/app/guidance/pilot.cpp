@@ -36,7 +36,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   reference_.configure(c.formation, law.foresight, own_system);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
   const float slot_m = convert::length_m(reference_.place().own().offset);
-  reach_m_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
+  reach_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
 }
 
 template <class S>
@@ -69,7 +69,7 @@ core::Conditions Pilot<S>::heard(std::int64_t now_us) const {
   core::Conditions met = 0;
   const VesselTrack<S>& own = own_.track();
   const bool placed = leader_.has_origin() && own.has_origin();
-  const bool near = placed && convert::near(own.position(), leader_.position(), reach_m_);
+  const bool near = placed && convert::near(own.position(), leader_.position(), reach_);
   if (near || !placed) met |= core::kLeaderNear;
   if (leader_.system() != own.system() && leader_.fresh(now_us, limits_.leader_limit_us) &&
       (near || (placed && convert::near(own.position(), leader_.position())))) {

@@ -148,7 +148,7 @@ class Pilot {
 
   convert::Law<S> law_;
   Configuration::Navigation limits_;
-  float reach_m_ = 0;  // the farthest that the leader may be
+  convert::Reach reach_{0};  // the farthest that the leader may be
   TimeRequests time_;
   OwnMotion<S> own_;
   VesselTrack<S> leader_;

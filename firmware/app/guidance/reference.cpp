@@ -20,7 +20,7 @@ void Reference<S>::configure(const Configuration::Formation& formation,
                              const core::ForesightLimits<S>& limits, std::uint8_t own_system) {
   on_ = formation.follows_root;
   limits_ = limits;
-  reach_m_ = formation.reach_m.value_or(convert::kNear_m);
+  reach_ = formation.reach_m.value_or(convert::kNear_m);
   clocks_.set_lag(formation.leader_lag_us);
   own_ = {own_system, formation.leader,
           convert::wire_offset_of(formation.north_m, formation.east_m), formation.turns};
@@ -82,7 +82,7 @@ bool Reference<S>::is_near(const convert::Position& own, const convert::RootStat
   convert::Position slot = root.position;
   slot.north_m = slot.north_m + (n.x + b.x);
   slot.east_m = slot.east_m + (n.y + b.y);
-  return convert::near(own, root.position) && convert::near(own, slot, reach_m_);
+  return convert::near(own, root.position) && convert::near(own, slot, reach_);
 }
 
 /// Rejects what another boat has already relayed; accepts a restarted maker.

@@ -99,7 +99,7 @@ class Reference {
   TreePlace::Own own_;  // in FORMATION
   bool leads_ = false;
   bool on_ = false;
-  float reach_m_ = 0;
+  convert::Reach reach_{0};
   core::ForesightLimits<S> limits_;
   TreePlace place_;
   SenderClocks clocks_;

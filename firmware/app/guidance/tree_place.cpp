@@ -2,6 +2,7 @@
 #include "app/guidance/tree_place.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace flotilla::app {
 namespace {
@@ -40,10 +41,10 @@ std::optional<RootOffset> TreePlace::behind(const RootOffset& leaders) const {
 void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
                      std::int64_t now_us) {
   const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
-  const auto ours = std::ranges::find(m.path, own_.system);
+  const bool cycle = std::memchr(m.path.data(), own_.system, m.path.size()) != nullptr;
   const RootOffset offset{m.offset_n, m.offset_b};
   word_.emplace(now_us, Branch{m.root, m.maker}, offset, behind(offset), m.path, length_of(m.path),
-                ours != m.path.end(), followed);
+                cycle, followed);
   const std::int64_t age_us = now_us - valid_us;
   if (age_us > kOld_us) leads_ = false;
   if (age_us > kYoung_us) not_young_us_ = now_us;

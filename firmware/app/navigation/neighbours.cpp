@@ -140,7 +140,7 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   } else {
     const std::int64_t ahead_us = std::min(vessel.ahead_us + since_us / kDrift, arrived_us);
     if (arrived_us - ahead_us > kForgotten_us) {
-      vessel.late_us = now_us;
+      vessel.late_us = late_us_ = now_us;
       return false;
     }
     vessel.ahead_us = ahead_us;
@@ -188,6 +188,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
 }
 
 std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
+  if (now_us - late_us_ > kForgotten_us) return std::nullopt;
   for (const Vessel& v : vessels_) {
     if (now_us - v.true_us > kForgotten_us && now_us - v.late_us <= kForgotten_us) return v.system;
   }
