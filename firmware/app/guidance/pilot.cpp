@@ -47,9 +47,12 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
     return;
   }
   own_.take(received, link, now_us, counters);
-  leader_.take(received, now_us, counters);
   const convert::Position* place = located() ? &own_.track().position() : nullptr;
-  reference_.take(received, place, now_us, counters);
+  if (std::holds_alternative<link::FormationReference>(received.message)) {
+    reference_.take(received, place, now_us, counters);
+  } else {
+    leader_.take(received, now_us, counters);
+  }
   claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
 }
