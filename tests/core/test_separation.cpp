@@ -248,7 +248,7 @@ TEST_CASE("of several vessels those without the way change no course that is tak
     SeparationState<double> state{};
     VirtualVelocity<double> desired{};
     desired.nu_star.u = 1;
-    const auto out = separate(params, state, {traffic, 0, 10, intent}, desired);
+    const auto out = separate(params, state, {traffic, {}, 10, intent}, desired);
     CHECK((out.yielding && out.known && out.predicted == 0));
     return desired.nu_star;
   };
@@ -271,7 +271,7 @@ TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not
     desired.nu_star.u = -1;
     desired.u_star_dot = 1;
     const OtherVessel<double> behind{{-behind_m, 0}, {}, 0, false};
-    const auto out = separate(params, state, {only(behind), 0, 10, intent}, desired);
+    const auto out = separate(params, state, {only(behind), {}, 10, intent}, desired);
     CHECK((out.yielding && desired.u_star_dot == 0));
     CHECK((-0.5 < desired.nu_star.u && desired.nu_star.u <= 0));
   }
