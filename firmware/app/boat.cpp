@@ -168,7 +168,7 @@ typename Boat<S>::Output Boat<S>::tick(std::int64_t now) {
 template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
   if (vehicle_.take_change()) configure();
-  vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
+  apply_conditions(now_us);
   if (host_.stop_pressed || can_.stop_pressed(now_us)) vehicle_.stop(counters_);
   bool more = true;
   while (more) {
@@ -177,7 +177,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
     if (!vehicle_.take_change()) continue;
     // A change applies before the next request is judged: a new leader, say, is not yet heard.
     configure();
-    vehicle_.apply_conditions(conditions_ = conditions(now_us), counters_);
+    apply_conditions(now_us);
   }
   vehicle_.apply_rc(counters_);
   note_state(now_us);
@@ -238,15 +238,34 @@ void Boat<S>::configure() {
 }
 
 template <class S>
+void Boat<S>::apply_conditions(std::int64_t now_us) {
+  heard_ = heard(now_us);
+  conditions_ = conditions(now_us);
+  vehicle_.apply_conditions(conditions_, counters_);
+}
+
+/// The conditions that depend on messages, frames, the host and parameters alone. Within a tick only
+/// a change of parameters changes them; kClear moves with the boat, but is asked only before a tick's
+/// motion.
+template <class S>
+core::Conditions Boat<S>::heard(std::int64_t now_us) const {
+  static_assert(((core::kManualDrive | core::kDrive | core::kCoastDrive | core::kAutoDrive |
+                  core::kTestDrive) &
+                 core::kClear) == 0);
+  core::Conditions met = vehicle_.conditions(now_us) | pilot_.heard(now_us) | choices_ |
+                         propulsion_of(can_, configuration().propulsion, now_us);
+  if (host_.bus_up) met |= core::kBusUp;
+  if (host_.parameters_saved) met |= core::kParametersSaved;
+  return met;
+}
+
+template <class S>
 core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
   // With a stopped clock no data ever become stale, so nothing can be trusted.
   if (idle_ticks_ > max_idle_ticks_) return 0;
   const bool sails = core::law_drives(state());
   core::Conditions met =
-      supervisor_.conditions(now_us) | vehicle_.conditions(now_us) | pilot_.conditions(now_us) |
-      propulsion_of(can_, configuration().propulsion, now_us) | limits_.conditions();
-  if (host_.bus_up) met |= core::kBusUp;
-  if (host_.parameters_saved) met |= core::kParametersSaved;
+      heard_ | supervisor_.conditions(now_us) | pilot_.conditions(now_us) | limits_.conditions();
   if (coasts_on(now_us)) met |= core::kCoastRunning;
   if (in_range_) met |= core::kInRange;
   if (!slot_astern_.is() && pilot_.claims().is_free(pilot_.tree_place(), now_us, sails)) {

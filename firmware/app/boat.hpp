@@ -163,7 +163,9 @@ class Boat {
   void learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us);
   void set_clock();
   void give_up(std::size_t link, std::int64_t now_us);
+  core::Conditions heard(std::int64_t now_us) const;
   core::Conditions conditions(std::int64_t now_us) const;
+  void apply_conditions(std::int64_t now_us);
   bool coasts_on(std::int64_t now_us) const;
   void look_at_limits(std::int64_t now_us);
   void supervise(std::int64_t now_us);
@@ -206,6 +208,7 @@ class Boat {
   int max_idle_ticks_ = 0;
   core::ControllerOutput<S> law_output_{};
   core::State last_state_ = core::State::kDisarmed;
+  core::Conditions heard_ = 0;  // of this tick
   core::Conditions conditions_ = 0;
   bool fits_ = true;       // the scalar's range holds all parameters
   bool overflow_ = false;  // the scalar has overflowed since the last tick began

@@ -100,13 +100,12 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b,
 /// Input of the separation: the boat, and the velocities that lead it to its slot and along with
 /// it.
 template <class S>
-SeparationInput<S> separation_input(const ControllerParams<S>& params, S psi,
-                                    const Traffic<S>& traffic, const Slot<S>& slot,
-                                    const FormationError<S>& error) {
+SeparationInput<S> separation_input(const ControllerParams<S>& params, const Traffic<S>& traffic,
+                                    const Slot<S>& slot, const FormationError<S>& error) {
   const Vec2<S> v = to_north_east(slot.psi, Vec2<S>{slot.nu.u, slot.nu.v});
   const Vec2<S> e = to_north_east(error.R, Vec2<S>{error.e.x, error.e.y});
   const S k = params.outer.k_x;
-  return {traffic, psi, params.propellers.R / params.vessel.m11,
+  return {traffic, error.R, params.propellers.R / params.vessel.m11,
           intent_of(params.outer, params.separation, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y})};
 }
 
@@ -123,9 +122,11 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   virtual_sway_forward(params.vessel, state.outer, dt);
   VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
-  if (traffic != nullptr) {
+  if (traffic != nullptr && traffic->count == 0) {
+    state.separation.yielding = false;
+  } else if (traffic != nullptr) {
     separation = separate(params.separation, state.separation,
-                          separation_input(params, in.psi, *traffic, slot, error), desired);
+                          separation_input(params, *traffic, slot, error), desired);
   }
   const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
   state.outer.u_star_held = desired_w.nu_star.u;  // v* is through the water too

@@ -107,8 +107,8 @@ struct Intent {
 template <class S>
 struct SeparationInput {
   const Traffic<S>& traffic;
-  S psi{};
-  S a{};  ///< m/s²
+  Rotation<S> R{};  ///< R(ψ)
+  S a{};            ///< m/s²
   Intent<S> intent{};
 };
 
@@ -157,10 +157,10 @@ struct Way {
 };
 
 template <class S>
-Way<S> way_to(S psi, const Vec2<S>& w_n) {
+Way<S> way_to(const Rotation<S>& R, const Vec2<S>& w_n) {
   const S speed = length(w_n);
   if (!(S(0) < speed)) return {};
-  const Vec2<S> w = to_body(psi, w_n);
+  const Vec2<S> w = to_body(R, w_n);
   return {atan2(w.x < S(0) ? -w.y : w.y, abs(w.x)), w.x * abs(w.x) / speed};
 }
 
@@ -192,7 +192,7 @@ template <class S>
 S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
           const SeparationInput<S>& in, const Vec2<S>& w) {
   const Intent<S>& intent = in.intent;
-  const S turning_s = abs(way_to(in.psi, w).delta) / intent.turning;
+  const S turning_s = abs(way_to(in.R, w).delta) / intent.turning;
   S cost = length(minus(w, intent.straight_n)) / intent.fastest +
            params.settling * (S(1) - length(minus(w, intent.slot_n)) / intent.fastest);
   if (state.yielding) cost = cost + params.change * length(minus(w, state.w_n)) / intent.fastest;
@@ -254,7 +254,7 @@ S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u
     const S gap = S(0.5) * (d - other.margin - params.hold * params.least);
     const S receding = max(S(0), dot(other.v_n, Vec2<S>{other.p_n.x / d, other.p_n.y / d}));
     const S limit = stopping_speed(in.a, params.reaction, gap) + params.receding * receding;
-    const S n = to_body(in.psi, other.p_n).x / d;
+    const S n = to_body(in.R, other.p_n).x / d;
     if (limit < u * n) u = limit / n;
   }
   return u;
@@ -275,10 +275,10 @@ template <class S>
 Separation<S> separate(const SeparationParams<S>& params, SeparationState<S>& state,
                        const SeparationInput<S>& in, VirtualVelocity<S>& desired) {
   Nu<S>& nu = desired.nu_star;
-  Separation<S> out = foresee(params, state, in, to_north_east(in.psi, Vec2<S>{nu.u, S(0)}));
+  Separation<S> out = foresee(params, state, in, to_north_east(in.R, Vec2<S>{nu.u, S(0)}));
   if (out.yielding) {
     state.w_n = choose(params, state, in);
-    const Way<S> way = way_to(in.psi, state.w_n);
+    const Way<S> way = way_to(in.R, state.w_n);
     nu.u = way.u;
     nu.r = clamp(params.turning * way.delta, -in.intent.turning, in.intent.turning);
     desired.r_star_dot = S(0);

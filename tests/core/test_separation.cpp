@@ -94,7 +94,7 @@ TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that
   for (int i = 0; i < 500; ++i) {
     const double psi = random.angle(), course = random.angle(), speed = random(0.01, 3);
     const Way<double> way =
-        way_to(psi, Vec2<double>{speed * std::cos(course), speed * std::sin(course)});
+        way_to(rotation(psi), Vec2<double>{speed * std::cos(course), speed * std::sin(course)});
     const double turn = std::remainder(course - psi, 2 * testing::kPi);
     const bool astern = std::abs(turn) > testing::kPi / 2;
     CHECK((way.u < 0) == astern);
@@ -102,7 +102,7 @@ TEST_CASE("a boat gets onto a course by the smaller turn, stern first where that
                                   2 * testing::kPi)) < 2e-3);
     CHECK(std::abs(way.u) == doctest::Approx(speed * std::pow(std::cos(turn), 2)));
   }
-  const Way<double> nowhere = way_to(0.3, Vec2<double>{});
+  const Way<double> nowhere = way_to(rotation(0.3), Vec2<double>{});
   CHECK((nowhere.delta == 0 && nowhere.u == 0));
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("of several vessels those without the way change no course that is tak
     SeparationState<double> state{};
     VirtualVelocity<double> desired{};
     desired.nu_star.u = 1;
-    const auto out = separate(params, state, {traffic, 0, 10, intent}, desired);
+    const auto out = separate(params, state, {traffic, {}, 10, intent}, desired);
     CHECK((out.yielding && out.known && out.predicted == 0));
     return desired.nu_star;
   };
@@ -271,7 +271,7 @@ TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not
     desired.nu_star.u = -1;
     desired.u_star_dot = 1;
     const OtherVessel<double> behind{{-behind_m, 0}, {}, 0, false};
-    const auto out = separate(params, state, {only(behind), 0, 10, intent}, desired);
+    const auto out = separate(params, state, {only(behind), {}, 10, intent}, desired);
     CHECK((out.yielding && desired.u_star_dot == 0));
     CHECK((-0.5 < desired.nu_star.u && desired.nu_star.u <= 0));
   }

@@ -40,11 +40,10 @@ Seen seen_from(const Position& own, const Position& leader) {
   return {north_m - own.north_m, east_m - own.east_m, ours.turn_of(theirs), down_m < kSameSide_m};
 }
 
-bool is_near(const Seen& seen, float within_m) {
-  const Metres surely_m = 0.7F * within_m;
-  const auto surely = [&](Metres x) { return -surely_m <= x && x <= surely_m; };
+bool is_near(const Seen& seen, const Reach& within) {
+  const auto surely = [&](Metres x) { return -within.surely_m <= x && x <= within.surely_m; };
   if (surely(seen.north_m) && surely(seen.east_m)) return seen.same_side;
-  const double north_m = number(seen.north_m), east_m = number(seen.east_m), most_m = within_m;
+  const double north_m = number(seen.north_m), east_m = number(seen.east_m), most_m = within.m;
   return seen.same_side && north_m * north_m + east_m * east_m <= most_m * most_m;
 }
 
@@ -53,7 +52,7 @@ bool is_near(const Seen& seen, float within_m) {
 template <class S>
 Separation<S> separation(const Position& own, const Position& leader) {
   const Seen seen = seen_from(own, leader);
-  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen, kNear_m)};
+  return {{scalar<S>(-seen.north_m), scalar<S>(-seen.east_m)}, is_near(seen, kNear)};
 }
 
 template <class S>
@@ -108,8 +107,8 @@ GlobalPoint global_of(const Position& position) {
   return {latitude, longitude, plane.turn_of({latitude, longitude})};
 }
 
-bool near(const Position& own, const Position& leader, float within_m) {
-  return is_near(seen_from(own, leader), within_m);
+bool near(const Position& own, const Position& leader, const Reach& within) {
+  return is_near(seen_from(own, leader), within);
 }
 
 double distance_m(const Position& a, const Position& b) {

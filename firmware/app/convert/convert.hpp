@@ -77,7 +77,7 @@ bool is_usable(const link::FollowTarget& message);
 
 /// Moves a sample from the antenna, x_m ahead and y_m to starboard, to the reference point.
 template <class S>
-Sample<S> at_reference_point(const Sample<S>& antenna, S x_m, S y_m);
+void move_to_reference_point(Sample<S>& antenna, S x_m, S y_m);
 
 /// A vessel's position in metres from its own origin, and that origin.
 struct Position {
@@ -100,7 +100,16 @@ bool is_valid(const link::GpsGlobalOrigin& origin);
 
 /// Greatest distance for one plane: five times the farthest slot.
 constexpr float kNear_m = 5000;
-bool near(const Position& own, const Position& leader, float within_m = kNear_m);
+
+/// A greatest distance, and a side of a square that lies within it.
+struct Reach {
+  constexpr Reach(float within_m) : m(within_m), surely_m(0.7F * within_m) {}
+
+  float m;
+  Metres surely_m;
+};
+constexpr Reach kNear{kNear_m};
+bool near(const Position& own, const Position& leader, const Reach& within = kNear);
 
 /// Straight-line distance; infinity between opposite sides of the globe.
 double distance_m(const Position& a, const Position& b);

@@ -33,14 +33,15 @@ std::optional<std::int16_t> parts_of(S x, int parts) {
 }
 
 /// Exact, because `parts` is a power of two.
-template <class S>
-S of_parts(std::int16_t x, int parts) {
-  return S(int{x}) * (S(1) / S(parts));
+template <class S, int parts>
+S of_parts(std::int16_t x) {
+  constexpr S kPart = S(1) / S(parts);
+  return S(int{x}) * kPart;
 }
 
-template <class S>
-core::Nu<S> nu_of(const std::array<std::int16_t, 3>& x, int turn_parts) {
-  return {of_parts<S>(x[0], kParts), of_parts<S>(x[1], kParts), of_parts<S>(x[2], turn_parts)};
+template <class S, int turn_parts>
+core::Nu<S> nu_of(const std::array<std::int16_t, 3>& x) {
+  return {of_parts<S, kParts>(x[0]), of_parts<S, kParts>(x[1]), of_parts<S, turn_parts>(x[2])};
 }
 
 template <class S>
@@ -88,8 +89,8 @@ std::optional<RootState<S>> root_state_of(const link::FormationReference& m,
     return std::nullopt;
   }
   return RootState<S>{{metres_of(m.north), metres_of(m.east), origin},
-                      {of_parts<S>(m.heading, kHeadingParts), nu_of<S>(m.nu, kTurnParts),
-                       nu_of<S>(m.nu_dot, kParts), of_parts<S>(m.r_ddot, kParts)}};
+                      {of_parts<S, kHeadingParts>(m.heading), nu_of<S, kTurnParts>(m.nu),
+                       nu_of<S, kParts>(m.nu_dot), of_parts<S, kParts>(m.r_ddot)}};
 }
 
 template <class S>

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstdlib>
-#include <initializer_list>
 
 #include "app/convert/convert.hpp"
 
@@ -21,9 +20,9 @@ struct Vec3 {
 };
 
 /// Compares bits: magnitudes order like unsigned integers, and NaN is above them all.
-bool within(float limit, std::initializer_list<float> values) {
+bool within(float limit, auto... values) {
   const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x) & 0x7FFF'FFFFU; };
-  return std::ranges::all_of(values, [&](float x) { return bits(x) <= bits(limit); });
+  return ((bits(values) <= bits(limit)) && ...);
 }
 
 /// Rotates from body axes to the frame, by a unit quaternion (w x y z).
@@ -74,7 +73,7 @@ std::optional<Turning<S>> turning_of(bool enu, const std::array<S, 4>& q, float 
 /// The quaternion scaled to unit length; nothing if it is too short, too long or not finite.
 template <class S>
 std::optional<std::array<S, 4>> normalised(const std::array<float, 4>& wire) {
-  if (!within(10, {wire[0], wire[1], wire[2], wire[3]})) return std::nullopt;
+  if (!within(10, wire[0], wire[1], wire[2], wire[3])) return std::nullopt;
   std::array<S, 4> q{scalar<S>(wire[0]), scalar<S>(wire[1]), scalar<S>(wire[2]),
                      scalar<S>(wire[3])};
   const S norm = core::hypot(core::hypot(q[0], q[1]), core::hypot(q[2], q[3]));
@@ -126,9 +125,9 @@ Reading<S> sample_of(const link::Odometry& m) {
       !(velocity_b || velocity_enu || m.child_frame_id == mav::kFrameLocalNed)) {
     return {std::nullopt, Refusal::kBadFrame};
   }
-  if (m.quality < 0 || !within(kFarthest_m, {m.x, m.y, m.z}) ||
-      !within(kFastest_mps, {m.vx, m.vy, m.vz}) ||
-      !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed}) ||
+  if (m.quality < 0 || !within(kFarthest_m, m.x, m.y, m.z) ||
+      !within(kFastest_mps, m.vx, m.vy, m.vz) ||
+      !within(kFastestTurn_radps, m.rollspeed, m.pitchspeed, m.yawspeed) ||
       m.time_usec > INT64_MAX / 4) {
     return {};
   }
@@ -151,8 +150,8 @@ Reading<S> sample_of(const link::Odometry& m) {
 
 template <class S>
 std::optional<HeadingSample<S>> heading_of(const link::Attitude& m) {
-  if (!within(kMaxTurns_rad, {m.roll, m.pitch, m.yaw}) ||
-      !within(kFastestTurn_radps, {m.rollspeed, m.pitchspeed, m.yawspeed})) {
+  if (!within(kMaxTurns_rad, m.roll, m.pitch, m.yaw) ||
+      !within(kFastestTurn_radps, m.rollspeed, m.pitchspeed, m.yawspeed)) {
     return std::nullopt;
   }
   const auto r = heading_rate(scalar<S>(m.roll), scalar<S>(m.pitch), scalar<S>(m.pitchspeed),
@@ -164,7 +163,7 @@ std::optional<HeadingSample<S>> heading_of(const link::Attitude& m) {
 template <class S>
 std::optional<Sample<S>> sample_of(const link::LocalPositionNed& m,
                                    const HeadingSample<S>& heading) {
-  if (!within(kFarthest_m, {m.x, m.y, m.z}) || !within(kFastest_mps, {m.vx, m.vy, m.vz})) {
+  if (!within(kFarthest_m, m.x, m.y, m.z) || !within(kFastest_mps, m.vx, m.vy, m.vz)) {
     return std::nullopt;
   }
   Sample<S> sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
@@ -178,7 +177,7 @@ template <class S>
 std::optional<Sample<S>> sample_of(const link::GlobalPositionInt& m,
                                    const HeadingSample<S>& heading) {
   constexpr float kFastest_cmps = kFastest_mps * kCentimetres;
-  if (!is_fix(m.lat, m.lon) || !within(kFastest_cmps, {float(m.vx), float(m.vy)})) {
+  if (!is_fix(m.lat, m.lon) || !within(kFastest_cmps, float(m.vx), float(m.vy))) {
     return std::nullopt;
   }
   Sample<S> sample = joined(heading, m.time_boot_ms * kMicrosecondsPerMillisecond);
@@ -193,16 +192,16 @@ bool is_usable(const link::FollowTarget& m) {
   constexpr std::uint64_t kLatest_ms = INT64_MAX / 4 / kMicrosecondsPerMillisecond;
   const bool attitude = (m.est_capabilities & mav::kFollowAttitude) != 0;
   return (m.est_capabilities & kNeeded) == kNeeded && is_fix(m.lat, m.lon) &&
-         within(kFastest_mps, {m.vel[0], m.vel[1], m.vel[2]}) && m.timestamp <= kLatest_ms &&
+         within(kFastest_mps, m.vel[0], m.vel[1], m.vel[2]) && m.timestamp <= kLatest_ms &&
          (!attitude ||
-          (within(10, {m.attitude_q[0], m.attitude_q[1], m.attitude_q[2], m.attitude_q[3]}) &&
-           within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})));
+          (within(10, m.attitude_q[0], m.attitude_q[1], m.attitude_q[2], m.attitude_q[3]) &&
+           within(kFastestTurn_radps, m.rates[0], m.rates[1], m.rates[2])));
 }
 
 template <class S>
 std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& m) {
   if ((m.est_capabilities & link::mav::kFollowAttitude) == 0 ||
-      !within(kFastestTurn_radps, {m.rates[0], m.rates[1], m.rates[2]})) {
+      !within(kFastestTurn_radps, m.rates[0], m.rates[1], m.rates[2])) {
     return std::nullopt;
   }
   const auto q = normalised<S>(m.attitude_q);
@@ -222,15 +221,14 @@ std::optional<Sample<S>> sample_of(const link::FollowTarget& m, const HeadingSam
 }
 
 template <class S>
-Sample<S> at_reference_point(const Sample<S>& antenna, S x, S y) {
-  if (x == S(0) && y == S(0)) return antenna;
-  Sample<S> out = antenna;
-  out.u_mps = out.u_mps + antenna.r_radps * y;  // v_reference = v_antenna − ω × offset
-  out.v_mps = out.v_mps - antenna.r_radps * x;
+void move_to_reference_point(Sample<S>& antenna, S x, S y) {
+  if (x == S(0) && y == S(0)) return;
+  const S r = antenna.r_radps;
+  antenna.u_mps = antenna.u_mps + r * y;  // v_reference = v_antenna − ω × offset
+  antenna.v_mps = antenna.v_mps - r * x;
   const core::Vec2<S> offset_n = core::to_north_east(antenna.psi_rad, core::Vec2<S>{x, y});
-  out.north_m = out.north_m - offset_n.x;
-  out.east_m = out.east_m - offset_n.y;
-  return out;
+  antenna.north_m = antenna.north_m - offset_n.x;
+  antenna.east_m = antenna.east_m - offset_n.y;
 }
 
 bool is_valid(const link::GpsGlobalOrigin& o) { return is_fix(o.latitude, o.longitude); }
@@ -245,7 +243,7 @@ bool is_valid(const link::GpsGlobalOrigin& o) { return is_fix(o.latitude, o.long
   template std::optional<Sample<S>> sample_of<S>(const link::FollowTarget&,              \
                                                  const HeadingSample<S>&);               \
   template std::optional<HeadingSample<S>> own_heading_of<S>(const link::FollowTarget&); \
-  template Sample<S> at_reference_point<S>(const Sample<S>&, S, S);
+  template void move_to_reference_point<S>(Sample<S>&, S, S);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
 FLOTILLA_INSTANTIATE(core::Q16)

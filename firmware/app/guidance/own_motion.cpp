@@ -18,10 +18,11 @@ bool tells_place(const link::Message& message) {
          std::holds_alternative<link::GlobalPositionInt>(message);
 }
 
-template <class S>
+template <std::floating_point S>
 float float_of(S x) {
-  return static_cast<float>(convert::number(x));
+  return static_cast<float>(x);
 }
+float float_of(core::Q16 x) { return static_cast<float>(x.raw()) * (1.0F / 65536); }
 
 }  // namespace
 

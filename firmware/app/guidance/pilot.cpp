@@ -36,7 +36,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   reference_.configure(c.formation, law.foresight, own_system);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
   const float slot_m = convert::length_m(reference_.place().own().offset);
-  reach_m_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
+  reach_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
 }
 
 template <class S>
@@ -47,9 +47,12 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
     return;
   }
   own_.take(received, link, now_us, counters);
-  leader_.take(received, now_us, counters);
   const convert::Position* place = located() ? &own_.track().position() : nullptr;
-  reference_.take(received, place, now_us, counters);
+  if (std::holds_alternative<link::FormationReference>(received.message)) {
+    reference_.take(received, place, now_us, counters);
+  } else {
+    leader_.take(received, now_us, counters);
+  }
   claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
 }
@@ -65,11 +68,11 @@ void Pilot<S>::take_time(link::Address from, const link::Timesync& answer, std::
 }
 
 template <class S>
-core::Conditions Pilot<S>::conditions(std::int64_t now_us) const {
-  core::Conditions met = own_.conditions(limits_.own_limit_us, now_us);
+core::Conditions Pilot<S>::heard(std::int64_t now_us) const {
+  core::Conditions met = 0;
   const VesselTrack<S>& own = own_.track();
   const bool placed = leader_.has_origin() && own.has_origin();
-  const bool near = placed && convert::near(own.position(), leader_.position(), reach_m_);
+  const bool near = placed && convert::near(own.position(), leader_.position(), reach_);
   if (near || !placed) met |= core::kLeaderNear;
   if (leader_.system() != own.system() && leader_.fresh(now_us, limits_.leader_limit_us) &&
       (near || (placed && convert::near(own.position(), leader_.position())))) {
@@ -192,12 +195,11 @@ core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt
 
 template <class S>
 core::ControllerOutput<S> Pilot<S>::step_law(std::int64_t now_us, S dt) {
-  std::optional<core::Traffic<S>> traffic;
-  if (neighbours_.watches()) {
-    traffic = neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us);
-  }
+  const bool watches = neighbours_.watches();
+  const auto traffic = watches ? neighbours_.traffic(own_.anchor(), own_.motion().moved_n, now_us)
+                               : core::Traffic<S>{};
   const core::SlotParams<S> own_slot = std::exchange(law_.controller.slot, follower_.lead().slot);
-  const auto out = follower_.step(law_, own_, traffic ? &*traffic : nullptr, dt);
+  const auto out = follower_.step(law_, own_, watches ? &traffic : nullptr, dt);
   law_.controller.slot = own_slot;
   own_.desire(out.desired.nu_star);
   return out;

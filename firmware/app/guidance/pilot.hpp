@@ -39,9 +39,13 @@ class Pilot {
   /// Makes the TIMESYNC requests to send; take() gets the answers.
   TimeRequests& time_requests() { return time_; }
 
-  /// The conditions that depend on states: fresh, plausible, near each other, clear of other
-  /// vessels.
-  core::Conditions conditions(std::int64_t now_us) const;
+  /// The conditions of the own motion: fresh, plausible, in time.
+  core::Conditions conditions(std::int64_t now_us) const {
+    return own_.conditions(limits_.own_limit_us, now_us);
+  }
+
+  /// Those of what is heard of others: the leader, the tree, and whether the boat is clear of all.
+  core::Conditions heard(std::int64_t now_us) const;
 
   /// Call in every tick: the own motion `since` s later, under the wrench given.
   void observe(std::int64_t now_us, S since, const core::Tau<S>& given, bool armed);
@@ -151,7 +155,7 @@ class Pilot {
 
   convert::Law<S> law_;
   Configuration::Navigation limits_;
-  float reach_m_ = 0;  // the farthest that the leader may be
+  convert::Reach reach_{0};  // the farthest that the leader may be
   TimeRequests time_;
   OwnMotion<S> own_;
   VesselTrack<S> leader_;

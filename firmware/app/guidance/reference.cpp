@@ -20,7 +20,7 @@ void Reference<S>::configure(const Configuration::Formation& formation,
                              const core::ForesightLimits<S>& limits, std::uint8_t own_system) {
   on_ = formation.follows_root;
   limits_ = limits;
-  reach_m_ = formation.reach_m.value_or(convert::kNear_m);
+  reach_ = formation.reach_m.value_or(convert::kNear_m);
   clocks_.set_lag(formation.leader_lag_us);
   own_ = {own_system, formation.leader,
           convert::wire_offset_of(formation.north_m, formation.east_m), formation.turns};
@@ -45,30 +45,29 @@ void Reference<S>::settle() {
 }
 
 template <class S>
-void Reference<S>::take(const link::Received& received, const convert::Position* own,
-                        std::int64_t now_us, link::Counters& counters) {
-  const auto* m = std::get_if<link::FormationReference>(&received.message);
-  if (m == nullptr || !on_ || received.from.system == place_.own().system) return;
-  const bool leads = received.from.system == place_.own().leader;
-  const std::size_t rank = leads ? 0 : length_of(m->path);
-  const auto stamp =
-      clocks_.heard(received.from, static_cast<std::uint8_t>(rank), m->time_boot_ms, now_us);
+void Reference<S>::take(link::Address from, const link::FormationReference& m,
+                        const convert::Position* own, std::int64_t now_us,
+                        link::Counters& counters) {
+  if (!on_ || from.system == place_.own().system) return;
+  const bool leads = from.system == place_.own().leader;
+  const std::size_t rank = leads ? 0 : length_of(m.path);
+  const auto stamp = clocks_.heard(from, static_cast<std::uint8_t>(rank), m.time_boot_ms, now_us);
   if (!stamp) return;
-  const std::int64_t age_us = std::int64_t{m->age_ms} * 1000;
+  const std::int64_t age_us = std::int64_t{m.age_ms} * 1000;
   const std::int64_t valid_us = stamp->us - age_us, least_us = stamp->least_us - age_us;
-  if (leads) place_.hear(*m, valid_us, now_us);
+  if (leads) place_.hear(m, valid_us, now_us);
   const auto branch = place_.branch(now_us);
-  if (own == nullptr || branch != Branch{m->root, m->maker}) return;
-  if (!is_newer(*m, *branch, valid_us)) return;
+  if (own == nullptr || branch != Branch{m.root, m.maker}) return;
+  if (!is_newer(m, *branch, valid_us)) return;
   if (held_ && held_->branch != *branch) guard_.forget();
-  const auto root = convert::root_state_of<S>(*m, own->origin.altitude);
+  const auto root = convert::root_state_of<S>(m, own->origin.altitude);
   if (!root) {
     ++counters.mavlink_bad_value;
   } else if (now_us - least_us > kOldestFollowed_us || !believe(*root, valid_us, now_us)) {
     ++counters.reference_refused;
   } else {
-    const bool timed = stamp->timed && (m->flags & link::mav::kReferenceUntimed) == 0;
-    hold({*branch, m->sequence, *m, *root, valid_us, is_near(*own, *root, now_us), timed});
+    const bool timed = stamp->timed && (m.flags & link::mav::kReferenceUntimed) == 0;
+    hold(*branch, m.sequence, m, *root, valid_us, is_near(*own, *root, now_us), timed);
   }
 }
 
@@ -76,14 +75,14 @@ void Reference<S>::take(const link::Received& received, const convert::Position*
 template <class S>
 bool Reference<S>::is_near(const convert::Position& own, const convert::RootState<S>& root,
                            std::int64_t now_us) const {
-  const auto offset = place_.offset(now_us);
+  const auto& offset = place_.offset(now_us);
   if (!offset) return false;
   const core::Vec2<S> n = convert::offset_of<S>(offset->n);
   const core::Vec2<S> b = core::to_north_east(root.motion.psi, convert::offset_of<S>(offset->b));
   convert::Position slot = root.position;
   slot.north_m = slot.north_m + (n.x + b.x);
   slot.east_m = slot.east_m + (n.y + b.y);
-  return convert::near(own, root.position) && convert::near(own, slot, reach_m_);
+  return convert::near(own, root.position) && convert::near(own, slot, reach_);
 }
 
 /// Rejects what another boat has already relayed; accepts a restarted maker.
@@ -119,7 +118,7 @@ template <class S>
 void Reference<S>::tell(const convert::RootState<S>& root, std::int64_t now_us) {
   if (held_ && now_us - held_->valid_us < kTold_us) return;
   if (const auto told = convert::reference_of(root)) {
-    hold({mine(), ++made_, *told, root, now_us, true, true});
+    hold(mine(), ++made_, *told, root, now_us, true, true);
   }
 }
 
@@ -140,13 +139,14 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const convert::RootState<S> root{leader.position(),
                                    {shaped_.psi, shaped_.nu, shaped_.nu_dot, shaped_.nu_ddot.r}};
   if (const auto told = convert::reference_of(root)) {
-    hold({mine(), ++made_, *told, root, now_us - *age_us, true, leader.timed()});
+    hold(mine(), ++made_, *told, root, now_us - *age_us, true, leader.timed());
   }
 }
 
+/// held: the members of Held.
 template <class S>
-void Reference<S>::hold(const Held& held) {
-  held_ = held;
+void Reference<S>::hold(const auto&... held) {
+  held_.emplace(held...);
   ++news_;
 }
 
@@ -161,19 +161,19 @@ const typename Reference<S>::Held* Reference<S>::held(std::int64_t now_us,
 template <class S>
 std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us) const {
   const Held* held = this->held(now_us, kOldestFollowed_us);
-  const auto offset = place_.offset(now_us);
-  if (held == nullptr || !held->near || !held->timed || !offset) return std::nullopt;
+  if (held == nullptr || !held->near || !held->timed) return std::nullopt;
+  const auto& offset = place_.offset(now_us);
+  if (!offset) return std::nullopt;
   const S age = convert::seconds<S>(now_us - held->valid_us);
   return Aim{held->branch, held->root.position,
-             core::reference_forward(limits_, held->root.motion, age), *offset,
-             place_.leaders_offset(now_us)};
+             core::reference_forward(limits_, held->root.motion, age), *offset};
 }
 
 template <class S>
 std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_us,
                                                               bool followed) const {
   const Held* held = this->held(now_us, kOldestTold_us);
-  const auto offset = place_.offset(now_us);
+  const auto& offset = place_.offset(now_us);
   if (held == nullptr || !offset || place_.too_deep(now_us)) return std::nullopt;
   const std::int64_t age_us = convert::us_of_ms(now_us) - held->valid_us;
   const auto age_ms = static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);

@@ -26,7 +26,10 @@ class Reference {
 
   /// Any message; own: our position, nullptr if unknown.
   void take(const link::Received& received, const convert::Position* own, std::int64_t now_us,
-            link::Counters& counters);
+            link::Counters& counters) {
+    const auto* told = std::get_if<link::FormationReference>(&received.message);
+    if (told != nullptr) take(received.from, *told, own, now_us, counters);
+  }
 
   /// A vessel answered the TIMESYNC request that we sent at `sent_us`.
   void answered(link::Address from, std::int64_t sent_us, std::int64_t read_us,
@@ -50,7 +53,6 @@ class Reference {
     convert::Position position;  ///< at the time of the reference
     core::Motion<S> motion;      ///< since then
     RootOffset offset;           ///< our slot
-    RootOffset leaders_offset;
   };
   /// Nothing if there is no reference that can be followed.
   std::optional<Aim> aim(std::int64_t now_us) const;
@@ -69,6 +71,9 @@ class Reference {
   std::optional<std::int64_t> age_us(std::int64_t now_us) const;
 
  private:
+  void take(link::Address from, const link::FormationReference& message,
+            const convert::Position* own, std::int64_t now_us, link::Counters& counters);
+
   struct Held {
     Branch branch;
     std::uint16_t sequence = 0;
@@ -85,7 +90,7 @@ class Reference {
   bool is_near(const convert::Position& own, const convert::RootState<S>& root,
                std::int64_t now_us) const;
   const Held* held(std::int64_t now_us, std::int64_t oldest_us) const;
-  void hold(const Held& held);
+  void hold(const auto&... held);
   void settle();
   Branch mine() const {
     return {leads_ ? place_.own().system : place_.own().leader, place_.own().system};
@@ -94,7 +99,7 @@ class Reference {
   TreePlace::Own own_;  // in FORMATION
   bool leads_ = false;
   bool on_ = false;
-  float reach_m_ = 0;
+  convert::Reach reach_{0};
   core::ForesightLimits<S> limits_;
   TreePlace place_;
   SenderClocks clocks_;

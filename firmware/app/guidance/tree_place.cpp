@@ -2,6 +2,7 @@
 #include "app/guidance/tree_place.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace flotilla::app {
 namespace {
@@ -25,15 +26,25 @@ void TreePlace::configure(const Own& own) {
     leads_ = true;
   }
   own_ = own;
+  alone_ = behind({});
+  if (word_) word_->ours = behind(word_->offset);
+}
+
+/// Our slot, from that of our leader.
+std::optional<RootOffset> TreePlace::behind(const RootOffset& leaders) const {
+  const auto n = convert::sum_of(leaders.n, own_.turns ? convert::WireOffset{} : own_.offset);
+  const auto b = convert::sum_of(leaders.b, own_.turns ? own_.offset : convert::WireOffset{});
+  if (!n || !b) return std::nullopt;
+  return RootOffset{*n, *b};
 }
 
 void TreePlace::hear(const link::FormationReference& m, std::int64_t valid_us,
                      std::int64_t now_us) {
   const bool followed = (m.flags & link::mav::kReferenceFollowed) != 0;
-  const auto ours = std::ranges::find(m.path, own_.system);
-  word_ = Word{now_us,  {m.root, m.maker}, {m.offset_n, m.offset_b},
-               m.path,  length_of(m.path), ours != m.path.end(),
-               followed};
+  const bool cycle = std::memchr(m.path.data(), own_.system, m.path.size()) != nullptr;
+  const RootOffset offset{m.offset_n, m.offset_b};
+  word_.emplace(now_us, Branch{m.root, m.maker}, offset, behind(offset), m.path, length_of(m.path),
+                cycle, followed);
   const std::int64_t age_us = now_us - valid_us;
   if (age_us > kOld_us) leads_ = false;
   if (age_us > kYoung_us) not_young_us_ = now_us;
@@ -44,24 +55,28 @@ const TreePlace::Word* TreePlace::word(std::int64_t now_us) const {
   return word_ && now_us - word_->heard_us < kSilent_us ? &*word_ : nullptr;
 }
 
-std::optional<Branch> TreePlace::branch(std::int64_t now_us) const {
+/// The same, if we sail in its branch.
+const TreePlace::Word* TreePlace::followed(std::int64_t now_us) const {
   const Word* told = word(now_us);
   if (told == nullptr || !leads_ || !told->followed || told->branch.maker == own_.system)
-    return std::nullopt;
-  if (own_.turns && told->offset.b != convert::WireOffset{}) return std::nullopt;
-  return told->branch;
+    return nullptr;
+  if (own_.turns && told->offset.b != convert::WireOffset{}) return nullptr;
+  return told;
+}
+
+std::optional<Branch> TreePlace::branch(std::int64_t now_us) const {
+  const Word* told = followed(now_us);
+  return told != nullptr ? std::optional(told->branch) : std::nullopt;
 }
 
 RootOffset TreePlace::leaders_offset(std::int64_t now_us) const {
-  return branch(now_us) ? word_->offset : RootOffset{};
+  const Word* told = followed(now_us);
+  return told != nullptr ? told->offset : RootOffset{};
 }
 
-std::optional<RootOffset> TreePlace::offset(std::int64_t now_us) const {
-  const RootOffset leaders = leaders_offset(now_us);
-  const auto n = convert::sum_of(leaders.n, own_.turns ? convert::WireOffset{} : own_.offset);
-  const auto b = convert::sum_of(leaders.b, own_.turns ? own_.offset : convert::WireOffset{});
-  if (!n || !b) return std::nullopt;
-  return RootOffset{*n, *b};
+const std::optional<RootOffset>& TreePlace::offset(std::int64_t now_us) const {
+  const Word* told = followed(now_us);
+  return told != nullptr ? told->ours : alone_;
 }
 
 std::size_t TreePlace::depth(std::int64_t now_us) const {

@@ -44,7 +44,7 @@ class TreePlace {
 
   /// Our slot and our leader's, relative to that branch's root, or to the leader if there is no
   /// branch; ours is nothing beyond 100 km.
-  std::optional<RootOffset> offset(std::int64_t now_us) const;
+  const std::optional<RootOffset>& offset(std::int64_t now_us) const;
   RootOffset leaders_offset(std::int64_t now_us) const;
 
   /// Links of the tree above; saturates at the path's capacity.
@@ -62,6 +62,7 @@ class TreePlace {
     std::int64_t heard_us = 0;
     Branch branch;
     RootOffset offset;
+    std::optional<RootOffset> ours;  ///< our slot, if we sail in that branch
     TreePath path{};
     std::size_t length = 0;  ///< of the path
     bool cycle = false;      ///< it contains our id
@@ -69,8 +70,11 @@ class TreePlace {
   };
 
   const Word* word(std::int64_t now_us) const;
+  const Word* followed(std::int64_t now_us) const;
+  std::optional<RootOffset> behind(const RootOffset& leaders) const;
 
   Own own_;
+  std::optional<RootOffset> alone_{RootOffset{}};  // our slot relative to the leader
   std::optional<Word> word_;
   bool leads_ = true;              // the leader's reference is young enough
   std::int64_t not_young_us_ = 0;  // last time it was older than kYoung_us

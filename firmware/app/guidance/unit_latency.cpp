@@ -11,8 +11,6 @@
 namespace flotilla::app {
 namespace {
 
-// Assumed latency of a unit while none has been estimated.
-constexpr float kUnknown_s = 0.3F;
 // Greatest latency that is compensated: with hulls half off their model, predicting over 0.3 s
 // costs 0.2 m behind the S-curve (tests/loop/test_late_unit.py).
 constexpr float kMaxLate_s = 0.35F;
@@ -40,6 +38,8 @@ void UnitLatency::forget() {
 void UnitLatency::set_lag() {
   lag_us_.reset();
   if (named_s_ || found_s_) lag_us_ = convert::microseconds(named_s_.value_or(0) + lag_s_);
+  uncompensated_s_ = found_s_ ? std::abs(*found_s_ - lag_s_) : kUnknown_s;
+  bearable_ = named_s_.value_or(0) + found_s_.value_or(0) <= kMaxLate_s;
 }
 
 void UnitLatency::look_at_clock(bool waits, bool observes, std::int64_t now_us) {
@@ -71,14 +71,6 @@ bool UnitLatency::correct(float r_radps, float dt_s, std::int64_t age_us) {
   lag_s_ += std::clamp(std::min(*found_s_, kMaxLate_s) - lag_s_, -most, most);
   set_lag();
   return true;
-}
-
-float UnitLatency::uncompensated_s() const {
-  return found_s_ ? std::abs(*found_s_ - lag_s_) : kUnknown_s;
-}
-
-bool UnitLatency::is_bearable() const {
-  return named_s_.value_or(0) + found_s_.value_or(0) <= kMaxLate_s;
 }
 
 }  // namespace flotilla::app

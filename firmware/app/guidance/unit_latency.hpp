@@ -42,12 +42,15 @@ class UnitLatency {
   std::optional<float> found_s() const { return found_s_; }
 
   /// Latency that is not compensated: assumed while none was estimated.
-  float uncompensated_s() const;
+  float uncompensated_s() const { return uncompensated_s_; }
 
   /// All of the latency can be compensated.
-  bool is_bearable() const;
+  bool is_bearable() const { return bearable_; }
 
  private:
+  // Assumed latency of a unit while none has been estimated.
+  static constexpr float kUnknown_s = 0.3F;
+
   void set_lag();
 
   core::LatencyParams<float> params_;
@@ -59,7 +62,10 @@ class UnitLatency {
   float fix_s_ = 0;  // since the last fix used
   std::optional<float> found_s_;
   float lag_s_ = 0;  // the compensated part of it
+  // Of these three, by set_lag():
   std::optional<std::int64_t> lag_us_;
+  float uncompensated_s_ = kUnknown_s;
+  bool bearable_ = true;
 };
 
 }  // namespace flotilla::app

@@ -140,7 +140,7 @@ bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us
   } else {
     const std::int64_t ahead_us = std::min(vessel.ahead_us + since_us / kDrift, arrived_us);
     if (arrived_us - ahead_us > kForgotten_us) {
-      vessel.late_us = now_us;
+      vessel.late_us = late_us_ = now_us;
       return false;
     }
     vessel.ahead_us = ahead_us;
@@ -188,10 +188,15 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
 }
 
 std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
+  if (now_us - late_us_ > kForgotten_us) return std::nullopt;
   for (const Vessel& v : vessels_) {
     if (now_us - v.true_us > kForgotten_us && now_us - v.late_us <= kForgotten_us) return v.system;
   }
   return std::nullopt;
+}
+
+bool Neighbours::counts(const Vessel& vessel, std::int64_t now_us) {
+  return vessel.located && now_us - vessel.true_us <= kForgotten_us;
 }
 
 bool Neighbours::has_way(const Vessel& vessel) const {
@@ -204,21 +209,28 @@ std::uint8_t Neighbours::depth() const {
       std::min<int>(leader_depth_.value_or(0) + 1, static_cast<int>(kDeepest)));
 }
 
+/// The vessel extrapolated to now; its right of way is not known here.
+template <class S>
+core::OtherVessel<S> Neighbours::seen(const Vessel& v, const convert::Position& own,
+                                      const core::Vec2<S>& moved_n, std::int64_t now_us) {
+  const S age = convert::seconds<S>(now_us - v.true_us) + convert::scalar<S>(kOnItsWay_s);
+  const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
+  return {{convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
+           convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
+          v_n,
+          age * core::length(v_n)};  // it may have stopped since
+}
+
 template <class S>
 core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::Vec2<S>& moved_n,
                                      std::int64_t now_us) const {
   core::Traffic<S> out;
   if (!same(own.origin, frame_)) return out;
   for (const Vessel& v : vessels_) {
-    if (!v.located || now_us - v.true_us > kForgotten_us) continue;
-    const S age = convert::seconds<S>(now_us - v.true_us) + convert::scalar<S>(kOnItsWay_s);
-    const core::Vec2<S> v_n = {convert::scalar<S>(v.v_north_mps), convert::scalar<S>(v.v_east_mps)};
-    out.vessels[out.count++] = {
-        {convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
-         convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
-        v_n,
-        age * core::length(v_n),  // it may have stopped since
-        has_way(v)};
+    if (!counts(v, now_us)) continue;
+    core::OtherVessel<S>& other = out.vessels[out.count++];
+    other = seen(v, own, moved_n, now_us);
+    other.has_way = has_way(v);
   }
   return out;
 }
@@ -226,12 +238,11 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
 template <class S>
 bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_n,
                        std::int64_t now_us) const {
-  if (!watches()) return true;
-  const auto around = traffic<S>(own, moved_n, now_us);
-  return std::all_of(around.vessels.begin(), around.vessels.begin() + std::ptrdiff_t(around.count),
-                     [&](const core::OtherVessel<S>& v) {
-                       return !(core::length(v.p_n) < convert::scalar<S>(least_m_));
-                     });
+  if (!watches() || !same(own.origin, frame_)) return true;
+  return std::ranges::none_of(vessels_, [&](const Vessel& v) {
+    return counts(v, now_us) &&
+           core::length(seen(v, own, moved_n, now_us).p_n) < convert::scalar<S>(least_m_);
+  });
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                                 \

@@ -69,18 +69,23 @@ class Neighbours {
   template <class S>
   void take_place(std::uint8_t system, const convert::Sample<S>& sample,
                   const convert::Position& own, std::int64_t now_us);
-  static bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
+  bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
   void look_from(const link::GpsGlobalOrigin& origin);
   Vessel* find(std::uint8_t system);
   Vessel* place_for(std::uint8_t system, std::optional<double> distance_m,
                     const convert::Position& own, std::int64_t now_us);
+  static bool counts(const Vessel& vessel, std::int64_t now_us);
   bool has_way(const Vessel& vessel) const;
+  template <class S>
+  static core::OtherVessel<S> seen(const Vessel& vessel, const convert::Position& own,
+                                   const core::Vec2<S>& moved_n, std::int64_t now_us);
 
   std::uint8_t own_system_ = 0, leader_system_ = 0;
   float least_m_ = 0;
   bool watches_ = false;
   std::optional<std::uint8_t> leader_depth_;
   link::GpsGlobalOrigin frame_{};  // of all places
+  std::int64_t late_us_ = kNever;  // the latest late_us of all
   std::array<Vessel, core::kMaxVessels> vessels_{};
   std::array<std::uint8_t, 256> autopilot_{};  // component, by system; 0: none was heard
 };

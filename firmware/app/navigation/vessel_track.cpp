@@ -179,9 +179,10 @@ bool VesselTrack<S>::goes_on(const State& state, const Arrival& arrival) {
 
 template <class S>
 typename VesselTrack<S>::Jump VesselTrack<S>::jump_of(const convert::Sample<S>& sample,
+                                                      const convert::Sample<S>& placed,
                                                       std::uint8_t from, std::int64_t now_us) {
   if (reframed_) return jump_across(sample, from, now_us);
-  return guard_.take(guard_.seen(origins_.in_plane(sample), now_us), origins_.is_far(sample));
+  return guard_.take(guard_.seen(placed, now_us), origins_.is_far(sample));
 }
 
 /// Whether the first state after an estimator's reset can continue the track. It is believed at
@@ -191,7 +192,7 @@ bool VesselTrack<S>::can_have_gone_on(const convert::Sample<S>& sample, std::uin
                                       std::int64_t now_us) {
   if (!guard_.last()) return true;
   const bool comparable = !reframed_ || (plane_ && origins_.place_of(sample, from));
-  return comparable && jump_of(sample, from, now_us) == Jump::kGoesOn;
+  return comparable && jump_of(sample, origins_.in_plane(sample), from, now_us) == Jump::kGoesOn;
 }
 
 /// Compares a sample with the last state by their global positions, if both are known, whatever
@@ -240,7 +241,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
   }
   if (stamp == Stamp::kRestarted) rebooted(stamp_us);
   const bool far = origins_.is_far(state.sample);
-  const Jump jump = jump_of(state.sample, from, now_us);
+  const Jump jump = jump_of(state.sample, placed, from, now_us);
   if (jump == Jump::kRefused) {
     ++counters.mavlink_jump;
     return;
@@ -262,8 +263,7 @@ void VesselTrack<S>::accept(const State& state, const Arrival& arrival) {
 }
 
 template <class S>
-void VesselTrack<S>::update(const State& state, const convert::Sample<S>& placed,
-                            std::int64_t now_us) {
+void VesselTrack<S>::update(const State& state, convert::Sample<S>& placed, std::int64_t now_us) {
   const std::int64_t stamp_us = placed.stamp_us;
   const std::int64_t since_us = stamps_.last_us() ? stamp_us - *stamps_.last_us() : 0;
   believe(placed, now_us);
@@ -274,10 +274,10 @@ void VesselTrack<S>::update(const State& state, const convert::Sample<S>& placed
   // The stamps of two sources need not count from the same instant.
   const std::int64_t led_us =
       state.resumed_us ? std::max<std::int64_t>(true_us - *state.resumed_us, 1000) : since_us;
-  const auto sample = convert::at_reference_point(placed, antenna_.x_m, antenna_.y_m);
-  filter_.take({sample.psi_rad, convert::nu_of(sample), convert::seconds<S>(led_us)},
+  convert::move_to_reference_point(placed, antenna_.x_m, antenna_.y_m);
+  filter_.take({placed.psi_rad, convert::nu_of(placed), convert::seconds<S>(led_us)},
                state.resumed_us.has_value());
-  origins_.put(sample.north_m, sample.east_m);
+  origins_.put(placed.north_m, placed.east_m);
   stamps_.accept(stamp_us, state.heading_older_us, now_us);
   if (state.resets) sources_.note_resets(*state.resets);
 }

@@ -176,12 +176,13 @@ class VesselTrack {
   bool may_choose(std::uint8_t component, std::int64_t now_us) const;
   bool goes_on(const State& state, const Arrival& arrival);
   using Jump = typename JumpGuard<S>::Verdict;
-  Jump jump_of(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
+  Jump jump_of(const convert::Sample<S>& sample, const convert::Sample<S>& placed,
+               std::uint8_t from, std::int64_t now_us);
   Jump jump_across(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
   bool can_have_gone_on(const convert::Sample<S>& sample, std::uint8_t from, std::int64_t now_us);
   void believe(const convert::Sample<S>& placed, std::int64_t now_us);
   void accept(const State& state, const Arrival& arrival);
-  void update(const State& state, const convert::Sample<S>& placed, std::int64_t now_us);
+  void update(const State& state, convert::Sample<S>& placed, std::int64_t now_us);
 
   // The events that end a track or part of it; nothing else resets anything.
   void component_changed(std::uint8_t component, const Heading* heading) {

@@ -65,7 +65,7 @@ class Thrusters {
     propeller.command = command;
     const std::int16_t raw = convert::raw_of(command);
     out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
-    return thrust_of(propeller);
+    return core::thrust_from_command(curve_, S(raw));
   }
 
   S thrust_of(const Propeller& propeller) const {

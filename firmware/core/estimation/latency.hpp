@@ -97,14 +97,15 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
   constexpr S bin = Latency<S>::kBin;
   int back = to < state.filled ? 0 : 1 + static_cast<int>((to - state.filled) / bin);
   S end = back == 0 ? S(0) : state.filled + S(back - 1) * bin;
+  S length = back == 0 ? state.filled : bin;
   S sum = S(0);
-  for (; back < n && end < from; ++back) {
-    const S length = back == 0 ? state.filled : bin;
+  for (bool first = true; back < n && end < from; ++back, first = false) {
     const S begin = end + length;
     const S all = state.impulse[(state.last + n - back) % n];
-    const bool whole = !(end < to) && !(from < begin);
+    const bool whole = !(first && end < to) && !(from < begin);
     sum = sum + (whole ? all : (min(begin, from) - max(end, to)) / length * all);
     end = begin;
+    length = bin;
   }
   return sum;
 }
@@ -114,15 +115,23 @@ template <class S>
 struct LatencySteps {
   int count;
   S h;
-  S kept_r;  ///< share of the yaw rate left by one step's damping
-  S kept_n;  ///< share of the step's change of it left
+  S kept_r;                      ///< share of the yaw rate left by one step's damping
+  S kept_n;                      ///< share of the step's change of it left
+  S of_b;                        ///< change of the yaw rate by b in one step
+  Eigen::Matrix<S, 3, 1> noise;  ///< variance of x that all steps add
 };
 template <class S>
 LatencySteps<S> latency_steps(const LatencyParams<S>& params, S dt) {
   const int count = 1 + static_cast<int>(dt / params.step);
   const S h = dt / S(count);
   const S half = S(0.5) * h * params.d;
-  return {count, h, (S(1) - half) / (S(1) + half), S(1) / (S(1) + half)};
+  const S kept_n = S(1) / (S(1) + half);
+  return {count,
+          h,
+          (S(1) - half) / (S(1) + half),
+          kept_n,
+          kept_n * h,
+          S(count) * h * Eigen::Matrix<S, 3, 1>{params.q_r, params.q_b, params.q_gamma}};
 }
 
 /// Predicts one hypothesis to `to` seconds ago and corrects it by the measured yaw rate z.
@@ -130,21 +139,21 @@ template <class S>
 void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
                         const LatencySteps<S>& steps, typename Latency<S>::Hypothesis& one, S to,
                         S z, S kept) {
-  const auto& [count, h, kept_r, kept_n] = steps;
+  const auto& [count, h, kept_r, kept_n, of_b, noise] = steps;
   Eigen::Matrix<S, 1, 3> F{S(1), S(0), S(0)};  // first row; the others are the identity's
   for (int left = count; left > 0; --left) {
     const S end = to + S(left - 1) * h;
-    const Eigen::Matrix<S, 1, 3> pushed{S(0), kept_n * h,
-                                        kept_n * latency_impulse(state, end + h, end)};
-    one.x(0) = kept_r * one.x(0) + pushed.dot(one.x);
-    F = kept_r * F + pushed;
+    const S of_gamma = kept_n * latency_impulse(state, end + h, end);
+    one.x(0) = kept_r * one.x(0) + (of_b * one.x(1) + of_gamma * one.x(2));
+    F = left == count
+            ? Eigen::Matrix<S, 1, 3>{kept_r, of_b, of_gamma}
+            : Eigen::Matrix<S, 1, 3>{kept_r * F(0), kept_r * F(1) + of_b, kept_r * F(2) + of_gamma};
   }
-  const S dt = S(count) * h;
   const Eigen::Matrix<S, 1, 3> r = F * one.P;
   one.P.row(0) = r;
   one.P.col(0) = r.transpose();
   one.P(0, 0) = r.dot(F);
-  one.P.diagonal() += dt * Eigen::Matrix<S, 3, 1>{params.q_r, params.q_b, params.q_gamma};
+  one.P.diagonal() += noise;
   const S off = z - one.x(0);
   const S share = S(1) / (one.P(0, 0) + params.R);
   const Eigen::Matrix<S, 3, 1> gain = share * one.P.col(0);
@@ -159,15 +168,15 @@ void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
 template <class S>
 void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
   const S kept = S(1) - dt / params.memory;
-  const LatencySteps<S> steps = latency_steps(params, dt);
+  LatencySteps<S> steps = latency_steps(params, dt);
   state.weight = kept * state.weight + S(1);
   S tau = S(0);
   for (auto& one : state.hypotheses) {
     hypothesis_correct(params, state, steps, one, age + tau, z, kept);
     tau = tau + params.h;
   }
+  steps.noise(2) = S(0);
   LatencyParams<S> still = params;
-  still.q_gamma = S(0);
   still.gamma_min = S(0);
   hypothesis_correct(still, state, steps, state.none, age, z, kept);
 }

@@ -145,14 +145,12 @@ void track_update(const TrackParams<S>& params, TrackState<S>& state, const Trac
 template <class S>
 void track_resume(const TrackParams<S>& params, TrackState<S>& state, const TrackMessage<S>& in) {
   const bool near = state.started && S(0) < in.dt && in.dt < params.gap;
-  TrackState<S> next;
-  if (near) next = state;
-  next.psi = in.psi;
-  next.nu = in.nu;
-  next.dt = near ? in.dt : S(0);
-  next.a = max(next.a, params.a_min);
-  next.started = true;
-  state = next;
+  if (!near) state = {};
+  state.psi = in.psi;
+  state.nu = in.nu;
+  state.dt = near ? in.dt : S(0);
+  state.a = max(state.a, params.a_min);
+  state.started = true;
 }
 
 }  // namespace flotilla::core

@@ -267,7 +267,8 @@ TEST_CASE("a boat that turns on the spot stands still, though its antenna runs r
   for (double psi = -3; psi < 3; psi += 0.5) {
     const double north = 5 + std::cos(psi) * x - std::sin(psi) * y;
     const double east = 6 + std::sin(psi) * x + std::cos(psi) * y;
-    const Sample s = at_reference_point({1, north, east, psi, -r * y, r * x, r}, x, y);
+    Sample s{1, north, east, psi, -r * y, r * x, r};
+    move_to_reference_point(s, x, y);
     CHECK(convert::number(s.north_m) == doctest::Approx(5));
     CHECK(convert::number(s.east_m) == doctest::Approx(6));
     CHECK(std::abs(s.u_mps) < 1e-12);
