@@ -92,6 +92,7 @@ class Pilot {
   bool located() const { return own_.track().has_origin(); }
   const link::GpsGlobalOrigin& origin() const { return own_.anchor().origin; }
   convert::Position place() const { return own_.place(); }
+  const core::Motion<S>& motion() const { return own_.motion(); }
 
   /// Depth in the tree, to be sent; nothing if FS_SEP_M is 0.
   std::optional<double> depth() const;

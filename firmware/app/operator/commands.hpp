@@ -66,6 +66,7 @@ struct DecodedCommand {
   std::optional<Failure> failure{};   ///< supported only by hosts that simulate
   std::optional<std::size_t> item{};  ///< of the plan, to go on from
   std::optional<bool> paused{};       ///< of AUTO
+  std::optional<bool> fence{};        ///< on or off
   std::string_view why{};             ///< of a refusal, for the operator
 
   /// Changes nothing that others see, so anybody may send it.

@@ -140,6 +140,7 @@ class Vehicle {
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_plan(const DecodedCommand& asked);
+  std::uint8_t answer_of_fence(DecodedCommand& asked);
   std::optional<PlanReport> plan_report() const;
   void freshen();
   Supervisor::Decision ask(DecodedCommand& asked);
