@@ -8,6 +8,7 @@ import math
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
+from tests.target.course import Course
 from tests.target.hull import Afloat, Hull
 from tests.target.operator_words import sticks
 from tests.target.plans import (
@@ -28,7 +29,13 @@ from tests.target.plans import (
     plan_of,
 )
 from tests.target.sea import Sea, acks, named, texts
-from tests.target.stations import ACCEPTED, DENIED, SET_MODE, TEMPORARILY_REJECTED
+from tests.target.stations import (
+    ACCEPTED,
+    DENIED,
+    FORMATION,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+)
 from tests.target.test_auto import AUTO, at_sea, place, sailing
 from tests.target.test_long_texts import sentences
 
@@ -97,7 +104,7 @@ def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
 
 
 @pytest.mark.parametrize(
-    ("plan", "item"), [([at(5, 0), at(25, 0)], 1), ([at(5, 0)] * 40 + [at(25, 0)], 40)], ids=len
+    ("plan", "item"), [([at(5, 0), at(25, 0)], 1), ([at(5, 0)] * 40 + [at(25, 0)], 40)]
 )
 def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
     plan: list[Item], item: int
@@ -141,42 +148,45 @@ def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
     assert 1 <= warned.count("outside the fence, or place unknown") <= 2
 
 
+FENCES = {
+    "square": (box(0, 0, 8), lambda n, e: max(abs(n), abs(e)) - 8),
+    "circle": ([circle(0, 0, 8)], lambda n, e: math.hypot(n, e) - 8),
+}
+
+
 @pytest.mark.parametrize("scalar", ["float", "q16"])
-@pytest.mark.parametrize("speed", [0.5, 1.2])
-@pytest.mark.parametrize("bearing", [0.0, 0.6, 1.2])
-def test_the_law_stops_before_the_boat_leaves(speed: float, bearing: float, scalar: str) -> None:
-    """The fence comes up while the boat sails beyond where it will be: by the operator's wish."""
-    far = at(40 * math.cos(bearing), 40 * math.sin(bearing))
-    sea = sailing([far], {"WP_SPEED": speed, "LAW_U_MAX": 1.5}, scalar=scalar)
-    sea.run(1.0)
-    sea = at_sea([far], {"WP_SPEED": speed, "LAW_U_MAX": 1.5}, scalar=scalar)
-    assert send(sea, FENCE, box(0, 0, 20)) == ITEM_ACCEPTED
-    assert acks(sea.order(FENCE_ENABLE, 0.0)) == [(FENCE_ENABLE, ACCEPTED)]
-    sea.run(0.1)
-    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
-    sea.run(10.0)
-    # Switched on, the fence and the plan contradict each other: the boat stops where it is.
-    assert sea.state == "AUTO"
-    assert acks(sea.order(FENCE_ENABLE, 1.0)) == [(FENCE_ENABLE, ACCEPTED)]
-    sea.run(5.0)
-    assert sea.state == "HOLD" and max(map(abs, place(sea))) < 20
-
-
-@pytest.mark.parametrize("push", [(-12.0, 0.0), (12.0, 0.0)])
-def test_a_boat_that_is_carried_towards_the_fence_stops_before_it(
-    push: tuple[float, float],
+@pytest.mark.parametrize("speed", [0.4, 1.0])
+@pytest.mark.parametrize("bearing", [0.3, 2.0])
+@pytest.mark.parametrize("shape", FENCES)
+def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
+    shape: str, bearing: float, speed: float, scalar: str
 ) -> None:
-    """In FORMATION: the leader sails out of the fence, which the follower's boat keeps."""
-    leader = Afloat({}, hull=Hull()).leader
-    assert leader is not None
-    sea = Afloat({}, hull=Hull([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
-    sea.settle()
-    assert send(sea, FENCE, [circle(0, 0, 6)]) == ITEM_ACCEPTED
+    fence, beyond = FENCES[shape]
+    leader = Course(math.cos(bearing), math.sin(bearing), bearing, speed)
+    hull = Hull([0.0, 0.0, bearing] + [0.0] * 3)
+    sea = Afloat(hull=hull, leader=leader, scalar=scalar)
+    sea.run(0.5)
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
     sea.enter_formation()
-    sea.run_until("HOLD", 60.0)
-    sea.run(3.0)
-    assert math.hypot(*sea.hull.q[:2]) < 6.0
-    assert texts(sea.ticks)[-1].startswith(("HOLD: outside the fence", "fence ahead"))
+    sea.run_until("HOLD", 30.0)
+    assert texts([sea.ticks[-1]]) == ["HOLD: outside the fence, or place unknown"]
+    assert beyond(*place(sea)) > -1.0 - 2.5 * speed, "not sooner than it must"
+    sea.run(5.0)
+    assert beyond(*place(sea)) < 0 and not any(sea.commands)
+    assert named(sea.run(1.1), "FENCE_STATUS")[-1].breach_count == 0
+    assert acks(sea.mode(FORMATION)) == [(SET_MODE, TEMPORARILY_REJECTED)] or sea.state != "HOLD"
+
+
+def test_along_the_fence_the_law_drives_on() -> None:
+    """Two metres beside it, at a speed from which it needs more than that to stop."""
+    leader = Course(1.0, 0.0, 0.0, 1.0)
+    sea = Afloat(hull=Hull([0.0] * 6), leader=leader)
+    sea.run(0.5)
+    strip = corners(KEEP_IN, [(-9, -2), (-9, 2), (60, 2), (60, -2)])
+    assert send(sea, FENCE, strip) == ITEM_ACCEPTED
+    sea.enter_formation()
+    sea.run(30.0)
+    assert sea.state == "FORMATION" and place(sea)[0] > 20
 
 
 def status(sea: Sea) -> tuple[bool, bool, bool]:
