@@ -298,6 +298,7 @@ void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::
 template <class S>
 void Boat<S>::warn_of_fence(std::int64_t now_us) {
   if (state() != core::State::kManual) return;
+  if (state() != core::State::kManual) return;
   if ((conditions_ & core::kInsideFence) != 0 || !fence_warning_due_.take_if_due(now_us)) return;
   const bool ahead = !fence_watch_.stays() && !fence_watch_.is_outside();
   warn(ahead ? "fence ahead, or place unknown" : "outside the fence, or place unknown");

@@ -63,7 +63,7 @@ def fenced(plan: list[Item], fence: list[Item], parameters: dict[str, float] | N
 LEGS = [
     (at(20 - HULL - 0.1, 0), None),
     (at(20 - HULL + 0.1, 0), "too near to the fence"),
-    (at(21, 0), "outside the fence"),
+    (at(23, 0), "outside the fence"),
     (at(10, 10), "outside the fence"),
     (at(10, 10 + 3 + HULL - 0.1), "too near to the fence"),
     (at(16, 16), "the way there leaves the fence"),
@@ -110,6 +110,7 @@ def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
     plan: list[Item], item: int
 ) -> None:
     sea = fenced(plan, box(0, 0, 20))
+    sea.run(0.5)
     assert f"Plan is bad at item {item}: outside the fence" in words(sea)
     assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "HOLD"
     assert words(sea)[-1] == "Plan: outside the fence"

@@ -48,6 +48,7 @@ from tests.target.plans import (
 )
 from tests.target.sea import Sea, named, texts
 from tests.target.stations import BOAT, Station
+from tests.target.test_long_texts import sentences
 
 FENCED = [*box(0, 0, 100), circle(40, 40, 5, CIRCLE_OUT), circle(0, 0, 150)]
 POINTS = [rally(10, 0), rally(0, 20), rally(-5, -5)]
@@ -67,6 +68,10 @@ def still() -> Sea:
 
 def send(sea: Sea, kind: int, items: Sequence[Item]) -> int | None:
     return Planner(sea, kind=kind).send(items)
+
+
+def words(sea: Sea) -> list[str]:
+    return [said.text for said in sentences(sea.ticks)]
 
 
 def ring(count: int) -> list[Item]:
@@ -364,6 +369,6 @@ def test_while_the_law_drives_they_are_not_changed(kind: int) -> None:
         sea.say(mavlink.MAVLink_mission_clear_all_message(BOAT, 1, what))
         (ack,) = sea.step().named("MISSION_ACK")
         assert ack.type == REFUSED
-    assert "refused at item 0: HOLD first, or not your boat" in texts(sea.ticks)[-1]
+    assert f"{NAME[kind]} refused at item 0: HOLD first, or not your boat" in words(sea)
     assert sea.state == "FORMATION" and plan_of(sea, kind) == as_sent(KEPT[kind])
     assert send(sea, PLAN, [at(5, 5)]) == ITEM_ACCEPTED, "a plan is, as it is not sailed"

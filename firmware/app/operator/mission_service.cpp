@@ -310,7 +310,8 @@ void MissionService::check_way(const convert::Position& here, const PlanDefaults
 }
 
 bool MissionService::plan_keeps_fence(bool in_auto) const {
-  return check_.why().empty() && (in_auto || (check_.is_over() && way_why_.empty()));
+  if (in_auto) return check_.why().empty();
+  return check_.is_over() && plan_trouble().empty();
 }
 
 convert::GlobalPoint MissionService::return_place(const convert::Position& here,

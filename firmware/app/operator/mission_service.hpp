@@ -99,7 +99,10 @@ class MissionService {
   /// The plan keeps the fence. While it is sailed, a judgement that is not over does not stop it.
   bool plan_keeps_fence(bool in_auto) const;
   /// Why not, for the operator; empty: it does, or there is no plan.
-  std::string_view plan_trouble() const { return check_.why().empty() ? way_why_ : check_.why(); }
+  std::string_view plan_trouble() const {
+    if (!check_.why().empty()) return check_.why();
+    return fence_.is_on() ? way_why_ : std::string_view{};
+  }
 
   /// Where a boat that is `here` returns to: the nearest permitted rally point, one to which the way
   /// is straight before others; else home.
