@@ -38,7 +38,7 @@ def square(half_m: float, kind: FenceType) -> Polygon:
 
 
 def test_mavsdk_sends_a_geofence_and_clears_it(sea: Sea, home: Path) -> None:
-    with closing(MavsdkClient(sea)) as sdk, closing_fence(sdk) as fence:
+    with closing(MavsdkClient(sea)) as sdk, ClosingFence(sdk) as fence:
         data = GeofenceData(
             [square(80, FenceType.INCLUSION), square(5, FenceType.EXCLUSION)],
             [Circle(point(0, 0), 120.0, FenceType.INCLUSION)],
@@ -56,7 +56,7 @@ def test_mavsdk_sends_a_geofence_and_clears_it(sea: Sea, home: Path) -> None:
         assert len(sea.named("FENCE_STATUS")) <= told + 1
 
 
-class closing_fence:
+class ClosingFence:
     """MAVSDK's plugin, destroyed at the end."""
 
     def __init__(self, sdk: MavsdkClient) -> None:
@@ -88,9 +88,7 @@ def ready(sea: Sea, mavproxy: MavProxy) -> MavProxy:
     return mavproxy
 
 
-def test_mavproxy_loads_lists_switches_and_clears_a_fence(
-    ready: MavProxy, tmp_path: Path
-) -> None:
+def test_mavproxy_loads_lists_switches_and_clears_a_fence(ready: MavProxy, tmp_path: Path) -> None:
     file = tmp_path / "fence.txt"
     file.write_text(
         lines([(5001, 3, -50, -50), (5001, 3, -50, 50), (5001, 3, 90, 0), (5003, 99, 0, 0)])

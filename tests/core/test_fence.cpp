@@ -110,8 +110,9 @@ Drawn drawn_by(Random& random, double size) {
   return out;
 }
 
-TEST_CASE_TEMPLATE("the clearance of a place is its distance to the boundary, positive if permitted",
-                   S, float, double, Q16) {
+TEST_CASE_TEMPLATE(
+    "the clearance of a place is its distance to the boundary, positive if permitted", S, float,
+    double, Q16) {
   constexpr std::uint32_t kSeed = 11;
   INFO("seed ", kSeed);
   Random random(kSeed);
@@ -135,8 +136,9 @@ TEST_CASE_TEMPLATE("the clearance of a place is its distance to the boundary, po
   CHECK_FALSE(take_overflow<S>());
 }
 
-TEST_CASE_TEMPLATE("a leg is as clear as the least clear of its points, and not at all if it crosses",
-                   S, float, double, Q16) {
+TEST_CASE_TEMPLATE(
+    "a leg is as clear as the least clear of its points, and not at all if it crosses", S, float,
+    double, Q16) {
   constexpr std::uint32_t kSeed = 12;
   INFO("seed ", kSeed);
   Random random(kSeed);

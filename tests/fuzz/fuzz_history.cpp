@@ -26,18 +26,18 @@ constexpr std::array kCommands{link::mav::kCmdComponentArmDisarm,
                                link::mav::kCmdDoFenceEnable};
 /// Commands in plans; the last one is unknown to boats.
 constexpr std::array<std::uint16_t, 13> kItems{link::mav::kNavWaypoint,
-                                              link::mav::kNavLoiterUnlimited,
-                                              link::mav::kNavLoiterTime,
-                                              link::mav::kNavDelay,
-                                              link::mav::kDoChangeSpeed,
-                                              link::mav::kDoSetRoi,
-                                              link::mav::kFenceInclusion,
-                                              link::mav::kFenceExclusion,
-                                              link::mav::kFenceCircleInclusion,
-                                              link::mav::kFenceCircleExclusion,
-                                              link::mav::kFenceReturnPoint,
-                                              link::mav::kRallyPoint,
-                                              20};
+                                               link::mav::kNavLoiterUnlimited,
+                                               link::mav::kNavLoiterTime,
+                                               link::mav::kNavDelay,
+                                               link::mav::kDoChangeSpeed,
+                                               link::mav::kDoSetRoi,
+                                               link::mav::kFenceInclusion,
+                                               link::mav::kFenceExclusion,
+                                               link::mav::kFenceCircleInclusion,
+                                               link::mav::kFenceCircleExclusion,
+                                               link::mav::kFenceReturnPoint,
+                                               link::mav::kRallyPoint,
+                                               20};
 
 /// Numbers that mean something somewhere.
 float any_param(Stream& in) {

@@ -17,7 +17,6 @@ from tests.target.hull import Afloat
 from tests.target.plans import (
     ALL,
     BAD_SEQUENCE,
-    CIRCLE_IN,
     CIRCLE_OUT,
     FENCE,
     INVALID,

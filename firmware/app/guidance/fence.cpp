@@ -76,17 +76,15 @@ void Fence::for_each_zone(F f) const {
 
 Fence::Length Fence::clearance(const Place& place) const {
   Length least = Q16(kReach_m);
-  for_each_zone([&](const core::Zone<Q16>& zone) {
-    least = core::min(least, core::clearance(zone, place));
-  });
+  for_each_zone(
+      [&](const core::Zone<Q16>& zone) { least = core::min(least, core::clearance(zone, place)); });
   return least;
 }
 
 Fence::Length Fence::clearance(const Place& a, const Place& b) const {
   Length least = Q16(kReach_m);
-  for_each_zone([&](const core::Zone<Q16>& zone) {
-    least = core::min(least, core::clearance(zone, a, b));
-  });
+  for_each_zone(
+      [&](const core::Zone<Q16>& zone) { least = core::min(least, core::clearance(zone, a, b)); });
   return least;
 }
 
@@ -119,8 +117,8 @@ std::string_view Fence::refusal_of(const convert::GlobalPoint& place, float marg
   return clear + kRounding < convert::scalar<Q16>(margin_m) ? kNear : std::string_view{};
 }
 
-std::string_view Fence::refusal_of(const convert::GlobalPoint& from,
-                                   const convert::GlobalPoint& to, float margin_m) const {
+std::string_view Fence::refusal_of(const convert::GlobalPoint& from, const convert::GlobalPoint& to,
+                                   float margin_m) const {
   if (const std::string_view why = refusal_of(to, margin_m); !why.empty() || !is_on()) return why;
   const auto a = on_map(from), b = on_map(to);
   if (!a || !b) return kFar;

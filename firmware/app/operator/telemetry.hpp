@@ -68,7 +68,7 @@ struct Report {
   std::uint8_t leader = 0;             ///< system id
   std::array<EscReport, 2> escs{};     ///< port, starboard
   bool fenced = false, fence_is_off = false;  ///< by FS_FENCE_M or a stored fence
-  bool battery_limited = false;              ///< by FS_BATT_V
+  bool battery_limited = false;               ///< by FS_BATT_V
   std::uint32_t overruns = 0;
   link::Address self{};
 };

@@ -50,7 +50,9 @@ std::optional<PlanReport> Vehicle::plan_report() const {
                                                                 : mav::kMissionNotStarted;
   const std::size_t count = missions_.plan().size();
   const std::size_t item = missions_.is_complete() ? count - 1 : missions_.current();
-  return PlanReport{static_cast<std::uint16_t>(item), static_cast<std::uint16_t>(count), state,
+  return PlanReport{static_cast<std::uint16_t>(item),
+                    static_cast<std::uint16_t>(count),
+                    state,
                     missions_.id(Stored::kPlan),
                     missions_.id(Stored::kFence),
                     missions_.id(Stored::kRally)};

@@ -75,7 +75,8 @@ LoadedPlan load_plan(const std::filesystem::path& path) {
     if (line.starts_with("crc32") || loaded.items.size() >= kMostItems) break;
     loaded.items.push_back(item_of(line));
   }
-  if (content.text != plan_text(path, loaded.items)) return {{}, name + " is damaged; " + none_of(path)};
+  if (content.text != plan_text(path, loaded.items))
+    return {{}, name + " is damaged; " + none_of(path)};
   return loaded;
 }
 
