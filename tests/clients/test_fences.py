@@ -94,7 +94,7 @@ def test_mavproxy_loads_lists_switches_and_clears_a_fence(ready: MavProxy, tmp_p
         lines([(5001, 3, -50, -50), (5001, 3, -50, 50), (5001, 3, 90, 0), (5003, 99, 0, 0)])
     )
     ready.tell(f"fence load {file}", "Fence of 4 items stored")
-    ready.tell("fence list", "5003|CIRCLE_INCLUSION|circle|Circle|Saved|Fence")
+    ready.tell("fence list", "5003 3 47.3977420000 8.5455940000")
     ready.tell("fence disable", "DO_FENCE_ENABLE: ACCEPTED")
     ready.tell("fence enable", "DO_FENCE_ENABLE: ACCEPTED")
     ready.tell("fence clear", "ACCEPTED")
