@@ -68,8 +68,8 @@ TEST_CASE("a target, and the way to it, keep the margin, but a boat at the edge 
   kept.service.locate(kOrigin);
   kept.store(Stored::kFence, {item(mav::kFenceCircleInclusion, 0, 0, 20)});
   const auto refusal = [&](double north_m, double to_m) {
-    return std::string(kept.service.fence().refusal_of(convert::Position{north_m, 0, kOrigin},
-                                                       point(to_m, 0), 2));
+    return std::string(
+        kept.service.fence().refusal_of(convert::Position{north_m, 0, kOrigin}, point(to_m, 0), 2));
   };
   CHECK(refusal(0, 17).empty());
   CHECK(refusal(0, 18.5) == "too near to the fence");
