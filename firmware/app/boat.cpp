@@ -42,6 +42,8 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       thrusters_(configuration().propulsion, convert::law_of<S>(p)),
       can_({configuration().start.can_node, configuration().start.system},
            configuration().start.tick_us / 2),
+      way_due_(kSecond_us / 10),
+      fence_warning_due_(10 * kSecond_us),
       frame_warning_due_(10 * kSecond_us),
       fast_slot_warning_due_(10 * kSecond_us),
       unsound_slot_warning_due_(10 * kSecond_us),
@@ -205,6 +207,22 @@ void Boat<S>::note_state(std::int64_t now_us) {
   }
 }
 
+/// Home, or a rally point; nothing if the straight way there leaves the fence.
+template <class S>
+std::optional<Target> Boat<S>::way_back() {
+  const auto home = limits_.home();
+  if (!home) return std::nullopt;
+  const MissionService& missions = vehicle_.missions();
+  const convert::Position here = pilot_.place();
+  const convert::GlobalPoint back =
+      missions.return_place(here, {home->latitude, home->longitude}, configuration().plan);
+  if (!missions.fence().is_on() || missions.fence().refusal_of(here, back, 0).empty()) {
+    return Target{back};
+  }
+  warn("the way back leaves the fence: the boat waits");
+  return std::nullopt;
+}
+
 /// Begins AUTO, or the errand of GUIDED, LOITER or RTL.
 template <class S>
 void Boat<S>::start_plan() {
@@ -214,14 +232,9 @@ void Boat<S>::start_plan() {
     return;
   }
   const std::optional<Target> asked = vehicle_.take_target();
-  const auto home = limits_.home();
-  if (state() == core::State::kGuided && asked) {
-    errand_.sail_to(*asked);
-  } else if (state() == core::State::kReturn && home) {
-    errand_.sail_to({{home->latitude, home->longitude}});
-  } else {
-    errand_.sail_to(pilot_.stop_ahead());
-  }
+  const bool guided = state() == core::State::kGuided && asked;
+  const auto back = state() == core::State::kReturn ? way_back() : std::nullopt;
+  errand_.sail_to(guided ? *asked : back ? *back : pilot_.stop_ahead());
   pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
@@ -272,10 +285,15 @@ core::Conditions Boat<S>::conditions(std::int64_t now_us) const {
     met |= core::kSlotSound;
   }
   if (pilot_.astray() == core::Astray::kNo || !sails) met |= core::kOnStation;
+  if (!fence_watch_.stays()) met &= ~core::kInsideFence;
   if (pilot_.located()) met |= core::kLocated;
+  const MissionService& missions = vehicle_.missions();
   const bool reached = !core::sails_alone(state()) || pilot_.plan_vessel().is_sound();
-  if (!vehicle_.missions().plan().empty() && pilot_.located() && reached) met |= core::kPlanReady;
   if (!reached) met &= ~core::kHomeNear;
+  if (!missions.plan().empty() && pilot_.located() && reached &&
+      missions.plan_keeps_fence(state() == core::State::kAuto)) {
+    met |= core::kPlanReady;
+  }
   if (vehicle_.doubled(now_us)) met &= ~core::kSoleVessel;
   if (sails && pilot_.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
   return met;
@@ -294,13 +312,41 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
   const auto& [failsafes, propulsion] =
       std::tie(configuration().failsafes, configuration().propulsion);
   const bool armed = core::armed(state());
-  const bool placed = limits_.asks_place(failsafes, armed, now_us) && pilot_.located() &&
+  const bool fenced = vehicle_.missions().fence().is_on();
+  const bool placed = (fenced || limits_.asks_place(failsafes, armed, now_us)) && pilot_.located() &&
                       (conditions_ & core::kOwnFresh) != 0;
+  const auto place = placed ? std::optional(pilot_.place()) : std::nullopt;
   limits_.look(failsafes, {now_us,
                            armed,
-                           placed ? std::optional(pilot_.place()) : std::nullopt,
+                           place,
                            {can_.esc_status(propulsion.port_esc, now_us),
                             can_.esc_status(propulsion.stbd_esc, now_us)}});
+  look_at_fence(place, now_us);
+}
+
+template <class S>
+void Boat<S>::look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us) {
+  MissionService& missions = vehicle_.missions();
+  FenceWatch::Seen seen{now_us, place, {}};
+  if (place && missions.fence().is_on()) {
+    const core::Motion<S>& motion = pilot_.motion();
+    const core::Vec2<S> v =
+        core::to_north_east(motion.psi, core::Vec2<S>{motion.nu.u, motion.nu.v});
+    seen.velocity_n = {convert::q16(v.x), convert::q16(v.y)};
+    if (!core::law_drives(state()) && way_due_.take_if_due(now_us)) {
+      missions.check_way(*place, configuration().plan);
+    }
+  }
+  fence_watch_.look(missions.fence(), configuration().stopping, seen);
+}
+
+/// By the sticks the fence is the driver's: he is warned, and the thrust goes on.
+template <class S>
+void Boat<S>::warn_of_fence(std::int64_t now_us) {
+  if (state() != core::State::kManual) return;
+  if ((conditions_ & core::kInsideFence) != 0 || !fence_warning_due_.take_if_due(now_us)) return;
+  const bool ahead = !fence_watch_.stays() && !fence_watch_.is_outside();
+  warn(ahead ? "fence ahead, or place unknown" : "outside the fence, or place unknown");
 }
 
 template <class S>
@@ -424,6 +470,7 @@ void Boat<S>::send_warnings(std::int64_t now_us) {
   warn_of_station();
   warn_of_unsound_slot(now_us);
   warn_of_depth(now_us);
+  warn_of_fence(now_us);
   tell_latency();
 }
 
@@ -581,7 +628,10 @@ Report Boat<S>::report(std::int64_t now_us) {
     return EscReport{index, can_.esc_status(index, now_us)};
   };
   out.escs = {esc(propulsion.port_esc), esc(propulsion.stbd_esc)};
-  out.fenced = failsafes.fence_m.has_value();
+  const Fence& fence = vehicle_.missions().fence();
+  out.fenced = failsafes.fence_m.has_value() || fence.is_stored();
+  out.fence_is_off = fence.is_stored() && !fence.is_on() && !failsafes.fence_m;
+  if (fence.is_stored()) out.fence = fence_watch_.report();
   out.battery_limited = failsafes.battery_V.has_value();
   out.overruns = host_.overruns;
   return out;

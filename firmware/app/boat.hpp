@@ -124,12 +124,13 @@ class Boat {
 
   link::NodeIdServer& node_ids() { return can_.node_ids(); }
 
-  /// The stored plan, for the host to keep; its id changes with it, and is 0 without one.
-  Plan plan() const { return vehicle_.missions().plan(); }
-  std::uint32_t plan_id() const { return vehicle_.missions().id(); }
-  /// At the start: the plan of before, unless it is not sound.
-  PlanFault restore_plan(Plan plan) {
-    return vehicle_.missions().restore(plan, configuration().plan);
+  /// The stored plan, fence or rally points, for the host to keep; the id changes with them, and is
+  /// 0 without any.
+  Plan stored(Stored kind) const { return vehicle_.missions().stored(kind); }
+  std::uint32_t stored_id(Stored kind) const { return vehicle_.missions().id(kind); }
+  /// At the start: those of before, unless they are not sound.
+  PlanFault restore(Stored kind, Plan items) {
+    return vehicle_.missions().restore(kind, items, configuration().plan);
   }
 
   /// One control step; returns all output.
@@ -171,6 +172,7 @@ class Boat {
   void supervise(std::int64_t now_us);
   void configure();
   void note_state(std::int64_t now_us);
+  std::optional<Target> way_back();
   void start_plan();
   void collect_overflow();
   bool seen() const {
@@ -194,6 +196,8 @@ class Boat {
   void warn_of_time(std::int64_t now_us);
   void warn_of_station();
   void warn_of_unsound_slot(std::int64_t now_us);
+  void warn_of_fence(std::int64_t now_us);
+  void look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us);
   void warn_of_depth(std::int64_t now_us);
   void tell_latency();
   void tell(std::int64_t now_us);
@@ -214,6 +218,7 @@ class Boat {
   bool overflow_ = false;  // the scalar has overflowed since the last tick began
   bool in_range_ = true;
   FailsafeLimits limits_;
+  FenceWatch fence_watch_;
 
   Errand errand_;        // of GUIDED, LOITER, RTL
   bool driven_ = false;  // by velocities, in GUIDED
@@ -232,6 +237,7 @@ class Boat {
   std::int64_t clock_shift_us_ = 0;
   std::optional<std::int64_t> behind_since_us_;
   int idle_ticks_ = 0;  // successive ticks without progress of time
+  Schedule way_due_, fence_warning_due_;
   Schedule frame_warning_due_, fast_slot_warning_due_, unsound_slot_warning_due_;
   Schedule unsaved_warning_due_, closed_warning_due_;
   Schedule double_due_, time_warning_due_, quality_due_, late_due_;

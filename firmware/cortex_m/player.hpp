@@ -49,8 +49,9 @@ class Player {
            std::span<const std::uint8_t> bytes);
 
   /// As on a microcontroller: one radio, one serial line.
-  static constexpr std::size_t kLinks = 2, kSigningStreams = 16, kPlanItems = 100;
-  app::Room<kLinks, kSigningStreams, kPlanItems> room_;
+  static constexpr std::size_t kLinks = 2, kSigningStreams = 16, kPlanItems = 100, kFenceItems = 30,
+                               kRallyPoints = 5;
+  app::Room<kLinks, kSigningStreams, kPlanItems, kFenceItems, kRallyPoints> room_;
   app::Outbox<kLinks> outbox_;
   /// Never destroyed: that would need a heap.
   alignas(app::Boat<Scalar>) std::array<std::byte, sizeof(app::Boat<Scalar>)> place_;

@@ -73,7 +73,6 @@ Loop::Loop(const Config& config)
                                                 config.mavlink.size())),
       bus_(open_can_bus(config.can, static_cast<std::uint8_t>(boat_->parameters().CAN_NODE))),
       node_table_(config.node_id_file()),
-      plan_saver_(config.plan_file()),
       logs_({config.log, candump_name(config.can)}),
       stop_(config.stop.chip, config.stop.line),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
@@ -89,7 +88,7 @@ Loop::Loop(const Config& config)
   if (!config.signing_key.empty()) secure();
   stop_.reopen();
   node_table_.load(boat_->node_ids());
-  restore_plan();
+  restore_plans();
   openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
   for (const auto& link : links_) {
     openers_.emplace_back(kReopen, [&link] { link->reopen(); }, "a MAVLink link");
@@ -98,21 +97,34 @@ Loop::Loop(const Config& config)
   for (const std::string& note : parameters_.notes()) messages_.put(note);
 }
 
-void Loop::restore_plan() {
-  const LoadedPlan stored = load_plan(config_.plan_file());
-  if (!stored.note.empty()) messages_.put(stored.note);
-  if (const app::PlanFault fault = boat_->restore_plan(stored.items)) {
-    messages_.put("plan.txt is not used: " + std::string(fault.why));
+/// The fence first: rally points are judged by it.
+void Loop::restore_plans() {
+  using app::Stored;
+  const auto files = config_.plan_files();
+  for (const Stored kind : {Stored::kFence, Stored::kRally, Stored::kPlan}) {
+    Kept& kept = kept_.emplace_back(kind, files[static_cast<std::size_t>(kind)]);
+    const LoadedPlan stored = load_plan(kept.file);
+    if (!stored.note.empty()) messages_.put(stored.note);
+    if (const app::PlanFault fault = boat_->restore(kind, stored.items)) {
+      messages_.put(kept.file.filename().string() + " is not used: " + std::string(fault.why));
+    }
+    kept.saved = boat_->stored_id(kind);
   }
-  saved_plan_ = boat_->plan_id();
 }
 
 /// False: try again.
-bool Loop::keep_plan() {
-  if (boat_->plan_id() == saved_plan_) return true;
-  if (!plan_saver_.put(boat_->plan())) return false;
-  saved_plan_ = boat_->plan_id();
-  return true;
+bool Loop::keep_plans() {
+  bool all = true;
+  for (Kept& kept : kept_) {
+    const std::uint32_t id = boat_->stored_id(kept.kind);
+    if (id == kept.saved) continue;
+    if (kept.saver.put(boat_->stored(kept.kind))) {
+      kept.saved = id;
+    } else {
+      all = false;
+    }
+  }
+  return all;
 }
 
 void Loop::secure() {
@@ -278,8 +290,10 @@ void Loop::keep_house(std::int64_t now_us) {
           parameters_.maintain(boat_->take_save_request(), boat_->parameters(), now_us)) {
     messages_.put(*news);
   }
-  keep_plan();
-  if (const auto complaint = plan_saver_.complaint()) messages_.put(*complaint);
+  keep_plans();
+  for (Kept& kept : kept_) {
+    if (const auto complaint = kept.saver.complaint()) messages_.put(*complaint);
+  }
   // Disk writes may block, so an armed boat does not start them.
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
@@ -322,7 +336,7 @@ void Loop::shut_down() {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
   }
   service_manager_.notify("STOPPING=1");
-  while (!keep_plan()) ::sched_yield();
+  while (!keep_plans()) ::sched_yield();
   for (const std::string& news :
        parameters_.finish(boat_->take_save_request(), boat_->parameters())) {
     messages_.put(news);

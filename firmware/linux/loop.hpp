@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <list>
 #include <memory>
 #include <optional>
@@ -38,8 +39,8 @@ class Loop {
 
  private:
   void secure();
-  void restore_plan();
-  bool keep_plan();
+  void restore_plans();
+  bool keep_plans();
   void ask_for_real_time();
   void wait();
   void read_links(std::int64_t now_us);
@@ -59,8 +60,17 @@ class Loop {
   std::vector<std::unique_ptr<MavlinkEndpoint>> links_;
   std::uint8_t closed_links_ = 0;  // a bit each, as last reported
   NodeTable node_table_;
-  PlanSaver plan_saver_;
-  std::uint32_t saved_plan_ = 0;  // id
+  /// Of plan, fence and rally points.
+  struct Kept {
+    app::Stored kind;
+    std::filesystem::path file;
+    PlanSaver saver;
+    std::uint32_t saved = 0;  // id
+
+    Kept(app::Stored which, const std::filesystem::path& path)
+        : kind(which), file(path), saver(path) {}
+  };
+  std::list<Kept> kept_;
   Logs logs_;
   std::optional<SigningTime> signing_time_;  // only with a key
   ServiceManager service_manager_;

@@ -10,7 +10,7 @@
 
 namespace flotilla::testing {
 
-inline constexpr std::array<std::uint16_t, 26> kEveryId{link::Heartbeat::kId,
+inline constexpr std::array<std::uint16_t, 27> kEveryId{link::Heartbeat::kId,
                                                         link::SysStatus::kId,
                                                         link::SystemTime::kId,
                                                         link::Attitude::kId,
@@ -35,6 +35,7 @@ inline constexpr std::array<std::uint16_t, 26> kEveryId{link::Heartbeat::kId,
                                                         link::ComponentMetadata::kId,
                                                         link::AvailableModes::kId,
                                                         link::CurrentMode::kId,
-                                                        link::MissionCurrent::kId};
+                                                        link::MissionCurrent::kId,
+                                                        link::FenceStatus::kId};
 
 }  // namespace flotilla::testing

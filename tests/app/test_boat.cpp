@@ -511,7 +511,7 @@ std::vector<std::uint8_t> said(const Boat<float>::Output& out) {
 
 TEST_CASE("boats that share an outbox say what each of them says alone") {
   Outbox<kLinks> outbox;
-  std::array<Room<kLinks, 0, 10>, 3> rooms;
+  std::array<Room<kLinks, 0, 10, 5, 1>, 3> rooms;
   std::vector<std::unique_ptr<Boat<float>>> together, alone;
   for (std::uint8_t system = 1; system <= 3; ++system) {
     Parameters p;
@@ -533,7 +533,7 @@ TEST_CASE("boats that share an outbox say what each of them says alone") {
 
 TEST_CASE("a boat in the storage of one that has been knows nothing of that one's links") {
   Outbox<kLinks> outbox;
-  Room<kLinks, 1, 10> room;
+  Room<kLinks, 1, 10, 5, 1> room;
   const Storage storage(room, outbox);
   link::MavlinkEncoder client({255, 190});
   {
@@ -565,7 +565,7 @@ TEST_CASE("a boat in the storage of one that has been knows nothing of that one'
 }
 
 TEST_CASE("a thousand boats fit into a processor's memory") {
-  CHECK(sizeof(Boat<float>) + sizeof(Room<kLinks, 0, 10>) < 27'000);
+  CHECK(sizeof(Boat<float>) + sizeof(Room<kLinks, 0, 10, 5, 1>) < 27'000);
 }
 
 }  // namespace

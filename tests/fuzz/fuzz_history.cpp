@@ -22,15 +22,22 @@ constexpr std::array kCommands{link::mav::kCmdComponentArmDisarm,
                                link::mav::kCmdDoSetStandardMode,
                                link::mav::kCmdMissionStart,
                                link::mav::kCmdDoPauseContinue,
-                               link::mav::kCmdDoSetMissionCurrent};
+                               link::mav::kCmdDoSetMissionCurrent,
+                               link::mav::kCmdDoFenceEnable};
 /// Commands in plans; the last one is unknown to boats.
-constexpr std::array<std::uint16_t, 7> kItems{link::mav::kNavWaypoint,
-                                              link::mav::kNavLoiterUnlimited,
-                                              link::mav::kNavLoiterTime,
-                                              link::mav::kNavDelay,
-                                              link::mav::kDoChangeSpeed,
-                                              link::mav::kDoSetRoi,
-                                              20};
+constexpr std::array<std::uint16_t, 13> kItems{link::mav::kNavWaypoint,
+                                               link::mav::kNavLoiterUnlimited,
+                                               link::mav::kNavLoiterTime,
+                                               link::mav::kNavDelay,
+                                               link::mav::kDoChangeSpeed,
+                                               link::mav::kDoSetRoi,
+                                               link::mav::kFenceInclusion,
+                                               link::mav::kFenceExclusion,
+                                               link::mav::kFenceCircleInclusion,
+                                               link::mav::kFenceCircleExclusion,
+                                               link::mav::kFenceReturnPoint,
+                                               link::mav::kRallyPoint,
+                                               20};
 
 /// Numbers that mean something somewhere.
 float any_param(Stream& in) {
@@ -178,15 +185,19 @@ void History<S>::any_command(Stream& in) {
 template <class S>
 void History<S>::plan(Stream& in) {
   const link::Address boat = boat_->boat().self();
-  const auto count = static_cast<std::uint16_t>(in.byte() % 16U);
+  const unsigned how = in.byte();
+  const auto count = static_cast<std::uint16_t>(how % 16U);
+  const auto kind = static_cast<std::uint8_t>(how / 16U % 4U);  // 3: there is none
   link::MissionCount opening{};
   opening.count = count;
+  opening.mission_type = kind;
   opening.target = boat;
   talkers_->tell(Talkers<S>::kOperator, opening, now_us_);
   for (std::uint16_t seq = 0; seq < count; ++seq) {
     link::MissionItemInt item{};
     item.target = boat;
     item.seq = seq;
+    item.mission_type = kind;
     item.command = kItems[in.byte() % kItems.size()];
     item.param[0] = any_param(in);
     item.param[1] = any_param(in);

@@ -13,7 +13,10 @@ from pymavlink.dialects.v20 import common as mavlink
 from tests.target.sea import Sea, Tick
 from tests.target.stations import BOAT, ORIGIN, REQUEST_MESSAGE, Station
 
+#: MAV_MISSION_TYPE.
+PLAN, FENCE, RALLY, ALL = 0, 1, 2, 255
 WAYPOINT, LOITER, LOITER_TIME, DELAY, SPEED = 16, 17, 19, 93, 178
+RETURN_POINT, KEEP_IN, KEEP_OUT, CIRCLE_IN, CIRCLE_OUT, RALLY_POINT = *range(5000, 5005), 5100
 GLOBAL_INT, GLOBAL_RELATIVE_ALT_INT = 5, 6
 ITEM_ACCEPTED, ERROR, UNSUPPORTED_FRAME, UNSUPPORTED_ITEM, NO_SPACE, INVALID = 0, 1, 2, 3, 4, 5
 INVALID_PARAM1, INVALID_PARAM2, INVALID_X, INVALID_Y, BAD_SEQUENCE = 6, 7, 10, 11, 13
@@ -63,6 +66,32 @@ def speed(metres_per_s: float) -> Item:
     return Item(SPEED, (1.0, metres_per_s, -1.0, 0.0), 0, 0, frame=2)
 
 
+def corners(
+    command: int, places: Sequence[tuple[float, float]], frame: int = GLOBAL_RELATIVE_ALT_INT
+) -> list[Item]:
+    """A polygon of a fence: 5001 to stay inside, 5002 to stay outside."""
+    count = float(len(places))
+    return [
+        at(*place)._replace(command=command, params=(count, 0.0, 0.0, 0.0), frame=frame)
+        for place in places
+    ]
+
+
+def box(north_m: float, east_m: float, half_m: float, command: int = KEEP_IN) -> list[Item]:
+    """A square round a point."""
+    n, e, h = north_m, east_m, half_m
+    return corners(command, [(n - h, e - h), (n - h, e + h), (n + h, e + h), (n + h, e - h)])
+
+
+def circle(north_m: float, east_m: float, radius_m: float, command: int = CIRCLE_IN) -> Item:
+    params = (radius_m, 0.0, 0.0, 0.0)
+    return at(north_m, east_m)._replace(command=command, params=params)
+
+
+def rally(north_m: float, east_m: float) -> Item:
+    return at(north_m, east_m)._replace(command=RALLY_POINT, params=(0.0, 0.0, 0.0, 0.0))
+
+
 def fields(message: Any) -> tuple[bytes, ...]:
     """The item in a message, as bytes: NaN equals itself."""
     return (
@@ -81,8 +110,11 @@ class Planner:
 
     PATIENCE_US, TRIES, FETCHES = 1_500_000, 5, 20
 
-    def __init__(self, sea: Sea, *, station: Station | None = None, loss: float = 0.0) -> None:
+    def __init__(
+        self, sea: Sea, *, station: Station | None = None, loss: float = 0.0, kind: int = PLAN
+    ) -> None:
         self.sea = sea
+        self.kind = kind
         self.station = station or sea.gcs
         self._dice = random.Random(7)
         self._loss = loss
@@ -105,7 +137,7 @@ class Planner:
     def send(self, items: Sequence[Item], *, count: int | None = None) -> int | None:
         """Send a plan; the type of the boat's MISSION_ACK, None if it never came."""
         opening: Any = mavlink.MAVLink_mission_count_message(
-            BOAT, 1, len(items) if count is None else count, 0
+            BOAT, 1, len(items) if count is None else count, self.kind
         )
         last = opening
         self.say(last)
@@ -115,7 +147,7 @@ class Planner:
                 if m.get_type() == "MISSION_ACK":
                     return int(m.type)
                 if m.get_type() == "MISSION_REQUEST_INT" and m.seq < len(items):
-                    last = items[m.seq].message(m.seq)
+                    last = items[m.seq].message(m.seq, kind=self.kind)
                     self.say(last)
                     asked_us, tries = self.sea.now_us, 0
             if self.sea.now_us - asked_us > self.PATIENCE_US:
@@ -124,13 +156,16 @@ class Planner:
         return None
 
     def fetch(self) -> list[Any]:
-        """The boat's plan: its MISSION_ITEM_INT messages."""
-        count = self._ask(mavlink.MAVLink_mission_request_list_message(BOAT, 1, 0), "COUNT").count
+        """What the boat has: its MISSION_ITEM_INT messages."""
+        kind = self.kind
+        listed = mavlink.MAVLink_mission_request_list_message(BOAT, 1, kind)
         items = [
-            self._ask(mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, 0), "ITEM_INT", seq)
-            for seq in range(count)
+            self._ask(
+                mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, kind), "ITEM_INT", seq
+            )
+            for seq in range(self._ask(listed, "COUNT").count)
         ]
-        self.say(mavlink.MAVLink_mission_ack_message(BOAT, 1, 0, 0))
+        self.say(mavlink.MAVLink_mission_ack_message(BOAT, 1, 0, kind))
         return items
 
     def _ask(self, question: Any, answer: str, seq: int | None = None) -> Any:
@@ -139,14 +174,15 @@ class Planner:
             end_us = self.sea.now_us + self.PATIENCE_US
             while self.sea.now_us < end_us:
                 for m in self.hear(self.sea.step()):
-                    if m.get_type() == f"MISSION_{answer}" and seq in (None, getattr(m, "seq", 0)):
+                    ours = m.get_type() == f"MISSION_{answer}" and m.mission_type == self.kind
+                    if ours and seq in (None, getattr(m, "seq", 0)):
                         return m
         raise AssertionError(f"no MISSION_{answer} {seq}")
 
 
-def plan_of(sea: Sea) -> list[tuple[bytes, ...]]:
-    """The plan that the boat has."""
-    return [fields(m) for m in Planner(sea, station=Station(254, 190)).fetch()]
+def plan_of(sea: Sea, kind: int = PLAN) -> list[tuple[bytes, ...]]:
+    """The plan, fence or rally points that the boat has."""
+    return [fields(m) for m in Planner(sea, station=Station(254, 190), kind=kind).fetch()]
 
 
 def as_sent(items: Sequence[Item]) -> list[tuple[bytes, ...]]:

@@ -260,7 +260,10 @@ def test_odometry_tells_the_velocity_along_the_boats_own_axes() -> None:
 
 def test_the_version_tells_what_the_boat_can_do_and_no_more(quiet: Sea) -> None:
     (told,) = answered(quiet.order(REQUEST, 148.0), REQUEST, ACCEPTED)
-    assert told.capabilities == MAVLINK2 | MISSION_INT | COMMAND_INT | PARAM_BYTEWISE | FTP
+    assert (
+        told.capabilities
+        == MAVLINK2 | MISSION_INT | COMMAND_INT | PARAM_BYTEWISE | FTP | 16384 | 32768
+    )
     major, minor = (int(part) for part in flotilla.__version__.split(".")[:2])
     assert told.flight_sw_version >> 16 == major << 8 | minor
     revision = bytes(told.flight_custom_version).rstrip(b"\0").decode("ascii")

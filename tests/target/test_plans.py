@@ -6,13 +6,11 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.plans import (
-    BAD_SEQUENCE,
     CANCELLED,
     DELAY,
     INVALID,
@@ -312,41 +310,6 @@ def test_damaged_bytes_change_no_plan(planner: Planner, sea: Sea) -> None:
         sea.boat.on_mavlink(bytes(wire), sea.now_us)
         sea.step()
     sea.run(10.0)
-    assert plan_of(sea) == as_sent(SQUARE)
-
-
-ITEM = (0, 6, 16, 2, 1, 0.0, 0.0, 0.0, 0.0)  # current 2: MAVProxy's `guided`
-
-
-@pytest.mark.parametrize("kind", [1, 2])
-@pytest.mark.parametrize(
-    ("message", "result"),
-    [
-        (lambda kind: mavlink.MAVLink_mission_count_message(BOAT, 1, 1, kind), UNSUPPORTED_ITEM),
-        (
-            lambda kind: mavlink.MAVLink_mission_item_int_message(BOAT, 1, *ITEM, 1, 2, 3.0, kind),
-            UNSUPPORTED_ITEM,
-        ),
-        (
-            lambda kind: mavlink.MAVLink_mission_item_message(BOAT, 1, *ITEM, 1.0, 2.0, 3.0, kind),
-            UNSUPPORTED_ITEM,
-        ),
-        (
-            lambda kind: mavlink.MAVLink_mission_request_int_message(BOAT, 1, 0, kind),
-            BAD_SEQUENCE,
-        ),
-        (lambda kind: mavlink.MAVLink_mission_request_message(BOAT, 1, 7, kind), BAD_SEQUENCE),
-        (lambda kind: mavlink.MAVLink_mission_clear_all_message(BOAT, 1, kind), ITEM_ACCEPTED),
-    ],
-)
-def test_fences_and_rally_points_are_neither_taken_nor_there(
-    planner: Planner, sea: Sea, kind: int, message: Callable[[int], Any], result: int
-) -> None:
-    planner.send(SQUARE)
-    sea.say(message(kind))
-    (ack,) = named(sea.run(0.2), "MISSION_ACK")
-    assert (ack.type, ack.mission_type) == (result, kind)
-    assert (ack.target_system, ack.target_component) == (GCS, GCS_COMPONENT)
     assert plan_of(sea) == as_sent(SQUARE)
 
 

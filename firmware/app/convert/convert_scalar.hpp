@@ -86,6 +86,16 @@ inline double number(core::Q16 x) {
   return x.raw() == 0 ? 0 : std::bit_cast<double>(std::bit_cast<std::uint64_t>(raw) - kHalvings);
 }
 
+/// The law's number in fixed point, to the nearest.
+template <class S>
+core::Q16 q16(S x) {
+  if constexpr (std::same_as<S, core::Q16>) {
+    return x;
+  } else {
+    return q16_of(x);
+  }
+}
+
 /// The integer part, truncated towards zero.
 template <std::floating_point S>
 int whole(S x) {

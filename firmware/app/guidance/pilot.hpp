@@ -99,6 +99,7 @@ class Pilot {
   bool located() const { return own_.track().has_origin(); }
   const link::GpsGlobalOrigin& origin() const { return own_.anchor().origin; }
   convert::Position place() const { return own_.place(); }
+  const core::Motion<S>& motion() const { return own_.motion(); }
 
   /// Where the boat can stop if it sails straight on, and the speed at which it begins.
   Target stop_ahead() const;

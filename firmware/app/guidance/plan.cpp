@@ -29,11 +29,9 @@ bool leads_somewhere(const PlanItem& item) { return has_place(item) && !is_here(
 
 bool waits(const PlanItem& item) { return has_place(item) || item.command == mav::kNavDelay; }
 
-PlanFault fault_of_place(const PlanItem& item) {
-  if (!is_global(item.frame)) return {mav::kMissionUnsupportedFrame, "places are global"};
-  if (is_here(item) || convert::is_valid({item.x, item.y, 0, 0})) return {};
-  const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
-  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "no such place"};
+PlanFault fault_of_frame(const PlanItem& item) {
+  if (is_global(item.frame)) return {};
+  return {mav::kMissionUnsupportedFrame, "places are global"};
 }
 
 PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
@@ -57,7 +55,7 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
   if (item.command == mav::kNavWaypoint && !is_within(item.param[1], kLargestRadius_m)) {
     return {mav::kMissionInvalidParam2, "radius 0 to 100 m"};
   }
-  if (has_place(item)) return fault_of_place(item);
+  if (has_place(item)) return is_here(item) ? fault_of_frame(item) : fault_of_place(item);
   switch (item.command) {
     case mav::kNavDelay:
     case mav::kDoSetRoi:
@@ -67,16 +65,6 @@ PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
     default:
       return {mav::kMissionUnsupported, "boats do not know that command"};
   }
-}
-
-/// All places are near the first.
-PlanFault fault_of_reach(Plan plan) {
-  const PlanItem& last = plan.back();
-  if (!leads_somewhere(last)) return {};
-  const PlanItem& first = *std::ranges::find_if(plan, leads_somewhere);
-  const convert::Position from{0, 0, {first.x, first.y, 0, 0}};
-  if (convert::way_to<double>(from, {last.x, last.y}, kPlanReach_m).near) return {};
-  return {mav::kMissionInvalidX, "over 2 km from the first waypoint"};
 }
 
 }  // namespace
@@ -92,9 +80,29 @@ bool is_speed(double mps, const PlanDefaults& defaults) {
   return mps >= double{kSlowest_mps} && mps <= double{most};
 }
 
+PlanFault fault_of_place(const PlanItem& item) {
+  if (const PlanFault fault = fault_of_frame(item)) return fault;
+  if (convert::is_valid({item.x, item.y, 0, 0})) return {};
+  const bool turned = item.x < -890'000'000 || item.x > 890'000'000;
+  return {turned ? mav::kMissionInvalidX : mav::kMissionInvalidY, "no such place"};
+}
+
+PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item) {
+  const convert::Position from{0, 0, {first.x, first.y, 0, 0}};
+  if (convert::way_to<double>(from, {item.x, item.y}, kPlanReach_m).near) return {};
+  return {mav::kMissionInvalidX, "over 2 km from the first"};
+}
+
+std::optional<convert::GlobalPoint> place_of(const PlanItem& item) {
+  if (!leads_somewhere(item)) return std::nullopt;
+  return convert::GlobalPoint{item.x, item.y};
+}
+
 PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults) {
-  const PlanFault fault = fault_of_item(plan.back(), defaults);
-  return fault ? fault : fault_of_reach(plan);
+  const PlanItem& last = plan.back();
+  const PlanFault fault = fault_of_item(last, defaults);
+  if (fault || !leads_somewhere(last)) return fault;
+  return fault_of_reach(*std::ranges::find_if(plan, leads_somewhere), last);
 }
 
 PlanFault fault_of(Plan plan) {

@@ -43,12 +43,22 @@ bool is_global(std::uint8_t frame);
 /// Whether a boat may be asked for that speed.
 bool is_speed(double mps, const PlanDefaults& defaults);
 
-/// Why a plan is refused.
+/// Why a plan, a fence or rally points are refused.
 struct PlanFault {
   std::uint8_t result = link::mav::kMissionAccepted;  ///< MAV_MISSION_RESULT
   std::string_view why{};
+  std::size_t item = 0;
   explicit operator bool() const { return result != link::mav::kMissionAccepted; }
 };
+
+/// Judges an item's frame and its place on the globe.
+PlanFault fault_of_place(const PlanItem& item);
+
+/// Judges whether an item's place is near enough to that of the first.
+PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item);
+
+/// Where an item of a plan leads; nothing if nowhere, or where the boat is then.
+std::optional<convert::GlobalPoint> place_of(const PlanItem& item);
 
 /// Judges the last item of a plan, all others of which are sound.
 PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults);

@@ -135,6 +135,16 @@ DecodedCommand pause(const Command& c) {
   return asked;
 }
 
+/// Of the polygon and circle fence; FS_FENCE_M is a parameter.
+DecodedCommand enable_fence(const Command& c) {
+  const auto types = unused(c.param[1]) ? mav::kFencePolygon : whole(c.param[1], 65535);
+  if (c.param[0] != 0 && c.param[0] != 1) return denied("a fence is on, 1, or off, 0");
+  if (!types || (*types & mav::kFencePolygon) == 0) return denied("no such fence");
+  DecodedCommand asked{mav::kAccepted};
+  asked.fence = c.param[0] == 1;
+  return asked;
+}
+
 DecodedCommand set_item(const Command& c) {
   const auto item = whole(c.param[0], 65535);
   if (!item) return denied();
@@ -249,6 +259,8 @@ DecodedCommand meaning_of(const Command& c) {
       return pause(c);
     case mav::kCmdDoSetMissionCurrent:
       return set_item(c);
+    case mav::kCmdDoFenceEnable:
+      return enable_fence(c);
     case mav::kCmdDoFlightTermination:
       return terminate(c);
     case mav::kCmdPreflightStorage:

@@ -69,6 +69,7 @@ struct DecodedCommand {
   std::optional<std::size_t> item{};  ///< of the plan, to go on from
   std::optional<bool> paused{};       ///< of the plan or the errand
   std::optional<Target> target{};     ///< with Request::kGuided, or for a boat in GUIDED
+  std::optional<bool> fence{};        ///< on or off
   std::string_view why{};             ///< of a refusal, for the operator
 
   /// Changes nothing that others see, so anybody may send it.

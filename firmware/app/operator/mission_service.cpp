@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/guidance/zones.hpp"
 #include "link/mavlink/crc32.hpp"
 
 namespace flotilla::app {
@@ -34,6 +35,30 @@ bool is_same(const PlanItem& a, const PlanItem& b) {
   return bytes_of({&a, 1}) == bytes_of({&b, 1});
 }
 
+std::optional<Stored> kind_of(std::uint8_t mission_type) {
+  if (mission_type >= kStoredKinds) return std::nullopt;
+  return static_cast<Stored>(mission_type);
+}
+
+std::uint8_t type_of(Stored kind) { return static_cast<std::uint8_t>(kind); }
+
+PlanFault fault_of_last_of(Stored kind, Plan items, const PlanDefaults& defaults) {
+  switch (kind) {
+    case Stored::kFence:
+      return fault_of_last_zone(items);
+    case Stored::kRally:
+      return fault_of_last_rally(items);
+    case Stored::kPlan:
+      break;
+  }
+  return fault_of_last(items, defaults);
+}
+
+PlanFault fault_of_whole(Stored kind, Plan items) {
+  if (kind == Stored::kPlan) return fault_of(items);
+  return kind == Stored::kFence ? fault_of_zones(items) : PlanFault{};
+}
+
 std::uint32_t id_of(Plan plan) {
   if (plan.empty()) return 0;
   return std::max(link::crc32(0xFFFFFFFFU, bytes_of(plan)), std::uint32_t{1});
@@ -46,9 +71,10 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
                                                     std::int64_t now_us) {
   const link::Address& to = asker.from;
   if (const auto* list = std::get_if<link::MissionRequestList>(&asked)) {
-    const bool ours = list->mission_type == mav::kMissionTypePlan;
-    const auto count = static_cast<std::uint16_t>(ours ? count_ : 0);
-    return link::MissionCount{to, count, list->mission_type, ours ? id_ : 0};
+    const auto kind = kind_of(list->mission_type);
+    const Store none{}, &kept = kind ? store(*kind) : none;
+    return link::MissionCount{to, static_cast<std::uint16_t>(kept.count), list->mission_type,
+                              kept.id};
   }
   if (const auto* wish = std::get_if<link::MissionRequestInt>(&asked)) {
     return item(wish->seq, to, wish->mission_type);
@@ -66,21 +92,33 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
     // Its floats know a place to a metre only: the sender is asked for MISSION_ITEM_INT.
     return acknowledgement(to, mav::kMissionUnsupported, old->mission_type);
   }
-  if (const auto* clear = std::get_if<link::MissionClearAll>(&asked)) {
-    const bool ours =
-        clear->mission_type == mav::kMissionTypePlan || clear->mission_type == mav::kMissionTypeAll;
-    if (ours && !asker.may_change) return refuse(asker, {mav::kMissionDenied}, 0);
-    if (ours) {
-      upload_.reset();
-      replace(0);
-    }
-    return acknowledgement(to, mav::kMissionAccepted, clear->mission_type);
+  if (const auto* asked_clear = std::get_if<link::MissionClearAll>(&asked)) {
+    return clear(*asked_clear, asker);
   }
   if (const auto* end = std::get_if<link::MissionAck>(&asked)) {
     const bool over = end->type != mav::kMissionAccepted && is_from_uploader(asker);
-    if (over && end->mission_type == mav::kMissionTypePlan) upload_.reset();
+    if (over && end->mission_type == type_of(upload_->kind)) upload_.reset();
   }
   return std::nullopt;
+}
+
+/// All or nothing.
+link::Message MissionService::clear(const link::MissionClearAll& asked, const Asker& asker) {
+  const auto is_asked = [&](Stored kind) {
+    return asked.mission_type == type_of(kind) || asked.mission_type == mav::kMissionTypeAll;
+  };
+  constexpr std::array kKinds{Stored::kPlan, Stored::kFence, Stored::kRally};
+  for (const Stored kind : kKinds) {
+    if (!is_asked(kind) || asker.may_change(kind)) continue;
+    refuse(asker, kind, {mav::kMissionDenied});
+    return acknowledgement(asker.from, mav::kMissionDenied, asked.mission_type);
+  }
+  for (const Stored kind : kKinds) {
+    if (!is_asked(kind)) continue;
+    if (upload_ && upload_->kind == kind) upload_.reset();
+    replace(kind, {});
+  }
+  return acknowledgement(asker.from, mav::kMissionAccepted, asked.mission_type);
 }
 
 bool MissionService::is_from_uploader(const Asker& asker) const {
@@ -89,17 +127,18 @@ bool MissionService::is_from_uploader(const Asker& asker) const {
 
 std::optional<link::Message> MissionService::begin(const link::MissionCount& count,
                                                    const Asker& asker, std::int64_t now_us) {
-  if (count.mission_type != mav::kMissionTypePlan) {
-    return acknowledgement(asker.from, mav::kMissionUnsupported, count.mission_type);
-  }
-  if (!asker.may_change) return refuse(asker, {mav::kMissionDenied}, 0);
+  const auto kind = kind_of(count.mission_type);
+  if (!kind) return acknowledgement(asker.from, mav::kMissionUnsupported, count.mission_type);
+  if (!asker.may_change(*kind)) return refuse(asker, *kind, {mav::kMissionDenied});
   if (upload_ && !is_from_uploader(asker)) {
     // Of the same sender by another link: a copy that another vessel has handed on.
     if (upload_->asker.from == asker.from) return std::nullopt;
-    return refuse(asker, {mav::kMissionDenied, "another plan is being sent"}, 0);
+    return refuse(asker, *kind, {mav::kMissionDenied, "another station is sending"});
   }
-  if (count.count > incoming_.size()) return refuse(asker, {mav::kMissionNoSpace}, 0);
-  upload_ = Upload{asker, count.count, 0, now_us, 0};
+  if (count.count > std::min(store(*kind).room.size(), incoming_.size())) {
+    return refuse(asker, *kind, {mav::kMissionNoSpace});
+  }
+  upload_ = Upload{asker, *kind, count.count, 0, now_us, 0};
   if (count.count == 0) return finish(asker);
   return ask(now_us);
 }
@@ -108,73 +147,96 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
                                                   const Asker& asker, const PlanDefaults& defaults,
                                                   std::int64_t now_us) {
   constexpr std::uint8_t kCurrent = 1;  // larger: ArduPilot's "go there now"
-  if (given.mission_type != mav::kMissionTypePlan || given.current > kCurrent) {
+  const auto kind = kind_of(given.mission_type);
+  if (!kind || given.current > kCurrent) {
     return acknowledgement(asker.from, mav::kMissionUnsupported, given.mission_type);
   }
   // A late copy, or an item that nobody has asked for, changes nothing. Who did not hear that his
   // last item was the last one is told again.
-  if (!upload_ && asker.from == stored_from_ && given.seq + std::size_t{1} == count_ &&
-      is_same(item_of(given), plan_[given.seq])) {
-    return acknowledgement(asker.from, mav::kMissionAccepted, mav::kMissionTypePlan, id_);
+  const Store& kept = store(*kind);
+  if (!upload_ && asker.from == kept.from && given.seq + std::size_t{1} == kept.count &&
+      is_same(item_of(given), kept.room[given.seq])) {
+    return acknowledgement(asker.from, mav::kMissionAccepted, given.mission_type, kept.id);
   }
-  if (!is_from_uploader(asker)) return std::nullopt;
+  if (!is_from_uploader(asker) || upload_->kind != *kind) return std::nullopt;
   if (given.seq < upload_->next) return std::nullopt;
   if (given.seq > upload_->next) return ask(now_us);
-  if (!asker.may_change) return refuse(asker, {mav::kMissionDenied}, given.seq);
+  if (!asker.may_change(*kind)) {
+    return refuse(asker, *kind, {mav::kMissionDenied, {}, given.seq});
+  }
   incoming_[upload_->next] = item_of(given);
-  const PlanFault fault = fault_of_last(incoming_.first(upload_->next + 1), defaults);
-  if (fault) return refuse(asker, fault, given.seq);
+  if (PlanFault fault = fault_of_last_incoming(defaults)) {
+    fault.item = given.seq;
+    return refuse(asker, *kind, fault);
+  }
   upload_->tries = 0;
   if (++upload_->next < upload_->count) return ask(now_us);
-  if (const PlanFault whole = fault_of(Plan(incoming_.first(upload_->count)))) {
-    return refuse(asker, whole, 0);
+  if (const PlanFault whole = fault_of_whole(*kind, incoming_.first(upload_->count))) {
+    return refuse(asker, *kind, whole);
   }
   return finish(asker);
 }
 
-PlanFault MissionService::restore(Plan plan, const PlanDefaults& defaults) {
-  if (plan.empty()) return {};
-  if (plan.size() > plan_.size()) return {mav::kMissionNoSpace, "too many items"};
-  for (std::size_t count = 1; count <= plan.size(); ++count) {
-    if (const PlanFault fault = fault_of_last(plan.first(count), defaults)) return fault;
+PlanFault MissionService::fault_of_last_incoming(const PlanDefaults& defaults) const {
+  const Plan items = incoming_.first(upload_->next + 1);
+  if (const PlanFault fault = fault_of_last_of(upload_->kind, items, defaults)) return fault;
+  if (upload_->kind == Stored::kPlan) {
+    return fence_fault_of_last(fence_, items, defaults.margin_m);
   }
-  if (const PlanFault fault = fault_of(plan)) return fault;
-  std::ranges::copy(plan, plan_.begin());
-  replace(plan.size());
+  if (upload_->kind == Stored::kFence) return {};
+  const auto why = fence_.refusal_of({items.back().x, items.back().y}, defaults.margin_m);
+  return why.empty() ? PlanFault{} : PlanFault{mav::kMissionInvalid, why};
+}
+
+PlanFault MissionService::restore(Stored kind, Plan items, const PlanDefaults& defaults) {
+  if (items.empty()) return {};
+  if (items.size() > store(kind).room.size()) return {mav::kMissionNoSpace, "too many items"};
+  for (std::size_t count = 1; count <= items.size(); ++count) {
+    if (const PlanFault fault = fault_of_last_of(kind, items.first(count), defaults)) return fault;
+  }
+  if (const PlanFault fault = fault_of_whole(kind, items)) return fault;
+  replace(kind, items);
   return {};
 }
 
 link::Message MissionService::finish(const Asker& asker) {
-  const std::size_t count = upload_->count;
-  std::swap(plan_, incoming_);
-  replace(count);
-  stored_from_ = asker.from;
+  const Stored kind = upload_->kind;
+  replace(kind, incoming_.first(upload_->count));
+  store(kind).from = asker.from;
   upload_.reset();
-  news_ = News{.stored = true};
-  return acknowledgement(asker.from, mav::kMissionAccepted, mav::kMissionTypePlan, id_);
+  news_ = News{.kind = News::Kind::kStored, .what = kind};
+  // Each leg was judged as it came.
+  if (kind == Stored::kPlan) check_.begin(checked_map_ == fence_.drawn());
+  return acknowledgement(asker.from, mav::kMissionAccepted, type_of(kind), store(kind).id);
 }
 
-void MissionService::replace(std::size_t count) {
-  count_ = count;
-  id_ = id_of(plan());
+void MissionService::replace(Stored kind, Plan items) {
+  Store& kept = store(kind);
+  std::ranges::copy(items, kept.room.begin());
+  kept.count = items.size();
+  kept.id = id_of(kept.items());
+  if (kind == Stored::kFence) fence_.set(kept.items());
+  if (kind != Stored::kPlan) return;
+  check_.begin();
+  way_why_ = {};
   current_ = 0;
   complete_ = false;
   jumped_ = false;
 }
 
-link::Message MissionService::refuse(const Asker& asker, const PlanFault& fault, std::size_t item) {
+link::Message MissionService::refuse(const Asker& asker, Stored kind, const PlanFault& fault) {
   if (is_from_uploader(asker)) upload_.reset();
   std::string_view why = fault.why;
   if (fault.result == mav::kMissionNoSpace) why = "too many items";
   if (fault.result == mav::kMissionDenied && why.empty()) why = "HOLD first, or not your boat";
-  news_ = News{.item = item, .why = why};
-  return acknowledgement(asker.from, fault.result, mav::kMissionTypePlan);
+  news_ = News{News::Kind::kRefused, kind, fault.item, why};
+  return acknowledgement(asker.from, fault.result, type_of(kind));
 }
 
 link::Message MissionService::ask(std::int64_t now_us) {
   upload_->asked_us = now_us;
   const auto seq = static_cast<std::uint16_t>(upload_->next);
-  return link::MissionRequestInt{upload_->asker.from, seq, mav::kMissionTypePlan};
+  return link::MissionRequestInt{upload_->asker.from, seq, type_of(upload_->kind)};
 }
 
 std::optional<MissionService::Repeated> MissionService::repeat(std::int64_t now_us) {
@@ -182,17 +244,19 @@ std::optional<MissionService::Repeated> MissionService::repeat(std::int64_t now_
   const std::uint8_t link = upload_->asker.link;
   if (upload_->tries++ < kTries) return Repeated{link, ask(now_us)};
   const link::Address to = upload_->asker.from;
-  news_ = News{.item = upload_->next, .why = "its sender is silent"};
+  const std::uint8_t type = type_of(upload_->kind);
+  news_ = News{News::Kind::kRefused, upload_->kind, upload_->next, "its sender is silent"};
   upload_.reset();
-  return Repeated{link, acknowledgement(to, mav::kMissionCancelled, mav::kMissionTypePlan)};
+  return Repeated{link, acknowledgement(to, mav::kMissionCancelled, type)};
 }
 
 link::Message MissionService::item(std::size_t seq, const link::Address& to,
                                    std::uint8_t type) const {
-  if (type != mav::kMissionTypePlan || seq >= count_) {
+  const auto kind = kind_of(type);
+  if (!kind || seq >= store(*kind).count) {
     return acknowledgement(to, mav::kMissionInvalidSequence, type);
   }
-  const PlanItem& p = plan_[seq];
+  const PlanItem& p = store(*kind).room[seq];
   return link::MissionItemInt{to,      static_cast<std::uint16_t>(seq),
                               p.frame, p.command,
                               0,       p.autocontinue,
@@ -206,7 +270,7 @@ std::optional<MissionService::News> MissionService::take_news() {
 }
 
 bool MissionService::set_current(std::size_t item) {
-  if (item >= count_) return false;
+  if (item >= store(Stored::kPlan).count) return false;
   current_ = item;
   complete_ = false;
   jumped_ = true;
@@ -218,6 +282,57 @@ bool MissionService::take_jump() { return std::exchange(jumped_, false); }
 void MissionService::sailed(std::size_t item, bool complete) {
   current_ = complete ? 0 : item;
   complete_ = complete;
+}
+
+bool MissionService::enable_fence(bool on) {
+  if (!fence_.is_stored()) return false;
+  fence_.enable(on);
+  check_.begin();
+  return true;
+}
+
+void MissionService::check_plan(const PlanDefaults& defaults) {
+  const bool same = std::exchange(checked_map_, fence_.drawn()) == fence_.drawn() &&
+                    std::exchange(checked_margin_m_, defaults.margin_m) == defaults.margin_m;
+  if (!same) check_.begin();
+  if (!check_.forward(fence_, plan(), defaults.margin_m)) return;
+  news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, check_.item(), check_.why()};
+}
+
+void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {
+  way_why_ = {};
+  if (!fence_.is_on()) return;
+  PlanReader reader;
+  reader.begin(plan(), current_, defaults);
+  if (const auto first = reader.next(plan())) {
+    way_why_ = fence_.refusal_of(here, first->place, defaults.margin_m);
+  }
+}
+
+bool MissionService::plan_keeps_fence(bool in_auto) const {
+  if (in_auto) return check_.why().empty();
+  return check_.is_over() && plan_trouble().empty();
+}
+
+convert::GlobalPoint MissionService::return_place(const convert::Position& here,
+                                                  const convert::GlobalPoint& home,
+                                                  const PlanDefaults& defaults) const {
+  convert::GlobalPoint best = home;
+  double nearest_m = 0;
+  bool found = false, straight = false;
+  for (const PlanItem& point : stored(Stored::kRally)) {
+    const convert::GlobalPoint place{point.x, point.y};
+    if (!fence_.refusal_of(place, 0).empty()) continue;
+    const convert::Position there{0, 0, {place.latitude, place.longitude, 0, 0}};
+    const double away_m = convert::distance_m(here, there);
+    const bool leads = fence_.refusal_of(here, place, defaults.margin_m).empty();
+    if (found && (straight != leads ? straight : nearest_m <= away_m)) continue;
+    best = place;
+    nearest_m = away_m;
+    straight = leads;
+    found = true;
+  }
+  return best;
 }
 
 }  // namespace flotilla::app

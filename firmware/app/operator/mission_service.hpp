@@ -1,39 +1,59 @@
 // SPDX-License-Identifier: MIT
-// MAVLink's mission protocol: takes a ground station's plan, keeps it, and gives it back. The old
-// plan stays until the last item of a new one has come. Fences and rally points are refused.
+// MAVLink's mission protocol: takes a ground station's plan, fence or rally points, keeps them, and
+// gives them back. The old ones stay until the last item of the new ones has come.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 
-#include "app/guidance/plan.hpp"
+#include "app/guidance/fence.hpp"
+#include "app/guidance/plan_check.hpp"
 #include "app/operator/commands.hpp"
 
 namespace flotilla::app {
 
+/// What the service keeps: the values are MAV_MISSION_TYPE's.
+enum class Stored : std::uint8_t { kPlan, kFence, kRally };
+constexpr std::size_t kStoredKinds = 3;
+
+/// Room for what is stored, and for what is being sent, which may be as long as any of them.
+struct MissionRoom {
+  std::array<std::span<PlanItem>, kStoredKinds> stored;
+  std::span<PlanItem> incoming;
+  std::span<Fence::Place> corners;  ///< one for each item of the fence
+};
+
 class MissionService {
  public:
-  /// Half of the room is for the plan, half for the one that is being sent; it must outlive this
-  /// object.
-  explicit MissionService(std::span<PlanItem> room)
-      : plan_(room.first(room.size() / 2)), incoming_(room.subspan(room.size() / 2)) {}
+  /// The room must outlive this object.
+  explicit MissionService(const MissionRoom& room)
+      : incoming_(room.incoming), fence_(room.corners) {
+    for (std::size_t kind = 0; kind < kStoredKinds; ++kind) stores_[kind].room = room.stored[kind];
+  }
 
-  Plan plan() const { return plan_.first(count_); }
+  Plan stored(Stored kind) const { return store(kind).items(); }
+  Plan plan() const { return stored(Stored::kPlan); }
 
-  /// Changes with each plan; 0: there is none.
-  std::uint32_t id() const { return id_; }
+  /// Changes with what is stored; 0: nothing.
+  std::uint32_t id(Stored kind) const { return store(kind).id; }
 
-  /// At the start: the plan of before, unless it is not sound.
-  PlanFault restore(Plan plan, const PlanDefaults& defaults);
+  /// At the start: what was stored before, unless it is not sound. A plan that leaves the fence is
+  /// taken, and AUTO refused.
+  PlanFault restore(Stored kind, Plan items, const PlanDefaults& defaults);
 
-  /// Who asks, and what he may do.
+  /// Who asks, and what he may change: the plan not while it is being sailed, fence and rally points
+  /// not while the law drives.
   struct Asker {
     link::Address from;
     std::uint8_t link = 0;
-    bool may_change = false;  ///< the plan; not while it is being sailed
+    bool may_command = false, in_auto = false, law_drives = false;
+    bool may_change(Stored kind) const {
+      return may_command && !(kind == Stored::kPlan ? in_auto : law_drives);
+    }
   };
 
   /// The answer to a message of the mission protocol; nothing where none is due.
@@ -47,9 +67,12 @@ class MissionService {
   };
   std::optional<Repeated> repeat(std::int64_t now_us);
 
-  /// What the operator should read of the last message: a plan was stored, or refused.
+  /// What the operator should read of the last message: something was stored, or refused; or that
+  /// the stored plan leaves the fence.
   struct News {
-    bool stored = false;
+    enum class Kind : std::uint8_t { kStored, kRefused, kPlanLeavesFence };
+    Kind kind = Kind::kRefused;
+    Stored what = Stored::kPlan;
     std::size_t item = 0;  ///< where it was refused, from 0
     std::string_view why{};
   };
@@ -64,31 +87,69 @@ class MissionService {
   bool take_jump();
   void sailed(std::size_t item, bool complete);
 
+  const Fence& fence() const { return fence_; }
+  /// The fence's map follows the boat's origin.
+  void locate(const link::GpsGlobalOrigin& origin) { fence_.locate(origin); }
+  /// False if none is stored.
+  bool enable_fence(bool on);
+  /// Once a tick: judges the plan by the fence, a few legs at a time.
+  void check_plan(const PlanDefaults& defaults);
+  /// Before AUTO: judges the way from the boat to where the plan begins.
+  void check_way(const convert::Position& here, const PlanDefaults& defaults);
+  /// The plan keeps the fence. While it is sailed, a judgement that is not over does not stop it.
+  bool plan_keeps_fence(bool in_auto) const;
+  /// Why not, for the operator; empty: it does, or there is no plan.
+  std::string_view plan_trouble() const {
+    if (!check_.why().empty()) return check_.why();
+    return fence_.is_on() ? way_why_ : std::string_view{};
+  }
+
+  /// Where a boat that is `here` returns to: the nearest permitted rally point, one to which the way
+  /// is straight before others; else home.
+  convert::GlobalPoint return_place(const convert::Position& here, const convert::GlobalPoint& home,
+                                    const PlanDefaults& defaults) const;
+
  private:
+  struct Store {
+    std::span<PlanItem> room{};
+    std::size_t count = 0;
+    std::uint32_t id = 0;
+    link::Address from{};
+    Plan items() const { return room.first(count); }
+  };
   struct Upload {
     Asker asker;
+    Stored kind = Stored::kPlan;
     std::size_t count = 0, next = 0;  ///< items
     std::int64_t asked_us = 0;
     int tries = 0;
   };
 
+  Store& store(Stored kind) { return stores_[static_cast<std::size_t>(kind)]; }
+  const Store& store(Stored kind) const { return stores_[static_cast<std::size_t>(kind)]; }
   std::optional<link::Message> begin(const link::MissionCount& count, const Asker& asker,
                                      std::int64_t now_us);
   std::optional<link::Message> take(const link::MissionItemInt& item, const Asker& asker,
                                     const PlanDefaults& defaults, std::int64_t now_us);
+  link::Message clear(const link::MissionClearAll& asked, const Asker& asker);
+  PlanFault fault_of_last_incoming(const PlanDefaults& defaults) const;
   link::Message finish(const Asker& asker);
-  link::Message refuse(const Asker& asker, const PlanFault& fault, std::size_t item);
+  link::Message refuse(const Asker& asker, Stored kind, const PlanFault& fault);
   link::Message ask(std::int64_t now_us);
   link::Message item(std::size_t seq, const link::Address& to, std::uint8_t type) const;
   bool is_from_uploader(const Asker& asker) const;
-  void replace(std::size_t count);
+  void replace(Stored kind, Plan items);
 
-  std::span<PlanItem> plan_, incoming_;
-  std::size_t count_ = 0, current_ = 0;
-  std::uint32_t id_ = 0;
+  std::array<Store, kStoredKinds> stores_;
+  std::span<PlanItem> incoming_;
+  Fence fence_;
+  PlanCheck check_;
+  std::uint32_t checked_map_ = 0;
+  float checked_margin_m_ = 0;
+  std::string_view way_why_{};
+  std::size_t current_ = 0;
   bool complete_ = false, jumped_ = false;
   std::optional<Upload> upload_;
-  link::Address stored_from_{};
   std::optional<News> news_;
 };
 

@@ -2,12 +2,13 @@
 // A boat's working memory, sized by its owner for the number of links. A boat allocates nothing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
 
-#include "app/guidance/plan.hpp"
 #include "app/operator/mavlink_links.hpp"
+#include "app/operator/mission_service.hpp"
 #include "app/operator/parameter_service.hpp"
 #include "app/operator/router.hpp"
 #include "app/operator/streams.hpp"
@@ -16,15 +17,21 @@
 
 namespace flotilla::app {
 
-/// State of a boat's links, and of the senders of signed messages; its plan, and the next one.
-template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems>
+/// State of a boat's links, and of the senders of signed messages; its plan, fence and rally points,
+/// and those that are being sent.
+template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
+          std::size_t kFenceItems, std::size_t kRallyPoints>
 struct Room {
   std::array<MavlinkLinks::Link, kLinks> links;
   std::array<Router::Link, kLinks> routes;
   std::array<ParameterService::Owed, kLinks> parameters;
   std::array<Streams::Link, kLinks> streams;
   std::array<link::Signing::Stream, kSigningStreams> signing;
-  std::array<PlanItem, 2 * kPlanItems> plans;
+  std::array<PlanItem, kPlanItems> plan;
+  std::array<PlanItem, kFenceItems> fence;
+  std::array<PlanItem, kRallyPoints> rally;
+  std::array<PlanItem, std::max({kPlanItems, kFenceItems, kRallyPoints})> incoming;
+  std::array<Fence::Place, kFenceItems> corners;
 };
 
 /// A boat's output of one tick. Boats that tick one after another may share it.
@@ -36,14 +43,16 @@ struct Outbox {
 
 /// Both, as passed to a boat; the owner keeps them for the boat's lifetime.
 struct Storage {
-  template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems>
-  Storage(Room<kLinks, kSigningStreams, kPlanItems>& room, Outbox<kLinks>& outbox)
+  template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
+            std::size_t kFenceItems, std::size_t kRallyPoints>
+  Storage(Room<kLinks, kSigningStreams, kPlanItems, kFenceItems, kRallyPoints>& room,
+          Outbox<kLinks>& outbox)
       : links(room.links),
         routes(room.routes),
         parameters(room.parameters),
         streams(room.streams),
         signing(room.signing),
-        plans(room.plans),
+        missions{{room.plan, room.fence, room.rally}, room.incoming, room.corners},
         mavlink(outbox.mavlink),
         can(outbox.can) {}
 
@@ -52,14 +61,14 @@ struct Storage {
   std::span<ParameterService::Owed> parameters;
   std::span<Streams::Link> streams;
   std::span<link::Signing::Stream> signing;
-  std::span<PlanItem> plans;
+  MissionRoom missions;
   std::span<Datagram> mavlink;
   CanOutput& can;
 };
 
 /// For hosts with ample memory: room for the maximum of everything.
 struct AmpleStorage {
-  Room<kMaxLinks, 255, 1000> room;
+  Room<kMaxLinks, 255, 1000, 200, 50> room;
   Outbox<kMaxLinks> outbox;
 };
 

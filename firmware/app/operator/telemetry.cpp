@@ -17,7 +17,8 @@ namespace mav = link::mav;
 
 constexpr std::uint64_t kCapabilities = mav::kCapabilityMavlink2 | mav::kCapabilityCommandInt |
                                         mav::kCapabilityMissionInt | mav::kCapabilityParamBytewise |
-                                        mav::kCapabilityFtp;
+                                        mav::kCapabilityFtp | mav::kCapabilityMissionFence |
+                                        mav::kCapabilityMissionRally;
 
 struct Mode {
   std::uint8_t number;
@@ -59,7 +60,8 @@ link::SysStatus sys_status(const Report& r) {
     health |= mav::kSensorPrearm;
   if (!r.fenced || met(core::kInsideFence)) health |= mav::kSensorGeofence;
   if (measured && met(core::kBatteryGood)) health |= mav::kSensorBattery;
-  return {present, present, health, 0, battery.voltages[0], battery.current_battery, -1};
+  const std::uint32_t off = r.fence_is_off ? mav::kSensorGeofence : 0;
+  return {present, present & ~off, health, 0, battery.voltages[0], battery.current_battery, -1};
 }
 
 link::AutopilotVersion autopilot_version(const Report& r) {
@@ -285,7 +287,13 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
       return link::CurrentMode{standard_mode_of(r.mode), r.mode, r.intended_mode};
     case link::MissionCurrent::kId:
       if (!r.plan) return std::nullopt;
-      return link::MissionCurrent{r.plan->item, r.plan->count, r.plan->state, 0, r.plan->id, 0, 0};
+      return link::MissionCurrent{r.plan->item, r.plan->count,    r.plan->state,   0,
+                                  r.plan->id,   r.plan->fence_id, r.plan->rally_id};
+    case link::FenceStatus::kId:
+      if (!r.fence) return std::nullopt;
+      return link::FenceStatus{r.fence->breached, r.fence->breaches,
+                               r.fence->breached ? mav::kBreachBoundary : mav::kBreachNone,
+                               r.fence->last_ms};
     case link::FormationReference::kId:
       if (!r.reference) return std::nullopt;
       return *r.reference;

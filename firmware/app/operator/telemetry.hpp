@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "app/guidance/fence_watch.hpp"
 #include "app/guidance/pilot.hpp"
 #include "core/supervisor.hpp"
 #include "link/dronecan/messages.hpp"
@@ -43,7 +44,7 @@ struct Home {
 struct PlanReport {
   std::uint16_t item = 0, count = 0;
   std::uint8_t state = 0;  ///< MISSION_STATE
-  std::uint32_t id = 0;
+  std::uint32_t id = 0, fence_id = 0, rally_id = 0;
 };
 
 /// Input of all telemetry of one tick.
@@ -58,6 +59,7 @@ struct Report {
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
   std::optional<link::FormationReference> reference;  ///< for followers, while it can be followed
   std::optional<PlanReport> plan;                     ///< if one is stored
+  std::optional<FenceReport> fence;                   ///< if one is stored
   std::optional<double> depth;         ///< in the tree of leaders; unless FS_SEP_M is 0
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
   std::optional<Estimates> estimates;  ///< while the own state is fresh
@@ -65,7 +67,8 @@ struct Report {
   double most_N = 0, least_N = 0;      ///< of one propeller, N; least: astern, negative
   std::uint8_t leader = 0;             ///< system id
   std::array<EscReport, 2> escs{};     ///< port, starboard
-  bool fenced = false, battery_limited = false;  ///< by FS_FENCE_M, FS_BATT_V
+  bool fenced = false, fence_is_off = false;  ///< by FS_FENCE_M or a stored fence
+  bool battery_limited = false;               ///< by FS_BATT_V
   std::uint32_t overruns = 0;
   link::Address self{};
 };

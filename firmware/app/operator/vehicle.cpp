@@ -70,7 +70,7 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       time_(time),
       router_(storage.routes.first(links.count())),
       parameter_service_(storage.parameters.first(links.count())),
-      missions_(storage.plans),
+      missions_(storage.missions),
       ftp_(metadata_files()),
       streams_(configuration_, storage.streams.first(links.count())),
       heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2),
@@ -191,6 +191,7 @@ bool Vehicle::may_command(link::Address from) const {
 
 void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
   now_us_ = now_us;
+  missions_.check_plan(configuration_.plan);
   links_.begin(dt_us);
   streams_.forget_silent_radios(now_us);
   if (identity_.latch(core::armed(supervisor_.state()), now_us)) {
@@ -292,6 +293,9 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     return;
   }
   send_complaints(what, missing, counters);
+  if ((missing & core::kPlanReady) != 0 && !missions_.plan_trouble().empty()) {
+    send_statustext(mav::kSeverityWarning, {"Plan: ", missions_.plan_trouble()}, counters);
+  }
 }
 
 /// Sends as many as leave room for the heartbeat; the others come once these have been remedied.

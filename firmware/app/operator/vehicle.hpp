@@ -148,6 +148,7 @@ class Vehicle {
   std::uint8_t answer_of_plan(const DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
+  std::uint8_t answer_of_fence(DecodedCommand& asked);
   std::optional<PlanReport> plan_report() const;
   void freshen();
   Supervisor::Decision ask(DecodedCommand& asked);

@@ -104,9 +104,9 @@ std::optional<core::Drive<double>> Vehicle::drive(std::int64_t now_us) const {
 }
 
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
-  const bool sails = supervisor_.state() == core::State::kAuto;
-  const MissionService::Asker asker{pending.from, pending.link,
-                                    may_command(pending.from) && !sails};
+  const core::State state = supervisor_.state();
+  const MissionService::Asker asker{pending.from, pending.link, may_command(pending.from),
+                                    state == core::State::kAuto, core::law_drives(state)};
   const auto answer =
       missions_.answer(pending.message, asker, configuration_.plan, pending.read_us);
   if (answer) links_.send(pending.link, *answer, counters);
@@ -114,18 +114,35 @@ void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& coun
 }
 
 void Vehicle::tell_mission_news(link::Counters& counters) {
+  using Kind = MissionService::News::Kind;
   const auto news = missions_.take_news();
   if (!news) return;
+  constexpr std::array<std::string_view, kStoredKinds> kNames{"Plan", "Fence", "Rally"};
+  const std::string_view name = kNames[static_cast<std::size_t>(news->what)];
   Sentence told;
-  if (!news->stored) {
+  if (news->kind != Kind::kStored) {
     if (!refusal_due_.take_if_due(now_us_)) return;
-    told << "Plan refused at item " << static_cast<float>(news->item) << ": " << news->why;
+    const std::string_view how =
+        news->kind == Kind::kRefused ? " refused at item " : " is bad at item ";
+    told << name << how << static_cast<float>(news->item) << ": " << news->why;
     send_statustext(mav::kSeverityWarning, {told.text()}, counters);
     return;
   }
-  told << "Plan of " << static_cast<float>(missions_.plan().size()) << " items stored";
+  told << name << " of " << static_cast<float>(missions_.stored(news->what).size())
+       << " items stored";
   send_statustext(mav::kSeverityInfo, {told.text()}, counters);
   streams_.make_due(link::MissionCurrent::kId);
+  streams_.make_due(link::FenceStatus::kId);
+}
+
+/// Switches the fence on or off.
+std::uint8_t Vehicle::answer_of_fence(DecodedCommand& asked) {
+  if (!missions_.enable_fence(*asked.fence)) {
+    asked.why = "no fence is stored";
+    return mav::kDenied;
+  }
+  streams_.make_due(link::FenceStatus::kId);
+  return mav::kAccepted;
 }
 
 /// Judges a target before the mode changes. A boat in GUIDED goes to its new one.
@@ -146,6 +163,10 @@ void Vehicle::judge_target(DecodedCommand& asked) const {
     const convert::Position here{own.north_m, own.east_m, own.origin};
     if (!convert::way_to<double>(here, asked.target->place, kErrandReach_m).near) {
       refuse(mav::kDenied, "target is over 2.9 km away");
+    } else if (missions_.fence().is_on()) {
+      const auto why =
+          missions_.fence().refusal_of(here, asked.target->place, configuration_.plan.margin_m);
+      if (!why.empty()) refuse(mav::kDenied, why);
     }
   }
 }
@@ -164,7 +185,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   DecodedCommand asked = meaning_of(command);
   const bool unknown = asked.result == mav::kUnsupported;
   const bool at_rest = asked.request == Request::kHold && !core::armed(supervisor_.state());
-  const bool of_plan = asked.item || asked.paused || asked.target;
+  const bool of_plan = asked.item || asked.paused || asked.target || asked.fence;
   const bool autopilots = drives(asked.request) || of_plan || unknown || at_rest;
   if (identity_.is_autopilots(command.target) && autopilots) return;
   if (!may_command(pending.from) && !asked.reads_only() && !is_stop(command)) {
@@ -191,6 +212,7 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
     target_ = asked.target;
     drive_.reset();
   }
+  if (asked.fence) asked.result = answer_of_fence(asked);
   if (asked.message) {
     freshen();
     asked.result = answer_of(link, *asked.message);

@@ -50,8 +50,12 @@ std::optional<PlanReport> Vehicle::plan_report() const {
                                                                 : mav::kMissionNotStarted;
   const std::size_t count = missions_.plan().size();
   const std::size_t item = missions_.is_complete() ? count - 1 : missions_.current();
-  return PlanReport{static_cast<std::uint16_t>(item), static_cast<std::uint16_t>(count), state,
-                    missions_.id()};
+  return PlanReport{static_cast<std::uint16_t>(item),
+                    static_cast<std::uint16_t>(count),
+                    state,
+                    missions_.id(Stored::kPlan),
+                    missions_.id(Stored::kFence),
+                    missions_.id(Stored::kRally)};
 }
 
 void Vehicle::sailed(std::size_t item, std::optional<std::size_t> reached, bool complete,
@@ -68,6 +72,7 @@ void Vehicle::locate(const link::GpsGlobalOrigin& origin) {
   if (told_origin_ == here) return;
   told_origin_ = here;
   origin_moved_ = true;
+  missions_.locate(origin);
   streams_.make_due(link::GpsGlobalOrigin::kId);
 }
 
@@ -91,8 +96,8 @@ void Vehicle::tell(link::Counters& counters) {
   if (timesync_due_.take_if_due(now_us_)) ask_times(counters);
   if (const auto again = missions_.repeat(now_us_)) {
     links_.send(again->link, again->message, counters);
-    tell_mission_news(counters);
   }
+  tell_mission_news(counters);
   if (separation_due_.take_if_due(now_us_) && report_.depth) tell_separation(counters);
   if (std::exchange(double_seen_, false) && double_due_.take_if_due(now_us_)) {
     send_statustext(mav::kSeverityCritical,
@@ -213,8 +218,8 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// A stream with nothing to send yet stays due, but for the plan's: many boats never have one. If a slow link cannot carry all its messages at
-/// once, it continues in a later tick, before all others except requested parameters.
+/// A stream with nothing to send yet stays due, but for the plan's and the fence's: many boats never
+/// have one. If a slow link cannot carry all its messages at once, it continues in a later tick, before all others except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.is_due(now_us_)) return false;
@@ -230,7 +235,7 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
     links_.send(link, *message, counters);
   }
   begun = {};
-  if (told > 0 || stream == kPlanStream) schedule.take_if_due(now_us_);
+  if (told > 0 || stream == kPlanStream || stream == kFenceStream) schedule.take_if_due(now_us_);
   return told > 0;
 }
 

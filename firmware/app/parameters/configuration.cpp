@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/parameters/configuration.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "app/convert/times.hpp"
@@ -58,7 +59,14 @@ Configuration configuration_of(const Parameters& p) {
                     .beam_m = 2 * p.THR_ARM,
                     .separation_m = separation_m(p),
                     .judges_station = p.FS_SLOT_M > 0},
-      .plan = {.speed_mps = p.WP_SPEED, .radius_m = p.WP_RADIUS, .fastest_mps = p.LAW_U_MAX},
+      .plan = {.speed_mps = p.WP_SPEED,
+               .radius_m = p.WP_RADIUS,
+               .fastest_mps = p.LAW_U_MAX,
+               .margin_m = p.BOAT_LEN + p.WP_WIDTH},
+      // Half of the astern thrust, within what Q16.16 can divide by.
+      .stopping = {.reaction_s = 1,
+                   .brake_mps2 = std::clamp(p.THR_REV_MAX / p.VES_M11, 0.02F, 0.5F),
+                   .drag_s = std::min(p.VES_M11 / p.VES_D11, 60.0F)},
       .navigation = {.lag_s = unless_negative(p.NAV_LAG_S),
                      .component = whole<Byte>(p.NAV_COMPID),
                      .link = p.NAV_LINK < 0 ? std::nullopt

@@ -73,11 +73,19 @@ struct Configuration {
 
   struct Plan {
     float speed_mps = 0, radius_m = 0, fastest_mps = 0;  ///< fastest: 0, no limit
+    float margin_m = 0;                                  ///< to keep from the fence
+  };
+
+  /// How the boat comes to rest, for the fence.
+  struct Stopping {
+    float reaction_s = 0, brake_mps2 = 0;
+    float drag_s = 0;  ///< in which the water takes away most of the speed
   };
 
   Start start;
   Formation formation;
   Plan plan;
+  Stopping stopping;
   Navigation navigation;
   Propulsion propulsion;
   Failsafes failsafes;

@@ -23,7 +23,8 @@ constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
                         kCmdNavReturnToLaunch = 20, kCmdDoReposition = 192,
-                        kCmdDoPauseContinue = 193, kCmdDoSetMissionCurrent = 224,
+                        kCmdDoPauseContinue = 193, kCmdDoFenceEnable = 207,
+                        kCmdDoSetMissionCurrent = 224,
                         kCmdMissionStart = 300, kCmdPreflightStorage = 245,
                         kCmdDoSetStandardMode = 262, kCmdComponentArmDisarm = 400,
                         kCmdInjectFailure = 420, kCmdGetMessageInterval = 510,
@@ -39,7 +40,8 @@ constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupportedFrame = 2, kMiss
                        kMissionNoSpace = 4, kMissionInvalid = 5, kMissionInvalidParam1 = 6,
                        kMissionInvalidParam2 = 7, kMissionInvalidX = 10, kMissionInvalidY = 11,
                        kMissionInvalidSequence = 13, kMissionDenied = 14, kMissionCancelled = 15;
-constexpr std::uint8_t kMissionTypePlan = 0, kMissionTypeAll = 255;
+constexpr std::uint8_t kMissionTypePlan = 0, kMissionTypeFence = 1, kMissionTypeRally = 2,
+                       kMissionTypeAll = 255;
 /// MAV_STANDARD_MODE.
 constexpr std::uint8_t kStandardModeSafeRecovery = 5, kStandardModeMission = 6;
 /// MISSION_STATE.
@@ -48,10 +50,19 @@ constexpr std::uint8_t kMissionNotStarted = 2, kMissionActive = 3, kMissionPause
 /// Commands in plans.
 constexpr std::uint16_t kNavWaypoint = 16, kNavLoiterUnlimited = 17, kNavLoiterTime = 19,
                         kNavDelay = 93, kDoChangeSpeed = 178, kDoSetRoi = 201;
+/// Items of fences, and of rally points.
+constexpr std::uint16_t kFenceReturnPoint = 5000, kFenceInclusion = 5001, kFenceExclusion = 5002,
+                        kFenceCircleInclusion = 5003, kFenceCircleExclusion = 5004,
+                        kRallyPoint = 5100;
+/// FENCE_BREACH.
+constexpr std::uint8_t kBreachNone = 0, kBreachBoundary = 3;
+/// FENCE_TYPE.
+constexpr std::uint32_t kFencePolygon = 4;
 
 constexpr std::uint64_t kCapabilityMissionInt = 4, kCapabilityCommandInt = 8,
                         kCapabilityParamBytewise = 16, kCapabilityFtp = 32,
-                        kCapabilityMavlink2 = 8192;
+                        kCapabilityMavlink2 = 8192, kCapabilityMissionFence = 16384,
+                        kCapabilityMissionRally = 32768;
 constexpr std::uint32_t kModePropertyNotUserSelectable = 2, kModePropertyAuto = 4;
 
 constexpr std::uint32_t kSensorGyro = 1, kSensorAccel = 2, kSensorMag = 4, kSensorGps = 32,

@@ -2,6 +2,7 @@
 // flotillad's configuration: boat.toml, and the same keys as options. The command line wins.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -49,7 +50,10 @@ struct Config {
 
   std::filesystem::path parameter_file() const { return state_dir / "parameters.txt"; }
   std::filesystem::path node_id_file() const { return state_dir / "node_ids.txt"; }
-  std::filesystem::path plan_file() const { return state_dir / "plan.txt"; }
+  /// In the order of app::Stored.
+  std::array<std::filesystem::path, 3> plan_files() const {
+    return {state_dir / "plan.txt", state_dir / "fence.txt", state_dir / "rally.txt"};
+  }
   std::filesystem::path signing_time_file() const { return state_dir / "signing_time.txt"; }
 
   /// The link's own policy; by default, required if there is a key, else off.

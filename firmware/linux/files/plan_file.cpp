@@ -15,8 +15,17 @@
 namespace flotilla::target {
 namespace {
 
-constexpr std::string_view kTitle = "flotilla-plan 1\n";
 constexpr std::size_t kMostItems = 1000;
+
+std::string title_of(const std::filesystem::path& path) {
+  return "flotilla-" + path.stem().string() + " 1\n";
+}
+
+/// "no plan", "no fence", "no rally points".
+std::string none_of(const std::filesystem::path& path) {
+  const std::string stem = path.stem().string();
+  return "no " + stem + (stem == "rally" ? " points" : "");
+}
 
 std::string line_of(const app::PlanItem& item) {
   std::array<char, 128> line{};
@@ -46,8 +55,8 @@ app::PlanItem item_of(const std::string& line) {
 
 }  // namespace
 
-std::string plan_text(app::Plan plan) {
-  std::string body(kTitle);
+std::string plan_text(const std::filesystem::path& path, app::Plan plan) {
+  std::string body = title_of(path);
   for (const app::PlanItem& item : plan) body += line_of(item);
   return body + checksum_line(body);
 }
@@ -57,21 +66,22 @@ LoadedPlan load_plan(const std::filesystem::path& path) {
   const FileContent content = read_file(path);
   if (content.error == ENOENT) return {};
   if (content.error != 0) {
-    return {{}, name + " cannot be read: " + std::strerror(content.error) + "; no plan"};
+    return {{}, name + " cannot be read: " + std::strerror(content.error) + "; " + none_of(path)};
   }
   LoadedPlan loaded;
-  std::size_t at = kTitle.size();
+  std::size_t at = title_of(path).size();
   for (std::size_t end; (end = content.text.find('\n', at)) != std::string::npos; at = end + 1) {
     const std::string line = content.text.substr(at, end - at);
     if (line.starts_with("crc32") || loaded.items.size() >= kMostItems) break;
     loaded.items.push_back(item_of(line));
   }
-  if (content.text != plan_text(loaded.items)) return {{}, name + " is damaged; no plan"};
+  if (content.text != plan_text(path, loaded.items))
+    return {{}, name + " is damaged; " + none_of(path)};
   return loaded;
 }
 
 PlanSaver::PlanSaver(std::filesystem::path path, std::chrono::milliseconds every)
-    : path_(std::move(path)), writer_(every, [this] { write(); }, "the plan's saver") {
+    : path_(std::move(path)), writer_(every, [this] { write(); }, "a plan's saver") {
   plan_.reserve(kMostItems);
 }
 
@@ -89,7 +99,7 @@ void PlanSaver::write() {
     {
       const std::scoped_lock lock(mutex_);
       if (!std::exchange(changed_, false)) return;
-      text = plan_text(plan_);
+      text = plan_text(path_, plan_);
     }
     const auto fault = replace_file(path_, text);
     if (!fault) return;

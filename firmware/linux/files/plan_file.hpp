@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The boat's plan on disk: bit for bit as its sender gave it, with a checksum.
+// The boat's plan, fence or rally points on disk: bit for bit as their sender gave them, with a
+// checksum. The first line names which, as the file's name does.
 //
 //   flotilla-plan 1
 //   16 6 1 473977420 85455940 00000000 3FC00000 00000000 7FC00000 00000000
@@ -7,7 +8,7 @@
 //   crc32 = 89ABCDEF
 //
 // A line is an item: MAV_CMD, frame, autocontinue, x, y, and as the bits of floats parameters 1 to 4
-// and z. The file is replaced by a rename, so after a crash it holds the old plan or the new one.
+// and z. The file is replaced by a rename, so after a crash it holds the old items or the new ones.
 #pragma once
 
 #include <chrono>
@@ -31,17 +32,17 @@ struct LoadedPlan {
 /// Never throws for the content of the disk.
 LoadedPlan load_plan(const std::filesystem::path& path);
 
-/// The content of the file.
-std::string plan_text(app::Plan plan);
+/// The content of the file of that name.
+std::string plan_text(const std::filesystem::path& path, app::Plan plan);
 
-/// Writes the plan in its own thread, as a boat that sails must not wait for the disk.
+/// Writes the items in its own thread, as a boat that sails must not wait for the disk.
 class PlanSaver {
  public:
   /// Throws std::system_error if the thread cannot be started.
   explicit PlanSaver(std::filesystem::path path,
                      std::chrono::milliseconds every = std::chrono::milliseconds(100));
 
-  /// The plan to save from now on. Never blocks; false: try again.
+  /// The items to save from now on. Never blocks; false: try again.
   bool put(app::Plan plan);
 
   /// The first error with the file, once. Writing is retried.

@@ -64,6 +64,7 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
       {link::SystemTime::kId, 1'000'000},
       {link::CurrentMode::kId, -1},
       {link::MissionCurrent::kId, 1'000'000},
+      {link::FenceStatus::kId, 1'000'000},
       {link::HomePosition::kId, 2'000'000},
       {link::NavControllerOutput::kId, 1'000'000},
       {link::PositionTargetLocalNed::kId, 1'000'000},

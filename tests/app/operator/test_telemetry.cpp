@@ -37,6 +37,7 @@ Report full() {
   r.reference->path.fill(1);
   r.reference->offset_b.fill(-1);
   r.plan = PlanReport{1, 5, mav::kMissionActive, 12345};
+  r.fence = FenceReport{};
   r.own_age_s = 0.1;
   r.leader_age_s = 0.2;
   r.leader_uncertainty_m = 0.3;
@@ -87,6 +88,7 @@ Report any_report(std::mt19937& random) {
   if (!often()) r.formation.reset();
   if (!often()) r.reference.reset();
   if (!often()) r.plan.reset();
+  if (!often()) r.fence.reset();
   if (!often()) r.own_age_s.reset();
   if (!often()) r.leader_age_s.reset();
   if (!often()) r.leader_uncertainty_m.reset();
@@ -341,7 +343,7 @@ TEST_CASE("SYS_STATUS has a fence and a battery where there are, as well as they
 
 TEST_CASE("the boat says what it can, who made it and where its description is") {
   const auto version = all_as<link::AutopilotVersion>(link::AutopilotVersion::kId, full())[0];
-  CHECK(version.capabilities == (8192 | 4 | 8 | 16 | 32));
+  CHECK(version.capabilities == (8192 | 4 | 8 | 16 | 32 | 16384 | 32768));
   CHECK(version.uid != 0);
   Report sister = full();
   sister.self.system = 8;

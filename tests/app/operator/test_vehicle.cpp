@@ -126,6 +126,7 @@ struct Ship {
       r.own = OwnReport{convert::boot_ms(now_us), {}, true};
       r.own->state.origin = {410'000'000, 20'000'000, 0, 0};
       r.home = Home{410'000'000, 20'000'000, 0};
+      r.fence = FenceReport{};
       r.formation = FormationReport{};
       r.reference = reference;
       vehicle->locate(r.own->state.origin);
@@ -526,10 +527,10 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   s.ask(link::MissionRequest{{1, 1}, 0, 1}, 1);
   s.ask(link::MissionRequestInt{{1, 1}, 0, 1}, 1);
   s.ask(link::MissionItem{{1, 1}, 1}, 1);
-  link::MissionItemInt fence{};
-  fence.target = {1, 1};
-  fence.mission_type = 1;
-  s.ask(fence, 1);
+  link::MissionItemInt unknown{};
+  unknown.target = {1, 1};
+  unknown.mission_type = 3;
+  s.ask(unknown, 1);
   s.ask(link::LogRequestList{{1, 1}}, 1);
   s.ask(link::LogRequestList{{2, 1}}, 1);
   const auto not_sent = s.counters.mavlink_not_sent;

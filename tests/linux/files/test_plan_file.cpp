@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <doctest/doctest.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -24,20 +25,32 @@ std::vector<app::PlanItem> plan() {
   return items;
 }
 
+/// Each file, and how its lack is called.
+struct Named {
+  const char* file;
+  std::string lack;
+};
+const std::array kEach{Named{"plan.txt", "no plan"}, Named{"fence.txt", "no fence"},
+                       Named{"rally.txt", "no rally points"}};
+
 bool same(const std::vector<app::PlanItem>& a, const std::vector<app::PlanItem>& b) {
   return a.size() == b.size() &&
          std::memcmp(a.data(), b.data(), a.size() * sizeof(app::PlanItem)) == 0;
 }
 
-TEST_CASE("a plan that was saved is there at the next start, bit for bit") {
+TEST_CASE("what was saved is there at the next start, bit for bit, each in its own file") {
   const Scratch folder;
-  const auto file = folder / "plan.txt";
-  {
-    PlanSaver saver(file);
-    CHECK(saver.put(plan()));
+  for (const auto& [name, lack] : kEach) {
+    const auto file = folder / name;
+    {
+      PlanSaver saver(file);
+      CHECK(saver.put(plan()));
+    }
+    CHECK(same(load_plan(file).items, plan()));
+    CHECK(load_plan(file).note.empty());
   }
-  CHECK(same(load_plan(file).items, plan()));
-  CHECK(load_plan(file).note.empty());
+  std::filesystem::rename(folder / "fence.txt", folder / "plan.txt");
+  CHECK(load_plan(folder / "plan.txt").note == "plan.txt is damaged; no plan");  // of a fence
 }
 
 TEST_CASE("a plan goes to the disk while the boat sails, and a cleared one too") {
@@ -59,31 +72,33 @@ TEST_CASE("a first start has no plan, and that is no complaint") {
 }
 
 TEST_CASE("a file that is cut anywhere, or has any bit flipped, is no plan") {
-  const Scratch folder;
-  const auto file = folder / "plan.txt";
-  const std::string whole = plan_text(plan());
-  const auto refused = [&](const std::string& text) {
-    put(file, text);
-    const LoadedPlan loaded = load_plan(file);
-    return loaded.items.empty() && loaded.note == "plan.txt is damaged; no plan";
-  };
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    CAPTURE(i);
-    CHECK(refused(whole.substr(0, i)));
-    for (unsigned bit = 0; bit < 8; ++bit) {
-      std::string damaged = whole;
-      damaged[i] = static_cast<char>(static_cast<unsigned char>(whole[i]) ^ 1U << bit);
-      CHECK(refused(damaged));
+  for (const auto& [name, lack] : kEach) {
+    const Scratch folder;
+    const auto file = folder / name;
+    const std::string whole = plan_text(file, plan());
+    const auto refused = [&](const std::string& text) {
+      put(file, text);
+      const LoadedPlan loaded = load_plan(file);
+      return loaded.items.empty() && loaded.note == std::string(name) + " is damaged; " + lack;
+    };
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      CAPTURE(i);
+      CHECK(refused(whole.substr(0, i)));
+      for (unsigned bit = 0; bit < 8; ++bit) {
+        std::string damaged = whole;
+        damaged[i] = static_cast<char>(static_cast<unsigned char>(whole[i]) ^ 1U << bit);
+        CHECK(refused(damaged));
+      }
     }
+    CHECK(refused(whole + "x"));
   }
-  CHECK(refused(whole + "x"));
 }
 
 TEST_CASE("power that is cut while a plan is written leaves the old one") {
   const Scratch folder;
   const auto file = folder / "plan.txt";
-  put(file, plan_text(plan()));
-  const std::string next = plan_text(app::Plan(plan()).first(1));
+  put(file, plan_text(file, plan()));
+  const std::string next = plan_text(file, app::Plan(plan()).first(1));
   for (std::size_t i = 0; i <= next.size(); ++i) {
     put(folder / "plan.txt.new", next.substr(0, i));  // before the rename
     CHECK(same(load_plan(file).items, plan()));

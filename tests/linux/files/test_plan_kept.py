@@ -8,56 +8,71 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.linux.process import PATIENT, RealSea
-from tests.target.plans import Item, as_sent, at, fields, speed
+from tests.target.plans import Item, as_sent, at, box, circle, fields, rally, speed
 from tests.target.stations import BOAT
 
 PLAN = [at(10, 0, hold_s=3.0), speed(0.8), at(10, 10, radius_m=1.5)]
 OTHER = [at(5, 5)]
 
 
-def send(sea: RealSea, items: Sequence[Item]) -> None:
+FENCED = [*box(0, 0, 60), circle(0, 0, 50)]
+KEPT = {
+    "plan": (PLAN, OTHER),
+    "fence": (FENCED, FENCED[-1:]),
+    "rally": ([rally(1, 2)] * 2, [rally(3, 4)]),
+}
+KIND = {"plan": 0, "fence": 1, "rally": 2}
+
+
+def send(sea: RealSea, items: Sequence[Item], kind: int = 0) -> None:
     """Send a plan and wait for its acceptance."""
     sea.until(sea.ready)
     acknowledged, asked = len(sea.named("MISSION_ACK")), len(sea.named("MISSION_REQUEST_INT"))
-    sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, len(items), 0))
+    sea.say(mavlink.MAVLink_mission_count_message(BOAT, 1, len(items), kind))
     for seq, item in enumerate(items):
         sea.until(
             lambda seq=seq: [m.seq for m in sea.named("MISSION_REQUEST_INT")[asked:]][-1:] == [seq]
         )
-        sea.say(item.message(seq))
+        sea.say(item.message(seq, kind=kind))
     sea.until(lambda: len(sea.named("MISSION_ACK")) > acknowledged)
     assert sea.named("MISSION_ACK")[-1].type == 0
 
 
-def fetched(sea: RealSea) -> list[tuple[bytes, ...]]:
+def fetched(sea: RealSea, kind: int = 0) -> list[tuple[bytes, ...]]:
     """The boat's plan."""
     sea.until(sea.ready)
     told = len(sea.named("MISSION_COUNT"))
-    sea.say(mavlink.MAVLink_mission_request_list_message(BOAT, 1, 0))
+    sea.say(mavlink.MAVLink_mission_request_list_message(BOAT, 1, kind))
     sea.until(lambda: len(sea.named("MISSION_COUNT")) > told)
     items = []
     for seq in range(sea.named("MISSION_COUNT")[-1].count):
         given = len(sea.named("MISSION_ITEM_INT"))
-        sea.say(mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, 0))
+        sea.say(mavlink.MAVLink_mission_request_int_message(BOAT, 1, seq, kind))
         sea.until(lambda given=given: len(sea.named("MISSION_ITEM_INT")) > given)
         items.append(fields(sea.named("MISSION_ITEM_INT")[-1]))
     return items
 
 
 @pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGKILL])
-def test_a_plan_is_there_after_a_restart(sea: RealSea, end: signal.Signals) -> None:
+@pytest.mark.parametrize("name", KEPT)
+def test_what_was_stored_is_there_after_a_restart(
+    sea: RealSea, name: str, end: signal.Signals
+) -> None:
+    first, second = KEPT[name]
+    kind = KIND[name]
     sea.start()
-    send(sea, PLAN)
-    file = sea.state_dir / "plan.txt"
+    send(sea, first, kind)
+    file = sea.state_dir / f"{name}.txt"
     if end == signal.SIGKILL:
-        sea.until(lambda: file.exists() and len(file.read_text().splitlines()) == 5)
+        lines = len(first) + 2
+        sea.until(lambda: file.exists() and len(file.read_text().splitlines()) == lines)
     sea.end(end)
     sea.start()
-    assert fetched(sea) == as_sent(PLAN)
-    send(sea, OTHER)
+    assert fetched(sea, kind) == as_sent(first)
+    send(sea, second, kind)
     sea.end()
     sea.start()
-    assert fetched(sea) == as_sent(OTHER)
+    assert fetched(sea, kind) == as_sent(second)
 
 
 def test_a_cleared_plan_stays_cleared(sea: RealSea) -> None:

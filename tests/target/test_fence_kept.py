@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: MIT
+"""A boat keeps its fence: plans that leave it are refused, and the law stops before it would."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from tests.target.course import Course
+from tests.target.hull import Afloat, Hull
+from tests.target.operator_words import sticks
+from tests.target.plans import (
+    CIRCLE_OUT,
+    FENCE,
+    INVALID,
+    ITEM_ACCEPTED,
+    KEEP_IN,
+    KEEP_OUT,
+    PLAN,
+    Item,
+    Planner,
+    as_sent,
+    at,
+    box,
+    circle,
+    corners,
+    plan_of,
+)
+from tests.target.sea import Sea, acks, named, texts
+from tests.target.stations import (
+    ACCEPTED,
+    DENIED,
+    FORMATION,
+    SET_MODE,
+    TEMPORARILY_REJECTED,
+)
+from tests.target.test_auto import AUTO, at_sea, place, sailing
+from tests.target.test_long_texts import sentences
+
+FENCE_ENABLE, GEOFENCE, MANUAL = 207, 1 << 20, 0
+HULL = 1.3  # BOAT_LEN's default: the margin
+
+
+def send(sea: Sea, kind: int, items: list[Item]) -> int | None:
+    return Planner(sea, kind=kind).send(items)
+
+
+def words(sea: Sea) -> list[str]:
+    return [said.text for said in sentences(sea.ticks)]
+
+
+def fenced(plan: list[Item], fence: list[Item], parameters: dict[str, float] | None = None) -> Sea:
+    """A boat at the origin whose fence was stored after its plan."""
+    sea = at_sea(plan, parameters)
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    sea.run(0.5)
+    return sea
+
+
+#: A plan's last item, and how it offends a square of 20 m, half, with a hole at (10, 10).
+LEGS = [
+    (at(20 - HULL - 0.1, 0), None),
+    (at(20 - HULL + 0.1, 0), "too near to the fence"),
+    (at(23, 0), "outside the fence"),
+    (at(10, 10), "outside the fence"),
+    (at(10, 10 + 3 + HULL - 0.1), "too near to the fence"),
+    (at(16, 16), "the way there leaves the fence"),
+    (at(16, 0), None),
+    (at(0, 2001), "over 2 km from the first"),
+]
+
+
+@pytest.mark.parametrize(("item", "why"), LEGS, ids=range(len(LEGS)))
+@pytest.mark.parametrize("width", [0.0, 1.0])
+def test_a_plan_that_leaves_the_fence_is_refused_with_its_items_number(
+    item: Item, why: str | None, width: float
+) -> None:
+    sea = Sea({"WP_WIDTH": width})
+    sea.settle()
+    grown = 20 + width  # the same margin is left, and so is the answer
+    fence = [*box(0, 0, grown), circle(10, 10, 3 - width, CIRCLE_OUT)]
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    old = [at(1, 1)]
+    assert send(sea, PLAN, old) == ITEM_ACCEPTED
+    plan = [at(0, 0), at(2, 2), item]
+    result = send(sea, PLAN, plan)
+    if why is None:
+        assert result == ITEM_ACCEPTED and plan_of(sea) == as_sent(plan)
+    else:
+        assert result != ITEM_ACCEPTED and plan_of(sea) == as_sent(old)
+        assert words(sea)[-1] == f"Plan refused at item 2: {why}"
+
+
+def test_a_leg_past_a_spit_of_land_is_refused_and_one_round_it_taken() -> None:
+    sea = Sea()
+    sea.settle()
+    spit = corners(KEEP_OUT, [(-0.2, -30), (0.2, -30), (0.2, 30), (-0.2, 30)])
+    assert send(sea, FENCE, spit) == ITEM_ACCEPTED
+    assert send(sea, PLAN, [at(-20, 0), at(20, 0)]) == INVALID
+    assert words(sea)[-1] == "Plan refused at item 1: the way there leaves the fence"
+    assert send(sea, PLAN, [at(-20, 0), at(-20, 40), at(20, 40), at(20, 0)]) == ITEM_ACCEPTED
+
+
+@pytest.mark.parametrize(
+    ("plan", "item"), [([at(5, 0), at(25, 0)], 1), ([at(5, 0)] * 40 + [at(25, 0)], 40)]
+)
+def test_a_fence_that_the_stored_plan_leaves_is_taken_and_auto_refused(
+    plan: list[Item], item: int
+) -> None:
+    sea = fenced(plan, box(0, 0, 20))
+    sea.run(0.5)
+    assert f"Plan is bad at item {item}: outside the fence" in words(sea)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)] and sea.state == "HOLD"
+    assert words(sea)[-1] == "Plan: outside the fence"
+    assert send(sea, FENCE, box(0, 0, 30)) == ITEM_ACCEPTED
+    sea.run(0.5)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+
+
+def test_a_fence_that_goes_permits_the_plan_again() -> None:
+    sea = fenced([at(25, 0)], box(0, 0, 20))
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    send(sea, FENCE, [])
+    sea.run(0.1)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+
+
+def test_auto_does_not_begin_where_the_way_to_the_plan_leaves_the_fence() -> None:
+    wall = corners(KEEP_OUT, [(8, -20), (8, 20), (9, 20), (9, -20)])
+    sea = fenced([at(20, 0), at(20, 10)], wall)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert words(sea)[-1] == "Plan: the way there leaves the fence"
+
+
+def test_a_boat_outside_its_fence_is_driven_by_the_sticks_only() -> None:
+    sea = fenced([at(50, 0)], box(50, 0, 20))
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, TEMPORARILY_REJECTED)]
+    assert "Refused: outside the fence, or place unknown" in words(sea)
+    before = len(sea.ticks)
+    sea.say(sticks(0, 0))
+    sea.mode(MANUAL)
+    for _ in range(40):
+        sea.say(sticks(400, 0))
+        sea.run(0.1)
+    assert sea.state == "MANUAL" and all(c > 0 for c in sea.commands)
+    warned = [said.text for said in sentences(sea.ticks[before:])]
+    assert 1 <= warned.count("outside the fence, or place unknown") <= 2
+
+
+FENCES = {
+    "square": (box(0, 0, 8), lambda n, e: max(abs(n), abs(e)) - 8),
+    "circle": ([circle(0, 0, 8)], lambda n, e: math.hypot(n, e) - 8),
+}
+
+
+@pytest.mark.parametrize("scalar", ["float", "q16"])
+@pytest.mark.parametrize("speed", [0.4, 1.0])
+@pytest.mark.parametrize("bearing", [0.3, 2.0])
+@pytest.mark.parametrize("shape", FENCES)
+def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
+    shape: str, bearing: float, speed: float, scalar: str
+) -> None:
+    fence, beyond = FENCES[shape]
+    leader = Course(math.cos(bearing), math.sin(bearing), bearing, speed)
+    hull = Hull([0.0, 0.0, bearing] + [0.0] * 3)
+    sea = Afloat(hull=hull, leader=leader, scalar=scalar)
+    sea.run(0.5)
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    sea.enter_formation()
+    sea.run_until("HOLD", 30.0)
+    assert texts([sea.ticks[-1]]) == ["HOLD: outside the fence, or place unknown"]
+    assert beyond(*place(sea)) > -1.0 - 2.5 * speed, "not sooner than it must"
+    sea.run(5.0)
+    assert beyond(*place(sea)) < 0 and not any(sea.commands)
+    assert named(sea.run(1.1), "FENCE_STATUS")[-1].breach_count == 0
+    assert acks(sea.mode(FORMATION)) == [(SET_MODE, TEMPORARILY_REJECTED)] or sea.state != "HOLD"
+
+
+def test_along_the_fence_the_law_drives_on() -> None:
+    """Two metres beside it, at a speed from which it needs more than that to stop."""
+    leader = Course(1.0, 0.0, 0.0, 1.0)
+    sea = Afloat(hull=Hull([0.0] * 6), leader=leader)
+    sea.run(0.5)
+    strip = corners(KEEP_IN, [(-9, -2), (-9, 2), (60, 2), (60, -2)])
+    assert send(sea, FENCE, strip) == ITEM_ACCEPTED
+    sea.enter_formation()
+    sea.run(30.0)
+    assert sea.state == "FORMATION" and place(sea)[0] > 20
+
+
+def status(sea: Sea) -> tuple[bool, bool, bool]:
+    (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_SYS_STATUS)
+    return (
+        bool(told.onboard_control_sensors_present & GEOFENCE),
+        bool(told.onboard_control_sensors_enabled & GEOFENCE),
+        bool(told.onboard_control_sensors_health & GEOFENCE),
+    )
+
+
+def test_fence_status_and_sys_status_tell_of_the_fence() -> None:
+    sea = at_sea([])
+    assert not named(sea.run(3.0), "FENCE_STATUS") and status(sea) == (False, False, True)
+    send(sea, FENCE, box(0, 0, 20))
+    told = named(sea.run(3.0), "FENCE_STATUS")
+    assert 3 <= len(told) <= 4 and status(sea) == (True, True, True)
+    assert (told[-1].breach_status, told[-1].breach_count, told[-1].breach_type) == (0, 0, 0)
+    send(sea, FENCE, box(50, 0, 20))
+    told = named(sea.run(3.0), "FENCE_STATUS")
+    assert (told[-1].breach_status, told[-1].breach_count, told[-1].breach_type) == (1, 1, 3)
+    assert told[-1].breach_time > 0 and status(sea) == (True, True, False)
+    sea.order(FENCE_ENABLE, 0.0)
+    sea.run(0.1)
+    assert status(sea) == (True, False, True)
+    send(sea, FENCE, [])
+    sea.run(0.1)
+    assert not named(sea.run(3.0), "FENCE_STATUS") and status(sea) == (False, False, True)
+
+
+def test_the_capabilities_tell_of_fences_and_rally_points() -> None:
+    sea = at_sea([])
+    (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+    assert told.capabilities & 16384 and told.capabilities & 32768
+
+
+@pytest.mark.parametrize(
+    ("params", "result"),
+    [
+        ((1.0,), ACCEPTED),
+        ((0.0, 4.0), ACCEPTED),
+        ((0.0, 15.0), ACCEPTED),
+        ((1.0, math.nan), ACCEPTED),
+        ((2.0,), DENIED),  # the floor
+        ((math.nan,), DENIED),
+        ((0.0, 2.0), DENIED),  # the circle of FS_FENCE_M
+        ((-1.0,), DENIED),
+    ],
+)
+def test_the_fence_is_switched_on_and_off(params: tuple[float, ...], result: int) -> None:
+    sea = at_sea([])
+    assert acks(sea.order(FENCE_ENABLE, *params)) == [(FENCE_ENABLE, DENIED)], "there is none"
+    send(sea, FENCE, box(50, 0, 20))
+    sea.run(0.1)
+    assert acks(sea.order(FENCE_ENABLE, *params)) == [(FENCE_ENABLE, result)]
+    sea.run(0.1)
+    on = result != ACCEPTED or params[0] == 1.0
+    assert status(sea) == (True, on, not on)
+
+
+def test_a_place_that_is_lost_counts_as_outside() -> None:
+    sea = sailing([at(15, 0)])
+    sea.mode(4)
+    send(sea, FENCE, [*box(0, 0, 60), *box(0, 0, 70, KEEP_IN)])
+    sea.own.on = False
+    sea.run(1.0)
+    sea.own.on = True
+    sea.run(3.0)
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+    sea.own.on = False
+    sea.run(1.0)
+    assert sea.state == "HOLD" and not any(sea.commands)
