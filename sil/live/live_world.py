@@ -142,6 +142,7 @@ class LiveWorld:
                 link = Link(link_rng, **scenario.link.quality)
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
+        self._mouths = mouths
         for vessel in agents:
             vessel.outbox += mouths
 
@@ -188,8 +189,8 @@ class LiveWorld:
                     mode = self._mode_of(boat.system)
                     for request in start_requests(slow_Hz, ready, holds=True, mode=mode):
                         boat.radio.send(operator.ask(boat.system, request))
-            if self._plan and self._leader_boat and tick_us >= begin_us + _WARM_UP_US:
-                self.boats[self._leader_boat - 1].radio.send(self._plan.say(tick_us))
+            if tick_us >= begin_us + _WARM_UP_US:
+                self._send_plan(tick_us)
             tick_us += self._h_us
             self._until(tick_us)
             self._send(tick_us)
@@ -204,6 +205,15 @@ class LiveWorld:
         if self._plan is not None and self._plan.fault:
             words.append(f"the plan: {self._plan.fault}")
         raise StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
+
+    def _send_plan(self, t_us: int) -> None:
+        """What the operator says of the plan, which those who listen to the radio hear too."""
+        if self._plan is None or self._leader_boat is None:
+            return
+        if data := self._plan.say(t_us):
+            self.boats[self._leader_boat - 1].radio.send(data)
+            for mouth in self._mouths:
+                mouth.send(data, t_us)
 
     def _wanted(self, system: int) -> str:
         """The state in which a boat is ready."""
