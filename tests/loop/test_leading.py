@@ -3,8 +3,9 @@
 
 import pytest
 
+from sil.rivals.routes import ROUTES
 from tests import measurements
-from tests.loop.leading import ROUTES, Sailed, sail
+from tests.loop.leading import Sailed, sail
 
 
 @pytest.fixture(scope="module")
