@@ -13,7 +13,7 @@ from importlib import import_module
 from sil import ROOT
 
 _VERBS = {
-    "demo": "four boats sail the paper's diamond; --live: in real time, shown in the browser",
+    "demo": "four boats sail boat 1's plan; --live: in real time, shown in the browser",
     "run": "sail a scenario in lockstep, as fast as possible",
     "live": "sail a scenario in real time, a flotillad process a boat",
     "campaign": "sail a scenario many times, each run with its own draws",

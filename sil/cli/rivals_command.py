@@ -28,7 +28,7 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
     """Sail them."""
     from rich.console import Console
 
-    from sil.rivals import table
+    from sil.rivals import rival_table
     from sil.rivals.rivals import OURS, RIVALS, tune
     from sil.rivals.routes import ROUTES
 
@@ -44,8 +44,8 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         return 0
     chosen = everyone if options.only is None else (options.only,)
     told = Console(stderr=True)
-    made = table.make(chosen, lambda who: told.print(who, style="dim"))
+    made = rival_table.make(chosen, lambda who: told.print(who, style="dim"))
     print(made, end="")
     if options.write:
-        table.write(made)
+        rival_table.write(made)
     return 0

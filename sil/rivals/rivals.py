@@ -14,7 +14,7 @@ import numpy as np
 
 from sil.lockstep.start import RunError
 from sil.lockstep.world import sail as sail_flotilla
-from sil.rivals import line_of_sight, rover, world
+from sil.rivals import helm_world, line_of_sight, rover
 from sil.rivals.helm import Helm, Seen
 from sil.rivals.judge import Figures, figures
 from sil.rivals.path import Path
@@ -31,7 +31,7 @@ GAINS: dict[str, Gains] = {
     "ILOS": (1.0, 0.1, 2.0),
     "ALOS": (1.0, 0.1, 2.0),
     "Rover": (0.5, 1.0, 0.5),
-    "NMPC": (20.0, 0.02),
+    "NMPC": (80.0, 0.02),
 }
 GRID: dict[str, tuple[tuple[float, ...], ...]] = {
     "ILOS": ((0.6, 1.0, 1.6), (0.05, 0.1, 0.2), (1.0, 2.0, 3.0)),
@@ -42,11 +42,11 @@ GRID: dict[str, tuple[tuple[float, ...], ...]] = {
 RIVALS = tuple(GAINS)
 
 
-def crew_of(name: str, gains: Gains) -> world.Crew:
+def crew_of(name: str, gains: Gains) -> helm_world.Crew:
     """The helms of a rival: of boat 1, and with Rover's Follow of those behind it."""
 
-    def crew(one: Scenario) -> tuple[Sequence[Helm | None], world.Told]:
-        known = world.known_to_the_firmware(one)
+    def crew(one: Scenario) -> tuple[Sequence[Helm | None], helm_world.Told]:
+        known = helm_world.known_to_the_firmware(one)
         plan = one.route()
         path = Path(plan[: arrival(plan, len(one.leader.waypoints)) + 1], one.step_s)
         alone: list[Helm | None] = [None] * (len(one.boat) - 1)
@@ -68,8 +68,8 @@ def _nobody(_: list[Seen]) -> None:
 
 def _rovers(
     one: Scenario, target: rover.Aim, gains: rover.Gains
-) -> tuple[Sequence[Helm | None], world.Told]:
-    known = world.known_to_the_firmware(one)
+) -> tuple[Sequence[Helm | None], helm_world.Told]:
+    known = helm_world.known_to_the_firmware(one)
     rng = np.random.default_rng(one.seed)
     heard = [
         rover.Heard(one.link.delay_s, lambda: rng.random() < one.link.loss, _RADIO_S)
@@ -107,7 +107,7 @@ def sail(
                 raise run
             eta.append(run.trace["eta"][:, 1:])
     else:
-        eta = world.sail(scenarios, crew_of(name, gains or GAINS[name]), KEEP_S)
+        eta = helm_world.sail(scenarios, crew_of(name, gains or GAINS[name]), KEEP_S)
     judged = zip(routes, scenarios, eta, strict=True)
     return {route: figures(one, run, KEEP_S, fleet=is_fleet) for route, one, run in judged}
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sil.lockstep.metrics import wrap
-from sil.rivals import table
+from sil.rivals import rival_table
 from sil.rivals.judge import Figures, figures
 from sil.rivals.rivals import GAINS, GRID, KEEP_S, OURS, RIVALS, sail
 from sil.rivals.routes import ROUTES, WEATHERS, scenarios_of
@@ -35,13 +35,13 @@ def test_the_figures_are_those_of_the_page(name: str) -> None:
     column = [OURS, *RIVALS].index(name)
     for route in ROUTES:
         noted = measurements.numbers(measurements.row(f"rivals: {route}, calm")[column])
-        told = measurements.numbers(table.cell(found[route]))
+        told = measurements.numbers(rival_table.cell(found[route]))
         assert noted == pytest.approx(told, rel=0.05, abs=0.011), route
 
 
 def test_the_page_has_all_rows_and_rivals() -> None:
-    text = table.PAGE.read_text(encoding="utf-8")
-    made = text.partition(table.BEGIN)[2].partition(table.END)[0].splitlines()
+    text = rival_table.PAGE.read_text(encoding="utf-8")
+    made = text.partition(rival_table.BEGIN)[2].partition(rival_table.END)[0].splitlines()
     assert [cell.strip() for cell in made[0].split("|")[2:-1]] == [OURS, *RIVALS]
     assert len(made) == 2 + len(ROUTES) * len(WEATHERS)
     assert all(len(re.findall(r"\|", line)) == 3 + len(RIVALS) for line in made)
@@ -70,9 +70,9 @@ def test_a_boat_exactly_on_the_plan_is_judged_perfect() -> None:
 def test_a_boat_that_never_arrives_has_no_speed() -> None:
     (one,) = scenarios_of(["square"], "still")
     it = figures(one, np.zeros((3000, 1, 3)), KEEP_S, fleet=False)
-    assert it.speed == 0.0 and table.cell(it).endswith("lost")
+    assert it.speed == 0.0 and rival_table.cell(it).endswith("lost")
 
 
 def test_cells_tell_what_there_is() -> None:
-    assert table.cell(Figures(0.031, 0.204, 0.996, 0.068)) == "0.03 / 0.20; 100 %; 0.07"
-    assert table.cell(Figures(0.031, 0.204, 0.996, float("nan"))) == "0.03 / 0.20; 100 %"
+    assert rival_table.cell(Figures(0.031, 0.204, 0.996, 0.068)) == "0.03 / 0.20; 100 %; 0.07"
+    assert rival_table.cell(Figures(0.031, 0.204, 0.996, float("nan"))) == "0.03 / 0.20; 100 %"
