@@ -21,6 +21,7 @@ from sil.rivals.path import Path
 _LEAST_MPS = 0.2  # below it a boat turns by its heading error alone
 _TURN_P = 2.0  # ATC_STR_ANG_P
 _FASTEST_RADPS = 0.8
+_PIVOT_RAD = math.radians(60.0)  # WP_PIVOT_ANGLE: beyond it a boat turns before it goes on
 
 
 @dataclass(frozen=True)
@@ -67,20 +68,21 @@ class Rover:
         ax = to.ax + g.vel * (vx - (cos * seen.u - sin * seen.v))
         ay = to.ay + g.vel * (vy - (sin * seen.u + cos * seen.v))
         across = -sin * ax + cos * ay
-        if seen.u > _LEAST_MPS:
-            r_d = across / seen.u
-        else:
-            r_d = _TURN_P * wrap(math.atan2(vy, vx) - seen.psi) if math.hypot(vx, vy) > 0.1 else 0.0
+        off = wrap(math.atan2(vy, vx) - seen.psi) if math.hypot(vx, vy) > 0.1 else 0.0
+        pivots = abs(off) > _PIVOT_RAD
+        r_d = across / seen.u if seen.u > _LEAST_MPS and not pivots else _TURN_P * off
         r_d = max(-_FASTEST_RADPS, min(_FASTEST_RADPS, r_d))
-        return self._loops(seen, r_d, cos * vx + sin * vy, h_s)
+        return self._loops(seen, r_d, 0.0 if pivots else cos * vx + sin * vy, h_s)
 
     def _loops(self, seen: Seen, r_d: float, u_d: float, h_s: float) -> Thrust:
         hull, p = self._known, self._gains.rate
         most_N, most_Nm = 2.0 * hull.most_N, 2.0 * hull.most_N * hull.arm_m
         turn = hull.d33 / most_Nm * r_d + p * (r_d - seen.r) + self._rate_i
         push = hull.d11 / most_N * u_d + 0.6 * (u_d - seen.u) + self._speed_i
-        self._rate_i = max(-0.5, min(0.5, self._rate_i + p * (r_d - seen.r) * h_s))
-        self._speed_i = max(-0.5, min(0.5, self._speed_i + 0.2 * (u_d - seen.u) * h_s))
+        # Integrals rest while the propellers give all they can.
+        if abs(turn) + abs(push) < 1.0:
+            self._rate_i = max(-0.5, min(0.5, self._rate_i + p * (r_d - seen.r) * h_s))
+            self._speed_i = max(-0.5, min(0.5, self._speed_i + 0.2 * (u_d - seen.u) * h_s))
         return allocate(hull, most_N * push, most_Nm * turn)
 
 
