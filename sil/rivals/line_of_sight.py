@@ -50,5 +50,8 @@ class LineOfSight:
             psi_d = at.course_rad - math.atan(both / ahead)
             self._learnt += ahead * y / (ahead * ahead + both * both) * h_s
         r_d = at.curvature_1pm * at.speed_mps
-        wrench = self._autopilot.wrench(seen, psi_d, r_d, at.speed_mps, h_s)
+        # The speed along the path is the plan's, however much the boat crabs.
+        off = seen.psi - at.course_rad
+        along = seen._replace(u=math.cos(off) * seen.u - math.sin(off) * seen.v)
+        wrench = self._autopilot.wrench(along, psi_d, r_d, at.speed_mps, h_s)
         return allocate(self._known, *wrench)
