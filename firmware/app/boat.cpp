@@ -263,9 +263,9 @@ void Boat<S>::apply_conditions(std::int64_t now_us) {
 template <class S>
 core::Conditions Boat<S>::heard(std::int64_t now_us) const {
   static_assert(((core::kManualDrive | core::kDrive | core::kCoastDrive | core::kAutoDrive |
-                  core::kTestDrive) &
+                  core::kGuidedDrive | core::kReturnDrive | core::kTestDrive) &
                  core::kClear) == 0);
-  core::Conditions met = vehicle_.conditions(now_us) | pilot_.heard(now_us) | choices_ |
+  core::Conditions met = vehicle_.conditions(now_us) | pilot_.heard(now_us) |
                          propulsion_of(can_, configuration().propulsion, now_us);
   if (host_.bus_up) met |= core::kBusUp;
   if (host_.parameters_saved) met |= core::kParametersSaved;

@@ -16,7 +16,6 @@ import numpy as np
 from sil.certificate.motion import Motion, motion_of
 from sil.plant import hull
 from sil.plant.hull import Array
-from sil.scenario.route import route
 from sil.scenario.scenario import Scenario
 from sil.scenario.sections import Input, Leader
 
@@ -90,7 +89,7 @@ def _inputs_of_route(scenario: Scenario) -> list[Input]:
     """
     if not scenario.leader.waypoints:
         return []
-    motion = route(scenario.leader, scenario.boat, scenario.step_s, scenario.ticks)
+    motion = scenario.route()
     sailed = motion[: scenario.ticks]
     own = scenario.hulls()[0]
     steady = {0: sailed[:, 3].argmax(), 1: sailed[:, 5].argmax(), 2: sailed[:, 5].argmin()}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Four boats close up into the paper's diamond; the report is out/demo/report.html.
+"""Boat 1 sails a plan and three boats follow in a diamond; the report is out/demo/report.html.
 
-With --live they sail in real time, a flotillad process each, and a page in the browser shows them
-and, in a terminal, plays back what it heard when they have sailed.
+With --live they sail in real time, a flotillad process each, and a page in the browser shows them,
+and the plan, and, in a terminal, plays back what it heard when they have sailed.
 Further options go to `flotilla run`, or with --live to `flotilla live`.
 """
 
@@ -28,14 +28,14 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     others = [text for text in given[1:] if text != "--live"]
 
     if not options.live:
-        return flotilla(["run", "diamond", "--out", "out/demo", *others])
+        return flotilla(["run", "lead", "--out", "out/demo", *others])
     from sil.live.live_world import build
 
     print("building flotillad", flush=True)
     build(print)
     view = subprocess.Popen([sys.executable, "-m", "sil", "view", "mcast:"])
     try:
-        live = ["live", "diamond", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
+        live = ["live", "lead", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
         status = flotilla([*live, "--param", "SR_SLOW=5", *others])
         if status == 0 and sys.stdin.isatty():
             view.send_signal(signal.SIGUSR1)

@@ -13,7 +13,7 @@ from importlib import import_module
 from sil import ROOT
 
 _VERBS = {
-    "demo": "four boats sail the paper's diamond; --live: in real time, shown in the browser",
+    "demo": "four boats sail boat 1's plan; --live: in real time, shown in the browser",
     "run": "sail a scenario in lockstep, as fast as possible",
     "live": "sail a scenario in real time, a flotillad process a boat",
     "campaign": "sail a scenario many times, each run with its own draws",
@@ -24,6 +24,7 @@ _VERBS = {
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",
     "faults": "sail the matrix of faults, or hours of random ones",
     "bench": "time the firmware and the simulation, count instructions",
+    "rivals": "sail Flotilla beside other ways to follow a plan",
     "results": "sail all that the project publishes, and renew its pages",
 }
 # The extra of pyproject.toml that installs a module.
@@ -36,6 +37,7 @@ _EXTRAS = {
     "distributed": "cluster",
     "foxglove": "logs",
     "google": "logs",
+    "casadi": "rivals",
     "psutil": "dev",
 }
 # Each of these first builds what it runs.

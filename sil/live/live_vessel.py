@@ -4,6 +4,7 @@
 import signal
 import socket
 import subprocess
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
@@ -64,7 +65,8 @@ class _Udp:
 class LiveBoat:
     """A flotillad, its bus with two ESCs, its navigation unit and its radio.
 
-    `escs_speak`: whether the ESCs' frames are sent on the bus.
+    `escs_speak`: whether the ESCs' frames are sent on the bus. `ears`: called with all that the
+    boat says by radio, and when, us.
     """
 
     def __init__(
@@ -79,6 +81,7 @@ class LiveBoat:
         self.bus = bus
         self.inbox: list[Link] = []
         self.outbox: list[Outlet] = []
+        self.ears: list[Callable[[bytes, int], None]] = []
         self.process: subprocess.Popen[bytes] | None = None
         self._words = Path()
         self.escs_speak = True
@@ -159,6 +162,8 @@ class LiveBoat:
             self._unit.on_mavlink(data, self._clock.at(t_us))
         for data in self.radio.receive():
             operator.on_mavlink(data)
+            for ear in self.ears:
+                ear(data, t_us)
             for link in self.outbox:
                 link.send(data, t_us)
         for link in self.inbox:

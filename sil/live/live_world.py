@@ -12,6 +12,7 @@ import subprocess
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import flotilla
@@ -28,16 +29,20 @@ from sil.scenario.agents import clocks_of, parameters_of, slots_of
 from sil.scenario.fleet_bodies import bodies_of
 from sil.scenario.scenario import Scenario
 from sil.scenario.streams import SENSOR_STREAMS, Stream, generator
+from sil.scenario.told_plan import items_of
 from sil.scenario.virtual_leaders import VirtualLeaders
+from sil.wire.heartbeat import AUTO, FORMATION, HOLD
 from sil.wire.link import Link
 from sil.wire.mavlink_mcast import Mouth
-from sil.wire.operator import Operator, start_requests
+from sil.wire.operator import Operator, plan_upload, start_requests
+from sil.wire.plan_upload import PlanUpload
 
 FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
 
 _PATIENCE_S = 30.0
 _LAST_MCAST_BUS = 9
 _RETRY_US = 500_000
+_WARM_UP_US = 2_000_000
 _NOT_ARMED = (None, "DISARMED", "FAULT")
 
 
@@ -96,8 +101,10 @@ class LiveWorld:
         self._command: Array = np.zeros((len(scenario.boat), 2))
         # Compile the kernels now, not while the boats are under way.
         spare = bodies_of([scenario])
-        self._leaders = VirtualLeaders([scenario])
-        self._leaders.advance(0, spare, self._command)
+        self._leader_boat = scenario.leader.boat
+        led = {0: self._parameters[self._leader_boat - 1]} if self._leader_boat else {}
+        self._leaders = VirtualLeaders([scenario], led)
+        self._leaders.advance(0, spare, self._command, 0)
         Tracer([scenario], spare, [slots_of(self._parameters)]).note(
             0, np.zeros(len(scenario.boat), np.uint8)
         )
@@ -124,12 +131,18 @@ class LiveWorld:
                 opened.callback(self.boats[-1].close)
             self._opened = opened.pop_all()
         agents: list[LiveLeader | LiveBoat] = [self._leader, *self.boats]
+        self._plan: PlanUpload | None = None
+        if self._leader_boat is not None:
+            self._plan = plan_upload(self._leader_boat, items_of(scenario.leader))
+            hear_plan = partial(self._leaders.hear, 0)
+            self.boats[self._leader_boat - 1].ears += [self._plan.on_mavlink, hear_plan]
         for pair in scenario.pairs():
             ends = [agents[agent] for agent in pair]
             for sender, receiver in (ends, ends[::-1]):
                 link = Link(link_rng, **scenario.link.quality)
                 sender.outbox.append(link)
                 receiver.inbox.append(link)
+        self._mouths = mouths
         for vessel in agents:
             vessel.outbox += mouths
 
@@ -152,7 +165,7 @@ class LiveWorld:
                 self._command[i] = boat.command(tick_us)
             told = self._operator.state
             states = [flotilla.STATES.index(told[boat.system]) for boat in self.boats]
-            self._leaders.advance(k, self._bodies, self._command)
+            self._leaders.advance(k, self._bodies, self._command, tick_us)
             tracer.note(k, np.array(states, np.uint8))
             tick_us += self._h_us
             self._until(tick_us)
@@ -163,30 +176,56 @@ class LiveWorld:
         return tracer
 
     def _start(self) -> int:
-        """Arm the boats and set FORMATION while the hulls are held; the tick (us) of success."""
+        """Arm the boats and set their modes while the hulls are held; the tick (us) of success."""
         operator, boats = self._operator, self.boats
         begin_us = tick_us = now_us()
-        ask_us = begin_us + 2_000_000
+        ask_us = begin_us + _WARM_UP_US
         while tick_us < begin_us + 1e6 * _PATIENCE_S:
             if tick_us >= ask_us:
                 ask_us = tick_us + _RETRY_US
                 ready = not any(operator.state.get(boat.system) in _NOT_ARMED for boat in boats)
                 for boat, parameters in zip(boats, self._parameters, strict=True):
                     slow_Hz = parameters.get("SR_SLOW", 1.0)
-                    for request in start_requests(slow_Hz, ready, holds=True):
+                    mode = self._mode_of(boat.system)
+                    for request in start_requests(slow_Hz, ready, holds=True, mode=mode):
                         boat.radio.send(operator.ask(boat.system, request))
+            if tick_us >= begin_us + _WARM_UP_US:
+                self._send_plan(tick_us)
             tick_us += self._h_us
             self._until(tick_us)
             self._send(tick_us)
-            if all(operator.state.get(boat.system) == "FORMATION" for boat in boats):
+            if all(operator.state.get(boat.system) == self._wanted(boat.system) for boat in boats):
                 return tick_us
             self._check_processes()
         words = [
             f"boat {boat.system}: {operator.text.get(boat.system, 'no STATUSTEXT received')}"
             for boat in boats
-            if operator.state.get(boat.system) != "FORMATION"
+            if operator.state.get(boat.system) != self._wanted(boat.system)
         ]
+        if self._plan is not None and self._plan.fault:
+            words.append(f"the plan: {self._plan.fault}")
         raise StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
+
+    def _send_plan(self, t_us: int) -> None:
+        """What the operator says of the plan, which those who listen to the radio hear too."""
+        if self._plan is None or self._leader_boat is None:
+            return
+        if data := self._plan.say(t_us):
+            self.boats[self._leader_boat - 1].radio.send(data)
+            for mouth in self._mouths:
+                mouth.send(data, t_us)
+
+    def _wanted(self, system: int) -> str:
+        """The state in which a boat is ready."""
+        return "AUTO" if system == self._leader_boat else "FORMATION"
+
+    def _mode_of(self, system: int) -> int:
+        """The mode to ask of a boat: AUTO once it has its plan and all others follow."""
+        if self._plan is None or system != self._leader_boat:
+            return FORMATION
+        others = [boat.system for boat in self.boats if boat.system != system]
+        formed = all(self._operator.state.get(other) == "FORMATION" for other in others)
+        return AUTO if formed and self._plan.done else HOLD
 
     def _check_processes(self) -> None:
         for boat in self.boats:

@@ -109,6 +109,17 @@ class Batch:
         begin = self.row(run, 1)
         return range(begin, begin + self.boats)
 
+    def leading(self, run: int) -> int:
+        """The fleet's index of the boat that leads a run; it must have one."""
+        boat = self.scenarios[run].leader.boat
+        assert boat is not None
+        return self.row(run, boat)
+
+    @property
+    def led(self) -> list[int]:
+        """Runs in which a boat leads."""
+        return [run for run, one in enumerate(self.scenarios) if one.leader.boat is not None]
+
     def header(self, run: int) -> dict[str, Any]:
         """The recording's header, from which a replay builds the boats of a run."""
         boats = [

@@ -1,19 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""The start of runs: an operator arms the boats and sets FORMATION while the hulls are held."""
+"""The start of runs: an operator arms the boats and sets their modes while the hulls are held.
+
+All go to FORMATION; a boat that leads gets its plan meanwhile, and goes to AUTO last.
+"""
 
 from collections import defaultdict
 
 import flotilla
+import numpy as np
 
 from sil.lockstep.batch import Batch
-from sil.wire.operator import Operator, start_requests
+from sil.scenario.told_plan import items_of
+from sil.wire.heartbeat import AUTO, FORMATION, HOLD
+from sil.wire.operator import Operator, plan_upload, start_requests
+from sil.wire.plan_upload import PlanUpload
 
 _WARM_UP_S = 2
 _PATIENCE_S = 30
 _RETRY_S = 1
+_RADIO = 1  # link of a boat
 
-_DISARMED, _HOLD, _IN_FORMATION = (
-    flotilla.STATES.index(name) for name in ("DISARMED", "HOLD", "FORMATION")
+_DISARMED, _HOLD, _IN_FORMATION, _IN_AUTO = (
+    flotilla.STATES.index(name) for name in ("DISARMED", "HOLD", "FORMATION", "AUTO")
 )
 
 
@@ -26,35 +34,71 @@ class StartError(RunError):
 
 
 def start(batch: Batch) -> list[int | StartError]:
-    """Arm all boats and put them into FORMATION; for each run the time of success, us, or an error.
+    """Arm all boats and set their modes; for each run the time of success, us, or an error.
 
     Every run receives commands at the same times, independent of the others, until all are ready.
     """
     ready: dict[int, int | StartError] = {}
     runs = range(len(batch.scenarios))
     operators: defaultdict[int, Operator] = defaultdict(Operator)
+    plans = _Plans(batch)
     last_us = round(1e6 * (_PATIENCE_S - _RETRY_S))
     for t_us in range(0, round(1e6 * _PATIENCE_S), batch.h_us):
         pending = [run for run in runs if run not in ready]
-        if t_us >= 1e6 * _WARM_UP_S and t_us % round(1e6 * _RETRY_S) < batch.h_us:
-            for run in pending:
-                _ask(batch, run, t_us)
+        if t_us >= 1e6 * _WARM_UP_S:
+            plans.say(t_us)
+            if t_us % round(1e6 * _RETRY_S) < batch.h_us:
+                for run in pending:
+                    _ask(batch, run, plans, t_us)
         batch.tick(t_us)
-        formed = (batch.states == _IN_FORMATION).all(axis=1)
+        plans.listen(t_us)
+        formed = (batch.states == plans.wanted).all(axis=1)
         ready.update({run: t_us for run in pending if formed[run]})
         if len(ready) == len(runs):
             break
         if t_us >= last_us:
             _listen(batch, pending, operators)
-    ready.update({run: _refusal(batch, run, operators) for run in runs if run not in ready})
+    ready.update({run: _refusal(batch, run, operators, plans) for run in runs if run not in ready})
     return [ready[run] for run in runs]
 
 
-def _ask(batch: Batch, run: int, t_us: int) -> None:
+class _Plans:
+    """The plans of runs in which a boat leads. `wanted` (R, N): states in which all are ready."""
+
+    def __init__(self, batch: Batch) -> None:
+        self._batch = batch
+        self.wanted = np.full((len(batch.scenarios), batch.boats), _IN_FORMATION, np.uint8)
+        self.uploads: dict[int, PlanUpload] = {}
+        for run, one in enumerate(batch.scenarios):
+            if one.leader.boat is not None:
+                self.wanted[run, one.leader.boat - 1] = _IN_AUTO
+                self.uploads[run] = plan_upload(one.leader.boat, items_of(one.leader))
+
+    def say(self, t_us: int) -> None:
+        for run, upload in self.uploads.items():
+            if data := upload.say(t_us):
+                self._batch.fleet.hear(self._batch.leading(run), data, t_us, _RADIO)
+
+    def listen(self, t_us: int) -> None:
+        for run, upload in self.uploads.items():
+            upload.on_mavlink(self._batch.fleet.sent(self._batch.leading(run)), t_us)
+
+    def mode_of(self, run: int, boat: int, states: list[int]) -> int:
+        """The mode to ask of a boat, from 0: AUTO once it has its plan and all others follow."""
+        wanted = self.wanted[run].tolist()
+        if wanted[boat] == _IN_FORMATION:
+            return FORMATION
+        others = [k for k in range(len(states)) if k != boat]
+        formed = all(states[k] == wanted[k] for k in others)
+        return AUTO if formed and self.uploads[run].done else HOLD
+
+
+def _ask(batch: Batch, run: int, plans: _Plans, t_us: int) -> None:
     states = batch.states[run].tolist()
-    for agent, state in zip(batch.agents(run), states, strict=True):
+    for boat, (agent, state) in enumerate(zip(batch.agents(run), states, strict=True)):
         slow_Hz = batch.fleet.parameters(agent)["SR_SLOW"]
-        for request in start_requests(slow_Hz, _DISARMED not in states, state == _HOLD):
+        mode = plans.mode_of(run, boat, states)
+        for request in start_requests(slow_Hz, _DISARMED not in states, state == _HOLD, mode):
             batch.fleet.command([agent], t_us, *request)
 
 
@@ -64,11 +108,13 @@ def _listen(batch: Batch, runs: list[int], operators: dict[int, Operator]) -> No
             operators[agent].on_mavlink(batch.fleet.sent(agent))
 
 
-def _refusal(batch: Batch, run: int, operators: dict[int, Operator]) -> StartError:
+def _refusal(batch: Batch, run: int, operators: dict[int, Operator], plans: _Plans) -> StartError:
     words = []
     boats = zip(batch.agents(run), batch.states[run].tolist(), strict=True)
-    for boat, (agent, state) in enumerate(boats, start=1):
-        if state != _IN_FORMATION:
+    for boat, (agent, state) in enumerate(boats):
+        if state != plans.wanted[run, boat]:
             text = next(iter(operators[agent].text.values()), "no STATUSTEXT received")
-            words.append(f"boat {boat}: {text}")
+            words.append(f"boat {boat + 1}: {text}")
+    if run in plans.uploads and plans.uploads[run].fault:
+        words.append(f"the plan: {plans.uploads[run].fault}")
     return StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")

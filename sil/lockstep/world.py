@@ -114,7 +114,7 @@ def _shape(scenario: Scenario) -> Hashable:
     """The properties that runs must share to be sailed as one batch."""
     follows = tuple(boat.follows for boat in scenario.boat)
     times = scenario.duration_s, scenario.rate_hz, scenario.white_noise.sample_s
-    return follows, times, scenario.scalar
+    return follows, times, scenario.scalar, scenario.leader.boat
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,8 @@ class _Order:
     ) -> list[Run | RunError]:
         """Release the hulls of all runs and sail to the scenarios' end."""
         tracer = Tracer(batch.scenarios, batch.bodies, batch.slots, self.keep_s)
-        leaders = VirtualLeaders(batch.scenarios)
+        led = {run: batch.fleet.parameters(batch.leading(run)) for run in batch.led}
+        leaders = VirtualLeaders(batch.scenarios, led)
         faults = timeline.Timeline(batch)
         for k in range(tracer.ticks):
             t_us = ready_us + k * batch.h_us
@@ -174,7 +175,9 @@ class _Order:
                 batch.tick(t_us)
             if self.watch is not None:
                 self.watch(batch, members, k, t_us)
-            leaders.advance(k, batch.bodies, batch.command)
+            for run in led:
+                leaders.hear(run, batch.fleet.sent(batch.leading(run)), t_us)
+            leaders.advance(k, batch.bodies, batch.command, t_us)
             tracer.note(k, batch.fleet.states)
             if k % 100 == 0:
                 self.progress(done + share * k / tracer.ticks)

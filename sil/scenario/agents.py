@@ -24,16 +24,23 @@ def systems_of(scenario: Scenario) -> list[int]:
     systems = [VIRTUAL_LEADER_SYSTEM]
     # The ids that each agent hears: its own, its leader's, then its followers'.
     heard = [[VIRTUAL_LEADER_SYSTEM]]
-    for agent, boat in enumerate(scenario.boat, start=1):
-        near = heard[boat.follows]
+    for agent in range(1, len(scenario.boat) + 1):
+        leader = _leader_of(scenario, agent)
+        near = heard[leader]
         taken = near if len(near) < _SYSTEMS else near[:2]
         system = (agent - 1) % _SYSTEMS + 1
         while system in taken:
             system = system % _SYSTEMS + 1
         systems.append(system)
         near.append(system)
-        heard.append([system, systems[boat.follows]])
+        heard.append([system, systems[leader]])
     return systems
+
+
+def _leader_of(scenario: Scenario, agent: int) -> int:
+    """The agent whose system id is FORM_LEADER; 0, which nobody is, for a boat that leads."""
+    leader = scenario.heard_by(agent)
+    return 0 if leader == agent else leader
 
 
 def parameters_of(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
@@ -42,7 +49,7 @@ def parameters_of(scenario: Scenario, overrides: dict[str, float]) -> list[dict[
     return [
         {
             "MAV_SYSID": systems[agent],
-            "FORM_LEADER": systems[boat.follows],
+            "FORM_LEADER": systems[_leader_of(scenario, agent)],
             "FORM_OFS_N": boat.offset_m[0],
             "FORM_OFS_E": boat.offset_m[1],
             "CTL_RATE": scenario.rate_hz,

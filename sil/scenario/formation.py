@@ -19,8 +19,9 @@ class Formation(Section):
 
     "line": abreast; "column": one behind the other, the first at the leader's place; "vee": as
     geese fly; "diamond": a square of boats, one corner ahead; "circle": around the leader, the
-    first ahead. `spacing_m`: between neighbours. `turns`: the shape turns with the leader's
-    heading; else every slot keeps its bearing from it.
+    first ahead. Where boat 1 leads, its place in the shape is the leader's. `spacing_m`: between
+    neighbours. `turns`: the shape turns with the leader's heading; else every slot keeps its
+    bearing from it.
     """
 
     shape: Shape
@@ -97,8 +98,11 @@ def boats_of(formation: Formation, leader: dict[str, Any]) -> list[dict[str, Any
     """
     north, east, course = leader.get("eta", (0.0, 0.0, 0.0))
     cos, sin = math.cos(course), math.sin(course)
+    places = slots(formation)
+    if leader.get("boat") == 1:
+        places = [(x - places[0][0], y - places[0][1]) for x, y in places]
     boats = []
-    for ahead, starboard in slots(formation):
+    for ahead, starboard in places:
         turned = (cos * ahead - sin * starboard, sin * ahead + cos * starboard)
         offset = (ahead, starboard) if formation.turns else turned
         boats.append(

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""The reference along a virtual leader's waypoints, made by the firmware's own planner."""
+"""The reference along the leader's waypoints, made by the firmware's own planner alone.
 
-from collections.abc import Sequence
+A virtual leader has limits that any boat can follow; a boat that leads has those of its firmware's
+parameters, `firmware/app/convert/law.cpp`.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import flotilla
 import numpy as np
@@ -17,10 +22,25 @@ YAW_ACCELERATION_RADPS2 = 0.15
 _SMALLEST_M, _WIDE = 2.0, 2.5
 _ANY_DISTANCE_M = 1e6
 _UNDER_WAY_MPS = 0.01
+#: How far a corner of a plan may pass from its waypoint, where its radius is what counts.
+PLANS_LARGEST_M = 100.0
+# Of a boat's WP_WIDTH: the radius of its corners.
+_PLANS_RADIUS = 1.25
 
 
-def route(leader: Leader, boats: Sequence[Boat], step_s: float, ticks: int) -> Array:
-    """Motion (ticks + 1, 10) of a leader along waypoints, as `flotilla.sail_route` returns it."""
+def route(
+    leader: Leader,
+    boats: Sequence[Boat],
+    step_s: float,
+    ticks: int,
+    parameters: Mapping[str, float] | None = None,
+) -> Array:
+    """Motion (ticks + 1, 10) of a leader along waypoints, as `flotilla.sail_route` returns it.
+
+    `parameters`: of the firmware of a boat that leads; those that are missing have their defaults.
+    """
+    if leader.boat is not None:
+        return _plan(leader, parameters or {}, step_s, ticks)
     width_m = half_width_m(boats)
     radius_m = leader.corner_radius_m
     if radius_m is None:
@@ -32,6 +52,37 @@ def route(leader: Leader, boats: Sequence[Boat], step_s: float, ticks: int) -> A
     limits = (ACCELERATION_MPS2, YAW_RATE_RADPS, YAW_ACCELERATION_RADPS2)
     motion: Array = flotilla.sail_route(points, *limits, radius_m, width_m, step_s, ticks + 1)
     return motion
+
+
+def _plan(leader: Leader, parameters: Mapping[str, float], step_s: float, ticks: int) -> Array:
+    """As `route`, of a boat's plan."""
+    own = _with_defaults(parameters)
+    points = np.zeros((len(leader.waypoints), 5))
+    points[:, :2] = leader.waypoints
+    points[:, 2] = leader.speed_mps
+    points[:, 3] = own["WP_RADIUS"] if leader.corner_radius_m is None else PLANS_LARGEST_M
+    force = 0.5 * own["THR_FWD_MAX"]
+    moment = own["THR_ARM"] * min(force, 0.5 * own["THR_REV_MAX"])
+    fastest = 0.5 * own["LAW_R_MAX"] if own["LAW_R_MAX"] > 0.0 else 1.0
+    limits = (
+        min(ACCELERATION_MPS2, force / own["VES_M11"]),
+        min(YAW_RATE_RADPS, fastest, moment / own["VES_D33"]),
+        min(YAW_ACCELERATION_RADPS2, moment / own["VES_M33"]),
+    )
+    width_m = own["WP_WIDTH"]
+    radius_m = _PLANS_RADIUS * width_m
+    motion: Array = flotilla.sail_route(points, *limits, radius_m, width_m, step_s, ticks + 1)
+    return motion
+
+
+def _with_defaults(parameters: Mapping[str, float]) -> dict[str, Any]:
+    known = {each["name"]: each["default"] for each in flotilla.parameter_list()}
+    return {**known, **parameters}
+
+
+def plans_width_m(leader: Leader, boats: Sequence[Boat]) -> float:
+    """WP_WIDTH of a boat that leads: for its outermost slot, and for `corner_radius_m`."""
+    return max(half_width_m(boats), (leader.corner_radius_m or 0.0) / _PLANS_RADIUS)
 
 
 def half_width_m(boats: Sequence[Boat]) -> float:

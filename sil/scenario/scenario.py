@@ -7,7 +7,7 @@ file with `base = "NAME"` overrides keys of that scenario, boats by number: `[bo
 
 import difflib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,14 +15,14 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, ValidationError
 
 from sil import ROOT
-from sil.plant.hull import HullParameters
+from sil.plant.hull import Array, HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.plant.weather import steps_of
 from sil.scenario import formation, law, toml_errors
 from sil.scenario.fault_errors import fault_contradictions
 from sil.scenario.formation import Formation
 from sil.scenario.law import Law
-from sil.scenario.route import half_width_m, route, sharpest
+from sil.scenario.route import half_width_m, plans_width_m, route, sharpest
 from sil.scenario.sections import (
     Boat,
     Clocks,
@@ -126,15 +126,36 @@ class Scenario(Section):
 
     def pairs(self) -> list[tuple[int, int]]:
         """Pairs of agents with a radio link: leader and follower; with `everyone`, all boats."""
-        pairs = [(boat.follows, agent) for agent, boat in enumerate(self.boat, start=1)]
+        pairs = [(self.heard_by(agent), agent) for agent in range(1, len(self.boat) + 1)]
+        pairs = [pair for pair in pairs if pair[0] != pair[1]]
         if self.link.everyone:
             boats = range(1, len(self.boat) + 1)
             pairs += [pair for pair in combinations(boats, 2) if pair not in pairs]
         return pairs
 
+    def heard_by(self, agent: int) -> int:
+        """The agent that a boat hears as its leader: the one that it follows, or sails the plan.
+
+        A boat that leads hears nobody; it is its own.
+        """
+        follows = self.boat[agent - 1].follows
+        return follows or self.leader.boat or 0
+
     def firmware_parameters(self, boat: Boat) -> dict[str, float]:
         """Firmware parameters of `boat` from the file: the law's, those for all, its own."""
-        return {**law.parameters(self.law), **self.parameters, **boat.parameters}
+        own = {**law.parameters(self.law), **self.parameters, **boat.parameters}
+        if self.leader.boat is not None and boat is self.boat[self.leader.boat - 1]:
+            own.setdefault("WP_WIDTH", plans_width_m(self.leader, self.boat))
+        return own
+
+    def route(self, parameters: Mapping[str, float] | None = None) -> Array:
+        """The leader's motion (ticks + 1, 10) along its waypoints, as `sil.scenario.route.route`.
+
+        `parameters`: of a boat that leads; by default the file's.
+        """
+        if parameters is None and self.leader.boat is not None:
+            parameters = self.firmware_parameters(self.boat[self.leader.boat - 1])
+        return route(self.leader, self.boat, self.step_s, self.ticks, parameters)
 
 
 def load(
@@ -232,6 +253,7 @@ def _contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
         if vessel.m23**2 >= vessel.m22 * vessel.m33:
             key = ("boat", str(index), "vessel", "m23") if index else ("vessel", "m23")
             yield key, f'"{".".join(key)}" = {vessel.m23}: its square must be under m22 m33'
+    yield from _plan_contradictions(scenario)
     yield from _route_contradictions(scenario)
     starts = [segment.from_s for segment in scenario.leader.input]
     for index in range(1, len(starts)):
@@ -255,9 +277,8 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             return
     # Nearer to the middle of the turn than this a slot would nearly stand still, or go astern.
     width_m = half_width_m(scenario.boat)
-    motion = route(scenario.leader, scenario.boat, scenario.step_s, scenario.ticks)
-    curvature, number = sharpest(motion)
-    if width_m * curvature > _INNERMOST:
+    curvature, number = sharpest(scenario.route())
+    if width_m * curvature > _INNERMOST * (1.0 + 1e-9):
         wanted = width_m / _INNERMOST
         yield (
             ("leader", "waypoints"),
@@ -265,6 +286,27 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             f"{1 / curvature:.1f} m, slots {width_m:.1f} m abeam that turn with the leader need "
             f"{wanted:.1f} m: make legs longer, corner_radius_m greater, or slots nearer",
         )
+
+
+def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
+    """Of a leader that is a boat."""
+    key: KeyPath
+    leader = scenario.leader
+    if leader.boat is None:
+        return
+    if not leader.waypoints:
+        yield ("leader", "boat"), '"leader.boat": needs "leader.waypoints", its plan'
+    if leader.navigation.model_fields_set:
+        key = ("leader", "navigation")
+        yield key, '"leader.navigation": nobody sends for a boat; [boat.1.navigation] is its unit'
+    own = scenario.boat[leader.boat - 1]
+    if any(own.offset_m):
+        key = ("boat", str(leader.boat), "offset_m")
+        yield key, f'"{".".join(key)}" = {list(own.offset_m)}: [0, 0], it sails the plan itself'
+    for number, fault in enumerate(scenario.fault, start=1):
+        if fault.agent == 0:
+            key = ("fault", str(number), "agent")
+            yield key, f'"{".".join(key)}" = 0: boat {leader.boat} leads, there is no agent 0'
 
 
 def _unit_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:

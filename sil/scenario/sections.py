@@ -209,6 +209,10 @@ class Leader(Section):
     `corner_radius_m` where the legs have room for that, and rests at the last one. It is then a
     reference, no hull: the current does not set it. Its unit says what it says itself, at the
     boats' rate unless it has its own.
+
+    With `boat = 1` nobody simulates it: boat 1 gets the waypoints as its plan, by MAVLink, sails it
+    in AUTO and tells the others. Agent 0 is then the plan itself, which the boats that follow 0
+    hear from boat 1.
     """
 
     eta: Triple = (0.0, 0.0, 0.0)
@@ -218,6 +222,7 @@ class Leader(Section):
     waypoints: Annotated[tuple[Pair, ...], Strict(False)] = ()
     speed_mps: Positive = 0.5
     corner_radius_m: NotNegative | None = None
+    boat: Literal[1] | None = None
 
     def tau(self, t_s: Array) -> Array:
         """Input [X N] (..., 2) in N, N m at times `t_s` (...) after release; 0 before the first."""

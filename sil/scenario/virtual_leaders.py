@@ -1,20 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""How the virtual leaders of runs move: a hull under its inputs, or a reference along waypoints."""
+"""How agent 0 of runs moves: a hull under its inputs, a reference along waypoints, or a plan."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from sil.plant.bodies import Bodies
 from sil.plant.hull import Array
-from sil.scenario.route import route
 from sil.scenario.scenario import Scenario
+from sil.scenario.told_plan import ToldPlan
 
 
 class VirtualLeaders:
-    """Moves the bodies of R runs from tick to tick, their virtual leaders as scenarios have it."""
+    """Moves the bodies of R runs from tick to tick, agent 0 of each as its scenario has it.
 
-    def __init__(self, scenarios: Sequence[Scenario]) -> None:
+    `leading`: by run, the firmware parameters of the boats that lead; by default the file's.
+    """
+
+    def __init__(
+        self,
+        scenarios: Sequence[Scenario],
+        leading: Mapping[int, Mapping[str, float]] | None = None,
+    ) -> None:
         first = scenarios[0]
         self._h_s = first.step_s
         t_s = np.arange(first.ticks) * np.float64(self._h_s)
@@ -23,15 +30,27 @@ class VirtualLeaders:
         if all(leader.input == leaders[0].input for leader in leaders):
             leaders = leaders[:1]
         self._input = np.stack([leader.tau(times) for leader in leaders], axis=2)
-        routes = {
-            run: route(one.leader, one.boat, one.step_s, one.ticks)
-            for run, one in enumerate(scenarios)
-            if one.leader.waypoints
-        }
-        self._routes = {run: motion[:, :6] for run, motion in routes.items()}
+        self._routes: dict[int, Array] = {}
+        self._plans: dict[int, ToldPlan] = {}
+        for run, one in enumerate(scenarios):
+            if one.leader.boat is not None:
+                own = (leading or {}).get(run)
+                self._plans[run] = ToldPlan(one.route(own), self._h_s, one.leader.boat)
+            elif one.leader.waypoints:
+                self._routes[run] = one.route()[:, :6]
 
-    def advance(self, k: int, bodies: Bodies, command: Array) -> None:
-        """Carry the bodies from tick `k` to the next one under `command` (R N, 2)."""
+    def hear(self, run: int, data: bytes, t_us: int) -> None:
+        """Whole frames that the boat that leads a run sends at `t_us`."""
+        self._plans[run].hear(data, t_us)
+
+    def advance(self, k: int, bodies: Bodies, command: Array, t_us: int | None = None) -> None:
+        """Carry the bodies from tick `k` to the next one under `command` (R N, 2).
+
+        `t_us`: the time of the tick, where boats lead.
+        """
         bodies.advance(command, self._input[k], self._h_s)
         for run, motion in self._routes.items():
             bodies.eta[run], bodies.nu[run] = motion[k + 1, :3], motion[k + 1, 3:]
+        for run, plan in self._plans.items():
+            assert t_us is not None
+            bodies.eta[run], bodies.nu[run] = plan.forward(t_us)

@@ -3,8 +3,9 @@
 
 A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N", "leader", …}]}`.
 Quantities that change are columns of the same length as `t_s`: base64 of little-endian float32, NaN
-if unknown; a column without any known value is absent. `states`, `held` and `texts` are lists of
-[t_s, value], each value valid from its time on. `origin_deg`, if known: latitude and longitude of
+if unknown; a column without any known value is absent. `states`, `held`, `texts`, `plans` (see
+`sil.view.seen_plan.drawn`) and `items` (the one ahead) are lists of [t_s, value], each value valid
+from its time on. `origin_deg`, if known: latitude and longitude of
 the origin of all positions.
 """
 
@@ -106,7 +107,7 @@ def kept(count: int, most: int = MOST_SAMPLES) -> npt.NDArray[np.int64]:
 def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict[str, Any]:
     """An entry of a history's `vessels`; `columns`: thinned arrays (T) by names of `COLUMNS`.
 
-    Its `states`, `held` and `texts` are empty lists, for the caller to fill.
+    Its `states`, `held`, `texts`, `plans` and `items` are empty lists, for the caller to fill.
     """
     if unknown := set(columns) - set(COLUMNS):
         raise ValueError(f"unknown columns of a history: {', '.join(sorted(unknown))}")
@@ -120,6 +121,8 @@ def vessel(about: Boat, kind: str, columns: Mapping[str, npt.ArrayLike]) -> dict
         "states": [],
         "held": [],
         "texts": [],
+        "plans": [],
+        "items": [],
     }
 
 

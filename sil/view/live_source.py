@@ -15,6 +15,7 @@ from sil.wire.mavlink_ear import Message
 
 FRAMES_PER_S = 10
 _WINDOW_S = 1.0
+_PLANS_EVERY = 10  # frames
 
 
 class Live:
@@ -25,6 +26,8 @@ class Live:
         self._fleet = Fleet(length_m)
         self._watch = Watch(self._fleet)
         self._began_s = time.monotonic()
+        self._frames = 0
+        self._plans: dict[int, Any] = {}
         self._bytes, self._heard_s = 0, 0.0
         self._heard: deque[tuple[float, int]] = deque([(0.0, 0)])
 
@@ -52,8 +55,14 @@ class Live:
         """The current frame for the page."""
         now_s = self._now_s()
         vessels = self._fleet.vessels(now_s)
+        plans = self._fleet.drawn_plans()
         ear = self._listener.ear
+        # Plans are long and seldom change; who opens the page gets them a little later.
+        self._frames += 1
+        is_news = plans is not self._plans or self._frames % _PLANS_EVERY == 0
+        self._plans = plans
         return {
+            **({"plans": plans} if is_news else {}),
             "t_s": round(now_s, 3),
             "origin_deg": self._fleet.origin_deg,
             "heard": {

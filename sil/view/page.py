@@ -32,6 +32,7 @@ _SCRIPTS = (
     "chart",
     "ruler",
     "boats",
+    "planned",
     "thrust_bars",
     "plan",
     "plots",

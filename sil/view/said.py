@@ -9,16 +9,29 @@ import numpy as np
 import numpy.typing as npt
 from flotilla import kernels
 
-from sil.lockstep.recording import MAVLINK_OUT, Recording
+from sil.lockstep.recording import MAVLINK_IN, MAVLINK_OUT, Recording
 from sil.plant.hull import Array
+from sil.scenario.wiring import ORIGIN
 from sil.view.changes import Changes
 from sil.view.history import SIDES, column
+from sil.view.seen_plan import Plans, drawn
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
+from sil.wire.geodesy import LocalFrame
 from sil.wire.mavlink_ear import Ear
 from sil.wire.tlog import packets
 
 _RADIO = MAVLINK_OUT + 1
+# Of the boat and of whom it hears: plans go both ways.
+_PLANS = (
+    messages.MISSION_CURRENT,
+    messages.MISSION_COUNT,
+    messages.MISSION_CLEAR_ALL,
+    messages.MISSION_ACK,
+    messages.MISSION_ITEM_INT,
+)
+_HEARD = MAVLINK_IN + 1
+_WORLD = LocalFrame(*ORIGIN[:2], 0.001 * ORIGIN[2])
 _SHOWN = (
     messages.HEARTBEAT,
     messages.SYS_STATUS,
@@ -26,6 +39,7 @@ _SHOWN = (
     messages.STATUSTEXT,
     messages.ESC_INFO,
     messages.ESC_STATUS,
+    *_PLANS,
 )
 
 # Of the NAMED_VALUE_FLOATs, which are nine tenths of the messages, a history needs these.
@@ -42,9 +56,22 @@ class SaidByBoat:
         self._vessel = Vessel(system, 0.0)
         self.states, self.held, self.texts = Changes(), Changes(), Changes()
         self._numbers: dict[str, list[tuple[float, float]]] = {}
+        self._seen = Plans(lambda number: number == system)
+        self._plans, self._items = Changes(), Changes()
+
+    def overhear(self, message: Any, t_s: float) -> None:
+        """Process a message of the mission protocol, from or to it."""
+        before = self._seen.version
+        self._seen.hear(message)
+        if self._seen.version != before:
+            self._plans.note(t_s, dict(self._seen.of(self.system)))
+        self._items.note(t_s, self._seen.item.get(self.system))
 
     def hear(self, message: Any, t_s: float) -> None:
         """Process one of its messages; `t_s`: time after the release."""
+        if message.number in _PLANS:
+            self.overhear(message, t_s)
+            return
         vessel = self._vessel
         vessel.hear(message, t_s)
         self.states.note(t_s, vessel.state)
@@ -71,11 +98,13 @@ class SaidByBoat:
 
     def told(self, t_s: npt.NDArray[np.floating]) -> dict[str, Any]:
         """Its part of a history: lists of changes, and columns at the times `t_s`."""
-        columns = {}
+        columns: dict[str, Any] = {}
         for name, numbers in self._numbers.items():
             at_s, values = np.array([(-np.inf, np.nan), *numbers]).T
             columns[name] = column(values[np.searchsorted(at_s, t_s, side="right") - 1])
         changes = {"states": self.states, "held": self.held, "texts": self.texts}
+        plans = [[at_s, drawn(plan, _in_the_world)] for at_s, plan in self._plans.list]
+        columns |= {"plans": plans, "items": self._items.list}
         return {**{name: each.list for name, each in changes.items()}, **columns}
 
     def _note(self, name: str, t_s: float, number: float | None) -> None:
@@ -97,16 +126,21 @@ def said_in(path: Path, duration_us: float) -> Said:
     wanted = np.zeros(1 << 16, np.bool_)
     wanted[list(_SHOWN)] = True
     found, last_us = kernels.radio_frames(data, _RADIO, wanted)
+    of_plans = np.zeros(1 << 16, np.bool_)
+    of_plans[list(_PLANS)] = True
+    heard, _ = kernels.radio_frames(data, _HEARD, of_plans)
     parameters = [boat["parameters"] for boat in recording.header["boats"]]
     boats = [SaidByBoat(int(own["MAV_SYSID"])) for own in parameters]
     for boat, own in zip(boats, parameters, strict=True):
         boat.has_escs(int(own["ESC_PORT"]), int(own["ESC_STBD"]))
     release_us = last_us - duration_us
     ear = Ear(stream=False)
-    for t_us, agent, begin, end in found.tolist():
+    for t_us, agent, begin, end in sorted([*found.tolist(), *heard.tolist()]):
         if _is_needed(frame := bytes(recording.records[begin:end])):
             for message in ear.hear(frame):
-                boats[agent - 1].hear(message, max(0.0, 1e-6 * (t_us - release_us)))
+                boat, t_s = boats[agent - 1], max(0.0, 1e-6 * (t_us - release_us))
+                own = message.system == boat.system
+                (boat.hear if own else boat.overhear)(message, t_s)
     return Said(boats, parameters)
 
 
@@ -121,11 +155,19 @@ def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -
         for log in sorted((folder / f"boat{boat.system}" / "log").glob("*.tlog")):
             for packet in packets(log.read_bytes(), []):
                 t_s = 1e-6 * packet.t_us - release_unix_s
-                told = packet.system == boat.system and packet.message_id in _SHOWN
+                own = packet.system == boat.system
+                told = packet.message_id in (_SHOWN if own else _PLANS)
                 if told and t_s <= trace["t_s"][-1] and _is_needed(packet.frame):
                     for message in ear.hear(packet.frame):
-                        boat.hear(message, max(0.0, t_s))
+                        (boat.hear if own else boat.overhear)(message, max(0.0, t_s))
     return Said(boats, [])
+
+
+def _in_the_world(latitude: int, longitude: int) -> tuple[float, float]:
+    north, east, _ = LocalFrame(latitude, longitude, 0.001 * ORIGIN[2]).seen_from(
+        _WORLD, 0.0, 0.0, 0.0
+    )
+    return north, east
 
 
 def _is_needed(frame: bytes) -> bool:

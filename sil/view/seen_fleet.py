@@ -6,6 +6,7 @@ from math import cos, hypot, radians
 from typing import Any, NamedTuple
 
 from sil.view.seen_motion import Origin, Place
+from sil.view.seen_plan import Items, Plans, drawn
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.geodesy import LocalFrame
@@ -32,14 +33,16 @@ class Fleet:
 
     The view's frame has the first origin that is received; it moves when all vessels now heard are
     more than 50 km away. A vessel is dropped after 60 s of silence. `length_m`: length of the
-    boats, which they do not send.
+    boats, which they do not send. `plans`: theirs.
     """
 
     def __init__(self, length_m: float) -> None:
         self.systems: dict[int, Vessel] = {}
         self.unknown = 0
         self.origin: Origin | None = None
+        self.plans = Plans(self._is_vessel)
         self._length_m = length_m
+        self._drawn: tuple[object, dict[int, Any]] = (None, {})
         self._frames: dict[Origin, LocalFrame] = {}
         self._slots: dict[int, tuple[float, float]] = {}  # north, east from the leader
 
@@ -64,6 +67,7 @@ class Fleet:
             if vessel is None:
                 vessel = self.systems[message.system] = Vessel(message.system, now_s)
             vessel.hear(message, now_s)
+            self.plans.hear(message)
             if message.number == messages.GPS_GLOBAL_ORIGIN:
                 self._look_at_origin(vessel, now_s)
             elif message.number == messages.POSITION_TARGET_LOCAL_NED:
@@ -75,11 +79,35 @@ class Fleet:
             if now_s - vessel.heard_s > FORGOTTEN_S:
                 del self.systems[vessel.system]
                 self._slots.pop(vessel.system, None)
+                self.plans.forget(vessel.system)
                 self.unknown += vessel.messages if vessel.kind is None else 0
         if self.origin is None:
             self._look_at_globe(now_s)
         known = sorted(k for k, v in self.systems.items() if v.kind is not None)
         return [self._told(self.systems[system], now_s) for system in known]
+
+    def drawn_plans(self) -> dict[int, Any]:
+        """What the page draws of the vessels' plans, by system id: see `seen_plan.drawn`."""
+        about = (self.plans.version, self.origin)
+        if self._drawn[0] != about:
+            systems = [] if self.origin is None else self.plans.systems()
+            self._drawn = about, {system: self.drawn(self.plans.of(system)) for system in systems}
+        return self._drawn[1]
+
+    def drawn(self, plan: dict[int, Items]) -> dict[str, Any]:
+        """What the page draws of a plan, in the view's frame."""
+        return drawn(plan, self._from_globe)
+
+    def _from_globe(self, latitude: int, longitude: int) -> tuple[float, float] | None:
+        if not (abs(latitude) <= 900_000_000 and abs(longitude) <= 1_800_000_000):
+            return None
+        pose = self._seen(Place(0.0, True, latitude, longitude), None, None)
+        near = pose is not None and abs(pose.x) + abs(pose.y) < _FAR_M
+        return (pose.x, pose.y) if pose is not None and near else None
+
+    def _is_vessel(self, system: int) -> bool:
+        vessel = self.systems.get(system)
+        return vessel is not None and vessel.kind is not None
 
     def _told(self, vessel: Vessel, now_s: float) -> dict[str, Any]:
         vessel.motion.forget(vessel.heard_s - SILENT_S)
@@ -105,6 +133,7 @@ class Fleet:
             "in_slot": value("IN_SLOT"),
             "thrust_N": _pair(thrust),
             "limits_N": _pair(limits),
+            "item": self.plans.item.get(vessel.system),
             "state": vessel.state if at_s - vessel.beat_s <= SILENT_S else None,
             "held": vessel.held(),
             "text": vessel.texts.last or None,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The history of a tlog: what a live view would have shown while it was written."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -55,6 +55,7 @@ class Watch:
         self._step_s = _FIRST_STEP_S
         self._fleet = fleet
         self._told: dict[int, _Told] = {}
+        self._version = 0
 
     def hear(self, t_s: float, message: Message) -> None:
         """Process a message that arrived at `t_s`."""
@@ -65,6 +66,16 @@ class Watch:
             vessel = self._fleet.systems.get(message.system)
             if vessel is not None and vessel.kind is not None:
                 self._told.setdefault(vessel.system, _Told()).note(t_s, vessel)
+        self._note_plans(t_s, message)
+
+    def _note_plans(self, t_s: float, message: Message) -> None:
+        plans = self._fleet.plans
+        if plans.version != self._version:
+            self._version = plans.version
+            for system in plans.systems():
+                self._told.setdefault(system, _Told()).plans.note(t_s, dict(plans.of(system)))
+        if message.number == messages.MISSION_CURRENT and message.system in self._told:
+            self._told[message.system].items.note(t_s, plans.item.get(message.system))
 
     def wait(self, t_s: float) -> None:
         """Sample up to `t_s`, with no message in between."""
@@ -79,7 +90,9 @@ class Watch:
             "origin_deg": self._fleet.origin_deg,
             "t_s": column(self.times),
             "vessels": [
-                told.history(len(self.times)) for _, told in sorted(self._told.items()) if told.last
+                told.history(len(self.times), self._fleet.drawn)
+                for _, told in sorted(self._told.items())
+                if told.last
             ],
         }
 
@@ -103,6 +116,7 @@ class _Told:
         self._leader: int | None = None
         self._limits_N: tuple[float, float] | None = None
         self._states, self._held, self._texts = Changes(), Changes(), Changes()
+        self.plans, self.items = Changes(), Changes()
 
     def look(self, index: int, vessel: Told) -> None:
         """Add the sample with this index."""
@@ -123,8 +137,8 @@ class _Told:
         self._fill(samples)
         self._rows = self._rows[::2]
 
-    def history(self, samples: int) -> Told:
-        """The vessel's entry in a history of `samples` samples."""
+    def history(self, samples: int, draw: Callable[[Any], Told]) -> Told:
+        """The vessel's entry in a history of `samples` samples; `draw`: a plan for the page."""
         self._fill(samples)
         columns = zip(COLUMNS, np.array(self._rows).T, strict=True)
         return {
@@ -135,6 +149,8 @@ class _Told:
             "states": self._states.list,
             "held": self._held.list,
             "texts": self._texts.list,
+            "plans": [[t_s, draw(plan)] for t_s, plan in self.plans.list],
+            "items": self.items.list,
         }
 
     def _fill(self, samples: int) -> None:

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""An operator at a ground station: arms boats and sets their mode by MAVLink commands."""
+"""An operator at a ground station: arms boats, sets their mode and sends plans by MAVLink."""
+
+from collections.abc import Sequence
 
 from pymavlink.dialects.v20 import common as mavlink
 
 from sil.wire.heartbeat import FORMATION, HOLD, state_of
 from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
+from sil.wire.plan_upload import PlanItem, PlanUpload
 
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
 
@@ -22,15 +25,22 @@ _READ = {
 
 
 def mode_request(mode: int) -> Request:
-    """The request to change to MANUAL, HOLD or FORMATION."""
+    """The request to change to MANUAL, HOLD, FORMATION or AUTO."""
     return mavlink.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(mode))
 
 
-def start_requests(slow_Hz: float, all_armed: bool, holds: bool) -> list[Request]:
-    """What an operator asks of a boat, again and again, until all boats are in FORMATION.
+def plan_upload(system: int, items: Sequence[PlanItem]) -> PlanUpload:
+    """The operator's dialogue in which a boat gets its plan."""
+    return PlanUpload(system, items, SYSTEM, COMPONENT)
+
+
+def start_requests(
+    slow_Hz: float, all_armed: bool, holds: bool, mode: int = FORMATION
+) -> list[Request]:
+    """What an operator asks of a boat, again and again, until all boats are in their `mode`.
 
     ESC_STATUS and ESC_INFO, which boats send on request only, at the rate of their SR_SLOW; to arm;
-    once all boats are armed, FORMATION, through HOLD unless the boat `holds`.
+    once all boats are armed, `mode`, through HOLD unless the boat `holds`.
     """
     asked: list[Request] = []
     if slow_Hz > 0:
@@ -41,7 +51,7 @@ def start_requests(slow_Hz: float, all_armed: bool, holds: bool) -> list[Request
         ]
     asked.append(ARM)
     if all_armed:
-        asked += [mode_request(mode) for mode in ((FORMATION,) if holds else (HOLD, FORMATION))]
+        asked += [mode_request(one) for one in ((mode,) if holds else (HOLD, mode))]
     return asked
 
 

@@ -3,8 +3,9 @@
 
 import pytest
 
+from sil.rivals.routes import ROUTES
 from tests import measurements
-from tests.loop.leading import ROUTES, WELL, Sailed, sail
+from tests.loop.leading import Sailed, sail
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,7 @@ def test_the_fleet_sails_the_plan_in_a_current_with_a_weak_propeller(
     calm: dict[str, Sailed], name: str
 ) -> None:
     it = calm[name]
-    assert it.states == WELL
+    assert it.well
     assert it.mean_m <= 0.08 and it.worst_m <= 0.35 and it.corner_m <= 0.25
     assert it.speed >= 0.95 and it.rms_m <= 0.10 and it.closest >= 0.8
 
@@ -32,7 +33,7 @@ def test_the_fleet_sails_the_plan_in_wind_and_a_strong_current(
     rough: dict[str, Sailed], name: str
 ) -> None:
     it = rough[name]
-    assert it.states == WELL
+    assert it.well
     assert it.mean_m <= 0.2 and it.speed >= 0.95 and it.rms_m <= 0.3 and it.closest >= 0.8
 
 

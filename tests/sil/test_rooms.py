@@ -14,6 +14,7 @@ ORDER = [
     "wire",
     "scenario",
     "lockstep",
+    "rivals",
     "live",
     "view",
     "logs",

@@ -8,7 +8,7 @@ class Camera {
     this.north = this.east = 0;
     this.scale = 10;
     this.width = this.height = 1;
-    this.mode = "fleet"; // or "free", or the key of the followed vessel
+    this.mode = "fleet"; // or "plans": with them, "free", or the key of the followed vessel
     this.placed = false;
   }
 
@@ -26,12 +26,17 @@ class Camera {
   zoom(factor, right = this.width / 2, down = this.height / 2) {
     const scale = Math.min(Math.max(this.scale * factor, LEAST_PX_M), MOST_PX_M);
     const [dx, dy] = [right - this.width / 2, down - this.height / 2];
-    if (this.mode === "fleet") this.mode = "free";
+    if (this.fits) this.mode = "free";
     if (this.mode === "free") {
       this.east += dx * (1 / this.scale - 1 / scale);
       this.north -= dy * (1 / this.scale - 1 / scale);
     }
     this.scale = scale;
+  }
+
+  /** Whether the view is to hold all vessels. */
+  get fits() {
+    return this.mode === "fleet" || this.mode === "plans";
   }
 
   drag(dx, dy) {
@@ -43,14 +48,15 @@ class Camera {
   /** Moves the view to its target. A fleet well within the view does not move it. */
   aim(vessels) {
     const all = vessels.filter(isPlaced), heard = all.filter((vessel) => !isElsewhere(vessel));
-    const placed = heard.length && this.mode === "fleet" ? heard : all;
+    const placed = heard.length && this.fits ? heard : all;
     if (this.mode === "free" || !placed.length) return;
-    if (this.mode !== "fleet") {
+    if (!this.fits) {
       const followed = placed.find((vessel) => vessel.key === this.mode);
       if (followed) [this.north, this.east] = [followed.x_m, followed.y_m];
       return;
     }
     const points = placed.flatMap(({ x_m, y_m, slot }) => (slot ? [[x_m, y_m], slot] : [[x_m, y_m]]));
+    if (this.mode === "plans") points.push(...placed.flatMap(({ plan }) => plan?.way ?? []));
     const room = Math.max(...placed.map((vessel) => vessel.length_m || 1)) / 2;
     const [north, east] = [0, 1].map((i) => {
       const values = points.map((point) => point[i]);

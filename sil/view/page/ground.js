@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The layer under the vessels: chart, grid, trails, scale, north. Redrawn once a second and when the view
+// The layer under the vessels: chart, grid, fences, plans, trails, scale, north. Redrawn once a second and when the view
 // moves; in between, only the latest part of each trail is added.
 const TRAIL_POINTS = 3000, FADES = 6; // of all trails together
 const FRESH_S = 1;
@@ -16,7 +16,8 @@ class Ground {
   draw(ctx, camera, vessels, track, [t_s, window_s, origin]) {
     const { width, height } = ctx.canvas;
     const view = [width, height, camera.north, camera.east, camera.scale, window_s, dark.matches, this.chart.version, origin];
-    const wanted = [...view, ...vessels.map((vessel) => `${vessel.key} ${vessel.kind}`)].join();
+    const plans = vessels.map(({ plan, item }) => `${numberOfPlan(plan)} ${item}`);
+    const wanted = [...view, ...vessels.map((vessel) => `${vessel.key} ${vessel.kind}`), ...plans].join();
     if (wanted !== this.drawn || !(t_s >= this.t_s && t_s < this.t_s + FRESH_S)) {
       [this.drawn, this.t_s] = [wanted, t_s];
       this.renew(camera, vessels, track, [t_s - window_s, t_s, origin], [width, height]);
@@ -37,6 +38,8 @@ class Ground {
     ctx.lineJoin = "round";
     this.chart.draw(ctx, camera, origin);
     drawGrid(ctx, camera);
+    for (const vessel of vessels) drawFence(ctx, camera, vessel.plan);
+    for (const vessel of vessels) drawPlanned(ctx, camera, vessel);
     const most = Math.min(600, Math.max(60, TRAIL_POINTS / vessels.length));
     for (const vessel of vessels) drawTrail(ctx, camera, vessel, track(vessel.key), [from_s, to_s, most]);
     drawScaleBar(ctx, camera);

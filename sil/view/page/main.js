@@ -90,7 +90,8 @@ function tell(frame, chosen) {
   say(byName("clock"), clock(frame.t_s));
   say(byName("pause"), player ? (player.playing ? "Pause" : "Play") : paused ? "Go on" : "Pause");
   byName("pause").setAttribute("aria-label", byName("pause").textContent);
-  const options = [["fleet", "whole fleet"], ["free", "free"], ...frame.vessels.map((vessel) => [vessel.key, nameOf(vessel)])];
+  const planned = frame.vessels.some(({ plan }) => plan?.way.length) ? [["plans", "fleet and plans"]] : [];
+  const options = [["fleet", "whole fleet"], ...planned, ["free", "free"], ...frame.vessels.map((vessel) => [vessel.key, nameOf(vessel)])];
   fill(byName("centre"), options, plan.camera.mode);
 }
 

@@ -94,7 +94,7 @@ class Plan {
   }
 
   describe({ vessels }) {
-    const told = vessels.map((vessel) => `${nameOf(vessel)}${vessel.state ? ` ${vessel.state}` : ""}`);
+    const told = vessels.map((vessel) => `${nameOf(vessel)}${vessel.state ? ` ${vessel.state}` : ""}${toldPlan(vessel)}`);
     const text = `Plan view, north up: ${told.join(", ") || "no vessel"}`;
     if (text !== this.said) this.canvas.setAttribute("aria-label", text);
     this.said = text;

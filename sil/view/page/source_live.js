@@ -2,7 +2,7 @@
 // The live source: frames from the view's WebSocket. Counts and ignores invalid ones.
 const SILENT_MS = 3000;
 const RETRY_MS = [250, 500, 1000, 2000];
-const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "link_age_s", "place_age_s", "leader_age_s", "battery_V"];
+const NUMBERS = ["x_m", "y_m", "psi_rad", "u_mps", "v_mps", "length_m", "leader", "error_m", "in_slot", "link_age_s", "place_age_s", "leader_age_s", "battery_V", "item"];
 const STATES = CONFIG.supervisor.states;
 
 const textOr = (x) => (typeof x === "string" ? x : null);
@@ -35,7 +35,7 @@ function cleanFrame(text) {
   const unique = new Map();
   for (const vessel of raw.vessels.map(cleanVessel)) if (vessel) unique.set(vessel.id, vessel);
   const vessels = [...unique.values()].sort((a, b) => a.id - b.id);
-  return { t_s: raw.t_s, origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
+  return { t_s: raw.t_s, plans: cleanPlans(raw.plans), origin: pair(raw.origin_deg), heard: raw.heard && typeof raw.heard === "object" ? raw.heard : {}, vessels };
 }
 
 class LiveSource {
@@ -50,6 +50,7 @@ class LiveSource {
     this.events = [];
     this.changes = new Changes();
     this.tracks = new Map();
+    this.plans = new Map();
     this.garbage = 0;
     this.frames = 0;
     this.tries = 0;
@@ -99,6 +100,9 @@ class LiveSource {
     this.status = ["good", "live"];
     // a restarted view counts from 0
     if (frame.t_s < this.frame.t_s - 1) this.forget();
+    // plans come now and then only, as they are long
+    if (frame.plans) this.plans = frame.plans;
+    for (const vessel of frame.vessels) vessel.plan = this.plans.get(vessel.id) ?? null;
     this.frame = frame;
     const here = new Set(frame.vessels.map((vessel) => vessel.key));
     for (const key of this.tracks.keys()) if (!here.has(key)) this.tracks.delete(key);
@@ -112,6 +116,7 @@ class LiveSource {
 
   forget() {
     this.tracks.clear();
+    this.plans = new Map();
     [this.events, this.changes] = [[], new Changes()];
   }
 

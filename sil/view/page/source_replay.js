@@ -31,7 +31,8 @@ class ReplaySource {
     this.vessels = history.vessels.map((vessel, i) => {
       const columns = Object.fromEntries(
         CHANGING.filter((name) => typeof vessel[name] === "string").map((name) => [name, columnOf(vessel[name])]));
-      return { ...vessel, key: `${i}`, columns };
+      const plans = (vessel.plans ?? []).map(([t_s, plan]) => [t_s, cleanPlan(plan)]);
+      return { ...vessel, key: `${i}`, columns, plans };
     });
     this.begin_s = this.t[0] ?? 0;
     this.end_s = this.t[this.t.length - 1] ?? 0;
@@ -93,6 +94,8 @@ class ReplaySource {
       state: holding(vessel.states, this.t_s, null),
       held: holding(vessel.held, this.t_s, []),
       text: holding(vessel.texts, this.t_s, null),
+      plan: holding(vessel.plans, this.t_s, null),
+      item: holding(vessel.items, this.t_s, null),
     };
   }
 }

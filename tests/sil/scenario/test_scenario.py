@@ -46,7 +46,7 @@ m11 = 2.0
 """
 
 
-ROUTE = {"waypoints", "speed_mps", "corner_radius_m"}
+ROUTE = {"waypoints", "speed_mps", "corner_radius_m", "boat"}
 
 
 def written(folder: Path, text: str) -> Path:
@@ -145,7 +145,7 @@ def test_the_firmware_knows_the_nominal_boat_of_every_scenario(name: str) -> Non
         assert told["THR_EXPO"] == pytest.approx(pair.expo)
         for key in ("m11", "m22", "m33"):
             assert told[f"VES_{key.upper()}"] == pytest.approx(getattr(hull, key)), name
-        if not hull.crossflow:
+        if not (hull.crossflow or hull.d11_quadratic):  # else linear drag is a fit
             for key in ("d11", "d22", "d33"):
                 assert told[f"VES_{key.upper()}"] == pytest.approx(getattr(hull, key)), name
 

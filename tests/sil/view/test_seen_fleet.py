@@ -130,6 +130,7 @@ def test_all_that_a_boat_tells_is_on_the_page() -> None:
         "in_slot": None,
         "thrust_N": (5.0, -2.0),
         "limits_N": (-15.0, 20.0),
+        "item": None,
         "state": "FORMATION",
         "held": (),
         "text": "FORMATION",

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Agent 0 where a boat leads: its plan, sailed by the planner alone, at the time the boat tells.
+
+The planner says where agent 0 goes; the boat's FORMATION_REFERENCE says only how far it is, as it
+turns to the first leg before it begins and waits where it falls behind. Both are compared in place
+and surge; agent 0 follows smoothly, and waits while nothing is told.
+"""
+
+import numpy as np
+
+from sil.plant.hull import Array
+from sil.scenario.route import PLANS_LARGEST_M
+from sil.scenario.sections import Leader
+from sil.scenario.wiring import ORIGIN
+from sil.wire.formation_reference import Ear
+from sil.wire.geodesy import LocalFrame
+from sil.wire.plan_upload import PlanItem, speed_item, waypoint_item
+
+_HEIGHT_M = 0.001 * ORIGIN[2]
+_WORLD = LocalFrame(*ORIGIN[:2], _HEIGHT_M)
+_SILENT_US = 1_000_000
+_AROUND_S = 5.0  # how far from where it should be agent 0 is looked for
+_GAIN = 5.0  # 1/s
+_FASTEST = 3.0  # times the planned speed, while it catches up
+_ALIKE_S = 1.0  # weighs surge, m/s, against place, m
+
+
+def items_of(leader: Leader) -> list[PlanItem]:
+    """The plan that a boat gets: its speed, and all waypoints but the one where it starts."""
+    radius_m = 0.0 if leader.corner_radius_m is None else PLANS_LARGEST_M
+    places = [_WORLD.geodetic(north, east, 0.0) for north, east in leader.waypoints[1:]]
+    points = [waypoint_item(place.latitude, place.longitude, radius_m) for place in places]
+    return [speed_item(leader.speed_mps), *points]
+
+
+class ToldPlan:
+    """The plan's vessel. `motion` (T, 10): as `flotilla.sail_route` returns it, every `h_s`."""
+
+    def __init__(self, motion: Array, h_s: float, system: int) -> None:
+        self._motion, self._h_s = motion, h_s
+        self._ear = Ear(system, _WORLD, _HEIGHT_M)
+        self._at = 0.0  # ticks since the plan began
+        self._behind = 0.0  # ticks
+        self._heard_us: int | None = None
+        self._rests = True
+
+    def hear(self, data: bytes, t_us: int) -> None:
+        """Whole frames that the boat sends at `t_us`."""
+        for told in self._ear.hear(data):
+            self._heard_us = t_us
+            self._rests = told.u_mps == 0.0
+            around = round(_AROUND_S / self._h_s)
+            first = max(0, int(self._at) - around)
+            near = self._motion[first : int(self._at) + around]
+            off = np.hypot(near[:, 0] - told.north_m, near[:, 1] - told.east_m)
+            unlike = off**2 + (_ALIKE_S * (near[:, 3] - told.u_mps)) ** 2
+            since = 0.0 if self._rests else 1e-6 * told.age_us / self._h_s
+            self._behind = first + int(unlike.argmin()) + since - self._at
+
+    def forward(self, t_us: int) -> tuple[Array, Array]:
+        """The pose (3) and velocity (3) one tick after `t_us`."""
+        silent = self._heard_us is None or t_us - self._heard_us > _SILENT_US
+        step = 0.0
+        if not silent:
+            back = min(1.0, _GAIN * self._h_s) * self._behind
+            step = float(np.clip((0.0 if self._rests else 1.0) + back, 0.0, _FASTEST))
+            self._behind += (0.0 if self._rests else 1.0) - step
+        last = len(self._motion) - 1
+        self._at = min(self._at + step, float(last))
+        k = min(int(self._at), last - 1)
+        a, b = self._motion[k], self._motion[k + 1]
+        share = self._at - k
+        eta = np.array([*(a[:2] + share * (b[:2] - a[:2])), a[2] + share * self._h_s * a[5]])
+        return eta, step * (a[3:6] + share * (b[3:6] - a[3:6]))
