@@ -3,7 +3,7 @@
 
     python -m tests.loop.waiting [--minutes 20]
 
-The hull of `tests.loop.leading`, one propeller 15 % weak, in a current of 0.3 m/s across its first
+The hull of `lead`, one propeller 15 % weak, in a current of 0.3 m/s across its first
 heading, alone and with 8 m/s of wind and gusts.
 """
 
@@ -19,7 +19,6 @@ from sil.lockstep.batch import Batch
 from sil.lockstep.policies import violations
 from sil.scenario import scenario
 from sil.wire.operator import ARM, mode_request
-from tests.loop.leading import BOAT, HULL_M, PRODUCT
 
 LOITER = 5
 SETTLES_S = 60.0
@@ -58,11 +57,7 @@ def needed_N(one: scenario.Scenario) -> float:
 
 def wait(weather: str, minutes: float) -> Waited:
     """One run of that weather."""
-    given = [f"parameters.{name}={float(value)}" for name, value in PRODUCT.items()]
-    errors = ["navigation.position_noise_m=0.02", "navigation.position_drift_m=0.03"]
-    one = scenario.load(
-        "diamond", [*BOAT, *WEATHERS[weather], *errors, *given, "boat.1.eta=[0,0,0]"]
-    )
+    one = scenario.load("lead", WEATHERS[weather])
     one = one.model_copy(update={"boat": one.boat[:1]})
     batch = Batch([one], {})
     agent = batch.row(0, 1)
@@ -109,7 +104,7 @@ def main() -> None:
     )
     parser.add_argument("--minutes", type=float, default=20.0)
     given = parser.parse_args()
-    print(f"| station of a {HULL_M} m hull | mean | worst | thrust over needed | needed |")
+    print("| station of a 1.2 m hull | mean | worst | thrust over needed | needed |")
     for weather in WEATHERS:
         it = wait(weather, given.minutes)
         cells = f"{it.mean_m:.2f} m | {it.worst_m:.2f} m | {it.thrust:.2f} | {it.needed_N:.1f} N"
