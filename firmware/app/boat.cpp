@@ -234,7 +234,9 @@ void Boat<S>::start_plan() {
   const std::optional<Target> asked = vehicle_.take_target();
   const bool guided = state() == core::State::kGuided && asked;
   const auto back = state() == core::State::kReturn ? way_back() : std::nullopt;
-  errand_.sail_to(guided ? *asked : back ? *back : pilot_.stop_ahead());
+  const bool at_fence = (conditions_ & core::kInsideFence) == 0;  // no room to stop ahead
+  const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  errand_.sail_to(guided ? *asked : back ? *back : here);
   pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 

@@ -31,8 +31,10 @@ from tests.target.plans import (
 from tests.target.sea import Sea, acks, named, texts
 from tests.target.stations import (
     ACCEPTED,
+    BOAT,
     DENIED,
     FORMATION,
+    HOLD,
     SET_MODE,
     TEMPORARILY_REJECTED,
 )
@@ -165,7 +167,7 @@ def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
     fence, beyond = FENCES[shape]
     leader = Course(math.cos(bearing), math.sin(bearing), bearing, speed)
     hull = Hull([0.0, 0.0, bearing] + [0.0] * 3)
-    sea = Afloat(hull=hull, leader=leader, scalar=scalar)
+    sea = Afloat({"FS_FENCE_ACT": 0}, hull=hull, leader=leader, scalar=scalar)
     sea.run(0.5)
     assert send(sea, FENCE, fence) == ITEM_ACCEPTED
     sea.enter_formation()
@@ -176,6 +178,54 @@ def test_behind_a_leader_that_leaves_the_fence_the_boat_stops_before_it(
     assert beyond(*place(sea)) < 0 and not any(sea.commands)
     assert named(sea.run(1.1), "FENCE_STATUS")[-1].breach_count == 0
     assert acks(sea.mode(FORMATION)) == [(SET_MODE, TEMPORARILY_REJECTED)] or sea.state != "HOLD"
+
+
+@pytest.mark.parametrize(("action", "into"), [(1, "LOITER"), (2, "RTL")])
+@pytest.mark.parametrize("speed", [0.4, 1.0])
+@pytest.mark.parametrize("shape", FENCES)
+def test_at_the_fence_the_boat_waits_or_turns_back_and_never_leaves_it(
+    shape: str, speed: float, action: int, into: str
+) -> None:
+    fence, beyond = FENCES[shape]
+    leader = Course(math.cos(0.3), math.sin(0.3), 0.3, speed)
+    sea = Afloat({"FS_FENCE_ACT": action}, hull=Hull([0.0, 0.0, 0.3, 0, 0, 0]), leader=leader)
+    sea.run(0.5)
+    assert send(sea, FENCE, fence) == ITEM_ACCEPTED
+    sea.enter_formation()
+    sea.run_until(into, 30.0)
+    for _ in range(60):
+        sea.run(1.0)
+        assert beyond(*place(sea)) < 0 and sea.state == into
+    home = place(sea) if into == "LOITER" else (0.0, 0.0)
+    sea.run(20.0)
+    assert place(sea) == pytest.approx(home, abs=0.1)
+
+
+def test_a_target_and_the_way_home_keep_the_fence() -> None:
+    """A wall between the boat and its home: it waits rather than sails through it."""
+    sea = at_sea([])
+    away = at(20, 0)
+    sea.say(
+        mavlink.MAVLink_command_int_message(
+            *(BOAT, 1, 6, 192, 0, 0, -1.0, 1.0, 0, 0, away.x, away.y, 0)
+        )
+    )
+    sea.run(60.0)
+    sea.mode(HOLD)
+    sea.step()
+    wall = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
+    assert send(sea, FENCE, wall) == ITEM_ACCEPTED
+    beyond = at(0, 0)
+    sea.say(
+        mavlink.MAVLink_command_int_message(
+            *(BOAT, 1, 6, 192, 0, 0, -1.0, 1.0, 0, 0, beyond.x, beyond.y, 0)
+        )
+    )
+    assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
+    sea.mode(11)
+    sea.run(20.0)
+    assert "the way back leaves the fence: the boat waits" in words(sea)
+    assert sea.state == "RTL" and place(sea) == pytest.approx((20, 0), abs=0.1)
 
 
 def test_along_the_fence_the_law_drives_on() -> None:
