@@ -315,8 +315,8 @@ void Boat<S>::look_at_limits(std::int64_t now_us) {
       std::tie(configuration().failsafes, configuration().propulsion);
   const bool armed = core::armed(state());
   const bool fenced = vehicle_.missions().fence().is_on();
-  const bool placed = (fenced || limits_.asks_place(failsafes, armed, now_us)) && pilot_.located() &&
-                      (conditions_ & core::kOwnFresh) != 0;
+  const bool placed = (fenced || limits_.asks_place(failsafes, armed, now_us)) &&
+                      pilot_.located() && (conditions_ & core::kOwnFresh) != 0;
   const auto place = placed ? std::optional(pilot_.place()) : std::nullopt;
   limits_.look(failsafes, {now_us,
                            armed,

@@ -24,12 +24,12 @@ constexpr std::uint8_t kReferenceFollowed = 1, kReferenceUntimed = 2;
 constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmdDoMotorTest = 209,
                         kCmdNavReturnToLaunch = 20, kCmdDoReposition = 192,
                         kCmdDoPauseContinue = 193, kCmdDoFenceEnable = 207,
-                        kCmdDoSetMissionCurrent = 224,
-                        kCmdMissionStart = 300, kCmdPreflightStorage = 245,
-                        kCmdDoSetStandardMode = 262, kCmdComponentArmDisarm = 400,
-                        kCmdInjectFailure = 420, kCmdGetMessageInterval = 510,
-                        kCmdSetMessageInterval = 511, kCmdRequestMessage = 512,
-                        kCmdRequestProtocolVersion = 519, kCmdRequestAutopilotCapabilities = 520;
+                        kCmdDoSetMissionCurrent = 224, kCmdMissionStart = 300,
+                        kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
+                        kCmdComponentArmDisarm = 400, kCmdInjectFailure = 420,
+                        kCmdGetMessageInterval = 510, kCmdSetMessageInterval = 511,
+                        kCmdRequestMessage = 512, kCmdRequestProtocolVersion = 519,
+                        kCmdRequestAutopilotCapabilities = 520;
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3,
                        kFailed = 4, kCommandIntOnly = 8, kUnsupportedFrame = 9;
 

@@ -21,7 +21,7 @@ from sil.lockstep.world import sail
 from sil.scenario import scenario
 
 BENCH = ROOT / "build/release/flotilla_bench"
-FLASH, RAM = 180_000, 36_000
+FLASH, RAM = 200_000, 48_000
 
 
 def _stream(recording: Path | None, boat: int, seconds: float) -> tuple[bytes, str]:
