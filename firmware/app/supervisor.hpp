@@ -44,7 +44,7 @@ class Supervisor {
   /// Time at which COAST began; nothing in other states.
   std::optional<std::int64_t> coasting_since_us() const { return coast_us_; }
 
-  /// What losses lead to from now on.
+  /// Sets the reactions to losses.
   void choose(const core::Choices& choices) { choices_ = choices; }
 
   /// The conditions that depend on the sticks and the motor test.

@@ -45,7 +45,7 @@ enum class Request : std::uint8_t {
 };
 constexpr std::size_t kRequests = 12;
 
-/// What the boat does about a loss; the more careful comes first.
+/// Reactions to a loss; the more careful comes first.
 enum class Reaction : std::uint8_t {
   kHold,
   kLoiter,
@@ -236,7 +236,7 @@ struct Choices {
   bool operator==(const Choices&) const = default;
 };
 
-/// What is lost in these states where not all of `needs` is met, and whose choice then counts.
+/// In these states a loss, if not all of `needs` is met; `choice` then counts.
 struct Loss {
   States in;
   Conditions needs;

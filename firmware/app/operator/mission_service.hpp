@@ -16,7 +16,7 @@
 
 namespace flotilla::app {
 
-/// What the service keeps: the values are MAV_MISSION_TYPE's.
+/// Kinds of stored items; the values are MAV_MISSION_TYPE's.
 enum class Stored : std::uint8_t { kPlan, kFence, kRally };
 constexpr std::size_t kStoredKinds = 3;
 
@@ -45,7 +45,7 @@ class MissionService {
   /// taken, and AUTO refused.
   PlanFault restore(Stored kind, Plan items, const PlanDefaults& defaults);
 
-  /// Who asks, and what he may change: the plan not while it is being sailed, fence and rally points
+  /// The sender, and its rights: the plan may not change while it is sailed, fence and rally points
   /// not while the law drives.
   struct Asker {
     link::Address from;
@@ -67,7 +67,7 @@ class MissionService {
   };
   std::optional<Repeated> repeat(std::int64_t now_us);
 
-  /// What the operator should read of the last message: something was stored, or refused; or that
+  /// News for the operator from the last message: something was stored, or refused; or that
   /// the stored plan leaves the fence.
   struct News {
     enum class Kind : std::uint8_t { kStored, kRefused, kPlanLeavesFence };

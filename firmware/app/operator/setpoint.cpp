@@ -14,7 +14,7 @@ namespace mav = link::mav;
 constexpr unsigned kPlace = 1 | 2, kVelocity = 8 | 16, kAcceleration = 64 | 128 | 256,
                    kYawRate = 2048;
 
-/// What both messages share; north and east, or ahead and to starboard.
+/// The fields that both messages share; velocities north and east, or ahead and to starboard.
 struct Wish {
   unsigned ignored;
   bool in_body;  ///< the velocity
