@@ -91,6 +91,7 @@ auto done(Ask what) {
 }
 void push(Pair& q) { q.n.port = q.n.bus.loudest = 100, q.n.thrust_N.port = 0.2F; }
 
+constexpr State kGuided = State::kGuided, kLoiter = State::kLoiter, kReturn = State::kReturn;
 constexpr State kOff = State::kDisarmed, kHold = State::kHold, kLaw = State::kFormation,
                 kManual = State::kManual, kCoast = State::kCoast, kTest = State::kTest,
                 kFault = State::kFault;
@@ -142,8 +143,10 @@ const std::vector<Mutation> kThrust{
      lost(core::kSlotSound)},
     {"a boat that does not keep its slot is not driven in FORMATION", kLaw, lost(core::kOnStation)},
     {"a boat that does not answer is not driven by the law", kCoast, lost(core::kBoatAnswers)},
-    {"battery low: no thrust by the law", kLaw, lost(core::kBatteryGood)},
-    {"beyond the fence: no thrust by the law", kLaw, lost(core::kInsideFence)},
+    {"battery low: no thrust by the law but in LOITER and RTL", kLaw, lost(core::kBatteryGood)},
+    {"beyond the fence: no thrust by the law but in LOITER and RTL", kGuided,
+     lost(core::kInsideFence)},
+    {"RTL: no thrust where home is unknown or far", kReturn, lost(core::kHomeNear)},
     {"no ground station where one is required: no thrust in FORMATION", kLaw,
      lost(core::kGcsHeard)},
     {"COAST is over: no thrust in it", kCoast, lost(core::kCoastRunning)},
@@ -193,6 +196,11 @@ const std::vector<Mutation> kState{
     {"FORMATION only where it was asked for or COAST is over", kLaw,
      from(kHold, done(Ask::kFormation))},
     {"AUTO only where it was asked for", State::kAuto, from(kHold, done(Ask::kAuto))},
+    {"GUIDED only where it was asked for", kGuided, from(kHold, done(Ask::kGuided))},
+    {"LOITER only where it was asked for or a loss led to it", kLoiter,
+     from(kHold, done(Ask::kLoiter))},
+    {"RTL only where it was asked for or a loss led to it", kReturn,
+     from(kHold, done(Ask::kReturn))},
     {"TEST only after a command for a motor test", kTest, from(kHold, done(Ask::kTest))},
     {"a boat that is disarmed gets into FAULT by termination or a stop switch only", kFault,
      from(kOff, done(Ask::kTerminate))},
@@ -210,6 +218,10 @@ const std::vector<Mutation> kState{
     {"AUTO only with all that it needs", State::kAuto, lost(core::kOnStation)},
     {"AUTO only with all that it needs", State::kAuto, lost(core::kGcsHeard)},
     {"AUTO begins in clear water only", State::kAuto, from(kHold, lost(core::kClear))},
+    {"GUIDED only with all that it needs", kGuided, lost(core::kInsideFence)},
+    {"GUIDED begins in clear water only", kGuided, from(kHold, lost(core::kClear))},
+    {"LOITER only with all that it needs", kLoiter, lost(core::kLocated)},
+    {"RTL only with all that it needs", kReturn, lost(core::kHomeNear)},
     {"COAST only with all that it needs", kCoast, lost(core::kOwnSteady)},
     {"COAST begins in FORMATION only", kCoast, from(kHold)},
     {"COAST begins in FORMATION only", kCoast, from(State::kAuto)},
@@ -285,7 +297,8 @@ TEST_CASE("no two rules have the same name, and there are at least sixty") {
 }
 
 TEST_CASE("a boat that stays in a state breaks no rule") {
-  for (const State s : {kOff, kHold, kManual, kLaw, kCoast, kTest, kFault}) {
+  for (const State s :
+       {kOff, kHold, kManual, kLaw, kCoast, kTest, kFault, kGuided, kLoiter, kReturn}) {
     const Pair q(s);
     CHECK_MESSAGE(first_broken(q.b, q.n).value_or("") == "", static_cast<int>(s));
   }
@@ -301,10 +314,10 @@ TEST_CASE("a boat with an SR_SLOW of 0.2 may ask by TIMESYNC every 5 s") {
 
 TEST_CASE("a boat that goes from a state to another one breaks no rule") {
   constexpr State kAuto = State::kAuto;
-  const std::vector<std::pair<State, State>> ways{{kOff, kHold},    {kHold, kLaw},   {kLaw, kCoast},
-                                                  {kCoast, kLaw},   {kLaw, kHold},   {kHold, kTest},
-                                                  {kHold, kManual}, {kHold, kFault}, {kHold, kAuto},
-                                                  {kLaw, kAuto},    {kAuto, kHold},  {kAuto, kLaw}};
+  const std::vector<std::pair<State, State>> ways{
+      {kOff, kHold},  {kHold, kLaw},    {kLaw, kCoast},   {kCoast, kLaw},  {kLaw, kHold},
+      {kHold, kTest}, {kHold, kManual}, {kHold, kFault},  {kHold, kAuto},  {kLaw, kAuto},
+      {kAuto, kHold}, {kAuto, kLaw},    {kHold, kGuided}, {kLaw, kLoiter}, {kAuto, kReturn}};
   for (const auto& [before, now] : ways) {
     Pair q(now);
     from(before)(q);
