@@ -65,7 +65,7 @@ def answered(tick: Tick, command: int, result: int, link: int = 0) -> list[Any]:
 def test_what_is_asked_for_follows_its_ack(quiet: Sea, message_id: int, unused: float) -> None:
     others = answered(quiet.order(REQUEST, message_id, *[unused] * 6), REQUEST, ACCEPTED)
     assert others and {m.get_type() for m in others} == {kind_of(message_id)}
-    assert len(others) == {MODES: 4, 251: 22}.get(message_id, 1)
+    assert len(others) == {MODES: 7, 251: 22}.get(message_id, 1)
     assert not named(quiet.run(0.5), "COMMAND_ACK")
 
 
