@@ -24,6 +24,7 @@ ORDER = [
     "bench",
     "faults",
     "examine",
+    "identify",
     "cli",
     "examples",
 ]
