@@ -207,7 +207,7 @@ class LiveWorld:
         raise StartError(f"not in FORMATION after {_PATIENCE_S:g} s: {'; '.join(words)}")
 
     def _send_plan(self, t_us: int) -> None:
-        """What the operator says of the plan, which those who listen to the radio hear too."""
+        """The operator's messages about the plan, which listeners of the radio hear too."""
         if self._plan is None or self._leader_boat is None:
             return
         if data := self._plan.say(t_us):

@@ -87,7 +87,7 @@ class Fleet:
         return [self._told(self.systems[system], now_s) for system in known]
 
     def drawn_plans(self) -> dict[int, Any]:
-        """What the page draws of the vessels' plans, by system id: see `seen_plan.drawn`."""
+        """The drawings of the vessels' plans, by system id: see `seen_plan.drawn`."""
         about = (self.plans.version, self.origin)
         if self._drawn[0] != about:
             systems = [] if self.origin is None else self.plans.systems()
@@ -95,7 +95,7 @@ class Fleet:
         return self._drawn[1]
 
     def drawn(self, plan: dict[int, Items]) -> dict[str, Any]:
-        """What the page draws of a plan, in the view's frame."""
+        """The drawing of a plan, in the view's frame."""
         return drawn(plan, self._from_globe)
 
     def _from_globe(self, latitude: int, longitude: int) -> tuple[float, float] | None:

@@ -38,7 +38,7 @@ Convert = Callable[[int, int], tuple[float, float] | None]
 
 
 class Item(NamedTuple):
-    """What is drawn of an item."""
+    """The drawing of an item."""
 
     number: int
     command: int

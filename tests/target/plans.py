@@ -156,7 +156,7 @@ class Planner:
         return None
 
     def fetch(self) -> list[Any]:
-        """What the boat has: its MISSION_ITEM_INT messages."""
+        """The boat's plan: its MISSION_ITEM_INT messages."""
         kind = self.kind
         listed = mavlink.MAVLink_mission_request_list_message(BOAT, 1, kind)
         items = [
