@@ -18,6 +18,7 @@ from sil.common.colours import colour_of
 from sil.plant.hull import Array
 from sil.report import headline, plots, run_report
 from sil.report.comparison import png
+from sil.scenario.sections import Leader
 from sil.view import page as view
 
 _COPY = '<button type="button" class="copy">Copy</button>'
@@ -95,8 +96,8 @@ def _of(campaign: Campaign) -> str:
 def _formation(campaign: Campaign, trace: dict[str, Array] | None) -> str:
     if trace is None:
         return "<p>The nominal run was not sailed, or could not be started.</p>"
-    about = "Paths of the virtual leader and the boats, with the formation at several times"
-    return _picture(plots.formation(campaign.scenario, trace), about)
+    about = "Paths of the boats and of their leader, with the formation at several times"
+    return _picture(plots.formation(campaign.scenario, trace, _root(campaign)), about)
 
 
 def _errors(campaign: Campaign, sampled: Samples, trace: dict[str, Array] | None) -> str:
@@ -113,13 +114,19 @@ def errors_figure(campaign: Campaign, sampled: Samples, trace: dict[str, Array] 
     return pictures.errors(campaign.scenario, shown, _pairs(campaign))
 
 
+def _root(campaign: Campaign) -> str:
+    """Agent 0 in the pictures, as `sil.scenario.sections.Leader` names it."""
+    boat = campaign.header.get("document", {}).get("leader", {}).get("boat")
+    return Leader(boat=boat).name
+
+
 def _pairs(campaign: Campaign) -> list[str]:
     """Each boat's label: with its leader if campaign.json names it."""
     boats = campaign.header.get("document", {}).get("boat", [])
-    names = []
+    names, root = [], _root(campaign)
     for i in range(campaign.boats):
         leader = boats[i].get("follows") if i < len(boats) else None
-        behind = {None: "", 0: " behind the virtual leader"}.get(leader, f" behind boat {leader}")
+        behind = {None: "", 0: f" behind the {root}"}.get(leader, f" behind boat {leader}")
         names.append(f"boat {i + 1}{behind}")
     return names
 

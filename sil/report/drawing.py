@@ -13,11 +13,15 @@ from sil.plant.hull import Array
 
 CAN_DRAW = find_spec("matplotlib") is not None
 Pictures = dict[str, bytes]
-_Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]]]
+_DRAWN = ("t_s", "eta", "error", "thrust")
+_Order = tuple[str, Mapping[str, Array], Sequence[tuple[float, float]], str]
 
 
 def draw(
-    name: str, trace: Mapping[str, Array], limits_N: Sequence[tuple[float, float]] = ()
+    name: str,
+    trace: Mapping[str, Array],
+    limits_N: Sequence[tuple[float, float]] = (),
+    root: str = "virtual leader",
 ) -> Pictures:
     """The PNGs of a run: "formation", "errors" and "thrust"; arguments as `sil.report.plots`.
 
@@ -28,7 +32,7 @@ def draw(
     from sil.report import plots  # noqa: PLC0415  loads matplotlib
 
     figures = {
-        "formation": plots.formation(name, trace),
+        "formation": plots.formation(name, trace, root),
         "errors": plots.errors(name, trace),
         "thrust": plots.thrust(name, trace, limits_N),
     }
@@ -64,10 +68,14 @@ class Drawing:
         return int(self._process.pid)
 
     def begin(
-        self, name: str, trace: Mapping[str, Array], limits_N: Sequence[tuple[float, float]]
+        self,
+        name: str,
+        trace: Mapping[str, Array],
+        limits_N: Sequence[tuple[float, float]],
+        root: str = "virtual leader",
     ) -> None:
         """Have the pictures drawn; arguments as `draw`."""
-        self._order = (name, dict(trace), limits_N)
+        self._order = (name, {array: trace[array] for array in _DRAWN}, limits_N, root)
         try:
             self._ours.send(self._order)
         except OSError:

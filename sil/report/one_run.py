@@ -133,7 +133,7 @@ def _finish(
     trace = result.trace
     afloat = boats_of(scenario)
     limits_N = [boat.limits_N for boat in afloat if boat.limits_N is not None]
-    drawing.begin(scenario.name, trace, limits_N)
+    drawing.begin(scenario.name, trace, limits_N, scenario.leader.name)
     # of what diverged, figures are not finite
     with np.errstate(all="ignore"):
         boats = metrics.boats(trace["t_s"], trace["error"], trace["thrust"], result.states)

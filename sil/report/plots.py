@@ -10,6 +10,7 @@ from matplotlib import patheffects
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from sil.common.colours import BAD, BLACK, COLOURS, FAINT, GREY, colour_of
 from sil.lockstep import metrics
@@ -18,8 +19,10 @@ from sil.plant.hull import Array
 _WIDTH_IN = 8.0
 _SHOWN_SAMPLES = 3000
 _FARTHEST_M = 1e6
+_LEAST_M, _MOST_LEAST_M = 1e-5, 1e-3  # between these the axis of errors begins
 _LEGEND_COLUMNS = 6
 _AT_LIMIT = 1e-3  # of the range between the limits
+VIRTUAL_LEADER = "virtual leader"
 DASHED = (0, (4, 3))
 HALO = patheffects.withStroke(linewidth=3, foreground="white")
 # outline of a hull of length 1, body axes: forward, starboard
@@ -43,8 +46,10 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def formation(name: str, trace: Mapping[str, Array]) -> Figure:
+def formation(name: str, trace: Mapping[str, Array], root: str = VIRTUAL_LEADER) -> Figure:
     """Paths north up and east right, with the formation at evenly spaced times.
+
+    `root` is what agent 0 is called.
 
     One map of the first fifth of the run, in which the formation closes up, one of all of it; or
     of as much as can be drawn where an agent's state is not finite from some tick on.
@@ -65,18 +70,24 @@ def formation(name: str, trace: Mapping[str, Array]) -> Figure:
         maps = figure.subplots(2, 1, height_ratios=shapes)
         for axes, (title, end) in zip(maps, windows.items(), strict=True):
             axes.set_title(title)
-            draw_map(axes, t_s[:end], eta[:end], formations=6, hull_share=1.0 / 45.0)
+            draw_map(axes, t_s[:end], eta[:end], formations=6, hull_share=1.0 / 45.0, root=root)
         handles, labels = maps[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="lower center", ncols=_LEGEND_COLUMNS)
     return figure
 
 
 def errors(name: str, trace: Mapping[str, Array]) -> Figure:
-    """Distance of each boat from its slot over time, logarithmic, with the settling level."""
+    """Distance of each boat from its slot over time, logarithmic, with the settling level.
+
+    The axis begins at the decade of the smallest hundredth of the distances, between 10 µm and
+    1 mm: boats may start in their slots, and pass through them.
+    """
     t_s = trace["t_s"]
     step = _step(t_s)
+    distance = metrics.distances(trace["error"][::step])
+    least_m = _least_decade(distance)
     # zero has no logarithm
-    distance = np.maximum(metrics.distances(trace["error"][::step]), 1e-9)
+    distance = np.maximum(distance, 0.1 * least_m)
     distance[~(distance < _FARTHEST_M)] = np.nan
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, 4.6))
@@ -90,13 +101,17 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
         axes.axhline(metrics.SETTLED_M, color=BLACK, lw=1.0, ls=DASHED)
         by_level = axes.get_yaxis_transform()
         level = f"settled: {metrics.SETTLED_M} m"
-        axes.text(0.01, metrics.SETTLED_M * 0.9, level, fontsize=9.5, va="top", transform=by_level)
+        text = axes.text(0.01, metrics.SETTLED_M * 0.9, level, fontsize=9.5, va="top")
+        text.set(transform=by_level, path_effects=[HALO])
         third = t_s[0] + (t_s[-1] - t_s[0]) * 2.0 / 3.0
         axes.axvspan(third, t_s[-1], color=FAINT, zorder=0)
         by_time = axes.get_xaxis_transform()
         axes.text(third, 0.97, " last third: RMS, maximum", color=GREY, va="top", transform=by_time)
         axes.set_xlim(t_s[0], t_s[-1])
-        _label_ends(axes, _last_finite(distance))
+        axes.set_ylim(bottom=least_m)
+        # ticks between the decades take longer to draw than all lines
+        axes.yaxis.set_minor_locator(NullLocator())
+        _label_ends(axes, np.maximum(_last_finite(distance), least_m))
     return figure
 
 
@@ -165,10 +180,18 @@ def _mark_limits(axes: Axes, t_s: Array, thrust_N: Array, limits_N: tuple[float,
     axes.text(0.0, 1.0, text, color=colour, fontsize=9, va="bottom", transform=axes.transAxes)
 
 
-def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share: float) -> None:
+def draw_map(
+    axes: Axes,
+    t_s: Array,
+    eta: Array,
+    *,
+    formations: int,
+    hull_share: float,
+    root: str = VIRTUAL_LEADER,
+) -> None:
     """Paths of `eta` (T, N+1, 3), north up, with the formation at evenly spaced times.
 
-    A hull is drawn 1 m long, or longer: `hull_share` of the paths' extent.
+    A hull is drawn 1 m long, or longer: `hull_share` of the paths' extent. `root`: agent 0's name.
     """
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="east (m)", ylabel="north (m)")
@@ -177,7 +200,7 @@ def draw_map(axes: Axes, t_s: Array, eta: Array, *, formations: int, hull_share:
     north, east = path[..., 0], path[..., 1]
     extent_m = float(max(np.ptp(north), np.ptp(east), 1.0))
     (leader,) = axes.plot(east[:, 0], north[:, 0], color=BLACK, lw=1.0, zorder=3)
-    leader.set(linestyle=DASHED, label="virtual leader")
+    leader.set(linestyle=DASHED, label=root)
     for boat in range(1, eta.shape[1]):
         label = f"boat {boat}"
         axes.plot(east[:, boat], north[:, boat], color=colour_of(boat), lw=1.0, label=label)
@@ -235,6 +258,12 @@ def _drawable(eta: Array) -> int:
     lost = ~(np.abs(eta[..., :2] - eta[0, :, :2]) < _FARTHEST_M) | ~np.isfinite(eta[..., 2:])
     lost_ticks = np.flatnonzero(lost.any(axis=(1, 2)))
     return max(1, int(lost_ticks[0])) if lost_ticks.size else len(eta)
+
+
+def _least_decade(distance: Array) -> float:
+    seen = distance[np.isfinite(distance) & (distance > 0.0)]
+    least_m = float(np.quantile(seen, 0.01)) if seen.size else _MOST_LEAST_M
+    return float(10.0 ** np.floor(np.log10(np.clip(least_m, _LEAST_M, _MOST_LEAST_M))))
 
 
 def _last_finite(values: Array) -> Array:

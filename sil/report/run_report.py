@@ -33,7 +33,7 @@ COLUMNS = (
 _PICTURES = {
     "formation": (
         "Formation",
-        "Paths of the virtual leader and the boats, with the formation at several times",
+        "Paths of the boats and of their leader, with the formation at several times",
     ),
     "errors": ("Formation error", "Distance of each boat from its slot over time"),
     "thrust": ("Thrust", "Port and starboard thrust of each boat over time"),

@@ -224,6 +224,11 @@ class Leader(Section):
     corner_radius_m: NotNegative | None = None
     boat: Literal[1] | None = None
 
+    @property
+    def name(self) -> str:
+        """Agent 0 in pictures and tables."""
+        return "virtual leader" if self.boat is None else f"plan of boat {self.boat}"
+
     def tau(self, t_s: Array) -> Array:
         """Input [X N] (..., 2) in N, N m at times `t_s` (...) after release; 0 before the first."""
         tau = np.zeros((*t_s.shape, 2))

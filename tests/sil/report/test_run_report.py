@@ -16,6 +16,7 @@ from sil.lockstep.metrics import Summary
 from sil.plant.hull import Array
 from sil.report import one_run, plots, run_report
 from sil.report.drawing import draw
+from sil.scenario.sections import Leader
 from sil.view import history
 from sil.view import page as view
 
@@ -148,3 +149,29 @@ def test_run_that_diverged_is_reported_up_to_where_it_did(tmp_path: Path, lost: 
     assert all(np.isfinite(axes.dataLim.get_points()).all() for axes in maps)
     told = json.loads((tmp_path / "summary.json").read_text(), parse_constant=pytest.fail)
     assert told["boats"][1]["rms_error_m"] is None
+
+
+def test_map_names_the_plan_that_a_boat_leads_by() -> None:
+    _, trace = made_up_run(ticks=200)
+    for about, name in ({}, "virtual leader"), ({"boat": 1}, "plan of boat 1"):
+        figure = plots.formation("pair", trace, Leader.model_validate(about).name)
+        texts = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert texts == [name, "boat 1", "boat 2", "start"]
+
+
+def test_errors_of_boats_that_start_in_their_slots_are_shown_from_a_millimetre() -> None:
+    _, trace = made_up_run()
+    trace["error"][..., 0] += 0.02
+    trace["error"][0] = 0.0
+    (axes,) = plots.errors("pair", trace).axes
+    low, high = axes.get_ylim()
+    assert low == pytest.approx(1e-3) and 2.0 < high < 10.0
+    labels = {text.get_text(): text.get_position()[1] for text in axes.texts}
+    assert 0.0 <= labels["boat 1"] < labels["boat 2"] < 1.0
+
+
+def test_errors_far_under_a_millimetre_are_shown() -> None:
+    _, trace = made_up_run()
+    trace["error"] *= 1e-4
+    (axes,) = plots.errors("pair", trace).axes
+    assert axes.get_ylim()[0] == pytest.approx(1e-5)
