@@ -5,8 +5,8 @@ A history is `{"title", "t_s", "vessels": [{"id", "kind", "length_m", "limits_N"
 Quantities that change are columns of the same length as `t_s`: base64 of little-endian float32, NaN
 if unknown; a column without any known value is absent. `states`, `held`, `texts`, `plans` (see
 `sil.view.seen_plan.drawn`) and `items` (the one ahead) are lists of [t_s, value], each value valid
-from its time on. `origin_deg`, if known: latitude and longitude of
-the origin of all positions.
+from its time on. `origin_deg`, if known: latitude and longitude of the origin of all positions.
+`plan_of`: of a first vessel that is the plan which a boat leads by, that boat's id.
 """
 
 import base64
@@ -76,19 +76,21 @@ def numbers(text: str) -> npt.NDArray[np.float32]:
 def boats_of(scenario: Scenario) -> list[Boat]:
     """The boats of a scenario, boat 1 first, without the virtual leader.
 
-    With more boats than there are system ids, `id` is the boat's number and `leader` is None.
+    With more boats than there are system ids, `id` is the boat's number and `leader` is None, as
+    for a boat that sails a plan.
     """
     systems = systems_of(scenario)
     unique = len(set(systems)) == len(systems)
-    pairs = zip(scenario.boat, scenario.propeller_pairs(), scenario.vessels()[1:], strict=True)
+    leaders = [scenario.heard_by(agent) for agent in range(1, len(systems))]
+    pairs = zip(leaders, scenario.propeller_pairs(), scenario.vessels()[1:], strict=True)
     return [
         Boat(
             systems[agent] if unique else agent,
-            systems[boat.follows] if unique else None,
+            systems[leader] if unique and leader != agent else None,
             vessel.length_m or LENGTH_M,
             (-propellers.reverse_max_N, propellers.forward_max_N),
         )
-        for agent, (boat, propellers, vessel) in enumerate(pairs, start=1)
+        for agent, (leader, propellers, vessel) in enumerate(pairs, start=1)
     ]
 
 

@@ -76,6 +76,8 @@ def history_of(
     if length_m is not None:
         about = [replace(boat, length_m=length_m) for boat in about]
     told = history.of_trace(trace, title, about)
+    if sailed is not None and sailed.leader.boat is not None:
+        told["vessels"][0]["plan_of"] = sailed.leader.boat
     told["origin_deg"] = [1e-7 * ORIGIN[0], 1e-7 * ORIGIN[1]]
     if said is not None and len(said.boats) == boats:
         kept_s = history.numbers(told["t_s"])

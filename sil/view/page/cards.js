@@ -109,7 +109,7 @@ class Card {
 
   showState(vessel, silent) {
     const state = silent ? null : vessel.state;
-    const unknown = silent || vessel.stateLost ? UNKNOWN : vessel.kind === "leader" ? "virtual" : "";
+    const unknown = silent || vessel.stateLost ? UNKNOWN : vessel.kind === "leader" && !vessel.plan_of ? "virtual" : "";
     say(this.state, isClosing(vessel) && !silent ? "closing" : state ?? unknown);
     const name = `state ${silent ? "" : isClosing(vessel) ? "closing" : state ?? ""}`;
     if (this.state.className !== name) this.state.className = name;

@@ -45,6 +45,6 @@ const STATE_THEME = {
 };
 
 function nameOf(vessel) {
-  if (vessel.kind === "leader") return `Leader ${vessel.id}`;
+  if (vessel.kind === "leader") return vessel.plan_of ? `Plan of boat ${vessel.plan_of}` : `Leader ${vessel.id}`;
   return `${vessel.kind === "boat" ? "Boat" : "Vessel"} ${vessel.id}`;
 }

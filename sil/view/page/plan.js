@@ -64,7 +64,7 @@ class Plan {
     const middle = boats.reduce((sum, vessel) => sum + vessel.y_m, 0) / boats.length;
     for (const vessel of placed) {
       const [right, down] = this.camera.at(vessel.x_m, vessel.y_m), virtual = vessel.kind === "leader";
-      const [text, colour] = virtual ? ["leader", isElsewhere(vessel) ? "stale" : "ink"] : this.label(vessel);
+      const [text, colour] = virtual ? [vessel.plan_of ? "plan" : "leader", isElsewhere(vessel) ? "stale" : "ink"] : this.label(vessel);
       if (!text) continue;
       const beside = virtual ? 0.72 * ringPx(vessel, this.camera) + 3 : Math.min(0.55 * hullPx(vessel, this.camera), 60) + 6;
       // on the west side of boats in the west, so that neighbours' texts do not overlap

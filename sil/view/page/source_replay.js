@@ -87,6 +87,7 @@ class ReplaySource {
     const escs = ESCS.map((esc) => Object.fromEntries(esc.map(([name, column]) => [name, values[column]])));
     return {
       id: vessel.id, key: vessel.key, kind: vessel.kind, leader: vessel.leader ?? null,
+      plan_of: vessel.plan_of ?? null,
       length_m: vessel.length_m ?? null, limits_N: pair(vessel.limits_N), ...values,
       escs: escs.some((esc) => Object.values(esc).some(known)) ? escs : [],
       slot: both(values.slot_x_m, values.slot_y_m),

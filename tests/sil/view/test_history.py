@@ -111,6 +111,7 @@ def test_boats_of_a_scenario_have_its_ids_leaders_hulls_and_limits() -> None:
     assert [boat.leader for boat in boats] == [i or VIRTUAL_LEADER_SYSTEM for i in follows]
     assert [boat.length_m for boat in boats] == [1.0, 2.5, 1.0, 1.0]
     assert {boat.limits_N for boat in boats} == {(-30.0, 50.0)}
+    assert [boat.leader for boat in history.boats_of(scenario.load("lead"))] == [None, 1, 1, 1]
 
 
 def test_boats_beyond_the_system_ids_are_told_by_their_numbers() -> None:

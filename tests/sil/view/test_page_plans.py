@@ -96,3 +96,6 @@ def test_a_replayed_run_shows_the_plan_of_the_boat_that_leads(
     standing(browser, path)
     seek(browser, 75.0)
     browser.until(f"{SAID.replace('return', 'return 0 ||')}.includes('waypoint 2 ahead')")
+    cards = "return [...document.querySelectorAll('.card')].map((c) => c.ariaLabel)"
+    names = ["Boat 1", "Boat 2", "Boat 3", "Boat 4", "Plan of boat 1"]
+    assert browser.run(cards) == names

@@ -261,6 +261,8 @@ def test_replay_fits_a_phone_also_inside_a_report(
     browser.size(width, 740)
     replayed(browser, tmp_path)
     assert browser.run("return document.documentElement.scrollWidth") <= width
+    tools = "return document.getElementById(arguments[0]).getBoundingClientRect().right"
+    assert browser.run(tools, "measure") <= browser.run(tools, "plan-box")
 
 
 def test_a_silent_boat_has_no_line_in_the_plots(browser: Browser, tmp_path: Path) -> None:
