@@ -39,7 +39,8 @@ def draw(
     pictures = {}
     for stem, figure in figures.items():
         png = io.BytesIO()
-        figure.savefig(png, format="png")
+        # a tenth larger than at the default level, in two thirds of the time
+        figure.savefig(png, format="png", pil_kwargs={"compress_level": 1})
         pictures[stem] = png.getvalue()
     return pictures
 

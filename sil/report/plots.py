@@ -10,7 +10,7 @@ from matplotlib import patheffects
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import FuncFormatter, NullLocator
 
 from sil.common.colours import BAD, BLACK, COLOURS, FAINT, GREY, colour_of
 from sil.lockstep import metrics
@@ -91,7 +91,7 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
     distance[~(distance < _FARTHEST_M)] = np.nan
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH_IN, 4.6))
-        figure.subplots_adjust(left=0.1, right=0.9, bottom=0.11, top=0.93)
+        figure.subplots_adjust(left=0.12, right=0.9, bottom=0.11, top=0.93)
         axes = figure.add_subplot(yscale="log", xlabel="time since release (s)")
         lost = "" if np.isfinite(distance).all() else "; a line ends where it is beyond all bounds"
         axes.set_title(f"{name}: distance of each boat from its slot{lost}")
@@ -109,8 +109,7 @@ def errors(name: str, trace: Mapping[str, Array]) -> Figure:
         axes.text(third, 0.97, " last third: RMS, maximum", color=GREY, va="top", transform=by_time)
         axes.set_xlim(t_s[0], t_s[-1])
         axes.set_ylim(bottom=least_m)
-        # ticks between the decades take longer to draw than all lines
-        axes.yaxis.set_minor_locator(NullLocator())
+        plain_decades(axes)
         _label_ends(axes, np.maximum(_last_finite(distance), least_m))
     return figure
 
@@ -178,6 +177,16 @@ def _mark_limits(axes: Axes, t_s: Array, thrust_N: Array, limits_N: tuple[float,
         text += f"; at one for {share:.1%} of the time"
     colour = BAD if share > 0.0 else GREY
     axes.text(0.0, 1.0, text, color=colour, fontsize=9, va="bottom", transform=axes.transAxes)
+
+
+def plain_decades(axes: Axes) -> None:
+    """Mark a logarithmic ordinate at its decades alone, "0.01" rather than a power of ten.
+
+    Powers need a parser that takes as long as a picture, ticks between longer than all lines.
+    """
+    axes.yaxis.set_minor_locator(NullLocator())
+    decimal = FuncFormatter(lambda value, _: np.format_float_positional(value, trim="-"))
+    axes.yaxis.set_major_formatter(decimal)
 
 
 def draw_map(

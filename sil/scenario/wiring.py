@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Constants of all simulated vessels: ids on MAVLink and CAN, the world's origin."""
 
-from pymavlink.dialects.v20 import common as mavlink
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 VIRTUAL_LEADER_SYSTEM = 100
 # Longjumeau's latitude and longitude in degE7, altitude in mm; any other place would do.

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import cos, nan, pi, remainder, sin, tau
 from typing import Any, Literal, NamedTuple
 
-from pymavlink.dialects.v20 import common as mavlink
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.wire.geodesy import LocalFrame
 from sil.wire.mavlink_frames import frames

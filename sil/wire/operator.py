@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 
-from pymavlink.dialects.v20 import common as mavlink
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.wire.heartbeat import FORMATION, HOLD, state_of
 from sil.wire.mavlink_frames import frames
