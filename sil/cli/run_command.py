@@ -66,6 +66,8 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
 
 def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Console") -> None:
     """Warn of a chain of boats that is deeper than certified; four in a line are not looked at."""
+    if len(chosen.boat) < _CHAIN:
+        return
     from sil.certificate.probe import deepest
 
     if len(deepest(chosen)) < _CHAIN:
