@@ -61,7 +61,7 @@ def _problems(fault: Fault, boats: int, noise: SensorNoise) -> Iterator[tuple[st
         if fault.value:
             yield "value", f"{kind} has none"
     elif "value" not in fault.model_fields_set:
-        yield "value", f"{kind} needs one ({known.unit})"
+        yield "value", f"{kind} needs a value ({known.unit})"
     elif not known.least <= fault.value <= known.greatest:
         limits = f"from {known.least:g} to {known.greatest:g}"
         yield "value", f"{kind} has a value {limits} ({known.unit})"

@@ -27,6 +27,9 @@ _WORDS = {
     "dict_type": "must be a table",
     "tuple_type": "must be an array",
 }
+# of the radio, which all boats share: keys that a writer looks for in a boat's own table
+_OF_THE_RADIO = {"link", "radio", "loss", "delay_s"}
+_ONE_RADIO = 'of one boat: a [[fault]] of kind "radio_loss" or "radio_late"'
 
 
 class ScenarioError(ValueError):
@@ -182,6 +185,8 @@ def _problem(detail: ErrorDetails, path: KeyPath, model: type[BaseModel]) -> str
         allowed = list(_annotation(model, loc[:-1]).model_fields)
         close = difflib.get_close_matches(path[-1], allowed, n=1)
         hint = f'did you mean "{close[0]}"?' if close else f"allowed: {', '.join(allowed)}"
+        if path[0] == "boat" and path[-1] in _OF_THE_RADIO:
+            hint = _ONE_RADIO
         return f'unknown key "{key}" ({hint})'
     if kind == "string_pattern_mismatch":
         return f'"{key}": a parameter\'s name is up to 16 of A-Z, 0-9 and _'

@@ -185,7 +185,7 @@ MISTAKES = [
     ({"kind": "esc_stuck", "agent": 0}, "the virtual leader cannot have esc_stuck"),
     ({"esc": "port"}, '"fault.1.esc" = "port": own_silent is none of ESCs'),
     ({"value": 1.0}, '"fault.1.value" = 1.0: own_silent has none'),
-    ({"kind": "own_jump"}, "own_jump needs one"),
+    ({"kind": "own_jump"}, "own_jump needs a value"),
     ({"kind": "radio_loss", "value": 1.5}, "radio_loss has a value from 0 to 1 (share)"),
     ({"kind": "own_jump", "value": 1e7}, "own_jump has a value from -1e+06 to 1e+06 (m)"),
     ({"kind": "replay", "value": 3.0}, "no more than at_s"),

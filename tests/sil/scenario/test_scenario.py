@@ -213,6 +213,11 @@ def test_a_word_of_an_override_may_do_without_quotation_marks(value: str) -> Non
         ("eta = [0, 0, 0]", "eta = 4", 'pair.toml:20: "boat.2.eta" = 4: must be an array'),
         ("eta = [0, 0, 0]", "eta = [0, 0]", '"boat.2.eta" = [0, 0]: must have 3 numbers'),
         ("offset_m = [0, 0]", "offset_m = [0, 0, 1]", '15: "boat.1.offset_m" = [0, 0, 1]: must h'),
+        (
+            "m11 = 2.0",
+            "loss = 0.3",
+            'unknown key "boat.2.vessel.loss" (of one boat: a [[fault]] of',
+        ),
         ("loss = 0.1", "loss = 1.5", "pair.toml:10: "),
         ("loss = 0.1", "loss = 1.5", '"link.loss" = 1.5: must be less than or equal to 1'),
         ("loss = 0.1", "loss = nan", '"link.loss" = NaN: must be a finite number'),
