@@ -133,7 +133,8 @@ def _pairs(campaign: Campaign) -> list[str]:
 
 def _picture(figure: Figure, about: str) -> str:
     data = base64.b64encode(png(figure)).decode()
-    return f'<img alt="{escape(about)}" src="data:image/png;base64,{data}">'
+    image = f'<img alt="{escape(about)}" src="data:image/png;base64,{data}">'
+    return f'<div class="wide picture">{image}</div>'
 
 
 def _replays(campaign: Campaign, head: Sequence[str], rows: Iterable[tuple[int, list[str]]]) -> str:

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import NullLocator
 
 from sil.campaign.finished import Columns
 from sil.campaign.samples import Samples
@@ -51,8 +50,7 @@ def errors(name: str, shown: Errors, pairs: Sequence[str]) -> Figure:
         panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
         bottom, top = _limits(shown)
         panels[0, 0].set(yscale="log", ylim=(bottom, top))
-        # ticks between the decades would take a third of the time of drawing
-        panels[0, 0].yaxis.set_minor_locator(NullLocator())
+        plots.plain_decades(panels[0, 0])
         for axes, boat in zip(panels.flat, boats, strict=False):
             axes.set_title(pairs[boat - 1])
             _draw(axes, shown, boat, (bottom, top))

@@ -104,7 +104,8 @@ def page(summary: Summary, pictures: Mapping[str, bytes], command: str, replay: 
 def _picture(stem: str, png: bytes) -> str:
     title, alt = _PICTURES[stem]
     source = f"data:image/png;base64,{base64.b64encode(png).decode()}"
-    return f'<h2>{title}</h2>\n<img alt="{alt}"\n     src="{source}">\n'
+    image = f'<img alt="{alt}"\n     src="{source}">'
+    return f'<h2>{title}</h2>\n<div class="wide picture">{image}</div>\n'
 
 
 def _row(boat: BoatSummary) -> str:
