@@ -130,7 +130,7 @@ class Plots {
     }
     if (name !== "thrust") return [];
     const limits = [...new Set(vessels.flatMap((vessel) => vessel.limits_N ?? []))].sort((a, b) => a - b);
-    say(document.getElementById("thrust-note"), `port solid, stbd dashed${limitsText(limits)}`);
+    say(document.getElementById("thrust-note"), `stbd dashed${limitsText(limits)}`);
     const most = Math.max(0, ...chart.data.datasets.map(({ data }) => greatest(data, Math.abs)));
     const near = limits.filter((limit) => Math.abs(limit) < 2.5 * most);
     const scale = chart.options.scales.y;

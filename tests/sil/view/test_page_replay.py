@@ -231,7 +231,7 @@ def test_plots_hold_the_whole_run_and_the_limits(browser: Browser, tmp_path: Pat
     assert lines == [2, 4, 3] and span == [0.0, DURATION_S]
     assert low <= -15.0 and high >= 20.0
     note = browser.run("return document.getElementById('thrust-note').textContent")
-    assert note == "port solid, stbd dashed, limits −15, 20"
+    assert note == "stbd dashed, limits −15, 20"
 
 
 def test_run_that_diverged_is_shown_up_to_there(browser: Browser, tmp_path: Path) -> None:
