@@ -34,7 +34,10 @@ def override(source: Source, text: str) -> None:
     """Apply an override that names a hull: it replaces the file's hull, with its changes."""
     key, _, value = text.partition("=")
     source.override(text)
-    table, name = _table_of(source.document, key.strip().split(".")[:-1]), value.strip().strip("\"'")
+    table, name = (
+        _table_of(source.document, key.strip().split(".")[:-1]),
+        value.strip().strip("\"'"),
+    )
     if isinstance(table, dict) and name in presets.names():
         _clear(table, name)
 

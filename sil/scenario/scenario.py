@@ -59,9 +59,9 @@ FOLDER = ROOT / "sil" / "scenarios"
 class Scenario(Section):
     """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
 
-    `name` is by default the file's. `hull`: of all agents, a name in `sil/hulls`; the tables
-    `vessel`, `propellers` and `parameters` are then its own, with the file's keys over them. A campaign draws no start at which two boats are closer than
-    `start_apart_m`.
+    `name` is by default the file's. `hull`, a name in `sil/hulls`: that hull's `vessel`,
+    `propellers` and `parameters`, with the file's keys over them. A campaign draws no start at
+    which two boats are closer than `start_apart_m`.
     """
 
     name: str
