@@ -3,6 +3,7 @@
 
 import flotilla
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 from pymavlink.mavparm import MAVParmDict
 
 from sil.scenario import hull_files, presets
@@ -37,3 +38,15 @@ def test_the_papers_hull_is_the_firmwares_default() -> None:
     own = presets.firmware(presets.load("paper"))
     assert own == pytest.approx({name: default[name] for name in own}, rel=1e-3)
     assert {"LAW_KDU", "LAW_KDR", "VES_M11"} <= own.keys()
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_a_ground_station_may_send_them_in_the_files_order(name: str) -> None:
+    boat = flotilla.Boat({"MAV_SYSID": 1.0}, links=1, scalar="float")
+    station = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
+    own = presets.firmware(presets.load(name))
+    for k, (parameter, value) in enumerate(own.items(), start=1):
+        message = station.param_set_encode(1, 1, parameter.encode(), value, 9)
+        boat.on_mavlink(bytes(message.pack(station)), 100_000 * k, link=0)
+        boat.tick(100_000 * k)
+        assert boat.parameters()[parameter] == pytest.approx(value, rel=1e-6)
