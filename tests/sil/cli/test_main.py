@@ -10,6 +10,7 @@ import pytest
 
 from sil import cli
 from sil.cli.main import main, sentence
+from sil.scenario import presets
 from tests.sil.mistakes import assert_told_in_one_line
 
 COMMANDS = Path(cli.__file__).parent.glob("*_command.py")
@@ -23,6 +24,7 @@ COMMANDS = Path(cli.__file__).parent.glob("*_command.py")
             'unknown scenario "dimond"; did you mean "diamond"?',
         ),
         (["campain", "diamond"], 'unknown command "campain"; did you mean "campaign"?'),
+        (["run", "diamond", "--set", "hull=oter"], 'unknown hull "oter"; did you mean "otter"?'),
         (["run", "nowhere.toml"], "nowhere.toml: No such file"),
         (["run", "diamond", "--set", "link.dely_s=1"], 'did you mean "delay_s"?'),
         (["run", "diamond", "--set", "duration_s=-1"], "greater than 0"),
@@ -116,3 +118,15 @@ def test_run_without_matplotlib_has_a_report_without_pictures(
         "summary.json",
         "trace.npz",
     }
+
+
+def test_hulls_are_listed_and_told_as_their_files(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hulls"]) == 0
+    listed = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert listed == ["blueboat", "heron", "otter", "paper", "wamv"]
+    for suffix in ("param", "params"):
+        assert main(["hulls", "otter", "--format", suffix]) == 0
+        file = presets.FOLDER / f"otter.{suffix}"
+        assert capsys.readouterr().out == file.read_text(encoding="utf-8")
+    assert main(["hulls", "wamw"]) == 2
+    assert 'did you mean "wamv"?' in capsys.readouterr().err
