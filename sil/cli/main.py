@@ -18,6 +18,7 @@ _VERBS = {
     "live": "sail a scenario in real time, a flotillad process a boat",
     "campaign": "sail a scenario many times, each run with its own draws",
     "compare": "is campaign B worse than campaign A?",
+    "identify": "find a hull in logs of its sailing: a parameter file, a page",
     "certify": "do these gains hold the formation? answered before sailing",
     "view": "show a fleet in the browser, live or recorded",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",

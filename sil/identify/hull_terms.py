@@ -5,7 +5,7 @@ Forces and inertias are divided by m11: a log of motion and commands determines 
 m/s and rad/s, lengths m, times s, angles rad, commands −1 … 1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 _LENGTH_M = 1.2  # of the hull that the guesses below are for
 
@@ -29,8 +29,13 @@ class Term:
     def of_length(self, length_m: float) -> "Term":
         """The same term of a hull of another length."""
         scale = (length_m / _LENGTH_M) ** self.metres
-        values = (self.guess, self.spread, self.least, self.greatest)
-        return Term(self.name, *(scale * v for v in values), self.metres, self.meaning)
+        return replace(
+            self,
+            guess=scale * self.guess,
+            spread=scale * self.spread,
+            least=scale * self.least,
+            greatest=scale * self.greatest,
+        )
 
 
 TERMS = (
@@ -52,7 +57,9 @@ TERMS = (
     Term("gain_reverse", 0.0, 0.07, -0.6, 0.6, 0, "the same astern"),
     Term("expo", 0.3, 0.5, 0.0, 1.0, 0, "curve of the thrust: 0 linear, 1 quadratic"),
     Term("dead", 0.02, 0.05, 0.0, 0.3, 0, "dead band of the command"),
-    Term("advance", 0.0, 0.1, 0.0, 2.0, 0, "thrust lost for each m/s of speed ahead, share of full"),
+    Term(
+        "advance", 0.0, 0.1, 0.0, 2.0, 0, "thrust lost for each m/s of speed ahead, share of full"
+    ),
     Term("lag", 0.2, 0.2, 0.005, 2.0, 0, "lag of the thrust"),
     Term("dead_time", 0.1, 0.2, 0.0, 1.0, 0, "dead time of the loop"),
     Term("antenna_x", 0.0, 0.05, -3.0, 3.0, 1, "antenna ahead of the reference point"),

@@ -1,33 +1,33 @@
 # SPDX-License-Identifier: MIT
 """From logs to a hull: wiring, output error, intervals, and how it predicts what it never saw."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sil.identify import oddities, wiring
+from sil.identify import oddities, propeller_signs
 from sil.identify.hull_terms import TERMS
 from sil.identify.intervals import Intervals, intervals
-from sil.identify.output_error import Fit, Problem, fit
+from sil.identify.output_error import Fit, Problem, Told, fit, part_of
 from sil.identify.score import Score, score
-from sil.identify.voyage_log import Array, BadLogError, VoyageLog
+from sil.identify.voyage_log import SAMPLE_S, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.identify.windows import WINDOW_S, cut
 
 _LEAST_WINDOWS = 6
-_WORK = (0.7, 0.95)  # shares of the work done after the held-out fits, after the last fit
-
-Told = Callable[[str, float], None]
+_HALVES = 0.6  # share of the work in fits to one half
 
 
 @dataclass(frozen=True)
 class Identification:
-    """A hull, how sure it is, and what was odd in its logs. held_out: fitted to one half of the
-    logs, scored on the other, both ways round."""
+    """A hull, how sure it is, and what was odd in its logs.
+
+    held_out: fitted to one half of the logs, scored on the other, both ways round.
+    """
 
     logs: tuple[VoyageLog, ...]
-    wiring: wiring.Wiring
+    wiring: propeller_signs.Wiring
     odd: tuple[str, ...]
     problem: Problem
     fit: Fit
@@ -37,19 +37,17 @@ class Identification:
 
 def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identification:
     """The hull of these logs of one boat. Raises `BadLogError`."""
-    found = wiring.find(logs)
-    logs = tuple(wiring.mended(log, found) for log in logs)
+    found = propeller_signs.find(logs)
+    logs = tuple(propeller_signs.mended(log, found) for log in logs)
     odd = tuple(oddities.of_logs(logs))
     halves = split(logs)
     scores = []
     for k, half in enumerate(halves):
         problem = problem_of(half, body)
-        begin = _WORK[0] * k / 2
-        values = searched(problem, lambda s, b=begin: told("one half", b + _WORK[0] / 2 * s)).values
-        scores.append(score(problem, values, halves[1 - k]))
+        part = part_of(told, _HALVES * k / 2, _HALVES * (k + 1) / 2)
+        scores.append(score(problem, searched(problem, part).values, halves[1 - k]))
     problem = problem_of(logs, body)
-    whole = searched(problem, lambda s: told("all", _WORK[0] + (_WORK[1] - _WORK[0]) * s))
-    told("intervals", _WORK[1])
+    whole = searched(problem, part_of(told, _HALVES, 1.0))
     return Identification(
         logs, found, odd, problem, whole, intervals(problem, whole), (scores[0], scores[1])
     )
@@ -67,7 +65,7 @@ def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:
     return Problem(windows, body, terms, np.ones(len(terms), dtype=bool))
 
 
-def searched(problem: Problem, told: Callable[[float], None]) -> Fit:
+def searched(problem: Problem, told: Told) -> Fit:
     """The fit, from the terms' first guesses."""
     return fit(problem, np.array([term.guess for term in problem.terms]), told)
 
@@ -82,13 +80,8 @@ def split(logs: Sequence[VoyageLog]) -> tuple[tuple[VoyageLog, ...], tuple[Voyag
 
 
 def _minutes(log: VoyageLog) -> list[VoyageLog]:
-    from dataclasses import replace
-
-    from sil.identify.voyage_log import SAMPLE_S
-
     step = round(60.0 / SAMPLE_S)
-    bounds: Array = np.arange(0, len(log.motion), step)
     return [
         replace(log, motion=log.motion[b : b + step], commands=log.commands[b : b + step])
-        for b in bounds.astype(int)
+        for b in range(0, len(log.motion), step)
     ]

@@ -22,6 +22,7 @@ from sil.identify.voyage_model import Body, simulate
 from sil.identify.windows import Windows
 
 Bools = npt.NDArray[np.bool_]
+Told = Callable[[float], None]
 
 # m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
 _FIRST_SIGMA = np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
@@ -78,23 +79,26 @@ class _Point:
     start: Array  # (6, W)
 
 
-def fit(
-    problem: Problem, values: Array, told: Callable[[float], None], rounds: int = _ROUNDS
-) -> Fit:
+def fit(problem: Problem, values: Array, told: Told, rounds: int = _ROUNDS) -> Fit:
     """Search from `values` (K); told(share) hears of the progress."""
     guess, spread = _scale(problem)
     z = ((values - guess) / spread)[problem.free]
     point = _Point(z, np.zeros((problem.logs, _PLACES)), first_start(problem.windows))
     sigma = _FIRST_SIGMA
+    cost = 0.0
     for turn in range(rounds):
-        point, cost = _descend(
-            problem, point, values, sigma, lambda s, t=turn: told((t + s) / rounds)
-        )
+        part = part_of(told, turn / rounds, (turn + 1) / rounds)
+        point, cost = _descend(problem, point, values, sigma, part)
         if turn < rounds - 1:
             sigma = _spread_of(problem, point, values)
     equations = _equations(problem, point, values, sigma)
     local = _LOCAL_GUESS + point.local * _LOCAL_SPREAD
     return Fit(_full(problem, point.z, values), local, point.start, sigma, cost, equations)
+
+
+def part_of(told: Told, begin: float, end: float) -> Told:
+    """Progress of one part of a longer work."""
+    return lambda share: told(begin + share * (end - begin))
 
 
 def first_start(windows: Windows) -> Array:
@@ -105,13 +109,12 @@ def first_start(windows: Windows) -> Array:
     return np.vstack([first[:3], early[3:]])
 
 
-def residuals(
-    problem: Problem, values: Array, local: Array, start: Array
-) -> Array:
+def residuals(problem: Problem, values: Array, local: Array, start: Array) -> Array:
     """Measured minus simulated (samples, 6, W), NaN where nothing was measured."""
     places = local[problem.windows.log].T[:, :, None]
-    out = simulate(values[:, None], places, start[:, :, None], problem.windows.commands,
-                   problem.body)
+    out = simulate(
+        values[:, None], places, start[:, :, None], problem.windows.commands, problem.body
+    )
     return problem.windows.measured - out[:, :, :, 0]
 
 
@@ -125,12 +128,12 @@ def _scale(problem: Problem) -> tuple[Array, Array]:
 def _full(problem: Problem, z: Array, values: Array) -> Array:
     guess, spread = _scale(problem)
     out = values.copy()
-    out[problem.free] = (guess + np.zeros_like(spread))[problem.free] + z * spread[problem.free]
+    out[problem.free] = guess[problem.free] + z * spread[problem.free]
     return out
 
 
 def _descend(
-    problem: Problem, point: _Point, values: Array, sigma: Array, told: Callable[[float], None]
+    problem: Problem, point: _Point, values: Array, sigma: Array, told: Told
 ) -> tuple[_Point, float]:
     damping = 1e-2
     cost = _cost(problem, point, values, sigma)
@@ -164,7 +167,8 @@ def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:
     with np.errstate(invalid="ignore"):
         rms = np.sqrt(np.nanmean(error**2, axis=(0, 2)))
     rms[:2] = np.sqrt((rms[:2] ** 2).mean())
-    return np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA)
+    sigma: Array = np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA)
+    return sigma
 
 
 def _equations(problem: Problem, point: _Point, values: Array, sigma: Array) -> Equations:
@@ -226,11 +230,12 @@ def _moved(problem: Problem, point: _Point, equations: Equations, damping: float
     h, g = summed(problem, equations, np.ones(len(problem.windows)))
     delta = step(problem, h, g, np.concatenate([point.z, point.local.ravel()]), damping)
     free = int(problem.free.sum())
+    least, greatest = _bounds(problem)
     local = delta[free:].reshape(problem.logs, _PLACES)
     each = np.hstack([np.tile(delta[:free], (len(problem.windows), 1)), local[problem.windows.log]])
     return replace(
         point,
-        z=point.z + delta[:free],
+        z=np.clip(point.z + delta[:free], least[:free], greatest[:free]),
         local=point.local + local,
         start=point.start + equations.back(each),
     )

@@ -67,7 +67,7 @@ def _need(path: Path, columns: dict[str, Array], *names: str) -> Array:
 def _time(path: Path, columns: dict[str, Array]) -> Array:
     for name, scale in (("t_s", 1.0), ("t_ms", 1e-3), ("t_us", 1e-6)):
         if name in columns:
-            t = columns[name] * scale
+            t: Array = columns[name] * scale
             if not (np.all(np.isfinite(t)) and np.all(np.diff(t) > 0.0)):
                 raise BadLogError(f"{path}: {name} is not a time that always grows")
             return t - t[0]
@@ -77,11 +77,13 @@ def _time(path: Path, columns: dict[str, Array]) -> Array:
 
 def _position(path: Path, columns: dict[str, Array]) -> Array:
     if "north_m" in columns and "east_m" in columns:
-        return np.column_stack([columns["north_m"], columns["east_m"]])
+        local: Array = np.column_stack([columns["north_m"], columns["east_m"]])
+        return local
     lat, lon = _need(path, columns, "lat_deg"), _need(path, columns, "lon_deg")
     middle = np.nanmean(lat)
     east = (lon - np.nanmean(lon)) * np.cos(np.radians(middle))
-    return _METRES_PER_DEGREE * np.column_stack([lat - middle, east])
+    position: Array = _METRES_PER_DEGREE * np.column_stack([lat - middle, east])
+    return position
 
 
 def _heading(path: Path, columns: dict[str, Array]) -> Array:
@@ -124,7 +126,7 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
             )
         return share
     pwm = _need(path, columns, f"pwm_{side}_us", f"{side}_pwm_us", side)
-    if not (800.0 < np.nanmin(pwm) and np.nanmax(pwm) < 2200.0):
+    if not (np.nanmin(pwm) > 800.0 and np.nanmax(pwm) < 2200.0):
         raise BadLogError(
             f"{path}: pwm_{side}_us is {np.nanmin(pwm):.4g} … {np.nanmax(pwm):.4g}, "
             "a pulse width is 1000 … 2000 µs"

@@ -41,7 +41,7 @@ def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score |
     r2 = [_determination(measured[:, k], error[:, k]) for k in (3, 4, 5)]
     ends = np.hypot(error[-1, 0], error[-1, 1])
     median, ninetieth = np.nanquantile(ends, [0.5, 0.9])
-    return Score(len(windows), *r2, float(median), float(ninetieth))
+    return Score(len(windows), r2[0], r2[1], r2[2], float(median), float(ninetieth))
 
 
 def predicted(problem: Problem, values: Array, windows: Windows) -> Array:

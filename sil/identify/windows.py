@@ -30,7 +30,9 @@ class Windows:
     def chosen(self, which: npt.NDArray[np.bool_]) -> "Windows":
         """Some of them."""
         return Windows(
-            self.commands[:, which], self.measured[:, :, which], self.log[which],
+            self.commands[:, which],
+            self.measured[:, :, which],
+            self.log[which],
             self.start_s[which],
         )
 

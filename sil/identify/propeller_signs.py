@@ -20,8 +20,10 @@ _LEAST_COMMAND = 0.05
 
 @dataclass(frozen=True)
 class Wiring:
-    """How the logs' propellers are connected. surge, yaw: (a_p, a_s), (b_p, b_s) in standard
-    errors, as the logs have them."""
+    """How the propellers are connected.
+
+    surge, yaw: (a_p, a_s), (b_p, b_s) in standard errors, as the logs have them.
+    """
 
     port_inverted: bool
     stbd_inverted: bool
@@ -75,9 +77,7 @@ def find(logs: Sequence[VoyageLog]) -> Wiring:
 
 def mended(log: VoyageLog, wiring: Wiring) -> VoyageLog:
     """The log as of a boat that is wired as it should be."""
-    signs = np.array(
-        [-1.0 if wiring.port_inverted else 1.0, -1.0 if wiring.stbd_inverted else 1.0]
-    )
+    signs = np.array([-1.0 if wiring.port_inverted else 1.0, -1.0 if wiring.stbd_inverted else 1.0])
     commands = log.commands * signs
     return replace(log, commands=commands[:, ::-1] if wiring.swapped else commands)
 
