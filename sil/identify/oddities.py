@@ -5,10 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sil.identify.voyage_log import SAMPLE_S, Array, VoyageLog
+from sil.identify.voyage_log import SAMPLE_S, VoyageLog
 
 # Correlation of neighbours among second differences: −2/3 for white noise, positive when smoothed.
-_SMOOTH = 0.0
+_SMOOTH = -0.3
+_SETTLED = 20  # samples
 _COARSE = 0.7
 _LATE_S = 0.05
 _SHIFTS = 5  # samples
@@ -29,7 +30,7 @@ def of_logs(logs: Sequence[VoyageLog]) -> list[str]:
     smooth = [
         name
         for name, column in (("surge", 3), ("sway", 4), ("yaw rate", 5))
-        if np.median([roughness(log.motion[:, column]) for log in logs]) > _SMOOTH
+        if np.median([roughness(log, column) for log in logs]) > _SMOOTH
     ]
     if smooth:
         found.append(f"{', '.join(smooth)} look smoothed: neighbouring samples share their noise")
@@ -46,12 +47,14 @@ def of_logs(logs: Sequence[VoyageLog]) -> list[str]:
     return found
 
 
-def roughness(series: Array) -> float:
-    """Correlation of neighbouring second differences."""
-    second = np.diff(series, 2)
+def roughness(log: VoyageLog, column: int) -> float:
+    """Correlation of neighbouring second differences while commands have been steady for 2 s."""
+    moved = np.any(np.diff(log.commands, axis=0, prepend=log.commands[:1]) != 0.0, axis=1)
+    quiet = np.convolve(moved, np.ones(_SETTLED), mode="full")[: len(moved)] == 0.0
+    second = np.diff(log.motion[:, column], 2)
     a, b = second[:-1], second[1:]
-    known = np.isfinite(a) & np.isfinite(b)
-    if known.sum() < 50 or np.std(second[np.isfinite(second)]) == 0.0:
+    known = np.isfinite(a) & np.isfinite(b) & quiet[3:]
+    if known.sum() < _SETTLED or np.std(a[known]) == 0.0:
         return -1.0
     return float(np.corrcoef(a[known], b[known])[0, 1])
 

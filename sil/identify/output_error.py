@@ -31,6 +31,7 @@ _ALIKE = 100.0  # κ: a window of a channel
 _STEP = 1e-3  # of a finite difference, in deviations
 _ROUNDS = 3
 _ITERATIONS = 12
+_EARLY = 5  # samples
 _STATES, _PLACES = 6, len(LOCAL)
 _LOCAL_GUESS = np.array([term.guess for term in LOCAL])
 _LOCAL_SPREAD = np.array([term.spread for term in LOCAL])
@@ -102,11 +103,15 @@ def part_of(told: Told, begin: float, end: float) -> Told:
 
 
 def first_start(windows: Windows) -> Array:
-    """State (6, W) with which each window begins as measured: the mean of its first half second."""
-    with np.errstate(invalid="ignore"):
-        early = np.nan_to_num(np.nanmean(windows.measured[:5], axis=0))
-    first = np.nan_to_num(windows.measured[0])
-    return np.vstack([first[:3], early[3:]])
+    """State (6, W) with which each window begins as measured.
+
+    Position and heading of the first sample; velocities on a straight line through the first.
+    """
+    t = np.arange(_EARLY) - (_EARLY - 1) / 2.0
+    early = np.nan_to_num(windows.measured[:_EARLY])
+    slope = np.einsum("s,skw->kw", t, early) / (t @ t)
+    begin = early.mean(axis=0) + t[0] * slope
+    return np.vstack([early[0, :3], begin[3:]])
 
 
 def residuals(problem: Problem, values: Array, local: Array, start: Array) -> Array:

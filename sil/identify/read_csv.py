@@ -17,6 +17,7 @@ _METRES_PER_DEGREE = 111_195.0
 _LARGEST_HEADING = 4.0 * np.pi
 _TURN_AT_ONCE = 45.0  # rad/s: no boat turns so fast
 _STOP_PWM = (1450.0, 1550.0)
+_STOPPED = 0.1  # share of the samples at one pulse width: that is a stop
 _FULL_PWM = 400.0
 _ALIASES = (("left", "port"), ("right", "stbd"), ("starboard", "stbd"), ("heading", "yaw"))
 
@@ -45,7 +46,8 @@ def _columns(path: Path) -> dict[str, Array]:
                 "t_s, north_m, east_m, yaw_deg, surge_mps, sway_mps, yaw_rate_radps, port, stbd."
             )
         try:
-            table = np.genfromtxt(file, delimiter=",", ndmin=2)
+            rows = file.readlines()
+            table = np.genfromtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, 0))
         except ValueError as error:
             raise BadLogError(f"{path}: {str(error).splitlines()[-1].strip()}") from None
     if table.shape[0] < 2 or table.shape[1] != len(names):
@@ -67,10 +69,11 @@ def _need(path: Path, columns: dict[str, Array], *names: str) -> Array:
 def _time(path: Path, columns: dict[str, Array]) -> Array:
     for name, scale in (("t_s", 1.0), ("t_ms", 1e-3), ("t_us", 1e-6)):
         if name in columns:
-            t: Array = columns[name] * scale
+            t = columns[name] * scale
             if not (np.all(np.isfinite(t)) and np.all(np.diff(t) > 0.0)):
                 raise BadLogError(f"{path}: {name} is not a time that always grows")
-            return t - t[0]
+            since: Array = t - t[0]
+            return since
     _need(path, columns, "t_s", "t_ms", "t_us")
     raise AssertionError
 
@@ -110,7 +113,7 @@ def _yaw_rate(path: Path, columns: dict[str, Array]) -> Array:
     if np.nanmax(np.abs(rate)) > _TURN_AT_ONCE:
         raise BadLogError(
             f"{path}: a yaw rate of {np.nanmax(np.abs(rate)):.0f} rad/s; "
-            "if it is in degrees per second, name the column yaw_rate_degps."
+            "if yaw_rate_radps is in degrees per second, name it yaw_rate_degps."
         )
     return rate
 
@@ -132,8 +135,9 @@ def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str])
             "a pulse width is 1000 … 2000 µs"
         )
     near = pwm[(pwm > _STOP_PWM[0]) & (pwm < _STOP_PWM[1])]
-    values, counts = np.unique(near, return_counts=True)
-    stop = float(values[np.argmax(counts)]) if len(values) else 1500.0
+    values, counts = np.unique(np.round(near), return_counts=True)
+    often = len(values) > 0 and counts.max() > _STOPPED * len(pwm)
+    stop = float(values[np.argmax(counts)]) if often else 1500.0
     if stop != 1500.0:
         notes.append(f"the {side} propeller stands still at {stop:.0f} µs, not at 1500")
     return np.clip((pwm - stop) / _FULL_PWM, -1.0, 1.0)

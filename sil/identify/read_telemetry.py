@@ -8,6 +8,7 @@ ThrottleLeft (73) and ThrottleRight (74), or 1 and 3. Times are the log's.
 
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import closing
 from math import atan2, cos, radians, sin
 from pathlib import Path
 from typing import Any
@@ -58,21 +59,23 @@ def read_tlog(path: Path) -> VoyageLog:
 def read_bin(path: Path) -> VoyageLog:
     """ArduPilot's DataFlash log. Raises `BadLogError`."""
     series, outputs = Series(path.stem), _Outputs()
-    log = DFReader.DFReader_binary(str(path))
+    if path.stat().st_size == 0:
+        raise BadLogError(f"{path}: the file is empty")
     last_gyro = 0.0
-    while (message := log.recv_match(type=["XKF1", "IMU", "RCOU", "PARM"])) is not None:
-        kind, t_s = message.get_type(), getattr(message, "TimeUS", 0) * 1e-6
-        if kind == "PARM":
-            outputs.parameter(message.Name, message.Value)
-        elif kind == "RCOU":
-            outputs.heard.append((t_s, [getattr(message, f"C{k}", 0) for k in range(1, 15)]))
-        elif kind == "IMU" and getattr(message, "I", 0) == 0:
-            last_gyro = message.GyrZ
-        elif kind == "XKF1" and getattr(message, "C", 0) == 0:
-            series.position.append((t_s, message.PN, message.PE))
-            series.velocity.append((t_s, message.VN, message.VE))
-            series.heading.append((t_s, radians(message.Yaw)))
-            series.rate.append((t_s, last_gyro))
+    with closing(DFReader.DFReader_binary(str(path))) as log:
+        while (message := log.recv_match(type=["XKF1", "IMU", "RCOU", "PARM"])) is not None:
+            kind, t_s = message.get_type(), getattr(message, "TimeUS", 0) * 1e-6
+            if kind == "PARM":
+                outputs.parameter(message.Name, message.Value)
+            elif kind == "RCOU":
+                outputs.heard.append((t_s, [getattr(message, f"C{k}", 0) for k in range(1, 15)]))
+            elif kind == "IMU" and getattr(message, "I", 0) == 0:
+                last_gyro = message.GyrZ
+            elif kind == "XKF1" and getattr(message, "C", 0) == 0:
+                series.position.append((t_s, message.PN, message.PE))
+                series.velocity.append((t_s, message.VN, message.VE))
+                series.heading.append((t_s, radians(message.Yaw)))
+                series.rate.append((t_s, last_gyro))
     series.commands = outputs.commands()
     return series.log()
 

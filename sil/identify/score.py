@@ -29,7 +29,7 @@ class Score:
 def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score | None:
     """Windows of `logs` in which the propellers work, one a second, still water and air.
 
-    Each begins as measured: position and heading of its first sample, velocities of its first half
+    Each begins as measured: position and heading of its first sample, velocities by its first half
     second, the compass deviation of `values` taken off. None where there is no such window.
     """
     windows = cut(logs, _STRIDE_S)

@@ -49,7 +49,7 @@ def sampled(name: str, motion: list[Channel], commands: Channel) -> VoyageLog:
     """One log of series that each have times of their own; motion: position, heading, (u, v), r."""
     begin = max(c.t_s[0] for c in (*motion, commands))
     end = min(c.t_s[-1] for c in (*motion, commands))
-    count = int((end - begin) / SAMPLE_S)
+    count = int((end - begin) / SAMPLE_S + 1e-6)
     if count < 100:
         raise BadLogError(
             f"{name}: motion and commands are both there for {max(end - begin, 0.0):.0f} s only; "
