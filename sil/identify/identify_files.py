@@ -16,8 +16,9 @@ from sil.common import files
 from sil.identify import identify_picture, identify_report
 from sil.identify.hull_terms import TERMS
 from sil.identify.identification import Identification
-from sil.identify.vessel_numbers import Boat, param_file, parameters, qgc_file
+from sil.identify.vessel_numbers import Boat, hull_file, hull_of, parameters
 from sil.report import run_report
+from sil.scenario import hull_files
 
 _PAGE = Template((Path(__file__).parent / "identify.html").read_text(encoding="utf-8"))
 
@@ -38,11 +39,11 @@ def write(found: Identification, boat: Boat, folder: Path) -> list[Path]:
         ).encode(),
     }
     if not found.wiring.swapped:
-        values = parameters(found, boat)
         head = identify_report.sentence(found)
-        contents["hull.param"] = param_file(values, head).encode()
-        contents["hull.params"] = qgc_file(values, head).encode()
-    for stale in ("hull.param", "hull.params"):
+        for suffix, text in hull_files.of_values(parameters(found, boat), [f"# {head}"]).items():
+            contents[f"hull.{suffix}"] = text.encode()
+        contents["hull.toml"] = hull_file(hull_of(found, boat), head).encode()
+    for stale in ("hull.param", "hull.params", "hull.toml"):
         if stale not in contents:
             (folder / stale).unlink(missing_ok=True)
     for name, content in contents.items():

@@ -8,10 +8,16 @@ import numpy as np
 from sil.identify.hull_terms import INDEX
 from sil.identify.identification import Identification
 from sil.identify.voyage_log import Array
+from sil.plant.waves import WATER_KGPM3
+from sil.scenario import presets
+from sil.scenario.presets import Cruise, Preset
+from sil.scenario.sections import Propellers, Vessel
 
 SPEEDS_MPS = (0.5, 1.0)
 RATES_RADPS = (0.1, 0.3)
-_DAMPED_RADPS = 0.2  # where the quadratic yaw damping is taken as linear
+_LEAST_D22 = 0.05  # 1/s: the law divides by it
+_CRUISE_RADPS = 0.15
+_DRAFT = 0.1  # of the length; only its product with the drag coefficient counts
 
 
 @dataclass(frozen=True)
@@ -50,38 +56,58 @@ def working_speed_mps(found: Identification) -> float:
     return float(np.median(ahead)) if len(ahead) else 0.5
 
 
-def parameters(found: Identification, boat: Boat) -> dict[str, float]:
-    """The firmware's parameters of this hull, drag as linear at the working speed."""
-    terms, body, m11 = found.fit.values, found.problem.body, boat.surge_mass_kg
-    t = {name: float(terms[k]) for name, k in INDEX.items()}
+def hull_of(found: Identification, boat: Boat) -> Preset:
+    """The hull for the simulation, and for the firmware at the speed that the logs have most.
+
+    Of terms that neither knows, drag sideways that grows with speed is taken at that speed.
+    """
+    body, m11 = found.problem.body, boat.surge_mass_kg
+    t = {name: float(found.fit.values[k]) for name, k in INDEX.items()}
     speed = working_speed_mps(found)
-    yaw = yaw_moment_Nm(terms, m11, _DAMPED_RADPS, body.length_m) / _DAMPED_RADPS
-    out = {
-        "VES_M11": m11,
-        "VES_M22": m11 * t["m22"],
-        "VES_M33": m11 * t["m33"],
-        "VES_D11": m11 * (t["d11"] + t["d11_quadratic"] * speed),
-        "VES_D22": m11 * (t["d22"] + t["d22_speed"] * speed),
-        "VES_D33": float(yaw),
-        "THR_ARM": body.arm_m,
-        "THR_FWD_MAX": m11 * t["forward"],
-        "THR_REV_MAX": m11 * t["forward"] * t["reverse"],
-        "THR_EXPO": t["expo"],
-        "BOAT_LEN": body.length_m,
-    }
+    draft = _DRAFT * body.length_m
+    vessel = Vessel(
+        m11=m11,
+        m22=m11 * t["m22"],
+        m33=m11 * t["m33"],
+        m23=m11 * t["m23"],
+        d11=m11 * t["d11"],
+        d22=m11 * max(t["d22"] + t["d22_speed"] * speed, _LEAST_D22),
+        d33=m11 * t["d33"],
+        d11_quadratic=m11 * t["d11_quadratic"],
+        d33_quadratic=m11 * t["d33_quadratic"],
+        d33_speed=m11 * t["d33_speed"],
+        crossflow_cd=2.0 * m11 * t["d22_quadratic"] / (body.length_m * WATER_KGPM3 * draft),
+        length_m=body.length_m,
+        draft_m=draft,
+    )
+    propellers = Propellers(
+        arm_m=body.arm_m,
+        forward_max_N=m11 * t["forward"],
+        reverse_max_N=m11 * t["forward"] * t["reverse"],
+        expo=t["expo"],
+        lag_s=t["lag"] + t["dead_time"],
+        port_gain=1.0 - t["gain"],
+        stbd_gain=1.0 + t["gain"],
+        dead=t["dead"],
+    )
+    cruise = Cruise(speed_mps=speed, yaw_rate_radps=_CRUISE_RADPS)
+    return Preset(sources={}, cruise=cruise, vessel=vessel, propellers=propellers)
+
+
+def parameters(found: Identification, boat: Boat) -> dict[str, float]:
+    """The firmware's parameters of this hull."""
+    own = presets.firmware(hull_of(found, boat))
     if found.wiring.port_inverted:
-        out["THR_PORT_DIR"] = -1.0
+        own["THR_PORT_DIR"] = -1.0
     if found.wiring.stbd_inverted:
-        out["THR_STBD_DIR"] = -1.0
-    return {name: float(f"{value:.5g}") for name, value in out.items()}
+        own["THR_STBD_DIR"] = -1.0
+    return own
 
 
-def param_file(values: dict[str, float], head: str) -> str:
-    """A file for Mission Planner, MAVProxy and `flotillad`: a name and a value a line."""
-    return f"# {head}\n" + "".join(f"{name} {value:g}\n" for name, value in values.items())
-
-
-def qgc_file(values: dict[str, float], head: str) -> str:
-    """The same for QGroundControl: system, component, name, value, MAV_PARAM_TYPE a line."""
-    lines = (f"1\t1\t{name}\t{value:g}\t9\n" for name, value in values.items())
-    return f"# {head}\n" + "".join(lines)
+def hull_file(hull: Preset, head: str) -> str:
+    """The hull as a file for `hull = "PATH"` in a scenario."""
+    lines = ["# SPDX-License-Identifier: MIT", f"# {head}", "", "[sources]"]
+    for part in ("cruise", "vessel", "propellers"):
+        lines += ["", f"[{part}]"]
+        lines += [f"{key} = {value:.5g}" for key, value in getattr(hull, part)]
+    return "\n".join(lines) + "\n"
