@@ -16,12 +16,18 @@ namespace mav = link::mav;
 constexpr float kShare = 0.8F, kLeastShare = 0.1F, kLeastRadius_m = 5, kGreatestRadius_m = 500;
 constexpr float kFastest_mps = 5;
 constexpr int kTries = 3;
-constexpr int kRest_s = 4, kTurn_s = 15, kReturn_s = 180;
-// Shares of the radius: a step begins within the first; the boat returns to the second; beyond the
-// third it is lost.
-constexpr int kNearThird = 3, kBackQuarter = 4, kLostHalves = 3;
+constexpr int kRest_s = 3, kTurn_s = 15, kReturn_s = 180;
+// Hundredths of the radius: a step begins within the first; the boat returns to the second; beyond
+// the third it is lost; beyond the last it turns before a step that goes far.
+constexpr int kNear = 40, kBack = 33, kLost = 150, kFar = 15;
 
 float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
+
+bool goes_far(Manoeuvre manoeuvre) {
+  using enum Manoeuvre;
+  return manoeuvre == kAhead || manoeuvre == kAstern || manoeuvre == kZigZag ||
+         manoeuvre == kRandom;
+}
 
 }  // namespace
 
@@ -85,10 +91,9 @@ core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
 template <class S>
 void HullVoyage<S>::look(const Seen& seen) {
   const S away = core::hypot(seen.off_n.x, seen.off_n.y);
-  if (S(kLostHalves) * radius_ < S(2) * away) return lose();
+  if (S(kLost) / S(100) * radius_ < away) return lose();
   if (seen.waits) return enter(Phase::kRest);
-  const bool in_step = phase_ == Phase::kDriven || phase_ == Phase::kCoasting;
-  if (!in_step && phase_ != Phase::kTurn) return;
+  if (phase_ == Phase::kOff || phase_ == Phase::kRest) return;
   const S rest_s = convert::scalar<S>(room_.rest_s);
   const S stops = core::hypot(seen.off_n.x + rest_s * seen.velocity_n.x,
                               seen.off_n.y + rest_s * seen.velocity_n.y);
@@ -96,8 +101,11 @@ void HullVoyage<S>::look(const Seen& seen) {
   const S fastest = convert::scalar<S>(room_.fastest_mps);
   const S fastest_r = convert::scalar<S>(room_.fastest_radps);
   const bool turns_fast = S(0) < fastest_r && fastest_r < core::abs(seen.r);
-  if (fastest < speed || turns_fast) {
-    cut_off("too fast", true);
+  const bool too_fast = fastest < speed || turns_fast;
+  if (phase_ == Phase::kReturn) {
+    if (too_fast && slow_down()) enter(Phase::kRest);
+  } else if (too_fast) {
+    cut_off("too fast", slow_down());
   } else if (seen.blocked) {
     cut_off("the fence", false);
   } else if (radius_ < stops || radius_ < away) {
@@ -105,16 +113,20 @@ void HullVoyage<S>::look(const Seen& seen) {
   }
 }
 
-/// A step that was too fast is repeated with less thrust, which holds for those after it too.
+/// Less thrust from now on, unless there is hardly any.
 template <class S>
-void HullVoyage<S>::cut_off(std::string_view why, bool too_fast) {
-  enter(Phase::kRest);
+bool HullVoyage<S>::slow_down() {
   const S slower = S(0.7) * slowed_;
-  if (too_fast && convert::scalar<S>(kLeastShare) < gain_ * slower) {
-    slowed_ = slower;
-  } else {
-    ++tries_;
-  }
+  const bool can = convert::scalar<S>(kLeastShare) < gain_ * slower;
+  if (can) slowed_ = slower;
+  return can;
+}
+
+/// A step that is slower now has lost no try.
+template <class S>
+void HullVoyage<S>::cut_off(std::string_view why, bool slower) {
+  enter(Phase::kRest);
+  if (!slower) ++tries_;
   news_ = VoyageNews{VoyageNews::Kind::kAgain, step_ + 1, why};
   if (tries_ < kTries) return;
   news_->kind = VoyageNews::Kind::kLeftOut;
@@ -143,15 +155,25 @@ void HullVoyage<S>::next_step() {
   news_ = VoyageNews{VoyageNews::Kind::kOver, whole_};
 }
 
+/// A step that goes far begins with a turn towards the room's centre, or away from it if it goes
+/// astern.
 template <class S>
 void HullVoyage<S>::begin_step(const Seen& seen) {
   const S pi = S(3.14159265358979323846);
   const bool straight = step().manoeuvre == Manoeuvre::kStraight;
-  course_ = straight ? core::wrap_pi(S(0.25) * pi * S(step().eighths_turn)) : seen.psi;
+  const bool far = S(kFar) / S(100) * radius_ < core::hypot(seen.off_n.x, seen.off_n.y);
+  const bool turns = straight || (far && goes_far(step().manoeuvre));
+  course_ = seen.psi;
+  if (straight) {
+    course_ = core::wrap_pi(S(0.25) * pi * S(step().eighths_turn));
+  } else if (turns) {
+    const S ahead = step().port < 0 ? S(-1) : S(1);
+    course_ = core::atan2(-ahead * seen.off_n.y, -ahead * seen.off_n.x);
+  }
   swapped_ = false;
   chip_s_ = S(0);
   register_ = 1;
-  enter(straight ? Phase::kTurn : Phase::kDriven);
+  enter(turns ? Phase::kTurn : Phase::kDriven);
   news_ = VoyageNews{VoyageNews::Kind::kBegins, step_ + 1, name_of(step().manoeuvre)};
 }
 
@@ -164,14 +186,14 @@ void HullVoyage<S>::advance(const Seen& seen) {
       break;
     case Phase::kRest:
       if (seen.waits || in_phase_s_ < S(kRest_s)) break;
-      if (radius_ < S(kNearThird) * away) {
+      if (S(kNear) / S(100) * radius_ < away) {
         enter(Phase::kReturn);
       } else {
         begin_step(seen);
       }
       break;
     case Phase::kReturn:
-      if (S(kBackQuarter) * away < radius_) {
+      if (away < S(kBack) / S(100) * radius_) {
         enter(Phase::kRest);
       } else if (S(kReturn_s) < in_phase_s_) {
         lose();
@@ -202,7 +224,7 @@ core::Thrust<S> HullVoyage<S>::shares(const Seen& seen, S dt) {
       return {};
     case Phase::kReturn: {
       const bool ahead = core::abs(core::wrap_pi(course_ - seen.psi)) < S(0.5);
-      return steered(seen, ahead ? S(0.5) : S(0));
+      return steered(seen, ahead ? S(0.7) : S(0));
     }
     case Phase::kTurn:
       return steered(seen, S(0));
@@ -218,7 +240,7 @@ core::Thrust<S> HullVoyage<S>::shares(const Seen& seen, S dt) {
 template <class S>
 core::Thrust<S> HullVoyage<S>::steered(const Seen& seen, S surge) const {
   const S off = core::wrap_pi(course_ - seen.psi);
-  const S d = core::clamp(S(0.6) * (off - seen.r), S(-0.3), S(0.3));
+  const S d = core::clamp(S(0.8) * (off - seen.r), S(-0.5), S(0.5));
   return {surge + d, surge - d};
 }
 

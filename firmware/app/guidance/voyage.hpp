@@ -95,7 +95,8 @@ class HullVoyage {
   void begin_step(const Seen& seen);
   void end_step();
   void next_step();
-  void cut_off(std::string_view why, bool too_fast);
+  bool slow_down();
+  void cut_off(std::string_view why, bool slower);
   void look(const Seen& seen);
   void advance(const Seen& seen);
   void lose();
