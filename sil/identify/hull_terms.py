@@ -79,5 +79,11 @@ LOCAL = (
     Term("push_north", 0.0, 0.01, -2.0, 2.0, 0, "push of the wind"),
     Term("push_east", 0.0, 0.01, -2.0, 2.0, 0, "push of the wind"),
 )
+# Of each window, beside its log's: gusts and waves.
+GUSTS = (
+    Term("gust_north", 0.0, 0.004, -2.0, 2.0, 0, "push of a gust"),
+    Term("gust_east", 0.0, 0.004, -2.0, 2.0, 0, "push of a gust"),
+    Term("gust_turn", 0.0, 0.0015, -2.0, 2.0, 1, "moment of a gust"),
+)
 NAMES = tuple(term.name for term in TERMS)
 INDEX = {name: k for k, name in enumerate(NAMES)}

@@ -2,9 +2,10 @@
 """Output error: the terms with which open-loop simulation comes nearest to the logs.
 
 Minimises Σ |(measured − simulated) / σ|² / κ + Σ z² over the terms z (in deviations from their
-guesses), current and push of each log, and the state in which each window begins. The beginnings
-are eliminated window by window (variable projection: Golub and Pereyra 1973), the rest is a damped
-Gauss-Newton step within bounds. κ samples of a residual count as one, since they are alike.
+guesses), current and push of each log, and of each window its gust and the state in which it
+begins. What is a window's own is eliminated window by window (variable projection: Golub and
+Pereyra 1973), the rest is a damped Gauss-Newton step within bounds. κ samples of a residual count
+as one, since they are alike.
 σ of each channel is the residuals' own, found in rounds.
 Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4 and 5.
 """
@@ -16,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
-from sil.identify.hull_terms import LOCAL, Term
+from sil.identify.hull_terms import GUSTS, LOCAL, Term
 from sil.identify.voyage_log import Array
 from sil.identify.voyage_model import Body, simulate
 from sil.identify.windows import Windows
@@ -32,9 +33,11 @@ _STEP = 1e-3  # of a finite difference, in deviations
 _ROUNDS = 3
 _ITERATIONS = 12
 _EARLY = 5  # samples
-_STATES, _PLACES = 6, len(LOCAL)
+_STATES, _PLACES, _GUSTS = 6, len(LOCAL), len(GUSTS)
+_OWN = _STATES + _GUSTS
 _LOCAL_GUESS = np.array([term.guess for term in LOCAL])
 _LOCAL_SPREAD = np.array([term.spread for term in LOCAL])
+_GUST_SPREAD = np.array([term.spread for term in GUSTS])
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Equations:
-    """Of W windows without their beginnings: A δ = e as AᵀA (W, n, n) and Aᵀe (W, n)."""
+    """Of W windows without what is their own: A δ = e as AᵀA (W, n, n) and Aᵀe (W, n)."""
 
     squares: Array
     right: Array
@@ -78,13 +81,16 @@ class _Point:
     z: Array  # (free terms)
     local: Array  # (logs, 4), in deviations
     start: Array  # (6, W)
+    gust: Array  # (3, W), in deviations
 
 
 def fit(problem: Problem, values: Array, told: Told, rounds: int = _ROUNDS) -> Fit:
     """Search from `values` (K); told(share) hears of the progress."""
     guess, spread = _scale(problem)
     z = ((values - guess) / spread)[problem.free]
-    point = _Point(z, np.zeros((problem.logs, _PLACES)), first_start(problem.windows))
+    count = len(problem.windows)
+    places, gusts = np.zeros((problem.logs, _PLACES)), np.zeros((_GUSTS, count))
+    point = _Point(z, places, first_start(problem.windows), gusts)
     sigma = _FIRST_SIGMA
     cost = 0.0
     for turn in range(rounds):
@@ -114,13 +120,23 @@ def first_start(windows: Windows) -> Array:
     return np.vstack([early[0, :3], begin[3:]])
 
 
-def residuals(problem: Problem, values: Array, local: Array, start: Array) -> Array:
-    """Measured minus simulated (samples, 6, W), NaN where nothing was measured."""
-    places = local[problem.windows.log].T[:, :, None]
+def residuals(problem: Problem, values: Array, places: Array, start: Array) -> Array:
+    """Measured minus simulated (samples, 6, W), NaN where nothing was measured.
+
+    places (5, W): current and push, north and east, and a moment.
+    """
+    windows = problem.windows
     out = simulate(
-        values[:, None], places, start[:, :, None], problem.windows.commands, problem.body
+        values[:, None], places[:, :, None], start[:, :, None], windows.commands, problem.body
     )
-    return problem.windows.measured - out[:, :, :, 0]
+    return windows.measured - out[:, :, :, 0]
+
+
+def _places(problem: Problem, point: _Point) -> Array:
+    """Current, push and moment in each window (5, W)."""
+    local = (_LOCAL_GUESS + point.local * _LOCAL_SPREAD)[problem.windows.log].T
+    gust = point.gust * _GUST_SPREAD[:, None]
+    return np.vstack([local[:2], local[2:] + gust[:2], gust[2:]])
 
 
 def _scale(problem: Problem) -> tuple[Array, Array]:
@@ -159,16 +175,16 @@ def _descend(
 
 
 def _cost(problem: Problem, point: _Point, values: Array, sigma: Array) -> float:
-    local = _LOCAL_GUESS + point.local * _LOCAL_SPREAD
-    error = residuals(problem, _full(problem, point.z, values), local, point.start)
+    places = _places(problem, point)
+    error = residuals(problem, _full(problem, point.z, values), places, point.start)
     scaled = np.nan_to_num(error / sigma[:, None])
-    prior = (point.z**2).sum() + (point.local**2).sum()
+    prior = (point.z**2).sum() + (point.local**2).sum() + (point.gust**2).sum()
     return float((scaled**2).sum() / _ALIKE + prior)
 
 
 def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:
-    local = _LOCAL_GUESS + point.local * _LOCAL_SPREAD
-    error = residuals(problem, _full(problem, point.z, values), local, point.start)
+    places = _places(problem, point)
+    error = residuals(problem, _full(problem, point.z, values), places, point.start)
     with np.errstate(invalid="ignore"):
         rms = np.sqrt(np.nanmean(error**2, axis=(0, 2)))
     rms[:2] = np.sqrt((rms[:2] ** 2).mean())
@@ -177,45 +193,57 @@ def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:
 
 
 def _equations(problem: Problem, point: _Point, values: Array, sigma: Array) -> Equations:
-    """Derivatives by differences, all columns in one simulation; beginnings eliminated by QR."""
+    """Derivatives by differences, all columns in one simulation; a window's own go by QR."""
     windows, free = problem.windows, int(problem.free.sum())
-    count = len(windows)
-    columns = 1 + free + _PLACES + _STATES
-    full = _full(problem, point.z, values)
-    terms = np.repeat(full[:, None], columns, axis=1)
-    local = (_LOCAL_GUESS + point.local * _LOCAL_SPREAD)[windows.log].T
-    places = np.repeat(local[:, :, None], columns, axis=2)
-    start = np.repeat(point.start[:, :, None], columns, axis=2)
-    steps = np.empty(columns)
-    for c, k in enumerate(np.flatnonzero(problem.free)):
-        term = problem.terms[k]
-        step = _STEP if full[k] + _STEP * term.spread <= term.greatest else -_STEP
-        terms[k, 1 + c] += step * term.spread
-        steps[1 + c] = step
-    for c in range(_PLACES):
-        places[c, :, 1 + free + c] += _STEP * _LOCAL_SPREAD[c]
-        steps[1 + free + c] = _STEP
-    for c in range(_STATES):
-        start[c, :, 1 + free + _PLACES + c] += _STEP
-        steps[1 + free + _PLACES + c] = _STEP
-    out = simulate(terms, places, start, windows.commands, problem.body)
+    shared = free + _PLACES
+    out, steps = _perturbed(problem, point, values)
     weight = np.isfinite(windows.measured) / (sigma[:, None] * _ALIKE**0.5)
     error = np.nan_to_num(windows.measured - out[..., 0]) * weight
-    slopes = (out[..., 1:] - out[..., :1]) / steps[1:] * weight[..., None]
+    slopes = (out[..., 1:] - out[..., :1]) / steps * weight[..., None]
+    count = len(windows)
     e = np.moveaxis(error, 2, 0).reshape(count, -1)
-    j = np.moveaxis(slopes, 2, 0).reshape(count, e.shape[1], columns - 1)
-    shared, own = j[:, :, : free + _PLACES], j[:, :, free + _PLACES :]
-    q, r = np.linalg.qr(own)
-    onto, seen = np.einsum("wmk,wm->wk", q, e), np.einsum("wmk,wmn->wkn", q, shared)
-    rest = shared - q @ seen
-    ridge = r + 1e-9 * np.eye(_STATES)
+    j = np.moveaxis(slopes, 2, 0).reshape(count, e.shape[1], -1)
+    # The rows of what is believed of a window's gust.
+    e = np.hstack([e, -point.gust.T])
+    believed = np.zeros((count, _GUSTS, j.shape[2]))
+    believed[:, :, shared + _STATES :] = np.eye(_GUSTS)
+    j = np.concatenate([j, believed], axis=1)
+    q, r = np.linalg.qr(j[:, :, shared:])
+    turned = np.swapaxes(q, 1, 2)
+    onto, seen = (turned @ e[:, :, None])[:, :, 0], turned @ j[:, :, :shared]
+    rest = j[:, :, :shared] - q @ seen
+    ridge = r + 1e-9 * np.eye(_OWN)
 
     def back(delta: Array) -> Array:
-        """Change of the beginnings (6, W) that goes with (W, n) changes of the rest."""
+        """Change of the windows' own (9, W) that goes with (W, n) changes of the rest."""
         right = onto - np.einsum("wkn,wn->wk", seen, delta)
         return np.linalg.solve(ridge, right[:, :, None])[:, :, 0].T
 
-    return Equations(np.swapaxes(rest, 1, 2) @ rest, np.einsum("wmn,wm->wn", rest, e), back)
+    turned = np.swapaxes(rest, 1, 2)
+    return Equations(turned @ rest, (turned @ e[:, :, None])[:, :, 0], back)
+
+
+def _perturbed(problem: Problem, point: _Point, values: Array) -> tuple[Array, Array]:
+    """Simulated (samples, 6, W, 1 + n): as it is, then each number changed by its step (n)."""
+    free = int(problem.free.sum())
+    columns = 1 + free + _PLACES + _OWN
+    full = _full(problem, point.z, values)
+    terms = np.repeat(full[:, None], columns, axis=1)
+    places = np.repeat(_places(problem, point)[:, :, None], columns, axis=2)
+    start = np.repeat(point.start[:, :, None], columns, axis=2)
+    steps = np.full(columns, _STEP)
+    for c, k in enumerate(np.flatnonzero(problem.free), start=1):
+        term = problem.terms[k]
+        if full[k] + _STEP * term.spread > term.greatest:
+            steps[c] = -_STEP
+        terms[k, c] += steps[c] * term.spread
+    for c, spread in enumerate(_LOCAL_SPREAD):
+        places[c, :, 1 + free + c] += _STEP * spread
+    for c in range(_STATES):
+        start[c, :, 1 + free + _PLACES + c] += _STEP
+    for c, spread in enumerate(_GUST_SPREAD):
+        places[2 + c, :, 1 + free + _PLACES + _STATES + c] += _STEP * spread
+    return simulate(terms, places, start, problem.windows.commands, problem.body), steps[1:]
 
 
 def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array, Array]:
@@ -238,11 +266,13 @@ def _moved(problem: Problem, point: _Point, equations: Equations, damping: float
     least, greatest = _bounds(problem)
     local = delta[free:].reshape(problem.logs, _PLACES)
     each = np.hstack([np.tile(delta[:free], (len(problem.windows), 1)), local[problem.windows.log]])
+    own = equations.back(each)
     return replace(
         point,
         z=np.clip(point.z + delta[:free], least[:free], greatest[:free]),
         local=point.local + local,
-        start=point.start + equations.back(each),
+        start=point.start + own[:_STATES],
+        gust=point.gust + own[_STATES:],
     )
 
 

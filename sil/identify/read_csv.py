@@ -34,7 +34,9 @@ def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
         Channel(t, _yaw_rate(path, columns)[:, None]),
     ]
     commands = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
-    return sampled(path.stem, motion, Channel(t, commands)), notes
+    # A row has the last command until then: it began half a row earlier, on average.
+    given = Channel(t - 0.5 * float(np.median(np.diff(t))), commands)
+    return sampled(path.stem, motion, given), notes
 
 
 def _columns(path: Path) -> dict[str, Array]:

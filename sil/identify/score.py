@@ -47,7 +47,7 @@ def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score |
 def predicted(problem: Problem, values: Array, windows: Windows) -> Array:
     """Measured minus predicted (samples, 6, W)."""
     held_out = Problem(windows, problem.body, problem.terms, problem.free)
-    still = np.zeros((held_out.logs, 4))
+    still = np.zeros((5, len(windows)))
     return residuals(held_out, values, still, _start(values, windows))
 
 

@@ -3,7 +3,7 @@
 
     u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + w_x
     m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + w_y
-    m33 ṙ + m23 v̇ = N − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
+    m33 ṙ + m23 v̇ = N + w_n − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
                     − d22q ∫ x |v + x r| (v + x r) dx / L
     η̇ = R(ψ) ν + c
 
@@ -42,9 +42,9 @@ class Body:
 def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
     """Measurements (samples, 6, W, C): n, e, ψ, u, v, r of W stretches for C sets of terms.
 
-    terms (K, C); local (4, W, C): current and push, north and east; start (6, W, C): n, e, ψ of the
-    boat and u, v, r through the water; commands (before + samples, W, 2), port and starboard, held
-    for a sample; the first is `before(h)` samples before the stretch.
+    terms (K, C); local (5, W, C): current and push, north and east, and a moment; start (6, W, C):
+    n, e, ψ of the boat and u, v, r through the water; commands (before + samples, W, 2), port and
+    starboard, held for a sample; the first is `before(h)` samples before the stretch.
     """
     thrust = _thrusts(terms, commands, body)
     samples = len(commands) - before(body.h_s)
@@ -78,8 +78,10 @@ def static_thrust(terms: Array, commands: Array) -> Array:
     """Thrust (…, C, 2) at rest that commands (…, 2) settle at, over m11."""
     c = commands[..., None, :]
     dead, expo = terms[INDEX["dead"]][:, None], terms[INDEX["expo"]][:, None]
-    size = np.clip((np.abs(c) - dead) / (1.0 - dead), 0.0, 1.0)
-    size = size * (1.0 - expo + expo * size)
+    size = np.clip(np.abs(c), 0.0, 1.0)
+    # No thrust below the dead band, all of it above; the search needs a slope between.
+    works = np.clip(1.5 - dead / np.maximum(size, 1e-6), 0.0, 0.5) * 2.0
+    size = works * size * (1.0 - expo + expo * size)
     side = np.array([-1.0, 1.0])
     ahead = terms[INDEX["forward"]][:, None] * (1.0 + side * terms[INDEX["gain"]][:, None])
     astern = (terms[INDEX["forward"]] * terms[INDEX["reverse"]])[:, None] * (
@@ -128,7 +130,7 @@ class _Hull:
     def _rates(self, s: Array, thrust: Array) -> Array:
         p = self._p
         _, _, psi, u, v, r = s
-        c_n, c_e, w_n, w_e = self._local
+        c_n, c_e, w_n, w_e, w_turn = self._local
         cos, sin, speed = np.cos(psi), np.sin(psi), np.abs(u)
         lost = 1.0 - p["advance"] * u
         port, stbd = thrust[0] * lost, thrust[1] * lost
@@ -141,7 +143,7 @@ class _Hull:
         out[3] -= (p["d11"] + p["d11_quadratic"] * speed) * u
         Y = -u * r - (p["d22"] + p["d22_speed"] * speed) * v - side
         Y += p["wind_side"] * (cos * w_e - sin * w_n)
-        N = self._body.arm_m * (port - stbd) - (p["m22"] - 1.0 + p["munk"]) * u * v - turn
+        N = w_turn + self._body.arm_m * (port - stbd) - (p["m22"] - 1.0 + p["munk"]) * u * v - turn
         N -= (p["d33"] + p["d33_quadratic"] * np.abs(r) + p["d33_speed"] * speed + p["m23"] * u) * r
         out[4] = (p["m33"] * Y - p["m23"] * N) / self._det
         out[5] = (p["m22"] * N - p["m23"] * Y) / self._det

@@ -48,7 +48,7 @@ def exact(
 
     def rates(t: float, s: np.ndarray, wanted: np.ndarray) -> np.ndarray:
         _, _, psi, u, v, r, port, stbd = s
-        c, w = local[:2], local[2:]
+        c, w = local[:2], local[2:4]
         to_body = np.array([[np.cos(psi), np.sin(psi)], [-np.sin(psi), np.cos(psi)]])
         push = to_body @ w
         moment = inertia @ [u, v, r]
@@ -67,7 +67,7 @@ def exact(
             [
                 lost * (port + stbd) + push[0],
                 p["wind_side"] * push[1],
-                BODY.arm_m * lost * (port - stbd),
+                BODY.arm_m * lost * (port - stbd) + local[4],
             ]
         )
         nu_dot = np.linalg.solve(inertia, tau - coriolis - drag)
@@ -98,7 +98,7 @@ def exact(
 def test_ten_seconds_end_where_scipy_ends(seed: int) -> None:
     rng = np.random.default_rng(seed)
     p, given = drawn(rng), commands(rng)
-    local, start = rng.normal(0.0, [0.1, 0.1, 0.02, 0.02]), rng.normal(0.0, 0.3, 6)
+    local, start = rng.normal(0.0, [0.1, 0.1, 0.02, 0.02, 0.01]), rng.normal(0.0, 0.3, 6)
     places = local[:, None, None], start[:, None, None]
     simulated = simulate(column(p), *places, given, BODY)[:, :, 0, 0]
     true = exact(p, local, start, given)
@@ -115,7 +115,7 @@ def test_cross_flow_brakes_as_its_integral_does() -> None:
     rng = np.random.default_rng(7)
     p = drawn(rng) | {"d22_quadratic": 3.0}
     given, start = commands(rng), np.array([0.0, 0.0, 0.0, 0.5, 0.3, 0.4])
-    still = np.zeros(4)
+    still = np.zeros(5)
     simulated = simulate(column(p), still[:, None, None], start[:, None, None], given, BODY)
     error = np.abs(simulated[:, :, 0, 0] - exact(p, still, start, given))
     print(error.max(axis=0))
@@ -125,7 +125,7 @@ def test_cross_flow_brakes_as_its_integral_does() -> None:
 def test_a_deviated_compass_turns_heading_and_velocity_alike() -> None:
     p = drawn(np.random.default_rng(3))
     given = np.zeros((before(BODY.h_s) + SAMPLES, 1, 2))
-    start, still = np.array([0.0, 0.0, 0.5, 1.0, 0.2, 0.0])[:, None, None], np.zeros((4, 1, 1))
+    start, still = np.array([0.0, 0.0, 0.5, 1.0, 0.2, 0.0])[:, None, None], np.zeros((5, 1, 1))
     true = simulate(column(p), still, start, given, BODY)[:, :, 0, 0]
     seen = simulate(column(p | {"compass": 0.1}), still, start, given, BODY)[:, :, 0, 0]
     assert np.allclose(seen[:, 2] - true[:, 2], 0.1)
