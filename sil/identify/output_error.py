@@ -30,7 +30,8 @@ _FIRST_SIGMA = np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
 _LEAST_SIGMA = np.array([0.02, 0.02, 0.005, 0.01, 0.01, 0.005])
 _ALIKE = 100.0  # κ: a window of a channel
 _STEP = 1e-3  # of a finite difference, in deviations
-_ROUNDS = 3
+# Of each round: a wide edge of the dead band is found from afar.
+_GATES = (0.5, 0.2, 0.05)
 _ITERATIONS = 12
 _EARLY = 5  # samples
 _STATES, _PLACES, _GUSTS = 6, len(LOCAL), len(GUSTS)
@@ -84,7 +85,7 @@ class _Point:
     gust: Array  # (3, W), in deviations
 
 
-def fit(problem: Problem, values: Array, told: Told, rounds: int = _ROUNDS) -> Fit:
+def fit(problem: Problem, values: Array, told: Told) -> Fit:
     """Search from `values` (K); told(share) hears of the progress."""
     guess, spread = _scale(problem)
     z = ((values - guess) / spread)[problem.free]
@@ -93,10 +94,11 @@ def fit(problem: Problem, values: Array, told: Told, rounds: int = _ROUNDS) -> F
     point = _Point(z, places, first_start(problem.windows), gusts)
     sigma = _FIRST_SIGMA
     cost = 0.0
-    for turn in range(rounds):
-        part = part_of(told, turn / rounds, (turn + 1) / rounds)
+    for turn, gate in enumerate(_GATES):
+        problem = replace(problem, body=replace(problem.body, gate=gate))
+        part = part_of(told, turn / len(_GATES), (turn + 1) / len(_GATES))
         point, cost = _descend(problem, point, values, sigma, part)
-        if turn < rounds - 1:
+        if gate != _GATES[-1]:
             sigma = _spread_of(problem, point, values)
     equations = _equations(problem, point, values, sigma)
     local = _LOCAL_GUESS + point.local * _LOCAL_SPREAD

@@ -32,11 +32,15 @@ _FASTEST = 30.0  # m/s, rad/s: a wrong guess must not overflow
 
 @dataclass(frozen=True)
 class Body:
-    """What is measured with a tape: half the distance of the propellers, length; sample time."""
+    """What is measured with a tape: half the distance of the propellers, length; sample time.
+
+    gate: how far beside the dead band's edge, as a share of it, thrust is partly there.
+    """
 
     arm_m: float
     length_m: float
     h_s: float
+    gate: float = 0.05
 
 
 def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
@@ -74,13 +78,13 @@ def before(h_s: float) -> int:
     return round(_BEFORE_S / h_s)
 
 
-def static_thrust(terms: Array, commands: Array) -> Array:
-    """Thrust (…, C, 2) at rest that commands (…, 2) settle at, over m11."""
+def static_thrust(terms: Array, commands: Array, gate: float) -> Array:
+    """Thrust (…, C, 2) at rest that commands (…, 2) settle at, over m11; gate: `Body`'s."""
     c = commands[..., None, :]
     dead, expo = terms[INDEX["dead"]][:, None], terms[INDEX["expo"]][:, None]
     size = np.clip(np.abs(c), 0.0, 1.0)
     # No thrust below the dead band, all of it above; the search needs a slope between.
-    works = np.clip(1.5 - dead / np.maximum(size, 1e-6), 0.0, 0.5) * 2.0
+    works = np.clip(0.5 + (1.0 - dead / np.maximum(size, 1e-6)) / (2.0 * gate), 0.0, 1.0)
     size = works * size * (1.0 - expo + expo * size)
     side = np.array([-1.0, 1.0])
     ahead = terms[INDEX["forward"]][:, None] * (1.0 + side * terms[INDEX["gain"]][:, None])
@@ -93,7 +97,7 @@ def static_thrust(terms: Array, commands: Array) -> Array:
 
 def _thrusts(terms: Array, commands: Array, body: Body) -> Array:
     """The thrust wanted in each step, (steps, 2, W, C), late by the dead time, before the lag."""
-    held = np.moveaxis(static_thrust(terms, commands), -1, 1)  # (samples, 2, W, C)
+    held = np.moveaxis(static_thrust(terms, commands, body.gate), -1, 1)  # (samples, 2, W, C)
     total = np.zeros((len(held) + 1, *held.shape[1:]))
     np.cumsum(held, axis=0, out=total[1:])
     late = terms[INDEX["dead_time"]] / body.h_s

@@ -38,7 +38,7 @@ def exact(
     p: dict[str, float], local: np.ndarray, start: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
     """States (samples, 6): begin and end of each hold are never stepped over."""
-    at_rest = static_thrust(column(p), given)[:, 0, 0]
+    at_rest = static_thrust(column(p), given, BODY.gate)[:, 0, 0]
     inertia = np.array([[1, 0, 0], [0, p["m22"], p["m23"]], [0, p["m23"], p["m33"]]])
     half = 0.5 * BODY.length_m
 
