@@ -11,6 +11,7 @@
 
 #include "app/conditions.hpp"
 #include "app/guidance/pilot.hpp"
+#include "app/guidance/voyage.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/vehicle.hpp"
 #include "app/propulsion/can_node.hpp"
@@ -186,6 +187,11 @@ class Boat {
   bool error_known() const { return seen() || core::sails_alone(state()); }
   bool in_slot() const { return keeps_slot() && pilot_.in_slot(); }
   core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
+  void sail_plan(std::int64_t now_us, S dt);
+  void begin_voyage();
+  core::Thrust<S> sail_voyage(std::int64_t now_us, S dt);
+  bool leaves_fence(const convert::Position& here, const core::Vec2<S>& way) const;
+  void tell_voyage(const VoyageNews& news);
   void steer(std::int64_t now_us);
   Report report(std::int64_t now_us);
   std::optional<double> separation_m() const;
@@ -220,8 +226,10 @@ class Boat {
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
 
-  Errand errand_;        // of GUIDED, LOITER, RTL
-  bool driven_ = false;  // by velocities, in GUIDED
+  Errand errand_;                 // of GUIDED, LOITER, RTL
+  bool driven_ = false;           // by velocities, in GUIDED
+  HullVoyage<S> voyage_;          // of AUTO
+  bool voyage_at_fence_ = false;  // as judged last
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};

@@ -19,6 +19,7 @@ _VERBS = {
     "live": "sail a scenario in real time, a flotillad process a boat",
     "campaign": "sail a scenario many times, each run with its own draws",
     "compare": "is campaign B worse than campaign A?",
+    "identify": "find a hull in logs of its sailing: a parameter file, a page",
     "certify": "do these gains hold the formation? answered before sailing",
     "view": "show a fleet in the browser, live or recorded",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",

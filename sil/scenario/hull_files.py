@@ -19,6 +19,11 @@ def texts(name: str) -> dict[str, str]:
         f"# At {hull.cruise.speed_mps:g} m/s; made by tools/reference from sil/hulls/{name}.toml,",
         "# which has the source of each number and says which are estimates.",
     ]
+    return of_values(values, head)
+
+
+def of_values(values: dict[str, float], head: list[str]) -> dict[str, str]:
+    """Both files of any parameters, under lines that begin with #."""
     plain = [f"{parameter},{value:.9g}" for parameter, value in values.items()]
     columns = [f"1\t1\t{own}\t{value:.9g}\t{_REAL32}" for own, value in values.items()]
     return {

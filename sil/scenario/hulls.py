@@ -26,7 +26,7 @@ def clear_base(own: Mapping[str, Any], base: dict[str, Any]) -> None:
     if isinstance(boats, dict) and isinstance(theirs, list):
         pairs += [(boats.get(str(i), {}), boat) for i, boat in enumerate(theirs, start=1)]
     for over, under in pairs:
-        if isinstance(over, dict) and over.get("hull") in presets.names():
+        if isinstance(over, dict) and presets.is_known(over.get("hull")):
             _clear(under, over["hull"])
 
 
@@ -38,7 +38,7 @@ def override(source: Source, text: str) -> None:
         _table_of(source.document, key.strip().split(".")[:-1]),
         value.strip().strip("\"'"),
     )
-    if isinstance(table, dict) and name in presets.names():
+    if isinstance(table, dict) and presets.is_known(name):
         _clear(table, name)
 
 

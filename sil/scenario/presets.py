@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Hulls by name: `sil/hulls/NAME.toml` has a boat's numbers, each with its source or "estimate".
 
+A hull of the user's own, such as `flotilla identify` finds, is named by the path of its file.
+
 The firmware, which has the paper's linear drag alone, is told straight lines through the hull's
 drag in a steady turn at cruise:
 
@@ -49,8 +51,15 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
+def is_known(name: object) -> bool:
+    """Whether a hull has that name, or it is the path of a hull's file."""
+    return isinstance(name, str) and (name in names() or Path(name).is_file())
+
+
 def path_of(name: str) -> Path:
     """The file of a hull; ScenarioError for a name that none has."""
+    if name.endswith(".toml") and Path(name).is_file():
+        return Path(name)
     known = names()
     if name not in known:
         near = difflib.get_close_matches(name, known, 1)
@@ -61,8 +70,12 @@ def path_of(name: str) -> Path:
 
 @cache
 def load(name: str) -> Preset:
-    """The hull of that name; ScenarioError as `path_of`."""
-    return Preset.model_validate(tomllib.loads(path_of(name).read_text(encoding="utf-8")))
+    """The hull of that name; ScenarioError as `path_of`, or for a file that is no hull."""
+    path = path_of(name)
+    try:
+        return Preset.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except ValueError as error:
+        raise ScenarioError(f"{path}: is no hull: {error}") from None
 
 
 def firmware(preset: Preset) -> dict[str, float]:

@@ -299,6 +299,11 @@ def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
     """Of a leader that is a boat."""
     key: KeyPath
     leader = scenario.leader
+    if leader.voyage is not None:
+        if leader.boat is None:
+            yield ("leader", "voyage"), '"leader.voyage": needs "leader.boat", who sails it'
+        if len(scenario.boat) > 1:
+            yield ("leader", "voyage"), '"leader.voyage": a boat measures its hull alone'
     if leader.boat is None:
         return
     if not leader.waypoints:

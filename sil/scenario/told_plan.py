@@ -14,7 +14,7 @@ from sil.scenario.sections import Leader
 from sil.scenario.wiring import ORIGIN
 from sil.wire.formation_reference import Ear
 from sil.wire.geodesy import LocalFrame
-from sil.wire.plan_upload import PlanItem, speed_item, waypoint_item
+from sil.wire.plan_upload import PlanItem, speed_item, voyage_item, waypoint_item
 
 _HEIGHT_M = 0.001 * ORIGIN[2]
 _WORLD = LocalFrame(*ORIGIN[:2], _HEIGHT_M)
@@ -26,10 +26,16 @@ _ALIKE_S = 1.0  # weighs surge, m/s, against place, m
 
 
 def items_of(leader: Leader) -> list[PlanItem]:
-    """The plan that a boat gets: its speed, and all waypoints but the one where it starts."""
+    """The plan that a boat gets: its speed, and all waypoints but the one where it starts.
+
+    A voyage that measures the hull takes the last one's place.
+    """
     radius_m = 0.0 if leader.corner_radius_m is None else PLANS_LARGEST_M
     places = [_WORLD.geodetic(north, east, 0.0) for north, east in leader.waypoints[1:]]
     points = [waypoint_item(place.latitude, place.longitude, radius_m) for place in places]
+    if leader.voyage is not None:
+        share, room_m = leader.voyage.share, leader.voyage.room_m
+        points[-1] = voyage_item(places[-1].latitude, places[-1].longitude, share, room_m)
     return [speed_item(leader.speed_mps), *points]
 
 

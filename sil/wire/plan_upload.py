@@ -41,6 +41,11 @@ def waypoint_item(latitude: int, longitude: int, radius_m: float) -> PlanItem:
     return PlanItem(mavlink.MAV_CMD_NAV_WAYPOINT, params, latitude, longitude)
 
 
+def voyage_item(latitude: int, longitude: int, share: float, room_m: float) -> PlanItem:
+    """A voyage that measures the hull, around a place (degE7); 0, 0: the boat's defaults."""
+    return PlanItem(mavlink.MAV_CMD_USER_1, (share, room_m, 0.0, 0.0), latitude, longitude)
+
+
 class PlanUpload:
     """One plan on its way to one boat.
 

@@ -19,6 +19,7 @@ ORDER = [
     "view",
     "logs",
     "report",
+    "identify",
     "certificate",
     "campaign",
     "results",

@@ -101,6 +101,10 @@ class Pilot {
   convert::Position place() const { return own_.place(); }
   const core::Motion<S>& motion() const { return own_.motion(); }
 
+  /// Motion since seen_from() as the navigation unit tells it, without the model of the hull.
+  core::Motion<S> seen_motion(std::int64_t now_us) const { return own_.track().motion(now_us); }
+  const convert::Position& seen_from() const { return own_.track().position(); }
+
   /// Where the boat can stop if it sails straight on, and the speed at which it begins.
   Target stop_ahead() const;
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/guidance/voyage.hpp"
+
 namespace flotilla::app {
 namespace {
 
@@ -17,12 +19,12 @@ bool is_within(float param, float most) { return or_zero(param) >= 0 && or_zero(
 
 bool has_place(const PlanItem& item) {
   return item.command == mav::kNavWaypoint || item.command == mav::kNavLoiterUnlimited ||
-         item.command == mav::kNavLoiterTime;
+         item.command == mav::kNavLoiterTime || is_voyage(item);
 }
 
 /// A loiter at 0, 0 is where the boat is then.
 bool is_here(const PlanItem& item) {
-  return item.command != mav::kNavWaypoint && item.x == 0 && item.y == 0;
+  return item.command != mav::kNavWaypoint && !is_voyage(item) && item.x == 0 && item.y == 0;
 }
 
 bool leads_somewhere(const PlanItem& item) { return has_place(item) && !is_here(item); }
@@ -48,6 +50,10 @@ PlanFault fault_of_speed(const PlanItem& item, float fastest_mps) {
 }
 
 PlanFault fault_of_item(const PlanItem& item, const PlanDefaults& defaults) {
+  if (is_voyage(item)) {
+    const PlanFault fault = fault_of_voyage(item);
+    return fault ? fault : fault_of_place(item);
+  }
   const bool timed = waits(item) && item.command != mav::kNavLoiterUnlimited;
   if (timed && !is_within(item.param[0], kLongestWait_s)) {
     return {mav::kMissionInvalidParam1, "waits 0 to 30000 s"};
@@ -116,6 +122,7 @@ PlanFault fault_of(Plan plan) {
 void PlanReader::begin(Plan plan, std::size_t first, const PlanDefaults& defaults) {
   *this = {};
   defaults_ = defaults;
+  first_ = first;
   if (defaults.fastest_mps > 0) {
     defaults_.speed_mps = std::min(defaults.speed_mps, defaults.fastest_mps);
   }
@@ -140,11 +147,11 @@ std::optional<PlanPoint> PlanReader::next(Plan plan) {
       point =
           PlanPoint{at_, {item.x, item.y}, speed_mps_, told_m > 0 ? told_m : defaults_.radius_m};
     }
-    if (item.command == mav::kNavLoiterUnlimited) {
+    if (item.command == mav::kNavLoiterUnlimited || (is_voyage(item) && at_ != first_)) {
       at_ = plan.size();
       return point;
     }
-    if (waits(item) && point) point->wait_s += or_zero(item.param[0]);
+    if (waits(item) && !is_voyage(item) && point) point->wait_s += or_zero(item.param[0]);
     note_speed(item);
   }
   return point;

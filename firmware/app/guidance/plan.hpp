@@ -81,14 +81,15 @@ class PlanReader {
   /// Begins with the first point at item `first` or later.
   void begin(Plan plan, std::size_t first, const PlanDefaults& defaults);
 
-  /// Nothing after the last point.
+  /// Nothing after the last point. A voyage that measures the hull ends the reading, unless it is
+  /// the item to begin with: where the plan goes on after it is decided then.
   std::optional<PlanPoint> next(Plan plan);
 
  private:
   void note_speed(const PlanItem& item);
 
   PlanDefaults defaults_;
-  std::size_t at_ = 0;  // item
+  std::size_t at_ = 0, first_ = 0;  // items
   float speed_mps_ = 0;
 };
 

@@ -62,7 +62,9 @@ Configuration configuration_of(const Parameters& p) {
       .plan = {.speed_mps = p.WP_SPEED,
                .radius_m = p.WP_RADIUS,
                .fastest_mps = p.LAW_U_MAX,
-               .margin_m = p.BOAT_LEN + p.WP_WIDTH},
+               .margin_m = p.BOAT_LEN + p.WP_WIDTH,
+               .room_m = std::max(15 * p.BOAT_LEN, 60.0F),
+               .fastest_radps = 2 * p.LAW_R_MAX},
       // Half of the astern thrust, within what Q16.16 can divide by.
       .stopping = {.reaction_s = 1,
                    .brake_mps2 = std::clamp(p.THR_REV_MAX / p.VES_M11, 0.02F, 0.5F),

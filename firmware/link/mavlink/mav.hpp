@@ -49,7 +49,8 @@ constexpr std::uint8_t kMissionNotStarted = 2, kMissionActive = 3, kMissionPause
                        kMissionComplete = 5;
 /// Commands in plans.
 constexpr std::uint16_t kNavWaypoint = 16, kNavLoiterUnlimited = 17, kNavLoiterTime = 19,
-                        kNavDelay = 93, kDoChangeSpeed = 178, kDoSetRoi = 201;
+                        kNavDelay = 93, kDoChangeSpeed = 178, kDoSetRoi = 201,
+                        kVoyage = 31010;  // MAV_CMD_USER_1
 /// Items of fences, and of rally points.
 constexpr std::uint16_t kFenceReturnPoint = 5000, kFenceInclusion = 5001, kFenceExclusion = 5002,
                         kFenceCircleInclusion = 5003, kFenceCircleExclusion = 5004,

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/voyage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/convert/convert_scalar.hpp"
+#include "core/rotation.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+constexpr float kShare = 0.8F, kLeastShare = 0.1F, kLeastRadius_m = 5, kGreatestRadius_m = 500;
+constexpr float kFastest_mps = 5;
+constexpr int kTries = 3;
+constexpr int kRest_s = 3, kTurn_s = 15, kReturn_s = 180;
+// Hundredths of the radius: a step begins within the first; the boat returns to the second; beyond
+// the third it is lost; beyond the last it turns before a step that goes far.
+constexpr int kNear = 40, kBack = 33, kLost = 150, kFar = 15;
+
+float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
+
+bool goes_far(Manoeuvre manoeuvre) {
+  using enum Manoeuvre;
+  return manoeuvre == kAhead || manoeuvre == kAstern || manoeuvre == kZigZag ||
+         manoeuvre == kRandom;
+}
+
+}  // namespace
+
+bool is_voyage(const PlanItem& item) { return item.command == mav::kVoyage; }
+
+PlanFault fault_of_voyage(const PlanItem& item) {
+  const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
+  if (share != 0 && !(share >= kLeastShare && share <= 1)) {
+    return {mav::kMissionInvalidParam1, "share 0.1 to 1"};
+  }
+  if (radius_m != 0 && !(radius_m >= kLeastRadius_m && radius_m <= kGreatestRadius_m)) {
+    return {mav::kMissionInvalidParam2, "room 5 to 500 m"};
+  }
+  return {};
+}
+
+VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
+                   const Configuration::Stopping& stopping) {
+  const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
+  const float fastest_mps = defaults.fastest_mps > 0 ? defaults.fastest_mps : kFastest_mps;
+  const float braking_s = fastest_mps / (2 * stopping.brake_mps2);
+  return {.radius_m = radius_m > 0 ? radius_m : defaults.room_m,
+          .share = share > 0 ? share : kShare,
+          .rest_s = std::min(stopping.reaction_s + std::max(stopping.drag_s, braking_s), 60.0F),
+          .fastest_mps = fastest_mps,
+          .fastest_radps = defaults.fastest_radps};
+}
+
+template <class S>
+void HullVoyage<S>::begin(const VoyageRoom& room) {
+  if (!is_of(room.plan, room.item)) forget();
+  room_ = room;
+  radius_ = convert::scalar<S>(room.radius_m);
+  gain_ = convert::scalar<S>(room.share);
+  enter(Phase::kRest);
+}
+
+template <class S>
+void HullVoyage<S>::interrupt() {
+  phase_ = Phase::kOff;
+  lost_ = false;
+}
+
+template <class S>
+void HullVoyage<S>::enter(Phase phase) {
+  phase_ = phase;
+  in_phase_s_ = S(0);
+}
+
+template <class S>
+core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
+  in_phase_s_ = in_phase_s_ + dt;
+  look(seen);
+  advance(seen);
+  const core::Thrust<S> asked = shares(seen, dt);
+  const S gain = gain_ * slowed_;
+  return {gain * core::clamp(asked.port, S(-1), S(1)), gain * core::clamp(asked.stbd, S(-1), S(1))};
+}
+
+/// Cuts the step off where it cannot go on.
+template <class S>
+void HullVoyage<S>::look(const Seen& seen) {
+  const S away = core::hypot(seen.off_n.x, seen.off_n.y);
+  if (S(kLost) / S(100) * radius_ < away) return lose();
+  if (seen.waits) return enter(Phase::kRest);
+  if (phase_ == Phase::kOff || phase_ == Phase::kRest) return;
+  const S rest_s = convert::scalar<S>(room_.rest_s);
+  const S stops = core::hypot(seen.off_n.x + rest_s * seen.velocity_n.x,
+                              seen.off_n.y + rest_s * seen.velocity_n.y);
+  const S speed = core::hypot(seen.velocity_n.x, seen.velocity_n.y);
+  const S fastest = convert::scalar<S>(room_.fastest_mps);
+  const S fastest_r = convert::scalar<S>(room_.fastest_radps);
+  const bool turns_fast = S(0) < fastest_r && fastest_r < core::abs(seen.r);
+  const bool too_fast = fastest < speed || turns_fast;
+  if (phase_ == Phase::kReturn) {
+    if (too_fast && slow_down()) enter(Phase::kRest);
+  } else if (too_fast) {
+    cut_off("too fast", slow_down());
+  } else if (seen.blocked) {
+    cut_off("the fence", false);
+  } else if (radius_ < stops || radius_ < away) {
+    cut_off("no room", false);
+  }
+}
+
+/// Less thrust from now on, unless there is hardly any.
+template <class S>
+bool HullVoyage<S>::slow_down() {
+  const S slower = S(0.7) * slowed_;
+  const bool can = convert::scalar<S>(kLeastShare) < gain_ * slower;
+  if (can) slowed_ = slower;
+  return can;
+}
+
+/// A step that is slower now has lost no try.
+template <class S>
+void HullVoyage<S>::cut_off(std::string_view why, bool slower) {
+  enter(Phase::kRest);
+  if (!slower) ++tries_;
+  news_ = VoyageNews{VoyageNews::Kind::kAgain, step_ + 1, why};
+  if (tries_ < kTries) return;
+  news_->kind = VoyageNews::Kind::kLeftOut;
+  next_step();
+}
+
+template <class S>
+void HullVoyage<S>::lose() {
+  phase_ = Phase::kOff;
+  lost_ = true;
+  news_ = VoyageNews{VoyageNews::Kind::kLost, step_ + 1};
+}
+
+template <class S>
+void HullVoyage<S>::end_step() {
+  ++whole_;
+  next_step();
+}
+
+template <class S>
+void HullVoyage<S>::next_step() {
+  tries_ = 0;
+  enter(Phase::kRest);
+  if (++step_ < kVoyageSteps.size()) return;
+  phase_ = Phase::kOff;
+  news_ = VoyageNews{VoyageNews::Kind::kOver, whole_};
+}
+
+/// A step that goes far begins with a turn towards the room's centre, or away from it if it goes
+/// astern.
+template <class S>
+void HullVoyage<S>::begin_step(const Seen& seen) {
+  const S pi = S(3.14159265358979323846);
+  const bool straight = step().manoeuvre == Manoeuvre::kStraight;
+  const bool far = S(kFar) / S(100) * radius_ < core::hypot(seen.off_n.x, seen.off_n.y);
+  const bool turns = straight || (far && goes_far(step().manoeuvre));
+  course_ = seen.psi;
+  if (straight) {
+    course_ = core::wrap_pi(S(0.25) * pi * S(step().eighths_turn));
+  } else if (turns) {
+    const S ahead = step().port < 0 ? S(-1) : S(1);
+    course_ = core::atan2(-ahead * seen.off_n.y, -ahead * seen.off_n.x);
+  }
+  swapped_ = false;
+  chip_s_ = S(0);
+  register_ = 1;
+  enter(turns ? Phase::kTurn : Phase::kDriven);
+  news_ = VoyageNews{VoyageNews::Kind::kBegins, step_ + 1, name_of(step().manoeuvre)};
+}
+
+/// From phase to phase.
+template <class S>
+void HullVoyage<S>::advance(const Seen& seen) {
+  const S away = core::hypot(seen.off_n.x, seen.off_n.y);
+  switch (phase_) {
+    case Phase::kOff:
+      break;
+    case Phase::kRest:
+      if (seen.waits || in_phase_s_ < S(kRest_s)) break;
+      if (S(kNear) / S(100) * radius_ < away) {
+        enter(Phase::kReturn);
+      } else {
+        begin_step(seen);
+      }
+      break;
+    case Phase::kReturn:
+      if (away < S(kBack) / S(100) * radius_) {
+        enter(Phase::kRest);
+      } else if (S(kReturn_s) < in_phase_s_) {
+        lose();
+      } else {
+        course_ = core::atan2(-seen.off_n.y, -seen.off_n.x);
+      }
+      break;
+    case Phase::kTurn:
+      if (core::abs(core::wrap_pi(course_ - seen.psi)) < S(0.2) || S(kTurn_s) < in_phase_s_) {
+        enter(Phase::kDriven);
+      }
+      break;
+    case Phase::kDriven:
+      if (!(in_phase_s_ < S(step().driven_s))) enter(Phase::kCoasting);
+      break;
+    case Phase::kCoasting:
+      if (!(in_phase_s_ < S(step().coasting_s))) end_step();
+      break;
+  }
+}
+
+template <class S>
+core::Thrust<S> HullVoyage<S>::shares(const Seen& seen, S dt) {
+  switch (phase_) {
+    case Phase::kOff:
+    case Phase::kRest:
+    case Phase::kCoasting:
+      return {};
+    case Phase::kReturn: {
+      const bool ahead = core::abs(core::wrap_pi(course_ - seen.psi)) < S(0.5);
+      return steered(seen, ahead ? S(0.7) : S(0));
+    }
+    case Phase::kTurn:
+      return steered(seen, S(0));
+    case Phase::kDriven:
+      break;
+  }
+  const S port = S(step().port) / S(100), stbd = S(step().stbd) / S(100);
+  if (step().manoeuvre == Manoeuvre::kStraight) return steered(seen, port);
+  return swaps(seen, dt) ? core::Thrust<S>{stbd, port} : core::Thrust<S>{port, stbd};
+}
+
+/// Weak enough for every hull, as shares of its own thrust.
+template <class S>
+core::Thrust<S> HullVoyage<S>::steered(const Seen& seen, S surge) const {
+  const S off = core::wrap_pi(course_ - seen.psi);
+  const S d = core::clamp(S(0.8) * (off - seen.r), S(-0.5), S(0.5));
+  return {surge + d, surge - d};
+}
+
+/// Whether the two propellers have changed places.
+template <class S>
+bool HullVoyage<S>::swaps(const Seen& seen, S dt) {
+  if (step().manoeuvre == Manoeuvre::kZigZag) {
+    const S off = core::wrap_pi(seen.psi - course_);
+    const S twenty_degrees = S(0.35);
+    if (twenty_degrees < off) swapped_ = true;
+    if (off < -twenty_degrees) swapped_ = false;
+  }
+  if (step().manoeuvre == Manoeuvre::kRandom) {
+    chip_s_ = chip_s_ + dt;
+    if (!(chip_s_ < S(1))) {
+      chip_s_ = chip_s_ - S(1);
+      // x⁶ + x⁵ + 1: all 63 words before one comes again.
+      const unsigned bit = (register_ ^ register_ >> 1U) & 1U;
+      register_ = register_ >> 1U | bit << 5U;
+      swapped_ = bit != 0;
+    }
+  }
+  return swapped_;
+}
+
+template <class S>
+std::optional<VoyageNews> HullVoyage<S>::take_news() {
+  return std::exchange(news_, std::nullopt);
+}
+
+template class HullVoyage<float>;
+template class HullVoyage<double>;
+template class HullVoyage<core::Q16>;
+
+}  // namespace flotilla::app

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// The voyage that measures a hull: sails kVoyageSteps in the open loop, within a room.
+//
+//   p_s = p + T_s v        where the boat comes to rest: |p_s| < R, or the step is cut off
+//   d = ±min(d_max, |k (χ_d − ψ) − k_r r|)      port = s + d, stbd = s − d      steers to a course
+//
+//  symbol    meaning                                                          unit
+//  p, v      place from the room's centre, velocity over ground, north-east   m, m/s
+//  R, T_s    radius of the room; time in which the boat comes to rest         m, s
+//  χ_d, ψ    desired course, heading                                          rad
+//  s, d      surge and differential, shares of a propeller's greatest thrust  1
+//
+// The law takes no part: it needs the very numbers that the voyage is to find. So the boat steers by
+// shares of its thrust also on its way back to the centre, where it goes between steps as needed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "app/guidance/plan.hpp"
+#include "app/guidance/voyage_steps.hpp"
+#include "core/allocation.hpp"
+
+namespace flotilla::app {
+
+/// A plan's item that is such a voyage.
+bool is_voyage(const PlanItem& item);
+
+/// Judges its parameters.
+PlanFault fault_of_voyage(const PlanItem& item);
+
+/// Where a voyage is sailed, and how fast.
+struct VoyageRoom {
+  std::uint32_t plan = 0;  ///< id
+  std::size_t item = 0;
+  float radius_m = 0;
+  float share = 0;                           ///< of full thrust that it uses at most
+  float rest_s = 0;                          ///< the way to rest over the speed
+  float fastest_mps = 0, fastest_radps = 0;  ///< 0: no limit
+  bool operator==(const VoyageRoom&) const = default;
+};
+
+/// The room that a voyage's item asks for.
+VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
+                   const Configuration::Stopping& stopping);
+
+/// What the operator is told.
+struct VoyageNews {
+  enum class Kind : std::uint8_t { kBegins, kAgain, kLeftOut, kOver, kLost };
+  Kind kind = Kind::kBegins;
+  std::size_t step = 0;     ///< from 1; kOver: how many were sailed whole
+  std::string_view what{};  ///< the step's name, or why it was cut off
+};
+
+template <class S>
+class HullVoyage {
+ public:
+  /// From the centre; by the navigation unit alone, as the model of the hull may be wrong.
+  struct Seen {
+    core::Vec2<S> off_n{}, velocity_n{};
+    S psi{}, r{};
+    bool waits = false;    ///< paused, or another vessel is too near: no thrust
+    bool blocked = false;  ///< would leave the fence
+  };
+
+  /// Begins; goes on with the step where the same voyage was interrupted.
+  void begin(const VoyageRoom& room);
+  /// Stops; the step is sailed anew after begin().
+  void interrupt();
+  /// The next begin() starts with the first step.
+  void forget() { *this = {}; }
+
+  bool is_on() const { return phase_ != Phase::kOff; }
+  /// It does not come back to its room: the law's boat would be out of formation.
+  bool is_lost() const { return lost_; }
+  bool is_of(std::uint32_t plan, std::size_t item) const {
+    return room_.plan == plan && room_.item == item;
+  }
+  bool is_over() const { return step_ == kVoyageSteps.size(); }
+  std::size_t item() const { return room_.item; }
+  const VoyageRoom& room() const { return room_; }
+
+  /// Thrusts, shares of each propeller's greatest one, for the next dt seconds.
+  core::Thrust<S> forward(const Seen& seen, S dt);
+
+  std::optional<VoyageNews> take_news();
+
+ private:
+  enum class Phase : std::uint8_t { kOff, kRest, kReturn, kTurn, kDriven, kCoasting };
+
+  const VoyageStep& step() const { return kVoyageSteps[step_]; }
+  void enter(Phase phase);
+  void begin_step(const Seen& seen);
+  void end_step();
+  void next_step();
+  bool slow_down();
+  void cut_off(std::string_view why, bool slower);
+  void look(const Seen& seen);
+  void advance(const Seen& seen);
+  void lose();
+  core::Thrust<S> shares(const Seen& seen, S dt);
+  core::Thrust<S> steered(const Seen& seen, S surge) const;
+  bool swaps(const Seen& seen, S dt);
+
+  VoyageRoom room_{};
+  Phase phase_ = Phase::kOff;
+  bool lost_ = false;
+  std::size_t step_ = 0, whole_ = 0;
+  int tries_ = 0;
+  S radius_{}, gain_{}, slowed_ = S(1);
+  S in_phase_s_{};
+  S course_{};
+  bool swapped_ = false;
+  S chip_s_{};
+  unsigned register_ = 1;
+  std::optional<VoyageNews> news_;
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""Finds a hull in logs of its sailing: inertias, drag, propellers, compass; a parameter file.
+
+Takes CSV files with named columns, tlogs, ArduPilot's .bin. Weigh the boat and
+measure its length and the distance of its propellers: logs alone determine ratios only. Exit
+status: 0, 1 where the hull does not predict the half of the logs that it was not fitted to, 2 for a
+mistake of the caller.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from sil.cli.out_folder import claim
+
+EXAMPLES = (
+    "flotilla identify voyage.csv --mass 17 --length 1.2 --arm 0.28",
+    "flotilla identify logs/*.tlog --mass 55 --length 2 --arm 0.4 --out out/otter",
+)
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("logs", nargs="+", type=Path, metavar="LOG")
+    parser.add_argument("--mass", type=_positive, required=True, help="kg, as it sails")
+    parser.add_argument("--length", type=_positive, required=True, help="m, of the hull")
+    parser.add_argument(
+        "--arm", type=_positive, required=True, help="m, half the distance of the propellers"
+    )
+    parser.add_argument("--out", type=Path, default=Path("out/identify"), help="(out/identify)")
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Identify it, print the figures and write the files."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    from sil.identify import identify_files, identify_report
+    from sil.identify.identification import identify
+    from sil.identify.log_files import read
+    from sil.identify.vessel_numbers import Boat
+    from sil.identify.voyage_log import SAMPLE_S
+    from sil.identify.voyage_model import Body
+
+    console = Console()
+    boat = Boat(options.mass)
+    body = Body(arm_m=options.arm, length_m=options.length, h_s=SAMPLE_S)
+    out = claim(options.out, "identify.json", "identify")
+    logs, notes = read(options.logs)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn())
+    with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
+        task = bar.add_task("identifying", total=1.0)
+        found = identify(logs, body, lambda share: bar.update(task, completed=share))
+    identify_report.tell(found, boat, console)
+    for note in notes:
+        console.print(f"[dim]{note}")
+    for path in identify_files.write(found, boat, out):
+        console.print(f"results: {path}", soft_wrap=True)
+    return 0 if identify_report.holds(found) else 1
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
+    return value

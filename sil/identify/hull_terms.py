@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""The numbers that a log is searched for, with what is believed of each before it is read.
+
+Forces and inertias are divided by m11: a log of motion and commands determines ratios only. Speeds
+m/s and rad/s, lengths m, times s, angles rad, commands −1 … 1.
+"""
+
+from dataclasses import dataclass, replace
+
+_LENGTH_M = 1.2  # of the hull that the guesses below are for
+
+
+@dataclass(frozen=True)
+class Term:
+    """One number: first guess, its standard deviation, least and greatest value.
+
+    Guess, deviation and bounds are for a hull 1.2 m long and grow with its length to the power
+    `metres`.
+    """
+
+    name: str
+    guess: float
+    spread: float
+    least: float
+    greatest: float
+    metres: int
+    meaning: str
+
+    def of_length(self, length_m: float) -> "Term":
+        """The same term of a hull of another length."""
+        scale = (length_m / _LENGTH_M) ** self.metres
+        return replace(
+            self,
+            guess=scale * self.guess,
+            spread=scale * self.spread,
+            least=scale * self.least,
+            greatest=scale * self.greatest,
+        )
+
+
+TERMS = (
+    Term("m22", 1.5, 0.4, 0.8, 6.0, 0, "inertia in sway"),
+    Term("m33", 0.15, 0.5, 0.003, 10.0, 2, "inertia in yaw"),
+    Term("m23", 0.0, 0.05, -1.0, 1.0, 1, "coupling of sway and yaw"),
+    Term("d11", 0.5, 2.0, 0.0, 60.0, 0, "drag ahead, linear"),
+    Term("d11_quadratic", 0.3, 1.0, 0.0, 60.0, -1, "drag ahead, quadratic"),
+    Term("d22", 1.0, 3.0, 0.0, 100.0, 0, "drag sideways, linear"),
+    Term("d22_quadratic", 1.0, 3.0, 0.0, 100.0, -1, "cross-flow drag along the hull"),
+    Term("d22_speed", 0.0, 0.3, 0.0, 20.0, -1, "drag sideways that grows with speed ahead"),
+    Term("d33", 0.3, 1.0, 0.0, 100.0, 2, "yaw damping, linear"),
+    Term("d33_quadratic", 0.1, 0.5, 0.0, 100.0, 2, "yaw damping, quadratic"),
+    Term("d33_speed", 0.1, 0.5, 0.0, 20.0, 1, "yaw damping that grows with speed ahead"),
+    Term("munk", 0.0, 0.3, -5.0, 5.0, 0, "moment of u v beyond the inertias'"),
+    Term("forward", 1.5, 3.0, 0.05, 60.0, 0, "thrust of one propeller, full ahead"),
+    Term("reverse", 0.8, 0.3, 0.05, 3.0, 0, "thrust full astern as a share of full ahead"),
+    Term("gain", 0.0, 0.07, -0.6, 0.6, 0, "starboard stronger, port weaker by this share"),
+    Term("gain_reverse", 0.0, 0.07, -0.6, 0.6, 0, "the same astern"),
+    Term("expo", 0.3, 0.5, 0.0, 1.0, 0, "curve of the thrust: 0 linear, 1 quadratic"),
+    Term("dead", 0.02, 0.05, 0.0, 0.3, 0, "dead band of the command"),
+    Term(
+        "advance", 0.0, 0.1, 0.0, 2.0, 0, "thrust lost for each m/s of speed ahead, share of full"
+    ),
+    Term("lag", 0.2, 0.2, 0.005, 2.0, 0, "lag of the thrust"),
+    Term("dead_time", 0.1, 0.2, 0.0, 1.0, 0, "dead time of the loop"),
+    Term("antenna_x", 0.0, 0.05, -3.0, 3.0, 1, "antenna ahead of the reference point"),
+    Term("antenna_y", 0.0, 0.05, -3.0, 3.0, 1, "antenna to starboard of it"),
+    Term("late_position", 0.0, 0.05, -0.5, 1.0, 0, "age of the position beyond the heading's"),
+    Term("late_rate", 0.0, 0.05, -0.5, 0.5, 0, "age of the yaw rate beyond the heading's"),
+    Term("late_velocity", 0.0, 0.05, -0.5, 0.5, 0, "age of the velocity beyond the heading's"),
+    Term("compass", 0.0, 0.05, -1.0, 1.0, 0, "compass deviation, constant"),
+    Term("compass_sin", 0.0, 0.05, -1.0, 1.0, 0, "compass deviation × sin ψ"),
+    Term("compass_cos", 0.0, 0.05, -1.0, 1.0, 0, "compass deviation × cos ψ"),
+    Term("wind_side", 3.0, 1.5, 0.5, 15.0, 0, "push of the wind abeam over that from ahead"),
+)
+# Of each log.
+LOCAL = (
+    Term("current_north", 0.0, 0.05, -2.0, 2.0, 0, "current"),
+    Term("current_east", 0.0, 0.05, -2.0, 2.0, 0, "current"),
+    Term("push_north", 0.0, 0.01, -2.0, 2.0, 0, "push of the wind"),
+    Term("push_east", 0.0, 0.01, -2.0, 2.0, 0, "push of the wind"),
+)
+# Of each window, beside its log's: gusts and waves.
+GUSTS = (
+    Term("gust_north", 0.0, 0.004, -2.0, 2.0, 0, "push of a gust"),
+    Term("gust_east", 0.0, 0.004, -2.0, 2.0, 0, "push of a gust"),
+    Term("gust_turn", 0.0, 0.0015, -2.0, 2.0, 1, "moment of a gust"),
+)
+NAMES = tuple(term.name for term in TERMS)
+INDEX = {name: k for k, name in enumerate(NAMES)}

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""From logs to a hull: wiring, output error, intervals, and how it predicts what it never saw."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sil.identify import oddities, propeller_signs
+from sil.identify.hull_terms import TERMS
+from sil.identify.intervals import Intervals, intervals
+from sil.identify.output_error import Fit, Problem, Told, fit, part_of
+from sil.identify.score import Score, score
+from sil.identify.voyage_log import SAMPLE_S, BadLogError, VoyageLog
+from sil.identify.voyage_model import Body
+from sil.identify.windows import WINDOW_S, cut
+
+_LEAST_WINDOWS = 6
+_HALVES = 0.6  # share of the work in fits to one half
+
+
+@dataclass(frozen=True)
+class Identification:
+    """A hull, how sure it is, and what was odd in its logs.
+
+    held_out: fitted to one half of the logs, scored on the other, both ways round.
+    """
+
+    logs: tuple[VoyageLog, ...]
+    wiring: propeller_signs.Wiring
+    odd: tuple[str, ...]
+    problem: Problem
+    fit: Fit
+    intervals: Intervals
+    held_out: tuple[Score | None, Score | None]
+
+
+def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identification:
+    """The hull of these logs of one boat. Raises `BadLogError`."""
+    found = propeller_signs.find(logs)
+    logs = tuple(propeller_signs.mended(log, found) for log in logs)
+    odd = tuple(oddities.of_logs(logs))
+    halves = split(logs)
+    scores = []
+    for k, half in enumerate(halves):
+        problem = problem_of(half, body)
+        part = part_of(told, _HALVES * k / 2, _HALVES * (k + 1) / 2)
+        scores.append(score(problem, searched(problem, part).values, halves[1 - k]))
+    problem = problem_of(logs, body)
+    whole = searched(problem, part_of(told, _HALVES, 1.0))
+    return Identification(
+        logs, found, odd, problem, whole, intervals(problem, whole), (scores[0], scores[1])
+    )
+
+
+def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:
+    """All terms, of windows that do not overlap. Raises `BadLogError` where they are too few."""
+    windows = cut(logs)
+    if len(windows) < _LEAST_WINDOWS:
+        raise BadLogError(
+            f"{', '.join(log.name for log in logs)}: the boat moves in {len(windows)} stretches "
+            f"of {WINDOW_S:.0f} s; {_LEAST_WINDOWS} are the least. Sail longer."
+        )
+    terms = tuple(term.of_length(body.length_m) for term in TERMS)
+    return Problem(windows, body, terms, np.ones(len(terms), dtype=bool))
+
+
+def searched(problem: Problem, told: Told) -> Fit:
+    """The fit, from the terms' first guesses."""
+    return fit(problem, np.array([term.guess for term in problem.terms]), told)
+
+
+def split(logs: Sequence[VoyageLog]) -> tuple[tuple[VoyageLog, ...], tuple[VoyageLog, ...]]:
+    """Two halves: of several logs the first and the last ones, of one its minutes in turn."""
+    if len(logs) > 1:
+        middle = len(logs) // 2
+        return tuple(logs[:middle]), tuple(logs[middle:])
+    parts = _minutes(logs[0])
+    return tuple(parts[0::2]), tuple(parts[1::2])
+
+
+def _minutes(log: VoyageLog) -> list[VoyageLog]:
+    step = round(60.0 / SAMPLE_S)
+    return [
+        replace(log, motion=log.motion[b : b + step], commands=log.commands[b : b + step])
+        for b in range(0, len(log.motion), step)
+    ]

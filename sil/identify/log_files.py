@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""Logs of any kind, by their names' ends."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from sil.identify import read_telemetry
+from sil.identify.read_csv import read_csv
+from sil.identify.voyage_log import BadLogError, VoyageLog
+
+
+def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
+    """Every log, and sentences about what was assumed.
+
+    A folder stands for the telemetry logs in it, or in its subfolder `log`. Raises `BadLogError`,
+    `OSError`.
+    """
+    logs, notes = [], []
+    for path in (file for given in paths for file in _files(given)):
+        told: list[str] = []
+        if path.suffix == ".csv":
+            log, told = read_csv(path)
+        elif path.suffix in (".tlog", ".bin"):
+            reader = read_telemetry.read_tlog if path.suffix == ".tlog" else read_telemetry.read_bin
+            log = reader(path)
+        else:
+            raise BadLogError(f"{path}: is no log of a kind known here: .csv, .tlog, .bin")
+        logs.append(log)
+        notes += [note for note in told if note not in notes]
+    return logs, notes
+
+
+def _files(given: Path) -> list[Path]:
+    if not given.is_dir():
+        return [given]
+    folder = given / "log" if (given / "log").is_dir() else given
+    found = sorted(folder.glob("*.tlog"))
+    if not found:
+        raise BadLogError(f"{given}: has no telemetry log (*.tlog)")
+    return found

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""Logs as tables: CSV with named columns, units in the names.
+
+time (`t_s`, `t_ms`, `t_us`), position (`north_m`, `east_m`, or `lat_deg`, `lon_deg`), heading
+(`yaw_deg`, `yaw_rad`), speed over ground ahead and to starboard (`surge_mps`, `sway_mps`), yaw rate
+(`yaw_rate_radps`, `yaw_rate_degps`), and what each propeller was told: `port`, `stbd` (−1 … 1) or
+`pwm_port_us`, `pwm_stbd_us`. `left` and `right` serve for port and stbd, `heading` for yaw.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from sil.identify.voyage_log import Array, BadLogError, Channel, VoyageLog, sampled
+
+_METRES_PER_DEGREE = 111_195.0
+_LARGEST_HEADING = 4.0 * np.pi
+_TURN_AT_ONCE = 45.0  # rad/s: no boat turns so fast
+_STOP_PWM = (1450.0, 1550.0)
+_STOPPED = 0.1  # share of the samples at one pulse width: that is a stop
+_FULL_PWM = 400.0
+_ALIASES = (("left", "port"), ("right", "stbd"), ("starboard", "stbd"), ("heading", "yaw"))
+
+
+def read_csv(path: Path) -> tuple[VoyageLog, list[str]]:
+    """The log, and sentences about what was assumed. Raises `BadLogError`."""
+    columns = _columns(path)
+    notes: list[str] = []
+    t = _time(path, columns)
+    motion = [
+        Channel(t, _position(path, columns)),
+        Channel(t, _heading(path, columns)[:, None]),
+        Channel(t, np.column_stack([_need(path, columns, n) for n in ("surge_mps", "sway_mps")])),
+        Channel(t, _yaw_rate(path, columns)[:, None]),
+    ]
+    commands = np.column_stack([_command(path, columns, side, notes) for side in ("port", "stbd")])
+    # A row has the last command until then: it began half a row earlier, on average.
+    given = Channel(t - 0.5 * float(np.median(np.diff(t))), commands)
+    return sampled(path.stem, motion, given), notes
+
+
+def _columns(path: Path) -> dict[str, Array]:
+    with path.open(encoding="utf-8", errors="replace") as file:
+        names = [name.strip().lower() for name in file.readline().split(",")]
+        if "" in names or len(set(names)) < len(names) or not names[0][:1].isalpha():
+            raise BadLogError(
+                f"{path}: its first line does not name the columns. Write names such as "
+                "t_s, north_m, east_m, yaw_deg, surge_mps, sway_mps, yaw_rate_radps, port, stbd."
+            )
+        try:
+            rows = file.readlines()
+            table = np.genfromtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, 0))
+        except ValueError as error:
+            raise BadLogError(f"{path}: {str(error).splitlines()[-1].strip()}") from None
+    if table.shape[0] < 2 or table.shape[1] != len(names):
+        raise BadLogError(f"{path}: {table.shape[0]} rows of {table.shape[1]} values")
+    columns = dict(zip(names, table.T, strict=True))
+    for other, name in _ALIASES:
+        columns = {key.replace(other, name): column for key, column in columns.items()}
+    return columns
+
+
+def _need(path: Path, columns: dict[str, Array], *names: str) -> Array:
+    for name in names:
+        if name in columns:
+            return columns[name]
+    there = ", ".join(columns)
+    raise BadLogError(f"{path}: no column {' or '.join(names)}; it has {there}")
+
+
+def _time(path: Path, columns: dict[str, Array]) -> Array:
+    for name, scale in (("t_s", 1.0), ("t_ms", 1e-3), ("t_us", 1e-6)):
+        if name in columns:
+            t = columns[name] * scale
+            if not (np.all(np.isfinite(t)) and np.all(np.diff(t) > 0.0)):
+                raise BadLogError(f"{path}: {name} is not a time that always grows")
+            since: Array = t - t[0]
+            return since
+    _need(path, columns, "t_s", "t_ms", "t_us")
+    raise AssertionError
+
+
+def _position(path: Path, columns: dict[str, Array]) -> Array:
+    if "north_m" in columns and "east_m" in columns:
+        local: Array = np.column_stack([columns["north_m"], columns["east_m"]])
+        return local
+    lat, lon = _need(path, columns, "lat_deg"), _need(path, columns, "lon_deg")
+    middle = np.nanmean(lat)
+    east = (lon - np.nanmean(lon)) * np.cos(np.radians(middle))
+    position: Array = _METRES_PER_DEGREE * np.column_stack([lat - middle, east])
+    return position
+
+
+def _heading(path: Path, columns: dict[str, Array]) -> Array:
+    if "yaw_deg" in columns:
+        angle = np.radians(columns["yaw_deg"])
+    else:
+        angle = _need(path, columns, "yaw_rad", "yaw_deg")
+        if np.nanmax(np.abs(angle)) > _LARGEST_HEADING and np.nanmax(np.abs(np.diff(angle))) > 7.0:
+            raise BadLogError(
+                f"{path}: yaw_rad has {np.nanmax(np.abs(angle)):.0f}; that looks like degrees. "
+                "Name the column yaw_deg."
+            )
+    known = np.isfinite(angle)
+    out: Array = np.full_like(angle, np.nan)
+    out[known] = np.unwrap(angle[known])
+    return out
+
+
+def _yaw_rate(path: Path, columns: dict[str, Array]) -> Array:
+    if "yaw_rate_degps" in columns:
+        rate: Array = np.radians(columns["yaw_rate_degps"])
+    else:
+        rate = _need(path, columns, "yaw_rate_radps", "yaw_rate_degps")
+    if np.nanmax(np.abs(rate)) > _TURN_AT_ONCE:
+        raise BadLogError(
+            f"{path}: a yaw rate of {np.nanmax(np.abs(rate)):.0f} rad/s; "
+            "if yaw_rate_radps is in degrees per second, name it yaw_rate_degps."
+        )
+    return rate
+
+
+def _command(path: Path, columns: dict[str, Array], side: str, notes: list[str]) -> Array:
+    if side in columns:
+        share = columns[side]
+        if np.nanmax(np.abs(share)) > 1.01:
+            raise BadLogError(
+                f"{path}: {side} reaches {np.nanmax(np.abs(share)):.4g}, a command is −1 … 1. "
+                f"If it is a pulse width, name the column pwm_{side}_us; a thrust in newtons "
+                "must be divided by the greatest one."
+            )
+        return share
+    pwm = _need(path, columns, f"pwm_{side}_us", f"{side}_pwm_us", side)
+    if not (np.nanmin(pwm) > 800.0 and np.nanmax(pwm) < 2200.0):
+        raise BadLogError(
+            f"{path}: pwm_{side}_us is {np.nanmin(pwm):.4g} … {np.nanmax(pwm):.4g}, "
+            "a pulse width is 1000 … 2000 µs"
+        )
+    near = pwm[(pwm > _STOP_PWM[0]) & (pwm < _STOP_PWM[1])]
+    values, counts = np.unique(np.round(near), return_counts=True)
+    often = len(values) > 0 and counts.max() > _STOPPED * len(pwm)
+    stop = float(values[np.argmax(counts)]) if often else 1500.0
+    if stop != 1500.0:
+        notes.append(f"the {side} propeller stands still at {stop:.0f} µs, not at 1500")
+    return np.clip((pwm - stop) / _FULL_PWM, -1.0, 1.0)

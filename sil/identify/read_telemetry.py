@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Logs of flotillad (tlog, with the CAN log beside it) and ArduPilot's (tlog, .bin).
+
+Motion is ODOMETRY, or ATTITUDE and LOCAL_POSITION_NED; of a .bin XKF1. Commands are esc.RawCommand
+of the CAN log, SERVO_OUTPUT_RAW, or RCOU of a .bin, with the outputs whose SERVOn_FUNCTION is
+ThrottleLeft (73) and ThrottleRight (74), or 1 and 3. Times are the log's.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import closing
+from math import atan2, cos, radians, sin
+from pathlib import Path
+from typing import Any
+
+from pymavlink import DFReader
+from pymavlink.dialects.v20 import common as mavlink
+
+from sil.identify.series import Series
+from sil.identify.voyage_log import BadLogError, VoyageLog
+from sil.logs import candump, tlog_reader
+from sil.wire.dronecan import RAW_COMMAND, RawCommand
+from sil.wire.dronecan_transfer import Receiver, message_subject
+from sil.wire.tlog import packets
+
+_FULL_RAW = 8191.0
+_LEFT, _RIGHT = 73, 74
+_STOP_US, _FULL_US = 1500.0, 400.0
+_ODOMETRY, _LOCAL, _ATTITUDE = "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE"
+_HEARD = frozenset(
+    getattr(mavlink, f"MAVLINK_MSG_ID_{name}")
+    for name in (_ODOMETRY, _LOCAL, _ATTITUDE, "SERVO_OUTPUT_RAW", "PARAM_VALUE")
+)
+
+
+def read_tlog(path: Path) -> VoyageLog:
+    """A telemetry log, with the CAN log of the same number beside it. Raises `BadLogError`."""
+    messages = list(_decoded(path))
+    names = {name for _, _, name, _ in messages}
+    kinds = {_ODOMETRY} if _ODOMETRY in names else {_LOCAL, _ATTITUDE}
+    sources = Counter((s, c) for _, (s, c), name, _ in messages if name in kinds)
+    system = _whose(path, {s for s, _ in sources})
+    unit = max((key for key in sources if key[0] == system), key=lambda key: sources[key])
+    series = Series(path.stem, aboard=_ODOMETRY in kinds)
+    outputs = _Outputs()
+    for t_s, source, name, message in messages:
+        if source == unit and name in kinds:
+            _motion(series, t_s, name, message)
+        elif source[0] == system and name == "PARAM_VALUE":
+            outputs.parameter(message.param_id, message.param_value)
+        elif source[0] == system and name == "SERVO_OUTPUT_RAW":
+            raw = [getattr(message, f"servo{k}_raw", 0) for k in range(1, 17)]
+            outputs.heard.append((t_s, raw))
+    can = path.with_name(path.name.replace("mavlink-", "can-")).with_suffix(".log")
+    series.commands = list(_raw_commands(can)) if can.exists() else outputs.commands()
+    return series.log()
+
+
+def read_bin(path: Path) -> VoyageLog:
+    """ArduPilot's DataFlash log. Raises `BadLogError`."""
+    series, outputs = Series(path.stem), _Outputs()
+    if path.stat().st_size == 0:
+        raise BadLogError(f"{path}: the file is empty")
+    last_gyro = 0.0
+    with closing(DFReader.DFReader_binary(str(path))) as log:
+        while (message := log.recv_match(type=["XKF1", "IMU", "RCOU", "PARM"])) is not None:
+            kind, t_s = message.get_type(), getattr(message, "TimeUS", 0) * 1e-6
+            if kind == "PARM":
+                outputs.parameter(message.Name, message.Value)
+            elif kind == "RCOU":
+                outputs.heard.append((t_s, [getattr(message, f"C{k}", 0) for k in range(1, 15)]))
+            elif kind == "IMU" and getattr(message, "I", 0) == 0:
+                last_gyro = message.GyrZ
+            elif kind == "XKF1" and getattr(message, "C", 0) == 0:
+                series.position.append((t_s, message.PN, message.PE))
+                series.velocity.append((t_s, message.VN, message.VE))
+                series.heading.append((t_s, radians(message.Yaw)))
+                series.rate.append((t_s, last_gyro))
+    series.commands = outputs.commands()
+    return series.log()
+
+
+class _Outputs:
+    """An autopilot's servo outputs, and which of them are the propellers."""
+
+    def __init__(self) -> None:
+        self.heard: list[tuple[float, list[int]]] = []
+        self._of = {_LEFT: 1, _RIGHT: 3}
+
+    def parameter(self, name: str, value: float) -> None:
+        if name.startswith("SERVO") and name.endswith("_FUNCTION") and value in self._of:
+            self._of[int(value)] = int(name.removeprefix("SERVO").removesuffix("_FUNCTION"))
+
+    def commands(self) -> list[tuple[float, float, float]]:
+        port, stbd = self._of[_LEFT] - 1, self._of[_RIGHT] - 1
+        return [(t_s, _share(raw[port]), _share(raw[stbd])) for t_s, raw in self.heard]
+
+
+def _share(pulse_us: float) -> float:
+    """−1 … 1 of a pulse; no pulse is a stop."""
+    return min(1.0, max(-1.0, (pulse_us - _STOP_US) / _FULL_US)) if pulse_us else 0.0
+
+
+def _decoded(path: Path) -> Iterator[tuple[float, tuple[int, int], str, Any]]:
+    for packet in packets(path.read_bytes(), []):
+        message = tlog_reader.decoded(packet) if packet.message_id in _HEARD else None
+        if message is not None:
+            source = packet.system, packet.component
+            yield packet.t_us * 1e-6, source, message.get_type(), message
+
+
+def _whose(path: Path, systems: set[int]) -> int:
+    """The system that the log is of."""
+    if not systems:
+        raise BadLogError(f"{path}: has neither ODOMETRY nor LOCAL_POSITION_NED with ATTITUDE")
+    owner = tlog_reader.facts(path).owner if len(systems) > 1 else systems.pop()
+    if owner is None:
+        raise BadLogError(f"{path}: has the motion of several vessels; take the boat's own log")
+    return owner
+
+
+def _motion(series: Series, t_s: float, name: str, message: Any) -> None:
+    if name == _ATTITUDE:
+        series.heading.append((t_s, message.yaw))
+        series.rate.append((t_s, message.yawspeed))
+        return
+    series.position.append((t_s, message.x, message.y))
+    if name == _LOCAL:
+        series.velocity.append((t_s, message.vx, message.vy))
+        return
+    q0, q1, q2, q3 = message.q
+    yaw = atan2(2.0 * (q0 * q3 + q1 * q2), 1.0 - 2.0 * (q2 * q2 + q3 * q3))
+    series.heading.append((t_s, yaw))
+    series.rate.append((t_s, message.yawspeed))
+    ahead, aside = message.vx, message.vy
+    if message.child_frame_id == mavlink.MAV_FRAME_LOCAL_NED:
+        north, east = ahead, aside
+        ahead = cos(yaw) * north + sin(yaw) * east
+        aside = cos(yaw) * east - sin(yaw) * north
+    series.velocity.append((t_s, ahead, aside))
+
+
+def _raw_commands(path: Path) -> Iterator[tuple[float, float, float]]:
+    """Commands of ESC 0 (port) and 1 (starboard) on a boat's bus."""
+    receiver = Receiver({message_subject(RAW_COMMAND): RAW_COMMAND})
+    for frame in candump.frames(path, []):
+        payload = receiver.on_frame(frame.can_id, frame.data, frame.t_us)
+        if payload is not None:
+            raw = RawCommand.decode(payload).cmd
+            if len(raw) >= 2:
+                yield frame.t_us * 1e-6, raw[0] / _FULL_RAW, raw[1] / _FULL_RAW

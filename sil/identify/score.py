@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""How well a hull predicts a log that it was not fitted to: ten seconds in open loop."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sil.identify.output_error import Problem, first_start, residuals
+from sil.identify.voyage_log import Array, VoyageLog
+from sil.identify.voyage_model import deviation
+from sil.identify.windows import Windows, cut
+
+_STRIDE_S = 1.0
+
+
+@dataclass(frozen=True)
+class Score:
+    """R² of u, v and r; position error (m) at the windows' ends."""
+
+    windows: int
+    u: float
+    v: float
+    r: float
+    median_m: float
+    ninetieth_m: float
+
+
+def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score | None:
+    """Windows of `logs` in which the propellers work, one a second, still water and air.
+
+    Each begins as measured: position and heading of its first sample, velocities by its first half
+    second, the compass deviation of `values` taken off. None where there is no such window.
+    """
+    windows = cut(logs, _STRIDE_S)
+    windows = windows.chosen(windows.working())
+    if len(windows) == 0:
+        return None
+    error = predicted(problem, values, windows)
+    measured = windows.measured
+    r2 = [_determination(measured[:, k], error[:, k]) for k in (3, 4, 5)]
+    ends = np.hypot(error[-1, 0], error[-1, 1])
+    median, ninetieth = np.nanquantile(ends, [0.5, 0.9])
+    return Score(len(windows), r2[0], r2[1], r2[2], float(median), float(ninetieth))
+
+
+def predicted(problem: Problem, values: Array, windows: Windows) -> Array:
+    """Measured minus predicted (samples, 6, W)."""
+    held_out = Problem(windows, problem.body, problem.terms, problem.free)
+    still = np.zeros((5, len(windows)))
+    return residuals(held_out, values, still, _start(values, windows))
+
+
+def _start(values: Array, windows: Windows) -> Array:
+    start = first_start(windows)
+    off = deviation(values[:, None], start[2][:, None])[:, 0]
+    start[2] -= off
+    cos, sin = np.cos(off), np.sin(off)
+    u, v = start[3].copy(), start[4].copy()
+    start[3], start[4] = cos * u - sin * v, sin * u + cos * v
+    return start
+
+
+def _determination(measured: Array, error: Array) -> float:
+    spread = measured - np.nanmean(measured)
+    return float(1.0 - np.nansum(error**2) / np.nansum(spread**2))

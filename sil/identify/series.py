@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Series that messages of a log fill, and the log that comes of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sil.identify.voyage_log import Array, BadLogError, Channel, VoyageLog, sampled
+
+
+@dataclass
+class Series:
+    """Rows (time s, values …) as they are heard; velocity north and east, or ahead and aside."""
+
+    name: str
+    position: list[tuple[float, float, float]] = field(default_factory=list)
+    heading: list[tuple[float, float]] = field(default_factory=list)
+    velocity: list[tuple[float, float, float]] = field(default_factory=list)
+    rate: list[tuple[float, float]] = field(default_factory=list)
+    commands: list[tuple[float, float, float]] = field(default_factory=list)
+    aboard: bool = False  # the velocity is ahead and to starboard
+
+    def log(self) -> VoyageLog:
+        """The log. Raises `BadLogError` for what is missing."""
+        wanted: dict[str, Sequence[tuple[float, ...]]] = {
+            "position": self.position,
+            "heading": self.heading,
+            "velocity": self.velocity,
+            "yaw rate": self.rate,
+            "propeller commands": self.commands,
+        }
+        missing = [name for name, rows in wanted.items() if len(rows) < 2]
+        if missing:
+            raise BadLogError(
+                f"{self.name}: has no {', no '.join(missing)}. Needed are ODOMETRY, or ATTITUDE "
+                "and LOCAL_POSITION_NED, and SERVO_OUTPUT_RAW or flotillad's CAN log beside it."
+            )
+        position, heading, velocity, rate, commands = (
+            _in_order(np.array(rows, dtype=float)) for rows in wanted.values()
+        )
+        heading[:, 1] = np.unwrap(heading[:, 1])
+        if not self.aboard:
+            psi = np.interp(velocity[:, 0], heading[:, 0], heading[:, 1])
+            north, east = velocity[:, 1].copy(), velocity[:, 2].copy()
+            velocity[:, 1] = np.cos(psi) * north + np.sin(psi) * east
+            velocity[:, 2] = np.cos(psi) * east - np.sin(psi) * north
+        motion = [Channel(x[:, 0], x[:, 1:]) for x in (position, heading, velocity, rate)]
+        return sampled(self.name, motion, Channel(commands[:, 0], commands[:, 1:]))
+
+
+def _in_order(rows: Array) -> Array:
+    """Rows of finite values by time, the first of each instant."""
+    rows = rows[np.all(np.isfinite(rows), axis=1)]
+    _, first = np.unique(rows[:, 0], return_index=True)
+    return rows[first]

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: MIT
+"""A boat in open loop over many stretches of a log at once: commands in, measurements out.
+
+    u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + w_x
+    m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + w_y
+    m33 ṙ + m23 v̇ = N + w_n − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
+                    − d22q ∫ x |v + x r| (v + x r) dx / L
+    η̇ = R(ψ) ν + c
+
+ν = [u v r] through the water, c the current, w the wind's push; all forces and inertias divided by
+m11 (the names are `hull_terms`'). X = T_port + T_stbd, N = a (T_port − T_stbd). It shares no code
+with the firmware's vessel or with `sil.plant`. Source: Fossen, Handbook of Marine Craft
+Hydrodynamics and Motion Control, 2nd ed., chapters 6, 7 and 10.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from sil.identify.hull_terms import INDEX
+
+Array = npt.NDArray[np.float64]
+
+STEPS = 2  # of integration for each sample
+_BEFORE_S = 3.0  # of commands before a stretch, from which its first thrust comes
+# Gauss and Legendre: places along the hull (half lengths) and weights of the cross-flow's integral.
+_PLACES = (-(0.6**0.5), 0.0, 0.6**0.5)
+_WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
+_FASTEST = 30.0  # m/s, rad/s: a wrong guess must not overflow
+
+
+@dataclass(frozen=True)
+class Body:
+    """What is measured with a tape: half the distance of the propellers, length; sample time.
+
+    gate: how far beside the dead band's edge, as a share of it, thrust is partly there.
+    """
+
+    arm_m: float
+    length_m: float
+    h_s: float
+    gate: float = 0.05
+
+
+def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
+    """Measurements (samples, 6, W, C): n, e, ψ, u, v, r of W stretches for C sets of terms.
+
+    terms (K, C); local (5, W, C): current and push, north and east, and a moment; start (6, W, C):
+    n, e, ψ of the boat and u, v, r through the water; commands (before + samples, W, 2), port and
+    starboard, held for a sample; the first is `before(h)` samples before the stretch.
+    """
+    thrust = _thrusts(terms, commands, body)
+    samples = len(commands) - before(body.h_s)
+    h = body.h_s / STEPS
+    state = start.copy()
+    out = np.empty((samples, *start.shape))
+    hull = _Hull(terms, local, body)
+    # Thrust at the begin, middle and end of each step: lag τ, the command held.
+    lag = terms[INDEX["lag"]]
+    half, whole = 1.0 - np.exp(-0.5 * h / lag), 1.0 - np.exp(-h / lag)
+    force = thrust[0].copy()
+    steps_before = STEPS * before(body.h_s)
+    for k, wanted in enumerate(thrust):
+        if k >= steps_before:
+            if (k - steps_before) % STEPS == 0:
+                out[(k - steps_before) // STEPS] = state
+            middle, end = force + half * (wanted - force), force + whole * (wanted - force)
+            state = hull.step(state, (force, middle, end), h)
+            force = end
+        else:
+            force += whole * (wanted - force)
+    return _measured(out, terms, local, body.h_s)
+
+
+def before(h_s: float) -> int:
+    """Samples of commands that a stretch needs before it."""
+    return round(_BEFORE_S / h_s)
+
+
+def static_thrust(terms: Array, commands: Array, gate: float) -> Array:
+    """Thrust (…, C, 2) at rest that commands (…, 2) settle at, over m11; gate: `Body`'s."""
+    c = commands[..., None, :]
+    dead, expo = terms[INDEX["dead"]][:, None], terms[INDEX["expo"]][:, None]
+    size = np.clip(np.abs(c), 0.0, 1.0)
+    # No thrust below the dead band, all of it above; the search needs a slope between.
+    works = np.clip(0.5 + (1.0 - dead / np.maximum(size, 1e-6)) / (2.0 * gate), 0.0, 1.0)
+    size = works * size * (1.0 - expo + expo * size)
+    side = np.array([-1.0, 1.0])
+    ahead = terms[INDEX["forward"]][:, None] * (1.0 + side * terms[INDEX["gain"]][:, None])
+    astern = (terms[INDEX["forward"]] * terms[INDEX["reverse"]])[:, None] * (
+        1.0 + side * terms[INDEX["gain_reverse"]][:, None]
+    )
+    thrust: Array = np.where(c > 0.0, ahead, -astern) * size
+    return thrust
+
+
+def _thrusts(terms: Array, commands: Array, body: Body) -> Array:
+    """The thrust wanted in each step, (steps, 2, W, C), late by the dead time, before the lag."""
+    held = np.moveaxis(static_thrust(terms, commands, body.gate), -1, 1)  # (samples, 2, W, C)
+    total = np.zeros((len(held) + 1, *held.shape[1:]))
+    np.cumsum(held, axis=0, out=total[1:])
+    late = terms[INDEX["dead_time"]] / body.h_s
+    at = np.arange(STEPS * len(commands) + 1)[:, None] / STEPS - late  # (steps + 1, C)
+    at = np.clip(at, 0.0, len(held))
+    whole = np.minimum(at.astype(int), len(held) - 1)
+    part = at - whole
+    sets = np.arange(terms.shape[1])
+    low = total[whole, :, :, sets]  # (steps + 1, C, 2, W)
+    high = total[whole + 1, :, :, sets]
+    integral = low + part[:, :, None, None] * (high - low)
+    return np.ascontiguousarray(np.moveaxis(np.diff(integral, axis=0) * STEPS, 1, -1))
+
+
+class _Hull:
+    """The equations of motion of C hulls, W boats of each."""
+
+    def __init__(self, terms: Array, local: Array, body: Body) -> None:
+        self._p = {name: terms[k] for name, k in INDEX.items()}
+        p = self._p
+        self._det = p["m22"] * p["m33"] - p["m23"] ** 2
+        self._local = local
+        self._body = body
+
+    def step(self, s: Array, forces: tuple[Array, Array, Array], h: float) -> Array:
+        """One step of classical Runge-Kutta 4; forces (2, W, C) at its begin, middle and end."""
+        begin, middle, end = forces
+        k1 = self._rates(s, begin)
+        k2 = self._rates(s + 0.5 * h * k1, middle)
+        k3 = self._rates(s + 0.5 * h * k2, middle)
+        k4 = self._rates(s + h * k3, end)
+        return np.clip(s + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4), _LEAST, _GREATEST)
+
+    def _rates(self, s: Array, thrust: Array) -> Array:
+        p = self._p
+        _, _, psi, u, v, r = s
+        c_n, c_e, w_n, w_e, w_turn = self._local
+        cos, sin, speed = np.cos(psi), np.sin(psi), np.abs(u)
+        lost = 1.0 - p["advance"] * u
+        port, stbd = thrust[0] * lost, thrust[1] * lost
+        side, turn = self._crossflow(v, r)
+        out = np.empty_like(s)
+        out[0] = cos * u - sin * v + c_n
+        out[1] = sin * u + cos * v + c_e
+        out[2] = r
+        out[3] = port + stbd + (p["m22"] * v + p["m23"] * r) * r + cos * w_n + sin * w_e
+        out[3] -= (p["d11"] + p["d11_quadratic"] * speed) * u
+        Y = -u * r - (p["d22"] + p["d22_speed"] * speed) * v - side
+        Y += p["wind_side"] * (cos * w_e - sin * w_n)
+        N = w_turn + self._body.arm_m * (port - stbd) - (p["m22"] - 1.0 + p["munk"]) * u * v - turn
+        N -= (p["d33"] + p["d33_quadratic"] * np.abs(r) + p["d33_speed"] * speed + p["m23"] * u) * r
+        out[4] = (p["m33"] * Y - p["m23"] * N) / self._det
+        out[5] = (p["m22"] * N - p["m23"] * Y) / self._det
+        return out
+
+    def _crossflow(self, v: Array, r: Array) -> tuple[Array, Array]:
+        half = 0.5 * self._body.length_m
+        side, turn = np.zeros_like(v), np.zeros_like(v)
+        for place, weight in zip(_PLACES, _WEIGHTS, strict=True):
+            flow = v + (half * place) * r
+            drag = weight * np.abs(flow) * flow
+            side += drag
+            if place:
+                turn += (half * place) * drag
+        return self._p["d22_quadratic"] * side, self._p["d22_quadratic"] * turn
+
+
+_LEAST = np.array([-1e4, -1e4, -1e3, -_FASTEST, -_FASTEST, -_FASTEST])[:, None, None]
+_GREATEST = -_LEAST
+
+
+def deviation(terms: Array, psi: Array) -> Array:
+    """Compass deviation (…, C) at the headings psi: measured − true."""
+    k = INDEX["compass"]
+    off: Array = terms[k] + terms[k + 1] * np.sin(psi) + terms[k + 2] * np.cos(psi)
+    return off
+
+
+def _measured(states: Array, terms: Array, local: Array, h_s: float) -> Array:
+    """What the log has of these states (samples, 6, W, C): deviation, antenna, ages."""
+    _, _, psi, u, v, r = np.moveaxis(states, 1, 0)
+    cos, sin = np.cos(psi), np.sin(psi)
+    x, y = terms[INDEX["antenna_x"]], terms[INDEX["antenna_y"]]
+    c_n, c_e = local[0], local[1]
+    ahead = u + cos * c_n + sin * c_e - r * y
+    side = v + cos * c_e - sin * c_n + r * x
+    off = deviation(terms, psi)
+    turn_cos, turn_sin = np.cos(off), np.sin(off)
+    out = np.empty_like(states)
+    out[:, 0] = states[:, 0] + cos * x - sin * y
+    out[:, 1] = states[:, 1] + sin * x + cos * y
+    out[:, 2] = psi + off
+    out[:, 3] = turn_cos * ahead + turn_sin * side
+    out[:, 4] = turn_cos * side - turn_sin * ahead
+    out[:, 5] = r
+    for rows, name in _AGES:
+        slope = np.gradient(out[:, rows], h_s, axis=0)
+        out[:, rows] -= terms[INDEX[name]] * slope
+    return out
+
+
+_AGES = (
+    (slice(0, 2), "late_position"),
+    (slice(3, 5), "late_velocity"),
+    (slice(5, 6), "late_rate"),
+)

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: MIT
+"""Hulls that measure themselves: voyages of varied hulls, identified, beside the truth.
+
+    python -m tests.loop.identified [--hulls N] [--workers N]
+
+N hulls (20) of each kind in sil/hulls, every number up to 30 % off and the propellers up to 10 %
+apart, in 0.1 m/s of current and 3 m/s of wind with gusts; each with an RTK unit and with a GPS of
+0.5 m. The boats know the numbers of the kind, not their own. Errors: of drag at 0.5 and 1 m/s, of
+the yaw moment at 0.1 and 0.3 rad/s, of m22 and m33 over m11; then gain difference of the propellers
+and the sum of lag and dead time; R² over 10 s in open loop, fitted to every other minute, scored on
+the rest.
+"""
+
+import argparse
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sil.identify.hull_terms import INDEX
+from sil.identify.identification import identify
+from sil.identify.log_files import read
+from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS, Boat, drag_N, yaw_moment_Nm
+from sil.identify.voyage_log import SAMPLE_S
+from sil.identify.voyage_model import Body
+from sil.lockstep.start import RunError
+from sil.lockstep.world import sail
+from sil.logs import own_motion
+from sil.plant.hull import HullParameters
+from sil.scenario import presets, scenario
+
+VARIED, APART = 0.3, 0.1
+WEATHER = (
+    "water.current_mps=[0.07, 0.07]",
+    "wind.mean_mps=[0.0, 3.0]",
+    "wind.gust_mps=1.0",
+)
+UNITS = {
+    "RTK": (),
+    "GPS": ("navigation.position_noise_m=0.3", "navigation.position_drift_m=0.4"),
+}
+_KEPT = {"length_m", "draft_m", "hull_y_m"}
+
+
+@dataclass(frozen=True)
+class Found:
+    """Errors of one hull: shares of the truth (drag, moment, m22, m33), then gain, s, R²."""
+
+    kind: str
+    unit: str
+    seed: int
+    shares: dict[str, float]
+    gain: float
+    late_s: float
+    r2_u: float
+    r2_r: float
+
+    def worst(self) -> float:
+        """The largest share."""
+        return max(map(abs, self.shares.values()))
+
+
+def changes(kind: str, seed: int) -> list[str]:
+    """Overrides that vary a hull of a kind."""
+    rng = np.random.default_rng([seed, sum(map(ord, kind))])
+    hull = presets.load(kind)
+    out = [f"hull={kind}", f"seed={seed}"]
+    for part in ("vessel", "propellers"):
+        for key, value in getattr(hull, part):
+            if value and key not in _KEPT and "gain" not in key and key != "arm_m":
+                value *= rng.uniform(1.0 - VARIED, 1.0 + VARIED)
+            out.append(f"{part}.{key}={min(value, 1.0) if key == 'expo' else value!r}")
+    apart = rng.uniform(-APART, APART)
+    return [
+        *(text for text in out if "_gain" not in text),
+        f"propellers.port_gain={1.0 - apart!r}",
+        f"propellers.stbd_gain={1.0 + apart!r}",
+    ]
+
+
+def measured(task: tuple[str, str, int]) -> Found | str:
+    """Sail a voyage and identify it; a sentence where either fails."""
+    kind, unit, seed = task
+    chosen = scenario.load("voyage", [*changes(kind, seed), *WEATHER, *UNITS[unit]])
+    with tempfile.TemporaryDirectory() as folder:
+        recording, table = Path(folder, "recording.bin"), Path(folder, "voyage.csv")
+        (run,) = sail([chosen], {}, record=recording)
+        if isinstance(run, RunError):
+            return f"{kind} {unit} {seed}: {run}"
+        own_motion.write(table, own_motion.of_run(recording, 1))
+        logs, _ = read([table])
+    pair, truth = chosen.propellers, chosen.vessel.hull
+    body = Body(pair.arm_m, truth.length_m or 1.255, SAMPLE_S)
+    found = identify(logs, body, lambda _: None)
+    terms = found.fit.values
+    boat = Boat(truth.m11, 0.0)
+    gain = (pair.stbd_gain - pair.port_gain) / (pair.stbd_gain + pair.port_gain)
+    scores = [score for score in found.held_out if score is not None]
+    return Found(
+        kind,
+        unit,
+        seed,
+        _shares(terms, truth, boat, body),
+        float(terms[INDEX["gain"]]) - gain,
+        float(terms[INDEX["lag"]] + terms[INDEX["dead_time"]]) - pair.lag_s,
+        min((score.u for score in scores), default=0.0),
+        min((score.r for score in scores), default=0.0),
+    )
+
+
+def _shares(terms: np.ndarray, truth: HullParameters, boat: Boat, body: Body) -> dict[str, float]:
+    m11 = boat.surge_mass_kg
+    x = truth.length_m * ((np.arange(400) + 0.5) / 400 - 0.5)
+    out = {
+        "m22": terms[INDEX["m22"]] / (truth.m22 / m11) - 1.0,
+        "m33": terms[INDEX["m33"]] / (truth.m33 / m11) - 1.0,
+    }
+    for u in SPEEDS_MPS:
+        true = (truth.d11 + truth.d11_quadratic * u) * u
+        out[f"drag {u:g}"] = float(drag_N(terms, m11, u)) / true - 1.0
+    for r in RATES_RADPS:
+        strips = truth.crossflow * np.abs(x) ** 3 * r * r * truth.length_m / 400
+        true = (truth.d33 + truth.d33_quadratic * r) * r + float(strips.sum())
+        found = float(yaw_moment_Nm(terms, m11, r, body.length_m))
+        out[f"yaw {r:g}"] = found / true - 1.0
+    return {name: float(share) for name, share in out.items()}
+
+
+def table(every: list[Found | str]) -> list[str]:
+    """The table's lines: medians and 90th percentiles of the errors' sizes."""
+    done = [one for one in every if isinstance(one, Found)]
+    names = ["m22", "m33", *(f"drag {u:g}" for u in SPEEDS_MPS)]
+    names += [f"yaw {r:g}" for r in RATES_RADPS]
+    lines = [
+        f"| hulls | {' | '.join(names)} | all within 10 % (RTK: 5 %) | gain | late, ms | R² u | R² r |",
+        f"|---|{'--:|' * (len(names) + 5)}",
+    ]
+    for kind, unit in sorted({(one.kind, one.unit) for one in done}):
+        here = [one for one in done if (one.kind, one.unit) == (kind, unit)]
+        cells = [_sizes([one.shares[name] for one in here]) for name in names]
+        within = np.mean([one.worst() < (0.05 if unit == "RTK" else 0.1) for one in here])
+        gain = _sizes([one.gain for one in here])
+        late = np.quantile([abs(one.late_s) for one in here], 0.9)
+        r2 = [np.quantile([getattr(one, name) for one in here], 0.1) for name in ("r2_u", "r2_r")]
+        cells += [f"{within:.0%}", gain, f"{1e3 * late:.0f}", f"{r2[0]:.3f}", f"{r2[1]:.3f}"]
+        lines.append(f"| {kind}, {unit}, {len(here)} | {' | '.join(cells)} |")
+    return lines + [one for one in every if isinstance(one, str)]
+
+
+def _sizes(errors: list[float]) -> str:
+    median, ninetieth = np.quantile(np.abs(errors), [0.5, 0.9])
+    return f"{median:.1%}; {ninetieth:.1%}"
+
+
+def main() -> None:
+    """Sail, identify, print."""
+    from rich.progress import track
+
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--hulls", type=int, default=20, help="of each kind (20)")
+    parser.add_argument("--workers", type=int, default=2, help="processes (2)")
+    parser.add_argument("--only", help="one kind")
+    options = parser.parse_args()
+    kinds = [options.only] if options.only else presets.names()
+    tasks = [
+        (kind, unit, seed)
+        for kind in kinds
+        for unit in UNITS
+        for seed in range(1, options.hulls + 1)
+    ]
+    with ProcessPoolExecutor(options.workers) as pool:
+        every = list(track(pool.map(measured, tasks), "identifying", len(tasks)))
+    print("Median; 90th percentile of the errors' sizes:\n")
+    print("\n".join(table(every)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""A hull of the simulation's physics is found again in its log, with honest intervals."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from sil.identify.hull_terms import INDEX
+from sil.identify.identification import Identification, identify
+from sil.identify.identify_report import holds, lacking
+from sil.identify.vessel_numbers import Boat, drag_N, parameters, yaw_moment_Nm
+from sil.identify.voyage_log import SAMPLE_S
+from sil.identify.voyage_model import Body
+from tests.sil.identify.sailed import HULL, PROPELLERS, levels, sail
+
+BODY = Body(arm_m=0.28, length_m=1.2, h_s=SAMPLE_S)
+BOAT = Boat(mass_kg=HULL.m11 / 1.05)
+
+
+@cache
+def found() -> Identification:
+    rng = np.random.default_rng(5)
+    log = sail(levels(rng, 600.0), rng, current=(0.08, -0.05))
+    return identify([log], BODY, lambda _: None)
+
+
+def near(value: float, true: float, share: float) -> None:
+    print(f"{value:.4g}, in truth {true:.4g}")
+    assert value == pytest.approx(true, rel=share)
+
+
+def test_drag_ahead_is_found() -> None:
+    for u in (0.5, 1.0):
+        true = HULL.d11 * u + HULL.d11_quadratic * u * u
+        near(float(drag_N(found().fit.values, HULL.m11, u)), true, 0.05)
+
+
+def test_yaw_damping_is_found() -> None:
+    for r in (0.1, 0.3):
+        true = HULL.d33 * r + HULL.d33_quadratic * r * r
+        near(float(yaw_moment_Nm(found().fit.values, HULL.m11, r, 1.2)), true, 0.05)
+
+
+def test_inertias_are_found_as_ratios() -> None:
+    terms = found().fit.values
+    near(terms[INDEX["m22"]], HULL.m22 / HULL.m11, 0.1)
+    near(terms[INDEX["m33"]], HULL.m33 / HULL.m11, 0.05)
+
+
+def test_the_stronger_propeller_and_the_lag_are_found() -> None:
+    terms = found().fit.values
+    assert terms[INDEX["gain"]] == pytest.approx(0.05, abs=0.01)
+    late = terms[INDEX["lag"]] + terms[INDEX["dead_time"]]
+    assert late == pytest.approx(PROPELLERS.lag_s, abs=0.03)
+
+
+def test_the_current_is_found() -> None:
+    assert found().fit.local[0, :2] == pytest.approx((0.08, -0.05), abs=0.02)
+
+
+def test_intervals_have_the_truth_in_them() -> None:
+    truth = {"m33": HULL.m33 / HULL.m11, "gain": 0.05, "forward": 35.0 / HULL.m11, "expo": 0.4}
+    for name, true in truth.items():
+        low, high = found().intervals.of(found().intervals.draws[:, INDEX[name]])
+        print(name, low, true, high)
+        assert low < true < high
+
+
+def test_the_half_that_was_not_fitted_is_predicted() -> None:
+    assert holds(found())
+    for score in found().held_out:
+        assert score is not None
+        print(score)
+        assert min(score.u, score.r) > 0.97 and score.v > 0.9
+
+
+def test_parameters_are_of_this_boat() -> None:
+    values = parameters(found(), BOAT)
+    near(values["VES_M11"], HULL.m11, 1e-4)
+    near(values["THR_FWD_MAX"], 35.0, 0.05)
+    near(values["THR_REV_MAX"], 20.0, 0.05)
+    assert "THR_PORT_DIR" not in values
+
+
+def test_a_boat_that_never_went_astern_does_not_know_its_thrust_astern() -> None:
+    rng = np.random.default_rng(6)
+    commands = np.maximum(levels(rng, 300.0), 0.0)
+    told = " ".join(lacking(identify([sail(commands, rng)], BODY, lambda _: None)))
+    print(told)
+    assert "thrust full astern" in told and "each propeller alone, ahead and astern" in told
+    assert "drag ahead" not in told and "yaw damping" not in told

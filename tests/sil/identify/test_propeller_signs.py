@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""Propellers that are inverted or swapped are found before any fit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sil.identify import propeller_signs
+from sil.identify.voyage_log import BadLogError
+from tests.sil.identify.sailed import levels, sail
+
+BOTH = (False, True)
+
+
+@pytest.mark.parametrize("swapped", BOTH)
+@pytest.mark.parametrize("stbd", BOTH)
+@pytest.mark.parametrize("port", BOTH)
+def test_every_wiring_is_recognised_and_mended(port: bool, stbd: bool, swapped: bool) -> None:
+    rng = np.random.default_rng(1)
+    right = sail(levels(rng, 120.0), rng)
+    columns = right.commands[:, ::-1] if swapped else right.commands
+    signs = np.array([-1.0 if port else 1.0, -1.0 if stbd else 1.0])
+    log = replace(right, commands=columns * signs)
+    wiring = propeller_signs.find([log])
+    assert (wiring.port_inverted, wiring.stbd_inverted, wiring.swapped) == (port, stbd, swapped)
+    assert np.array_equal(propeller_signs.mended(log, wiring).commands, right.commands)
+
+
+def test_commands_of_another_boat_are_refused() -> None:
+    rng = np.random.default_rng(2)
+    log = sail(levels(rng, 120.0), rng)
+    foreign = replace(log, commands=levels(np.random.default_rng(3), 130.0)[: len(log.motion)])
+    with pytest.raises(BadLogError, match="does not answer its propellers"):
+        propeller_signs.find([foreign])
+
+
+def test_a_sum_in_one_column_is_refused() -> None:
+    rng = np.random.default_rng(4)
+    log = sail(levels(rng, 120.0), rng)
+    turn = log.commands[:, 0] - log.commands[:, 1]
+    total = log.commands.sum(axis=1)
+    odd = replace(log, commands=np.column_stack([total + turn, total / 2.0 + turn]) / 4.0)
+    with pytest.raises(BadLogError, match="to the same side"):
+        propeller_signs.find([odd])

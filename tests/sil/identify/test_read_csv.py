@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: MIT
+"""Tables with named columns: units by name, nonsense refused with a sentence."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sil.identify.read_csv import read_csv
+from sil.identify.voyage_log import SAMPLE_S, BadLogError
+from tests.sil.identify.sailed import Noise, levels, sail
+
+Columns = dict[str, np.ndarray]
+
+
+def columns() -> Columns:
+    rng = np.random.default_rng(1)
+    commands = levels(rng, 30.0)
+    commands[:80] = 0.0
+    log = sail(commands, rng, Noise(0.0, 0.0, 0.0, 0.0))
+    names = ("north_m", "east_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_radps")
+    table = dict(zip(names, log.motion.T, strict=True))
+    table |= {"port": log.commands[:, 0], "stbd": log.commands[:, 1]}
+    return {"t_s": np.arange(len(log.motion)) * SAMPLE_S, **table}
+
+
+def written(folder: Path, table: Columns) -> Path:
+    path = folder / "log.csv"
+    rows = np.column_stack(list(table.values()))
+    np.savetxt(path, rows, "%.9g", ",", header=",".join(table), comments="")
+    return path
+
+
+def test_a_table_in_si_is_taken_as_it_is(tmp_path: Path) -> None:
+    table = columns()
+    log, notes = read_csv(written(tmp_path, table))
+    assert notes == []
+    motion = np.column_stack(list(table.values())[1:7])
+    assert np.allclose(log.motion, motion[: len(log.motion)], atol=1e-6)
+    given = np.column_stack([table["port"], table["stbd"]])
+    assert np.allclose(log.commands, given[: len(log.commands)], atol=1e-6)
+
+
+def test_degrees_milliseconds_pulses_and_other_names_give_the_same(tmp_path: Path) -> None:
+    table = columns()
+    plain, _ = read_csv(written(tmp_path, table))
+    other = {
+        "t_ms": 1e3 * (table["t_s"] + 77.0),
+        "north_m": table["north_m"],
+        "east_m": table["east_m"],
+        "heading_deg": np.degrees(table["yaw_rad"]) % 360.0,
+        "surge_mps": table["surge_mps"],
+        "sway_mps": table["sway_mps"],
+        "yaw_rate_degps": np.degrees(table["yaw_rate_radps"]),
+        "pwm_left_us": 1510.0 + 400.0 * table["port"],
+        "pwm_right_us": 1510.0 + 400.0 * table["stbd"],
+    }
+    log, notes = read_csv(written(tmp_path, other))
+    turns = (log.motion[0, 2] - plain.motion[0, 2]) / (2.0 * np.pi)
+    assert turns == pytest.approx(round(turns), abs=1e-6)
+    log.motion[:, 2] -= 2.0 * np.pi * round(turns)
+    assert np.allclose(log.motion, plain.motion, atol=1e-4)
+    assert np.allclose(log.commands, plain.commands, atol=1e-6)
+    assert [note for note in notes if "1510" in note] == notes and len(notes) == 2
+
+
+def test_latitudes_are_metres_as_geopy_has_them(tmp_path: Path) -> None:
+    table = columns()
+    table["lat_deg"] = 63.4 + table.pop("north_m") / 111_195.0
+    table["lon_deg"] = 10.3 + table.pop("east_m") / (111_195.0 * np.cos(np.radians(63.4)))
+    log, _ = read_csv(written(tmp_path, table))
+    other = columns()
+    moved = np.column_stack([other["north_m"], other["east_m"]])
+    offset = log.motion[0, :2] - moved[0]
+    assert np.allclose(log.motion[:, :2] - offset, moved[: len(log.motion)], atol=0.01)
+
+
+def test_a_gap_is_no_measurement(tmp_path: Path) -> None:
+    table = {name: np.delete(column, slice(100, 120)) for name, column in columns().items()}
+    log, _ = read_csv(written(tmp_path, table))
+    assert np.all(np.isnan(log.motion[101:119]))
+    assert np.all(np.isfinite(log.motion[:99])) and np.all(np.isfinite(log.motion[121:]))
+
+
+NONSENSE: dict[str, tuple[str, Callable[[Any], Any], str]] = {
+    "degrees": ("yaw_rad", lambda c: np.degrees(c) % 360.0 * 1.0, "looks like degrees"),
+    "pulses": ("port", lambda c: 1500.0 + 400.0 * c, "pwm_port_us"),
+    "newtons": ("stbd", lambda c: 35.0 * c, "thrust in newtons"),
+    "fast turns": ("yaw_rate_radps", lambda c: 100.0 * np.degrees(c), "degrees per second"),
+    "time that stands": ("t_s", np.floor, "always grows"),
+}
+
+
+@pytest.mark.parametrize("case", NONSENSE)
+def test_nonsense_is_refused_with_the_columns_name(tmp_path: Path, case: str) -> None:
+    name, spoil, told = NONSENSE[case]
+    table = columns()
+    if case == "degrees":  # more than a turn, with a step at north
+        table["yaw_rad"] = table["yaw_rad"] + np.linspace(0.0, 9.0, len(table["yaw_rad"]))
+    table[name] = spoil(table[name])
+    with pytest.raises(BadLogError, match=told) as error:
+        read_csv(written(tmp_path, table))
+    assert name in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "does not name the columns"),
+        ("1,2,3\n4,5,6\n", "does not name the columns"),
+        ("t_s,north_m\n1,2\n2,3\n", "no column"),
+        ("t_s,north_m\n1,2\n2\n", "log.csv"),
+        ("t_s,port\n", "log.csv"),
+    ],
+)
+def test_a_file_that_is_no_table_is_refused(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(text)
+    with pytest.raises(BadLogError, match=told):
+        read_csv(path)
