@@ -269,6 +269,8 @@ DecodedCommand meaning_of(const Command& c) {
       return message(c.param[0], c.param[1]);
     case mav::kCmdGetMessageInterval:
       return whole(c.param[0], 65535) ? message(link::MessageInterval::kId, c.param[0]) : denied();
+    case mav::kCmdGetHomePosition:
+      return message(link::HomePosition::kId, 0);
     case mav::kCmdRequestAutopilotCapabilities:
       return message(link::AutopilotVersion::kId, 0);
     case mav::kCmdRequestProtocolVersion:

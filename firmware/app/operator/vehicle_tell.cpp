@@ -37,17 +37,16 @@ std::uint8_t status_of(State state) {
 link::Heartbeat Vehicle::heartbeat() const {
   const bool companion = identity_.companion();
   return {supervisor_.mode(), companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
-          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric,
-          base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
+          identity_.autopilot(), base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
 }
 
 std::optional<PlanReport> Vehicle::plan_report() const {
   if (missions_.plan().empty()) return std::nullopt;
   const bool sails = supervisor_.state() == State::kAuto;
-  const std::uint8_t state = missions_.is_complete()            ? mav::kMissionComplete
-                             : sails && !paused_                ? mav::kMissionActive
-                             : missions_.current() > 0 || sails ? mav::kMissionPaused
-                                                                : mav::kMissionNotStarted;
+  const std::uint8_t state = missions_.is_complete()         ? mav::kMissionComplete
+                             : sails && !paused_             ? mav::kMissionActive
+                             : missions_.is_begun() || sails ? mav::kMissionPaused
+                                                             : mav::kMissionNotStarted;
   const std::size_t count = missions_.plan().size();
   const std::size_t item = missions_.is_complete() ? count - 1 : missions_.current();
   return PlanReport{static_cast<std::uint16_t>(item),

@@ -160,7 +160,7 @@ class PyBoat {
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real",  "whole",  "sign",   "identity",
+  constexpr std::array kNames{"real",  "whole",  "sign",   "identity", "autopilot",
                               "frame", "switch", "action", "stop"};
   return kNames[static_cast<std::size_t>(kind)];
 }
