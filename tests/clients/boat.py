@@ -57,10 +57,14 @@ class Client(Protocol):
 
 
 class Waters(Protocol):
-    """Boats, and a client of theirs at `port`."""
+    """Boats, and a client of theirs."""
 
-    port: int
     client: Client | None
+
+    @property
+    def address(self) -> str:
+        """Where MAVSDK finds a boat."""
+        ...
 
     @property
     def words(self) -> str:
@@ -80,6 +84,10 @@ class Sea(RealSea):
         self.client: Client | None = None
         param = {**PATIENT, "MAV_AUTOPILOT": autopilot}
         self.start(f"--mavlink=udpout:{LOOPBACK}:{self.port}", param=param)
+
+    @property
+    def address(self) -> str:
+        return f"udpin://{LOOPBACK}:{self.port}"
 
     @property
     def words(self) -> str:

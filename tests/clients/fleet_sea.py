@@ -39,6 +39,10 @@ class FleetSea:
         self.client: Client | None = None
 
     @property
+    def address(self) -> str:
+        return f"udpin://{LOOPBACK}:{self.port}"
+
+    @property
     def words(self) -> str:
         """The output of all programs, to diagnose a failed test."""
         client = "" if self.client is None else self.client.words
