@@ -26,7 +26,7 @@ from mavsdk.plugins.mission.mission import MissionResult
 from mavsdk.plugins.offboard import Offboard
 from mavsdk.plugins.offboard.offboard import OffboardResult, VelocityNedYaw
 from mavsdk.plugins.param.param import ParamError, ParamResult
-from mavsdk.plugins.telemetry import FlightMode
+from mavsdk.plugins.telemetry import FixType, FlightMode
 
 from tests.clients.boat import BOTH_IDENTITIES, ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
 from tests.clients.mavsdk_client import MavsdkClient
@@ -241,6 +241,14 @@ def test_a_circling_boat_has_its_speed_along_the_circle(sea: Sea, mavsdk: Mavsdk
             == pytest.approx(speed, abs=0.02)
         )
     )
+
+
+def test_the_units_fix_is_shown(sea: Sea, mavsdk: MavsdkClient) -> None:
+    told, raw = mavsdk.watch("gps_info"), mavsdk.watch("raw_gps")
+    sea.own.tells_fix = True
+    sea.until(lambda: told and raw and told[-1].num_satellites)
+    assert (told[-1].fix_type, told[-1].num_satellites) == (FixType.FIX_3D, 9)
+    assert raw[-1].latitude_deg == pytest.approx(1e-7 * ORIGIN[0])
 
 
 def intervals_ms(messages: list[Any]) -> list[int]:

@@ -157,7 +157,7 @@ std::optional<link::Message> MissionService::begin(const link::MissionCount& cou
 std::optional<link::Message> MissionService::take(const link::MissionItemInt& given,
                                                   const Asker& asker, const PlanDefaults& defaults,
                                                   std::int64_t now_us) {
-  constexpr std::uint8_t kCurrent = 1;  // larger: ArduPilot's "go there now"
+  constexpr std::uint8_t kCurrent = 1;  // larger: ArduPilot's "go here", "change altitude"
   const auto kind = kind_of(given.mission_type);
   if (!kind || given.current > kCurrent) {
     return acknowledgement(asker.from, mav::kMissionUnsupported, given.mission_type);

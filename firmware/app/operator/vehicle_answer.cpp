@@ -31,6 +31,11 @@ bool drives(Request request) {
   return true;
 }
 
+std::uint8_t mission_result_of(std::uint8_t result) {
+  if (result == mav::kAccepted) return mav::kMissionAccepted;
+  return result == mav::kUnsupportedFrame ? mav::kMissionUnsupportedFrame : mav::kMissionDenied;
+}
+
 }  // namespace
 
 void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
@@ -220,6 +225,9 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   }
   if (command.wants_ack) {
     links_.send(link, link::CommandAck{command.id, asked.result, pending.from}, counters);
+  } else if (is_go_here(pending.message)) {
+    links_.send(link, link::MissionAck{pending.from, mission_result_of(asked.result), 0, 0},
+                counters);
   }
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;

@@ -217,8 +217,9 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// A stream with nothing to send yet stays due, but for the plan's and the fence's: many boats never
-/// have one. If a slow link cannot carry all its messages at once, it continues in a later tick, before all others except requested parameters.
+/// A stream with nothing to send yet stays due, but for those of which many boats never have
+/// anything. If a slow link cannot carry all its messages at once, it continues in a later tick,
+/// before all others except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.is_due(now_us_)) return false;
@@ -234,7 +235,8 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
     links_.send(link, *message, counters);
   }
   begun = {};
-  if (told > 0 || stream == kPlanStream || stream == kFenceStream) schedule.take_if_due(now_us_);
+  const bool rare = stream == kPlanStream || stream == kFenceStream || stream == kGpsStream;
+  if (told > 0 || rare) schedule.take_if_due(now_us_);
   return told > 0;
 }
 

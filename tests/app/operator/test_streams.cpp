@@ -66,6 +66,8 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
       {link::MissionCurrent::kId, 1'000'000},
       {link::FenceStatus::kId, 1'000'000},
       {link::HomePosition::kId, 2'000'000},
+      {link::GpsRawInt::kId, 1'000'000},
+      {link::VfrHud::kId, 1'000'000},
       {link::NavControllerOutput::kId, 1'000'000},
       {link::PositionTargetLocalNed::kId, 1'000'000},
       {link::MavEscStatus::kId, -1},
