@@ -46,11 +46,13 @@ def script(sea: Sea) -> Iterator[Script]:
         yield script
 
 
-def test_location_comes_back_with_the_boats_place(sea: Sea, script: Script) -> None:
+def test_location_comes_back_with_the_units_fix_and_the_boats_heading(
+    sea: Sea, script: Script
+) -> None:
     sea.own.tells_fix = True
     here = script.call(script.link.location)
-    degree_m = math.pi / 180 * 6_371_000
-    assert here.lat == pytest.approx(1e-7 * ORIGIN[0] + sea.own.course.north / degree_m, abs=3e-7)
+    assert here.lat == pytest.approx(1e-7 * ORIGIN[0])  # the unit's raw fix
+    assert here.lng == pytest.approx(1e-7 * ORIGIN[1])
     assert here.alt == pytest.approx(1e-3 * ORIGIN[2], abs=0.01)
     assert here.heading == pytest.approx(math.degrees(sea.own.course.psi), abs=1.0)
 

@@ -9,7 +9,6 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.hull import Afloat
-from tests.target.plans import LOITER as LOITER_ITEM
 from tests.target.plans import (
     ITEM_ACCEPTED,
     REFUSED,
@@ -20,6 +19,7 @@ from tests.target.plans import (
     at,
     plan_of,
 )
+from tests.target.plans import LOITER as LOITER_ITEM
 from tests.target.sea import Tick, acks, texts
 from tests.target.stations import (
     ACCEPTED,

@@ -24,8 +24,8 @@ using RequestMessage =
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
                  link::MissionClearAll, link::MissionRequest, link::MissionRequestInt,
                  link::MissionItem, link::MissionItemInt, link::MissionAck, link::MissionSetCurrent,
-                 link::LogRequestList, link::SetPositionTargetLocalNed,
-                 link::SetPositionTargetGlobalInt>;
+                 link::LogRequestList, link::LogRequestData, link::LogRequestEnd,
+                 link::SetPositionTargetLocalNed, link::SetPositionTargetGlobalInt>;
 
 /// COMMAND_LONG, COMMAND_INT, SET_MODE, MISSION_SET_CURRENT, or a MISSION_ITEM_INT that is "go here",
 /// in one form.

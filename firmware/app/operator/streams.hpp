@@ -49,18 +49,18 @@ inline constexpr std::array kStreams{
     StreamInfo{link::MissionCurrent::kId, 43, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::FenceStatus::kId, 21, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::HomePosition::kId, 72, Pace::kFixed, 2'000'000, false},
-    StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'000'000, false},
-    StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::NavControllerOutput::kId, 38, Pace::kSlow, 0, false},
     StreamInfo{link::PositionTargetLocalNed::kId, 63, Pace::kSlow, 0, false},
     StreamInfo{link::MavEscStatus::kId, 138, Pace::kOnRequest, 0, true},
     StreamInfo{link::MavEscInfo::kId, 116, Pace::kOnRequest, 0, true},
     StreamInfo{link::BatteryStatus::kId, 66, Pace::kFixed, 5'000'000, false},
     StreamInfo{link::NamedValueFloat::kId, 660, Pace::kSlow, 0, true},
+    StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'000'000, false},
+    StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
 };
 
-constexpr std::size_t kOriginStream = 0, kPlanStream = 9, kFenceStream = 10, kGpsStream = 12;
+constexpr std::size_t kOriginStream = 0, kPlanStream = 9, kFenceStream = 10, kGpsStream = 18;
 static_assert(kStreams[kFenceStream].id == link::FenceStatus::kId);
 static_assert(kStreams[kGpsStream].id == link::GpsRawInt::kId);
 /// The state that followers need, at SR_STATE's pace.

@@ -71,6 +71,7 @@ Vehicle::Vehicle(const Parameters& p, Supervisor& supervisor, MavlinkLinks& link
       router_(storage.routes.first(links.count())),
       parameter_service_(storage.parameters.first(links.count())),
       missions_(storage.missions, configuration_.start.ardupilot),
+      logs_(storage.logs, configuration_.start.ardupilot),
       ftp_(metadata_files()),
       streams_(configuration_, storage.streams.first(links.count())),
       heartbeat_due_(kSecond_us, configuration_.start.tick_us / 2),

@@ -13,9 +13,10 @@ using core::State;
 
 constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
 // Turns after those of the streams.
-constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kTurns = kFiles + 1;
-// Per tick and link, beside the tick's other traffic: files transfer at about 70 kB/s.
-constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
+constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
+                      kTurns = kLogs + 1;
+// Per tick and link, beside the tick's other traffic: files and logs transfer at about 70 kB/s.
+constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3, kLogPacketsPerTick = 8;
 
 std::uint8_t base_mode_of(State state) {
   unsigned flags = mav::kModeFlagCustom;
@@ -194,9 +195,8 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
 
 /// Sends everything else in turn; what a slow link has no room for comes first in a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
-  if (!streams_.any_due(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
-    return;
-  }
+  const bool asked = parameter_service_.owes(link) || !ftp_.is_idle() || !logs_.is_idle();
+  if (!streams_.any_due(link, now_us_) && !asked) return;
   const std::size_t first = turn_[link];
   for (std::size_t n = 0; n < kTurns && may_tell(link); ++n) {
     const std::size_t turn = (first + n) % kTurns;
@@ -205,6 +205,8 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
       told = tell_parameters(link, counters);
     } else if (turn == kFiles) {
       told = tell_files(link, counters);
+    } else if (turn == kLogs) {
+      told = tell_logs(link, counters);
     } else if (is_rest(kStreams[turn].pace)) {
       told = tell_stream(turn, link, counters);
     }
@@ -257,6 +259,17 @@ bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
     const auto packet = ftp_.next(link);
     if (!packet) break;
     links_.send(link, *packet, counters);
+    told = true;
+  }
+  return told;
+}
+
+bool Vehicle::tell_logs(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kLogPacketsPerTick && may_tell(link); ++n) {
+    const auto message = logs_.next(link);
+    if (!message) break;
+    links_.send(link, *message, counters);
     told = true;
   }
   return told;
