@@ -6,7 +6,7 @@
 namespace flotilla::app {
 
 std::uint32_t LogService::ids() const {
-  return logs_ == 0 ? 0U : static_cast<std::uint32_t>(logs_) + first_;
+  return logs_ == 0 ? 0 : static_cast<std::uint32_t>(logs_ + first_);
 }
 
 void LogService::list(std::size_t link, const link::LogRequestList& asked) {
@@ -43,7 +43,7 @@ link::LogEntry LogService::entry(std::uint32_t id) const {
   link::LogEntry out{};
   out.id = static_cast<std::uint16_t>(id);
   out.num_logs = static_cast<std::uint16_t>(ids());
-  out.last_log_num = static_cast<std::uint16_t>(std::max(ids(), 1U) - 1);
+  out.last_log_num = static_cast<std::uint16_t>(std::max(ids(), std::uint32_t{1}) - 1);
   if (id < first_ || id - first_ >= logs_) return out;
   const StoredLog& log = room_.list[id - first_];
   out.size = log.size;
