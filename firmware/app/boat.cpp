@@ -605,8 +605,8 @@ Report Boat<S>::report(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0) {
     out.own = OwnReport{convert::boot_ms(now_us), pilot_.own_state(now_us), pilot_.located()};
     out.estimates = pilot_.estimates();
+    out.gps = pilot_.gps(now_us);
   }
-  out.gps = pilot_.gps(now_us);
   out.home = limits_.home();
   if (error_known()) {
     const bool judged = keeps_slot() && configuration().formation.judges_station;

@@ -286,7 +286,7 @@ def test_followers_see_the_boat_at_the_height_of_its_lake(sea: Sea) -> None:
 def test_the_heads_up_display_has_speed_and_heading() -> None:
     sea = Sea(own=SAIL)
     told = named(sea.run(5.0), "VFR_HUD")
-    assert 4 <= len(told) <= 5
+    assert 5 <= len(told) <= 6
     assert told[-1].groundspeed == pytest.approx(math.hypot(SAIL.u, SAIL.v), abs=0.01)
     truth = math.degrees(sea.own.truth(sea.now_us).psi) % 360
     assert told[-1].heading == pytest.approx(truth, abs=3.5)  # turns by 2.9 degrees a second

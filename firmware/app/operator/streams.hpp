@@ -55,8 +55,9 @@ inline constexpr std::array kStreams{
     StreamInfo{link::MavEscInfo::kId, 116, Pace::kOnRequest, 0, true},
     StreamInfo{link::BatteryStatus::kId, 66, Pace::kFixed, 5'000'000, false},
     StreamInfo{link::NamedValueFloat::kId, 660, Pace::kSlow, 0, true},
-    StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'000'000, false},
-    StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 1'000'000, false},
+    // Off the second, at which most else is sent.
+    StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'100'000, false},
+    StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 900'000, false},
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
 };
 
