@@ -709,6 +709,7 @@ Report Boat<S>::report(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0) {
     out.own = OwnReport{convert::boot_ms(now_us), pilot_.own_state(now_us), pilot_.located()};
     out.estimates = pilot_.estimates();
+    out.gps = pilot_.gps(now_us);
   }
   out.home = limits_.home();
   if (error_known()) {

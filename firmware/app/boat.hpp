@@ -134,6 +134,10 @@ class Boat {
     return vehicle_.missions().restore(kind, items, configuration().plan);
   }
 
+  /// For a host that keeps logs: opened once at the start; after each tick it brings what is wished
+  /// for, now or later.
+  LogService& logs() { return vehicle_.logs(); }
+
   /// One control step; returns all output.
   Output tick(std::int64_t now_us);
 

@@ -19,6 +19,7 @@ bool is_valid(const ParameterInfo& info, float value) {
       return true;
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
+    case ParameterKind::kAutopilot:
     case ParameterKind::kFrame:
     case ParameterKind::kSwitch:
     case ParameterKind::kAction:

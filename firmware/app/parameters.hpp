@@ -28,6 +28,7 @@ enum class ParameterKind : std::uint8_t {
   kWhole,
   kSign,
   kIdentity,
+  kAutopilot,
   kFrame,
   kSwitch,
   kAction,

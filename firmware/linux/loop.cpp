@@ -89,6 +89,10 @@ Loop::Loop(const Config& config)
   stop_.reopen();
   node_table_.load(boat_->node_ids());
   restore_plans();
+  if (!config.log.empty()) {
+    shelf_.emplace(config.log);
+    boat_->logs().open();
+  }
   openers_.emplace_back(kReopen, [this] { bus_->reopen(); }, "the CAN bus");
   for (const auto& link : links_) {
     openers_.emplace_back(kReopen, [&link] { link->reopen(); }, "a MAVLink link");
@@ -255,6 +259,7 @@ void Loop::tick() {
                   .clock_is_set = !signing_time_ || signing_time_->clock_is_set()});
   if (signing_time_) signing_time_->put(boat_->signing_timestamp());
   send(boat_->tick(began_us), began_us);
+  if (shelf_) bring_logs();
   service_manager_.alive(began_us);
   if (began_us - house_kept_us_ >= kHouse_us) keep_house(began_us);
 }
@@ -298,6 +303,24 @@ void Loop::keep_house(std::int64_t now_us) {
   if (core::armed(boat_->state())) return;
   if (const std::string error = node_table_.save_if_changed(boat_->node_ids()); !error.empty()) {
     messages_.put(error);
+  }
+}
+
+void Loop::bring_logs() {
+  app::LogService& logs = boat_->logs();
+  if (const auto answer = shelf_->take()) {
+    const LogShelf::Question& asked = answer->question;
+    const auto log = static_cast<std::uint16_t>(asked.log - (asked.list ? 0 : logs.left_out()));
+    if (asked.list) {
+      std::vector<app::StoredLog> list;
+      for (const LogShelf::Log& each : answer->logs) list.push_back({each.size, each.time_s});
+      logs.bring_list(list);
+    } else {
+      logs.bring({false, log, asked.offset}, answer->bytes);
+    }
+  }
+  if (const auto wish = logs.wish()) {
+    shelf_->ask({wish->list, wish->log + logs.left_out(), wish->offset, logs.piece_bytes()});
   }
 }
 

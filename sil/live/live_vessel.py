@@ -2,7 +2,6 @@
 """The vessels of a live run: each boat's flotillad with its bus and links, the virtual leader."""
 
 import signal
-import socket
 import subprocess
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,6 +12,7 @@ import can
 
 from sil.live.ordinary_user import ordinary_user
 from sil.live.parameter_file import set_up
+from sil.live.udp_end import UdpEnd
 from sil.scenario.scenario import Scenario
 from sil.scenario.wiring import (
     BATTERY_V,
@@ -27,39 +27,12 @@ from sil.wire.link import Link
 from sil.wire.navigation_unit import NavigationUnit, Settings
 from sil.wire.operator import Operator
 
-_LOOPBACK = "127.0.0.1"
-
 
 class Outlet(Protocol):
     """A destination of a vessel's radio: another vessel or a listener."""
 
     def send(self, data: bytes, t_us: int) -> None:
         """Accept a chunk sent at `t_us`."""
-
-
-class _Udp:
-    """One end of a UDP link; the flotillad at the other end sends first."""
-
-    def __init__(self) -> None:
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind((_LOOPBACK, 0))
-        self.socket.setblocking(False)
-        self.address = f"udpout:{_LOOPBACK}:{self.socket.getsockname()[1]}"
-        self._peer: tuple[str, int] | None = None
-
-    def receive(self) -> list[bytes]:
-        chunks = []
-        with suppress(BlockingIOError):
-            while True:
-                data, self._peer = self.socket.recvfrom(4096)
-                chunks.append(data)
-        return chunks
-
-    def send(self, data: bytes) -> None:
-        # A killed flotillad's port refuses; losing a datagram is harmless, MAVLink repeats itself.
-        if self._peer is not None and data:
-            with suppress(ConnectionRefusedError):
-                self.socket.sendto(data, self._peer)
 
 
 class LiveBoat:
@@ -87,8 +60,8 @@ class LiveBoat:
         self.escs_speak = True
         self._parameters = parameters
         self._clock = clock
-        self.navigation = _Udp()
-        self.radio = _Udp()
+        self.navigation = UdpEnd()
+        self.radio = UdpEnd()
         self.can = self._open()
         self._unit = NavigationUnit(
             agent,

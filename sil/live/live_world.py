@@ -20,6 +20,7 @@ import numpy as np
 
 from sil import ROOT
 from sil.live.live_vessel import LiveBoat, LiveLeader
+from sil.live.tcp_door import Door, TcpDoor
 from sil.lockstep.start import StartError
 from sil.lockstep.trace import Tracer
 from sil.lockstep.world import Progress
@@ -43,6 +44,7 @@ _PATIENCE_S = 30.0
 _LAST_MCAST_BUS = 9
 _RETRY_US = 500_000
 _WARM_UP_US = 2_000_000
+_TCP_STEP = 10
 _NOT_ARMED = (None, "DISARMED", "FAULT")
 
 
@@ -79,7 +81,8 @@ class LiveWorld:
 
     `bus`: address of boat 1's bus. `mavlink`: address to which all radio traffic is repeated, as
     for `sil.wire.mavlink_mcast.Mouth`; None: nowhere. `gcs`: the ground station with which every
-    boat has a link of its own, udpout:HOST:PORT. ValueError for an invalid address; can.CanError or
+    boat has a link of its own, udpout:HOST:PORT. `tcp_from`: TCP port of boat 1 on this machine;
+    each further boat's is 10 higher; None: none. ValueError for an invalid address; can.CanError or
     OSError if it cannot be opened.
     """
 
@@ -90,6 +93,7 @@ class LiveWorld:
         param_overrides: dict[str, float],
         mavlink: str | None = None,
         gcs: str | None = None,
+        tcp_from: int | None = None,
     ) -> None:
         if gcs is not None and not gcs.startswith("udpout:"):
             raise ValueError(f'--gcs "{gcs}": must be udpout:HOST:PORT')
@@ -129,6 +133,10 @@ class LiveWorld:
                 own = self._parameters[agent - 1]
                 self.boats.append(LiveBoat(scenario, agent, address, own, clocks[agent]))
                 opened.callback(self.boats[-1].close)
+            self._tcp: list[TcpDoor] = []
+            for i, boat in enumerate(self.boats if tcp_from is not None else []):
+                self._tcp.append(TcpDoor(boat.system, (tcp_from or 0) + _TCP_STEP * i))
+                opened.callback(self._tcp[-1].close)
             self._opened = opened.pop_all()
         agents: list[LiveLeader | LiveBoat] = [self._leader, *self.boats]
         self._plan: PlanUpload | None = None
@@ -146,6 +154,10 @@ class LiveWorld:
         for vessel in agents:
             vessel.outbox += mouths
 
+    def doors(self) -> list[Door]:
+        """The boats' TCP ports."""
+        return [each.door for each in self._tcp]
+
     def __enter__(self) -> "LiveWorld":
         return self
 
@@ -154,9 +166,10 @@ class LiveWorld:
 
     def run(self, program: Path, out: Path, progress: Progress) -> Tracer:
         """Start the boats' processes and sail the scenario; the motion since the release."""
-        for boat in self.boats:
+        for i, boat in enumerate(self.boats):
             folder = out / f"boat{boat.system}"
-            boat.start(program, folder, f"--log={folder / 'log'}", *self._gcs)
+            links = [*self._gcs, *(f"--mavlink={door.address}" for door in self._tcp[i : i + 1])]
+            boat.start(program, folder, f"--log={folder / 'log'}", *links)
         tick_us = self._start()
         self.release_unix_s = time.time() + 1e-6 * (tick_us - now_us())
         tracer = Tracer([self._scenario], self._bodies, [slots_of(self._parameters)])
@@ -234,12 +247,15 @@ class LiveWorld:
 
     def _until(self, tick_us: int) -> None:
         """Process input as it arrives until `tick_us`."""
-        waiting = [fd for boat in self.boats for fd in boat.descriptors()]
+        ends: list[LiveBoat | TcpDoor] = [*self.boats, *self._tcp]
+        waiting = [fd for end in ends for fd in end.descriptors()]
         while True:
             t_us = now_us()
             for boat in self.boats:
                 boat.listen(t_us, self._operator)
             self._leader.listen(t_us)
+            for door in self._tcp:
+                door.pass_on()
             left_us = tick_us - now_us()
             if left_us <= 0:
                 self.late_us = max(self.late_us, -left_us)

@@ -61,11 +61,15 @@ _ROUND_NS, _FORGOTTEN_NS = 50_000_000, 5_000_000_000
 _NO_VOLTAGE, _NO_CURRENT = 65535, -1
 
 
-def _state_of(heartbeat: Any) -> str | None:
+def _state_of(heartbeat: Any, *, tells_law: bool) -> str | None:
     """The supervisor's state in a HEARTBEAT; None if no Flotilla boat sent it."""
-    kinds = (mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_GENERIC)
-    aboard = (mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID)
-    if (heartbeat.type, heartbeat.autopilot) not in (kinds, aboard):
+    kinds = [
+        (mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_GENERIC),
+        (mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID),
+    ]
+    if tells_law:  # a boat with MAV_AUTOPILOT 1; other autopilots do not
+        kinds.append((mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA))
+    if (heartbeat.type, heartbeat.autopilot) not in kinds:
         return None
     return state_of(heartbeat.custom_mode, heartbeat.base_mode, heartbeat.system_status)
 
@@ -129,7 +133,7 @@ class Telemetry:
         self._said[field] = (t_ns, message.value)
 
     def _take_heartbeat(self, t_ns: int, message: Any) -> None:
-        state = _state_of(message)
+        state = _state_of(message, tells_law=bool(self._said))
         if state is None:
             return
         if state != self._state:

@@ -29,6 +29,7 @@ from sil.view.recorded import history_of, said_of
 
 # Boats stop where their own state is 0.5 s old, which is the firmware's default.
 _LATE_US = 300_000
+_TCP_FROM = 5760  # as other simulators' boats
 
 
 def run(
@@ -81,9 +82,12 @@ def live(
     _remove_earlier(out, len(scenario.boat))
     began_s = time.perf_counter()
     with (
-        live_world.LiveWorld(scenario, bus, param_overrides, mavlink, gcs) as world,
+        live_world.LiveWorld(scenario, bus, param_overrides, mavlink, gcs, _TCP_FROM) as world,
         _bar(scenario, console) as progress,
     ):
+        for system, port, wished in world.doors():
+            taken = "" if port == wished else f" ({wished} is taken)"
+            console.print(f"boat {system} is at tcp:127.0.0.1:{port}{taken}")
         tracer = world.run(program, out, progress)
         console.print(f"the world was {world.late_us / 1000:.1f} ms behind its time at most")
         if world.late_us > _LATE_US:

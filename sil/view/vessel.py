@@ -97,7 +97,10 @@ class Vessel:
         elif autopilot == mavlink.MAV_AUTOPILOT_INVALID:
             self.kind = None
         else:
-            ours = autopilot == mavlink.MAV_AUTOPILOT_GENERIC
+            ours = autopilot == mavlink.MAV_AUTOPILOT_GENERIC or (
+                autopilot == mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA  # MAV_AUTOPILOT 1
+                and self.aboard.value("COND", now_s) is not None
+            )
             ours = ours and kind == mavlink.MAV_TYPE_SURFACE_BOAT
             self.kind = "boat" if ours else "vessel"
         self.beat_s = now_s

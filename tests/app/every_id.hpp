@@ -10,7 +10,7 @@
 
 namespace flotilla::testing {
 
-inline constexpr std::array<std::uint16_t, 27> kEveryId{link::Heartbeat::kId,
+inline constexpr std::array<std::uint16_t, 29> kEveryId{link::Heartbeat::kId,
                                                         link::SysStatus::kId,
                                                         link::SystemTime::kId,
                                                         link::Attitude::kId,
@@ -36,6 +36,8 @@ inline constexpr std::array<std::uint16_t, 27> kEveryId{link::Heartbeat::kId,
                                                         link::AvailableModes::kId,
                                                         link::CurrentMode::kId,
                                                         link::MissionCurrent::kId,
-                                                        link::FenceStatus::kId};
+                                                        link::FenceStatus::kId,
+                                                        link::GpsRawInt::kId,
+                                                        link::VfrHud::kId};
 
 }  // namespace flotilla::testing

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Protocol
 
 import flotilla
+import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.linux.process import LOOPBACK, PATIENT, RealSea
@@ -19,9 +20,14 @@ ESCS_SILENT = "PreArm: ESCs are not online"
 OWN_STATE_STALE = "armed, no FORMATION: own state is not fresh"
 
 
-def parameters() -> dict[str, float]:
+#: A test with this mark runs with each value of MAV_AUTOPILOT.
+BOTH_IDENTITIES = pytest.mark.parametrize("autopilot", [0.0, 1.0], ids=["generic", "ardupilot"])
+
+
+def parameters(autopilot: float = 0.0) -> dict[str, float]:
     """The parameters, by name, of a boat as started here."""
-    boat: dict[str, float] = flotilla.Boat(parameters=PATIENT).parameters()
+    given = {**PATIENT, "MAV_AUTOPILOT": autopilot}
+    boat: dict[str, float] = flotilla.Boat(parameters=given).parameters()
     return boat
 
 
@@ -51,10 +57,14 @@ class Client(Protocol):
 
 
 class Waters(Protocol):
-    """Boats, and a client of theirs at `port`."""
+    """Boats, and a client of theirs."""
 
-    port: int
     client: Client | None
+
+    @property
+    def address(self) -> str:
+        """Where MAVSDK finds a boat."""
+        ...
 
     @property
     def words(self) -> str:
@@ -68,11 +78,16 @@ class Waters(Protocol):
 class Sea(RealSea):
     """Navigation unit and leader are on the first link; on the second is the client at `port`."""
 
-    def __init__(self, bus: int, folder: Path) -> None:
+    def __init__(self, bus: int, folder: Path, autopilot: float = 0.0) -> None:
         super().__init__(bus, folder)
         self.port = quiet_port(bus)
         self.client: Client | None = None
-        self.start(f"--mavlink=udpout:{LOOPBACK}:{self.port}")
+        param = {**PATIENT, "MAV_AUTOPILOT": autopilot}
+        self.start(f"--mavlink=udpout:{LOOPBACK}:{self.port}", param=param)
+
+    @property
+    def address(self) -> str:
+        return f"udpin://{LOOPBACK}:{self.port}"
 
     @property
     def words(self) -> str:

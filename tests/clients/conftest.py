@@ -17,11 +17,17 @@ __all__ = ["bus"]
 
 
 @pytest.fixture
-def sea(bus: int, tmp_path: Path) -> Iterator[Sea]:
+def autopilot() -> float:
+    """The boat's MAV_AUTOPILOT; see BOTH_IDENTITIES."""
+    return 0.0
+
+
+@pytest.fixture
+def sea(bus: int, tmp_path: Path, autopilot: float) -> Iterator[Sea]:
     """A boat's sea; prints all output at the end, which pytest shows if the test fails."""
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
-    with Sea(bus, tmp_path) as sea:
+    with Sea(bus, tmp_path, autopilot) as sea:
         yield sea
         print(sea.words)
 

@@ -24,9 +24,9 @@ _PATIENCE_S = 30.0
 class FleetSea:
     """The client at `port` commands boat 1; failures are simulated around the boats."""
 
-    def __init__(self) -> None:
+    def __init__(self, autopilot: float = 0.0) -> None:
         one = scenario.load(FOLDER / "pair.toml")
-        self.batch = Batch([one], {}, inject_failures=True)
+        self.batch = Batch([one], {"MAV_AUTOPILOT": autopilot}, inject_failures=True)
         (ready_us,) = start(self.batch)
         assert isinstance(ready_us, int), ready_us
         self._t_us = ready_us
@@ -37,6 +37,10 @@ class FleetSea:
         self._socket.setblocking(False)
         self.port = free_port()
         self.client: Client | None = None
+
+    @property
+    def address(self) -> str:
+        return f"udpin://{LOOPBACK}:{self.port}"
 
     @property
     def words(self) -> str:

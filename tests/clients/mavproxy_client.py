@@ -61,11 +61,15 @@ class MavProxy:
     def until_it_says(self, *parts: str, since: int = 0) -> None:
         self.sea.until(lambda: self.says(*parts, since=since))
 
-    def tell(self, command: str, *answer: str) -> str:
-        """Give a command; the output from then on until it contains all of `answer`."""
-        since = len(self.words)
+    def send(self, command: str) -> None:
+        """Give a command."""
         assert self._process.stdin is not None
         self._process.stdin.write(command + "\n")
         self._process.stdin.flush()
+
+    def tell(self, command: str, *answer: str) -> str:
+        """Give a command; the output from then on until it contains all of `answer`."""
+        since = len(self.words)
+        self.send(command)
         self.until_it_says(*answer, since=since)
         return self.words[since:]

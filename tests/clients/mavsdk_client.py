@@ -19,7 +19,6 @@ from mavsdk.plugins.param import Param
 from mavsdk.plugins.telemetry import Telemetry
 
 from tests.clients.boat import Waters
-from tests.linux.process import LOOPBACK
 
 _LONGEST_CALL_S = 30.0
 
@@ -43,8 +42,7 @@ class MavsdkClient:
             raise
 
     def _find_boat(self) -> None:
-        address = f"udpin://{LOOPBACK}:{self.sea.port}"
-        assert self._sdk.add_any_connection(address) == ConnectionResult.SUCCESS
+        assert self._sdk.add_any_connection(self.sea.address) == ConnectionResult.SUCCESS
         self.system = self.call(self._sdk.first_autopilot, 10.0)
         assert self.system is not None, self.sea.words
         self.telemetry = Telemetry(self.system)

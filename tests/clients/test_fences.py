@@ -19,9 +19,11 @@ from mavsdk.plugins.geofence.geofence import (
     Polygon,
 )
 
-from tests.clients.boat import Sea
+from tests.clients.boat import BOTH_IDENTITIES, Sea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
+
+pytestmark = BOTH_IDENTITIES
 
 LATITUDE, LONGITUDE = 47.3977420, 8.5455940
 DEGREES = 180 / math.pi / 6_371_000

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""`flotilla live --gcs`: MAVSDK commands a simulated boat as it would a real one."""
+"""`flotilla live`: MAVSDK commands a simulated boat as it would a real one, by UDP or TCP."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import time
@@ -39,23 +40,37 @@ eta = [0.0, 0.0, 0.0]
 
 
 class LiveFleet:
-    """A live run in a process of its own; the client at `port` commands its boat."""
+    """A live run in a process of its own; a client commands its boat: at `--gcs`, or by TCP."""
 
-    def __init__(self, bus: int, folder: Path) -> None:
-        self.port = quiet_port(bus)
+    def __init__(self, bus: int, folder: Path, *, tcp: bool) -> None:
+        self._udp = None if tcp else quiet_port(bus)
         self.client: Client | None = None
         self._words = folder / "words"
         scenario = folder / "alone.toml"
         scenario.write_text(SCENARIO)
-        gcs = f"udpout:{LOOPBACK}:{self.port}"
+        gcs = [] if tcp else [f"--gcs=udpout:{LOOPBACK}:{self._udp}"]
         command = [sys.executable, "-m", "sil", "live", str(scenario), f"--bus=mcast:{bus}"]
         with self._words.open("wb") as words:
             self._process = subprocess.Popen(
-                [*command, f"--gcs={gcs}", f"--out={folder / 'out'}"],
+                [*command, *gcs, f"--out={folder / 'out'}"],
                 stdin=subprocess.DEVNULL,
                 stdout=words,
                 stderr=subprocess.STDOUT,
             )
+
+    def tcp_port(self) -> int:
+        """The port that the run has told."""
+        told: list[str] = []
+        self.until(
+            lambda: told.extend(re.findall(r"boat 1 is at tcp:127.0.0.1:(\d+)", self.words)) or told
+        )
+        return int(told[0])
+
+    @property
+    def address(self) -> str:
+        if self._udp is None:
+            return f"tcpout://{LOOPBACK}:{self.tcp_port()}"
+        return f"udpin://{LOOPBACK}:{self._udp}"
 
     @property
     def words(self) -> str:
@@ -77,11 +92,11 @@ class LiveFleet:
         assert boats and not any(boat.is_running() for boat in boats)
 
 
-@pytest.fixture
-def fleet(bus: int, tmp_path: Path) -> Iterator[LiveFleet]:
+@pytest.fixture(params=[False, True], ids=["udp", "tcp"])
+def fleet(bus: int, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[LiveFleet]:
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
-    with closing(LiveFleet(bus, tmp_path)) as fleet:
+    with closing(LiveFleet(bus, tmp_path, tcp=request.param)) as fleet:
         yield fleet
         print(fleet.words)
 

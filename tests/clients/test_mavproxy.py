@@ -7,7 +7,7 @@ from pathlib import Path
 import flotilla
 import pytest
 
-from tests.clients.boat import ESCS_SILENT, Sea, parameters
+from tests.clients.boat import BOTH_IDENTITIES, ESCS_SILENT, Sea, parameters
 from tests.clients.mavproxy_client import MavProxy
 from tests.turns import some
 
@@ -24,10 +24,11 @@ def shown(words: str) -> dict[str, float]:
     return {name: float(value) for name, value in lines}
 
 
-def test_all_parameters_are_fetched(ready: MavProxy) -> None:
+@BOTH_IDENTITIES
+def test_all_parameters_are_fetched(ready: MavProxy, autopilot: float) -> None:
     last = ready.tell("param show *", *parameters())
     ready.sea.beat()
-    assert shown(ready.words) == pytest.approx(parameters(), rel=1e-6), last
+    assert shown(ready.words) == pytest.approx(parameters(autopilot), rel=1e-6), last
 
 
 def test_a_parameter_is_set_and_the_boat_has_it(sea: Sea, ready: MavProxy) -> None:
@@ -42,6 +43,7 @@ def test_a_value_out_of_range_is_refused(sea: Sea, ready: MavProxy) -> None:
     assert sea.asked("LAW_KX") == pytest.approx(default)
 
 
+@BOTH_IDENTITIES
 def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: MavProxy) -> None:
     sea.until(lambda: sea.armable)
     ready.tell("arm throttle", "ARMED")
@@ -54,6 +56,7 @@ def test_the_operator_arms_enters_formation_holds_and_disarms(sea: Sea, ready: M
     sea.until(lambda: not sea.armed)
 
 
+@BOTH_IDENTITIES
 @pytest.mark.parametrize("mode", ["FOLLOW", "HOLD", "MANUAL", "6", "AUTO", "STEERING"])
 def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy, mode: str) -> None:
     sea.until(lambda: sea.armable)
@@ -73,6 +76,7 @@ def test_a_mode_is_entered_or_refused_with_a_sentence(sea: Sea, ready: MavProxy,
         assert not sea.driven()
 
 
+@BOTH_IDENTITIES
 def test_a_boat_is_sent_to_a_place_waits_and_is_called_home(sea: Sea, ready: MavProxy) -> None:
     sea.until(lambda: sea.armable)
     ready.tell("arm throttle", "ARMED")

@@ -17,7 +17,7 @@ from mavsdk.exceptions import MavsdkError
 from mavsdk.plugins.action.action import ActionError, ActionResult
 from mavsdk.plugins.component_metadata.component_metadata import MetadataType
 from mavsdk.plugins.follow_me import FollowMe
-from mavsdk.plugins.follow_me.follow_me import FollowMeResult
+from mavsdk.plugins.follow_me.follow_me import FollowMeError, FollowMeResult
 from mavsdk.plugins.ftp.ftp import FtpResult
 from mavsdk.plugins.log_files import LogFiles
 from mavsdk.plugins.log_files.log_files import LogFilesError, LogFilesResult
@@ -26,8 +26,9 @@ from mavsdk.plugins.mission.mission import MissionResult
 from mavsdk.plugins.offboard import Offboard
 from mavsdk.plugins.offboard.offboard import OffboardResult, VelocityNedYaw
 from mavsdk.plugins.param.param import ParamError, ParamResult
+from mavsdk.plugins.telemetry import FixType, FlightMode
 
-from tests.clients.boat import ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
+from tests.clients.boat import BOTH_IDENTITIES, ESCS_SILENT, OWN_STATE_STALE, Sea, parameters
 from tests.clients.mavsdk_client import MavsdkClient
 from tests.linux.process import ROOT
 from tests.target.course import Course
@@ -62,13 +63,18 @@ def silence_navigation(sea: Sea) -> None:
 # -- found
 
 
-def test_a_boat_is_found_as_an_autopilot_of_its_system_id(mavsdk: MavsdkClient) -> None:
+@BOTH_IDENTITIES
+def test_a_boat_is_found_as_an_autopilot_of_its_system_id(
+    mavsdk: MavsdkClient, autopilot: float
+) -> None:
     assert mavsdk.system.get_system_id() == BOAT
     assert mavsdk.system.has_autopilot()
-    assert mavsdk.system.autopilot_type() == Autopilot.GENERIC
+    said = Autopilot.ARDUPILOT if autopilot else Autopilot.GENERIC
+    assert mavsdk.system.autopilot_type() == said
     assert mavsdk.system.component_ids() == [1]
 
 
+@BOTH_IDENTITIES
 def test_a_boats_version_is_the_projects(mavsdk: MavsdkClient) -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     version = mavsdk.call(mavsdk.info.get_version)
@@ -180,6 +186,7 @@ def test_no_force_arms_against_a_failing_check(sea: Sea, mavsdk: MavsdkClient) -
 # -- what it says
 
 
+@BOTH_IDENTITIES
 def test_health_follows_the_freshness_of_the_own_state_both_ways(
     sea: Sea, mavsdk: MavsdkClient
 ) -> None:
@@ -236,6 +243,14 @@ def test_a_circling_boat_has_its_speed_along_the_circle(sea: Sea, mavsdk: Mavsdk
     )
 
 
+def test_the_units_fix_is_shown(sea: Sea, mavsdk: MavsdkClient) -> None:
+    told, raw = mavsdk.watch("gps_info"), mavsdk.watch("raw_gps")
+    sea.own.tells_fix = True
+    sea.until(lambda: told and raw and told[-1].num_satellites)
+    assert (told[-1].fix_type, told[-1].num_satellites) == (FixType.FIX_3D, 9)
+    assert raw[-1].latitude_deg == pytest.approx(1e-7 * ORIGIN[0])
+
+
 def intervals_ms(messages: list[Any]) -> list[int]:
     stamps = [m["time_boot_ms"] if isinstance(m, dict) else m.time_boot_ms for m in messages]
     return [b - a for a, b in pairwise(stamps)]
@@ -258,6 +273,7 @@ def test_rates_are_set_for_the_askers_link_alone(sea: Sea, mavsdk: MavsdkClient)
 # -- modes
 
 
+@BOTH_IDENTITIES
 def test_the_modes_are_listed_by_name(sea: Sea, mavsdk: MavsdkClient) -> None:
     heard = mavsdk.messages("AVAILABLE_MODES")
     assert mavsdk.command(REQUEST_MESSAGE, AVAILABLE_MODES, 0.0) == ACCEPTED
@@ -270,6 +286,7 @@ def test_the_modes_are_listed_by_name(sea: Sea, mavsdk: MavsdkClient) -> None:
     assert "FORMATION" in names[FORMATION] or "FOLLOW" in names[FORMATION]
 
 
+@BOTH_IDENTITIES
 def test_hold_of_mavsdk_stops_a_boat_in_formation(sea: Sea, mavsdk: MavsdkClient) -> None:
     modes = mavsdk.messages("CURRENT_MODE")
     assert mavsdk.command(SET_INTERVAL, float(CURRENT_MODE), 1e6) == ACCEPTED
@@ -318,6 +335,7 @@ def test_what_is_asked_of_a_px4_is_refused_and_changes_nothing(
         assert set(some(sea.raw_commands()[before:])) == {(0, 0)}
 
 
+@BOTH_IDENTITIES
 def test_goto_and_return_of_mavsdk(sea: Sea, mavsdk: MavsdkClient) -> None:
     places = mavsdk.watch("position")
     sea.until(lambda: sea.armable and places)
@@ -330,6 +348,25 @@ def test_goto_and_return_of_mavsdk(sea: Sea, mavsdk: MavsdkClient) -> None:
     sea.until(lambda: sea.state == "RTL")
     mavsdk.call(mavsdk.action.hold)
     sea.until(lambda: sea.state == "HOLD" and not sea.driven())
+
+
+@pytest.mark.parametrize("autopilot", [1.0])
+def test_a_boat_with_ardupilots_identity_shows_its_modes_and_is_driven_by_velocities(
+    sea: Sea, mavsdk: MavsdkClient
+) -> None:
+    shown = mavsdk.watch("flight_mode")
+    offboard = Offboard(mavsdk.system)
+    sea.until(lambda: sea.armable)
+    mavsdk.call(mavsdk.action.arm)
+    mavsdk.call(offboard.set_velocity_ned, VelocityNedYaw(0.4, 0.0, 0.0, 0.0))
+    mavsdk.call(offboard.start)
+    sea.until(lambda: sea.state == "GUIDED" and sea.driven())
+    sea.until(lambda: shown[-1:] == [FlightMode.OFFBOARD])
+    mavsdk.call(offboard.stop)
+    sea.until(lambda: sea.state == "HOLD" and shown[-1] == FlightMode.HOLD)
+    with pytest.raises(FollowMeError):
+        mavsdk.call(FollowMe(mavsdk.system).start)
+    assert sea.state == "HOLD"
 
 
 # -- files

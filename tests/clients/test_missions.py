@@ -14,7 +14,7 @@ import pytest
 from mavsdk.plugins.mission import Mission
 from mavsdk.plugins.mission.mission import MissionError, MissionItem, MissionPlan, MissionResult
 
-from tests.clients.boat import Sea, Waters
+from tests.clients.boat import BOTH_IDENTITIES, Sea, Waters
 from tests.clients.fleet_sea import FleetSea
 from tests.clients.mavproxy_client import MavProxy
 from tests.clients.mavsdk_client import MavsdkClient
@@ -23,10 +23,13 @@ METRES_TO_DEGREES = 180 / math.pi / 6_371_000
 CameraAction, VehicleAction = MissionItem.CameraAction, MissionItem.VehicleAction
 
 
+pytestmark = BOTH_IDENTITIES
+
+
 @pytest.fixture
-def fleet() -> Iterator[FleetSea]:
+def fleet(autopilot: float) -> Iterator[FleetSea]:
     """Two boats in FORMATION, the second behind the first."""
-    with closing(FleetSea()) as sea:
+    with closing(FleetSea(autopilot)) as sea:
         yield sea
         print(sea.words)
 

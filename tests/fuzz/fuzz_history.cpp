@@ -23,7 +23,9 @@ constexpr std::array kCommands{link::mav::kCmdComponentArmDisarm,
                                link::mav::kCmdMissionStart,
                                link::mav::kCmdDoPauseContinue,
                                link::mav::kCmdDoSetMissionCurrent,
-                               link::mav::kCmdDoFenceEnable};
+                               link::mav::kCmdDoFenceEnable,
+                               link::mav::kCmdNavReturnToLaunch,
+                               link::mav::kCmdGetHomePosition};
 /// Commands in plans; the last one is unknown to boats.
 constexpr std::array<std::uint16_t, 13> kItems{link::mav::kNavWaypoint,
                                                link::mav::kNavLoiterUnlimited,
@@ -142,7 +144,8 @@ void History<S>::ask(std::uint8_t what) {
     talkers_->tell(Talkers<S>::kOperator, link::CommandLong{number, param, boat_->boat().self(), 0},
                    now_us_);
   };
-  switch (what % 10) {
+  const auto mode = [&](std::uint8_t number) { command(mav::kCmdDoSetMode, {1, float(number)}); };
+  switch (what % 14) {
     case 0:
       return command(mav::kCmdComponentArmDisarm, {1});
     case 1:
@@ -160,7 +163,23 @@ void History<S>::ask(std::uint8_t what) {
     case 7:
       return command(mav::kCmdDoFlightTermination, {1});
     case 8:
-      return command(mav::kCmdDoSetMode, {1, app::mode::kAuto});
+      return mode(app::mode::kAuto);
+    case 9:
+      return mode(app::mode::kGuided);
+    case 10:
+      return mode(app::mode::kLoiter);
+    case 11:
+      return mode(app::mode::kReturn);
+    case 12: {
+      link::CommandInt there{};
+      there.command = mav::kCmdDoReposition;
+      there.param = {-1, 1};
+      there.x = own_.origin.latitude + 1500;  // about so many centimetres
+      there.y = own_.origin.longitude + 800;
+      there.target = boat_->boat().self();
+      there.frame = 6;
+      return talkers_->tell(Talkers<S>::kOperator, there, now_us_);
+    }
     default:
       // The host's word is on no wire: after noise there, nobody asks for the command.
       talkers_->bytes(std::array<std::uint8_t, 1>{}, false, now_us_, 0);
@@ -321,25 +340,33 @@ void History<S>::tick() {
   };
   thrust_N_ = {thrust_N(p.ESC_PORT, p.THR_PORT_DIR), thrust_N(p.ESC_STBD, p.THR_STBD_DIR)};
   states_reached |= core::in(boat_->boat().state());
+  if (boat_->boat().stored_id(app::Stored::kFence) != 0) {
+    states_fenced |= core::in(boat_->boat().state());
+  }
 }
 
 }  // namespace flotilla::fuzz
 
 namespace {
 
-void print_states() {
-  std::fprintf(stderr, "states reached:");
+void print_states(const char* title, unsigned states) {
+  std::fprintf(stderr, "%s:", title);
   for (unsigned i = 0; i < flotilla::core::kStates; ++i) {
-    if ((flotilla::fuzz::states_reached >> i & 1U) == 0) continue;
+    if ((states >> i & 1U) == 0) continue;
     const auto name = flotilla::app::name_of(static_cast<flotilla::core::State>(i));
     std::fprintf(stderr, " %.*s", static_cast<int>(name.size()), name.data());
   }
   std::fprintf(stderr, "\n");
 }
 
+void print_all() {
+  print_states("states reached", flotilla::fuzz::states_reached);
+  print_states("with a fence", flotilla::fuzz::states_fenced);
+}
+
 }  // namespace
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) { return std::atexit(print_states); }
+extern "C" int LLVMFuzzerInitialize(int*, char***) { return std::atexit(print_all); }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   return flotilla::fuzz::play<flotilla::fuzz::History>(data, size);

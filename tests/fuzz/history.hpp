@@ -49,8 +49,8 @@ enum Talk : std::uint8_t {
   kTalkImpostor = 128,  ///< another vessel under the leader's system id
 };
 
-/// States that any history of this process has reached, one bit each.
-inline unsigned states_reached = 0;
+/// States that any history of this process has reached, one bit each; with a fence.
+inline unsigned states_reached = 0, states_fenced = 0;
 
 template <class S>
 class History {

@@ -21,7 +21,8 @@ ROOT = Path(__file__).parents[2]
 OPS = re.findall(r"^  k(\w+),", (Path(__file__).parent / "history.hpp").read_text(), re.MULTILINE)
 ASKS = (
     *("arm", "formation", "manual", "hold", "disarm"),
-    *("test_port", "test_stbd", "terminate", "auto", "leave"),
+    *("test_port", "test_stbd", "terminate", "auto"),
+    *("guided", "loiter", "return", "goto", "leave"),
 )
 PARAMETERS = re.findall(
     r"^FLOTILLA_PARAMETER\(\"\w+\", (\w+), \"[^\"]*\", (\S+),",
@@ -33,7 +34,30 @@ ALL = NAVIGATION | LEADER | PORT | STBD | OPERATOR
 
 
 # Three waypoints, a speed and a delay: command, two parameters + 20, place.
+WAYPOINT, CIRCLE_IN, CIRCLE_OUT, CORNER_IN, CORNER_OUT, RALLY = 0, 8, 9, 6, 7, 11
 PLAN = [5, 0, 20, 20, 5, 0, 4, 21, 21, 0, 0, 0, 22, 20, 8, 8, 3, 21, 20, 0, 0, 0, 20, 22, 0, 9]
+
+
+def stored(kind: int, *items: tuple[int, int, int, int]) -> bytes:
+    """A plan (0), fence (1) or rally points (2): command, its parameter, metres north and east."""
+    out = [kind << 4 | len(items)]
+    for command, parameter, north, east in items:
+        out += [command, parameter + 20, 20, north & 255, east & 255]
+    return bytes(out)
+
+
+def corners(command: int, half: int) -> list[tuple[int, int, int, int]]:
+    """A square round the origin."""
+    return [(command, 4, n * half, e * half) for n, e in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+
+
+FENCES = {
+    "circle": stored(1, (CIRCLE_IN, 50, 0, 0)),
+    "square": stored(1, *corners(CORNER_IN, 40), (CIRCLE_OUT, 3, 20, 20)),
+    "small": stored(1, (CIRCLE_IN, 8, 0, 0)),
+    "outside": stored(1, *corners(CORNER_OUT, 3), (CIRCLE_IN, 90, 0, 0)),
+}
+ROUTE = stored(0, (WAYPOINT, 0, 8, 0), (WAYPOINT, 2, 8, 8), (WAYPOINT, 0, 0, 8))
 
 
 class History:
@@ -110,6 +134,7 @@ def histories() -> Iterator[tuple[str, bytes]]:
         led = History(kind).talk(ALL).op("Step", 2).sail(20).op("Plan", *PLAN)
         led.sail(2).ask("arm").sail(20).ask("auto").sail(200)
         yield f"plan_{kind}", led.ask("hold").sail(3).ask("auto").sail(200).bytes
+    yield from fenced()
     yield (
         "bus",
         History().cast_off().op("Host", 1).sail(3).op("Host", 0).ask("disarm").sail(9).bytes,
@@ -147,3 +172,30 @@ def histories() -> Iterator[tuple[str, bytes]]:
         if "_2_" in name and len(frame) < 255:
             said = History().cast_off().op("Bytes", bytes([REPAIRED, len(frame)]) + frame)
             yield f"said_{name}", said.sail(10).bytes
+
+
+def fenced() -> Iterator[tuple[str, bytes]]:
+    """Boats inside a fence, and at it: AUTO, GUIDED, LOITER, RTL, and back to a rally point."""
+    rally = stored(2, (RALLY, 0, 5, 5), (RALLY, 0, -20, 3))
+    for name, fence in FENCES.items():
+        for kind in (0, 3, COMPANION, 64):  # 3: four links, ArduPilot's identity; 64: Q16
+            boat = History(kind).talk(ALL).op("Step", 2).sail(20)
+            boat.op("Plan", fence).op("Plan", rally).op("Plan", ROUTE).sail(2)
+            boat.ask("arm").sail(10)
+            yield f"fenced_auto_{name}_{kind}", boat.bytes + more("auto", 250)
+            went = more("goto", 60) + more("loiter", 40) + more("return", 150)
+            yield f"fenced_guided_{name}_{kind}", boat.bytes + went
+    for act in range(3):
+        boat = History().talk(ALL).op("Step", 2).sail(9).set("FS_FENCE_ACT", act).sail(2)
+        boat.op("Plan", FENCES["small"]).op("Plan", rally).cast_off()
+        leader = struct.pack("<hhbbb", 200, 0, 0, 20, 0)
+        yield f"at_the_fence_{act}", boat.op("Step", 2).op("Vessel", 1, leader).sail(250).bytes
+    for asked in ("guided", "loiter", "return", "goto"):
+        boat = History().talk(ALL).op("Step", 2).sail(20).ask("arm").sail(10)
+        lost = boat.bytes + more(asked, 60) + History().talk(ALL & ~NAVIGATION).sail(60).bytes[1:]
+        yield f"{asked}_lost", lost
+
+
+def more(what: str, ticks: int) -> bytes:
+    """A request, and the ticks after it."""
+    return History().ask(what).sail(ticks).bytes[1:]

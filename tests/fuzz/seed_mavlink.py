@@ -3,7 +3,7 @@
 
 import random
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -21,7 +21,10 @@ CLOCK = 40_000_000_000_000
 MINUTE = 6_000_000
 COMMANDS: dict[int, list[tuple[float, ...]]] = {
     400: [(1, 0), (0, 0), (1, 21196), (1, 5), (2, 0)],
-    176: [(1, 0), (1, 4), (1, 6), (0, 6), (1, 5), (1, 10), (1, 4, 4)],
+    176: [(1, 0), (1, 4), (1, 6), (0, 6), (1, 5), (1, 10), (1, 11), (1, 15), (1, 4, 4)],
+    20: [()],
+    207: [(0,), (1,)],
+    410: [()],
     193: [(0,), (1,)],
     224: [(0,), (3,)],
     209: [(1, 0, 10, 1), (2, 0, -10, 1, 1), (1, 0, 90, 1), (3, 0, 10, 1)],
@@ -35,7 +38,30 @@ COMMANDS: dict[int, list[tuple[float, ...]]] = {
     520: [()],
     7: [()],
 }
-ASKED = [0, 1, 2, 30, 32, 33, 49, 62, 85, 144, 147, 148, 242, 244, 245, 251, 290, 291, 300, 331]
+ASKED = [
+    0,
+    1,
+    2,
+    24,
+    30,
+    32,
+    33,
+    49,
+    62,
+    74,
+    85,
+    144,
+    147,
+    148,
+    242,
+    244,
+    245,
+    251,
+    290,
+    291,
+    300,
+    331,
+]
 ASKED += [396, 397, 435, 436, 9999]
 
 
@@ -151,6 +177,24 @@ def questions() -> Iterator[tuple[str, bytes]]:
             yield f"set_{name}_{value}", asked + ticks
     yield "set_integer", chunk(client.say("PARAM_SET", 1, 1, b"ESC_PORT", 2, 6), TICK)
     yield "plan", b"".join(chunk(frame, TICK) for frame in plan(client)) + ticks
+    for kind, name in ((1, "fence"), (2, "rally")):
+        yield name, b"".join(chunk(frame, TICK) for frame in zones(client, kind)) + ticks
+    for current in (2, 3):
+        yield f"go_here_{current}", chunk(item(client, 0, 16, (0, 0, 0, 0), current), TICK) + ticks
+    place = client.say("COMMAND_INT", 1, 1, 6, 192, 0, 0, -1, 1, 0, 0, 410000100, 20000100, 0)
+    yield "reposition", chunk(place, TICK) + ticks
+    for mask in (0xFFF8, 0xFFC7, 0x07C7, 0):
+        local = (0, 1, 1, 1, mask, 5, 5, 0, 0.4, 0, 0, 0, 0, 0, 0, 0.1)
+        yield f"local_{mask}", chunk(client.say("SET_POSITION_TARGET_LOCAL_NED", *local), TICK)
+        globe = (0, 1, 1, 6, mask, 410000100, 20000100, 0, 0.4, 0, 0, 0, 0, 0, 0, 0)
+        yield f"global_{mask}", chunk(client.say("SET_POSITION_TARGET_GLOBAL_INT", *globe), TICK)
+    yield "logs", chunk(client.say("LOG_REQUEST_LIST", 1, 1, 0, 0xFFFF), TICK) + ticks
+    for number, offset, count in ((1, 0, 200), (2, 90, 0xFFFFFFFF), (0, 0, 1), (9, 0, 90)):
+        listed = chunk(client.say("LOG_REQUEST_LIST", 1, 1, 0, 0xFFFF), TICK) + ticks
+        data = client.say("LOG_REQUEST_DATA", 1, 1, number, offset, count)
+        gap = client.say("LOG_REQUEST_DATA", 1, 1, number, 0, 90)
+        ended = chunk(client.say("LOG_REQUEST_END", 1, 1), TICK)
+        yield f"log_{number}", listed + chunk(data, TICK) + chunk(gap, 0) + ticks + ended
     for index in (-1, 0, 3, 999):
         yield f"read_{index}", chunk(client.say("PARAM_REQUEST_READ", 1, 1, b"MODE", index), TICK)
     yield "list", chunk(client.say("PARAM_REQUEST_LIST", 1, 0), TICK) + ticks * 3
@@ -164,25 +208,32 @@ def plan(client: Client) -> Iterator[bytes]:
         (1, 178, (1, 0.5, -1, 0)),
         (2, 19, (3, 0, 0, 0)),
     ):
-        yield client.say(
-            "MISSION_ITEM_INT",
-            1,
-            1,
-            seq,
-            6,
-            command,
-            0,
-            1,
-            *params,
-            410000000,
-            20000000 + seq,
-            0,
-            0,
-        )
+        yield item(client, seq, command, params)
     yield client.say("MISSION_REQUEST_LIST", 1, 1, 0)
     yield client.say("MISSION_REQUEST_INT", 1, 1, 2, 0)
     yield client.say("MISSION_SET_CURRENT", 1, 1, 1)
     yield client.say("MISSION_CLEAR_ALL", 1, 1, 0)
+
+
+def item(
+    client: Client, seq: int, command: int, params: Sequence[float], current: int = 0, kind: int = 0
+) -> bytes:
+    """An item of a plan, fence or rally points; each lies 10 m from the one before."""
+    place = (410000000 + 900 * (seq % 2), 20000000 + 1200 * (seq // 2))
+    head = (1, 1, seq, 6, command, current, 1)
+    return client.say("MISSION_ITEM_INT", *head, *params, *place, 0, kind)
+
+
+def zones(client: Client, kind: int) -> Iterator[bytes]:
+    """The dialogue of a fence of a triangle and two circles, or of five rally points."""
+    fence = [(5001, 3), (5001, 3), (5001, 3), (5003, 50), (5004, 2)]
+    items = fence if kind == 1 else [(5100, 0)] * 5
+    yield client.say("MISSION_COUNT", 1, 1, len(items), kind)
+    for seq, (command, parameter) in enumerate(items):
+        yield item(client, seq, command, (parameter, 0, 0, 0), kind=kind)
+    yield client.say("MISSION_REQUEST_LIST", 1, 1, kind)
+    yield client.say("MISSION_REQUEST_INT", 1, 1, 1, kind)
+    yield client.say("MISSION_CLEAR_ALL", 1, 1, 255)
 
 
 def radio() -> bytes:

@@ -25,6 +25,7 @@ inline Setup setup_of(std::uint8_t kind) {
     setup.parameters.MAV_IDENTITY = 1;
     setup.parameters.MAV_COMPID = 191;
   }
+  if (setup.links == 4) setup.parameters.MAV_AUTOPILOT = 1;
   setup.parameters.NAV_LAG_S = setup.parameters.FORM_LAG_S = 0;  // few answer TIMESYNC in time
   if ((kind & 32U) != 0) setup.parameters.FS_SEP_M = 3;          // it looks for other vessels
   return setup;

@@ -37,6 +37,7 @@ class WatchedBoat {
         self_(boat_.self()) {
     boat_.secure(kKey, kSigningClock, 0);
     boat_.set_policy(0, setup.policy);
+    boat_.logs().open();
     verifier_.start(kKey, 0, 0);
   }
 
@@ -82,6 +83,7 @@ class WatchedBoat {
     for (std::size_t link = 0; link < setup_.links; ++link)
       judge_link(out.links->bytes(link), link);
     self_ = boat_.self();
+    bring_logs();
     judge_snapshot(boat_.snapshot());
     const auto violation = monitor_.ticked(boat_, out, now_us);
     require(!violation, violation ? violation->name.data() : "");
@@ -90,6 +92,18 @@ class WatchedBoat {
 
  private:
   static constexpr std::uint8_t kTimesync = 111;
+
+  /// The host's logs: one is empty, one is shorter than its list says.
+  void bring_logs() {
+    static constexpr std::array<app::StoredLog, 4> kList{{{0, 1}, {200, 2}, {99'999, 3}, {7, 4}}};
+    static constexpr std::array<std::uint8_t, 500> kBytes{1, 2, 3};
+    const Guard guard;
+    const auto wish = boat_.logs().wish();
+    if (!wish) return;
+    if (wish->list) return boat_.logs().bring_list(kList);
+    const std::size_t at = std::min<std::size_t>(wish->offset, kBytes.size());
+    boat_.logs().bring(*wish, std::span(kBytes).subspan(at));
+  }
 
   void judge_bus(std::span<const link::CanFrame> frames, std::int64_t now_us) {
     int commands = 0;

@@ -22,7 +22,7 @@ from tests.target.plans import (
     plan_of,
     speed,
 )
-from tests.target.sea import Sea, Tick, acks, named, texts
+from tests.target.sea import Sea, Tick, acks, assert_finite, named, texts
 from tests.target.stations import (
     ACCEPTED,
     BOAT,
@@ -105,6 +105,17 @@ def test_the_corner_is_rounded_within_its_radius() -> None:
         sea.run(1.0)
         nearest = min(nearest, math.dist(place(sea), (10, 0)))
     assert 0.2 < nearest < 0.55
+
+
+@pytest.mark.parametrize("mode", [AUTO, 5, 11, 15])
+def test_a_tick_in_which_the_clock_stands_still_leaves_every_number_finite(mode: int) -> None:
+    sea = at_sea(CORNER)
+    sea.mode(mode)
+    sea.run(3.0)
+    for _ in range(3):
+        sea.boat.tick(sea.now_us)
+        assert_finite(sea.snapshot())
+    assert sea.state not in ("HOLD", "FAULT")
 
 
 @pytest.mark.parametrize("way", ["mode", "command", "standard mode", "PX4's"])

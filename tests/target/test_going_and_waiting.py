@@ -9,7 +9,17 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.hull import Afloat
-from tests.target.plans import Item, at
+from tests.target.plans import (
+    ITEM_ACCEPTED,
+    REFUSED,
+    SPEED,
+    UNSUPPORTED_FRAME,
+    UNSUPPORTED_ITEM,
+    Item,
+    at,
+    plan_of,
+)
+from tests.target.plans import LOITER as LOITER_ITEM
 from tests.target.sea import Tick, acks, texts
 from tests.target.stations import (
     ACCEPTED,
@@ -78,6 +88,52 @@ def test_the_speed_of_a_target_is_kept() -> None:
     sea = guided(20.0, speed_mps=0.3)
     sea.run(20.0)
     assert sea.hull.seen.u == pytest.approx(0.3, abs=0.01)
+
+
+def go_here(
+    sea: Afloat, to: Item, current: int = 2, frame: int = 6, sender: Station | None = None
+) -> Tick:
+    """ArduPilot's clients' MISSION_ITEM_INT that is no item of a plan."""
+    item = to._replace(frame=frame).message(0)
+    item.current = current
+    sea.say(item, sender=sender)
+    return sea.step()
+
+
+def mission_acks(tick: Tick) -> list[int]:
+    assert not acks(tick)
+    return [m.type for m in tick.named("MISSION_ACK")]
+
+
+def test_go_here_of_ardupilots_clients_is_a_target_in_guided() -> None:
+    sea = guided(20.0)
+    assert mission_acks(go_here(sea, at(5, 10))) == [ITEM_ACCEPTED]
+    sea.run(60.0)
+    assert place(sea) == pytest.approx((5, 10), abs=0.05) and sea.state == "GUIDED"
+    assert plan_of(sea) == []
+
+
+def test_go_here_changes_no_mode_and_a_change_of_altitude_nothing() -> None:
+    sea = at_sea([])
+    tick = go_here(sea, at(5, 0))
+    assert mission_acks(tick) == [REFUSED]
+    assert "Refused: target without GUIDED" in texts([tick, sea.step()])
+    sea.mode(GUIDED)
+    for current in (3, 4, 255):
+        assert mission_acks(go_here(sea, at(5, 0), current)) == [UNSUPPORTED_ITEM]
+    for command in (LOITER_ITEM, SPEED):
+        assert mission_acks(go_here(sea, at(5, 0)._replace(command=command))) == [UNSUPPORTED_ITEM]
+    assert mission_acks(go_here(sea, at(3000, 0))) == [REFUSED]
+    assert mission_acks(go_here(sea, at(5, 0), frame=1)) == [UNSUPPORTED_FRAME]
+    sea.run(20.0)
+    assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+def test_go_here_is_for_who_may_command() -> None:
+    sea = at_sea([], {"MAV_GCS_SYSID": GCS})
+    sea.mode(GUIDED)
+    assert mission_acks(go_here(sea, at(5, 0), sender=Station(9, 190))) == [REFUSED]
+    assert mission_acks(go_here(sea, at(5, 0))) == [ITEM_ACCEPTED]
 
 
 @pytest.mark.parametrize("speed_mps", [0.01, 1.6, 6.0, -2.0, math.inf])

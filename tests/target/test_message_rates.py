@@ -140,7 +140,7 @@ def test_an_interval_of_no_message_is_denied(settled: Sea, message_id: float) ->
     assert ask(settled, message_id, 1e5) == DENIED
 
 
-@pytest.mark.parametrize("message_id", [4, 24, 22, 74, 148, 244, 253, 331, 397, 435, 9999])
+@pytest.mark.parametrize("message_id", [4, 25, 22, 73, 148, 244, 253, 331, 397, 435, 9999])
 def test_an_interval_of_what_never_comes_by_itself_is_unsupported(
     settled: Sea, message_id: int
 ) -> None:

@@ -78,7 +78,7 @@ def test_a_command_int_asks_for_the_same(quiet: Sea, message_id: int) -> None:
 
 # Messages that a boat lacks, an operator's own messages, numbers beyond all messages.
 @pytest.mark.parametrize(
-    "message_id", [4, 11, 20, 22, 24, 47, 66, 74, 76, 77, 111, 253, 410, 437, 9999, 65535, 12900]
+    "message_id", [4, 11, 20, 22, 25, 47, 66, 73, 76, 77, 111, 253, 410, 437, 9999, 65535, 12900]
 )
 def test_a_message_that_a_boat_lacks_is_refused_at_once(quiet: Sea, message_id: int) -> None:
     assert answered(quiet.order(REQUEST, message_id), REQUEST, UNSUPPORTED) == []
@@ -227,7 +227,7 @@ def test_a_boat_knows_how_often_it_says_what(sea: Sea, message_id: int, interval
         assert (told.message_id, told.interval_us) == (message_id, interval_us)
 
 
-@pytest.mark.parametrize("message_id", [24, 74, 148, ODOMETRY, 435, 9999])
+@pytest.mark.parametrize("message_id", [25, 73, 148, ODOMETRY, 435, 9999])
 def test_what_never_comes_by_itself_has_no_interval(sea: Sea, message_id: int) -> None:
     sea.run(1.15)
     (told,) = answered(sea.order(GET_INTERVAL, message_id), GET_INTERVAL, ACCEPTED)

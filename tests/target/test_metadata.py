@@ -123,6 +123,10 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
             {"value": 0, "description": "vehicle"},
             {"value": 1, "description": "companion"},
         ],
+        "MAV_AUTOPILOT": [
+            {"value": 0, "description": "GENERIC"},
+            {"value": 1, "description": "ARDUPILOTMEGA"},
+        ],
         "FORM_FRAME": [
             {"value": 0, "description": "north-east"},
             {"value": 1, "description": "ahead-starboard"},
@@ -138,4 +142,5 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
 
 def test_what_takes_effect_at_the_next_start_says_so() -> None:
     restart = {entry["name"] for entry in DESCRIBED if entry["rebootRequired"]}
-    assert {"MAV_SYSID", "MAV_COMPID", "MAV_IDENTITY", "CAN_NODE", "CTL_RATE"} == restart
+    identity = {"MAV_SYSID", "MAV_COMPID", "MAV_IDENTITY", "MAV_AUTOPILOT"}
+    assert {*identity, "CAN_NODE", "CTL_RATE"} == restart

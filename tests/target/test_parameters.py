@@ -22,6 +22,7 @@ DESIGN_NAMES = [
     "MAV_SYSID",
     "MAV_COMPID",
     "MAV_IDENTITY",
+    "MAV_AUTOPILOT",
     "MAV_GCS_SYSID",
     "FORM_LEADER",
     "FORM_OFS_N",
@@ -128,7 +129,9 @@ def test_a_parameter_says_its_unit_its_range_and_one_sentence(p: dict[str, Any])
 
 @EACH
 def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[str, Any]) -> None:
-    assert p["kind"] in ("real", "whole", "sign", "identity", "frame", "switch", "action", "stop")
+    choices = ("identity", "autopilot", "frame", "switch", "action", "stop")
+    assert p["kind"] in ("real", "whole", "sign", *choices)
+    assert (p["kind"] == "autopilot") == (p["name"] == "MAV_AUTOPILOT")
     assert p["integer"] == (p["kind"] != "real")
     assert p["change"] in ("anytime", "disarmed", "restart")
     assert (p["kind"] == "sign") == p["name"].endswith("_DIR")

@@ -47,10 +47,8 @@ NO_ONE = {
         mavlink.MAVLink_set_gps_global_origin_message(BOAT, 1, 2, 3),
         mavlink.MAVLink_set_home_position_message(BOAT, 1, 2, 3, 0, 0, 0, [1.0, 0, 0, 0], 0, 0, 0),
     ],
-    "Refused: logs are on the boat's disk": [
-        mavlink.MAVLink_log_request_data_message(BOAT, 1, 0, 0, 90),
-        mavlink.MAVLink_log_erase_message(BOAT, 1),
-    ],
+    "Refused: no logs are kept": [mavlink.MAVLink_log_request_data_message(BOAT, 1, 0, 0, 90)],
+    "Refused: logs are not erased from afar": [mavlink.MAVLink_log_erase_message(BOAT, 1)],
 }
 
 

@@ -7,11 +7,22 @@ import math
 from collections.abc import Callable
 
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
 
 from tests.target.course import Course, wrap
 from tests.target.geodesy import Globe
-from tests.target.sea import PAPER, Sea, acks, named
-from tests.target.stations import FORMATION, ORIGIN, origin
+from tests.target.sea import PAPER, Sea, acks, at_sea, named
+from tests.target.stations import (
+    BOAT,
+    FORMATION,
+    LEADER,
+    NAVIGATION,
+    ORIGIN,
+    REQUEST_MESSAGE,
+    TEMPORARILY_REJECTED,
+    Station,
+    origin,
+)
 from tests.target.test_other_nodes import FOREIGN
 from tests.turns import some
 
@@ -270,3 +281,47 @@ def test_followers_see_the_boat_at_the_height_of_its_lake(sea: Sea) -> None:
     sea.run(1.0)
     (target,), (place,) = sea.ask(144), sea.ask(33)
     assert target.alt * 1000 == pytest.approx(place.alt, abs=1) == ORIGIN[2]
+
+
+def test_the_heads_up_display_has_speed_and_heading() -> None:
+    sea = Sea(own=SAIL)
+    told = named(sea.run(5.0), "VFR_HUD")
+    assert 5 <= len(told) <= 6
+    assert told[-1].groundspeed == pytest.approx(math.hypot(SAIL.u, SAIL.v), abs=0.01)
+    truth = math.degrees(sea.own.truth(sea.now_us).psi) % 360
+    assert told[-1].heading == pytest.approx(truth, abs=3.5)  # turns by 2.9 degrees a second
+    assert told[-1].alt == pytest.approx(1e-3 * ORIGIN[2])
+    assert told[-1].climb == told[-1].airspeed == told[-1].throttle == 0
+
+
+def test_the_throttle_is_the_share_of_both_propellers_thrust() -> None:
+    sea = at_sea({"THR_SLEW": 0.0})
+    before = sea.commands
+    (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_VFR_HUD)
+    shares = [50 * sum(map(abs, each)) / 8191 for each in (before, sea.commands)]
+    assert told.throttle == pytest.approx(shares[0], abs=2 + abs(shares[0] - shares[1]))
+    assert told.throttle > 5
+
+
+def test_the_units_own_fix_is_handed_on_while_it_is_told() -> None:
+    sea = Sea()
+    sea.own.tells_fix = False
+    sea.settle()
+    asked = (REQUEST_MESSAGE, float(mavlink.MAVLINK_MSG_ID_GPS_RAW_INT))
+    assert not named(sea.run(3.0), "GPS_RAW_INT")
+    assert acks(sea.order(int(asked[0]), asked[1])) == [(REQUEST_MESSAGE, TEMPORARILY_REJECTED)]
+    place = (ORIGIN[0] + 3, ORIGIN[1] - 4, 490_500)
+    fix = mavlink.MAVLink_gps_raw_int_message(
+        7, 5, *place, 121, 65535, 37, 9000, 17, 1, 20, 30, 4, 5, 600
+    )
+    ticks = []
+    for _ in range(15):
+        sea.say(fix, sender=Station(BOAT, NAVIGATION))
+        ticks += sea.run(0.2)
+    told = named(ticks, "GPS_RAW_INT")
+    assert 2 <= len(told) <= 4
+    assert {m.to_json() for m in told} == {fix.to_json()}
+    sea.run(2.0)
+    for stranger in (Station(BOAT, NAVIGATION + 1), Station(LEADER, 1)):
+        sea.say(fix, sender=stranger)
+    assert acks(sea.order(int(asked[0]), asked[1])) == [(REQUEST_MESSAGE, TEMPORARILY_REJECTED)]

@@ -2,6 +2,7 @@
 #include "app/convert/convert_telemetry.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "app/convert/portable.hpp"
@@ -72,6 +73,19 @@ link::GlobalPositionInt global_position_of(const OwnState& state, std::uint32_t 
   const auto hdg = static_cast<std::uint16_t>((portable::nearest(turn_cdeg) + 72'000) % 36'000);
   return {time_boot_ms,    at.latitude, at.longitude, state.origin.altitude, 0, cm_per_s(v_n.x),
           cm_per_s(v_n.y), 0,           hdg};
+}
+
+link::VfrHud vfr_hud_of(const OwnState& state, const core::Thrust<double>& thrust_N,
+                        double most_N) {
+  constexpr double kWhole = 100;
+  const GlobalPoint at = global_of({state.north_m, state.east_m, state.origin});
+  const double turn_deg = kDegreesPerRadian * (state.psi_rad - at.turn_rad);
+  const double both_N = std::abs(thrust_N.port) + std::abs(thrust_N.stbd);
+  const double share = most_N > 0 ? both_N / (2 * most_N) : 0;
+  return {static_cast<float>(portable::hypot(state.v_n.x, state.v_n.y)),
+          static_cast<float>(state.origin.altitude * 1e-3),
+          static_cast<std::int16_t>((portable::nearest(turn_deg) + 720) % 360),
+          static_cast<std::uint16_t>(portable::nearest(kWhole * std::min(share, 1.0)))};
 }
 
 link::FollowTarget follow_target_of(const OwnState& state, std::uint64_t timestamp_ms) {

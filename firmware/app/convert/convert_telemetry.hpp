@@ -47,6 +47,9 @@ link::LocalPositionNed local_position_of(const OwnState& state, std::uint32_t ti
 link::GlobalPositionInt global_position_of(const OwnState& state, std::uint32_t time_boot_ms);
 link::FollowTarget follow_target_of(const OwnState& state, std::uint64_t timestamp_ms);
 
+/// Throttle: thrust of both propellers, ahead or astern, in percent of what they give ahead.
+link::VfrHud vfr_hud_of(const OwnState& state, const core::Thrust<double>& thrust_N, double most_N);
+
 /// LOCAL_NED, velocity in BODY_FRD. Sent only on request: an autopilot that hears it would take it
 /// for its own external vision.
 link::Odometry odometry_of(const OwnState& state, std::uint32_t time_boot_ms);

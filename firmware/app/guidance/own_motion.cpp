@@ -55,7 +55,18 @@ void OwnMotion<S>::take(const link::Received& received, std::size_t link, std::i
   track_.take(received, now_us, counters);
   if (track_.unit() != unit) latency_.forget();
   if (track_.accepted(now_us)) link_ = link;
-  if (track_.is_from_unit(received.from)) quality_.take(received, limits_, now_us);
+  if (!track_.is_from_unit(received.from)) return;
+  quality_.take(received, limits_, now_us);
+  if (const auto* gps = std::get_if<link::GpsRawInt>(&received.message)) {
+    gps_ = *gps;
+    gps_us_ = now_us;
+  }
+}
+
+template <class S>
+std::optional<link::GpsRawInt> OwnMotion<S>::gps(std::int64_t now_us) const {
+  constexpr std::int64_t kOld_us = 2'000'000;
+  return gps_us_ && now_us - *gps_us_ < kOld_us ? std::optional(gps_) : std::nullopt;
 }
 
 template <class S>

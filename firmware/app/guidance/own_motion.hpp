@@ -39,6 +39,8 @@ class OwnMotion {
   /// A unit was first heard while the boat was armed. It is ignored, as it may be anybody's.
   bool take_stranger() { return std::exchange(stranger_, false); }
   const UnitQuality& quality() const { return quality_; }
+  /// The unit's last GPS_RAW_INT, unless it is two seconds old.
+  std::optional<link::GpsRawInt> gps(std::int64_t now_us) const;
 
   /// Predicts the motion over `since`, s, under the wrench given, and corrects it by a new fix. A
   /// disarmed boat may be carried about, so it is tracked like a leader.
@@ -74,6 +76,8 @@ class OwnMotion {
   bool stranger_ = false;
   UnitLatency latency_;
   UnitQuality quality_;
+  link::GpsRawInt gps_{};
+  std::optional<std::int64_t> gps_us_;
   UnitQuality::Limits limits_;
   ResponseMonitor<S> response_;
 };

@@ -124,6 +124,7 @@ class Pilot {
   std::optional<double> latency_s() const;
 
   const UnitQuality& own_quality() const { return own_.quality(); }
+  std::optional<link::GpsRawInt> gps(std::int64_t now_us) const { return own_.gps(now_us); }
   bool take_stranger() { return own_.take_stranger(); }
 
   /// Nothing where TIMESYNC does not tell it and no latency is known.

@@ -82,6 +82,7 @@ S pace(S off_m, bool paused) {
 template <class S>
 void PlanVessel<S>::drive(const core::Drive<S>& desired, S off_m, bool paused, S dt) {
   constexpr int kLongWay_m = 500;
+  if (!(S(0) < dt)) return;
   core::Motion<S>& motion = state_.motion;
   if (S(kLongWay_m) < core::abs(motion.moved_n.x) || S(kLongWay_m) < core::abs(motion.moved_n.y)) {
     from_ = place();
@@ -94,6 +95,7 @@ void PlanVessel<S>::drive(const core::Drive<S>& desired, S off_m, bool paused, S
 template <class S>
 void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
   constexpr std::size_t kPassed = 3;  // points behind that are kept
+  if (!(S(0) < dt)) return;           // a tick in which the clock stood still
   core::route_forward(limits_, points(), state_, pace(off_m, paused), dt);
   if (state_.next <= kPassed) return;
   const std::size_t passed = state_.next - 1;

@@ -218,10 +218,27 @@ std::optional<Command> command_of(const RequestMessage& message) {
                    false,
                    false};
   }
+  if (is_go_here(message)) {
+    const auto& m = std::get<link::MissionItemInt>(message);
+    constexpr double kSameSpeed = -1;
+    return Command{mav::kCmdDoReposition,
+                   {kSameSpeed, 0, 0, 0, double(m.x), double(m.y), double{m.z}},
+                   m.target,
+                   false,
+                   false,
+                   m.frame};
+  }
   if (const auto* m = std::get_if<link::MissionSetCurrent>(&message)) {
     return Command{mav::kCmdDoSetMissionCurrent, {double(m->seq)}, m->target, false, false};
   }
   return std::nullopt;
+}
+
+bool is_go_here(const RequestMessage& message) {
+  constexpr std::uint8_t kGoHere = 2;
+  const auto* m = std::get_if<link::MissionItemInt>(&message);
+  return m != nullptr && m->current == kGoHere && m->command == mav::kNavWaypoint &&
+         m->mission_type == mav::kMissionTypePlan;
 }
 
 bool is_disarm(const Command& c) { return c.id == mav::kCmdComponentArmDisarm && c.param[0] == 0; }
@@ -269,6 +286,8 @@ DecodedCommand meaning_of(const Command& c) {
       return message(c.param[0], c.param[1]);
     case mav::kCmdGetMessageInterval:
       return whole(c.param[0], 65535) ? message(link::MessageInterval::kId, c.param[0]) : denied();
+    case mav::kCmdGetHomePosition:
+      return message(link::HomePosition::kId, 0);
     case mav::kCmdRequestAutopilotCapabilities:
       return message(link::AutopilotVersion::kId, 0);
     case mav::kCmdRequestProtocolVersion:

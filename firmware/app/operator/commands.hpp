@@ -24,19 +24,23 @@ using RequestMessage =
                  link::Timesync, link::Ping, link::MissionRequestList, link::MissionCount,
                  link::MissionClearAll, link::MissionRequest, link::MissionRequestInt,
                  link::MissionItem, link::MissionItemInt, link::MissionAck, link::MissionSetCurrent,
-                 link::LogRequestList, link::SetPositionTargetLocalNed,
-                 link::SetPositionTargetGlobalInt>;
+                 link::LogRequestList, link::LogRequestData, link::LogRequestEnd,
+                 link::SetPositionTargetLocalNed, link::SetPositionTargetGlobalInt>;
 
-/// COMMAND_LONG, COMMAND_INT, SET_MODE or MISSION_SET_CURRENT in one form.
+/// COMMAND_LONG, COMMAND_INT, SET_MODE, MISSION_SET_CURRENT, or a MISSION_ITEM_INT that is "go here",
+/// in one form.
 struct Command {
   std::uint16_t id;
   std::array<double, 7> param;  ///< as received; unused ones may be NaN
   link::Address target;
-  bool repeated = false;  ///< a retransmission (COMMAND_LONG.confirmation)
-  bool wants_ack = true;  ///< false for the last two, messages without acknowledgement
+  bool repeated = false;                ///< a retransmission (COMMAND_LONG.confirmation)
+  bool wants_ack = true;                ///< COMMAND_ACK; the last three have none
   std::optional<std::uint8_t> frame{};  ///< of a COMMAND_INT, whose place is in degE7
 };
 std::optional<Command> command_of(const RequestMessage& message);
+
+/// ArduPilot's "go here": a waypoint that is no item of a plan, answered with a MISSION_ACK.
+bool is_go_here(const RequestMessage& message);
 
 bool is_disarm(const Command& command);
 

@@ -17,10 +17,18 @@ namespace flotilla::app {
 class Identity {
  public:
   explicit Identity(const Configuration::Start& start)
-      : self_{start.system, start.component}, companion_(start.companion) {}
+      : self_{start.system, start.component},
+        companion_(start.companion),
+        ardupilot_(start.ardupilot) {}
 
   link::Address self() const { return self_; }
   bool companion() const { return companion_; }
+
+  /// MAV_AUTOPILOT of the heartbeat.
+  std::uint8_t autopilot() const {
+    if (companion_) return link::mav::kAutopilotInvalid;
+    return ardupilot_ ? link::mav::kAutopilotArdupilot : link::mav::kAutopilotGeneric;
+  }
 
   /// A message for this target is for us, perhaps among others.
   bool addressed(link::Address target) const {
@@ -59,7 +67,7 @@ class Identity {
   }
 
   link::Address self_;
-  bool companion_;
+  bool companion_, ardupilot_;
   bool latched_ = false;
   bool several_ = false;
   std::uint8_t autopilot_ = 0;

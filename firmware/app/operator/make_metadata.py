@@ -21,6 +21,7 @@ KINDS = {"Real": {"decimalPlaces": 4}, "Whole": WHOLE | {"increment": 1}} | {
     for kind, values in {
         "Sign": {-1: "reversed", 1: "normal"},
         "Identity": {0: "vehicle", 1: "companion"},
+        "Autopilot": {0: "GENERIC", 1: "ARDUPILOTMEGA"},
         "Frame": {0: "north-east", 1: "ahead-starboard"},
         "Switch": {0: "off", 1: "on"},
         "Action": {

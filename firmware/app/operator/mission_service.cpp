@@ -102,6 +102,17 @@ std::optional<link::Message> MissionService::answer(const RequestMessage& asked,
   return std::nullopt;
 }
 
+/// ArduPilot's clients put the home that they know first, over sea level: kept, never sailed to.
+std::size_t MissionService::homes_of(Plan items) const {
+  const bool home = homes_ && !items.empty() && items[0].command == mav::kNavWaypoint &&
+                    items[0].frame == mav::kFrameGlobal;
+  return home ? 1 : 0;
+}
+
+Plan MissionService::sailed_of(Stored kind, Plan items) const {
+  return kind == Stored::kPlan ? items.subspan(homes_of(items)) : items;
+}
+
 /// All or nothing.
 link::Message MissionService::clear(const link::MissionClearAll& asked, const Asker& asker) {
   const auto is_asked = [&](Stored kind) {
@@ -146,7 +157,7 @@ std::optional<link::Message> MissionService::begin(const link::MissionCount& cou
 std::optional<link::Message> MissionService::take(const link::MissionItemInt& given,
                                                   const Asker& asker, const PlanDefaults& defaults,
                                                   std::int64_t now_us) {
-  constexpr std::uint8_t kCurrent = 1;  // larger: ArduPilot's "go there now"
+  constexpr std::uint8_t kCurrent = 1;  // larger: ArduPilot's "go here", "change altitude"
   const auto kind = kind_of(given.mission_type);
   if (!kind || given.current > kCurrent) {
     return acknowledgement(asker.from, mav::kMissionUnsupported, given.mission_type);
@@ -171,14 +182,16 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
   }
   upload_->tries = 0;
   if (++upload_->next < upload_->count) return ask(now_us);
-  if (const PlanFault whole = fault_of_whole(*kind, incoming_.first(upload_->count))) {
-    return refuse(asker, *kind, whole);
-  }
+  const Plan sailed = sailed_of(*kind, incoming_.first(upload_->count));
+  if (sailed.empty()) upload_->count = 0;  // a home alone is no plan
+  const PlanFault whole = sailed.empty() ? PlanFault{} : fault_of_whole(*kind, sailed);
+  if (whole) return refuse(asker, *kind, whole);
   return finish(asker);
 }
 
 PlanFault MissionService::fault_of_last_incoming(const PlanDefaults& defaults) const {
-  const Plan items = incoming_.first(upload_->next + 1);
+  const Plan items = sailed_of(upload_->kind, incoming_.first(upload_->next + 1));
+  if (items.empty()) return {};
   if (const PlanFault fault = fault_of_last_of(upload_->kind, items, defaults)) return fault;
   if (upload_->kind == Stored::kPlan) {
     return fence_fault_of_last(fence_, items, defaults.margin_m);
@@ -191,10 +204,11 @@ PlanFault MissionService::fault_of_last_incoming(const PlanDefaults& defaults) c
 PlanFault MissionService::restore(Stored kind, Plan items, const PlanDefaults& defaults) {
   if (items.empty()) return {};
   if (items.size() > store(kind).room.size()) return {mav::kMissionNoSpace, "too many items"};
-  for (std::size_t count = 1; count <= items.size(); ++count) {
-    if (const PlanFault fault = fault_of_last_of(kind, items.first(count), defaults)) return fault;
+  const Plan sailed = sailed_of(kind, items);
+  for (std::size_t count = 1; count <= sailed.size(); ++count) {
+    if (const PlanFault fault = fault_of_last_of(kind, sailed.first(count), defaults)) return fault;
   }
-  if (const PlanFault fault = fault_of_whole(kind, items)) return fault;
+  if (const PlanFault fault = fault_of_whole(kind, sailed)) return fault;
   replace(kind, items);
   return {};
 }
@@ -219,7 +233,7 @@ void MissionService::replace(Stored kind, Plan items) {
   if (kind != Stored::kPlan) return;
   check_.begin();
   way_why_ = {};
-  current_ = 0;
+  current_ = homes_of(plan());
   complete_ = false;
   jumped_ = false;
 }
@@ -271,7 +285,7 @@ std::optional<MissionService::News> MissionService::take_news() {
 
 bool MissionService::set_current(std::size_t item) {
   if (item >= store(Stored::kPlan).count) return false;
-  current_ = item;
+  current_ = std::max(item, homes_of(plan()));
   complete_ = false;
   jumped_ = true;
   return true;
@@ -280,7 +294,7 @@ bool MissionService::set_current(std::size_t item) {
 bool MissionService::take_jump() { return std::exchange(jumped_, false); }
 
 void MissionService::sailed(std::size_t item, bool complete) {
-  current_ = complete ? 0 : item;
+  current_ = complete ? homes_of(plan()) : item;
   complete_ = complete;
 }
 
@@ -295,8 +309,9 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
   const bool same = std::exchange(checked_map_, fence_.drawn()) == fence_.drawn() &&
                     std::exchange(checked_margin_m_, defaults.margin_m) == defaults.margin_m;
   if (!same) check_.begin();
-  if (!check_.forward(fence_, plan(), defaults.margin_m)) return;
-  news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, check_.item(), check_.why()};
+  const std::size_t homes = homes_of(plan());
+  if (!check_.forward(fence_, plan().subspan(homes), defaults.margin_m)) return;
+  news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, homes + check_.item(), check_.why()};
 }
 
 void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {

@@ -29,9 +29,9 @@ struct MissionRoom {
 
 class MissionService {
  public:
-  /// The room must outlive this object.
-  explicit MissionService(const MissionRoom& room)
-      : incoming_(room.incoming), fence_(room.corners) {
+  /// The room must outlive this object. homes: a plan may begin with its sender's home.
+  MissionService(const MissionRoom& room, bool homes)
+      : homes_(homes), incoming_(room.incoming), fence_(room.corners) {
     for (std::size_t kind = 0; kind < kStoredKinds; ++kind) stores_[kind].room = room.stored[kind];
   }
 
@@ -80,6 +80,7 @@ class MissionService {
 
   /// The item that is sailed to next; where AUTO begins.
   std::size_t current() const { return current_; }
+  bool is_begun() const { return current_ > homes_of(plan()); }
   bool is_complete() const { return complete_; }
   /// False if there is no such item.
   bool set_current(std::size_t item);
@@ -127,6 +128,9 @@ class MissionService {
 
   Store& store(Stored kind) { return stores_[static_cast<std::size_t>(kind)]; }
   const Store& store(Stored kind) const { return stores_[static_cast<std::size_t>(kind)]; }
+  std::size_t homes_of(Plan items) const;
+  /// Without a home.
+  Plan sailed_of(Stored kind, Plan items) const;
   std::optional<link::Message> begin(const link::MissionCount& count, const Asker& asker,
                                      std::int64_t now_us);
   std::optional<link::Message> take(const link::MissionItemInt& item, const Asker& asker,
@@ -140,6 +144,7 @@ class MissionService {
   bool is_from_uploader(const Asker& asker) const;
   void replace(Stored kind, Plan items);
 
+  bool homes_;
   std::array<Store, kStoredKinds> stores_;
   std::span<PlanItem> incoming_;
   Fence fence_;

@@ -42,6 +42,7 @@ void say_allowed(const ParameterInfo& info, Sentence& sentence) {
       return;
     case ParameterKind::kWhole:
     case ParameterKind::kIdentity:
+    case ParameterKind::kAutopilot:
     case ParameterKind::kFrame:
     case ParameterKind::kSwitch:
     case ParameterKind::kAction:

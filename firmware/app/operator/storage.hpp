@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 
+#include "app/operator/log_service.hpp"
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/mission_service.hpp"
 #include "app/operator/parameter_service.hpp"
@@ -18,9 +19,10 @@
 namespace flotilla::app {
 
 /// State of a boat's links, and of the senders of signed messages; its plan, fence and rally points,
-/// and those that are being sent.
+/// and those that are being sent; with room for a list of logs, also for a piece of one and for a
+/// client's gaps.
 template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
-          std::size_t kFenceItems, std::size_t kRallyPoints>
+          std::size_t kFenceItems, std::size_t kRallyPoints, std::size_t kLogs = 0>
 struct Room {
   std::array<MavlinkLinks::Link, kLinks> links;
   std::array<Router::Link, kLinks> routes;
@@ -32,6 +34,9 @@ struct Room {
   std::array<PlanItem, kRallyPoints> rally;
   std::array<PlanItem, std::max({kPlanItems, kFenceItems, kRallyPoints})> incoming;
   std::array<Fence::Place, kFenceItems> corners;
+  std::array<StoredLog, kLogs> logs;
+  std::array<std::uint8_t, kLogs == 0 ? 0 : 256 * sizeof(link::LogData::data)> log_piece;
+  std::array<LogRange, kLogs == 0 ? 0 : 24> log_gaps;
 };
 
 /// A boat's output of one tick. Boats that tick one after another may share it.
@@ -44,8 +49,8 @@ struct Outbox {
 /// Both, as passed to a boat; the owner keeps them for the boat's lifetime.
 struct Storage {
   template <std::size_t kLinks, std::size_t kSigningStreams, std::size_t kPlanItems,
-            std::size_t kFenceItems, std::size_t kRallyPoints>
-  Storage(Room<kLinks, kSigningStreams, kPlanItems, kFenceItems, kRallyPoints>& room,
+            std::size_t kFenceItems, std::size_t kRallyPoints, std::size_t kLogs>
+  Storage(Room<kLinks, kSigningStreams, kPlanItems, kFenceItems, kRallyPoints, kLogs>& room,
           Outbox<kLinks>& outbox)
       : links(room.links),
         routes(room.routes),
@@ -53,6 +58,7 @@ struct Storage {
         streams(room.streams),
         signing(room.signing),
         missions{{room.plan, room.fence, room.rally}, room.incoming, room.corners},
+        logs{room.logs, room.log_piece, room.log_gaps},
         mavlink(outbox.mavlink),
         can(outbox.can) {}
 
@@ -62,13 +68,14 @@ struct Storage {
   std::span<Streams::Link> streams;
   std::span<link::Signing::Stream> signing;
   MissionRoom missions;
+  LogRoom logs;
   std::span<Datagram> mavlink;
   CanOutput& can;
 };
 
 /// For hosts with ample memory: room for the maximum of everything.
 struct AmpleStorage {
-  Room<kMaxLinks, 255, 1000, 200, 50> room;
+  Room<kMaxLinks, 255, 1000, 200, 50, 250> room;
   Outbox<kMaxLinks> outbox;
 };
 

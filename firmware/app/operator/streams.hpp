@@ -55,11 +55,15 @@ inline constexpr std::array kStreams{
     StreamInfo{link::MavEscInfo::kId, 116, Pace::kOnRequest, 0, true},
     StreamInfo{link::BatteryStatus::kId, 66, Pace::kFixed, 5'000'000, false},
     StreamInfo{link::NamedValueFloat::kId, 660, Pace::kSlow, 0, true},
+    // Off the second, at which most else is sent.
+    StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'100'000, false},
+    StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 900'000, false},
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
 };
 
-constexpr std::size_t kOriginStream = 0, kPlanStream = 9, kFenceStream = 10;
+constexpr std::size_t kOriginStream = 0, kPlanStream = 9, kFenceStream = 10, kGpsStream = 18;
 static_assert(kStreams[kFenceStream].id == link::FenceStatus::kId);
+static_assert(kStreams[kGpsStream].id == link::GpsRawInt::kId);
 /// The state that followers need, at SR_STATE's pace.
 constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
 constexpr std::size_t kReferenceStream = 3;

@@ -227,6 +227,8 @@ std::optional<link::Message> compose_own(std::uint16_t id, const OwnReport& own,
       return convert::global_position_of(own.state, own.time_boot_ms);
     case link::FollowTarget::kId:
       return convert::follow_target_of(own.state, own.time_boot_ms);
+    case link::VfrHud::kId:
+      return convert::vfr_hud_of(own.state, r.thrust, r.most_N);
     default:
       return std::nullopt;
   }
@@ -294,6 +296,9 @@ std::optional<link::Message> compose(std::uint16_t id, std::uint32_t turn, const
       return link::FenceStatus{r.fence->breached, r.fence->breaches,
                                r.fence->breached ? mav::kBreachBoundary : mav::kBreachNone,
                                r.fence->last_ms};
+    case link::GpsRawInt::kId:
+      if (!r.gps) return std::nullopt;
+      return *r.gps;
     case link::FormationReference::kId:
       if (!r.reference) return std::nullopt;
       return *r.reference;

@@ -54,6 +54,7 @@ struct Report {
   core::Conditions conditions = 0;
   std::uint8_t mode = 0, intended_mode = 0;
   std::optional<OwnReport> own;              ///< while it is fresh
+  std::optional<link::GpsRawInt> gps;        ///< the navigation unit's, while it is fresh
   std::optional<Home> home;                  ///< where the boat was first located, then last armed
   std::optional<FormationReport> formation;  ///< while own and leader's state are fresh
   std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;

@@ -89,9 +89,8 @@ constexpr std::string_view refusal_of(std::uint32_t message_id) {
     case 48:   // SET_GPS_GLOBAL_ORIGIN
     case 243:  // SET_HOME_POSITION
       return "origin and home are the boat's own";
-    case 119:  // LOG_REQUEST_DATA
     case 121:  // LOG_ERASE
-      return "logs are on the boat's disk";
+      return "logs are not erased from afar";
     default:
       return {};
   }

@@ -15,6 +15,7 @@
 #include "app/operator/copies.hpp"
 #include "app/operator/identity.hpp"
 #include "app/operator/inbox.hpp"
+#include "app/operator/log_service.hpp"
 #include "app/operator/mavlink_links.hpp"
 #include "app/operator/mission_service.hpp"
 #include "app/operator/parameter_service.hpp"
@@ -102,6 +103,7 @@ class Vehicle {
 
   MissionService& missions() { return missions_; }
   const MissionService& missions() const { return missions_; }
+  LogService& logs() { return logs_; }
   /// A target that GUIDED has not begun to sail to yet.
   bool has_target() const { return target_.has_value(); }
   std::optional<Target> take_target() { return std::exchange(target_, std::nullopt); }
@@ -143,6 +145,7 @@ class Vehicle {
 
   void answer(const PendingRequest& pending, link::Counters& counters);
   void execute(const PendingRequest& pending, const Command& command, link::Counters& counters);
+  void answer_log(const PendingRequest& pending);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void tell_mission_news(link::Counters& counters);
   std::uint8_t answer_of_plan(const DecodedCommand& asked);
@@ -176,6 +179,7 @@ class Vehicle {
   bool tell_stream(std::size_t stream, std::size_t link, link::Counters& counters);
   bool tell_parameters(std::size_t link, link::Counters& counters);
   bool tell_files(std::size_t link, link::Counters& counters);
+  bool tell_logs(std::size_t link, link::Counters& counters);
 
   Supervisor& supervisor_;
   Parameters parameters_;
@@ -188,6 +192,7 @@ class Vehicle {
   Copies copies_;
   ParameterService parameter_service_;
   MissionService missions_;
+  LogService logs_;
   bool paused_ = false;
   std::optional<Target> target_;
   std::optional<core::Drive<double>> drive_;  // in GUIDED

@@ -31,6 +31,17 @@ bool drives(Request request) {
   return true;
 }
 
+bool is_of_logs(const RequestMessage& message) {
+  return std::holds_alternative<link::LogRequestList>(message) ||
+         std::holds_alternative<link::LogRequestData>(message) ||
+         std::holds_alternative<link::LogRequestEnd>(message);
+}
+
+std::uint8_t mission_result_of(std::uint8_t result) {
+  if (result == mav::kAccepted) return mav::kMissionAccepted;
+  return result == mav::kUnsupportedFrame ? mav::kMissionUnsupportedFrame : mav::kMissionDenied;
+}
+
 }  // namespace
 
 void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
@@ -50,19 +61,20 @@ void Vehicle::answer(const PendingRequest& pending, link::Counters& counters) {
     links_.send(link, TimeRequests::answer_to(*timesync, from, pending.read_us), counters);
   } else if (const auto* ping = std::get_if<link::Ping>(&pending.message)) {
     links_.send(link, link::Ping{ping->time_usec, ping->seq, from}, counters);
-  } else if (std::holds_alternative<link::LogRequestList>(pending.message)) {
-    if (!identity_.is_autopilots(pending.target)) links_.send(link, link::LogEntry{}, counters);
+  } else if (identity_.is_autopilots(pending.target)) {
+    return;
+  } else if (is_of_logs(pending.message)) {
+    answer_log(pending);
   } else if (std::holds_alternative<link::SetPositionTargetLocalNed>(pending.message) ||
              std::holds_alternative<link::SetPositionTargetGlobalInt>(pending.message)) {
     take_setpoint(pending);
-  } else if (!identity_.is_autopilots(pending.target)) {
+  } else {
     answer_mission(pending, counters);
   }
 }
 
 /// Setpoints have no acknowledgement: what is refused is told, once in ten seconds.
 void Vehicle::take_setpoint(const PendingRequest& pending) {
-  if (identity_.is_autopilots(pending.target)) return;
   if (!may_command(pending.from)) {
     ignored_ = "setpoint, not your boat";
     return;
@@ -101,6 +113,17 @@ void Vehicle::take_setpoint(const PendingRequest& pending) {
 std::optional<core::Drive<double>> Vehicle::drive(std::int64_t now_us) const {
   constexpr std::int64_t kSilent_us = 3'000'000;
   return now_us - drive_us_ < kSilent_us ? drive_ : std::nullopt;
+}
+
+/// What is refused is told as of setpoints.
+void Vehicle::answer_log(const PendingRequest& pending) {
+  if (const auto* list = std::get_if<link::LogRequestList>(&pending.message)) {
+    logs_.list(pending.link, *list);
+  } else if (const auto* read = std::get_if<link::LogRequestData>(&pending.message)) {
+    if (const auto why = logs_.read(pending.link, *read); !why.empty()) ignored_ = why;
+  } else {
+    logs_.end(pending.link);
+  }
 }
 
 void Vehicle::answer_mission(const PendingRequest& pending, link::Counters& counters) {
@@ -220,6 +243,9 @@ void Vehicle::execute(const PendingRequest& pending, const Command& command,
   }
   if (command.wants_ack) {
     links_.send(link, link::CommandAck{command.id, asked.result, pending.from}, counters);
+  } else if (is_go_here(pending.message)) {
+    links_.send(link, link::MissionAck{pending.from, mission_result_of(asked.result), 0, 0},
+                counters);
   }
   if (asked.message) send_requested(link, *asked.message, counters);
   if (asked.save_parameters) save_ = SaveRequest::kConfirmed;

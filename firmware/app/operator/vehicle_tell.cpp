@@ -13,9 +13,10 @@ using core::State;
 
 constexpr std::size_t kLargestFrame = 280 + link::kSignatureBlockBytes;
 // Turns after those of the streams.
-constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kTurns = kFiles + 1;
-// Per tick and link, beside the tick's other traffic: files transfer at about 70 kB/s.
-constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3;
+constexpr std::size_t kParameters = kStreams.size(), kFiles = kParameters + 1, kLogs = kFiles + 1,
+                      kTurns = kLogs + 1;
+// Per tick and link, beside the tick's other traffic: files and logs transfer at about 70 kB/s.
+constexpr int kParametersPerTick = 4, kFtpPacketsPerTick = 3, kLogPacketsPerTick = 8;
 
 std::uint8_t base_mode_of(State state) {
   unsigned flags = mav::kModeFlagCustom;
@@ -37,17 +38,16 @@ std::uint8_t status_of(State state) {
 link::Heartbeat Vehicle::heartbeat() const {
   const bool companion = identity_.companion();
   return {supervisor_.mode(), companion ? mav::kTypeOnboardController : mav::kTypeSurfaceBoat,
-          companion ? mav::kAutopilotInvalid : mav::kAutopilotGeneric,
-          base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
+          identity_.autopilot(), base_mode_of(supervisor_.state()), status_of(supervisor_.state())};
 }
 
 std::optional<PlanReport> Vehicle::plan_report() const {
   if (missions_.plan().empty()) return std::nullopt;
   const bool sails = supervisor_.state() == State::kAuto;
-  const std::uint8_t state = missions_.is_complete()            ? mav::kMissionComplete
-                             : sails && !paused_                ? mav::kMissionActive
-                             : missions_.current() > 0 || sails ? mav::kMissionPaused
-                                                                : mav::kMissionNotStarted;
+  const std::uint8_t state = missions_.is_complete()         ? mav::kMissionComplete
+                             : sails && !paused_             ? mav::kMissionActive
+                             : missions_.is_begun() || sails ? mav::kMissionPaused
+                                                             : mav::kMissionNotStarted;
   const std::size_t count = missions_.plan().size();
   const std::size_t item = missions_.is_complete() ? count - 1 : missions_.current();
   return PlanReport{static_cast<std::uint16_t>(item),
@@ -195,9 +195,8 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
 
 /// Sends everything else in turn; what a slow link has no room for comes first in a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
-  if (!streams_.any_due(link, now_us_) && !parameter_service_.owes(link) && ftp_.is_idle()) {
-    return;
-  }
+  const bool asked = parameter_service_.owes(link) || !ftp_.is_idle() || !logs_.is_idle();
+  if (!streams_.any_due(link, now_us_) && !asked) return;
   const std::size_t first = turn_[link];
   for (std::size_t n = 0; n < kTurns && may_tell(link); ++n) {
     const std::size_t turn = (first + n) % kTurns;
@@ -206,6 +205,8 @@ void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
       told = tell_parameters(link, counters);
     } else if (turn == kFiles) {
       told = tell_files(link, counters);
+    } else if (turn == kLogs) {
+      told = tell_logs(link, counters);
     } else if (is_rest(kStreams[turn].pace)) {
       told = tell_stream(turn, link, counters);
     }
@@ -218,8 +219,9 @@ bool Vehicle::may_tell(std::size_t link) const {
   return links_.bucket(link).for_rest() && links_.room(link) >= kLargestFrame;
 }
 
-/// A stream with nothing to send yet stays due, but for the plan's and the fence's: many boats never
-/// have one. If a slow link cannot carry all its messages at once, it continues in a later tick, before all others except requested parameters.
+/// A stream with nothing to send yet stays due, but for those of which many boats never have
+/// anything. If a slow link cannot carry all its messages at once, it continues in a later tick,
+/// before all others except requested parameters.
 bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& counters) {
   Schedule& schedule = streams_.schedule(stream, link);
   if (!schedule.is_due(now_us_)) return false;
@@ -235,7 +237,8 @@ bool Vehicle::tell_stream(std::size_t stream, std::size_t link, link::Counters& 
     links_.send(link, *message, counters);
   }
   begun = {};
-  if (told > 0 || stream == kPlanStream || stream == kFenceStream) schedule.take_if_due(now_us_);
+  const bool rare = stream == kPlanStream || stream == kFenceStream || stream == kGpsStream;
+  if (told > 0 || rare) schedule.take_if_due(now_us_);
   return told > 0;
 }
 
@@ -256,6 +259,17 @@ bool Vehicle::tell_files(std::size_t link, link::Counters& counters) {
     const auto packet = ftp_.next(link);
     if (!packet) break;
     links_.send(link, *packet, counters);
+    told = true;
+  }
+  return told;
+}
+
+bool Vehicle::tell_logs(std::size_t link, link::Counters& counters) {
+  bool told = false;
+  for (int n = 0; n < kLogPacketsPerTick && may_tell(link); ++n) {
+    const auto message = logs_.next(link);
+    if (!message) break;
+    links_.send(link, *message, counters);
     told = true;
   }
   return told;

@@ -45,6 +45,7 @@ Configuration configuration_of(const Parameters& p) {
       .start = {.system = whole<Byte>(p.MAV_SYSID),
                 .component = whole<Byte>(p.MAV_COMPID),
                 .companion = p.MAV_IDENTITY > 0,
+                .ardupilot = p.MAV_AUTOPILOT > 0,
                 .can_node = whole<Byte>(p.CAN_NODE),
                 .tick_us = period_us(p.CTL_RATE)},
       .formation = {.leader = whole<Byte>(p.FORM_LEADER),

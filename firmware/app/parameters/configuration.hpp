@@ -18,6 +18,7 @@ struct Configuration {
   struct Start {
     std::uint8_t system = 0, component = 0;
     bool companion = false;
+    bool ardupilot = false;  ///< MAV_AUTOPILOT 1
     std::uint8_t can_node = 0;
     std::int64_t tick_us = 0;
   };

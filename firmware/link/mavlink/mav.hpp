@@ -8,12 +8,12 @@ namespace flotilla::link::mav {
 
 constexpr std::uint8_t kTypeGeneric = 0, kTypeGcs = 6, kTypeSurfaceBoat = 11,
                        kTypeOnboardController = 18;
-constexpr std::uint8_t kAutopilotGeneric = 0, kAutopilotInvalid = 8;
+constexpr std::uint8_t kAutopilotGeneric = 0, kAutopilotArdupilot = 3, kAutopilotInvalid = 8;
 constexpr std::uint8_t kComponentAutopilot = 1, kComponentRadio = 68;
 constexpr std::uint8_t kModeFlagCustom = 1, kModeFlagTest = 2, kModeFlagAuto = 4,
                        kModeFlagGuided = 8, kModeFlagManual = 64, kModeFlagArmed = 128;
 constexpr std::uint8_t kStateStandby = 3, kStateActive = 4, kStateCritical = 5, kStateEmergency = 6;
-constexpr std::uint8_t kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
+constexpr std::uint8_t kFrameGlobal = 0, kFrameLocalNed = 1, kFrameLocalEnu = 4, kFrameBodyNed = 8,
                        kFrameBodyOffsetNed = 9, kFrameBodyFrd = 12;
 constexpr std::uint8_t kFollowPosition = 1, kFollowVelocity = 2, kFollowAcceleration = 4,
                        kFollowAttitude = 8;
@@ -26,10 +26,10 @@ constexpr std::uint16_t kCmdDoSetMode = 176, kCmdDoFlightTermination = 185, kCmd
                         kCmdDoPauseContinue = 193, kCmdDoFenceEnable = 207,
                         kCmdDoSetMissionCurrent = 224, kCmdMissionStart = 300,
                         kCmdPreflightStorage = 245, kCmdDoSetStandardMode = 262,
-                        kCmdComponentArmDisarm = 400, kCmdInjectFailure = 420,
-                        kCmdGetMessageInterval = 510, kCmdSetMessageInterval = 511,
-                        kCmdRequestMessage = 512, kCmdRequestProtocolVersion = 519,
-                        kCmdRequestAutopilotCapabilities = 520;
+                        kCmdComponentArmDisarm = 400, kCmdGetHomePosition = 410,
+                        kCmdInjectFailure = 420, kCmdGetMessageInterval = 510,
+                        kCmdSetMessageInterval = 511, kCmdRequestMessage = 512,
+                        kCmdRequestProtocolVersion = 519, kCmdRequestAutopilotCapabilities = 520;
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3,
                        kFailed = 4, kCommandIntOnly = 8, kUnsupportedFrame = 9;
 

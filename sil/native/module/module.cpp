@@ -79,7 +79,17 @@ class PyBoat {
     std::visit([&](auto& b) { b->on_can(can_id, bytes, now_us); }, boat_);
   }
 
+  void keep_logs(const nb::list& logs) {
+    logs_.clear();
+    for (const nb::handle log : logs) {
+      const auto bytes = span_of(nb::cast<nb::bytes>(log));
+      logs_.emplace_back(bytes.begin(), bytes.end());
+    }
+    std::visit([](auto& b) { b->logs().open(); }, boat_);
+  }
+
   TickOutput tick(std::int64_t now_us) {
+    std::visit([&](auto& b) { bring_logs(b->logs()); }, boat_);
     TickOutput out;
     std::visit(
         [&](auto& b) {
@@ -153,14 +163,25 @@ class PyBoat {
   }
 
  private:
+  void bring_logs(app::LogService& service) const {
+    const auto wish = service.wish();
+    if (!wish) return;
+    std::vector<app::StoredLog> list;
+    for (const auto& log : logs_) list.push_back({static_cast<std::uint32_t>(log.size()), 0});
+    if (wish->list) return service.bring_list(list);
+    const auto& log = logs_.at(wish->log + service.left_out());
+    service.bring(*wish, std::span(log).subspan(std::min<std::size_t>(wish->offset, log.size())));
+  }
+
   std::size_t links_;
+  std::vector<std::vector<std::uint8_t>> logs_;
   std::variant<std::unique_ptr<app::Boat<float>>, std::unique_ptr<app::Boat<double>>,
                std::unique_ptr<app::Boat<core::Q16>>>
       boat_;
 };
 
 const char* name_of(app::ParameterKind kind) {
-  constexpr std::array kNames{"real",  "whole",  "sign",   "identity",
+  constexpr std::array kNames{"real",  "whole",  "sign",   "identity", "autopilot",
                               "frame", "switch", "action", "stop"};
   return kNames[static_cast<std::size_t>(kind)];
 }
@@ -234,6 +255,8 @@ NB_MODULE(flotilla, m) {
            "Any bytes, in any chunks; now_us: the boat's own monotonic clock, microseconds.")
       .def("on_can", &PyBoat::on_can, "can_id"_a, "data"_a, "now_us"_a,
            "One CAN frame with a 29-bit id and up to 8 bytes.")
+      .def("keep_logs", &PyBoat::keep_logs, "logs"_a,
+           "Logs, each as bytes, that the boat gives away over MAVLink.")
       .def("tick", &PyBoat::tick, "now_us"_a, "One control step: what the boat sends.")
       .def("on_host", &PyBoat::on_host, "bus_up"_a = true, "parameters_saved"_a = true,
            "overruns"_a = 0, "unix_us"_a = 0, "save_failed"_a = false, "clock_is_set"_a = true,

@@ -108,6 +108,7 @@ constexpr std::array<Contents, kIds> kContents = [] {
   of[link::PositionTargetLocalNed::kId] = {Kind::kOther, true, 4, 11};
   of[link::NamedValueFloat::kId] = {Kind::kOther, true, 4, 1};
   of[link::NavControllerOutput::kId] = {Kind::kOther, false, 0, 5};
+  of[link::VfrHud::kId] = {Kind::kOther, false, 0, 4};
   of[link::HomePosition::kId] = {Kind::kOther, false, 12, 10};
   of[kParamValueId] = {Kind::kOther, false, 0, 1};
   return of;

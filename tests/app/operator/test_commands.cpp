@@ -135,7 +135,7 @@ TEST_CASE("SET_MODE names Rover's modes, whatever the heartbeat's flags that com
 
 TEST_CASE("every command number that the boat does not have is unsupported and asks nothing") {
   const std::set<unsigned> known{20,  176, 185, 192, 193, 207, 209, 224, 245,
-                                 262, 300, 400, 510, 511, 512, 519, 520};
+                                 262, 300, 400, 410, 510, 511, 512, 519, 520};
   for (unsigned id = 0; id <= UINT16_MAX; ++id) {
     const DecodedCommand asked = meaning(static_cast<std::uint16_t>(id), 1);
     if (known.count(id) != 0) {
@@ -228,6 +228,7 @@ TEST_CASE("a message is asked for by its number, directly or by the older comman
   CHECK(meaning(mav::kCmdRequestMessage, 435, 2).message->index == 2);
   CHECK(meaning(mav::kCmdRequestAutopilotCapabilities, 1).message->id == 148);
   CHECK(meaning(mav::kCmdRequestProtocolVersion, 1).message->id == 300);
+  CHECK(meaning(mav::kCmdGetHomePosition, 0).message->id == link::HomePosition::kId);
   for (const float id : {-1.0F, 0.5F, 65536.0F, 1e30F, NAN, INFINITY, -INFINITY}) {
     CHECK(denied(meaning(mav::kCmdRequestMessage, id)));
     CHECK(denied(meaning(mav::kCmdSetMessageInterval, id, 1e6F)));

@@ -33,6 +33,14 @@ TEST_CASE("a message is for us by our ids or by zeros, and for others by theirs"
   }
 }
 
+TEST_CASE("a vehicle is GENERIC or ARDUPILOTMEGA as MAV_AUTOPILOT says, a companion neither") {
+  CHECK(Identity({.ardupilot = false}).autopilot() == 0);
+  CHECK(Identity({.ardupilot = true}).autopilot() == kArdupilot);
+  for (const bool ardupilot : {false, true}) {
+    CHECK(Identity({.companion = true, .ardupilot = ardupilot}).autopilot() == 8);
+  }
+}
+
 TEST_CASE("a companion takes the only autopilot's system id three seconds after hearing it") {
   Identity boat = identity(true, 7, 191);
   CHECK_FALSE(boat.latch(false, 50 * kSecond_us));  // nobody is there yet

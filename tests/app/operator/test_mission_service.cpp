@@ -28,7 +28,7 @@ PlanItem item(std::uint16_t command, double north_m, double east_m, float param 
 struct Kept {
   std::array<PlanItem, 5> plan, fence, rally, incoming;
   std::array<Fence::Place, 5> corners;
-  MissionService service{{{plan, fence, rally}, incoming, corners}};
+  MissionService service{{{plan, fence, rally}, incoming, corners}, false};
   PlanDefaults defaults{.speed_mps = 0.5F, .radius_m = 2, .margin_m = 1};
 
   void store(Stored kind, const std::vector<PlanItem>& items) {

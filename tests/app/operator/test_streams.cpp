@@ -66,6 +66,8 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
       {link::MissionCurrent::kId, 1'000'000},
       {link::FenceStatus::kId, 1'000'000},
       {link::HomePosition::kId, 2'000'000},
+      {link::GpsRawInt::kId, 1'100'000},
+      {link::VfrHud::kId, 900'000},
       {link::NavControllerOutput::kId, 1'000'000},
       {link::PositionTargetLocalNed::kId, 1'000'000},
       {link::MavEscStatus::kId, -1},
@@ -84,7 +86,7 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
     for (std::size_t stream = 0; stream < kStreams.size(); ++stream) {
       const std::int32_t interval_us = kDefaults.at(kStreams[stream].id);
       CHECK(sent(streams, stream, link, 0, 20 * kSecond_us) ==
-            (interval_us < 0 ? 0 : 20 * kSecond_us / interval_us));
+            (interval_us < 0 ? 0 : (20 * kSecond_us + interval_us - 1) / interval_us));
     }
   }
 }

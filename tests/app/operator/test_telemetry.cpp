@@ -31,6 +31,7 @@ Report full() {
   r.own = OwnReport{
       12'345, convert::own_state_of<double>({1, 2, kOrigin}, {{0.5, 0}, 0.3, {1, 0, 0.1}, {}}),
       true};
+  r.gps = link::GpsRawInt{};
   r.home = Home{410'000'100, 20'000'100, 5000};
   r.formation = FormationReport{true, {1, 2, 0.1}, {1, 0, 0.2}, {0.5, 0.25}};
   r.reference = link::FormationReference{};

@@ -125,6 +125,7 @@ struct Ship {
     if (own_known) {
       r.own = OwnReport{convert::boot_ms(now_us), {}, true};
       r.own->state.origin = {410'000'000, 20'000'000, 0, 0};
+      r.gps = link::GpsRawInt{};
       r.home = Home{410'000'000, 20'000'000, 0};
       r.fence = FenceReport{};
       r.formation = FormationReport{};
@@ -248,12 +249,13 @@ TEST_CASE("what there is not is unsupported, what there is not now comes later; 
   };
   for (const std::uint16_t id :
        {link::Attitude::kId, link::LocalPositionNed::kId, link::Odometry::kId,
-        link::HomePosition::kId, link::GpsGlobalOrigin::kId, link::FormationReference::kId}) {
+        link::HomePosition::kId, link::GpsGlobalOrigin::kId, link::FormationReference::kId,
+        link::GpsRawInt::kId, link::VfrHud::kId}) {
     CAPTURE(id);
     CHECK(answer_to(id) == mav::kTemporarilyRejected);
   }
   for (const std::uint16_t id :
-       {std::uint16_t{24}, std::uint16_t{147 + 1000}, std::uint16_t{65535}})
+       {std::uint16_t{25}, std::uint16_t{147 + 1000}, std::uint16_t{65535}})
     CHECK(answer_to(id) == mav::kUnsupported);
   s.command(mav::kCmdRequestMessage, link::AvailableModes::kId, 8);
   s.tick();
@@ -433,12 +435,12 @@ TEST_CASE("an interval that was accepted is told as it is, however long") {
   s.command(mav::kCmdSetMessageInterval, link::Attitude::kId, -1);
   s.tick();
   CHECK(told_interval(s, link::Attitude::kId) == -1);
-  CHECK(told_interval(s, 24) == 0);
+  CHECK(told_interval(s, 25) == 0);
   s.command(mav::kCmdSetMessageInterval, link::Heartbeat::kId, 1e5F);
   s.tick();
   CHECK(s.result() == mav::kDenied);
   CHECK(told_interval(s, link::Heartbeat::kId) == 1'000'000);
-  for (const std::uint16_t id : {link::Odometry::kId, std::uint16_t{24}}) {
+  for (const std::uint16_t id : {link::Odometry::kId, std::uint16_t{25}}) {
     s.command(mav::kCmdSetMessageInterval, id, 1e5F);
     s.tick();
     CHECK(s.result() == mav::kUnsupported);
@@ -531,8 +533,8 @@ TEST_CASE("pings, clocks and missions are answered to who asked, on his link alo
   unknown.target = {1, 1};
   unknown.mission_type = 3;
   s.ask(unknown, 1);
-  s.ask(link::LogRequestList{{1, 1}}, 1);
-  s.ask(link::LogRequestList{{2, 1}}, 1);
+  s.ask(link::LogRequestList{{1, 1}, 0, 0xFFFF}, 1);
+  s.ask(link::LogRequestList{{2, 1}, 0, 0xFFFF}, 1);
   const auto not_sent = s.counters.mavlink_not_sent;
   s.tick();
   CHECK(s.counters.mavlink_not_sent == not_sent);

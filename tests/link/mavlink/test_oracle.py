@@ -85,6 +85,7 @@ ABSENT = {
         "MISSION_ITEM": "mission_type",
         "MISSION_ITEM_INT": "mission_type",
         "STATUSTEXT": "id chunk_seq",
+        "GPS_RAW_INT": "alt_ellipsoid h_acc v_acc vel_acc hdg_acc yaw",
     },
     2: {name: NEWER[name] for name in READ & NEWER.keys()},
 }

@@ -206,6 +206,14 @@ def test_vessels_of_other_kinds_are_told_apart_and_stations_are_none() -> None:
     assert view.fleet.ignored == 6
 
 
+def test_a_boat_that_calls_itself_ardupilots_is_told_by_its_conditions() -> None:
+    view = Listening()
+    rover = mavlink.MAVLink_heartbeat_message(11, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 129, 4, 4, 3)
+    view.hear(said(7, rover, value("COND", ALL), rover), 0.0)
+    vessel = view.by_id(0.0)[7]
+    assert (vessel["kind"], vessel["state"]) == ("boat", "HOLD")
+
+
 def test_a_boats_navigation_unit_with_its_system_id_is_not_the_boat() -> None:
     view = Listening()
     view.hear(said(1, VIRTUAL, local(50.0, 50.0), component=220), 0.0)

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// MAVLink's log protocol: lists a host's logs and gives them away. The host brings what is asked for,
+// as it comes from a disk; without one, the list is empty.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+/// One log of the host's list, the oldest first.
+struct StoredLog {
+  std::uint32_t size = 0;    ///< bytes
+  std::uint32_t time_s = 0;  ///< of its last change, Unix time
+};
+
+/// Bytes that a client waits for.
+struct LogRange {
+  std::uint32_t offset = 0, end = 0;
+};
+
+/// Room for the list, for a piece of a log, and for a client's gaps.
+struct LogRoom {
+  std::span<StoredLog> list;
+  std::span<std::uint8_t> piece;
+  std::span<LogRange> ranges;
+};
+
+/// What the host brings next: its list, or a piece of a log from `offset` on.
+struct LogWish {
+  bool list = false;
+  std::uint16_t log = 0;  ///< index in the list
+  std::uint32_t offset = 0;
+  bool operator==(const LogWish&) const = default;
+};
+
+class LogService {
+ public:
+  /// The room must outlive this object. from_1: ids begin with 1, as ArduPilot's do, after an empty
+  /// log 0.
+  LogService(const LogRoom& room, bool from_1) : room_(room), first_(from_1 ? 1 : 0) {}
+
+  /// The host has logs, perhaps; before, there are none.
+  void open() { open_ = true; }
+
+  void list(std::size_t link, const link::LogRequestList& asked);
+  /// Why nothing comes, for the operator; empty: it does. A client may ask for all its gaps at once.
+  std::string_view read(std::size_t link, const link::LogRequestData& asked);
+  void end(std::size_t link);
+
+  /// The next message for that link; nothing while there is none, or the host has yet to bring it.
+  std::optional<link::Message> next(std::size_t link);
+  bool is_idle() const { return !listing_ && ranges_ == 0; }
+
+  std::optional<LogWish> wish() const;
+  /// Of a longer list than there is room for, the newest logs. True if it was wished for.
+  void bring_list(std::span<const StoredLog> logs);
+  /// The index in that list of the first log that is offered.
+  std::size_t left_out() const { return left_out_; }
+  /// As much as there is room for; none: the log ends there.
+  void bring(const LogWish& wish, std::span<const std::uint8_t> bytes);
+  std::size_t piece_bytes() const { return room_.piece.size(); }
+
+ private:
+  /// A list that is being sent.
+  struct Listing {
+    std::size_t link = 0;
+    std::uint32_t next = 0, last = 0;  // ids
+  };
+
+  std::uint32_t ids() const;
+  link::LogEntry entry(std::uint32_t id) const;
+  std::optional<link::Message> next_data();
+  void pop();
+
+  LogRoom room_;
+  std::uint16_t first_;
+  bool open_ = false;
+  bool listed_ = false, asks_list_ = false;
+  std::size_t logs_ = 0, left_out_ = 0;
+  std::optional<Listing> listing_;
+
+  std::size_t link_ = 0;  // of the ranges
+  std::uint16_t log_ = 0;
+  std::size_t ranges_ = 0;
+  LogWish here_;  // the piece in the room
+  std::size_t here_bytes_ = 0;
+};
+
+}  // namespace flotilla::app
