@@ -12,7 +12,7 @@ said, noise and delay included, and the last command to each propeller until the
 """
 
 from collections.abc import Iterable, Iterator
-from math import atan2, cos, sin
+from math import atan2, cos, remainder, sin, tau
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +33,7 @@ _LOCAL = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
 _ATTITUDE = mavlink.MAVLINK_MSG_ID_ATTITUDE
 _READ = {_ODOMETRY, _LOCAL, _ATTITUDE}
 _AUTOPILOT = 1
+_HALF = 1 << 31  # of a clock's turn, ms
 _ABOARD = {mavlink.MAV_FRAME_BODY_FRD, mavlink.MAV_FRAME_BODY_NED}
 
 
@@ -101,6 +102,8 @@ class OwnMotion:
             if self._attitude is None:
                 return None
             psi, r = self._attitude.yaw, self._attitude.yawspeed
+            since_ms = (message.time_boot_ms - self._attitude.time_boot_ms + _HALF) % (2 * _HALF)
+            psi = remainder(psi + 1e-3 * (since_ms - _HALF) * r, tau)
             return message.x, message.y, psi, *_aboard(psi, message.vx, message.vy), r
         if message.frame_id != mavlink.MAV_FRAME_LOCAL_NED:
             return None

@@ -17,9 +17,10 @@ constexpr float kShare = 0.8F, kLeastShare = 0.1F, kLeastRadius_m = 5, kGreatest
 constexpr float kFastest_mps = 5;
 constexpr int kTries = 3;
 constexpr int kRest_s = 3, kTurn_s = 15, kReturn_s = 180;
-// Hundredths of the radius: a step begins within the first; the boat returns to the second; beyond
-// the third it is lost; beyond the last it turns before a step that goes far.
-constexpr int kNear = 40, kBack = 33, kLost = 150, kFar = 15;
+// Hundredths of the radius: a step begins within the first; the boat returns to the second; it
+// comes to rest within the third; beyond the next it is lost; beyond the last it turns before a step
+// that goes far.
+constexpr int kNear = 40, kBack = 33, kEdge = 95, kLost = 150, kFar = 15;
 
 float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
 
@@ -87,11 +88,11 @@ core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
   return {gain * core::clamp(asked.port, S(-1), S(1)), gain * core::clamp(asked.stbd, S(-1), S(1))};
 }
 
-/// Cuts the step off where it cannot go on.
+/// Cuts the step off where it cannot go on. A fence makes the room smaller.
 template <class S>
 void HullVoyage<S>::look(const Seen& seen) {
   const S away = core::hypot(seen.off_n.x, seen.off_n.y);
-  if (S(kLost) / S(100) * radius_ < away) return lose();
+  if (S(kLost) / S(100) * convert::scalar<S>(room_.radius_m) < away) return lose();
   if (seen.waits) return enter(Phase::kRest);
   if (phase_ == Phase::kOff || phase_ == Phase::kRest) return;
   const S rest_s = convert::scalar<S>(room_.rest_s);
@@ -101,14 +102,16 @@ void HullVoyage<S>::look(const Seen& seen) {
   const S fastest = convert::scalar<S>(room_.fastest_mps);
   const S fastest_r = convert::scalar<S>(room_.fastest_radps);
   const bool turns_fast = S(0) < fastest_r && fastest_r < core::abs(seen.r);
+  const S edge = S(kEdge) / S(100) * radius_;
   const bool too_fast = fastest < speed || turns_fast;
   if (phase_ == Phase::kReturn) {
     if (too_fast && slow_down()) enter(Phase::kRest);
   } else if (too_fast) {
     cut_off("too fast", slow_down());
   } else if (seen.blocked) {
+    radius_ = core::min(radius_, core::max(away, convert::scalar<S>(kLeastRadius_m)));
     cut_off("the fence", false);
-  } else if (radius_ < stops || radius_ < away) {
+  } else if (edge < stops || edge < away) {
     cut_off("no room", false);
   }
 }
