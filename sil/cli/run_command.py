@@ -92,7 +92,7 @@ def leave_motion(
 ) -> None:
     """Write the table of a voyage that measures a hull; of another run, none stays there."""
     (out / "motion1.csv").unlink(missing_ok=True)
-    if chosen.leader.voyage is None:
+    if chosen.leader.voyage_room_m is None:
         return
     from sil.logs import own_motion
 
