@@ -29,7 +29,9 @@ bool goes_far(Manoeuvre manoeuvre) {
 
 }  // namespace
 
-bool is_voyage(const PlanItem& item) { return item.command == mav::kVoyage; }
+bool is_voyage(const PlanItem& item) {
+  return FLOTILLA_SAILS_VOYAGES != 0 && item.command == mav::kVoyage;
+}
 
 PlanFault fault_of_voyage(const PlanItem& item) {
   const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
