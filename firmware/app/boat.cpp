@@ -411,8 +411,9 @@ void Boat<S>::sail_plan(std::int64_t now_us, S dt) {
     voyage_.forget();
     start_plan();
   }
-  if (!voyage_.is_on()) begin_voyage();
-  if (voyage_.is_on()) {
+  constexpr bool kSailsVoyages = FLOTILLA_SAILS_VOYAGES != 0;
+  if (kSailsVoyages && !voyage_.is_on()) begin_voyage();
+  if (kSailsVoyages && voyage_.is_on()) {
     law_output_ = {};
     law_output_.allocation.thrust = sail_voyage(now_us, dt);
     if (voyage_.is_over()) start_plan();
@@ -421,7 +422,7 @@ void Boat<S>::sail_plan(std::int64_t now_us, S dt) {
   }
   const PlanVessel<S>& sailed = pilot_.plan_vessel();
   auto reached = sailed.reached();
-  if (!reached && voyage_.is_over()) reached = voyage_.item();
+  if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
   vehicle_.sailed(sailed.item(), reached, sailed.has_arrived(), counters_);
 }
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sil.cli.out_folder import claim
+from sil.cli.run_command import leave_motion
 from sil.scenario import arguments
 
 EXAMPLES = (
@@ -61,12 +62,14 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     chosen = scenario.load(options.scenario, overrides, options.law)
     out = claim(options.out or Path("out") / chosen.name, "summary.json", chosen.name)
     parameters = arguments.parameters_of(options.param)
+    console = Console()
     repeat = shlex.join(["flotilla", *given])
     links = options.mavlink, options.gcs
     try:
-        one_run.live(chosen, options.bus, out, parameters, repeat, Console(), *links)
+        one_run.live(chosen, options.bus, out, parameters, repeat, console, *links)
     except (StartError, can.CanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     (out / "run.mcap").unlink(missing_ok=True)  # of an earlier run
+    leave_motion(chosen, out, parameters, console)
     return 0

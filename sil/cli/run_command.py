@@ -55,6 +55,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         _tell_depth(chosen, parameters, console)
         one_run.run(chosen, out, parameters, shlex.join(["flotilla", *given]), console)
         _leave_mcap(out, options.mcap, console)
+        leave_motion(chosen, out, parameters, console)
     except PolicyViolationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -86,6 +87,21 @@ def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Cons
                 return
     except (RunError, ValueError):
         return  # the run itself says it
+
+
+def leave_motion(
+    chosen: "Scenario", out: Path, parameters: dict[str, float], console: "Console"
+) -> None:
+    """Write the table of a voyage that measures a hull; of another run, none stays there."""
+    (out / "motion1.csv").unlink(missing_ok=True)
+    if chosen.leader.voyage_room_m is None:
+        return
+    from sil.logs import own_motion
+
+    own = {"ESC_PORT": 0.0, "ESC_STBD": 1.0, **chosen.firmware_parameters(chosen.boat[0])}
+    own.update(parameters)
+    path = own_motion.leave(out, 1, round(own["ESC_PORT"]), round(own["ESC_STBD"]))
+    console.print(f"motion and commands: {path}", soft_wrap=True)
 
 
 def _leave_mcap(out: Path, wanted: bool, console: "Console") -> None:

@@ -12,7 +12,7 @@ said, noise and delay included, and the last command to each propeller until the
 """
 
 from collections.abc import Iterable, Iterator
-from math import atan2, cos, sin
+from math import atan2, cos, remainder, sin, tau
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,15 +26,14 @@ from sil.wire.dronecan_transfer import Receiver, message_subject
 from sil.wire.mavlink_frames import frames
 from sil.wire.tlog import packets
 
-COLUMNS = (
-    "t_s,north_m,east_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps,port,stbd"
-)
+COLUMNS = "t_s,north_m,east_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps,port,stbd"
 _FULL = 8191.0
 _ODOMETRY = mavlink.MAVLINK_MSG_ID_ODOMETRY
 _LOCAL = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
 _ATTITUDE = mavlink.MAVLINK_MSG_ID_ATTITUDE
 _READ = {_ODOMETRY, _LOCAL, _ATTITUDE}
 _AUTOPILOT = 1
+_HALF = 1 << 31  # of a clock's turn, ms
 _ABOARD = {mavlink.MAV_FRAME_BODY_FRD, mavlink.MAV_FRAME_BODY_NED}
 
 
@@ -103,6 +102,8 @@ class OwnMotion:
             if self._attitude is None:
                 return None
             psi, r = self._attitude.yaw, self._attitude.yawspeed
+            since_ms = (message.time_boot_ms - self._attitude.time_boot_ms + _HALF) % (2 * _HALF)
+            psi = remainder(psi + 1e-3 * (since_ms - _HALF) * r, tau)
             return message.x, message.y, psi, *_aboard(psi, message.vx, message.vy), r
         if message.frame_id != mavlink.MAV_FRAME_LOCAL_NED:
             return None
@@ -146,9 +147,26 @@ def of_logs(folder: Path, system: int, port: int = 0, stbd: int = 1) -> Iterator
     return _rows(events, OwnMotion(system, port, stbd))
 
 
+def leave(out: Path, system: int = 1, port: int = 0, stbd: int = 1) -> Path:
+    """Write motionN.csv into a run's folder, of its recording, or of boat N's logs; its path.
+
+    `port`, `stbd`: ESC indices of a live run's boat. ValueError or OSError if there is nothing to
+    read.
+    """
+    path, recording = out / f"motion{system}.csv", out / "recording.bin"
+    if recording.exists():
+        write(path, of_run(recording, system))
+    else:
+        write(path, of_logs(out / f"boat{system}" / "log", system, port, stbd))
+    return path
+
+
 def write(path: Path, rows: Iterable[Row]) -> int:
     """Write the table, whole or not at all; the number of its rows."""
-    lines = [",".join(f"{value:.6g}" if i else f"{value:.6f}" for i, value in enumerate(row)) for row in rows]
+    lines = [
+        ",".join(f"{value:.6g}" if i else f"{value:.6f}" for i, value in enumerate(row))
+        for row in rows
+    ]
     files.replace(path, "\n".join([COLUMNS, *lines, ""]).encode())
     return len(lines)
 

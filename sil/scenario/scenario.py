@@ -299,11 +299,17 @@ def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
     """Of a leader that is a boat."""
     key: KeyPath
     leader = scenario.leader
-    if leader.voyage is not None:
+    if leader.voyage_room_m is not None:
         if leader.boat is None:
-            yield ("leader", "voyage"), '"leader.voyage": needs "leader.boat", who sails it'
+            yield (
+                ("leader", "voyage_room_m"),
+                '"leader.voyage_room_m": needs "leader.boat", who sails it',
+            )
         if len(scenario.boat) > 1:
-            yield ("leader", "voyage"), '"leader.voyage": a boat measures its hull alone'
+            yield (
+                ("leader", "voyage_room_m"),
+                '"leader.voyage_room_m": a boat measures its hull alone',
+            )
     if leader.boat is None:
         return
     if not leader.waypoints:

@@ -203,16 +203,6 @@ class Input(Section):
     yaw_sine_rad_s: float = 0.0
 
 
-class Voyage(Section):
-    """A voyage that measures the hull: radius of its room (m), greatest share of full thrust.
-
-    0: the firmware's default.
-    """
-
-    room_m: NotNegative = 0.0
-    share: Share = 0.0
-
-
 class Leader(Section):
     """The virtual leader, agent 0: pose (m, m, rad), velocity (m/s, m/s, rad/s), input.
 
@@ -224,7 +214,8 @@ class Leader(Section):
 
     With `boat = 1` nobody simulates it: boat 1 gets the waypoints as its plan, by MAVLink, sails it
     in AUTO and tells the others. Agent 0 is then the plan itself, which the boats that follow 0
-    hear from boat 1. With `voyage`, boat 1 measures its hull around the last waypoint, alone.
+    hear from boat 1. With `voyage_room_m` (0: the firmware's default), boat 1 measures its hull
+    around the last waypoint, alone, with at most `voyage_share` of its thrust (0: the firmware's).
     """
 
     eta: Triple = (0.0, 0.0, 0.0)
@@ -235,7 +226,8 @@ class Leader(Section):
     speed_mps: Positive = 0.5
     corner_radius_m: NotNegative | None = None
     boat: Literal[1] | None = None
-    voyage: Voyage | None = None
+    voyage_room_m: NotNegative | None = None
+    voyage_share: Share = 0.0
 
     @property
     def name(self) -> str:

@@ -33,8 +33,8 @@ def items_of(leader: Leader) -> list[PlanItem]:
     radius_m = 0.0 if leader.corner_radius_m is None else PLANS_LARGEST_M
     places = [_WORLD.geodetic(north, east, 0.0) for north, east in leader.waypoints[1:]]
     points = [waypoint_item(place.latitude, place.longitude, radius_m) for place in places]
-    if leader.voyage is not None:
-        share, room_m = leader.voyage.share, leader.voyage.room_m
+    if leader.voyage_room_m is not None:
+        share, room_m = leader.voyage_share, leader.voyage_room_m
         points[-1] = voyage_item(places[-1].latitude, places[-1].longitude, share, room_m)
     return [speed_item(leader.speed_mps), *points]
 

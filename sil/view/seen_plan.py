@@ -31,6 +31,7 @@ _LEADS_TO = {
     mavlink.MAV_CMD_NAV_LOITER_UNLIM,
     mavlink.MAV_CMD_NAV_LOITER_TURNS,
     mavlink.MAV_CMD_NAV_LOITER_TIME,
+    mavlink.MAV_CMD_USER_1,  # a voyage that measures the hull
 }
 
 #: North and east, m, of a latitude and longitude in degE7; None if it cannot be converted.

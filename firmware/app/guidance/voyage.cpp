@@ -13,13 +13,11 @@ namespace {
 
 namespace mav = link::mav;
 
-constexpr float kShare = 0.8F, kLeastShare = 0.1F, kLeastRadius_m = 5, kGreatestRadius_m = 500;
+constexpr float kShare = 0.8F, kLeastShare = 0.1F, kGreatestRadius_m = 500;
+constexpr int kLeastRadius_m = 5;
 constexpr float kFastest_mps = 5;
 constexpr int kTries = 3;
 constexpr int kRest_s = 3, kTurn_s = 15, kReturn_s = 180;
-// Hundredths of the radius: a step begins within the first; the boat returns to the second; beyond
-// the third it is lost; beyond the last it turns before a step that goes far.
-constexpr int kNear = 40, kBack = 33, kLost = 150, kFar = 15;
 
 float or_zero(float param) { return std::isnan(param) ? 0.0F : param; }
 
@@ -31,7 +29,9 @@ bool goes_far(Manoeuvre manoeuvre) {
 
 }  // namespace
 
-bool is_voyage(const PlanItem& item) { return item.command == mav::kVoyage; }
+bool is_voyage(const PlanItem& item) {
+  return FLOTILLA_SAILS_VOYAGES != 0 && item.command == mav::kVoyage;
+}
 
 PlanFault fault_of_voyage(const PlanItem& item) {
   const float share = or_zero(item.param[0]), radius_m = or_zero(item.param[1]);
@@ -61,7 +61,11 @@ void HullVoyage<S>::begin(const VoyageRoom& room) {
   if (!is_of(room.plan, room.item)) forget();
   room_ = room;
   radius_ = convert::scalar<S>(room.radius_m);
+  greatest_ = radius_;
   gain_ = convert::scalar<S>(room.share);
+  rest_s_ = convert::scalar<S>(room.rest_s);
+  fastest_ = convert::scalar<S>(room.fastest_mps);
+  fastest_r_ = convert::scalar<S>(room.fastest_radps);
   enter(Phase::kRest);
 }
 
@@ -80,6 +84,7 @@ void HullVoyage<S>::enter(Phase phase) {
 template <class S>
 core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
   in_phase_s_ = in_phase_s_ + dt;
+  away_ = core::hypot(seen.off_n.x, seen.off_n.y);
   look(seen);
   advance(seen);
   const core::Thrust<S> asked = shares(seen, dt);
@@ -87,28 +92,26 @@ core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
   return {gain * core::clamp(asked.port, S(-1), S(1)), gain * core::clamp(asked.stbd, S(-1), S(1))};
 }
 
-/// Cuts the step off where it cannot go on.
+/// Cuts the step off where it cannot go on. A fence makes the room smaller.
 template <class S>
 void HullVoyage<S>::look(const Seen& seen) {
-  const S away = core::hypot(seen.off_n.x, seen.off_n.y);
-  if (S(kLost) / S(100) * radius_ < away) return lose();
+  if (S(1.5) * greatest_ < away_) return lose();
   if (seen.waits) return enter(Phase::kRest);
   if (phase_ == Phase::kOff || phase_ == Phase::kRest) return;
-  const S rest_s = convert::scalar<S>(room_.rest_s);
-  const S stops = core::hypot(seen.off_n.x + rest_s * seen.velocity_n.x,
-                              seen.off_n.y + rest_s * seen.velocity_n.y);
+  const S stops = core::hypot(seen.off_n.x + rest_s_ * seen.velocity_n.x,
+                              seen.off_n.y + rest_s_ * seen.velocity_n.y);
   const S speed = core::hypot(seen.velocity_n.x, seen.velocity_n.y);
-  const S fastest = convert::scalar<S>(room_.fastest_mps);
-  const S fastest_r = convert::scalar<S>(room_.fastest_radps);
-  const bool turns_fast = S(0) < fastest_r && fastest_r < core::abs(seen.r);
-  const bool too_fast = fastest < speed || turns_fast;
+  const bool turns_fast = S(0) < fastest_r_ && fastest_r_ < core::abs(seen.r);
+  const S edge = S(0.95) * radius_;
+  const bool too_fast = fastest_ < speed || turns_fast;
   if (phase_ == Phase::kReturn) {
     if (too_fast && slow_down()) enter(Phase::kRest);
   } else if (too_fast) {
     cut_off("too fast", slow_down());
   } else if (seen.blocked) {
+    radius_ = core::min(radius_, core::max(away_, S(kLeastRadius_m)));
     cut_off("the fence", false);
-  } else if (radius_ < stops || radius_ < away) {
+  } else if (edge < core::max(stops, away_)) {
     cut_off("no room", false);
   }
 }
@@ -117,7 +120,7 @@ void HullVoyage<S>::look(const Seen& seen) {
 template <class S>
 bool HullVoyage<S>::slow_down() {
   const S slower = S(0.7) * slowed_;
-  const bool can = convert::scalar<S>(kLeastShare) < gain_ * slower;
+  const bool can = S(0.1) < gain_ * slower;
   if (can) slowed_ = slower;
   return can;
 }
@@ -161,7 +164,7 @@ template <class S>
 void HullVoyage<S>::begin_step(const Seen& seen) {
   const S pi = S(3.14159265358979323846);
   const bool straight = step().manoeuvre == Manoeuvre::kStraight;
-  const bool far = S(kFar) / S(100) * radius_ < core::hypot(seen.off_n.x, seen.off_n.y);
+  const bool far = S(0.15) * radius_ < away_;
   const bool turns = straight || (far && goes_far(step().manoeuvre));
   course_ = seen.psi;
   if (straight) {
@@ -180,20 +183,19 @@ void HullVoyage<S>::begin_step(const Seen& seen) {
 /// From phase to phase.
 template <class S>
 void HullVoyage<S>::advance(const Seen& seen) {
-  const S away = core::hypot(seen.off_n.x, seen.off_n.y);
   switch (phase_) {
     case Phase::kOff:
       break;
     case Phase::kRest:
       if (seen.waits || in_phase_s_ < S(kRest_s)) break;
-      if (S(kNear) / S(100) * radius_ < away) {
+      if (S(0.4) * radius_ < away_) {
         enter(Phase::kReturn);
       } else {
         begin_step(seen);
       }
       break;
     case Phase::kReturn:
-      if (away < S(kBack) / S(100) * radius_) {
+      if (away_ < S(0.33) * radius_) {
         enter(Phase::kRest);
       } else if (S(kReturn_s) < in_phase_s_) {
         lose();
@@ -231,7 +233,7 @@ core::Thrust<S> HullVoyage<S>::shares(const Seen& seen, S dt) {
     case Phase::kDriven:
       break;
   }
-  const S port = S(step().port) / S(100), stbd = S(step().stbd) / S(100);
+  const S port = S(0.01) * S(step().port), stbd = S(0.01) * S(step().stbd);
   if (step().manoeuvre == Manoeuvre::kStraight) return steered(seen, port);
   return swaps(seen, dt) ? core::Thrust<S>{stbd, port} : core::Thrust<S>{port, stbd};
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The voyage that measures a hull: sails kVoyageSteps in the open loop, within a room.
 //
-//   p_s = p + T_s v        where the boat comes to rest: |p_s| < R, or the step is cut off
+//   p_s = p + T_s v        where the boat comes to rest: |p_s| < 0.95 R, or the step is cut off
+//   |p| > 0.4 R: back to 0.33 R before the next step; > 1.5 R: lost
+//   |p| > 0.15 R: turns first, where the next step goes far
 //   d = ±min(d_max, |k (χ_d − ψ) − k_r r|)      port = s + d, stbd = s − d      steers to a course
 //
 //  symbol    meaning                                                          unit
@@ -109,7 +111,9 @@ class HullVoyage {
   bool lost_ = false;
   std::size_t step_ = 0, whole_ = 0;
   int tries_ = 0;
-  S radius_{}, gain_{}, slowed_ = S(1);
+  S radius_{}, greatest_{}, gain_{}, slowed_ = S(1);
+  S rest_s_{}, fastest_{}, fastest_r_{};
+  S away_{};  // from the centre
   S in_phase_s_{};
   S course_{};
   bool swapped_ = false;

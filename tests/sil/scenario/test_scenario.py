@@ -46,7 +46,7 @@ m11 = 2.0
 """
 
 
-ROUTE = {"waypoints", "speed_mps", "corner_radius_m", "boat"}
+ROUTE = {"waypoints", "speed_mps", "corner_radius_m", "boat", "voyage_room_m", "voyage_share"}
 
 
 def written(folder: Path, text: str) -> Path:
