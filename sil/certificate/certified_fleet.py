@@ -19,13 +19,8 @@ _ALIKE = 1e-4  # rad, m/s, rad/s
 
 
 def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
-    """All parameters of every boat's firmware; ValueError for one that it refuses."""
-    defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
-    every = []
-    for own in parameters_of(scenario, overrides):
-        flotilla.Helm(own)
-        every.append({**defaults, **own})
-    return every
+    """All parameters of every boat's firmware, gains derived; ValueError for one that it refuses."""
+    return [flotilla.derived(own) for own in parameters_of(scenario, overrides)]
 
 
 def vessel_of(own: Mapping[str, float]) -> HullParameters:

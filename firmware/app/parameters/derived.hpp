@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Gains that scale with the boat: what a negative LAW_KDU, LAW_KDR, LAW_OBS_BW, LAW_XT_DIST or
+// LAW_R_MAX stands for. A value that an operator sets counts as it is.
+//
+//   τ = THR_LAG + τ₀                       lag of the propellers, and τ₀ = 18 ms of the loop itself
+//   T_u = 4.18 τ,  T_r = 1.81 τ            time constants of the velocity loops
+//   k_du = m11 / T_u − d11                 m11 ė_u = −(d11 + k_du) e_u; what the drag gives already
+//   k_dr = m33 / T_r − d33                 is not asked of the gain
+//   ω = min(2 rad/s, 0.3 / T_u)            the observer stays slower than both loops
+//   Δ = L / 1.3                            look-ahead, 1 m for a boat of 1.3 m
+//   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s
+//
+//   unknown THR_LAG: 20 ms (√(m11 / 1.012 kg) − 1)
+//
+// The paper's vessel, without lag, gets the paper's k_du = k_dr = 10. Its loops have T_u and T_r of
+// 75 and 33 ms; the ratios to τ₀ are those of any other boat. With a lag τ the loop m ν̇ = X − d ν,
+// τ Ẋ = −k ν − X has the damping ζ = ½ √(T/τ), about 1.0 in surge and 0.67 in yaw.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "app/parameters.hpp"
+
+namespace flotilla::app {
+
+/// The same parameters with each negative gain replaced by the derived one.
+Parameters derived(const Parameters& p);
+
+/// A gain that makes a loop whose time constant does not go with another one.
+struct Misfit {
+  std::string_view gain;
+  float value;
+  float time_s;
+  std::string_view loop;
+  std::string_view other;  ///< which allows
+  float allowed_s;
+  bool more;  ///< allowed_s or more; otherwise or less
+};
+
+/// The first gain that does not fit the hull, of those that an operator set and the derived ones.
+///
+///   too fast for the propellers, where THR_LAG is known: ζ² = (m + d τ)² / (4 m τ (d + k)) < ¼
+///   too slow for the outer loop: T_u k_x > ½, T_r k_ψ > ½
+///   observer too fast for a loop: ω T > 1.5
+std::optional<Misfit> misfit(const Parameters& p);
+
+}  // namespace flotilla::app
