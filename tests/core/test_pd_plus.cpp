@@ -26,8 +26,7 @@ TEST_CASE_TEMPLATE("a boat in its slot gets the wrench that its leader's own mot
   for (int i = 0; i < 500; ++i) {
     const Vec2<S> d{S(random(-9, 9)), S(random(-9, 9))};
     const ControllerInput<S> in = testing::encounter_in_slot(d, random);
-    const Vessel<S> vessel =
-        testing::with_speed_drag(testing::arbitrary_vessel<S>(random), random);
+    const Vessel<S> vessel = testing::with_speed_drag(testing::arbitrary_vessel<S>(random), random);
     VirtualVelocityState<S> state{.v_star = in.nu_L.v};
     const auto desired = testing::papers_velocity(
         VirtualVelocityParams<S>{S(random(0, 2)), S(random(0, 2))}, state, in, d);
@@ -55,8 +54,8 @@ TEST_CASE_TEMPLATE("a boat that is too fast is braked by its gain, one that turn
   }
 }
 
-TEST_CASE_TEMPLATE("drag that grows with speed is paid for at the speed that the boat has", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("drag that grows with speed is paid for at the speed that the boat has", S,
+                   float, double) {
   constexpr std::uint32_t kSeed = 12;
   INFO("seed ", kSeed);
   Random random(kSeed);

@@ -47,8 +47,8 @@ core::ObserverParams<S> observer_params(const Parameters& p) {
 
 template <class S>
 core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p, float share) {
-  return {scalar<S>(share * p.THR_FWD_MAX), scalar<S>(share * p.THR_REV_MAX),
-          scalar<S>(p.THR_EXPO), scalar<S>(p.THR_DEAD), S(kRawFull)};
+  return {scalar<S>(share * p.THR_FWD_MAX), scalar<S>(share * p.THR_REV_MAX), scalar<S>(p.THR_EXPO),
+          scalar<S>(p.THR_DEAD), S(kRawFull)};
 }
 
 template <class S>

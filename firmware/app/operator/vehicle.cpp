@@ -311,8 +311,8 @@ void Vehicle::tell_misfit(link::Counters& counters) {
   };
   Sentence why;
   why << found->gain << " " << found->value << " gives a " << found->loop << " of "
-      << rounded(found->time_s) << " s, " << found->other << " allows "
-      << rounded(found->allowed_s) << (found->more ? " s or more" : " s or less");
+      << rounded(found->time_s) << " s, " << found->other << " allows " << rounded(found->allowed_s)
+      << (found->more ? " s or more" : " s or less");
   send_statustext(mav::kSeverityWarning, {why.text()}, counters);
 }
 

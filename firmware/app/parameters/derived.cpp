@@ -27,8 +27,7 @@ float rounded(float gain) {
 }
 
 float yaw_rate_radps(const Parameters& p) {
-  const float moment = p.THR_ARM * (p.THR_FWD_MAX + p.THR_REV_MAX) *
-                       (1 - std::abs(p.THR_BALANCE));
+  const float moment = p.THR_ARM * (p.THR_FWD_MAX + p.THR_REV_MAX) * (1 - std::abs(p.THR_BALANCE));
   const float speed = (p.LAW_U_MAX > 0 ? p.LAW_U_MAX : kAnySpeed_mps) / 2;
   const float held = kMomentShare * moment / (p.VES_D33 + p.VES_D33U * speed);
   return std::min(kYawRateMost_radps * std::min(kLength_m / p.BOAT_LEN, 1.0F), held);
@@ -55,8 +54,8 @@ std::optional<Misfit> misfit_of(const Loop& loop, const Parameters& p) {
   }
   constexpr float kOfObserver = 1.5F;
   if (p.LAW_OBS_BW * time_s <= kOfObserver) return std::nullopt;
-  return Misfit{"LAW_OBS_BW", p.LAW_OBS_BW, 1 / p.LAW_OBS_BW,    "observer",
-                loop.gain,    time_s / kOfObserver, true};
+  return Misfit{"LAW_OBS_BW",         p.LAW_OBS_BW, 1 / p.LAW_OBS_BW, "observer", loop.gain,
+                time_s / kOfObserver, true};
 }
 
 }  // namespace

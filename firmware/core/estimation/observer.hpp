@@ -81,12 +81,10 @@ Motion<S> observer_step(const Vessel<S>& m, const Observer<S>& now, const Tau<S>
   const S v_w = v - c.y;
   const S d_u = m.d11_m11 + m.d11q_m11 * abs(u_w);
   const S d_r = m.d33_m33 + m.d33u_m33 * abs(u_w);
-  const S a_u =
-      (tau.X + m.m22 * v_w * r + surge_damping(m, u_w) * c.x) / m.m11 + now.b.u + r * c.y;
+  const S a_u = (tau.X + m.m22 * v_w * r + surge_damping(m, u_w) * c.x) / m.m11 + now.b.u + r * c.y;
   const S a_v = (m.d22 * c.y - m.m11 * u_w * r) / m.m22 + now.b.v - r * c.x;
   const S a_r = (tau.N - (m.m22 - m.m11) * u_w * v_w) / m.m33 + now.b.r;
-  const Nu<S> next = {(u + h * a_u) / (S(1) + h * d_u),
-                      (v + h * a_v) / (S(1) + h * m.d22_m22),
+  const Nu<S> next = {(u + h * a_u) / (S(1) + h * d_u), (v + h * a_v) / (S(1) + h * m.d22_m22),
                       (r + h * a_r) / (S(1) + h * d_r)};
   const S half = S(0.5) * h;
   const S turned = half * (r + next.r);

@@ -80,8 +80,8 @@ TEST_CASE("units do not matter: a boat of twice the mass, inertia and drag gets 
   for (int i = 0; i < 200; ++i) {
     Parameters p = any_boat(random);
     const Parameters one = derived(p);
-    for (float Parameters::* scaled : {&Parameters::VES_M11, &Parameters::VES_D11,
-                                       &Parameters::VES_M33, &Parameters::VES_D33}) {
+    for (float Parameters::* scaled :
+         {&Parameters::VES_M11, &Parameters::VES_D11, &Parameters::VES_M33, &Parameters::VES_D33}) {
       p.*scaled *= 2;
     }
     const Parameters two = derived(p);

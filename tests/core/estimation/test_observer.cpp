@@ -40,8 +40,8 @@ TEST_CASE_TEMPLATE("a boat is where its model takes it under the thrust that it 
   }
 }
 
-TEST_CASE_TEMPLATE("drag that grows with speed slows the boat in its model as on the water", S, float,
-                   double) {
+TEST_CASE_TEMPLATE("drag that grows with speed slows the boat in its model as on the water", S,
+                   float, double) {
   INFO("seed ", kSeed);
   Random random(kSeed);
   for (int run = 0; run < 100; ++run) {
