@@ -20,6 +20,7 @@ _VERBS = {
     "compare": "is campaign B worse than campaign A?",
     "certify": "do these gains hold the formation? answered before sailing",
     "view": "show a fleet in the browser, live or recorded",
+    "hulls": "list the hulls that a scenario may name, or print one's parameters",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",
     "faults": "sail the matrix of faults, or hours of random ones",

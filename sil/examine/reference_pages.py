@@ -9,12 +9,14 @@ import flotilla
 from sil import ROOT
 from sil.examine import (
     fault_page,
+    hull_page,
     message_page,
     module_page,
     policy_page,
     scenario_page,
     supervisor_page,
 )
+from sil.scenario import presets
 
 PAGE = ROOT / "firmware" / "docs" / "PARAMETERS.md"
 
@@ -43,6 +45,10 @@ TABLES = {
     fault_page.PAGE: {"faults": fault_page.table},
     policy_page.PAGE: {"policies": policy_page.table},
     scenario_page.PAGE: {"scenarios": scenario_page.scenario_table, "keys": scenario_page.tables},
+    hull_page.PAGE: {
+        "firmware": hull_page.firmware_table,
+        "hulls": hull_page.source_tables,
+    },
     module_page.PAGE: {
         "snapshot": module_page.snapshot_table,
         "counters": module_page.counter_table,
@@ -64,9 +70,11 @@ def page(path: Path, text: str) -> str:
 
 
 def main() -> int:
-    """Regenerate the pages."""
+    """Regenerate the pages, and the parameter files of the hulls."""
     for path in TABLES:
         path.write_text(page(path, path.read_text(encoding="utf-8")), encoding="utf-8")
+    for name, text in hull_page.files().items():
+        (presets.FOLDER / name).write_text(text, encoding="utf-8")
     return 0
 
 

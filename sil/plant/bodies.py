@@ -14,7 +14,7 @@ class Bodies:
     Rows are the leaders of all runs, then the boats, run by run: A = R + R N. `eta` and `nu`
     (A, 3): pose (m, m, rad) and velocity (m/s, m/s, rad/s) now; `rpm` (R N, 2): shaft speeds, port
     and starboard; `tau` (R N, 2): surge force and yaw moment (N, N m) that the propellers gave at
-    the beginning of the last step. `hulls` (A, 15) and `propellers` (R N, 8) as their `stack`
+    the beginning of the last step. `hulls` (A, 16) and `propellers` (R N, 9) as their `stack`
     makes them; `current` (A, 2): velocity of the water around each, north and east (m/s);
     `weather` pushes the boats, or nothing does; `push` (A, 3), N, N, N m in body axes, where it is
     set, everyone. No run's numbers depend on another's.

@@ -3,6 +3,9 @@
 
 M ν̇_r + C(ν_r) ν_r + D(ν_r) ν_r = [X 0 N]ᵀ + w,  ν_r = ν − R(ψ)ᵀ c,  η̇ = R(ψ) ν
 
+D(ν_r) ν_r = [(d11 + d11q |u_r|) u_r,  d22 v_r + Y_c,  (d33 + d33q |r| + d33u |u_r|) r + N_c]
+[Y_c N_c] = k ∫ |v_r + x r| (v_r + x r) [1 x] dx along the waterline: cross-flow drag
+
 η = [x y ψ], north-east-down, ψ clockwise, never wrapped (m, rad); ν = [u v r] over ground, body
 x forward, y starboard (m/s, rad/s); c = [north east], the water's velocity, uniform and constant,
 hence irrotational. Source: Wang and Loría, eq:sim, where M = diag(m11 m22 m33),
@@ -18,7 +21,7 @@ import numpy.typing as npt
 from flotilla import kernels
 
 Array = npt.NDArray[np.float64]
-_PAPER = ("m11", "m22", "m33", "d11", "d22", "d33")
+PAPER = ("m11", "m22", "m33", "d11", "d22", "d33")
 
 
 @dataclass(frozen=True)
@@ -40,10 +43,11 @@ class HullParameters:
     d33_quadratic: float = 0.0  # N m s², of r |r|
     crossflow: float = 0.0  # kg/m²
     length_m: float = 0.0
+    d33_speed: float = 0.0  # N s²: of |u| r, yaw damping that grows with the speed ahead
 
 
 def stack(hulls: Iterable[HullParameters]) -> Array:
-    """Parameters (n, 15) of n vessels: columns in the order of `HullParameters`, then M inverted.
+    """Parameters (n, 16) of n vessels: columns in the order of `HullParameters`, then M inverted.
 
     The last four are m23/m33, m22 − m23²/m33, m23/m22, m33 − m23²/m22: M has one element off its
     diagonal, which is eliminated. ValueError where M is not positive definite.
@@ -60,9 +64,9 @@ def stack(hulls: Iterable[HullParameters]) -> Array:
 
 def mismatched(hull: HullParameters, share: float, rng: np.random.Generator) -> HullParameters:
     """`hull` with each of the paper's six parameters times its own U(1 − share, 1 + share)."""
-    factors = rng.uniform(1.0 - share, 1.0 + share, len(_PAPER))
+    factors = rng.uniform(1.0 - share, 1.0 + share, len(PAPER))
     changed = {
-        name: getattr(hull, name) * factor for name, factor in zip(_PAPER, factors, strict=True)
+        name: getattr(hull, name) * factor for name, factor in zip(PAPER, factors, strict=True)
     }
     return replace(hull, **changed)
 
@@ -72,7 +76,7 @@ def advance(
 ) -> None:
     """Carry n vessels over one step of `h_s` seconds, in place, by classical Runge-Kutta 4.
 
-    Shapes: eta (n, 3), nu (n, 3), parameters (n, 15) from `stack`.
+    Shapes: eta (n, 3), nu (n, 3), parameters (n, 16) from `stack`.
     tau (3, n, 2): [X N] (N, N m) at the start, the middle and the end of the step.
     w (n, 3): body-fixed disturbance [X Y N] (N, N, N m), held over the step.
     current (n, 2): velocity of the water around each, north and east (m/s).

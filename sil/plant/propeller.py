@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Two propellers a boat: command → thrust curve → first-order lag → surge force and yaw moment.
 
-T = γ T_max ((1 − ε) c + ε c |c|), T_max the maximum of the direction of c; lag × Ṫ_now = T − T_now;
+T = γ T_max ((1 − ε) c + ε c |c|), 0 where |c| < dead, T_max the maximum of the direction of c;
+lag × Ṫ_now = T − T_now;
 X = T_port + T_stbd, N = a (T_port − T_stbd): port thrust turns the boat to starboard.
 """
 
@@ -26,10 +27,11 @@ class PropellerParameters:
     rpm_max: float = 3600.0  # at the maximum thrust of either direction
     port_gain: float = 1.0  # γ
     stbd_gain: float = 1.0
+    dead: float = 0.0  # smaller commands leave the propeller at rest
 
 
 def stack(pairs: Iterable[PropellerParameters]) -> Array:
-    """Parameters (n, 8) of n boats, columns in the order of `PropellerParameters`."""
+    """Parameters (n, 9) of n boats, columns in the order of `PropellerParameters`."""
     return np.array([astuple(pair) for pair in pairs], dtype=np.float64)
 
 
@@ -37,7 +39,7 @@ def advance(thrust: Array, command: Array, tau: Array, parameters: Array, h_s: f
     """Carry the thrust of n boats over one step of `h_s` seconds, the command held; in place.
 
     Shapes: thrust (n, 2) and command (n, 2), columns port, stbd, in N and in [−1, 1] (clamped);
-    parameters (n, 8) from `stack`. Writes tau (3, n, 2): [X N] (N, N m) at the start, the
+    parameters (n, 9) from `stack`. Writes tau (3, n, 2): [X N] (N, N m) at the start, the
     middle and the end of the step, as `hull.advance` takes it. The lag is integrated exactly.
     """
     kernels.advance_propellers(thrust, command, tau, parameters, h_s)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The laws with which a scenario can be sailed: sets of LAW_* parameters."""
 
+from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
 Law = Literal["product", "paper"]
@@ -29,6 +30,15 @@ _OF_THE_VESSEL = ("LAW_KDU", "LAW_KDR")
 def parameters(law: Law) -> dict[str, float]:
     """LAW_* parameters of `law`: the paper's gains, or none for the firmware's defaults."""
     return dict(_PAPER) if law == "paper" else {}
+
+
+def kept(gains: Mapping[str, float], law: str) -> dict[str, float]:
+    """Parameters of a hull that go with `law`: with the paper's, no LAW_* but the vessel's."""
+    return {
+        name: value
+        for name, value in gains.items()
+        if law == "product" or not name.startswith("LAW_") or name in _OF_THE_VESSEL
+    }
 
 
 def impose(law: Law, document: dict[str, Any]) -> None:

@@ -18,7 +18,7 @@ from sil import ROOT
 from sil.plant.hull import Array, HullParameters
 from sil.plant.propeller import PropellerParameters
 from sil.plant.weather import steps_of
-from sil.scenario import formation, law, toml_errors
+from sil.scenario import formation, hulls, law, toml_errors
 from sil.scenario.fault_errors import fault_contradictions
 from sil.scenario.formation import Formation
 from sil.scenario.law import Law
@@ -59,8 +59,9 @@ FOLDER = ROOT / "sil" / "scenarios"
 class Scenario(Section):
     """A whole scenario. Agent 0 is the virtual leader, agent i is `boat[i - 1]`.
 
-    `name` is by default the file's. A campaign draws no start at which two boats are closer than
-    `start_apart_m`.
+    `name` is by default the file's. `hull`, a name in `sil/hulls`: that hull's `vessel`,
+    `propellers` and `parameters`, with the file's keys over them. A campaign draws no start at
+    which two boats are closer than `start_apart_m`.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Scenario(Section):
     scalar: Scalar = "float"
     rate_hz: Annotated[float, Field(ge=50.0, le=1000.0)] = 100.0
     start_apart_m: NotNegative = 0.0
+    hull: str | None = None
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()
     navigation: Navigation = Navigation()
@@ -184,10 +186,14 @@ def read(
     for override in makers:
         source.override(override)
     formation.expand(source)
+    named = [text for text in overrides if hulls.is_hull(text.partition("=")[0])]
+    for override in named:
+        hulls.override(source, override)
     if law_override is not None:
         law.impose(law_override, source.document)
+    hulls.expand(source)
     for override in overrides:
-        if override not in makers:
+        if override not in makers and override not in named:
             source.override(override)
     return source
 
@@ -213,6 +219,7 @@ def _read(path: Path) -> toml_errors.Source:
             raise source.error(("base",), f'"base": {error}') from None
         if "base" in base.document:
             raise source.error(("base",), f'"base" = "{name}": that scenario has a base itself')
+        hulls.clear_base(source.document, base.document)
         source.lay_over(base)
     return source
 

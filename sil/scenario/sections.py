@@ -48,6 +48,7 @@ class Vessel(Section):
     m23: float = 0.0
     d11_quadratic: NotNegative = 0.0
     d33_quadratic: NotNegative = 0.0
+    d33_speed: NotNegative = 0.0
     crossflow_cd: NotNegative = 0.0
     length_m: NotNegative = 0.0
     draft_m: NotNegative = 0.0
@@ -125,6 +126,7 @@ class Propellers(Section):
     lag_s: NotNegative = 0.0
     port_gain: Positive = 1.0
     stbd_gain: Positive = 1.0
+    dead: Share = 0.0
 
 
 class Unit(Section):
@@ -242,6 +244,7 @@ class Boat(Section):
     offset_m: Pair
     eta: Triple
     nu: Triple = (0.0, 0.0, 0.0)
+    hull: str | None = None
     parameters: Parameters = Field(default_factory=dict)
     vessel: Vessel = Vessel()
     propellers: Propellers = Propellers()

@@ -40,11 +40,12 @@ and these addresses:
   udpbcast:HOST:PORT     talks to a broadcast address
   serial:DEVICE:BAUD     a serial port, such as serial:/dev/ttyUSB0:57600,rate=3000
 
-A parameter given here wins over the saved one at every start.)";
+A parameter given here wins over the saved one at every start; --param wins over --param-file, both
+over the configuration file.)";
 
 struct Options {
   std::string config, can, state_dir, signing_key, log, stats, stop, priority;
-  std::vector<std::string> mavlink, param;
+  std::vector<std::string> mavlink, param, param_file;
   bool lock_memory = false;
 };
 
@@ -74,6 +75,10 @@ void define(CLI::App& app, Options& options) {
       ->allow_extra_args(false);
   app.add_option("--param", options.param, "Parameter, repeatable")
       ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--param-file", options.param_file,
+                 "Parameter file of a ground station, such as sil/hulls/otter.param, repeatable")
+      ->type_name("FILE")
       ->allow_extra_args(false);
   app.add_option("--state-dir", options.state_dir,
                  "Where parameters and node ids are kept, default " + defaults.state_dir.string())
@@ -123,6 +128,7 @@ Config combined(const CLI::App& app, const Options& options) {
       for (const auto& text : options.mavlink) config.mavlink.push_back(mavlink_link(text));
     });
   }
+  for (const auto& file : options.param_file) read_parameter_list(file, config.param);
   option("--param", [&] {
     for (const auto& text : options.param) override_parameter(text, config);
   });

@@ -41,6 +41,10 @@ float parameter_value(std::string_view name, std::optional<double> value, std::s
 StopLine stop_line(std::string_view text);  ///< CHIP:LINE, "": none
 int priority_value(std::optional<std::int64_t> value);
 
+/// Reads a ground station's parameter file into `param`: NAME,VALUE lines as Mission Planner and
+/// MAVProxy write them, or QGroundControl's five columns. Throws ConfigError.
+void read_parameter_list(const std::string& file, ParameterOverrides& param);
+
 /// Reads boat.toml. Throws ConfigError.
 Config read_config_file(const std::string& file);
 

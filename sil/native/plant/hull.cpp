@@ -14,7 +14,7 @@ namespace {
 
 /// A row of `sil.plant.hull.stack`: `HullParameters`, then M inverted.
 struct Hull {
-  double m11, m22, m33, d11, d22, d33, m23, d11_uu, d33_rr, crossflow, length;
+  double m11, m22, m33, d11, d22, d33, m23, d11_uu, d33_rr, crossflow, length, d33_u;
   double sway_of_yaw, sway_inertia, yaw_of_sway, yaw_inertia;
 };
 constexpr std::size_t kColumns = sizeof(Hull) / sizeof(double);
@@ -58,7 +58,7 @@ Rates rates(double psi, double u, double v, double r, Pair tau, const double* w,
                        (p.m23 * r * r - p.d11_uu * std::abs(u_r) * u_r);
   double sway = w[1] - p.m11 * u_r * r - p.d22 * v_r;
   double yaw = tau.second + w[2] - (p.m22 - p.m11) * u_r * v_r - p.d33 * r -
-               (p.m23 * u_r + p.d33_rr * std::abs(r)) * r;
+               (p.m23 * u_r + p.d33_rr * std::abs(r) + p.d33_u * std::abs(u_r)) * r;
   if (p.crossflow > 0.0) {
     const auto [sway_drag, yaw_drag] = crossflow(v_r, r, p.crossflow, 0.5 * p.length);
     sway -= sway_drag;
@@ -84,8 +84,8 @@ struct Vessel {
 void carry(const Vessel& at, Pair start, Pair middle, Pair end, double h) {
   const Hull& p = at.hull;
   const auto [north, east] = at.water;
-  const bool plain = p.m23 == 0.0 && p.d11_uu == 0.0 && p.d33_rr == 0.0 && p.crossflow == 0.0 &&
-                     north == 0.0 && east == 0.0;
+  const bool plain = p.m23 == 0.0 && p.d11_uu == 0.0 && p.d33_rr == 0.0 && p.d33_u == 0.0 &&
+                     p.crossflow == 0.0 && north == 0.0 && east == 0.0;
   const double half = 0.5 * h, sixth = h / 6.0;
   const double psi = at.eta[2], u = at.nu[0], v = at.nu[1], r = at.nu[2];
   const auto after = [&](double step, const Rates& k, Pair tau) {
@@ -113,7 +113,7 @@ void advance_hulls(Rows eta, Rows nu, Input<3> tau, InputRows w, InputRows curre
   expect(tau, "tau: (2 steps + 1, n, 2)", tau.shape(0) | 1U, n, 2);
   expect(w, "w: (n, 3)", n, 3);
   expect(current, "current: (n, 2)", n, 2);
-  expect(parameters, "parameters: (n, 15)", n, kColumns);
+  expect(parameters, "parameters: (n, 16)", n, kColumns);
   const auto given = tau.view();
   for (std::size_t k = 0; k + 2 < tau.shape(0); k += 2) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -121,8 +121,8 @@ void advance_hulls(Rows eta, Rows nu, Input<3> tau, InputRows w, InputRows curre
         return {given(k + stage, i, 0), given(k + stage, i, 1)};
       };
       const double* p = parameters.data() + kColumns * i;
-      const Hull hull{p[0], p[1], p[2],  p[3],  p[4],  p[5],  p[6], p[7],
-                      p[8], p[9], p[10], p[11], p[12], p[13], p[14]};
+      const Hull hull{p[0], p[1], p[2],  p[3],  p[4],  p[5],  p[6],  p[7],
+                      p[8], p[9], p[10], p[11], p[12], p[13], p[14], p[15]};
       const double* water = current.data() + 2 * i;
       carry({eta.data() + 3 * i, nu.data() + 3 * i, w.data() + 3 * i, {water[0], water[1]}, hull},
             tau_at(0), tau_at(1), tau_at(2), h_s);

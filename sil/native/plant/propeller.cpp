@@ -16,15 +16,17 @@ namespace {
 struct Propellers {
   double arm, forward_max, reverse_max, expo, lag_s, rpm_max;
   double gain[2];
+  double dead;
 };
 
 Propellers propellers_of(const Input<2>& parameters, std::size_t i) {
   const auto p = parameters.view();
-  return {p(i, 0), p(i, 1), p(i, 2), p(i, 3), p(i, 4), p(i, 5), {p(i, 6), p(i, 7)}};
+  return {p(i, 0), p(i, 1), p(i, 2), p(i, 3), p(i, 4), p(i, 5), {p(i, 6), p(i, 7)}, p(i, 8)};
 }
 
 double steady_thrust(double command, const Propellers& p) {
   const double c = std::min(std::max(command, -1.0), 1.0);
+  if (std::abs(c) < p.dead) return 0.0;
   const double limit = c >= 0.0 ? p.forward_max : p.reverse_max;
   return limit * ((1.0 - p.expo) * c + p.expo * c * std::abs(c));
 }
@@ -35,7 +37,7 @@ void advance_propellers(Array<2> thrust, Input<2> command, Array<3> tau, Input<2
   expect(thrust, "thrust: (n, 2)", n, 2);
   expect(command, "command: (n, 2)", n, 2);
   expect(tau, "tau: (3, n, 2)", 3, n, 2);
-  expect(parameters, "parameters: (n, 8)", n, 8);
+  expect(parameters, "parameters: (n, 9)", n, 9);
   const auto now = thrust.view();
   const auto commanded = command.view();
   const auto out = tau.view();
@@ -61,7 +63,7 @@ void advance_propellers(Array<2> thrust, Input<2> command, Array<3> tau, Input<2
 void shaft_speeds(Input<2> thrust, Input<2> parameters, Array<2> rpm) {
   const std::size_t n = thrust.shape(0);
   expect(thrust, "thrust: (n, 2)", n, 2);
-  expect(parameters, "parameters: (n, 8)", n, 8);
+  expect(parameters, "parameters: (n, 9)", n, 9);
   expect(rpm, "rpm: (n, 2)", n, 2);
   const auto now = thrust.view();
   const auto out = rpm.view();

@@ -109,6 +109,59 @@ THR_PORT_DIR = -1
   CHECK(parameters.LAW_KPSI == app::Parameters{}.LAW_KPSI);
 }
 
+/// A ground station's parameter file with that text.
+struct ParameterFile {
+  Scratch folder;
+  std::string path = (folder / "boat.param").string();
+  explicit ParameterFile(const std::string& text) { put(path, text); }
+};
+
+TEST_CASE("a parameter file is read in each ground station's way of writing") {
+  const char* link = "--mavlink=udpin:127.0.0.1:14550";
+  const char* texts[] = {
+      "# Otter\nLAW_KX,0.25\nTHR_ARM,0.395\n",                   // Mission Planner
+      "LAW_KX           0.250000 # slow\r\nTHR_ARM  0.395\r\n",  // MAVProxy
+      "# v\n\n1\t1\tLAW_KX\t0.25\t9\n1\t1\tTHR_ARM\t0.395\t9",   // QGroundControl
+  };
+  for (const std::string text : texts) {
+    CAPTURE(text);
+    const ParameterFile list(text);
+    CHECK(good({link, "--param-file", list.path.c_str()}).param ==
+          ParameterOverrides{{"LAW_KX", 0.25F}, {"THR_ARM", 0.395F}});
+  }
+}
+
+TEST_CASE("a hull's own files are read, and single parameters win over them") {
+  const std::string hull = std::string(FLOTILLA_SOURCE) + "/sil/hulls/otter.param";
+  const File file("mavlink = [\"udpin:0.0.0.0:1\"]\nparam = {VES_M11 = 9, LAW_KX = 0.25}\n");
+  const Config config = file.good({"--param", "VES_M22=7", "--param-file", hull.c_str()});
+  CHECK(config.param.at("VES_M11") == 85.28F);
+  CHECK(config.param.at("VES_M22") == 7.0F);
+  CHECK(config.param.at("LAW_KX") == 0.25F);
+  const ParameterOverrides columns =
+      good({"--mavlink=udpin:0.0.0.0:1", "--param-file", (hull + "s").c_str()}).param;
+  CHECK(columns == good({"--mavlink=udpin:0.0.0.0:1", "--param-file", hull.c_str()}).param);
+}
+
+TEST_CASE("a mistake in a parameter file is told with its line") {
+  const std::pair<const char*, const char*> cases[] = {
+      {"LAW_KX,0.25\nLAW_K,1\n", ":2: no parameter is called \"LAW_K\""},
+      {"LAW_KX,3\n", ":1: LAW_KX = 3 (allowed: numbers from 0 to 2 1/s)"},
+      {"\nLAW_KX,much\n", ":2: LAW_KX = much"},
+      {"LAW_KX\n", ":1: neither NAME,VALUE nor QGroundControl's five columns"},
+      {"1\t1\tLAW_KX\t0.25\n", ":1: neither NAME,VALUE nor QGroundControl's five columns"},
+  };
+  for (const auto& [text, said] : cases) {
+    CAPTURE(text);
+    const ParameterFile list(text);
+    const std::string told =
+        mistake({"--mavlink=udpin:0.0.0.0:1", "--param-file", list.path.c_str()});
+    CHECK(told.starts_with("flotillad: " + list.path + said));
+  }
+  CHECK(mistake({"--mavlink=udpin:0.0.0.0:1", "--param-file", "/nowhere.param"})
+            .starts_with("flotillad: /nowhere.param: cannot be read: "));
+}
+
 TEST_CASE("the command line wins over the file: links as a list, parameters one by one") {
   const File file(R"(
 can = "mcast:3"
@@ -197,7 +250,7 @@ TEST_CASE("--help and --version print their text and end with status 0") {
   const auto help = std::get<Ending>(read({"--help"}));
   CHECK(help.status == 0);
   for (const char* word :
-       {"--config", "--can", "--mavlink", "--param", "--state-dir", "--signing-key",
+       {"--config", "--can", "--mavlink", "--param", "--param-file", "--state-dir", "--signing-key",
         "signing=POLICY", "--log", "--stop-gpio", "--priority", "--lock-memory", "--version",
         "socketcan:IF", "udpbcast:HOST:PORT", "rate=BYTES"}) {
     CAPTURE(word);

@@ -6,7 +6,8 @@ from pathlib import Path
 import flotilla
 import pytest
 
-from sil.examine import reference_pages, supervisor_page
+from sil.examine import hull_page, reference_pages, supervisor_page
+from sil.scenario import presets
 from tests.turns import some
 
 
@@ -65,3 +66,9 @@ def test_the_diagram_shows_each_state_and_no_way_out_of_fault_but_disarming() ->
     assert not [to for state, to in edges if state == "FAULT"]
     assert edges["COAST", "FORMATION"] == ["all is well again"]
     assert edges["DISARMED", "HOLD"] == ["arm"]
+
+
+@pytest.mark.parametrize("name", hull_page.files())
+def test_parameter_files_are_those_of_their_hulls(name: str) -> None:
+    text = (presets.FOLDER / name).read_text(encoding="utf-8")
+    assert text == hull_page.files()[name], "run tools/reference"

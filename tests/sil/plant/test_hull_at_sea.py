@@ -23,6 +23,7 @@ SEA = HullParameters(
     d33_quadratic=400.0,
     crossflow=100.0,
     length_m=2.0,
+    d33_speed=60.0,
 )
 CURRENT = np.array([[0.12, -0.3]])
 START = np.array([[3.0, -2.0, 0.7, 0.9, -0.3, 0.25]])
@@ -42,7 +43,13 @@ def drag_of(p: HullParameters, nu_r: Array) -> Array:
     """[X Y N] of all damping: the cross-flow strip by strip, by adaptive quadrature."""
     u, v, r = nu_r
     linear = np.array([p.d11 * u, p.d22 * v, p.d33 * r])
-    quadratic = np.array([p.d11_quadratic * abs(u) * u, 0.0, p.d33_quadratic * abs(r) * r])
+    quadratic = np.array(
+        [
+            p.d11_quadratic * abs(u) * u,
+            0.0,
+            (p.d33_quadratic * abs(r) + p.d33_speed * abs(u)) * r,
+        ]
+    )
     half, kink = 0.5 * p.length_m, [] if r == 0.0 else [-v / r]
     inside = [x for x in kink if abs(x) < half]
 

@@ -108,3 +108,11 @@ def test_propeller_that_cannot_reverse_stands_still_astern() -> None:
     propeller.advance(thrust, np.full((1, 2), -1.0), tau, ahead_only, H_S)
     propeller.shaft_speed(thrust, ahead_only, rpm)
     assert not thrust.any() and not tau.any() and not rpm.any()
+
+
+def test_command_within_the_dead_band_leaves_the_propeller_at_rest() -> None:
+    pair = replace(IDEAL, dead=0.1)
+    thrust, _ = run(pair, [0.09, -0.09])
+    np.testing.assert_allclose(thrust, [0.0, 0.0])
+    thrust, _ = run(pair, [0.1, -0.1])  # beyond it the curve is the same
+    np.testing.assert_allclose(thrust, [5.0, -3.0])

@@ -109,8 +109,9 @@ def test_diamond_shows_every_key() -> None:
         "vary",
         "fault",
         "formation",
+        "hull",
     }
-    shown = (*Fault.model_fields, *Formation.model_fields, *ROUTE)
+    shown = (*Fault.model_fields, *Formation.model_fields, *ROUTE, "hull")
     assert all(f"\n# {key} = " in text for key in shown)
     assert document["leader"].keys() | ROUTE | {"navigation"} == Leader.model_fields.keys()
     for section in ("vessel", "propellers", "water", "wind", "waves", "white_noise", "mismatch"):

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstring>
+#include <sstream>
+#include <vector>
+
+#include "linux/config/config_values.hpp"
+#include "linux/files/durable_file.hpp"
+
+namespace flotilla::target {
+namespace {
+
+constexpr std::size_t kPlain = 2, kGroundControl = 5;  // columns
+
+/// The words of a line, which blanks, tabs or commas separate; a # begins a comment.
+std::vector<std::string> words_of(std::string line) {
+  line.erase(std::min(line.find('#'), line.size()));
+  for (char& c : line) {
+    if (c == ',') c = ' ';
+  }
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+void read_line(const std::vector<std::string>& words, ParameterOverrides& param) {
+  if (words.empty()) return;
+  if (words.size() != kPlain && words.size() != kGroundControl) {
+    throw ValueError("neither NAME,VALUE nor QGroundControl's five columns");
+  }
+  const std::size_t at = words.size() == kPlain ? 0 : 2;
+  const std::string &name = words[at], &value = words[at + 1];
+  param[name] = parameter_value(name, number<double>(value), value);
+}
+
+}  // namespace
+
+void read_parameter_list(const std::string& file, ParameterOverrides& param) {
+  const FileContent content = read_file(file);
+  if (content.error != 0) {
+    throw ConfigError(file + ": cannot be read: " + std::strerror(content.error));
+  }
+  std::istringstream lines(content.text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++count;
+    try {
+      read_line(words_of(line), param);
+    } catch (const ValueError& error) {
+      throw ConfigError(file + ":" + std::to_string(count) + ": " + error.what());
+    }
+  }
+}
+
+}  // namespace flotilla::target

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""Fleets of the hulls in sil/hulls behind an S-curve: RMS distance from their slots, worst boat.
+
+    python -m tests.loop.presets
+
+Four of each in a diamond, and `mixed`: in calm water with exact states, then with the noise of
+`noisy`, 0.1 m/s of current and 3 m/s of wind with gusts. The leader is a virtual hull of the same
+kind at its cruise. All parameters but the hull's are the firmware's defaults.
+"""
+
+import math
+
+import flotilla
+import numpy as np
+
+from sil.lockstep.world import Run, sail
+from sil.scenario import presets, scenario
+from sil.scenario.scenario import Scenario
+
+BOATS = 4
+_HEADING_RAD = 0.6  # amplitude of the S-curve
+_SPACING = 3.0  # hull lengths
+_SHORTEST_M = 1.3  # BOAT_LEN's default
+GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "R_MAX")
+DEFAULTS = {
+    own["name"]: own["default"]
+    for own in flotilla.parameter_list()
+    if own["name"].removeprefix("LAW_") in GAINS
+}
+WEATHER = (
+    "navigation.rate_hz=20",
+    "navigation.position_noise_m=0.02",
+    "navigation.heading_noise_rad=0.0087",
+    "navigation.velocity_noise_mps=0.02",
+    "navigation.yaw_rate_noise_radps=0.0035",
+    "water.current_mps=[0.0,0.1]",
+    "wind.mean_mps=[-2.1,2.1]",
+    "wind.gust_mps=0.5",
+)
+
+
+def alike(name: str) -> list[str]:
+    """Overrides that make `mixed` a fleet of one hull, behind one of its kind at cruise."""
+    hull = presets.load(name)
+    model, rate = presets.linear(hull), hull.cruise.yaw_rate_radps
+    omega = rate / _HEADING_RAD
+    spacing = _SPACING * max(hull.vessel.length_m, _SHORTEST_M)
+    curve = {
+        "surge_N": model.d11 * hull.cruise.speed_mps,
+        "yaw_sine_Nm": math.hypot(model.d33, model.m33 * omega) * rate,
+        "yaw_sine_rad_s": omega,
+    }
+    return [
+        f"hull={name}",
+        *(f"boat.{number}.hull={name}" for number in range(1, BOATS + 1)),
+        f"formation.spacing_m={spacing:g}",
+        *(f"leader.input.1.{key}={value:.6g}" for key, value in curve.items()),
+    ]
+
+
+def fleets() -> dict[tuple[str, str], Scenario]:
+    """Scenarios by the fleet, a hull's name or "mixed", and the weather."""
+    kinds = {name: alike(name) for name in presets.names()} | {"mixed": []}
+    return {
+        (fleet, weather): scenario.load("mixed", [*changes, *more])
+        for fleet, changes in kinds.items()
+        for weather, more in (("calm", ()), ("weather", WEATHER))
+    }
+
+
+def rms_m(run: Run) -> float:
+    """The worst boat's RMS distance from its slot in the last third; all must be in FORMATION."""
+    assert all(set(states) <= {"FORMATION", "APPROACH"} for states in run.states), run.states
+    distance = np.hypot(run.trace["error"][..., 0], run.trace["error"][..., 1])
+    last = distance[len(distance) * 2 // 3 :]
+    return float(np.sqrt((last**2).mean(axis=0)).max())
+
+
+def measured(parameters: dict[str, float]) -> dict[tuple[str, str], float]:
+    """RMS of every fleet of `fleets`; RunError where one does not sail.
+
+    `parameters`: of all boats, instead of their hulls'.
+    """
+    found = fleets()
+    out = {}
+    for key, run in zip(found, sail(list(found.values()), parameters), strict=True):
+        if not isinstance(run, Run):
+            raise run
+        out[key] = rms_m(run)
+    return out
+
+
+def main() -> None:
+    """Print the table, with the gains."""
+    found, default = measured({}), measured(DEFAULTS)
+    names = " | ".join(f"`LAW_{name}`" for name in GAINS)
+    print(f"| fleet | {names} | calm, m | weather, m | calm, default gains, m |")
+    print("|---|" + "--:|" * (len(GAINS) + 3))
+    for fleet in (*presets.names(), "mixed"):
+        own = presets.firmware(presets.load(fleet)) if fleet in presets.names() else {}
+        gains = (own.get(f"LAW_{name}") for name in GAINS)
+        cells = ["–" if gain is None else f"{gain:.4g}" for gain in gains]
+        cells += [f"{found[fleet, weather]:.4f}" for weather in ("calm", "weather")]
+        cells.append(f"{default[fleet, 'calm']:.4f}")
+        print(f"| `{fleet}` | {' | '.join(cells)} |")
+
+
+if __name__ == "__main__":
+    main()
