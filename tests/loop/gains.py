@@ -65,7 +65,7 @@ def told(preset: Preset) -> dict[str, float]:
 
 def fleet_of(name: str, own: dict[str, float], more: dict[str, float]) -> Scenario:
     """Four boats of a hull with these parameters, no others of the law's."""
-    given = {**dict.fromkeys(DERIVED, -1.0), "LAW_CUR_BW": 0.1, **own, **more}
+    given = {**dict.fromkeys(DERIVED, -1.0), **own, **more}
     changes = [
         f"boat.{boat}.parameters.{key}={value!r}"
         for boat in range(1, BOATS + 1)

@@ -11,7 +11,7 @@ namespace {
 constexpr float kMass_kg = 1.012F, kLength_m = 1.3F;
 constexpr float kLoop_s = 0.018F;  // two ticks at 100 Hz, all but a little
 constexpr float kSurgeRatio = 4.1844F, kYawRatio = 1.8102F;
-constexpr float kObserver = 0.3F, kObserverMost_radps = 2.0F;
+constexpr float kObserver = 1.0F, kObserverMost_radps = 2.0F;
 constexpr float kYawRateMost_radps = 0.8F, kMomentShare = 0.6F, kAnySpeed_mps = 1.5F;
 
 float lag_s(const Parameters& p) {
@@ -24,6 +24,12 @@ float lag_s(const Parameters& p) {
 float rounded(float gain) {
   constexpr float kMost = 10'000;
   return std::round(1000 * std::clamp(gain, 0.0F, kMost)) / 1000;
+}
+
+float current_radps(const Parameters& p) {
+  constexpr float kLeast_radps = 0.1F, kMost = 6;
+  const float drift_s = p.VES_M22 / p.VES_D22;
+  return kLeast_radps * std::max(1.0F, std::min(drift_s, kMost / drift_s));
 }
 
 float yaw_rate_radps(const Parameters& p) {
@@ -77,6 +83,7 @@ Parameters derived(const Parameters& p) {
   unless_set(out.LAW_KDU, rounded(p.VES_M11 / surge_s - p.VES_D11));
   unless_set(out.LAW_KDR, rounded(p.VES_M33 / yaw_s - p.VES_D33));
   unless_set(out.LAW_OBS_BW, std::min(kObserverMost_radps, kObserver / surge_s));
+  unless_set(out.LAW_CUR_BW, current_radps(p));
   unless_set(out.LAW_XT_DIST, std::min(p.BOAT_LEN / kLength_m, 100.0F));
   unless_set(out.LAW_R_MAX, yaw_rate_radps(p));
   return out;

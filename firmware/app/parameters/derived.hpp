@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Gains that scale with the boat: what a negative LAW_KDU, LAW_KDR, LAW_OBS_BW, LAW_XT_DIST or
-// LAW_R_MAX stands for. A value that an operator sets counts as it is.
+// Gains that scale with the boat: what a negative LAW_KDU, LAW_KDR, LAW_OBS_BW, LAW_CUR_BW,
+// LAW_XT_DIST or LAW_R_MAX stands for. A value that an operator sets counts as it is.
 //
 //   τ = THR_LAG + τ₀                       lag of the propellers, and τ₀ = 18 ms of the loop itself
 //   T_u = 4.18 τ,  T_r = 1.81 τ            time constants of the velocity loops
 //   k_du = m11 / T_u − d11                 m11 ė_u = −(d11 + k_du) e_u; what the drag gives already
 //   k_dr = m33 / T_r − d33                 is not asked of the gain
-//   ω = min(2 rad/s, 0.3 / T_u)            the observer stays slower than both loops
+//   ω = min(2 rad/s, 1 / T_u)              the observer is not faster than the loops
+//   ω_c = 0.1 rad/s max(1, min(T_v, 6/T_v))   T_v = m22 / d22: a hull that drifts on for long looks
+//                                          like a current, whose estimate is then to follow the drift
 //   Δ = L / 1.3                            look-ahead, 1 m for a boat of 1.3 m
 //   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s
 //

@@ -41,16 +41,17 @@ TEST_CASE("the paper's vessel gets the paper's gains, to the last bit, and so th
   CHECK(p.LAW_KDU == 10);
   CHECK(p.LAW_KDR == 10);
   CHECK(p.LAW_OBS_BW == 2);
+  CHECK(p.LAW_CUR_BW == 0.1F);
   CHECK(p.LAW_XT_DIST == 1);
   CHECK(p.LAW_R_MAX == 0.8F);
   CHECK_FALSE(misfit({}));
 }
 
 TEST_CASE("a gain that an operator sets counts, also 0, and moves no other") {
-  for (const float value : {0.0F, 0.7F, 3.0F}) {
+  for (const float value : {0.0F, 0.07F, 0.7F}) {
     for (float Parameters::* gain :
          {&Parameters::LAW_KDU, &Parameters::LAW_KDR, &Parameters::LAW_OBS_BW,
-          &Parameters::LAW_XT_DIST, &Parameters::LAW_R_MAX}) {
+          &Parameters::LAW_CUR_BW, &Parameters::LAW_XT_DIST, &Parameters::LAW_R_MAX}) {
       Parameters p, expected = derived({});
       p.*gain = expected.*gain = value;
       const Parameters found = derived(p);
