@@ -47,21 +47,14 @@ struct Loop {
 };
 
 std::optional<Misfit> misfit_of(const Loop& loop, const Parameters& p) {
-  constexpr float kOuterShare = 0.5F;
   const float time_s = loop.time_s(), lag = lag_s(p);
   const float damped = loop.m + loop.d * lag;
-  const float least = loop.m * loop.m * lag / (damped * damped);  // m² τ overflows no float
-  const auto told = [&](std::string_view other, float allowed_s, bool more) {
-    return Misfit{loop.gain, loop.k, time_s, loop.name, other, allowed_s, more};
-  };
-  if (!(p.THR_LAG < 0) && time_s < least) return told("THR_LAG", least, true);
-  if (loop.k_outer * time_s > kOuterShare) {
-    return told(loop.outer, kOuterShare / loop.k_outer, false);
+  const float least_s = loop.m * loop.m * lag / (damped * damped);
+  if (!(p.THR_LAG < 0) && time_s < least_s) {
+    return Misfit{loop.gain, loop.k, time_s, loop.name, "THR_LAG", least_s, true};
   }
-  constexpr float kOfObserver = 1.5F;
-  if (p.LAW_OBS_BW * time_s <= kOfObserver) return std::nullopt;
-  return Misfit{"LAW_OBS_BW",         p.LAW_OBS_BW, 1 / p.LAW_OBS_BW, "observer", loop.gain,
-                time_s / kOfObserver, true};
+  if (loop.k_outer * time_s <= 1) return std::nullopt;
+  return Misfit{loop.gain, loop.k, time_s, loop.name, loop.outer, 1 / loop.k_outer, false};
 }
 
 }  // namespace
@@ -70,8 +63,11 @@ std::optional<Misfit> misfit(const Parameters& given) {
   const Parameters p = derived(given);
   const Loop surge{p.VES_M11, p.VES_D11, p.LAW_KDU, "LAW_KDU", "surge loop", "LAW_KX", p.LAW_KX};
   const Loop yaw{p.VES_M33, p.VES_D33, p.LAW_KDR, "LAW_KDR", "yaw loop", "LAW_KPSI", p.LAW_KPSI};
-  const auto found = misfit_of(surge, p);
-  return found ? found : misfit_of(yaw, p);
+  if (const auto found = misfit_of(surge, p)) return found;
+  if (const auto found = misfit_of(yaw, p)) return found;
+  const float omega = p.LAW_OBS_BW, lag = lag_s(p);
+  if (p.THR_LAG < 0 || omega * lag <= 1) return std::nullopt;
+  return Misfit{"LAW_OBS_BW", omega, 1 / omega, "observer", "THR_LAG", lag, true};
 }
 
 Parameters derived(const Parameters& p) {

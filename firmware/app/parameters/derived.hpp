@@ -40,11 +40,13 @@ struct Misfit {
   bool more;  ///< allowed_s or more; otherwise or less
 };
 
-/// The first gain that does not fit the hull, of those that an operator set and the derived ones.
+/// The first gain that does not fit the hull, whether an operator set it or it is derived. Each loop
+/// is to have a damping of ½ or more with the one inside it:
 ///
-///   too fast for the propellers, where THR_LAG is known: ζ² = (m + d τ)² / (4 m τ (d + k)) < ¼
-///   too slow for the outer loop: T_u k_x > ½, T_r k_ψ > ½
-///   observer too fast for a loop: ω T > 1.5
+///   too fast for the propellers   ζ² = (m + d τ)² / (4 m τ (d + k)) < ¼, observer: ω τ > 1
+///   too slow for the outer loop   T_u k_x > 1, T_r k_ψ > 1
+///
+/// While THR_LAG is unknown nothing is too fast.
 std::optional<Misfit> misfit(const Parameters& p);
 
 }  // namespace flotilla::app

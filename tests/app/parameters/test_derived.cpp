@@ -112,14 +112,15 @@ TEST_CASE("each kind of misfit is named with the time constants that do not go t
   p.THR_LAG = 0.1F;
   REQUIRE_FALSE(misfit(p));
   const Parameters fits = p;
-  p.LAW_KDU = p.LAW_KDR = 10;
-  p.LAW_OBS_BW = 2;
+  p.LAW_OBS_BW = 5;
+  REQUIRE_FALSE(misfit(p));
+  p.THR_LAG = 0.3F;
   auto found = misfit(p);
   REQUIRE(found);
   CHECK(found->gain == "LAW_OBS_BW");
-  CHECK(found->time_s == 0.5F);
-  CHECK(found->other == "LAW_KDU");
-  CHECK(found->allowed_s == doctest::Approx(85.28 / 60.1 / 1.5));
+  CHECK(found->time_s == 0.2F);
+  CHECK(found->other == "THR_LAG");
+  CHECK(found->allowed_s == doctest::Approx(0.318));
   CHECK(found->more);
   p = fits;
   p.LAW_KDR = 1200;
@@ -135,13 +136,12 @@ TEST_CASE("each kind of misfit is named with the time constants that do not go t
   p = fits;
   p.VES_D33 = 5;
   p.LAW_KDR = 10;
-  p.LAW_OBS_BW = 0;
   found = misfit(p);
   REQUIRE(found);
   CHECK(found->gain == "LAW_KDR");
   CHECK(found->other == "LAW_KPSI");
   CHECK(found->time_s == doctest::Approx(41.45 / 15));
-  CHECK(found->allowed_s == 1);
+  CHECK(found->allowed_s == 2);
   CHECK_FALSE(found->more);
 }
 
