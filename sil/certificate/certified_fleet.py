@@ -19,7 +19,7 @@ _ALIKE = 1e-4  # rad, m/s, rad/s
 
 
 def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
-    """All parameters of every boat's firmware, gains derived; ValueError for one that it refuses."""
+    """All parameters of every boat, gains derived; ValueError for one that it refuses."""
     return [flotilla.derived(own) for own in parameters_of(scenario, overrides)]
 
 

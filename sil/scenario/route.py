@@ -6,7 +6,6 @@ parameters, `firmware/app/convert/law.cpp`.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import flotilla
 import numpy as np
