@@ -15,9 +15,9 @@ constexpr float kObserver = 1.0F, kObserverMost_radps = 2.0F;
 constexpr float kYawRateMost_radps = 0.8F, kMomentShare = 0.6F, kAnySpeed_mps = 1.5F;
 
 float lag_s(const Parameters& p) {
-  constexpr float kOfMass_s = 0.02F;
+  constexpr float kOfMass_s = 0.02F, kMost_s = 0.5F;
   const float unknown = kOfMass_s * (std::sqrt(p.VES_M11 / kMass_kg) - 1);
-  return kLoop_s + (p.THR_LAG < 0 ? std::max(unknown, 0.0F) : p.THR_LAG);
+  return kLoop_s + (p.THR_LAG < 0 ? std::clamp(unknown, 0.0F, kMost_s) : p.THR_LAG);
 }
 
 /// To three decimals, so that an operator reads 10 where the sum is 9.99998.

@@ -12,7 +12,7 @@
 //   Δ = L / 1.3                            look-ahead, 1 m for a boat of 1.3 m
 //   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s
 //
-//   unknown THR_LAG: 20 ms (√(m11 / 1.012 kg) − 1)
+//   unknown THR_LAG: 20 ms (√(m11 / 1.012 kg) − 1), within 0 … 0.5 s
 //
 // The paper's vessel, without lag, gets the paper's k_du = k_dr = 10. Its loops have T_u and T_r of
 // 75 and 33 ms; the ratios to τ₀ are those of any other boat. With a lag τ the loop m ν̇ = X − d ν,
