@@ -8,6 +8,7 @@
 
 #include "app/convert/portable.hpp"
 #include "app/operator/text.hpp"
+#include "app/parameters/derived.hpp"
 #include "core/manual.hpp"
 #include "core/scalar/overflow.hpp"
 
@@ -614,7 +615,7 @@ void Boat<S>::warn_of_fast_slot(std::int64_t now_us) {
   slot_too_fast_.look(u > 0 || r > 0, now_us);
   if (!slot_too_fast_.is() || !(u > 0 || r > 0) || !fast_slot_warning_due_.take_if_due(now_us))
     return;
-  const Parameters& p = parameters();
+  const Parameters p = derived(parameters());
   if (u > 0) warn(slot_needs(u, " m/s, LAW_U_MAX is ", p.LAW_U_MAX).text());
   if (r > 0) warn(slot_needs(r, " rad/s, LAW_R_MAX is ", p.LAW_R_MAX).text());
 }
@@ -624,7 +625,7 @@ template <class S>
 void Boat<S>::warn_of_station() {
   const core::Astray was = std::exchange(astray_, pilot_.astray());
   if (astray_ == was || astray_ == core::Astray::kNo || !keeps_slot()) return;
-  const Parameters& p = parameters();
+  const Parameters p = derived(parameters());
   Sentence why;
   if (astray_ == core::Astray::kSpins) {
     why << "boat spins: "

@@ -33,7 +33,8 @@ bool is_valid(const ParameterInfo& info, float value) {
 
 std::optional<std::string_view> contradiction(const Parameters& p) {
   if (p.ESC_PORT == p.ESC_STBD) return "ESC_PORT and ESC_STBD are the same ESC";
-  if (p.THR_DEAD >= p.THR_FWD_MAX || p.THR_DEAD >= p.THR_REV_MAX) {
+  const float weaker = 1 - std::abs(p.THR_BALANCE);
+  if (p.THR_DEAD >= weaker * p.THR_FWD_MAX || p.THR_DEAD >= weaker * p.THR_REV_MAX) {
     return "THR_DEAD is not below THR_FWD_MAX and THR_REV_MAX";
   }
   if (p.MAV_IDENTITY == 1.0F && p.MAV_COMPID == 1.0F) {

@@ -90,8 +90,9 @@ constexpr Conditions kSticksCentred = 1U << 28U;  ///< at neutral, or were once 
 constexpr Conditions kLeaderNear = 1U << 29U;     ///< the followed vessel is within FORM_DIST_MAX
 constexpr Conditions kPlanReady = 1U << 30U;      ///< a plan is stored, and begins near the boat
 constexpr Conditions kHomeNear = 1U << 31U;       ///< the place to return to is known and near
-constexpr Conditions kLocated = Conditions{1} << 32U;  ///< the own place on the globe is known
-constexpr unsigned kConditionCount = 33;
+constexpr Conditions kLocated = Conditions{1} << 32U;   ///< the own place on the globe is known
+constexpr Conditions kGainsFit = Conditions{1} << 33U;  ///< the law's gains fit hull and propellers
+constexpr unsigned kConditionCount = 34;
 
 constexpr Conditions kPropulsion = kEscsOnline | kBusUp | kSoleController | kEscsObey;
 /// Without these the boat may not obey commands and needs an inspection.
@@ -126,7 +127,7 @@ constexpr Conditions kAutoBegins = kAutoDrive | kClear;
 constexpr Conditions kManualBegins = kSticksFresh | kSound;
 constexpr Conditions kManualDrive = kManualBegins | kSticksCentred;
 // Arming needs no own state either, and ignores battery and fence.
-constexpr Conditions kArming = kSound | kSoleVessel | kGcsHeard | kParametersSaved;
+constexpr Conditions kArming = kSound | kSoleVessel | kGcsHeard | kParametersSaved | kGainsFit;
 constexpr Conditions kTestDrive = kTestRunning | kSound;
 constexpr Conditions kAllConditions = (Conditions{1} << kConditionCount) - 1;
 

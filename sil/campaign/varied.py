@@ -107,8 +107,7 @@ def _need_common(name: str, vary: Vary, nominal: Scenario, complete: dict[str, A
 
 def complete_document(nominal: Scenario) -> dict[str, Any]:
     """The scenario as a document in which every boat has all of its own keys."""
-    defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
-    aboard = [{**defaults, **own} for own in parameters_of(nominal, {})]
+    aboard = [flotilla.derived(own) for own in parameters_of(nominal, {})]
     document = nominal.model_dump()
     document["leader"]["navigation"] = nominal.leader_unit()._asdict()
     vessels, propellers = nominal.vessels()[1:], nominal.propeller_pairs()

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
+
 from sil.certificate import floquet, gains
 from sil.certificate.certified_fleet import fleet, parameters, vessel_of
 from sil.certificate.chain import Chain, chain
@@ -140,7 +142,8 @@ def _case(
     boats: list[int], reference: Reference, slot: SlotMotion, setup: Boat, tell: gains.Tell
 ) -> Case:
     own = setup.parameters
-    vessel, at_rest = vessel_of(own), reference.kind == "rest"
+    speeds_mps = np.abs(reference.motion.nu(reference.motion.times_s)[:, 0])
+    vessel, at_rest = vessel_of(own, float(speeds_mps.mean())), reference.kind == "rest"
     values = floquet.multipliers(vessel, reference, [own["LAW_KX"], *gains.CURVE_K_X])
     decays = floquet.decay_rates(reference, values).tolist()
     sampled, points = sampled_loop(setup, at_rest)

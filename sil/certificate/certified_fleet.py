@@ -19,20 +19,19 @@ _ALIKE = 1e-4  # rad, m/s, rad/s
 
 
 def parameters(scenario: Scenario, overrides: dict[str, float]) -> list[dict[str, float]]:
-    """All parameters of every boat's firmware; ValueError for one that it refuses."""
-    defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
-    every = []
-    for own in parameters_of(scenario, overrides):
-        flotilla.Helm(own)
-        every.append({**defaults, **own})
-    return every
+    """All parameters of every boat, gains derived; ValueError for one that it refuses."""
+    return [flotilla.derived(own) for own in parameters_of(scenario, overrides)]
 
 
-def vessel_of(own: Mapping[str, float]) -> HullParameters:
-    """The vessel model of a firmware with these parameters."""
-    return HullParameters(
-        *(own[f"VES_{name}"] for name in ("M11", "M22", "M33", "D11", "D22", "D33"))
-    )
+def vessel_of(own: Mapping[str, float], speed_mps: float) -> HullParameters:
+    """The vessel model of a firmware with these parameters, its D(u) that of a speed.
+
+    PD+ leaves D(u) as the damping of the errors (`core/pd_plus.hpp`), as the paper has its D.
+    """
+    inertia = (own[f"VES_{name}"] for name in ("M11", "M22", "M33"))
+    d11 = own["VES_D11"] + own["VES_D11Q"] * speed_mps
+    d33 = own["VES_D33"] + own["VES_D33U"] * speed_mps
+    return HullParameters(*inertia, d11, own["VES_D22"], d33)
 
 
 def fleet(

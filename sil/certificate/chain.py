@@ -125,8 +125,8 @@ def chain(
     """
     path = probes.deepest(scenario)
     every = parameters_of(scenario, overrides)
-    defaults = {p["name"]: p["default"] for p in flotilla.parameter_list()}
-    along = [{**defaults, **every[agent - 1]} for agent in path]
+    defaults = flotilla.derived()
+    along = [flotilla.derived(every[agent - 1]) for agent in path]
     whole = all(own["LAW_REF"] > 0.0 for own in along)
     depths = most or max(len(path), MOST_DEPTH)
     sailed = max(_SAILED, depths) if whole else _SAILED

@@ -144,14 +144,16 @@ def leader_rows(leader: Motion, times_s: Array) -> Array:
 class _Curve:
     """The command with which the firmware asks for a thrust: the inverse of its THR_* curve."""
 
-    forward_N: float
-    reverse_N: float
+    forward_N: Array  # (2): port, starboard
+    reverse_N: Array
     expo: float
 
     @staticmethod
     def of(parameters: Mapping[str, float]) -> "_Curve":
-        names = ("THR_FWD_MAX", "THR_REV_MAX", "THR_EXPO")
-        return _Curve(*(parameters[name] for name in names))
+        balance = parameters["THR_BALANCE"]
+        sides = np.array([1.0 - balance, 1.0 + balance])
+        forward_N, reverse_N = (sides * parameters[f"THR_{way}_MAX"] for way in ("FWD", "REV"))
+        return _Curve(forward_N, reverse_N, parameters["THR_EXPO"])
 
     def __call__(self, thrust_N: Array) -> Array:
         share = np.abs(thrust_N) / np.where(thrust_N >= 0.0, self.forward_N, self.reverse_N)

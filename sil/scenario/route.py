@@ -6,7 +6,6 @@ parameters, `firmware/app/convert/law.cpp`.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import flotilla
 import numpy as np
@@ -56,7 +55,7 @@ def route(
 
 def _plan(leader: Leader, parameters: Mapping[str, float], step_s: float, ticks: int) -> Array:
     """As `route`, of a boat's plan."""
-    own = _with_defaults(parameters)
+    own = flotilla.derived(parameters)
     points = np.zeros((len(leader.waypoints), 5))
     points[:, :2] = leader.waypoints
     points[:, 2] = leader.speed_mps
@@ -64,20 +63,16 @@ def _plan(leader: Leader, parameters: Mapping[str, float], step_s: float, ticks:
     force = 0.5 * own["THR_FWD_MAX"]
     moment = own["THR_ARM"] * min(force, 0.5 * own["THR_REV_MAX"])
     fastest = 0.5 * own["LAW_R_MAX"] if own["LAW_R_MAX"] > 0.0 else 1.0
+    damping = own["VES_D33"] + own["VES_D33U"] * own["WP_SPEED"]
     limits = (
         min(ACCELERATION_MPS2, force / own["VES_M11"]),
-        min(YAW_RATE_RADPS, fastest, moment / own["VES_D33"]),
+        min(YAW_RATE_RADPS, fastest, moment / damping),
         min(YAW_ACCELERATION_RADPS2, moment / own["VES_M33"]),
     )
     width_m = own["WP_WIDTH"]
     radius_m = _PLANS_RADIUS * width_m
     motion: Array = flotilla.sail_route(points, *limits, radius_m, width_m, step_s, ticks + 1)
     return motion
-
-
-def _with_defaults(parameters: Mapping[str, float]) -> dict[str, Any]:
-    known = {each["name"]: each["default"] for each in flotilla.parameter_list()}
-    return {**known, **parameters}
 
 
 def plans_width_m(leader: Leader, boats: Sequence[Boat]) -> float:

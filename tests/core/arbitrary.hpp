@@ -124,6 +124,13 @@ core::Vessel<S> arbitrary_vessel(Random& random, S m11_m22) {
   return {m11_m22 * v.m22, v.m22, v.m33, v.d11, v.d22, v.d33};
 }
 
+/// The same vessel with drag ahead and in yaw that grows with its speed.
+template <class S>
+core::Vessel<S> with_speed_drag(const core::Vessel<S>& m, Random& random) {
+  const S d11q = in_scalar<S>(random(0, 20)), d33u = in_scalar<S>(random(0, 20));
+  return {m.m11, m.m22, m.m33, m.d11, m.d22, m.d33, d11q, d33u};
+}
+
 /// The vessel of the paper's section III.
 template <class S>
 core::Vessel<S> papers_vessel() {

@@ -18,17 +18,19 @@ struct Hull {
   using Q = std::array<double, 6>;
   Q q{};                         ///< x, y, ψ over ground; u, v, r through the water
   core::Vec2<double> current{};  ///< the water's velocity, north and east
+  core::Vec2<double> drag{};     ///< besides: surge kg/m of |u| u, yaw kg m of |u| r
 
-  static Q rates(const Q& q, core::Tau<double> tau, const core::Vec2<double>& current = {}) {
+  static Q rates(const Q& q, core::Tau<double> tau, const core::Vec2<double>& current = {},
+                 const core::Vec2<double>& drag = {}) {
     constexpr double m11 = 1.012, m22 = 1.982, m33 = 0.354, d11 = 3.436, d22 = 18.99, d33 = 0.864;
     const auto [x, y, psi, u, v, r] = q;
     const double c = std::cos(psi), s = std::sin(psi);
     return {u * c - v * s + current.x,
             u * s + v * c + current.y,
             r,
-            (tau.X + m22 * v * r - d11 * u) / m11,
+            (tau.X + m22 * v * r - d11 * u - drag.x * std::abs(u) * u) / m11,
             (-m11 * u * r - d22 * v) / m22,
-            (tau.N - (m22 - m11) * u * v - d33 * r) / m33};
+            (tau.N - (m22 - m11) * u * v - d33 * r - drag.y * std::abs(u) * r) / m33};
   }
 
   /// Runge-Kutta of order 4 with the wrench held.
@@ -36,7 +38,7 @@ struct Hull {
     const auto at = [&](const Q& k, double step) {
       Q out = q;
       for (std::size_t i = 0; i < out.size(); ++i) out[i] += step * k[i];
-      return rates(out, tau, current);
+      return rates(out, tau, current, drag);
     };
     const Q k1 = at({}, 0), k2 = at(k1, h / 2), k3 = at(k2, h / 2), k4 = at(k3, h);
     for (std::size_t i = 0; i < q.size(); ++i)

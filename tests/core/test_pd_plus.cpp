@@ -14,7 +14,8 @@ Tau<S> wrench_needed(const Vessel<S>& m, const Nu<S>& nu, const Nu<S>& nu_dot) {
   const S c13 = -m.m22 * nu.v, c23 = m.m11 * nu.u;
   const S C_nu_X = c13 * nu.r;
   const S C_nu_N = -c13 * nu.u - c23 * nu.v;
-  return {m.m11 * nu_dot.u + C_nu_X + m.d11 * nu.u, m.m33 * nu_dot.r + C_nu_N + m.d33 * nu.r};
+  const S d_u = m.d11 + m.d11q * abs(nu.u), d_r = m.d33 + m.d33u * abs(nu.u);
+  return {m.m11 * nu_dot.u + C_nu_X + d_u * nu.u, m.m33 * nu_dot.r + C_nu_N + d_r * nu.r};
 }
 
 TEST_CASE_TEMPLATE("a boat in its slot gets the wrench that its leader's own motion takes", S,
@@ -25,7 +26,7 @@ TEST_CASE_TEMPLATE("a boat in its slot gets the wrench that its leader's own mot
   for (int i = 0; i < 500; ++i) {
     const Vec2<S> d{S(random(-9, 9)), S(random(-9, 9))};
     const ControllerInput<S> in = testing::encounter_in_slot(d, random);
-    const Vessel<S> vessel = testing::arbitrary_vessel<S>(random);
+    const Vessel<S> vessel = testing::with_speed_drag(testing::arbitrary_vessel<S>(random), random);
     VirtualVelocityState<S> state{.v_star = in.nu_L.v};
     const auto desired = testing::papers_velocity(
         VirtualVelocityParams<S>{S(random(0, 2)), S(random(0, 2))}, state, in, d);
@@ -50,6 +51,24 @@ TEST_CASE_TEMPLATE("a boat that is too fast is braked by its gain, one that turn
     const Tau<S> without = pd_plus(PdPlusParams<S>{}, vessel, desired, nu);
     CHECK(with.X - without.X == approx(S(-7) * (nu.u - star.u), 500));
     CHECK(with.N - without.N == approx(S(-3) * (nu.r - star.r), 500));
+  }
+}
+
+TEST_CASE_TEMPLATE("drag that grows with speed is paid for at the speed that the boat has", S,
+                   float, double) {
+  constexpr std::uint32_t kSeed = 12;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  for (int i = 0; i < 200; ++i) {
+    const Vessel<S> plain = testing::arbitrary_vessel<S>(random);
+    const Vessel<S> dragged = testing::with_speed_drag(plain, random);
+    const VirtualVelocity<S> desired{testing::arbitrary_nu<S>(random), S(0), S(0)};
+    const Nu<S> nu = testing::arbitrary_nu<S>(random);
+    const Tau<S> less = pd_plus(PdPlusParams<S>{}, plain, desired, nu);
+    const Tau<S> more = pd_plus(PdPlusParams<S>{}, dragged, desired, nu);
+    const S speed = nu.u < S(0) ? -nu.u : nu.u;
+    CHECK(more.X - less.X == approx(dragged.d11q * speed * desired.nu_star.u, 500));
+    CHECK(more.N - less.N == approx(dragged.d33u * speed * desired.nu_star.r, 500));
   }
 }
 

@@ -30,7 +30,7 @@ struct World {
         gcs(has(met, kGcsHeard)),
         limits(has(met, kBatteryGood | kInsideFence)),
         clear(has(met, kClear)),
-        saved(has(met, kParametersSaved)),
+        saved(has(met, kParametersSaved | kGainsFit)),
         sticks(has(met, kSticksFresh)),
         centred(has(met, kSticksCentred)),
         test(has(met, kTestRunning)),
@@ -359,8 +359,7 @@ TEST_CASE("what FORMATION lacks is named when a boat is armed without it") {
 }
 
 TEST_CASE("after a FAULT a boat with a low battery, lost and out of its fence is driven home") {
-  constexpr Conditions kStranded =
-      kSound | kSoleVessel | kGcsHeard | kParametersSaved | kSticksFresh | kSticksCentred;
+  constexpr Conditions kStranded = kArming | kSticksFresh | kSticksCentred;
   CHECK(supervise(State::kManual, Request::kNone, kStranded & ~kEscsOnline).state == State::kFault);
   CHECK(supervise(State::kFault, Request::kDisarm, kStranded).state == State::kDisarmed);
   CHECK(supervise(State::kDisarmed, Request::kArm, kStranded).state == State::kHold);

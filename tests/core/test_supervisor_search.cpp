@@ -32,7 +32,7 @@ constexpr std::array<Conditions, 11> kTroubles{kOwnFresh | kOwnSteady,
                                                kSticksFresh,
                                                kBoatAnswers | kOwnPrompt | kOwnTimed | kOwnGood,
                                                kClear,
-                                               kParametersSaved | kSoleVessel,
+                                               kParametersSaved | kSoleVessel | kGainsFit,
                                                kPlanReady | kOnStation,
                                                kHomeNear | kLocated};
 /// Of these: no reason not to arm, and not to drive by the sticks.

@@ -2,11 +2,20 @@
 #include "app/convert/law.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/convert/convert_scalar.hpp"
+#include "app/parameters/derived.hpp"
 
 namespace flotilla::app::convert {
 namespace {
+
+/// What both propellers can give: the weaker one's greatest thrusts.
+template <class S>
+core::AllocationParams<S> propellers_of(const Parameters& p) {
+  const float share = 1 - std::abs(p.THR_BALANCE);
+  return {scalar<S>(p.THR_ARM), scalar<S>(share * p.THR_FWD_MAX), scalar<S>(share * p.THR_REV_MAX)};
+}
 
 template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p) {
@@ -16,8 +25,8 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
       {scalar<S>(p.LAW_KX), scalar<S>(p.LAW_KPSI), scalar<S>(p.LAW_U_MAX), scalar<S>(p.LAW_R_MAX)},
       {scalar<S>(p.LAW_KDU), scalar<S>(p.LAW_KDR)},
       {scalar<S>(p.VES_M11), scalar<S>(p.VES_M22), scalar<S>(p.VES_M33), scalar<S>(p.VES_D11),
-       scalar<S>(p.VES_D22), scalar<S>(p.VES_D33)},
-      {scalar<S>(p.THR_ARM), scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX)},
+       scalar<S>(p.VES_D22), scalar<S>(p.VES_D33), scalar<S>(p.VES_D11Q), scalar<S>(p.VES_D33U)},
+      propellers_of<S>(p),
       {scalar<S>(p.LAW_XT_DIST)},
       {scalar<S>(separation_m(p))}};
 }
@@ -37,8 +46,8 @@ core::ObserverParams<S> observer_params(const Parameters& p) {
 }
 
 template <class S>
-core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p) {
-  return {scalar<S>(p.THR_FWD_MAX), scalar<S>(p.THR_REV_MAX), scalar<S>(p.THR_EXPO),
+core::ThrustCurveParams<S> thrust_curve_params(const Parameters& p, float share) {
+  return {scalar<S>(share * p.THR_FWD_MAX), scalar<S>(share * p.THR_REV_MAX), scalar<S>(p.THR_EXPO),
           scalar<S>(p.THR_DEAD), S(kRawFull)};
 }
 
@@ -77,7 +86,8 @@ core::RouteParams<S> route_params(const Parameters& p) {
   core::RouteParams<S> out;
   out.accel = core::min(out.accel, scalar<S>(std::min(force / p.VES_M11, 1.0F)));
   out.yaw_accel = core::min(out.yaw_accel, scalar<S>(std::min(moment / p.VES_M33, 1.0F)));
-  const float rate = std::min(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 2 : 1, moment / p.VES_D33);
+  const float damping = p.VES_D33 + p.VES_D33U * p.WP_SPEED;
+  const float rate = std::min(p.LAW_R_MAX > 0 ? p.LAW_R_MAX / 2 : 1, moment / damping);
   out.yaw_rate = core::min(out.yaw_rate, scalar<S>(rate));
   out.half_width = scalar<S>(p.WP_WIDTH);
   out.radius = scalar<S>(1.25F * p.WP_WIDTH);  // the slot on the inside keeps steerage way
@@ -87,14 +97,16 @@ core::RouteParams<S> route_params(const Parameters& p) {
 }  // namespace
 
 template <class S>
-Law<S> law_of(const Parameters& p) {
+Law<S> law_of(const Parameters& given) {
+  const Parameters p = derived(given);
   return {.controller = controller_params<S>(p),
           .station = station_params<S>(p),
           .observer = observer_params<S>(p),
           .foresight = foresight_limits<S>(p),
           .afloat = plausibility_limits<S>(p, false),
           .carried = plausibility_limits<S>(p, true),
-          .thrust_curve = thrust_curve_params<S>(p),
+          .port_curve = thrust_curve_params<S>(p, 1 - p.THR_BALANCE),
+          .stbd_curve = thrust_curve_params<S>(p, 1 + p.THR_BALANCE),
           .slew = scalar<S>(p.THR_SLEW),
           .coast_s = scalar<S>(p.FS_COAST_S),
           .antenna = {scalar<S>(p.NAV_OFS_X), scalar<S>(p.NAV_OFS_Y)},

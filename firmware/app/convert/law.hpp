@@ -26,7 +26,7 @@ struct Law {
   core::ForesightLimits<S> foresight;
   /// Limits of the boat's motion from propellers and water; carried: by hand, or on a trailer.
   core::PlausibilityLimits<S> afloat, carried;
-  core::ThrustCurveParams<S> thrust_curve;
+  core::ThrustCurveParams<S> port_curve, stbd_curve;
   S slew;
   S coast_s;
   core::Vec2<S> antenna;

@@ -54,6 +54,7 @@ constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kInsideFence, "outside the fence, or place unknown", "FS_FENCE_M"},
     {core::kBatteryGood, "battery is below FS_BATT_V, or unknown", "FS_BATT_V"},
     {core::kGcsHeard, "no ground station is heard", "FS_GCS_S"},
+    {core::kGainsFit, "a gain does not fit the hull"},
     {core::kParametersSaved, "parameters are not saved"},
     {core::kSticksFresh, "no sticks: MANUAL_CONTROL is silent"},
     {core::kSticksCentred, "centre the sticks first"},

@@ -5,8 +5,10 @@
 #include <type_traits>
 
 #include "app/convert/convert.hpp"
+#include "app/convert/portable.hpp"
 #include "app/operator/metadata.hpp"
 #include "app/operator/text.hpp"
+#include "app/parameters/derived.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -204,7 +206,8 @@ void Vehicle::begin(std::int64_t now_us, std::int64_t dt_us) {
 core::Conditions Vehicle::conditions(std::int64_t now_us) const {
   const auto limit_us = configuration_.operators.gcs_limit_us;
   const bool heard = !limit_us || (gcs_us_ && now_us - *gcs_us_ < *limit_us);
-  return heard ? core::kGcsHeard : core::Conditions{0};
+  return (heard ? core::kGcsHeard : core::Conditions{0}) |
+         (configuration_.gains_fit ? core::kGainsFit : core::Conditions{0});
 }
 
 void Vehicle::apply_conditions(core::Conditions conditions, link::Counters& counters) {
@@ -294,9 +297,24 @@ void Vehicle::refuse(Request request, core::Conditions missing, link::Counters& 
     return;
   }
   send_complaints(what, missing, counters);
+  if ((missing & core::kGainsFit) != 0) tell_misfit(counters);
   if ((missing & core::kPlanReady) != 0 && !missions_.plan_trouble().empty()) {
     send_statustext(mav::kSeverityWarning, {"Plan: ", missions_.plan_trouble()}, counters);
   }
+}
+
+/// "LAW_KDR 10 gives a yaw loop of 1.2 s, LAW_KPSI allows 1 s or less."
+void Vehicle::tell_misfit(link::Counters& counters) {
+  const auto found = misfit(parameters_);
+  if (!found) return;
+  const auto rounded = [](float s) {
+    return static_cast<float>(portable::nearest(100 * double{s})) / 100;
+  };
+  Sentence why;
+  why << found->gain << " " << found->value << " gives a " << found->loop << " of "
+      << rounded(found->time_s) << " s, " << found->other << " allows " << rounded(found->allowed_s)
+      << (found->more ? " s or more" : " s or less");
+  send_statustext(mav::kSeverityWarning, {why.text()}, counters);
 }
 
 /// Sends as many as leave room for the heartbeat; the others come once these have been remedied.

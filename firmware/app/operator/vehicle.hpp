@@ -163,6 +163,7 @@ class Vehicle {
   void set_parameter(const PendingRequest& pending, const link::ParamSet& asked,
                      link::Counters& counters);
   void refuse(core::Request request, core::Conditions missing, link::Counters& counters);
+  void tell_misfit(link::Counters& counters);
   void send_complaints(std::string_view what, core::Conditions unmet, link::Counters& counters);
   void announce_state(core::Conditions missing, link::Counters& counters);
   link::Heartbeat heartbeat() const;

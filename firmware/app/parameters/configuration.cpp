@@ -5,6 +5,7 @@
 #include <array>
 
 #include "app/convert/times.hpp"
+#include "app/parameters/derived.hpp"
 
 namespace flotilla::app {
 namespace {
@@ -101,6 +102,7 @@ Configuration configuration_of(const Parameters& p) {
                     .gcs_limit_us = unless_zero(microseconds(p.FS_GCS_S)),
                     .state_us = period_us(p.SR_STATE),
                     .slow_us = period_us(p.SR_SLOW)},
+      .gains_fit = !misfit(p),
   };
 }
 

@@ -92,6 +92,7 @@ struct Configuration {
   Propulsion propulsion;
   Failsafes failsafes;
   Operators operators;
+  bool gains_fit = true;  ///< misfit() finds none
 };
 
 /// Parameters must be valid.

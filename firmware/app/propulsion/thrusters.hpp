@@ -22,11 +22,10 @@ class Thrusters {
   };
 
   Thrusters(const Configuration::Propulsion& propulsion, const convert::Law<S>& law)
-      : curve_(law.thrust_curve),
-        propellers_(law.controller.propellers),
+      : propellers_(law.controller.propellers),
         slew_(law.slew),
-        port_{propulsion.port_esc, propulsion.port_reversed},
-        stbd_{propulsion.stbd_esc, propulsion.stbd_reversed} {}
+        port_{law.port_curve, propulsion.port_esc, propulsion.port_reversed},
+        stbd_{law.stbd_curve, propulsion.stbd_esc, propulsion.stbd_reversed} {}
 
   /// Zeros at once unless `drive`; else moves towards the desired thrusts at the slew rate at most.
   /// If the thrust may not rise, neither thrust nor command exceeds the greater of the last step's
@@ -39,14 +38,14 @@ class Thrusters {
       return out;
     }
     core::Thrust<S> may = desired;
-    S most = curve_.full;
+    S most = port_.curve.full;
     if (!may_rise) {
       may = core::limited(desired,
                           core::max(core::abs(thrust_of(port_)), core::abs(thrust_of(stbd_))));
       most = core::max(core::abs(port_.command), core::abs(stbd_.command));
     }
-    const S port = core::clamp(core::command_from_thrust(curve_, may.port), -most, most),
-            stbd = core::clamp(core::command_from_thrust(curve_, may.stbd), -most, most);
+    const S port = core::clamp(core::command_from_thrust(port_.curve, may.port), -most, most),
+            stbd = core::clamp(core::command_from_thrust(stbd_.curve, may.stbd), -most, most);
     out.thrust = {turn(port_, port, dt, out), turn(stbd_, stbd, dt, out)};
     out.given = core::wrench_of(propellers_, out.thrust);
     return out;
@@ -54,25 +53,25 @@ class Thrusters {
 
  private:
   struct Propeller {
+    core::ThrustCurveParams<S> curve;
     std::uint8_t index;
     bool reversed;
     S command{};
   };
 
   S turn(Propeller& propeller, S asked, S dt, Output& out) {
-    const S command = core::limit_slew(propeller.command, asked, slew_, dt, curve_.full);
+    const S command = core::limit_slew(propeller.command, asked, slew_, dt, propeller.curve.full);
     out.slew_limited = out.slew_limited || command < asked || asked < command;
     propeller.command = command;
     const std::int16_t raw = convert::raw_of(command);
     out.raw.cmd[propeller.index] = propeller.reversed ? static_cast<std::int16_t>(-raw) : raw;
-    return core::thrust_from_command(curve_, S(raw));
+    return core::thrust_from_command(propeller.curve, S(raw));
   }
 
   S thrust_of(const Propeller& propeller) const {
-    return core::thrust_from_command(curve_, S(convert::raw_of(propeller.command)));
+    return core::thrust_from_command(propeller.curve, S(convert::raw_of(propeller.command)));
   }
 
-  core::ThrustCurveParams<S> curve_;
   core::AllocationParams<S> propellers_;
   S slew_;
   Propeller port_;

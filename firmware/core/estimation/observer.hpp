@@ -2,10 +2,10 @@
 // Estimates the boat's own motion at and between its fixes, the unmodelled forces, and the current.
 //
 //   ν_w = ν − c_b,  c_b = R(ψ)ᵀ c                            through the water
-//   m11 u̇ = X + m22 v_w r − d11 u_w + m11 (b_u + r c_y)
+//   m11 u̇ = X + m22 v_w r − (d11 + d11q |u_w|) u_w + m11 (b_u + r c_y)
 //   m22 v̇ = −m11 u_w r − d22 v_w + m22 (b_v − r c_x)
-//   m33 ṙ = N − (m22 − m11) u_w v_w − d33 r + m33 b_r
-//   ν₊ from there with damping at the step's end      ψ₊ = ψ + h r̄      p₊ = p + h R(ψ̄) [ū v̄]ᵀ
+//   m33 ṙ = N − (m22 − m11) u_w v_w − (d33 + d33u |u_w|) r + m33 b_r
+//   ν₊ from there with ν of the damping at the step's end      ψ₊ = ψ + h r̄      p₊ = p + h R(ψ̄) [ū v̄]ᵀ
 //   at a fix, predicted to now under the wrenches applied since, with k = Δt / (Δt + T):
 //   η ← η̂ + k (η − η̂)     ν ← ν̂ + k (ν − ν̂)     b ← b + k ω (ν − ν̂) / (1 + ω Δt)
 //   c ← c + ω_c Δt R(ψ) [0  (m22/d22) b_v]ᵀ
@@ -79,12 +79,13 @@ Motion<S> observer_step(const Vessel<S>& m, const Observer<S>& now, const Tau<S>
   const Vec2<S> c = to_body(now.motion.psi, now.c_n);
   const S u_w = u - c.x;
   const S v_w = v - c.y;
-  const S a_u = (tau.X + m.m22 * v_w * r + m.d11 * c.x) / m.m11 + now.b.u + r * c.y;
+  const S d_u = m.d11_m11 + m.d11q_m11 * abs(u_w);
+  const S d_r = m.d33_m33 + m.d33u_m33 * abs(u_w);
+  const S a_u = (tau.X + m.m22 * v_w * r + surge_damping(m, u_w) * c.x) / m.m11 + now.b.u + r * c.y;
   const S a_v = (m.d22 * c.y - m.m11 * u_w * r) / m.m22 + now.b.v - r * c.x;
   const S a_r = (tau.N - (m.m22 - m.m11) * u_w * v_w) / m.m33 + now.b.r;
-  const Nu<S> next = {(u + h * a_u) / (S(1) + h * m.d11_m11),
-                      (v + h * a_v) / (S(1) + h * m.d22_m22),
-                      (r + h * a_r) / (S(1) + h * m.d33_m33)};
+  const Nu<S> next = {(u + h * a_u) / (S(1) + h * d_u), (v + h * a_v) / (S(1) + h * m.d22_m22),
+                      (r + h * a_r) / (S(1) + h * d_r)};
   const S half = S(0.5) * h;
   const S turned = half * (r + next.r);
   const Vec2<S> way = to_north_east(now.motion.psi + S(0.5) * turned,
@@ -92,7 +93,7 @@ Motion<S> observer_step(const Vessel<S>& m, const Observer<S>& now, const Tau<S>
   return {{now.motion.moved_n.x + way.x, now.motion.moved_n.y + way.y},
           now.motion.psi + turned,
           next,
-          {a_u - m.d11_m11 * next.u, a_v - m.d22_m22 * next.v, a_r - m.d33_m33 * next.r}};
+          {a_u - d_u * next.u, a_v - m.d22_m22 * next.v, a_r - d_r * next.r}};
 }
 
 /// Limits each component to ±most; beyond any boat's reach, the arithmetic has diverged.

@@ -121,14 +121,14 @@ void thrust_response_forward(const ThrustResponseParams<S>& params, ThrustRespon
   const S most = S(2) * params.least_share * max(propellers.F, propellers.R);
   thrust_response_axis(
       params, state.surge,
-      ThrustResponseInput<S>{m.m11, nu.u, desired.u, m.d11 * nu.u, -m.m22 * nu.v * nu.r, given.X,
-                             max(params.least.u * m.d11, most)},
+      ThrustResponseInput<S>{m.m11, nu.u, desired.u, surge_damping(m, nu.u) * nu.u,
+                             -m.m22 * nu.v * nu.r, given.X, max(params.least.u * m.d11, most)},
       h);
-  thrust_response_axis(
-      params, state.yaw,
-      ThrustResponseInput<S>{m.m33, nu.r, desired.r, m.d33 * nu.r, (m.m22 - m.m11) * nu.u * nu.v,
-                             given.N, max(params.least.r * m.d33, propellers.a * most)},
-      h);
+  thrust_response_axis(params, state.yaw,
+                       ThrustResponseInput<S>{m.m33, nu.r, desired.r, yaw_damping(m, nu.u) * nu.r,
+                                              (m.m22 - m.m11) * nu.u * nu.v, given.N,
+                                              max(params.least.r * m.d33, propellers.a * most)},
+                       h);
   const bool fail =
       fails(state.surge, params.surge, params.near) || fails(state.yaw, params.yaw, params.near);
   state.failing = fail ? min(state.failing + h, S(10)) : S(0);

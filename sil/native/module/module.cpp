@@ -16,6 +16,7 @@
 #include "app/boat.hpp"
 #include "app/operator/metadata.hpp"
 #include "app/operator/text.hpp"
+#include "app/parameters/derived.hpp"
 #include "app/version.hpp"
 #include "fleet_binding.hpp"
 #include "helm.hpp"
@@ -210,6 +211,15 @@ nb::list parameter_list() {
   return out;
 }
 
+nb::dict derived(const nb::dict& parameters) {
+  const app::Parameters all = app::derived(parameters_from(parameters));
+  nb::dict out;
+  for (const app::ParameterInfo& info : app::kParameterList) {
+    out[nb::str(info.name.data(), info.name.size())] = all.*info.member;
+  }
+  return out;
+}
+
 nb::dict metadata() {
   nb::dict out;
   for (const link::FtpFile& file : app::metadata_files()) {
@@ -228,6 +238,9 @@ NB_MODULE(flotilla, m) {
   m.def("parameter_list", &parameter_list,
         "Every parameter with name, unit, default, least and greatest value, group, kind, when it "
         "may change, and a sentence.");
+  m.def("derived", &derived, "parameters"_a = nb::dict(),
+        "All parameters of a boat that is given these, as the law takes them: with the gains that "
+        "stand for negative ones.");
   m.def("metadata", &metadata,
         "The files that the boat offers by MAVLink FTP: dict[str, bytes], content by name.");
   bind_route(m);

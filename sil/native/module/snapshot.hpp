@@ -43,7 +43,8 @@ inline constexpr std::array<std::pair<flotilla::core::Conditions, const char*>,
                      {flotilla::core::kLeaderNear, "leader_near"},
                      {flotilla::core::kPlanReady, "plan_ready"},
                      {flotilla::core::kHomeNear, "home_near"},
-                     {flotilla::core::kLocated, "located"}}};
+                     {flotilla::core::kLocated, "located"},
+                     {flotilla::core::kGainsFit, "gains_fit"}}};
 static_assert(kConditionNames.back().second != nullptr, "a condition without a name");
 
 nanobind::dict snapshot_dict(const flotilla::app::Snapshot& snapshot);

@@ -37,6 +37,37 @@ TEST_CASE_TEMPLATE("full thrust is 8191 in each propeller's own slot, the others
   CHECK(double(out.given.N) == doctest::Approx(0.25 * 40));
 }
 
+TEST_CASE_TEMPLATE("a weak port propeller is commanded more, a strong starboard one less", S, float,
+                   double) {
+  Parameters p = without_slew();
+  p.THR_EXPO = 0.3F;
+  p.THR_BALANCE = 0.1F;
+  const core::Thrust<S> asked{S(9), S(9)};
+  const auto out = thrusters_of<S>(p).step(true, asked, S(0.01));
+  CHECK(double(out.thrust.port) == doctest::Approx(9).epsilon(1e-3));
+  CHECK(double(out.thrust.stbd) == doctest::Approx(9).epsilon(1e-3));
+  CHECK(std::abs(double(out.given.N)) < 0.01);
+  // Alone, a propeller of 18 N gets the port command, and one of 22 N the starboard one.
+  p.THR_BALANCE = 0;
+  for (const auto& [maximum, side] : {std::pair{18.0F, std::size_t{0}}, std::pair{22.0F, std::size_t{1}}}) {
+    p.THR_FWD_MAX = maximum;
+    const auto alone = thrusters_of<S>(p).step(true, asked, S(0.01));
+    CHECK(std::abs(alone.raw.cmd[0] - out.raw.cmd[side]) <= 1);
+  }
+}
+
+TEST_CASE("the law asks of both propellers only what the weaker one has, whichever it is") {
+  for (const float balance : {-0.2F, 0.2F}) {
+    Parameters p;
+    p.THR_BALANCE = balance;
+    const auto law = convert::law_of<double>(p);
+    CHECK(law.controller.propellers.F == doctest::Approx(16));
+    CHECK(law.controller.propellers.R == doctest::Approx(16));
+    CHECK((balance > 0 ? law.port_curve : law.stbd_curve).F == doctest::Approx(16));
+    CHECK((balance > 0 ? law.stbd_curve : law.port_curve).F == doctest::Approx(24));
+  }
+}
+
 TEST_CASE_TEMPLATE("a propeller that turns the other way gets the other sign and gives the same", S,
                    float, double) {
   Parameters p = without_slew();
@@ -96,7 +127,7 @@ TEST_CASE_TEMPLATE(
   p.THR_EXPO = 1;
   auto thrusters = thrusters_of<S>(p);
   for (S T = S(1); T > S(0); T = S(0.25) * T) {
-    const S c = core::command_from_thrust(convert::law_of<S>(p).thrust_curve, T);
+    const S c = core::command_from_thrust(convert::law_of<S>(p).port_curve, T);
     REQUIRE(std::isfinite(c));  // the cast of NaN to an integer would be undefined
     CHECK(thrusters.step(true, core::Thrust<S>{T, T}, S(0.01)).raw.cmd[0] >= 0);
   }

@@ -40,6 +40,32 @@ TEST_CASE_TEMPLATE("a boat is where its model takes it under the thrust that it 
   }
 }
 
+TEST_CASE_TEMPLATE("drag that grows with speed slows the boat in its model as on the water", S,
+                   float, double) {
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  for (int run = 0; run < 100; ++run) {
+    Hull hull{{0, 0, random.angle(), random(-1.5, 1.5), random(-0.2, 0.2), random(-1, 1)}};
+    hull.drag = {random(2, 6), random(0, 2)};
+    const bool ahead = hull.q[3] > 0;
+    const Vessel<S> vessel{S(1.012), S(1.982), S(0.354),       S(3.436),
+                           S(18.99), S(0.864), S(hull.drag.x), S(hull.drag.y)};
+    Observer<S> state, plain;
+    const Fix<S> fix{{}, S(hull.q[2]), {S(hull.q[3]), S(hull.q[4]), S(hull.q[5])}, S(0), S(0)};
+    observer_correct(raw<S>(), vessel, state, fix);
+    observer_correct(raw<S>(), testing::papers_vessel<S>(), plain, fix);
+    const Tau<double> tau{random(4, 10), random(1, 2)};
+    for (int k = 0; k < 20; ++k) {
+      hull.advance(tau, 0.01);
+      observer_forward(vessel, state, Tau<S>{S(tau.X), S(tau.N)}, S(0.01));
+      observer_forward(testing::papers_vessel<S>(), plain, Tau<S>{S(tau.X), S(tau.N)}, S(0.01));
+    }
+    CHECK(double(state.motion.nu.u) == doctest::Approx(hull.q[3]).epsilon(0.02).scale(1));
+    CHECK(double(state.motion.nu.r) == doctest::Approx(hull.q[5]).epsilon(0.02).scale(1));
+    if (ahead) CHECK(plain.motion.nu.u > state.motion.nu.u);
+  }
+}
+
 TEST_CASE_TEMPLATE("a boat knows its acceleration, at a fix as between two", S, float, double) {
   const Vessel<S> vessel = testing::papers_vessel<S>();
   const Tau<S> tau{S(2), S(0.1)};

@@ -46,7 +46,11 @@ def test_sizes_of_boats_are_groups() -> None:
 def test_law_knows_the_vessel_that_it_is_told() -> None:
     chosen = scenario.load("diamond", ["mismatch.share=0.3"])
     own = parameters(chosen, {"VES_M11": 1.5})[0]
-    assert (vessel_of(own).m11, vessel_of(own).d22) == pytest.approx((1.5, 18.99))
+    vessel = vessel_of(own, 0.5)
+    assert (vessel.m11, vessel.d22) == pytest.approx((1.5, 18.99))
+    assert (vessel.d11, vessel.d33) == pytest.approx((3.436, 0.864))
+    fast = vessel_of(own | {"VES_D11Q": 8.0, "VES_D33U": 4.0}, 0.5)
+    assert (fast.d11, fast.d33) == pytest.approx((7.436, 2.864))
 
 
 @pytest.mark.parametrize("wrong", [{"LAW_KX": 9.0}, {"LAW_KZ": 1.0}])

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "app/parameters/derived.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flotilla::app {
+namespace {
+
+// The paper's vessel: its mass, and the length of the boat that goes with it by default.
+constexpr float kMass_kg = 1.012F, kLength_m = 1.3F;
+constexpr float kLoop_s = 0.018F;  // two ticks at 100 Hz, all but a little
+constexpr float kSurgeRatio = 4.1844F, kYawRatio = 1.8102F;
+constexpr float kObserver = 1.0F, kObserverMost_radps = 2.0F;
+constexpr float kYawRateMost_radps = 0.8F, kMomentShare = 0.6F, kAnySpeed_mps = 1.5F;
+
+float lag_s(const Parameters& p) {
+  constexpr float kOfMass_s = 0.02F, kMost_s = 0.5F;
+  const float unknown = kOfMass_s * (std::sqrt(p.VES_M11 / kMass_kg) - 1);
+  return kLoop_s + (p.THR_LAG < 0 ? std::clamp(unknown, 0.0F, kMost_s) : p.THR_LAG);
+}
+
+/// To three decimals, so that an operator reads 10 where the sum is 9.99998.
+float rounded(float gain) {
+  constexpr float kMost = 10'000;
+  return std::round(1000 * std::clamp(gain, 0.0F, kMost)) / 1000;
+}
+
+float current_radps(const Parameters& p) {
+  constexpr float kLeast_radps = 0.1F, kMost = 6;
+  const float drift_s = p.VES_M22 / p.VES_D22;
+  return kLeast_radps * std::max(1.0F, std::min(drift_s, kMost / drift_s));
+}
+
+float yaw_rate_radps(const Parameters& p) {
+  const float moment = p.THR_ARM * (p.THR_FWD_MAX + p.THR_REV_MAX) * (1 - std::abs(p.THR_BALANCE));
+  const float speed = (p.LAW_U_MAX > 0 ? p.LAW_U_MAX : kAnySpeed_mps) / 2;
+  const float held = kMomentShare * moment / (p.VES_D33 + p.VES_D33U * speed);
+  return std::min(kYawRateMost_radps * std::min(kLength_m / p.BOAT_LEN, 1.0F), held);
+}
+
+struct Loop {
+  float m, d, k;
+  std::string_view gain, name, outer;
+  float k_outer;
+  float time_s() const { return m / (d + k); }
+};
+
+std::optional<Misfit> misfit_of(const Loop& loop, const Parameters& p) {
+  const float time_s = loop.time_s(), lag = lag_s(p);
+  const float damped = loop.m + loop.d * lag;
+  const float least_s = loop.m * loop.m * lag / (damped * damped);
+  if (!(p.THR_LAG < 0) && time_s < least_s) {
+    return Misfit{loop.gain, loop.k, time_s, loop.name, "THR_LAG", least_s, true};
+  }
+  if (loop.k_outer * time_s <= 1) return std::nullopt;
+  return Misfit{loop.gain, loop.k, time_s, loop.name, loop.outer, 1 / loop.k_outer, false};
+}
+
+}  // namespace
+
+std::optional<Misfit> misfit(const Parameters& given) {
+  const Parameters p = derived(given);
+  const Loop surge{p.VES_M11, p.VES_D11, p.LAW_KDU, "LAW_KDU", "surge loop", "LAW_KX", p.LAW_KX};
+  const Loop yaw{p.VES_M33, p.VES_D33, p.LAW_KDR, "LAW_KDR", "yaw loop", "LAW_KPSI", p.LAW_KPSI};
+  if (const auto found = misfit_of(surge, p)) return found;
+  if (const auto found = misfit_of(yaw, p)) return found;
+  const float omega = p.LAW_OBS_BW, lag = lag_s(p);
+  if (p.THR_LAG < 0 || omega * lag <= 1) return std::nullopt;
+  return Misfit{"LAW_OBS_BW", omega, 1 / omega, "observer", "THR_LAG", lag, true};
+}
+
+Parameters derived(const Parameters& p) {
+  const float lag = lag_s(p), surge_s = kSurgeRatio * lag, yaw_s = kYawRatio * lag;
+  const auto unless_set = [](float& gain, float value) {
+    if (gain < 0) gain = value;
+  };
+  Parameters out = p;
+  unless_set(out.LAW_KDU, rounded(p.VES_M11 / surge_s - p.VES_D11));
+  unless_set(out.LAW_KDR, rounded(p.VES_M33 / yaw_s - p.VES_D33));
+  unless_set(out.LAW_OBS_BW, std::min(kObserverMost_radps, kObserver / surge_s));
+  unless_set(out.LAW_CUR_BW, current_radps(p));
+  unless_set(out.LAW_XT_DIST, std::min(p.BOAT_LEN / kLength_m, 100.0F));
+  unless_set(out.LAW_R_MAX, yaw_rate_radps(p));
+  return out;
+}
+
+}  // namespace flotilla::app
