@@ -237,3 +237,17 @@ def test_command_int_arms_whatever_frame_it_names(sea: Sea) -> None:
     sea.settle()
     sea.say(command_int(ARM, 1.0, frame=3, x=123456789, y=-5))
     assert acks(sea.step()) == [(ARM, ACCEPTED)] and sea.state == "HOLD"
+
+
+def test_a_gain_too_fast_for_the_propellers_is_named_with_its_time_constant() -> None:
+    sea = Sea({"THR_LAG": 0.1, "LAW_KDR": 8.0})
+    sea.settle()
+    tick = sea.arm()
+    assert acks(tick) == [(ARM, TEMPORARILY_REJECTED)] and sea.state == "DISARMED"
+    said = prearm(texts([tick]))
+    assert said == ["PreArm: a gain does not fit the hull"]
+    why = [text for text in texts([tick]) if text.startswith("LAW_KDR 8 gives")]
+    assert why == ["LAW_KDR 8 gives a yaw loop of 0.04 s, THR_LAG allo"]  # its first 50 characters
+    sea.say(param_set("LAW_KDR", -1.0))
+    sea.run(0.1)
+    assert acks(sea.arm()) == [(ARM, 0)]

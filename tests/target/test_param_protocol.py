@@ -252,7 +252,7 @@ REFUSALS = [
     Refusal("FORM_FRAME", -1.0, OUT_OF_RANGE),
     Refusal("FORM_FRAME", 0.5, OUT_OF_RANGE, state="FORMATION"),
     Refusal("LAW_OBS_BW", 10.001, OUT_OF_RANGE),
-    Refusal("LAW_XT_DIST", -0.001, OUT_OF_RANGE),
+    Refusal("LAW_XT_DIST", -1.001, OUT_OF_RANGE),
     Refusal("LAW_CUR_BW", 1.001, OUT_OF_RANGE),
     Refusal("LAW_U_MAX", 20.001, OUT_OF_RANGE),
     Refusal("LAW_R_MAX", math.nan, OUT_OF_RANGE, state="FORMATION"),

@@ -150,7 +150,7 @@ def test_tuning_parameters_may_change_under_way_and_vessel_parameters_may_not() 
 def test_only_numbers_without_dimension_lack_a_unit() -> None:
     dimensionless = {p["name"] for p in LIST if not p["unit"]}
     assert all(
-        BY_NAME[n]["integer"] or n in {"THR_EXPO", "NAV_HDOP", "NAV_VAR"}
+        BY_NAME[n]["integer"] or n in {"THR_EXPO", "THR_BALANCE", "NAV_HDOP", "NAV_VAR"}
         for n in some(dimensionless)
     ), dimensionless
 
@@ -291,7 +291,7 @@ def test_parameters_come_back_as_they_were_given(fractions: list[float]) -> None
     given_values = {p["name"]: a_valid_value(p, f) for p, f in zip(LIST, fractions, strict=True)}
     given_values |= {"ESC_PORT": 2.0, "ESC_STBD": 5.0, "MAV_SYSID": 9.0, "FORM_LEADER": 8.0}
     given_values |= {"MAV_IDENTITY": 1.0, "MAV_COMPID": 191.0}
-    given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0, "THR_DEAD": 0.0625}
+    given_values |= {"THR_PORT_DIR": -1.0, "THR_STBD_DIR": 1.0, "THR_DEAD": 0.03125}
     boat = flotilla.Boat(given_values)
     assert boat.parameters() == given_values
     assert flotilla.Boat(boat.parameters()).parameters() == given_values
