@@ -299,14 +299,17 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
   news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, check_.item(), check_.why()};
 }
 
-void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {
-  way_why_ = {};
-  if (!fence_.is_on()) return;
+std::string_view MissionService::refusal_of_way(const convert::Position& here, std::size_t item,
+                                                const PlanDefaults& defaults) const {
+  if (!fence_.is_on()) return {};
   PlanReader reader;
-  reader.begin(plan(), current_, defaults);
-  if (const auto first = reader.next(plan())) {
-    way_why_ = fence_.refusal_of(here, first->place, defaults.margin_m);
-  }
+  reader.begin(plan(), item, defaults);
+  const auto first = reader.next(plan());
+  return first ? fence_.refusal_of(here, first->place, defaults.margin_m) : std::string_view{};
+}
+
+void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {
+  way_why_ = refusal_of_way(here, current_, defaults);
 }
 
 bool MissionService::plan_keeps_fence(bool in_auto) const {
