@@ -207,7 +207,8 @@ void Boat<S>::note_state(std::int64_t now_us) {
   }
 }
 
-/// Home, or a rally point; nothing if the straight way there leaves the fence.
+/// Home, or a rally point; nothing if the straight way there leaves the fence: then a way round is
+/// looked for, while the boat waits.
 template <class S>
 std::optional<Target> Boat<S>::way_back() {
   const auto home = limits_.home();
@@ -219,8 +220,24 @@ std::optional<Target> Boat<S>::way_back() {
   if (!missions.fence().is_on() || missions.fence().refusal_of(here, back, 0).empty()) {
     return Target{back};
   }
-  warn("the way back leaves the fence: the boat waits");
+  way_round_.begin(missions.fence(), here, Target{back}, configuration().plan.margin_m);
+  if (!way_round_.is_searching()) warn("no way back keeps the fence: the boat waits");
   return std::nullopt;
+}
+
+template <class S>
+void Boat<S>::look_for_way() {
+  if (!way_round_.is_searching()) return;
+  const Fence& fence = vehicle_.missions().fence();
+  way_round_.forward(fence);
+  if (way_round_.is_searching()) return;
+  if (!way_round_.found()) {
+    warn("no way back keeps the fence: the boat waits");
+    return;
+  }
+  warn("straight back leaves the fence: the boat sails round");
+  errand_ = way_round_.errand(fence);
+  pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
 /// Begins AUTO, or the errand of GUIDED, LOITER or RTL.
@@ -231,6 +248,7 @@ void Boat<S>::start_plan() {
     pilot_.start_plan({missions.plan(), missions.current()}, configuration().plan);
     return;
   }
+  way_round_.stop();
   const std::optional<Target> asked = vehicle_.take_target();
   const bool guided = state() == core::State::kGuided && asked;
   const auto back = state() == core::State::kReturn ? way_back() : std::nullopt;
@@ -391,8 +409,10 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
                 : pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
       break;
     }
-    case core::State::kLoiter:
     case core::State::kReturn:
+      look_for_way();
+      [[fallthrough]];
+    case core::State::kLoiter:
       law_output_ = pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
       break;
     case core::State::kDisarmed:

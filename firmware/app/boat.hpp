@@ -11,6 +11,7 @@
 
 #include "app/conditions.hpp"
 #include "app/guidance/pilot.hpp"
+#include "app/guidance/way_round.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/vehicle.hpp"
 #include "app/propulsion/can_node.hpp"
@@ -173,6 +174,7 @@ class Boat {
   void configure();
   void note_state(std::int64_t now_us);
   std::optional<Target> way_back();
+  void look_for_way();
   void start_plan();
   void collect_overflow();
   bool seen() const {
@@ -221,6 +223,7 @@ class Boat {
   FenceWatch fence_watch_;
 
   Errand errand_;        // of GUIDED, LOITER, RTL
+  WayRound way_round_;   // back, where the straight way leaves the fence
   bool driven_ = false;  // by velocities, in GUIDED
 
   Thrusters<S> thrusters_;

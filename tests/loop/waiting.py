@@ -112,9 +112,7 @@ def main() -> None:
     )
     parser.add_argument("--minutes", type=float, default=20.0)
     given = parser.parse_args()
-    print(
-        "| station of a 1.2 m hull | mean | worst | bow off by at most | thrust over needed | needed |"
-    )
+    print("| station of a 1.2 m hull | mean | worst | bow off | thrust over needed | needed |")
     for weather in WEATHERS:
         it = wait(weather, given.minutes)
         cells = f"{it.mean_m:.2f} m | {it.worst_m:.2f} m | {np.degrees(it.bow_rad):.0f}° | "
