@@ -49,6 +49,7 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       unsound_slot_warning_due_(10 * kSecond_us),
       unsaved_warning_due_(30 * kSecond_us),
       closed_warning_due_(30 * kSecond_us),
+      beaten_due_(10 * kSecond_us),
       double_due_(10 * kSecond_us),
       time_warning_due_(30 * kSecond_us),
       quality_due_(10 * kSecond_us),
@@ -245,7 +246,14 @@ template <class S>
 void Boat<S>::start_plan() {
   if (state() == core::State::kAuto) {
     const MissionService& missions = vehicle_.missions();
-    pilot_.start_plan({missions.plan(), missions.current()}, configuration().plan);
+    const auto home = limits_.home();
+    pilot_.start_plan(
+        {.plan = missions.plan(),
+         .first = missions.current(),
+         .home = home ? std::optional(convert::GlobalPoint{home->latitude, home->longitude})
+                      : std::nullopt},
+        configuration().plan);
+    reached_.reset();
     return;
   }
   way_round_.stop();
@@ -256,6 +264,17 @@ void Boat<S>::start_plan() {
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
   errand_.sail_to(guided ? *asked : back ? *back : here);
   pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
+}
+
+/// Does DO_SET_HOME where it follows the place that was reached.
+template <class S>
+void Boat<S>::set_home_of_plan(std::size_t reached) {
+  const Plan plan = vehicle_.missions().plan();
+  for (std::size_t i = reached + 1; i < plan.size() && !place_of(plan[i]); ++i) {
+    if (plan[i].command != link::mav::kDoSetHome) continue;
+    const auto place = home_of(plan[i]);
+    limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
+  }
 }
 
 template <class S>
@@ -397,7 +416,9 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       if (vehicle_.missions().take_jump()) start_plan();
       law_output_ = pilot_.sail(vehicle_.missions().plan(), vehicle_.is_paused(), now_us, dt);
       const PlanVessel<S>& sailed = pilot_.plan_vessel();
-      vehicle_.sailed(sailed.item(), sailed.reached(), sailed.has_arrived(), counters_);
+      const auto reached = sailed.reached();
+      vehicle_.sailed(sailed.item(), reached, sailed.has_arrived(), counters_);
+      if (std::exchange(reached_, reached) != reached && reached) set_home_of_plan(*reached);
       break;
     }
     case core::State::kGuided: {
@@ -490,6 +511,7 @@ void Boat<S>::send_warnings(std::int64_t now_us) {
   }
   warn_of_fast_slot(now_us);
   warn_of_station();
+  warn_of_current(now_us);
   warn_of_unsound_slot(now_us);
   warn_of_depth(now_us);
   warn_of_fence(now_us);
@@ -556,6 +578,20 @@ void Boat<S>::warn_of_station() {
     }
   }
   vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);
+}
+
+/// Tells that a boat that sails alone makes no way, or is carried off its place, though it gives all
+/// its thrust: after 2 s, or at once where it holds because it does not respond.
+template <class S>
+void Boat<S>::warn_of_current(std::int64_t now_us) {
+  const auto& e = law_output_.error.e;
+  const bool was_alone = std::exchange(alone_, core::sails_alone(state()));
+  const bool spent = alone_ && S(0) < law_output_.allocation.missing.X;
+  const bool behind = S(1) < core::hypot(e.x, e.y) && pilot_.motion().nu.u < S(0.05);
+  beaten_.look(spent && behind, now_us);
+  const bool holds = was_alone && !alone_ && (conditions_ & core::kBoatAnswers) == 0;
+  if (!holds && !(beaten_.is() && spent)) return;
+  if (beaten_due_.take_if_due(now_us)) warn("boat makes no way: current, wind or propellers");
 }
 
 /// While armed, tells why the slot is not sound: at once, then every 10 s.

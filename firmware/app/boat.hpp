@@ -176,6 +176,7 @@ class Boat {
   std::optional<Target> way_back();
   void look_for_way();
   void start_plan();
+  void set_home_of_plan(std::size_t reached);
   void collect_overflow();
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
@@ -197,6 +198,7 @@ class Boat {
   void warn_of_fast_slot(std::int64_t now_us);
   void warn_of_time(std::int64_t now_us);
   void warn_of_station();
+  void warn_of_current(std::int64_t now_us);
   void warn_of_unsound_slot(std::int64_t now_us);
   void warn_of_fence(std::int64_t now_us);
   void look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us);
@@ -222,9 +224,12 @@ class Boat {
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
 
-  Errand errand_;        // of GUIDED, LOITER, RTL
-  WayRound way_round_;   // back, where the straight way leaves the fence
-  bool driven_ = false;  // by velocities, in GUIDED
+  Errand errand_;                       // of GUIDED, LOITER, RTL
+  WayRound way_round_;                  // back, where the straight way leaves the fence
+  bool driven_ = false;                 // by velocities, in GUIDED
+  std::optional<std::size_t> reached_;  // item of the plan
+  Settled beaten_;                      // by current or wind
+  bool alone_ = false;                  // sailed alone in the last tick
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
@@ -243,7 +248,7 @@ class Boat {
   Schedule way_due_, fence_warning_due_;
   Schedule frame_warning_due_, fast_slot_warning_due_, unsound_slot_warning_due_;
   Schedule unsaved_warning_due_, closed_warning_due_;
-  Schedule double_due_, time_warning_due_, quality_due_, late_due_;
+  Schedule beaten_due_, double_due_, time_warning_due_, quality_due_, late_due_;
   Settled slot_too_fast_, slot_astern_, untimed_;
   core::Astray astray_ = core::Astray::kNo;  // as reported to the operator
   bool latency_told_ = false;

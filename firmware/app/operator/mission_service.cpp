@@ -181,7 +181,7 @@ PlanFault MissionService::fault_of_last_incoming(const PlanDefaults& defaults) c
   const Plan items = incoming_.first(upload_->next + 1);
   if (const PlanFault fault = fault_of_last_of(upload_->kind, items, defaults)) return fault;
   if (upload_->kind == Stored::kPlan) {
-    return fence_fault_of_last(fence_, items, defaults.margin_m);
+    return fence_fault_of_last(fence_, items, defaults);
   }
   if (upload_->kind == Stored::kFence) return {};
   const auto why = fence_.refusal_of({items.back().x, items.back().y}, defaults.margin_m);
@@ -295,7 +295,7 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
   const bool same = std::exchange(checked_map_, fence_.drawn()) == fence_.drawn() &&
                     std::exchange(checked_margin_m_, defaults.margin_m) == defaults.margin_m;
   if (!same) check_.begin();
-  if (!check_.forward(fence_, plan(), defaults.margin_m)) return;
+  if (!check_.forward(fence_, plan(), defaults)) return;
   news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, check_.item(), check_.why()};
 }
 
