@@ -20,7 +20,7 @@ namespace flotilla::app {
 
 class WayRound {
  public:
-  static constexpr std::size_t kMost = 24;  ///< permitted bends; a fence with more: no way
+  static constexpr std::size_t kMost = 20;  ///< permitted bends; a fence with more: no way
 
   /// Keeps margin_m from every boundary, or, where an end is nearer to one, that much.
   void begin(const Fence& fence, const convert::Position& here, const Target& goal, float margin_m);
