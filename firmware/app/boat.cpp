@@ -418,7 +418,9 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
       const PlanVessel<S>& sailed = pilot_.plan_vessel();
       const auto reached = sailed.reached();
       vehicle_.sailed(sailed.item(), reached, sailed.has_arrived(), counters_);
-      if (std::exchange(reached_, reached) != reached && reached) set_home_of_plan(*reached);
+      const bool news = reached && reached_ != *reached;
+      if (news) reached_ = static_cast<std::uint16_t>(*reached);
+      if (news) set_home_of_plan(*reached);
       break;
     }
     case core::State::kGuided: {

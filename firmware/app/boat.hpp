@@ -224,12 +224,12 @@ class Boat {
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
 
-  Errand errand_;                       // of GUIDED, LOITER, RTL
-  WayRound way_round_;                  // back, where the straight way leaves the fence
-  bool driven_ = false;                 // by velocities, in GUIDED
-  std::optional<std::size_t> reached_;  // item of the plan
-  Settled beaten_;                      // by current or wind
-  bool alone_ = false;                  // sailed alone in the last tick
+  Errand errand_;                         // of GUIDED, LOITER, RTL
+  WayRound way_round_;                    // back, where the straight way leaves the fence
+  bool driven_ = false;                   // by velocities, in GUIDED
+  std::optional<std::uint16_t> reached_;  // item of the plan
+  Settled beaten_;                        // by current or wind
+  bool alone_ = false;                    // sailed alone in the last tick
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};

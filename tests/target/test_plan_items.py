@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from tests.target.hull import Hull
-from tests.target.plans import ITEM_ACCEPTED, Item, Planner, as_sent, at, plan_of
+from tests.target.hull import Helmsman, Hull
+from tests.target.plans import FENCE, ITEM_ACCEPTED, Item, Planner, as_sent, at, box, plan_of
 from tests.target.sea import named
 from tests.target.test_auto import at_sea, place, progress, reached, sailing
-from tests.target.test_fence_kept import FENCE, box, fenced, send, words
+from tests.target.test_fence_kept import fenced, send, words
 
 TURNS, RETURN, CONDITION_DELAY, JUMP, SET_HOME = 18, 20, 112, 177, 179
 PARAM1, PARAM2, PARAM3, COMPLETE = 6, 7, 8, 5
@@ -28,7 +28,8 @@ class Weak(Hull):
 
 def bare(command: int, *params: float) -> Item:
     """An item without a place."""
-    return Item(command, (*params, *[0.0] * (4 - len(params))), 0, 0, frame=2)
+    a, b = (*params, 0.0, 0.0)[:2]
+    return Item(command, (a, b, 0.0, 0.0), 0, 0, frame=2)
 
 
 def turns(north_m: float, east_m: float, count: float, radius_m: float) -> Item:
@@ -142,6 +143,7 @@ def test_a_leg_against_a_current_that_the_propellers_cannot_beat_is_told_within_
     slow = {"THR_FWD_MAX": 2.0, "THR_REV_MAX": 2.0, "WP_SPEED": 0.5}
     sea = at_sea([], slow)
     sea.hull = Weak()
+    assert isinstance(sea.own, Helmsman)
     sea.own.hull = sea.hull
     assert Planner(sea).send([at(40, 0)]) == ITEM_ACCEPTED
     sea.hull.current = (-current_mps, 0.0)

@@ -11,10 +11,20 @@ from pymavlink.dialects.v20 import common as mavlink
 from scipy.sparse.csgraph import shortest_path
 
 from tests.target.hull import Afloat
-from tests.target.plans import CIRCLE_OUT, KEEP_IN, KEEP_OUT, Item, at, circle, corners
+from tests.target.plans import (
+    CIRCLE_OUT,
+    FENCE,
+    ITEM_ACCEPTED,
+    KEEP_IN,
+    KEEP_OUT,
+    Item,
+    at,
+    circle,
+    corners,
+)
 from tests.target.stations import BOAT, HOLD
 from tests.target.test_auto import at_sea, place
-from tests.target.test_fence_kept import FENCE, HULL, ITEM_ACCEPTED, send, words
+from tests.target.test_fence_kept import HULL, send, words
 
 RTL, REPOSITION, LOITER_MODE = 11, 192, 5
 NO_WAY = "no way back keeps the fence: the boat waits"

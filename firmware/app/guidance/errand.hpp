@@ -22,7 +22,7 @@ struct Target {
 class Errand {
  public:
   /// Bends that the way to a target may have.
-  static constexpr std::size_t kBends = 7;
+  static constexpr std::size_t kBends = 4;
 
   /// To the target, and waits there.
   void sail_to(const Target& target);

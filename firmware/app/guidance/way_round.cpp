@@ -82,7 +82,7 @@ bool WayRound::close_next() {
   }
   if (!best) return false;
   nodes_[*best].closed = true;
-  from_ = *best;
+  from_ = static_cast<std::uint16_t>(*best);
   at_ = 0;
   return true;
 }

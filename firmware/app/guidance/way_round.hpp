@@ -20,7 +20,7 @@ namespace flotilla::app {
 
 class WayRound {
  public:
-  static constexpr std::size_t kMost = 20;  ///< permitted bends; a fence with more: no way
+  static constexpr std::size_t kMost = 12;  ///< permitted bends; a fence with more: no way
 
   /// Keeps margin_m from every boundary, or, where an end is nearer to one, that much.
   void begin(const Fence& fence, const convert::Position& here, const Target& goal, float margin_m);
@@ -58,9 +58,9 @@ class WayRound {
   float margin_m_ = 0;
   Length keep_{};  // from the boundaries
   std::array<Node, kEnds + kMost> nodes_{};
-  std::size_t count_ = 0;
-  std::size_t from_ = 0, at_ = 0;  // the node closed last; the next bend or node to look at
-  std::uint32_t drawn_ = 0;        // the map that the places are on
+  std::uint16_t count_ = 0;
+  std::uint16_t from_ = 0, at_ = 0;  // the node closed last; the next bend or node to look at
+  std::uint32_t drawn_ = 0;          // the map that the places are on
 };
 
 }  // namespace flotilla::app
