@@ -50,6 +50,7 @@ Boat<S>::Boat(const Parameters& p, std::size_t links, const Storage& storage)
       unsound_slot_warning_due_(10 * kSecond_us),
       unsaved_warning_due_(30 * kSecond_us),
       closed_warning_due_(30 * kSecond_us),
+      beaten_due_(10 * kSecond_us),
       double_due_(10 * kSecond_us),
       time_warning_due_(30 * kSecond_us),
       quality_due_(10 * kSecond_us),
@@ -208,7 +209,8 @@ void Boat<S>::note_state(std::int64_t now_us) {
   }
 }
 
-/// Home, or a rally point; nothing if the straight way there leaves the fence.
+/// Home, or a rally point; nothing if the straight way there leaves the fence: then a way round is
+/// looked for, while the boat waits.
 template <class S>
 std::optional<Target> Boat<S>::way_back() {
   const auto home = limits_.home();
@@ -220,8 +222,24 @@ std::optional<Target> Boat<S>::way_back() {
   if (!missions.fence().is_on() || missions.fence().refusal_of(here, back, 0).empty()) {
     return Target{back};
   }
-  warn("the way back leaves the fence: the boat waits");
+  way_round_.begin(missions.fence(), here, Target{back}, configuration().plan.margin_m);
+  if (!way_round_.is_searching()) warn("no way back keeps the fence: the boat waits");
   return std::nullopt;
+}
+
+template <class S>
+void Boat<S>::look_for_way() {
+  if (!way_round_.is_searching()) return;
+  const Fence& fence = vehicle_.missions().fence();
+  way_round_.forward(fence);
+  if (way_round_.is_searching()) return;
+  if (!way_round_.found()) {
+    warn("no way back keeps the fence: the boat waits");
+    return;
+  }
+  warn("straight back leaves the fence: the boat sails round");
+  errand_ = way_round_.errand(fence);
+  pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
 }
 
 /// Begins AUTO, or the errand of GUIDED, LOITER or RTL.
@@ -232,9 +250,17 @@ void Boat<S>::start_plan() {
     const MissionService& missions = vehicle_.missions();
     const bool goes_on = voyage_.is_of(missions.id(Stored::kPlan), missions.current());
     if (!goes_on || missions.is_complete()) voyage_.forget();
-    pilot_.start_plan({missions.plan(), missions.current()}, configuration().plan);
+    const auto home = limits_.home();
+    pilot_.start_plan(
+        {.plan = missions.plan(),
+         .first = missions.current(),
+         .home = home ? std::optional(convert::GlobalPoint{home->latitude, home->longitude})
+                      : std::nullopt},
+        configuration().plan);
+    reached_.reset();
     return;
   }
+  way_round_.stop();
   const std::optional<Target> asked = vehicle_.take_target();
   const bool guided = state() == core::State::kGuided && asked;
   const auto back = state() == core::State::kReturn ? way_back() : std::nullopt;
@@ -242,6 +268,17 @@ void Boat<S>::start_plan() {
   const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
   errand_.sail_to(guided ? *asked : back ? *back : here);
   pilot_.start_plan({errand_.plan(), 0, kErrandReach_m}, configuration().plan);
+}
+
+/// Does DO_SET_HOME where it follows the place that was reached.
+template <class S>
+void Boat<S>::set_home_of_plan(std::size_t reached) {
+  const Plan plan = vehicle_.missions().plan();
+  for (std::size_t i = reached + 1; i < plan.size() && !place_of(plan[i]); ++i) {
+    if (plan[i].command != link::mav::kDoSetHome) continue;
+    const auto place = home_of(plan[i]);
+    limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
+  }
 }
 
 template <class S>
@@ -392,8 +429,10 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
                 : pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
       break;
     }
-    case core::State::kLoiter:
     case core::State::kReturn:
+      look_for_way();
+      [[fallthrough]];
+    case core::State::kLoiter:
       law_output_ = pilot_.sail(errand_.plan(), vehicle_.is_paused(), now_us, dt);
       break;
     case core::State::kDisarmed:
@@ -425,6 +464,9 @@ void Boat<S>::sail_plan(std::int64_t now_us, S dt) {
   auto reached = sailed.reached();
   if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
   vehicle_.sailed(sailed.item(), reached, sailed.has_arrived(), counters_);
+  if (!reached || reached_ == *reached) return;
+  reached_ = static_cast<std::uint16_t>(*reached);
+  set_home_of_plan(*reached);
 }
 
 /// Where the plan has come to one, and the boat is in its room.
@@ -576,6 +618,7 @@ void Boat<S>::send_warnings(std::int64_t now_us) {
   }
   warn_of_fast_slot(now_us);
   warn_of_station();
+  warn_of_current(now_us);
   warn_of_unsound_slot(now_us);
   warn_of_depth(now_us);
   warn_of_fence(now_us);
@@ -642,6 +685,20 @@ void Boat<S>::warn_of_station() {
     }
   }
   vehicle_.send_statustext(link::mav::kSeverityError, {why.text()}, counters_);
+}
+
+/// Tells that a boat that sails alone makes no way, or is carried off its place, though it gives all
+/// its thrust: after 2 s, or at once where it holds because it does not respond.
+template <class S>
+void Boat<S>::warn_of_current(std::int64_t now_us) {
+  const auto& e = law_output_.error.e;
+  const bool was_alone = std::exchange(alone_, core::sails_alone(state()));
+  const bool spent = alone_ && S(0) < law_output_.allocation.missing.X;
+  const bool behind = S(1) < core::hypot(e.x, e.y) && pilot_.motion().nu.u < S(0.05);
+  beaten_.look(spent && behind, now_us);
+  const bool holds = was_alone && !alone_ && (conditions_ & core::kBoatAnswers) == 0;
+  if (!holds && !(beaten_.is() && spent)) return;
+  if (beaten_due_.take_if_due(now_us)) warn("boat makes no way: current, wind or propellers");
 }
 
 /// While armed, tells why the slot is not sound: at once, then every 10 s.

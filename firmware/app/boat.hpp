@@ -12,6 +12,7 @@
 #include "app/conditions.hpp"
 #include "app/guidance/pilot.hpp"
 #include "app/guidance/voyage.hpp"
+#include "app/guidance/way_round.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/vehicle.hpp"
 #include "app/propulsion/can_node.hpp"
@@ -178,7 +179,9 @@ class Boat {
   void configure();
   void note_state(std::int64_t now_us);
   std::optional<Target> way_back();
+  void look_for_way();
   void start_plan();
+  void set_home_of_plan(std::size_t reached);
   void collect_overflow();
   bool seen() const {
     constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
@@ -205,6 +208,7 @@ class Boat {
   void warn_of_fast_slot(std::int64_t now_us);
   void warn_of_time(std::int64_t now_us);
   void warn_of_station();
+  void warn_of_current(std::int64_t now_us);
   void warn_of_unsound_slot(std::int64_t now_us);
   void warn_of_fence(std::int64_t now_us);
   void look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us);
@@ -230,10 +234,14 @@ class Boat {
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
 
-  Errand errand_;                 // of GUIDED, LOITER, RTL
-  bool driven_ = false;           // by velocities, in GUIDED
-  HullVoyage<S> voyage_;          // of AUTO
-  bool voyage_at_fence_ = false;  // as judged last
+  Errand errand_;                         // of GUIDED, LOITER, RTL
+  WayRound way_round_;                    // back, where the straight way leaves the fence
+  bool driven_ = false;                   // by velocities, in GUIDED
+  HullVoyage<S> voyage_;                  // of AUTO
+  bool voyage_at_fence_ = false;          // as judged last
+  std::optional<std::uint16_t> reached_;  // item of the plan
+  Settled beaten_;                        // by current or wind
+  bool alone_ = false;                    // sailed alone in the last tick
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
@@ -252,7 +260,7 @@ class Boat {
   Schedule way_due_, fence_warning_due_;
   Schedule frame_warning_due_, fast_slot_warning_due_, unsound_slot_warning_due_;
   Schedule unsaved_warning_due_, closed_warning_due_;
-  Schedule double_due_, time_warning_due_, quality_due_, late_due_;
+  Schedule beaten_due_, double_due_, time_warning_due_, quality_due_, late_due_;
   Settled slot_too_fast_, slot_astern_, untimed_;
   core::Astray astray_ = core::Astray::kNo;  // as reported to the operator
   bool latency_told_ = false;

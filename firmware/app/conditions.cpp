@@ -42,6 +42,12 @@ void FailsafeLimits::look(const Configuration::Failsafes& failsafes, const Seen&
   if (home_near_) met_ |= core::kHomeNear;
 }
 
+void FailsafeLimits::set_home(const convert::GlobalPoint& place) {
+  const std::int32_t altitude = home_ ? home_->altitude_mm : 0;
+  left_from_ = convert::Position{0, 0, {place.latitude, place.longitude, altitude, 0}};
+  home_ = {place.latitude, place.longitude, altitude};
+}
+
 /// A disarmed boat is inside: arming makes its position the new home.
 bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;

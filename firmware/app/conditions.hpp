@@ -61,6 +61,7 @@ class FailsafeLimits {
 
   /// The first known position; after arming, the position where the boat was last armed.
   std::optional<Home> home() const { return home_; }
+  void set_home(const convert::GlobalPoint& place);
 
  private:
   bool inside(float fence_m, const Seen& seen) const;

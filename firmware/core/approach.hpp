@@ -2,26 +2,31 @@
 // Approach: steers the boat to a slot that it cannot follow, as the slot is at rest or too fast.
 //
 //   w = ŵ_S − k_x [e_s e_c]ᵀ        ŵ_S: [u_S v_S]ᵀ; |ŵ_S|, |w| ≤ u_max
-//   q = w − c                       w through the water
+//   q = w − c − p                   w through the water, and against the push
 //   θ = arg q, or arg q + π stern first
 //   θ̇ = (q × q̇) / (|q| k_x max(|e|, Δ)),  q̇ ≈ −k_x [ė_s ė_c]ᵀ
 //   u* = n·ŵ_S − k_x e_x            n: the bow, in the slot's axes
+//   p₊ = p + 0.1 h ((X/d11) n − p)  where the slot is at rest: |w_S| < ½ ε, then ε
 //
-//   begins where |q_s| < ε or |w_S| > u_max, and k_x |e| + |ŵ_S − c| > 1.5 k_x Δ
-//   ends   where |q_s| > 1.5 ε and |w_S| < 0.95 u_max, or |e| < 0.15 Δ and |ŵ_S − c| < 0.2 ε
+//   begins where |q_s| < ε or |w_S| > u_max, and k_x |e| + d > 1.5 k_x Δ    d = |ŵ_S − c − p|
+//   ends   where |q_s| > 1.5 ε and |w_S| < 0.95 u_max, or |e| < 0.15 Δ and d < 0.2 ε
+//   also while a slot at rest is stern to the drift: [c + p]_s > ½ ε
+//   bow first at a slot at rest from k_x |e| < ½ d until k_x |e| > k_x Δ + 3 d
 //
 //  symbol    meaning                                            frame  unit   tested range
 //  e_s, e_c  offset from the slot along and across its heading  slot   m      ±1000
 //  w_S, q_s  slot's velocity over ground, speed through the water      m/s    ±20
-//  c         current                                            slot   m/s    ±2
+//  c, p      current; push along the bow beyond it, if against  slot   m/s    ±2, ±1
+//  X         wrench that neither model nor propellers hold      body   N      ±1000
 //  Δ, ε      look-ahead, slot's speed below which it has no course     m, m/s  0: never; 0.15
 //  θ         turn of the bow from the slot's heading                   rad    ±π
 //
 // Not in paper, where a boat abeam of a slot at rest stays there: u* = −k_x e_x is zero. Bow or
 // stern points to the slot; the boat changes ends where that makes the turn smaller by 0.8 rad. An
 // approach begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's heading.
-// The boat heads into or along a known current, since it cannot hold its place with the current
-// abeam. It follows a slot that is too fast, and closes up as far as u_max allows.
+// A boat cannot hold its place with a current abeam: near a slot at rest it points its bow into what
+// pushes it. A push from straight astern shows in X alone, as c is learnt from the sway. The boat
+// follows a slot that is too fast, and closes up as far as u_max allows.
 //
 // Q16.16: tested within ±2,000 (closing speed, m/s)
 #pragma once
@@ -38,16 +43,21 @@ struct ApproachParams {
   S u_max{};
 };
 
+template <class S>
 struct ApproachState {
   bool on = false;
   bool astern = false;  ///< stern first
+  bool waits = false;   ///< near a slot at rest: bow first
+  Vec2<S> push_n{};     ///< p
+  Carry<S> north_rest{}, east_rest{};
 };
 
 /// Desired motion, in the slot's axes.
 template <class S>
 struct SlotWay {
   Vec2<S> slot{};  ///< ŵ_S
-  S drift{};       ///< |ŵ_S − c|
+  Vec2<S> off{};   ///< ŵ_S − c − p
+  S drift{};       ///< |ŵ_S − c − p|
   S closing{};     ///< k_x |e|
   Vec2<S> q{};
   Vec2<S> q_dot{};
@@ -61,11 +71,51 @@ SlotWay<S> slot_way(const ApproachParams<S>& params, const Slot<S>& slot,
   const Vec2<S> slot_w = shortened(Vec2<S>{slot.nu.u, slot.nu.v}, params.u_max);
   const Vec2<S> w = shortened(Vec2<S>{slot_w.x + closing.x, slot_w.y + closing.y}, params.u_max);
   const Vec2<S> c = to_north_east(error.R_e, c_b);
+  const Vec2<S> off = {slot_w.x - c.x, slot_w.y - c.y};
   return {slot_w,
-          hypot(slot_w.x - c.x, slot_w.y - c.y),
+          off,
+          hypot(off.x, off.y),
           hypot(closing.x, closing.y),
           {w.x - c.x, w.y - c.y},
           {-params.k_x * e_dot.x, -params.k_x * e_dot.y}};
+}
+
+/// Whether the slot is at rest; on: the boat approaches (hysteresis).
+template <class S>
+bool rests(const ApproachParams<S>& params, const Slot<S>& slot, bool on) {
+  if (!(S(0) < params.k_x * params.Delta)) return false;
+  return hypot(slot.nu.u, slot.nu.v) < (on ? params.epsilon : S(0.5) * params.epsilon);
+}
+
+/// Advances p by h seconds; slow, so that waves do not turn the boat.
+template <class S>
+void push_forward(const ApproachParams<S>& params, const Vessel<S>& m, ApproachState<S>& state,
+                  const ControllerInput<S>& in, const Slot<S>& slot, S h) {
+  if (!rests(params, slot, state.on)) {
+    state.push_n = {};
+    return;
+  }
+  const S along = quotient_of(clamp(in.unknown.X, -m.d11, m.d11), m.d11);
+  const Vec2<S> push = to_north_east(in.psi, Vec2<S>{along, S(0)});
+  const S share = S(0.1) * h;
+  state.push_n = {state.push_n.x + state.north_rest.take(share, push.x - state.push_n.x),
+                  state.push_n.y + state.east_rest.take(share, push.y - state.push_n.y)};
+}
+
+/// c + p; c alone where p is small, or goes with it, so that a gust does not blunt the cross-track
+/// term.
+template <class S>
+Vec2<S> pushed(const ApproachParams<S>& params, const Vec2<S>& c, const Vec2<S>& p) {
+  const S least = S(0.8) * params.epsilon;
+  const bool together = S(0) < sum_of_products(c.x, p.x, c.y, p.y) && least < hypot(c.x, c.y);
+  return together || hypot(p.x, p.y) < least ? c : Vec2<S>{c.x + p.x, c.y + p.y};
+}
+
+/// Whether the slot is at rest, stern to the drift.
+template <class S>
+bool lies_astern(const ApproachParams<S>& params, const Slot<S>& slot, const SlotWay<S>& way,
+                 bool on) {
+  return rests(params, slot, on) && way.off.x < S(-0.5) * params.epsilon;
 }
 
 /// Whether the slot has no course or is faster than u_max; on: the boat approaches (hysteresis).
@@ -77,7 +127,7 @@ bool cannot_be_sailed(const ApproachParams<S>& params, const Slot<S>& slot, bool
   return S(0) < most && most < hypot(slot.nu.u, slot.nu.v);
 }
 
-/// Whether the slot is far enough for an approach; on: as above.
+/// Whether the slot is far enough for an approach, if not stern to the drift; on: as above.
 template <class S>
 bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   const S near = params.k_x * params.Delta;
@@ -85,16 +135,26 @@ bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   return S(0.15) * near < way.closing || S(0.2) * params.epsilon < way.drift;
 }
 
+/// Whether the boat is so near a slot at rest that its bow points upstream; waits: it does already.
+template <class S>
+bool points_upstream(const ApproachParams<S>& params, const SlotWay<S>& way, bool waits) {
+  const bool at_rest = hypot(way.slot.x, way.slot.y) < params.epsilon;
+  if (!at_rest || !(S(0.2) * params.epsilon < way.drift)) return false;
+  return way.closing < (waits ? params.k_x * params.Delta + S(3) * way.drift : S(0.5) * way.drift);
+}
+
 /// θ and θ̇. Changes ends with hysteresis; keeps the heading where q is too small for a direction.
 template <class S>
-LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState& state,
+LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState<S>& state,
                             const SlotWay<S>& way, S e_psi, S r_S) {
   const S speed = hypot(way.q.x, way.q.y);
   if (!(S(0.2) * params.epsilon < speed)) return {e_psi, -r_S, S(0)};
   const S pi = S(3.14159265358979323846);
   S theta = atan2(way.q.y, way.q.x);
+  state.waits = points_upstream(params, way, state.waits);
+  state.astern = state.astern && !state.waits;
   if (state.astern) theta = wrap_pi(theta + pi);
-  if (S(0.5) * pi + S(0.4) < abs(theta)) {
+  if (!state.waits && S(0.5) * pi + S(0.4) < abs(theta)) {
     state.astern = !state.astern;
     theta = wrap_pi(theta + pi);
   }

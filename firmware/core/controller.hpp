@@ -31,7 +31,7 @@ template <class S>
 struct ControllerState {
   VirtualVelocityState<S> outer{};
   SlotState<S> slot{};
-  ApproachState approach{};
+  ApproachState<S> approach{};
   SeparationState<S> separation{};
 };
 
@@ -66,17 +66,24 @@ struct Course {
   LineOfSight<S> sight{};
 };
 
+template <class S>
+ApproachParams<S> approach_params(const ControllerParams<S>& params) {
+  return {params.outer.k_x, params.sight.Delta, params.sight.epsilon, params.outer.u_max};
+}
+
 /// Follows the slot's path, or approaches the slot.
 template <class S>
-Course<S> course(const ControllerParams<S>& params, ApproachState& state,
+Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
                  const ControllerInput<S>& in, const Slot<S>& slot,
                  const FormationError<S>& error) {
   const Vec2<S> c_b = to_body(error.R, in.current_n);
-  const ApproachParams<S> approach = {params.outer.k_x, params.sight.Delta, params.sight.epsilon,
-                                      params.outer.u_max};
-  if (cannot_be_sailed(approach, slot, state.on)) {
-    const SlotWay<S> way = slot_way(approach, slot, error, in.nu, c_b);
-    if (is_off(approach, way, state.on)) {
+  const ApproachParams<S> approach = approach_params(params);
+  const bool unsailed = cannot_be_sailed(approach, slot, state.on);
+  if (unsailed || rests(approach, slot, state.on)) {
+    const Vec2<S> drift_b = pushed(approach, c_b, to_body(error.R, state.push_n));
+    const SlotWay<S> way = slot_way(approach, slot, error, in.nu, drift_b);
+    if (lies_astern(approach, slot, way, state.on) ||
+        (unsailed && is_off(approach, way, state.on))) {
       state.on = true;
       Slot<S> sailed = slot;
       sailed.nu.u = to_body(error.R_e, way.slot).x;
@@ -84,7 +91,7 @@ Course<S> course(const ControllerParams<S>& params, ApproachState& state,
       return {sailed, sight_of_way(approach, state, way, error.e.psi, slot.nu.r)};
     }
   }
-  state = {};
+  state.on = state.astern = state.waits = false;
   const S U = agreed(slot.pace, desired_surge(params.outer, slot, error) - c_b.x);
   return {slot, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
@@ -118,6 +125,7 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   const Slot<S> slot = slot_forward(params.slot, params.vessel, state.slot, in, dt);
   const FormationError<S> error = formation_error(in, slot);
   const Vec2<S> c_b = to_body(error.R, in.current_n);
+  push_forward(approach_params(params), params.vessel, state.approach, in, slot, dt);
   const auto [sailed, sight] = course(params, state.approach, in, slot, error);
   virtual_sway_forward(params.vessel, state.outer, dt);
   VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);

@@ -107,11 +107,12 @@ TEST_CASE_TEMPLATE("behind a leader that makes way there is no approach, however
   CHECK(std::hypot(boat.hull.q[0] - leader.back().place.x, boat.hull.q[1]) < 0.1);
 }
 
-TEST_CASE_TEMPLATE("in a current across, a boat beside a leader at rest lies bow or stern to it", S,
+TEST_CASE_TEMPLATE("in a current from anywhere, a boat beside a leader at rest points its bow into it", S,
                    float, double) {
   const auto params = testing::products_law<S>();
   for (const Vec2<double>& current :
-       {Vec2<double>{0, 0.1}, Vec2<double>{0, -0.2}, Vec2<double>{0.1, 0.1}}) {
+       {Vec2<double>{0, 0.1}, Vec2<double>{0, -0.2}, Vec2<double>{0.1, 0.1}, Vec2<double>{0.3, 0},
+        Vec2<double>{0.2, 0.1}, Vec2<double>{-0.3, 0.02}}) {
     for (const double abeam : {0.0, 10.0}) {
       INFO("current ", current.x, ", ", current.y, ", from ", abeam, " m abeam");
       const Stay stay = lie(at<S>(0, abeam, 0, current), 240, params);
@@ -120,6 +121,7 @@ TEST_CASE_TEMPLATE("in a current across, a boat beside a leader at rest lies bow
       CHECK(stay.late_starts == 0);
       const double across = current.x * std::sin(stay.psi) - current.y * std::cos(stay.psi);
       CHECK(std::abs(across) < 0.02);
+      CHECK(current.x * std::cos(stay.psi) + current.y * std::sin(stay.psi) < 0);
     }
   }
 }
@@ -135,7 +137,7 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
     const auto angle = [&](double h, bool astern) {
       const auto then = testing::later(in, h);
       const Slot<double> slot = slot_beside(then, {});
-      ApproachState state{true, astern};
+      ApproachState<double> state{true, astern};
       const auto way = slot_way(params, slot, formation_error(then, slot), then.nu, {});
       return sight_of_way(params, state, way, 0.0, 0.0);
     };
@@ -151,9 +153,27 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
   }
 }
 
+TEST_CASE("near its slot in a current a boat brings its bow round, and keeps it so within metres") {
+  const ApproachParams<double> params{0.2, 1, 0.15, 0};
+  ApproachState<double> state{true, true};
+  const auto theta = [&](double closing) {
+    SlotWay<double> way;
+    way.q = {-1, 0};
+    way.off = {-0.1, 0};
+    way.drift = 0.1;
+    way.closing = closing;
+    return std::abs(sight_of_way(params, state, way, 0.0, 0.0).theta);
+  };
+  CHECK(theta(0.06) == doctest::Approx(0));  // stern first still
+  CHECK(theta(0.04) == doctest::Approx(testing::kPi));
+  CHECK(theta(0.49) == doctest::Approx(testing::kPi));
+  CHECK(theta(0.51) == doctest::Approx(0));
+  CHECK(theta(0.06) == doctest::Approx(0));
+}
+
 TEST_CASE("the end of the boat that goes first is not changed for a trifle") {
   const ApproachParams<double> params{0.2, 1, 0.15, 0};
-  ApproachState state;
+  ApproachState<double> state;
   const auto bearing = [&](double angle) {
     SlotWay<double> way;
     way.q = {std::cos(angle), std::sin(angle)};
@@ -173,7 +193,7 @@ TEST_CASE_TEMPLATE(
     "where nothing is wanted the bow stays as it is, also beside a leader that turns", S, float,
     double) {
   const ApproachParams<S> params{S(0.2), S(1), S(0.15), S(0)};
-  ApproachState state{true, true};
+  ApproachState<S> state{true, true};
   const auto sight = sight_of_way(params, state, SlotWay<S>{}, S(0.7), S(0.3));
   CHECK(sight.theta == S(0.7));
   CHECK(sight.theta_dot == S(-0.3));

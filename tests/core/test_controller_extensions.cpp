@@ -38,6 +38,9 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
   if (piece == Extension::kLimits) u_max = limits.outer.r_max = S(1e9);  // that nobody reaches
   Slot<S> sailed = out.slot;
   if (piece != Extension::kLineOfSight) {
+    if (piece == Extension::kUnknown) seen.unknown = {};
+    const ApproachParams<S> approach = approach_params(limits);
+    push_forward(approach, params.vessel, state.approach, seen, out.slot, dt);
     const auto to_slot = course(limits, state.approach, seen, out.slot, out.error);
     sailed = to_slot.slot;
     out.sight = to_slot.sight;
@@ -54,7 +57,7 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
   state.outer.r_star_held = through_the_water.nu_star.r;
   out.tau = pd_plus(params.inner, params.vessel, through_the_water, nu);
   if (piece != Extension::kUnknown)
-    out.tau = {out.tau.X - seen.unknown.X, out.tau.N - seen.unknown.N};
+    out.tau = {out.tau.X - in.unknown.X, out.tau.N - in.unknown.N};
   out.allocation = allocate(params.propellers, out.tau);
   return out;
 }

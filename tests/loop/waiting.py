@@ -3,8 +3,8 @@
 
     python -m tests.loop.waiting [--minutes 20]
 
-The hull of `lead`, one propeller 15 % weak, in a current of 0.3 m/s across its first
-heading, alone and with 8 m/s of wind and gusts.
+The hull of `lead`, one propeller 15 % weak, in a current of 0.3 m/s: across its first
+heading, alone and with 8 m/s of wind and gusts, and from astern.
 """
 
 import argparse
@@ -33,17 +33,22 @@ WEATHERS = {
         "waves.height_m=0.1",
         "waves.course_rad=1.57",
     ],
+    "current from astern": [f"water.current_mps=[{CURRENT_MPS}, 0.0]"],
+    "current from the quarter": [
+        f"water.current_mps=[{CURRENT_MPS * np.cos(0.5)}, {CURRENT_MPS * np.sin(0.5)}]"
+    ],
 }
 
 
 @dataclass(frozen=True)
 class Waited:
-    """Metres from the place, and the sum of both thrusts over that with the bow into the drift."""
+    """Metres from the place; both thrusts over those with the bow into the drift; bow off it."""
 
     mean_m: float
     worst_m: float
     thrust: float
     needed_N: float
+    bow_rad: float
     state: str
 
 
@@ -86,6 +91,8 @@ def wait(weather: str, minutes: float) -> Waited:
     settled = round(SETTLES_S / h_s)
     off = np.hypot(*(eta[settled:, :2]).T)
     needed = needed_N(one)
+    into = np.arctan2(*(-np.asarray(one.water.current_mps))[::-1])
+    bow = np.angle(np.exp(1j * (eta[:, 2] - into)))
     state = flotilla.STATES[int(batch.states[0, 0])]
     full_N = one.propellers.forward_max_N
     return Waited(
@@ -93,6 +100,7 @@ def wait(weather: str, minutes: float) -> Waited:
         float(off.max()),
         full_N * float(thrust_N[settled:].mean()) / needed,
         needed,
+        float(np.abs(bow[settled:]).max()),
         state,
     )
 
@@ -104,10 +112,11 @@ def main() -> None:
     )
     parser.add_argument("--minutes", type=float, default=20.0)
     given = parser.parse_args()
-    print("| station of a 1.2 m hull | mean | worst | thrust over needed | needed |")
+    print("| station of a 1.2 m hull | mean | worst | bow off | thrust over needed | needed |")
     for weather in WEATHERS:
         it = wait(weather, given.minutes)
-        cells = f"{it.mean_m:.2f} m | {it.worst_m:.2f} m | {it.thrust:.2f} | {it.needed_N:.1f} N"
+        cells = f"{it.mean_m:.2f} m | {it.worst_m:.2f} m | {np.degrees(it.bow_rad):.0f}° | "
+        cells += f"{it.thrust:.2f} | {it.needed_N:.1f} N"
         print(
             f"| {weather} | {cells} |" + ("" if it.state == "LOITER" else f" ended in {it.state}")
         )

@@ -38,7 +38,7 @@ from tests.target.stations import (
     SET_MODE,
     TEMPORARILY_REJECTED,
 )
-from tests.target.test_auto import AUTO, at_sea, place, sailing
+from tests.target.test_auto import AUTO, SET_CURRENT, at_sea, place, sailing
 from tests.target.test_long_texts import sentences
 
 FENCE_ENABLE, GEOFENCE, MANUAL = 207, 1 << 20, 0
@@ -202,7 +202,7 @@ def test_at_the_fence_the_boat_waits_or_turns_back_and_never_leaves_it(
 
 
 def test_a_target_and_the_way_home_keep_the_fence() -> None:
-    """A wall between the boat and its home: it waits rather than sails through it."""
+    """A wall between the boat and its home: it sails round rather than through it."""
     sea = at_sea([])
     away = at(20, 0)
     sea.say(
@@ -224,8 +224,21 @@ def test_a_target_and_the_way_home_keep_the_fence() -> None:
     assert acks(sea.step()) == [(192, DENIED)] and sea.state == "HOLD"
     sea.mode(11)
     sea.run(20.0)
-    assert "the way back leaves the fence: the boat waits" in words(sea)
-    assert sea.state == "RTL" and place(sea) == pytest.approx((20, 0), abs=0.1)
+    assert "straight back leaves the fence: the boat sails round" in words(sea)
+    assert sea.state == "RTL" and abs(place(sea)[1]) > 2
+
+
+def test_under_way_a_boat_goes_on_to_no_item_to_which_the_way_leaves_the_fence() -> None:
+    plan = [at(10, 0), at(10, 20), at(-10, 20)]
+    sea = fenced(plan, corners(KEEP_OUT, [(-5, 5), (-5, 15), (5, 15), (5, 5)]))
+    assert acks(sea.mode(AUTO)) == [(SET_MODE, ACCEPTED)]
+    sea.run(2.0)
+    assert acks(sea.order(SET_CURRENT, 2.0)) == [(SET_CURRENT, DENIED)]
+    assert "Refused: the way there leaves the fence" in words(sea)
+    assert sea.state == "AUTO"
+    (told,) = sea.ask(mavlink.MAVLINK_MSG_ID_MISSION_CURRENT)
+    assert told.seq == 0
+    assert acks(sea.order(SET_CURRENT, 0.0)) == [(SET_CURRENT, ACCEPTED)]
 
 
 def test_along_the_fence_the_law_drives_on() -> None:

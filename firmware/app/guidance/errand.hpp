@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "app/guidance/plan.hpp"
 
@@ -20,13 +21,20 @@ struct Target {
 
 class Errand {
  public:
+  /// Bends that the way to a target may have.
+  static constexpr std::size_t kBends = 4;
+
   /// To the target, and waits there.
   void sail_to(const Target& target);
 
-  Plan plan() const { return items_; }
+  /// By these places first, at most kBends, passing within radius_m of them.
+  void sail_by(std::span<const convert::GlobalPoint> bends, float radius_m, const Target& target);
+
+  Plan plan() const { return Plan(items_).first(count_); }
 
  private:
-  std::array<PlanItem, 2> items_{};
+  std::array<PlanItem, 2 + kBends> items_{};
+  std::size_t count_ = 0;
 };
 
 }  // namespace flotilla::app

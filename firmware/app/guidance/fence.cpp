@@ -2,6 +2,7 @@
 #include "app/guidance/fence.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "app/convert/convert_scalar.hpp"
 
@@ -20,6 +21,39 @@ constexpr std::string_view kOutside = "outside the fence", kNear = "too near to 
 
 bool same_place(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {
   return a.latitude == b.latitude && a.longitude == b.longitude && a.altitude == b.altitude;
+}
+
+/// Away from the edges' wedge of angle θ by off / sin ½θ, but at most 4 off: at a sharper corner no
+/// leg beside it keeps that distance.
+std::optional<Fence::Place> beside_corner(std::span<const Fence::Place> corners, std::size_t i,
+                                          Q16 off) {
+  constexpr Q16 kStraight = Q16(0.02);
+  const Fence::Place& here = corners[i];
+  const auto towards = [&](const Fence::Place& there) {
+    const Fence::Place way{there.x - here.x, there.y - here.y};
+    const Q16 L = core::hypot(way.x, way.y);
+    return Fence::Place{way.x / L, way.y / L};
+  };
+  const Fence::Place a = towards(corners[(i + corners.size() - 1) % corners.size()]);
+  const Fence::Place b = towards(corners[(i + 1) % corners.size()]);
+  const Fence::Place sum{a.x + b.x, a.y + b.y};
+  const Q16 twice_cos = core::hypot(sum.x, sum.y);
+  if (twice_cos < kStraight) return std::nullopt;
+  const Q16 twice_sin = core::hypot(a.x - b.x, a.y - b.y);
+  const Q16 away = core::min(Q16(2) * off / core::max(twice_sin, Q16(0.1)), Q16(4) * off);
+  return Fence::Place{here.x - core::scaled(away, sum.x, twice_cos),
+                      here.y - core::scaled(away, sum.y, twice_cos)};
+}
+
+/// Its edges keep `off` from the circle.
+Fence::Place on_octagon(const core::Zone<Q16>& zone, std::size_t part, Q16 off) {
+  constexpr Q16 kPerCos = Q16(1.0824), kSlant = Q16(0.70711);  // 1 / cos 22.5°, cos 45°
+  constexpr std::array<std::array<int, 2>, Fence::kBends> kWays{
+      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+  const auto& [north, east] = kWays[part];
+  const Q16 radius = (zone.radius + off) * kPerCos;
+  const Q16 far = north != 0 && east != 0 ? radius * kSlant : radius;
+  return {zone.corners[0].x + Q16(north) * far, zone.corners[0].y + Q16(east) * far};
 }
 
 }  // namespace
@@ -86,6 +120,28 @@ Fence::Length Fence::clearance(const Place& a, const Place& b) const {
   for_each_zone(
       [&](const core::Zone<Q16>& zone) { least = core::min(least, core::clearance(zone, a, b)); });
   return least;
+}
+
+std::optional<Fence::Place> Fence::bend(std::size_t number, Length off) const {
+  const std::size_t item = number / kBends, part = number % kBends;
+  std::optional<Place> out;
+  std::size_t at = 0;
+  for_each_zone([&](const core::Zone<Q16>& zone) {
+    const std::size_t i = item - at;  // wraps before the zone
+    at += zone.corners.size();
+    if (i >= zone.corners.size()) return;
+    if (zone.corners.size() > 1) {
+      if (part == 0) out = beside_corner(zone.corners, i, off);
+    } else if (!zone.keeps_in) {
+      out = on_octagon(zone, part, off);
+    }
+  });
+  return out;
+}
+
+convert::GlobalPoint Fence::on_globe(const Place& place) const {
+  return convert::global_of({first_.north_m + convert::number(place.x),
+                             first_.east_m + convert::number(place.y), first_.origin});
 }
 
 bool Fence::permits_far() const {

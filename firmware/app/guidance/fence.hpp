@@ -44,6 +44,15 @@ class Fence {
   /// Whether a boat beyond the map is where it may be.
   bool permits_far() const;
 
+  /// Bends that a way round the zones may have, numbered: kBends for each item.
+  static constexpr std::size_t kBends = 8;
+  std::size_t bends() const { return kBends * items_.size(); }
+  /// The place that keeps `off` from a corner and both its edges, on the outside of their wedge; or
+  /// from a circle to stay outside, a corner of the octagon round it. Perhaps not permitted; nothing
+  /// where no way bends.
+  std::optional<Place> bend(std::size_t number, Length off) const;
+  convert::GlobalPoint on_globe(const Place& place) const;
+
   /// Why the boat may not go straight from `here` to `target`, keeping `margin_m` from every
   /// boundary; empty: it may. A boat that is nearer than that now must not come nearer still.
   std::string_view refusal_of(const convert::Position& here, const convert::GlobalPoint& target,

@@ -60,6 +60,15 @@ PlanFault fault_of_reach(const PlanItem& first, const PlanItem& item);
 /// Where an item of a plan leads; nothing if nowhere, or where the boat is then.
 std::optional<convert::GlobalPoint> place_of(const PlanItem& item);
 
+/// How far round its place an item leads, m; 0: not beyond it.
+float room_of(const PlanItem& item, const PlanDefaults& defaults);
+
+/// The item to which a jump leads.
+std::size_t jump_of(const PlanItem& item, const PlanDefaults& defaults);
+
+/// The place that an item makes home; nothing: where the boat is then.
+std::optional<convert::GlobalPoint> home_of(const PlanItem& item);
+
 /// Judges the last item of a plan, all others of which are sound.
 PlanFault fault_of_last(Plan plan, const PlanDefaults& defaults);
 
@@ -78,19 +87,34 @@ struct PlanPoint {
 /// Reads the points of a sound plan in order.
 class PlanReader {
  public:
-  /// Begins with the first point at item `first` or later.
-  void begin(Plan plan, std::size_t first, const PlanDefaults& defaults);
+  static constexpr std::size_t kJumps = 4;  ///< in a plan
+
+  /// Begins with the first point at item `first` or later, and with no jump taken. home: where
+  /// NAV_RETURN_TO_LAUNCH leads; unknown: the plan ends there.
+  void begin(Plan plan, std::size_t first, const PlanDefaults& defaults,
+             const std::optional<convert::GlobalPoint>& home = {});
 
   /// Nothing after the last point. A voyage that measures the hull ends the reading, unless it is
   /// the item to begin with: where the plan goes on after it is decided then.
   std::optional<PlanPoint> next(Plan plan);
 
  private:
-  void note_speed(const PlanItem& item);
+  struct Jump {
+    std::uint16_t item = 0;
+    std::int16_t taken = -1;  // times; −1: free
+  };
+
+  void note(const PlanItem& item);
+  bool takes_jump(const PlanItem& item);
+  PlanPoint point_of(const PlanItem& item, const convert::GlobalPoint& place);
+  PlanPoint on_circle(const PlanItem& item);
 
   PlanDefaults defaults_;
   std::size_t at_ = 0, first_ = 0;  // items
   float speed_mps_ = 0;
+  std::optional<convert::GlobalPoint> home_, last_;
+  std::array<Jump, kJumps> jumps_{};
+  std::uint16_t octants_ = 0, octant_ = 0;  // of a circle: covered; the present one, from the north
 };
 
 }  // namespace flotilla::app

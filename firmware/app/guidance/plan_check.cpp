@@ -8,20 +8,36 @@ namespace {
 
 constexpr int kItemsPerTick = 4;
 
+/// Where an item leads, a jump to the first place from its target on.
+std::optional<convert::GlobalPoint> aim_of(Plan plan, std::size_t item,
+                                           const PlanDefaults& defaults, bool& jumps) {
+  jumps = plan[item].command == link::mav::kDoJump;
+  std::size_t at = jumps ? jump_of(plan[item], defaults) : item;
+  auto place = place_of(plan[at]);
+  while (jumps && !place && ++at < item) place = place_of(plan[at]);
+  return place;
+}
+
 std::string_view refusal_of(const Fence& fence, const std::optional<convert::GlobalPoint>& from,
-                            const convert::GlobalPoint& to, float margin_m) {
-  return from ? fence.refusal_of(*from, to, margin_m) : fence.refusal_of(to, margin_m);
+                            const convert::GlobalPoint& to, const PlanItem& item,
+                            const PlanDefaults& defaults) {
+  const auto why = from ? fence.refusal_of(*from, to, defaults.margin_m)
+                        : fence.refusal_of(to, defaults.margin_m);
+  const float room_m = room_of(item, defaults);
+  if (!why.empty() || !(room_m > 0)) return why;
+  return fence.refusal_of(to, defaults.margin_m + room_m);
 }
 
 }  // namespace
 
-bool PlanCheck::forward(const Fence& fence, Plan plan, float margin_m) {
+bool PlanCheck::forward(const Fence& fence, Plan plan, const PlanDefaults& defaults) {
   if (over_) return false;
   for (int n = 0; n < kItemsPerTick && fence.is_on() && at_ < plan.size(); ++n, ++at_) {
-    const auto to = place_of(plan[at_]);
+    bool jumps = false;
+    const auto to = aim_of(plan, at_, defaults, jumps);
     if (!to) continue;
-    why_ = refusal_of(fence, from_, *to, margin_m);
-    from_ = to;
+    why_ = refusal_of(fence, from_, *to, plan[at_], defaults);
+    if (!jumps) from_ = to;
     if (why_.empty()) continue;
     over_ = true;
     return true;
@@ -30,13 +46,14 @@ bool PlanCheck::forward(const Fence& fence, Plan plan, float margin_m) {
   return false;
 }
 
-PlanFault fence_fault_of_last(const Fence& fence, Plan plan, float margin_m) {
+PlanFault fence_fault_of_last(const Fence& fence, Plan plan, const PlanDefaults& defaults) {
   if (!fence.is_on()) return {};
-  const auto to = place_of(plan.back());
+  bool jumps = false;
+  const auto to = aim_of(plan, plan.size() - 1, defaults, jumps);
   if (!to) return {};
   std::optional<convert::GlobalPoint> from;
   for (std::size_t i = plan.size() - 1; i > 0 && !from; --i) from = place_of(plan[i - 1]);
-  const std::string_view why = refusal_of(fence, from, *to, margin_m);
+  const std::string_view why = refusal_of(fence, from, *to, plan.back(), defaults);
   return why.empty() ? PlanFault{} : PlanFault{link::mav::kMissionInvalid, why};
 }
 

@@ -21,7 +21,7 @@ class PlanCheck {
   }
 
   /// A few legs further. True if that has found the first fault.
-  bool forward(const Fence& fence, Plan plan, float margin_m);
+  bool forward(const Fence& fence, Plan plan, const PlanDefaults& defaults);
 
   bool is_over() const { return over_; }
   /// The item that leaves the fence, and how; empty: none does, as far as was judged.
@@ -35,7 +35,8 @@ class PlanCheck {
   std::string_view why_{};
 };
 
-/// Judges the last item of a plan: its place, and the leg to it from the place before.
-PlanFault fence_fault_of_last(const Fence& fence, Plan plan, float margin_m);
+/// Judges the last item of a plan: its place, a circle round it, and the leg to it from the place
+/// before; of a jump the leg back.
+PlanFault fence_fault_of_last(const Fence& fence, Plan plan, const PlanDefaults& defaults);
 
 }  // namespace flotilla::app

@@ -26,7 +26,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   items_ = {};
   count_ = 1;
   sound_ = true;
-  reader_.begin(voyage.plan, voyage.first, defaults);
+  reader_.begin(voyage.plan, voyage.first, defaults, voyage.home);
   fill(voyage.plan);
   state_ = core::route_start(limits_, points());
   const S off = core::wrap_pi(state_.motion.psi - motion.psi);

@@ -17,6 +17,7 @@ struct Voyage {
   Plan plan{};
   std::size_t first = 0;         ///< begins with the first place at that item or later
   float start_m = kPlanStart_m;  ///< the farthest that this place may be from the boat
+  std::optional<convert::GlobalPoint> home{};
 };
 
 /// Holds a few points of the plan at a time; the plan must not change between start() and the last

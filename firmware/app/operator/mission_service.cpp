@@ -42,6 +42,12 @@ std::optional<Stored> kind_of(std::uint8_t mission_type) {
 
 std::uint8_t type_of(Stored kind) { return static_cast<std::uint8_t>(kind); }
 
+/// For a plan without the homes before it: jumps count those too.
+PlanDefaults with_homes(PlanDefaults defaults, std::size_t homes) {
+  defaults.homes = homes;
+  return defaults;
+}
+
 PlanFault fault_of_last_of(Stored kind, Plan items, const PlanDefaults& defaults) {
   switch (kind) {
     case Stored::kFence:
@@ -190,12 +196,12 @@ std::optional<link::Message> MissionService::take(const link::MissionItemInt& gi
 }
 
 PlanFault MissionService::fault_of_last_incoming(const PlanDefaults& defaults) const {
-  const Plan items = sailed_of(upload_->kind, incoming_.first(upload_->next + 1));
+  const Plan all = incoming_.first(upload_->next + 1);
+  const Plan items = sailed_of(upload_->kind, all);
   if (items.empty()) return {};
-  if (const PlanFault fault = fault_of_last_of(upload_->kind, items, defaults)) return fault;
-  if (upload_->kind == Stored::kPlan) {
-    return fence_fault_of_last(fence_, items, defaults.margin_m);
-  }
+  const PlanDefaults mine = with_homes(defaults, all.size() - items.size());
+  if (const PlanFault fault = fault_of_last_of(upload_->kind, items, mine)) return fault;
+  if (upload_->kind == Stored::kPlan) return fence_fault_of_last(fence_, items, mine);
   if (upload_->kind == Stored::kFence) return {};
   const auto why = fence_.refusal_of({items.back().x, items.back().y}, defaults.margin_m);
   return why.empty() ? PlanFault{} : PlanFault{mav::kMissionInvalid, why};
@@ -205,8 +211,9 @@ PlanFault MissionService::restore(Stored kind, Plan items, const PlanDefaults& d
   if (items.empty()) return {};
   if (items.size() > store(kind).room.size()) return {mav::kMissionNoSpace, "too many items"};
   const Plan sailed = sailed_of(kind, items);
+  const PlanDefaults mine = with_homes(defaults, items.size() - sailed.size());
   for (std::size_t count = 1; count <= sailed.size(); ++count) {
-    if (const PlanFault fault = fault_of_last_of(kind, sailed.first(count), defaults)) return fault;
+    if (const PlanFault fault = fault_of_last_of(kind, sailed.first(count), mine)) return fault;
   }
   if (const PlanFault fault = fault_of_whole(kind, sailed)) return fault;
   replace(kind, items);
@@ -310,18 +317,21 @@ void MissionService::check_plan(const PlanDefaults& defaults) {
                     std::exchange(checked_margin_m_, defaults.margin_m) == defaults.margin_m;
   if (!same) check_.begin();
   const std::size_t homes = homes_of(plan());
-  if (!check_.forward(fence_, plan().subspan(homes), defaults.margin_m)) return;
+  if (!check_.forward(fence_, plan().subspan(homes), with_homes(defaults, homes))) return;
   news_ = News{News::Kind::kPlanLeavesFence, Stored::kPlan, homes + check_.item(), check_.why()};
 }
 
-void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {
-  way_why_ = {};
-  if (!fence_.is_on()) return;
+std::string_view MissionService::refusal_of_way(const convert::Position& here, std::size_t item,
+                                                const PlanDefaults& defaults) const {
+  if (!fence_.is_on()) return {};
   PlanReader reader;
-  reader.begin(plan(), current_, defaults);
-  if (const auto first = reader.next(plan())) {
-    way_why_ = fence_.refusal_of(here, first->place, defaults.margin_m);
-  }
+  reader.begin(plan(), std::max(item, homes_of(plan())), defaults);
+  const auto first = reader.next(plan());
+  return first ? fence_.refusal_of(here, first->place, defaults.margin_m) : std::string_view{};
+}
+
+void MissionService::check_way(const convert::Position& here, const PlanDefaults& defaults) {
+  way_why_ = refusal_of_way(here, current_, defaults);
 }
 
 bool MissionService::plan_keeps_fence(bool in_auto) const {

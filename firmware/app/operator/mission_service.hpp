@@ -95,6 +95,9 @@ class MissionService {
   bool enable_fence(bool on);
   /// Once a tick: judges the plan by the fence, a few legs at a time.
   void check_plan(const PlanDefaults& defaults);
+  /// Why the straight way from the boat to an item, or the first place after it, leaves the fence.
+  std::string_view refusal_of_way(const convert::Position& here, std::size_t item,
+                                  const PlanDefaults& defaults) const;
   /// Before AUTO: judges the way from the boat to where the plan begins.
   void check_way(const convert::Position& here, const PlanDefaults& defaults);
   /// The plan keeps the fence. While it is sailed, a judgement that is not over does not stop it.

@@ -148,7 +148,8 @@ class Vehicle {
   void answer_log(const PendingRequest& pending);
   void answer_mission(const PendingRequest& pending, link::Counters& counters);
   void tell_mission_news(link::Counters& counters);
-  std::uint8_t answer_of_plan(const DecodedCommand& asked);
+  std::uint8_t answer_of_jump(DecodedCommand& asked);
+  std::uint8_t answer_of_plan(DecodedCommand& asked);
   void judge_target(DecodedCommand& asked) const;
   void take_setpoint(const PendingRequest& pending);
   std::uint8_t answer_of_fence(DecodedCommand& asked);

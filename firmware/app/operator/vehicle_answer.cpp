@@ -194,9 +194,21 @@ void Vehicle::judge_target(DecodedCommand& asked) const {
   }
 }
 
+/// Goes to an item, if the way there keeps the fence.
+std::uint8_t Vehicle::answer_of_jump(DecodedCommand& asked) {
+  if (supervisor_.state() == core::State::kAuto && missions_.fence().is_on()) {
+    if (!report_.own || !report_.own->located) return mav::kTemporarilyRejected;
+    const convert::OwnState& own = report_.own->state;
+    asked.why = missions_.refusal_of_way({own.north_m, own.east_m, own.origin}, *asked.item,
+                                         configuration_.plan);
+    if (!asked.why.empty()) return mav::kDenied;
+  }
+  return missions_.set_current(*asked.item) ? mav::kAccepted : mav::kDenied;
+}
+
 /// Goes to an item, or pauses the plan or the errand.
-std::uint8_t Vehicle::answer_of_plan(const DecodedCommand& asked) {
-  if (asked.item) return missions_.set_current(*asked.item) ? mav::kAccepted : mav::kDenied;
+std::uint8_t Vehicle::answer_of_plan(DecodedCommand& asked) {
+  if (asked.item) return answer_of_jump(asked);
   if (!core::sails_alone(supervisor_.state())) return mav::kTemporarilyRejected;
   paused_ = *asked.paused;
   return mav::kAccepted;

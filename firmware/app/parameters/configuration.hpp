@@ -76,6 +76,7 @@ struct Configuration {
     float speed_mps = 0, radius_m = 0, fastest_mps = 0;  ///< fastest: 0, no limit
     float margin_m = 0;                                  ///< to keep from the fence
     float room_m = 0, fastest_radps = 0;  ///< of a voyage that measures the hull; 0: no limit
+    std::size_t homes = 0;                ///< items before the plan that are no part of it
   };
 
   /// How the boat comes to rest, for the fence.

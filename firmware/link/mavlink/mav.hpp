@@ -38,8 +38,9 @@ constexpr std::uint8_t kParamDoesNotExist = 1, kParamOutOfRange = 2, kParamPermi
                        kParamTypeMismatch = 7;
 constexpr std::uint8_t kMissionAccepted = 0, kMissionUnsupportedFrame = 2, kMissionUnsupported = 3,
                        kMissionNoSpace = 4, kMissionInvalid = 5, kMissionInvalidParam1 = 6,
-                       kMissionInvalidParam2 = 7, kMissionInvalidX = 10, kMissionInvalidY = 11,
-                       kMissionInvalidSequence = 13, kMissionDenied = 14, kMissionCancelled = 15;
+                       kMissionInvalidParam2 = 7, kMissionInvalidParam3 = 8, kMissionInvalidX = 10,
+                       kMissionInvalidY = 11, kMissionInvalidSequence = 13, kMissionDenied = 14,
+                       kMissionCancelled = 15;
 constexpr std::uint8_t kMissionTypePlan = 0, kMissionTypeFence = 1, kMissionTypeRally = 2,
                        kMissionTypeAll = 255;
 /// MAV_STANDARD_MODE.
@@ -48,8 +49,9 @@ constexpr std::uint8_t kStandardModeSafeRecovery = 5, kStandardModeMission = 6;
 constexpr std::uint8_t kMissionNotStarted = 2, kMissionActive = 3, kMissionPaused = 4,
                        kMissionComplete = 5;
 /// Commands in plans.
-constexpr std::uint16_t kNavWaypoint = 16, kNavLoiterUnlimited = 17, kNavLoiterTime = 19,
-                        kNavDelay = 93, kDoChangeSpeed = 178, kDoSetRoi = 201,
+constexpr std::uint16_t kNavWaypoint = 16, kNavLoiterUnlimited = 17, kNavLoiterTurns = 18,
+                        kNavLoiterTime = 19, kNavReturn = 20, kNavDelay = 93, kConditionDelay = 112,
+                        kDoJump = 177, kDoChangeSpeed = 178, kDoSetHome = 179, kDoSetRoi = 201,
                         kVoyage = 31010;  // MAV_CMD_USER_1
 /// Items of fences, and of rally points.
 constexpr std::uint16_t kFenceReturnPoint = 5000, kFenceInclusion = 5001, kFenceExclusion = 5002,

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""Items of plans beyond waypoints and waits: circles, home, jumps; and legs that make no way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.target.hull import Helmsman, Hull
+from tests.target.plans import FENCE, ITEM_ACCEPTED, Item, Planner, as_sent, at, box, plan_of
+from tests.target.sea import named
+from tests.target.test_auto import at_sea, place, progress, reached, sailing
+from tests.target.test_fence_kept import fenced, send, words
+
+TURNS, RETURN, CONDITION_DELAY, JUMP, SET_HOME = 18, 20, 112, 177, 179
+PARAM1, PARAM2, PARAM3, COMPLETE = 6, 7, 8, 5
+BEATEN = "boat makes no way: "
+
+
+class Weak(Hull):
+    """A hull with a tenth of the thrust."""
+
+    def advance(self, X: float, N: float, h: float) -> None:
+        super().advance(0.1 * X, 0.1 * N, h)
+
+
+def bare(command: int, *params: float) -> Item:
+    """An item without a place."""
+    a, b = (*params, 0.0, 0.0)[:2]
+    return Item(command, (a, b, 0.0, 0.0), 0, 0, frame=2)
+
+
+def turns(north_m: float, east_m: float, count: float, radius_m: float) -> Item:
+    params = (count, 0.0, radius_m, math.nan)
+    return at(north_m, east_m)._replace(command=TURNS, params=params)
+
+
+#: A plan, the number of its item that is refused, and MAV_MISSION_RESULT.
+BAD = {
+    "no turn": ([at(5, 0), turns(10, 0, 0.0, 4.0)], 1, PARAM1),
+    "turns without end": ([at(5, 0), turns(10, 0, math.inf, 4.0)], 1, PARAM1),
+    "a circle too wide": ([turns(10, 0, 1.0, 101.0)], 0, PARAM3),
+    "a jump ahead": ([at(5, 0), bare(JUMP, 2.0, 1.0), at(9, 0)], 1, PARAM1),
+    "a jump to itself": ([at(5, 0), bare(JUMP, 1.0, -1.0)], 1, PARAM1),
+    "half an item": ([at(5, 0), at(9, 0), bare(JUMP, 0.5, 1.0)], 2, PARAM1),
+    "a loop without a place": (
+        [at(5, 0), bare(CONDITION_DELAY, 1.0), bare(JUMP, 1.0, -1.0)],
+        2,
+        PARAM1,
+    ),
+    "a jump less than never": ([at(5, 0), bare(JUMP, 0.0, -2.0)], 1, PARAM2),
+    "five jumps": ([at(5, 0), *[bare(JUMP, 0.0, 1.0)] * 5], 5, 4),
+    "a delay without end": ([at(5, 0), bare(CONDITION_DELAY, 1e9)], 1, PARAM1),
+    "home nowhere": ([at(5, 0), bare(SET_HOME)._replace(x=10**9, frame=6)], 1, 10),
+    "home before a waypoint": ([bare(SET_HOME, 1.0), at(5, 0)], 0, 5),
+    "the way home alone": ([bare(RETURN)], 0, 5),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_plan_with_an_item_that_cannot_be_sailed_is_refused_by_its_number(name: str) -> None:
+    plan, item, result = BAD[name]
+    sea = at_sea([])
+    assert Planner(sea).send(plan) == result
+    sea.run(0.5)
+    assert any(f"Plan refused at item {item}:" in text for text in words(sea)), words(sea)
+    assert plan_of(sea) == []
+
+
+def test_a_boat_sails_whole_turns_round_a_place() -> None:
+    for sign in (1.0, -1.0):
+        plan = [at(4, 0), turns(20, 0, 2.0, sign * 6.0), at(4, 0)]
+        sea = sailing(plan)
+        assert plan_of(sea) == as_sent(plan)
+        track = []
+        for _ in range(1200):
+            sea.run(0.2)
+            track.append(place(sea))
+        assert progress(sea)[2] == COMPLETE
+        off = np.asarray(track) - (20, 0)
+        angle = np.unwrap(np.arctan2(off[:, 1], off[:, 0]))
+        near = np.hypot(*off.T) < 7.5
+        assert sign * np.diff(angle)[near[1:]].sum() == pytest.approx(4 * math.pi, abs=1.0)
+        assert np.hypot(*off.T).min() > 5.0
+
+
+def test_a_plan_ends_at_home_where_it_says_so() -> None:
+    sea = sailing([at(8, 0), bare(RETURN)])
+    ticks = sea.run(60.0)
+    assert reached(ticks) == [0, 1] and progress(sea)[2] == COMPLETE
+    assert place(sea) == pytest.approx((0, 0), abs=0.1)
+
+
+@pytest.mark.parametrize(("given", "home"), [((1.0,), (8, 0)), ((0.0,), (8, 6))])
+def test_a_plan_may_move_home(given: tuple[float, ...], home: tuple[float, float]) -> None:
+    there = at(*home)
+    moved = bare(SET_HOME, *given)._replace(x=there.x, y=there.y, frame=6)
+    sea = sailing([at(8, 0, hold_s=1.0), moved, at(16, 0), bare(RETURN)])
+    ticks = sea.run(90.0)
+    assert progress(sea)[2] == COMPLETE and place(sea) == pytest.approx(home, abs=0.1)
+    told = named(ticks, "HOME_POSITION")[-1]
+    assert (told.latitude, told.longitude) == pytest.approx((there.x, there.y), abs=10)
+
+
+def test_a_jump_is_taken_as_often_as_it_says() -> None:
+    sea = sailing([at(4, 0), at(0, 0), bare(JUMP, 0.0, 2.0), at(0, 3)])
+    ticks = sea.run(150.0)
+    assert reached(ticks) == [0, 1, 0, 1, 0, 1, 3] and progress(sea)[2] == COMPLETE
+
+
+def test_a_jump_for_ever_goes_on_for_ever() -> None:
+    sea = sailing([at(4, 0), at(0, 0), bare(JUMP, 0.0, -1.0), at(0, 3)])
+    ticks = sea.run(300.0)
+    told = reached(ticks)
+    assert len(told) > 10 and set(told) == {0, 1} and progress(sea)[2] != COMPLETE
+
+
+def test_condition_delay_waits() -> None:
+    sea = sailing([at(4, 0), bare(CONDITION_DELAY, 20.0), at(8, 0)])
+    sea.run(30.0)
+    assert place(sea) == pytest.approx((4, 0), abs=0.1)
+    sea.run(25.0)
+    assert place(sea) == pytest.approx((8, 0), abs=0.1)
+
+
+def test_the_leg_back_of_a_jump_and_a_whole_circle_keep_the_fence() -> None:
+    sea = fenced([at(4, 0)], box(0, 0, 20))
+    assert Planner(sea).send([at(4, 0), turns(4, 0, 1.0, 12.0)]) == ITEM_ACCEPTED
+    assert Planner(sea).send([at(4, 0), turns(4, 0, 1.0, 14.5)]) == 5
+    assert send(sea, FENCE, [*box(0, 0, 20), *box(10, 10, 2, 5002)]) == ITEM_ACCEPTED
+    route = [at(16, 10), at(16, -5), at(4, -5), at(4, 10)]
+    assert Planner(sea).send([*route, bare(JUMP, 1.0, 1.0)]) == ITEM_ACCEPTED
+    assert Planner(sea).send([*route, bare(JUMP, 0.0, 1.0)]) == 5
+
+
+@pytest.mark.parametrize(("current_mps", "beaten"), [(1.5, True), (1.0, True), (0.4, False)])
+def test_a_leg_against_a_current_that_the_propellers_cannot_beat_is_told_within_30_s(
+    current_mps: float, beaten: bool
+) -> None:
+    """1.16 m/s through the water at full thrust, 0.5 over ground in the plan."""
+    slow = {"THR_FWD_MAX": 2.0, "THR_REV_MAX": 2.0, "WP_SPEED": 0.5}
+    sea = at_sea([], slow)
+    sea.hull = Weak()
+    assert isinstance(sea.own, Helmsman)
+    sea.own.hull = sea.hull
+    assert Planner(sea).send([at(40, 0)]) == ITEM_ACCEPTED
+    sea.hull.current = (-current_mps, 0.0)
+    sea.mode(10)
+    sea.run(30.0)
+    assert any(text.startswith(BEATEN) for text in words(sea)) == beaten, words(sea)
+    if not beaten:
+        assert sea.state == "AUTO" and place(sea)[0] > 2

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""RTL round the fence: the way sailed against the shortest one that scipy finds by the corners."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+from scipy.sparse.csgraph import shortest_path
+
+from tests.target.hull import Afloat
+from tests.target.plans import (
+    CIRCLE_OUT,
+    FENCE,
+    ITEM_ACCEPTED,
+    KEEP_IN,
+    KEEP_OUT,
+    Item,
+    at,
+    circle,
+    corners,
+)
+from tests.target.stations import BOAT, HOLD
+from tests.target.test_auto import at_sea, place
+from tests.target.test_fence_kept import HULL, send, words
+
+RTL, REPOSITION, LOITER_MODE = 11, 192, 5
+NO_WAY = "no way back keeps the fence: the boat waits"
+ROUND = "straight back leaves the fence: the boat sails round"
+Points = list[tuple[float, float]]
+
+WALL: Points = [(8, -12), (8, 9), (12, 9), (12, -12)]
+HOOK: Points = [(6, -8), (6, 14), (16, 14), (16, -8), (14, -8), (14, 10), (8, 10), (8, -8)]
+BAY: Points = [(-4, -6), (-4, 6), (26, 6), (26, 16), (-4, 16), (-4, 26), (34, 26), (34, -6)]
+ROUND_ISLE: Points = [
+    (10 + 4 * math.cos(a), 1 + 4 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 48, False)
+]
+#: What may not be sailed, what may, and where the boat is; its home is at 0, 0.
+CASES: dict[str, tuple[list[Points], list[Points], tuple[float, float]]] = {
+    "wall": ([WALL], [], (20, 0)),
+    "hook, from inside": ([HOOK], [], (11, 2)),
+    "bay": ([], [BAY], (0, 21)),
+    "circle": ([ROUND_ISLE], [], (20, 0)),
+    "walls and a circle": ([WALL, [(16, 2), (20, 2), (20, 30), (16, 30)]], [], (26, 14)),
+}
+
+
+def items(outs: list[Points], ins: list[Points]) -> list[Item]:
+    """The fence of a case; the isle as a true circle."""
+    out: list[Item] = []
+    for zone in outs:
+        is_round = zone is ROUND_ISLE
+        out += [circle(10, 1, 4, CIRCLE_OUT)] if is_round else corners(KEEP_OUT, zone)
+    for zone in ins:
+        out += corners(KEEP_IN, zone)
+    return out
+
+
+def inside(points: np.ndarray, zone: Points) -> np.ndarray:
+    """Whether each point is in the polygon: the angles to its corners add up to a full turn."""
+    to = np.asarray(zone)[None] - points[:, None]
+    angle = np.arctan2(to[..., 1], to[..., 0])
+    turn = np.diff(np.concatenate([angle, angle[:, :1]], axis=1), axis=1)
+    return np.abs(((turn + np.pi) % (2 * np.pi) - np.pi).sum(axis=1)) > np.pi
+
+
+def clearance(points: np.ndarray, outs: list[Points], ins: list[Points]) -> np.ndarray:
+    """Distance of each point from the nearest boundary, negative where it may not be."""
+    least = np.full(len(points), np.inf)
+    for zone, sign in [(z, -1) for z in outs] + [(z, 1) for z in ins]:
+        a = np.asarray(zone)
+        edge = np.roll(a, -1, axis=0) - a
+        to = points[:, None] - a[None]
+        along = np.clip((to * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
+        d = np.linalg.norm(to - along[..., None] * edge, axis=-1).min(axis=1)
+        least = np.minimum(least, np.where(inside(points, zone), sign, -sign) * d)
+    return least
+
+
+def shortest_m(outs: list[Points], ins: list[Points], start: tuple[float, float]) -> float:
+    """The shortest way home that touches corners but keeps no distance from them."""
+    nodes = np.array([start, (0.0, 0.0), *[p for zone in outs + ins for p in zone]])
+    lengths = np.zeros((len(nodes), len(nodes)))
+    for i, a in enumerate(nodes):
+        for j, b in enumerate(nodes[:i]):
+            share = np.linspace(0, 1, 201)[:, None]
+            if clearance(a + share * (b - a), outs, ins).min() > -0.01:
+                lengths[i, j] = lengths[j, i] = np.linalg.norm(a - b)
+    return float(shortest_path(lengths, indices=0)[1])
+
+
+def away(goal: tuple[float, float]) -> Afloat:
+    """A boat that was armed at 0, 0 and lies at `goal`."""
+    sea = at_sea([])
+    there = at(*goal)
+    go = (BOAT, 1, 6, REPOSITION, 0, 0, 1.0, 1.0, 0, 0, there.x, there.y, 0)
+    sea.say(mavlink.MAVLink_command_int_message(*go))
+    sea.run(25.0 + 1.5 * math.hypot(*goal))
+    assert place(sea) == pytest.approx(goal, abs=0.3)
+    sea.mode(HOLD)
+    sea.step()
+    return sea
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_rtl_sails_the_shortest_way_that_keeps_the_margin(name: str) -> None:
+    outs, ins, start = CASES[name]
+    least = shortest_m(outs, ins, start)
+    sea = away(start)
+    assert send(sea, FENCE, items(outs, ins)) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    track = [place(sea)]
+    while math.hypot(*track[-1]) > 0.3 and len(track) < 2000:
+        sea.run(0.2)
+        track.append(place(sea))
+    assert sea.state == "RTL" and ROUND in words(sea)
+    assert len(track) < 2000, track[-1]
+    sailed = np.asarray(track)
+    assert clearance(sailed, outs, ins).min() > 0.8 * HULL
+    length = float(np.linalg.norm(np.diff(sailed, axis=0), axis=1).sum())
+    assert 0.95 * least < length < 1.15 * least + 4.0, (length, least)
+
+
+def test_without_a_way_back_the_boat_waits_and_says_so() -> None:
+    sea = away((20, 0))
+    ring = corners(KEEP_OUT, [(8, -30), (8, 30), (12, 30), (12, -30)])
+    ring += corners(KEEP_IN, [(-5, -28), (-5, 28), (30, 28), (30, -28)])
+    assert send(sea, FENCE, ring) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.run(10.0)
+    assert NO_WAY in words(sea) and sea.state == "RTL"
+    assert place(sea) == pytest.approx((20, 0), abs=0.1)
+
+
+def test_a_boat_that_leaves_rtl_gives_up_the_search() -> None:
+    sea = away((20, 0))
+    assert send(sea, FENCE, corners(KEEP_OUT, WALL)) == ITEM_ACCEPTED
+    sea.mode(RTL)
+    sea.mode(LOITER_MODE)
+    sea.run(10.0)
+    assert sea.state == "LOITER" and ROUND not in words(sea)
+    assert place(sea) == pytest.approx((20, 0), abs=0.1)
