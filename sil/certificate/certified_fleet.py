@@ -28,10 +28,10 @@ def vessel_of(own: Mapping[str, float], speed_mps: float) -> HullParameters:
 
     PD+ leaves D(u) as the damping of the errors (`core/pd_plus.hpp`), as the paper has its D.
     """
-    inertia = (own[f"VES_{name}"] for name in ("M11", "M22", "M33"))
     d11 = own["VES_D11"] + own["VES_D11Q"] * speed_mps
     d33 = own["VES_D33"] + own["VES_D33U"] * speed_mps
-    return HullParameters(*inertia, d11, own["VES_D22"], d33)
+    m11, m22, m33 = own["VES_M11"], own["VES_M22"], own["VES_M33"]
+    return HullParameters(m11, m22, m33, d11, own["VES_D22"], d33)
 
 
 def fleet(

@@ -24,6 +24,7 @@ from sil.wire.dronecan_transfer import Receiver, message_subject
 from sil.wire.tlog import packets
 
 _FULL_RAW = 8191.0
+_AUTOPILOT = 1
 _LEFT, _RIGHT = 73, 74
 _STOP_US, _FULL_US = 1500.0, 400.0
 _ODOMETRY, _LOCAL, _ATTITUDE = "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE"
@@ -40,7 +41,9 @@ def read_tlog(path: Path) -> VoyageLog:
     kinds = {_ODOMETRY} if _ODOMETRY in names else {_LOCAL, _ATTITUDE}
     sources = Counter((s, c) for _, (s, c), name, _ in messages if name in kinds)
     system = _whose(path, {s for s, _ in sources})
-    unit = max((key for key in sources if key[0] == system), key=lambda key: sources[key])
+    # A boat's component 1 tells the estimate of its own model: its navigation unit is better.
+    own = [key for key in sources if key[0] == system]
+    unit = max(own, key=lambda key: (key[1] != _AUTOPILOT, sources[key]))
     series = Series(path.stem, aboard=_ODOMETRY in kinds)
     outputs = _Outputs()
     for t_s, source, name, message in messages:

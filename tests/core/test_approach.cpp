@@ -107,8 +107,9 @@ TEST_CASE_TEMPLATE("behind a leader that makes way there is no approach, however
   CHECK(std::hypot(boat.hull.q[0] - leader.back().place.x, boat.hull.q[1]) < 0.1);
 }
 
-TEST_CASE_TEMPLATE("in a current from anywhere, a boat beside a leader at rest points its bow into it", S,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "in a current from anywhere, a boat beside a leader at rest points its bow into it", S, float,
+    double) {
   const auto params = testing::products_law<S>();
   for (const Vec2<double>& current :
        {Vec2<double>{0, 0.1}, Vec2<double>{0, -0.2}, Vec2<double>{0.1, 0.1}, Vec2<double>{0.3, 0},

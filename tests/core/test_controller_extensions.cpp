@@ -56,8 +56,7 @@ ControllerOutput<S> step_without(Extension piece, const ControllerParams<S>& par
   state.outer.u_star_held = through_the_water.nu_star.u;
   state.outer.r_star_held = through_the_water.nu_star.r;
   out.tau = pd_plus(params.inner, params.vessel, through_the_water, nu);
-  if (piece != Extension::kUnknown)
-    out.tau = {out.tau.X - in.unknown.X, out.tau.N - in.unknown.N};
+  if (piece != Extension::kUnknown) out.tau = {out.tau.X - in.unknown.X, out.tau.N - in.unknown.N};
   out.allocation = allocate(params.propellers, out.tau);
   return out;
 }

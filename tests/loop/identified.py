@@ -18,18 +18,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from rich.progress import track
 
 from sil.identify.hull_terms import INDEX
 from sil.identify.identification import identify
 from sil.identify.log_files import read
-from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS, Boat, drag_N, yaw_moment_Nm
-from sil.identify.voyage_log import SAMPLE_S
+from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS, drag_N, yaw_moment_Nm
+from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.lockstep.start import RunError
 from sil.lockstep.world import sail
 from sil.logs import own_motion
-from sil.plant.hull import HullParameters
 from sil.scenario import presets, scenario
+from sil.scenario.scenario import Scenario
 
 VARIED, APART = 0.3, 0.1
 WEATHER = (
@@ -41,7 +42,8 @@ UNITS = {
     "RTK": (),
     "GPS": ("navigation.position_noise_m=0.3", "navigation.position_drift_m=0.4"),
 }
-_KEPT = {"length_m", "draft_m", "hull_y_m"}
+_KEPT = {"length_m", "draft_m", "hull_y_m", "arm_m", "port_gain", "stbd_gain"}
+_LENGTH_M = 1.3  # where a kind has none: BOAT_LEN's default
 
 
 @dataclass(frozen=True)
@@ -69,40 +71,58 @@ def changes(kind: str, seed: int) -> list[str]:
     out = [f"hull={kind}", f"seed={seed}"]
     for part in ("vessel", "propellers"):
         for key, value in getattr(hull, part):
-            if value and key not in _KEPT and "gain" not in key and key != "arm_m":
-                value *= rng.uniform(1.0 - VARIED, 1.0 + VARIED)
-            out.append(f"{part}.{key}={min(value, 1.0) if key == 'expo' else value!r}")
-    apart = rng.uniform(-APART, APART)
+            if key in _KEPT:
+                continue
+            factor = rng.uniform(1.0 - VARIED, 1.0 + VARIED) if value else 1.0
+            most = 1.0 if key == "expo" else np.inf
+            out.append(f"{part}.{key}={float(min(value * factor, most))!r}")
+    apart = float(rng.uniform(-APART, APART))
     return [
-        *(text for text in out if "_gain" not in text),
+        *out,
         f"propellers.port_gain={1.0 - apart!r}",
         f"propellers.stbd_gain={1.0 + apart!r}",
     ]
 
 
+def voyage(chosen: Scenario) -> VoyageLog:
+    """Sail a voyage; its log, of what went over the wires. Raises RunError."""
+    with tempfile.TemporaryDirectory() as folder:
+        recording, rows = Path(folder, "recording.bin"), Path(folder, "voyage.csv")
+        (run,) = sail([chosen], {}, record=recording)
+        if isinstance(run, RunError):
+            raise run
+        own_motion.write(rows, own_motion.of_run(recording, 1))
+        ((log,), _) = read([rows])
+    return log
+
+
+def sailed(kind: str, unit: str, seed: int) -> Scenario:
+    """The voyage of a varied hull in the weather."""
+    return scenario.load("voyage", [*changes(kind, seed), *WEATHER, *UNITS[unit]])
+
+
+def body_of(chosen: Scenario) -> Body:
+    """What an owner would measure with a tape."""
+    return Body(chosen.propellers.arm_m, chosen.vessel.length_m or _LENGTH_M, SAMPLE_S)
+
+
 def measured(task: tuple[str, str, int]) -> Found | str:
     """Sail a voyage and identify it; a sentence where either fails."""
     kind, unit, seed = task
-    chosen = scenario.load("voyage", [*changes(kind, seed), *WEATHER, *UNITS[unit]])
-    with tempfile.TemporaryDirectory() as folder:
-        recording, table = Path(folder, "recording.bin"), Path(folder, "voyage.csv")
-        (run,) = sail([chosen], {}, record=recording)
-        if isinstance(run, RunError):
-            return f"{kind} {unit} {seed}: {run}"
-        own_motion.write(table, own_motion.of_run(recording, 1))
-        logs, _ = read([table])
-    pair, truth = chosen.propellers, chosen.vessel.hull
-    body = Body(pair.arm_m, truth.length_m or 1.255, SAMPLE_S)
-    found = identify(logs, body, lambda _: None)
+    chosen = sailed(kind, unit, seed)
+    try:
+        found = identify([voyage(chosen)], body_of(chosen), lambda _: None)
+    except (RunError, BadLogError) as error:
+        return f"{kind} {unit} {seed}: {error}"
+    pair = chosen.propellers
     terms = found.fit.values
-    boat = Boat(truth.m11, 0.0)
     gain = (pair.stbd_gain - pair.port_gain) / (pair.stbd_gain + pair.port_gain)
     scores = [score for score in found.held_out if score is not None]
     return Found(
         kind,
         unit,
         seed,
-        _shares(terms, truth, boat, body),
+        shares(terms, chosen),
         float(terms[INDEX["gain"]]) - gain,
         float(terms[INDEX["lag"]] + terms[INDEX["dead_time"]]) - pair.lag_s,
         min((score.u for score in scores), default=0.0),
@@ -110,8 +130,10 @@ def measured(task: tuple[str, str, int]) -> Found | str:
     )
 
 
-def _shares(terms: np.ndarray, truth: HullParameters, boat: Boat, body: Body) -> dict[str, float]:
-    m11 = boat.surge_mass_kg
+def shares(terms: Array, chosen: Scenario) -> dict[str, float]:
+    """Errors of a scenario's hull as shares of the truth."""
+    truth, body = chosen.vessel.hull, body_of(chosen)
+    m11 = truth.m11
     x = truth.length_m * ((np.arange(400) + 0.5) / 400 - 0.5)
     out = {
         "m22": terms[INDEX["m22"]] / (truth.m22 / m11) - 1.0,
@@ -133,8 +155,9 @@ def table(every: list[Found | str]) -> list[str]:
     done = [one for one in every if isinstance(one, Found)]
     names = ["m22", "m33", *(f"drag {u:g}" for u in SPEEDS_MPS)]
     names += [f"yaw {r:g}" for r in RATES_RADPS]
+    heads = [*names, "all within 10 % (RTK: 5 %)", "gain", "late, ms", "R² u", "R² r"]
     lines = [
-        f"| hulls | {' | '.join(names)} | all within 10 % (RTK: 5 %) | gain | late, ms | R² u | R² r |",
+        f"| hulls | {' | '.join(heads)} |",
         f"|---|{'--:|' * (len(names) + 5)}",
     ]
     for kind, unit in sorted({(one.kind, one.unit) for one in done}):
@@ -156,8 +179,6 @@ def _sizes(errors: list[float]) -> str:
 
 def main() -> None:
     """Sail, identify, print."""
-    from rich.progress import track
-
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hulls", type=int, default=20, help="of each kind (20)")
     parser.add_argument("--workers", type=int, default=2, help="processes (2)")

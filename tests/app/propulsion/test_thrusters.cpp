@@ -49,7 +49,8 @@ TEST_CASE_TEMPLATE("a weak port propeller is commanded more, a strong starboard 
   CHECK(std::abs(double(out.given.N)) < 0.01);
   // Alone, a propeller of 18 N gets the port command, and one of 22 N the starboard one.
   p.THR_BALANCE = 0;
-  for (const auto& [maximum, side] : {std::pair{18.0F, std::size_t{0}}, std::pair{22.0F, std::size_t{1}}}) {
+  for (const auto& [maximum, side] :
+       {std::pair{18.0F, std::size_t{0}}, std::pair{22.0F, std::size_t{1}}}) {
     p.THR_FWD_MAX = maximum;
     const auto alone = thrusters_of<S>(p).step(true, asked, S(0.01));
     CHECK(std::abs(alone.raw.cmd[0] - out.raw.cmd[side]) <= 1);

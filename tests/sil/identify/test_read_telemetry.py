@@ -93,7 +93,7 @@ def test_flotillads_logs_in_their_folder_with_a_leaders_motion_among_its_own(
     truth: VoyageLog, tmp_path: Path
 ) -> None:
     vessel = mavlink.MAVLink_local_position_ned_message(0, 500.0, 0, 0, 0, 0, 0)
-    own = [(t, 3, 1, vessel) for t in times(truth)[::10]]  # of the boat itself, for others
+    own = [(t, 3, 1, vessel) for t in times(truth)] * 2  # of the boat itself, for others
     foreign = attitude_and_place(truth, 7, 1, north_m=900.0)
     (tmp_path / "log").mkdir()
     content = tlog(*attitude_and_place(truth, 3, 191), *own, *foreign)
