@@ -96,12 +96,15 @@ def hull_of(found: Identification, boat: Boat) -> Preset:
 
 def parameters(found: Identification, boat: Boat) -> dict[str, float]:
     """The firmware's parameters of this hull."""
-    own = presets.firmware(hull_of(found, boat))
+    hull = hull_of(found, boat)
+    pair = hull.propellers
+    own = presets.firmware(hull)
+    own |= {"THR_BALANCE": pair.stbd_gain - 1.0, "THR_LAG": pair.lag_s}
     if found.wiring.port_inverted:
         own["THR_PORT_DIR"] = -1.0
     if found.wiring.stbd_inverted:
         own["THR_STBD_DIR"] = -1.0
-    return own
+    return {name: float(f"{value:.4g}") for name, value in own.items()}
 
 
 def hull_file(hull: Preset, head: str) -> str:

@@ -80,6 +80,8 @@ def test_parameters_are_of_this_boat() -> None:
     near(values["VES_M11"], HULL.m11, 1e-4)
     near(values["THR_FWD_MAX"], 35.0, 0.05)
     near(values["THR_REV_MAX"], 20.0, 0.05)
+    assert values["THR_BALANCE"] == pytest.approx(0.05, abs=0.01)
+    assert values["THR_LAG"] == pytest.approx(PROPELLERS.lag_s, abs=0.03)
     assert "THR_PORT_DIR" not in values
 
 
