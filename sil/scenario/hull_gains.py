@@ -6,7 +6,8 @@ Both velocity loops, m ν̇ = T − d ν and τ Ṫ = −k ν − T, have the da
 
 k = (m + d τ)² / (4 ζ² m τ) − d,  τ = lag + τ₀,  ζ_u = 1.0853, ζ_r = 0.7023, τ₀ = 18 ms
 
-k: LAW_KDU, LAW_KDR. The observer is slower than the propellers, LAW_OBS_BW = min(2, 1/4τ). Where
+k: LAW_KDU, LAW_KDR. LAW_XT_DIST is 1 m. The observer is slower than the propellers,
+LAW_OBS_BW = min(2, 1/4τ). Where
 the hull drifts on for longer than a second, m22/d22 = T, the estimate of the current follows that
 drift, yet stays slower than the hull: LAW_CUR_BW = 0.6/T. All found by sailing the five hulls.
 """
@@ -15,6 +16,7 @@ from sil.plant.hull import HullParameters
 from sil.scenario.sections import Propellers
 
 _ZETA_U, _ZETA_R, _DELAY_S = 1.0853, 0.7023, 0.018
+_LOOK_AHEAD_M = 1.0
 _OBSERVER_MOST, _OF_LAG = 2.0, 0.25
 _LONG_S, _OF_DRIFT = 1.0, 0.6
 
@@ -25,6 +27,7 @@ def gains(model: HullParameters, pair: Propellers) -> dict[str, float]:
     law = {
         "LAW_KDU": _loop(model.m11, model.d11, _ZETA_U, tau),
         "LAW_KDR": _loop(model.m33, model.d33, _ZETA_R, tau),
+        "LAW_XT_DIST": _LOOK_AHEAD_M,
         "LAW_OBS_BW": min(_OBSERVER_MOST, _OF_LAG / tau),
     }
     drift_s = model.m22 / model.d22

@@ -42,7 +42,7 @@ MAVLINK2, MISSION_INT, COMMAND_INT, PARAM_BYTEWISE, FTP = 8192, 4, 8, 16, 32  # 
 def quiet() -> Sea:
     """A boat without faults, between two ticks with regular messages."""
     sea = Sea(QUIET)
-    sea.run(1.1)
+    sea.run(1.15)
     return sea
 
 
@@ -95,7 +95,7 @@ def test_an_impossible_message_id_is_denied(quiet: Sea, message_id: float) -> No
 def test_a_boat_that_does_not_know_where_it_is_says_so_at_once(message_id: int) -> None:
     sea = Sea(QUIET)
     sea.own.on = False
-    sea.run(1.1)
+    sea.run(1.15)
     assert answered(sea.order(REQUEST, message_id), REQUEST, TEMPORARILY_REJECTED) == []
     sea.own.on = True
     sea.run(0.55)
@@ -107,7 +107,7 @@ def test_a_boat_that_does_not_know_where_it_is_says_so_at_once(message_id: int) 
 def test_a_boat_without_an_origin_has_no_place_on_the_globe(message_id: int) -> None:
     sea = Sea(QUIET)
     sea.own.origin_on = False
-    sea.run(1.1)
+    sea.run(1.15)
     assert answered(sea.order(REQUEST, message_id), REQUEST, TEMPORARILY_REJECTED) == []
     assert answered(sea.order(REQUEST, 32.0), REQUEST, ACCEPTED)
 
@@ -115,7 +115,7 @@ def test_a_boat_without_an_origin_has_no_place_on_the_globe(message_id: int) -> 
 def test_a_boat_without_a_leader_has_no_slot_to_tell_for_now() -> None:
     sea = Sea(QUIET)
     sea.leader.on = False
-    sea.run(1.1)
+    sea.run(1.15)
     for message_id in (62, 85):
         assert answered(sea.order(REQUEST, message_id), REQUEST, TEMPORARILY_REJECTED) == []
     sea.leader.on = True
@@ -126,7 +126,7 @@ def test_a_boat_without_a_leader_has_no_slot_to_tell_for_now() -> None:
 
 def test_the_answer_goes_only_where_the_question_came_from() -> None:
     sea = Sea(QUIET, links=3)
-    sea.run(1.1)
+    sea.run(1.15)
     tick = sea.order(REQUEST, 148.0, link=1)
     assert len(answered(tick, REQUEST, ACCEPTED, link=1)) == 1
     assert not tick.messages(0) and not tick.messages(2)
@@ -145,7 +145,7 @@ def test_several_questions_at_once_are_answered_one_by_one(quiet: Sea) -> None:
 
 def test_a_station_that_may_not_command_may_still_request_messages() -> None:
     sea = Sea({"MAV_GCS_SYSID": 250} | QUIET)
-    sea.run(1.1)
+    sea.run(1.15)
     for order in ((REQUEST, 148.0), (GET_INTERVAL, 30.0), (VERSION, 1.0), (CAPABILITIES, 1.0)):
         assert len(answered(sea.order(*order), order[0], ACCEPTED)) == 1
     assert acks(sea.order(511, 30.0, 1e5)) == [(511, DENIED)]

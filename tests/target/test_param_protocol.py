@@ -197,6 +197,10 @@ def test_a_read_by_index_ignores_the_name(sea: Sea) -> None:
 # Setting.
 
 
+def inside(p: dict[str, Any], value: float) -> bool:
+    return bool(p["least"] <= value <= p["greatest"])
+
+
 def another_value(p: dict[str, Any]) -> float:
     if p["kind"] == "sign":
         return float(-p["default"])
@@ -205,9 +209,10 @@ def another_value(p: dict[str, Any]) -> float:
     if p["kind"] == "action":
         return 2.0 - p["default"] if p["default"] != 1 else 0.0
     if p["integer"]:
-        return float(p["default"] + (2 if p["default"] + 2 <= p["greatest"] else -2))
-    inside = p["default"] + 0.1 * (p["greatest"] - p["default"])
-    return float32(min(inside, p["default"] + 0.05))
+        step = next(step for step in (2, -2, 1) if inside(p, p["default"] + step))
+        return float(p["default"] + step)
+    further = p["default"] + 0.1 * (p["greatest"] - p["default"])
+    return float32(min(further, p["default"] + 0.05))
 
 
 CHANGEABLE = [p for p in LIST if p["kind"] != "mode" and p["name"] != "MAV_IDENTITY"]

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace flotilla::app {
 namespace {
@@ -14,16 +15,24 @@ constexpr float kSurgeRatio = 4.1844F, kYawRatio = 1.8102F;
 constexpr float kObserver = 1.0F, kObserverMost_radps = 2.0F;
 constexpr float kYawRateMost_radps = 0.8F, kMomentShare = 0.6F, kAnySpeed_mps = 1.5F;
 
+/// By Newton's method: the microcontroller's image has no mathematical library.
+float root(float x) {
+  float r = std::max(x, 1.0F);
+  for (int i = 0; i < 20; ++i) r = (r + x / r) / 2;
+  return r;
+}
+
 float lag_s(const Parameters& p) {
   constexpr float kOfMass_s = 0.02F, kMost_s = 0.5F;
-  const float unknown = kOfMass_s * (std::sqrt(p.VES_M11 / kMass_kg) - 1);
+  const float unknown = kOfMass_s * (root(p.VES_M11 / kMass_kg) - 1);
   return kLoop_s + (p.THR_LAG < 0 ? std::clamp(unknown, 0.0F, kMost_s) : p.THR_LAG);
 }
 
 /// To three decimals, so that an operator reads 10 where the sum is 9.99998.
 float rounded(float gain) {
   constexpr float kMost = 10'000;
-  return std::round(1000 * std::clamp(gain, 0.0F, kMost)) / 1000;
+  const float thousandths = 1000 * std::clamp(gain, 0.0F, kMost);
+  return static_cast<float>(static_cast<std::int32_t>(thousandths + 0.5F)) / 1000;
 }
 
 float current_radps(const Parameters& p) {

@@ -92,7 +92,7 @@ def test_document_has_every_leg_and_every_kind_of_boat(written: Path) -> None:
     for leg in legs:
         assert [case["boats"] for case in leg["cases"]] == [[1, 2, 4], [3]]
     moving, still = (leg["cases"][1] for leg in legs)
-    assert moving["parameters"]["LAW_KX"] == 0.4
+    assert moving["parameters"]["LAW_KX"] == pytest.approx(0.4)
     curve = moving["decay_against_k_x"]
     assert len(curve["k_x"]) == len(curve["floquet"]) == len(curve["sampled"]) > 20
     assert still["decay_against_k_x"]["sampled"] == []
