@@ -44,7 +44,7 @@ def of_run(summary: Summary) -> Verdict:
         parts[0] += f" after {max(settled):.0f} s"
     worst = max(boats, key=lambda boat: _size(boat["max_error_m"]))
     if math.isfinite(worst["max_error_m"]):
-        parts.append(f"worst {length(worst['max_error_m'])}")
+        parts.append(f"worst {length(worst['max_error_m'])} in the last third")
     else:
         wrong.append(f"boat {worst['id']} is beyond all bounds")
     least_m = summary["min_separation_m"]

@@ -42,12 +42,13 @@ def summary(*boats: BoatSummary, separation_m: float | None = 1.18, hull_m: floa
 def test_good_run_says_when_how_well_and_how_near() -> None:
     found = headline.of_run(summary(boat(1, settling_time_s=12.0), boat(2)))
     assert found.level == "good"
-    assert found.text == "2 of 2 in their slots after 60 s; worst 0.2 mm; closest two boats 1.18 m"
+    settled = "2 of 2 in their slots after 60 s; worst 0.2 mm in the last third"
+    assert found.text == f"{settled}; closest two boats 1.18 m"
 
 
 def test_single_boat_has_no_neighbour() -> None:
     found = headline.of_run(summary(boat(1), separation_m=None))
-    assert found == ("good", "1 of 1 in their slots after 60 s; worst 0.2 mm")
+    assert found == ("good", "1 of 1 in their slots after 60 s; worst 0.2 mm in the last third")
 
 
 def test_boat_that_does_not_stay_in_its_slot_is_counted_out() -> None:
