@@ -51,7 +51,7 @@ TERMS = (
     Term("d33_quadratic", 0.1, 0.5, 0.0, 100.0, 2, "yaw damping, quadratic"),
     Term("d33_speed", 0.1, 0.5, 0.0, 20.0, 1, "yaw damping that grows with speed ahead"),
     Term("munk", 0.0, 0.3, -5.0, 5.0, 0, "moment of u v beyond the inertias'"),
-    Term("forward", 1.5, 3.0, 0.05, 60.0, 0, "thrust of one propeller, full ahead"),
+    Term("forward", 1.5, 20.0, 0.05, 60.0, 0, "thrust of one propeller, full ahead"),
     Term("reverse", 0.8, 0.3, 0.05, 3.0, 0, "thrust full astern as a share of full ahead"),
     Term("gain", 0.0, 0.07, -0.6, 0.6, 0, "starboard stronger, port weaker by this share"),
     Term("gain_reverse", 0.0, 0.07, -0.6, 0.6, 0, "the same astern"),
