@@ -84,7 +84,7 @@ def tell(found: Identification, boat: Boat, console: Console) -> None:
 
 
 def remarks(found: Identification) -> list[str]:
-    """What is odd in the logs."""
+    """Oddities of the logs, as sentences."""
     # Swapped propellers are the verdict itself.
     told = [] if found.wiring.right or found.wiring.swapped else [found.wiring.sentence()]
     k = INDEX["compass"]

@@ -33,7 +33,9 @@ def clear_base(own: Mapping[str, Any], base: dict[str, Any]) -> None:
 def override(source: Source, text: str) -> None:
     """Apply an override that names a hull: it replaces the file's hull, with its changes."""
     key, _, value = text.partition("=")
-    source.override(text)
+    # The path of a hull's file need not be quoted, which a shell takes away.
+    bare = value.strip().endswith(".toml")
+    source.override(f'{key}="{value.strip()}"' if bare else text)
     table, name = (
         _table_of(source.document, key.strip().split(".")[:-1]),
         value.strip().strip("\"'"),

@@ -48,7 +48,7 @@ struct VoyageRoom {
 VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
                    const Configuration::Stopping& stopping);
 
-/// What the operator is told.
+/// Sentences for the operator.
 struct VoyageNews {
   enum class Kind : std::uint8_t { kBegins, kAgain, kLeftOut, kOver, kLost };
   Kind kind = Kind::kBegins;

@@ -32,7 +32,7 @@ struct LogRoom {
   std::span<LogRange> ranges;
 };
 
-/// What the host brings next: its list, or a piece of a log from `offset` on.
+/// The next request to the host: its list, or a piece of a log from `offset` on.
 struct LogWish {
   bool list = false;
   std::uint16_t log = 0;  ///< index in the list

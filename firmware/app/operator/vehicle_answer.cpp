@@ -115,7 +115,7 @@ std::optional<core::Drive<double>> Vehicle::drive(std::int64_t now_us) const {
   return now_us - drive_us_ < kSilent_us ? drive_ : std::nullopt;
 }
 
-/// What is refused is told as of setpoints.
+/// Reports a refusal as for setpoints.
 void Vehicle::answer_log(const PendingRequest& pending) {
   if (const auto* list = std::get_if<link::LogRequestList>(&pending.message)) {
     logs_.list(pending.link, *list);

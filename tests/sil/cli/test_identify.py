@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""The command from a log to files that others load."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pymavlink import mavparm
+
+from sil.cli.main import main
+from sil.identify.voyage_log import SAMPLE_S
+from sil.logs.own_motion import COLUMNS
+from sil.scenario import scenario
+from tests.sil.identify.sailed import HULL, levels, sail
+
+SIZES = ("--mass", "17.14", "--length", "1.2", "--arm", "0.28")
+
+
+def written(folder: Path, *, swapped: bool) -> Path:
+    rng = np.random.default_rng(3)
+    log = sail(levels(rng, 240.0), rng)
+    commands = log.commands[:, ::-1] if swapped else log.commands
+    t = np.arange(len(log.motion)) * SAMPLE_S
+    path = folder / "log.csv"
+    rows = np.column_stack([t, log.motion, commands])
+    np.savetxt(path, rows, "%.9g", ",", header=COLUMNS, comments="")
+    return path
+
+
+def test_a_log_becomes_a_page_parameters_and_a_hull_for_scenarios(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    log = written(tmp_path, swapped=False)
+    assert main(["identify", str(log), *SIZES, "--out", str(out)]) == 0
+    loaded = mavparm.MAVParmDict()
+    assert loaded.load(str(out / "hull.param"))
+    assert loaded["VES_M11"] == pytest.approx(HULL.m11, rel=1e-3)
+    fleet = scenario.load("diamond", [f"hull={out / 'hull.toml'}"], "product")
+    assert fleet.vessel.hull.m33 == pytest.approx(HULL.m33, rel=0.1)
+    page = (out / "identify.html").read_text(encoding="utf-8")
+    assert "Good: 10 s of logs" in page and "data:image/png" in page
+
+
+def test_swapped_propellers_get_no_parameters(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    log = written(tmp_path, swapped=True)
+    assert main(["identify", str(log), *SIZES, "--out", str(out)]) == 1
+    assert capsys.readouterr().out.lstrip().startswith("Not to be used as it is: port and")
+    assert {path.name for path in out.iterdir()} == {
+        "identify.html",
+        "identify.json",
+        "predictions.png",
+    }
+
+
+def test_a_log_that_is_not_there_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = tmp_path / "none.csv"
+    assert main(["identify", str(missing), *SIZES, "--out", str(tmp_path / "out")]) == 2
+    assert str(missing) in capsys.readouterr().err
