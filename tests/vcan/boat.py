@@ -3,7 +3,9 @@
 
 Navigation unit, leader and operator talk MAVLink over one UDP link, two ESCs behave as AM32 does.
 The boat moves under its own thrust; the leader turns steadily, so that every propeller has work.
-All waits are for a socket or the next message that is due, with a deadline.
+All waits are for a socket or the next message that is due, with a deadline. The data of a program
+that the machine does not run are old, and then a boat rightly refuses: such time does not count,
+and a test that loses too much of it is not judged.
 """
 
 import json
@@ -16,6 +18,8 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
+
+import pytest
 
 from sil.live.ordinary_user import ordinary_user
 from sil.live.parameter_file import set_up
@@ -50,6 +54,8 @@ ACCEPTED = 0
 _STEP_US = 10_000
 _LONGEST_S = 0.1
 _PATIENCE_S = 30.0
+_LATE_S = 0.05  # a longer turn is time in which the machine did not run this program
+_MOST_LATE_S = 60.0
 _RETRY_US = 50_000
 _MESSAGE = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | 0xFFFF80
 #: The frames that the ESCs receive; the kernel filters a flood of others.
@@ -170,12 +176,21 @@ class Boat:
         assert output.readline() == b"0\n", f"{shlex.join(command)} failed"
 
     def wait(self, done: Callable[[], bool], what: str) -> None:
-        end_us = now_us() + round(1e6 * _PATIENCE_S)
+        """Turn until `done`; fails after _PATIENCE_S, not counting what the machine was late."""
+        punctual_s = late_s = 0.0
         while not done():
-            if now_us() > end_us:
+            if late_s > _MOST_LATE_S:
+                pytest.skip(f"not judged: this machine is too slow: no {what} in {late_s:.0f} s")
+            if punctual_s > _PATIENCE_S:
                 said = "; ".join(self.texts[-3:])
                 raise AssertionError(f"no {what} after {_PATIENCE_S} s: {self.state}; {said}")
+            begin_us = now_us()
             self._turn()
+            turn_s = 1e-6 * (now_us() - begin_us)
+            if turn_s < _LATE_S:
+                punctual_s += turn_s
+            else:
+                late_s += turn_s
 
     def _turn(self) -> None:
         """Send everything that is due; process input until the next step."""
