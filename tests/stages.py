@@ -89,7 +89,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("tidy", (f"run-clang-tidy-19 -quiet -j 2 -p build/dev '{tidied}'",),
               ("sanitizers",)),
         Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan "
-                         f"{ignored} --numprocesses 3 --dist loadfile --no-loadscope-reorder"
+                         f"{ignored} --numprocesses 4 --dist loadfile --no-loadscope-reorder"
                          f"{every} {words}",),
               ("sanitizers",), tests=True),
     ]  # fmt: skip
