@@ -37,12 +37,16 @@ OF_BUILDS = (
 
 @dataclass(frozen=True)
 class Stage:
-    """`commands` run in sequence after the stages `after`; `tests`: whether they run tests."""
+    """`commands` run in sequence after the stages `after`; `tests`: whether they run tests.
+
+    `nice`: their priority is lower where boats sail in real time beside them.
+    """
 
     name: str
     commands: tuple[str, ...]
     after: tuple[str, ...] = ()
     tests: bool = False
+    nice: int = 15
 
 
 @dataclass
@@ -77,10 +81,14 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("release", (f"tools/build release {RELEASE}",)),
         Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",
                        f"tools/with-vcan {pytest} {junit.format('vcan')} tests/vcan"),
-              ("release",), tests=True),
-        Stage("sanitizers", ("nice tools/build dev",), ("release",)),
-        Stage("images", ("nice tools/build cortex-m", "nice tools/build player-arm64",
-                         f"nice tools/package {packages}",
+              ("release",), tests=True, nice=0),
+        Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan "
+                         f"{ignored} --numprocesses 4 --dist loadfile --no-loadscope-reorder"
+                         f"{every} {words}",),
+              ("release",), tests=True, nice=5),
+        Stage("sanitizers", ("tools/build dev",), ("release",)),
+        Stage("images", ("tools/build cortex-m", "tools/build player-arm64",
+                         f"tools/package {packages}",
                          f"{pytest} {junit.format('images')}{every} {of_builds}"),
               ("sanitizers",), tests=True),
         Stage("firmware", ("ctest --preset dev --parallel 2 --no-tests=error "
@@ -88,10 +96,6 @@ def stages(options: argparse.Namespace) -> list[Stage]:
         Stage("fuzz", (f"tools/fuzz --seconds {fuzz_s} --no-merge",), ("sanitizers",), tests=True),
         Stage("tidy", (f"run-clang-tidy-19 -quiet -j 2 -p build/dev '{tidied}'",),
               ("sanitizers",)),
-        Stage("python", (f"{pytest} {junit.format('python')} --ignore=tests/vcan "
-                         f"{ignored} --numprocesses 4 --dist loadfile --no-loadscope-reorder"
-                         f"{every} {words}",),
-              ("sanitizers",), tests=True),
     ]  # fmt: skip
     if options.all:
         found += [
@@ -116,9 +120,8 @@ def run(stage: Stage) -> Result:
         for command in stage.commands:
             file.write(f"$ {command}\n".encode())
             file.flush()
-            nice = [] if stage.name == "vcan" else ["nice", "-n5"]  # its boats must not be late
             process = subprocess.Popen(
-                [*nice, "bash", "-c", command],
+                ["nice", f"-n{stage.nice}", "bash", "-c", command],
                 cwd=ROOT,
                 stdin=subprocess.DEVNULL,
                 stdout=file,
