@@ -2,8 +2,8 @@
 """Shows a fleet on a page in the browser, as it sails now or as it was recorded; it only listens.
 
 SOURCE is a live fleet: mcast:[GROUP:PORT[:ADDRESS]], udpin:HOST:PORT, tcp:HOST:PORT,
-/dev/TTY[:BAUD]; or what was recorded: a tlog, the folder of a run, or that of a campaign, whose
-worst run is shown.
+/dev/TTY[:BAUD]; or what was recorded: a tlog, a folder with the tlogs of a boat, one for each link,
+the folder of a run, or that of a campaign, whose worst run is shown.
 """
 
 import argparse
@@ -19,7 +19,7 @@ EXAMPLES = (
     "flotilla view mcast:                  # a live run with --mavlink mcast:, or real boats",
     "flotilla view /dev/ttyUSB0:57600      # a telemetry radio",
     "flotilla view out/diamond             # a run",
-    "flotilla view out/live/boat1/log/*.tlog",
+    "flotilla view out/live/boat1/log      # what a boat sent and received",
 )
 
 
@@ -73,6 +73,8 @@ def source_of(text: str, length_m: float | None) -> "Live | dict[str, Any]":
     path = Path(text)
     if (path / "campaign.json").is_file():
         return _worst_of(path, length_m)
+    if any(path.glob("*.tlog")):
+        return history_of_tlog(path, length_m or LENGTH_M)
     if path.is_dir():
         return history_of_run(path, length_m)
     if path.is_file():

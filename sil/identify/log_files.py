@@ -7,13 +7,14 @@ from pathlib import Path
 from sil.identify import read_telemetry
 from sil.identify.read_csv import read_csv
 from sil.identify.voyage_log import BadLogError, VoyageLog
+from sil.logs.tlog_reader import facts
 
 
 def read(paths: Sequence[Path]) -> tuple[list[VoyageLog], list[str]]:
     """Every log, and sentences about what was assumed.
 
-    A folder stands for the telemetry logs in it, or in its subfolder `log`. Raises `BadLogError`,
-    `OSError`.
+    A folder stands for the telemetry logs in it, or in its subfolder `log`; where a boat has one
+    for each link, for those of the navigation unit's. Raises `BadLogError`, `OSError`.
     """
     logs, notes = [], []
     for path in (file for given in paths for file in _files(given)):
@@ -37,4 +38,4 @@ def _files(given: Path) -> list[Path]:
     found = sorted(folder.glob("*.tlog"))
     if not found:
         raise BadLogError(f"{given}: has no telemetry log (*.tlog)")
-    return found
+    return [path for path in found if facts(path).owner is not None] or found

@@ -6,6 +6,7 @@ of the CAN log, SERVO_OUTPUT_RAW, or RCOU of a .bin, with the outputs whose SERV
 ThrottleLeft (73) and ThrottleRight (74), or 1 and 3. Times are the log's.
 """
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
@@ -54,7 +55,7 @@ def read_tlog(path: Path) -> VoyageLog:
         elif source[0] == system and name == "SERVO_OUTPUT_RAW":
             raw = [getattr(message, f"servo{k}_raw", 0) for k in range(1, 17)]
             outputs.heard.append((t_s, raw))
-    can = path.with_name(path.name.replace("mavlink-", "can-")).with_suffix(".log")
+    can = path.with_name(re.sub(r"^mavlink\d+-", "can-", path.stem) + ".log")
     series.commands = list(_raw_commands(can)) if can.exists() else outputs.commands()
     return series.log()
 

@@ -2,8 +2,8 @@
 """Merges the telemetry and CAN logs of one or several boats into one MCAP file.
 
 A vessel's messages come from its own tlog if that is given, else from the first tlogs that contain
-any. A tlog contains a message once for each link it was sent on; equal payloads within 0.2 s count
-once.
+any. A boat has a tlog for each of its links, and a message is in each that it was sent on; equal
+payloads within 0.2 s count once.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -113,12 +113,14 @@ class _Boats:
         self._tellers: dict[int, Teller] = {
             one.owner: one.owner for one in facts.values() if one.owner is not None
         }
+        self._once: dict[Teller, _Once] = {}
         self._vessels: dict[int, _Vessel] = {}
 
     def packets(self, path: Path) -> Iterator[_Record]:
         """The records of a tlog."""
-        facts, once, length = self._facts[path], _Once(), 0
+        facts, length = self._facts[path], 0
         teller = path.parent if facts.owner is None else facts.owner
+        once = self._once.setdefault(teller, _Once())
         for packet in packets(path.read_bytes(), self.damaged):
             length += packet.size
             if packet.message_id not in tlog_reader.NEEDED or not once.new(packet):
@@ -130,8 +132,10 @@ class _Boats:
     def frames(self, path: Path) -> Iterator[_Record]:
         """The records of a candump log; ValueError if it contains no frame."""
         name = candump.bus_of(path)
-        owners = {one.owner for tlog, one in self._facts.items() if tlog.parent == path.parent}
-        if len(owners) == 1 and (owner := owners.pop()) is not None:
+        beside = [one.owner for tlog, one in self._facts.items() if tlog.parent == path.parent]
+        owners = {owner for owner in beside if owner is not None}
+        if len(owners) == 1:
+            owner = owners.pop()
             self._vessel(owner).has_bus = True
             name = self._name(owner)
         bus = EscBus(self._output, name)
@@ -170,7 +174,7 @@ class _Once:
 
     def new(self, packet: Packet) -> bool:
         """Whether no equal packet was seen in the last 0.2 s."""
-        if not 0 <= packet.t_us - self._since_us < _TWICE_US:
+        if not -_TWICE_US < packet.t_us - self._since_us < _TWICE_US:
             self._now, self._before, self._since_us = set(), self._now, packet.t_us
         key = (packet.system, packet.component, packet.message_id, packet.payload)
         if key in self._now or key in self._before:

@@ -24,7 +24,7 @@ from sil.logs import candump
 from sil.wire.dronecan import RAW_COMMAND, RawCommand
 from sil.wire.dronecan_transfer import Receiver, message_subject
 from sil.wire.mavlink_frames import frames
-from sil.wire.tlog import packets
+from sil.wire.tlog import of_links
 
 COLUMNS = "t_s,north_m,east_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps,port,stbd"
 _FULL = 8191.0
@@ -133,14 +133,15 @@ def of_run(recording: Path, agent: int) -> Iterator[Row]:
 
 
 def of_logs(folder: Path, system: int, port: int = 0, stbd: int = 1) -> Iterator[Row]:
-    """The rows of `flotillad --log`: of the last tlog and candump log in a folder.
+    """The rows of `flotillad --log`: of the last candump log in a folder and the tlogs beside it.
 
     ValueError if either is missing.
     """
     tlogs, buses = sorted(folder.glob("*.tlog")), sorted(folder.glob("can-*.log"))
     if not tlogs or not buses:
         raise ValueError(f"{folder}: no logs of a boat (a .tlog and a can-….log)")
-    said = packets(tlogs[-1].read_bytes(), [])
+    number = buses[-1].stem.removeprefix("can-")
+    said = of_links(path for path in tlogs if path.stem.endswith(f"-{number}"))
     events = [_Event(packet.t_us, None, packet.frame) for packet in said]
     events += [_Event(one.t_us, one.can_id, one.data) for one in candump.frames(buses[-1], [])]
     events.sort(key=lambda event: event.t_us)

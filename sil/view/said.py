@@ -19,7 +19,7 @@ from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.geodesy import LocalFrame
 from sil.wire.mavlink_ear import Ear
-from sil.wire.tlog import packets
+from sil.wire.tlog import of_links
 
 _RADIO = MAVLINK_OUT + 1
 # Of the boat and of whom it hears: plans go both ways.
@@ -152,14 +152,13 @@ def said_live(folder: Path, trace: Mapping[str, Array], release_unix_s: float) -
     boats = [SaidByBoat(system) for system in range(1, trace["error"].shape[1] + 1)]
     for boat in boats:
         ear = Ear(stream=False)
-        for log in sorted((folder / f"boat{boat.system}" / "log").glob("*.tlog")):
-            for packet in packets(log.read_bytes(), []):
-                t_s = 1e-6 * packet.t_us - release_unix_s
-                own = packet.system == boat.system
-                told = packet.message_id in (_SHOWN if own else _PLANS)
-                if told and t_s <= trace["t_s"][-1] and _is_needed(packet.frame):
-                    for message in ear.hear(packet.frame):
-                        (boat.hear if own else boat.overhear)(message, max(0.0, t_s))
+        for packet in of_links((folder / f"boat{boat.system}" / "log").glob("*.tlog")):
+            t_s = 1e-6 * packet.t_us - release_unix_s
+            own = packet.system == boat.system
+            told = packet.message_id in (_SHOWN if own else _PLANS)
+            if told and t_s <= trace["t_s"][-1] and _is_needed(packet.frame):
+                for message in ear.hear(packet.frame):
+                    (boat.hear if own else boat.overhear)(message, max(0.0, t_s))
     return Said(boats, [])
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The history of a tlog: what a live view would have shown while it was written."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from sil.view.seen_fleet import Fleet
 from sil.view.vessel import Vessel
 from sil.wire import mavlink_messages as messages
 from sil.wire.mavlink_ear import Ear, Message
-from sil.wire.tlog import packets
+from sil.wire.tlog import Packet, of_links
 
 _LONGEST_GAP_S = 3600.0
 _FIRST_STEP_S = 0.1
@@ -33,13 +33,16 @@ Told = dict[str, Any]
 
 
 def history_of_tlog(path: Path, length_m: float = LENGTH_M) -> dict[str, Any]:
-    """The history of a tlog; `length_m`: of its boats. ValueError if it contains no message.
+    """The history of a tlog, or of a folder with a boat's, one for each link.
+
+    `length_m`: of its boats. ValueError if there is no message.
 
     Time stamps that step back, or ahead by more than an hour, count as a clock that was set: no
     time passes.
     """
     watch = Watch(Fleet(length_m))
-    for t_s, message in messages_of(path.read_bytes()):
+    tlogs = sorted(path.glob("*.tlog")) if path.is_dir() else [path]
+    for t_s, message in messages_of(of_links(tlogs)):
         watch.hear(t_s, message)
     if not watch.times:
         raise ValueError(f"{path} is not a tlog: it contains no MAVLink message")
@@ -169,14 +172,14 @@ def _number(vessel: Told, column_name: str) -> float:
     return nan if value is None else float(value)
 
 
-def messages_of(data: bytes) -> Iterator[tuple[float, Message]]:
+def messages_of(packets: Iterable[Packet]) -> Iterator[tuple[float, Message]]:
     """Seconds since the first message, and each message; skips damaged ones.
 
     Skips unknown messages too: their checksum cannot be verified, and any file may contain bytes
     that look like one.
     """
     ear, t_s, before_us = Ear(stream=False), 0.0, -1
-    for packet in packets(data, []):
+    for packet in packets:
         for message in ear.hear(packet.frame):
             if message.fields is None:
                 continue

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Telemetry logs (tlog): each packet follows its time (u64 us since 1970, big endian)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from heapq import merge
+from operator import attrgetter
+from pathlib import Path
 from typing import NamedTuple
 
 from sil.wire.mavlink_frames import HEADER, MAGIC_2, end_of
@@ -29,6 +32,11 @@ class Packet(NamedTuple):
         """The frame without header, checksum and signature."""
         begin = HEADER[self.frame[0]]
         return self.frame[begin : begin + self.frame[1]]
+
+
+def of_links(tlogs: Iterable[Path]) -> Iterator[Packet]:
+    """The packets of a boat's tlogs, one for each link, in the order of time."""
+    return merge(*(packets(path.read_bytes(), []) for path in tlogs), key=attrgetter("t_us"))
 
 
 def packets(content: bytes, damaged: list[int]) -> Iterator[Packet]:

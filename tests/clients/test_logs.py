@@ -27,7 +27,7 @@ __all__ = ["bus"]
 
 pytestmark = BOTH_IDENTITIES
 _PATIENCE_S = 90.0
-KEPT = {"mavlink-00001.tlog": 20_007, "can-00001.log": 90 * 300}
+KEPT = {"mavlink0-00001.tlog": 20_007, "can-00001.log": 90 * 300}
 
 
 class Losses:

@@ -135,8 +135,9 @@ def test_a_boat_that_coasts_in_a_live_run_is_told_to_coast(
 def test_nothing_of_an_earlier_run_in_the_folder_is_taken_for_this_ones(live: Path) -> None:
     assert not (live / "recording.bin").exists()
     assert not (live / "run.mcap").exists()
-    (log,) = (live / "boat2" / "log").glob("*.tlog")
-    assert b"earlier" not in log.read_bytes()
+    logs = sorted((live / "boat2" / "log").glob("*.tlog"))
+    assert [log.name for log in logs] == [f"mavlink{link}-00001.tlog" for link in range(3)]
+    assert not any(b"earlier" in log.read_bytes() for log in logs)
     assert "earlier" not in (live / "boat2" / "flotillad.log").read_text(encoding="utf-8")
 
 

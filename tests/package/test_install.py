@@ -12,7 +12,7 @@ from tests.package.root import Root, need, run
 CONFIG = "/etc/flotilla/boat.toml"
 BIT_RATE = "/etc/systemd/network/60-flotilla-can0.network"
 SAVED = "/var/lib/flotilla/parameters.txt"
-LOG = "/var/log/flotilla/mavlink-00001.tlog"
+LOG = "/var/log/flotilla/mavlink0-00001.tlog"
 ENABLED = "/etc/systemd/system/multi-user.target.wants/flotillad.service"
 
 

@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds kLookEvery{20};
 /// As Logs names them.
 bool is_log(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
-  return (name.starts_with("mavlink-") && name.ends_with(".tlog")) ||
+  return (name.starts_with("mavlink") && name.ends_with(".tlog")) ||
          (name.starts_with("can-") && name.ends_with(".log"));
 }
 

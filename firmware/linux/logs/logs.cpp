@@ -25,8 +25,9 @@ constexpr auto kSyncEvery = std::chrono::seconds(5);
 constexpr std::uint8_t kCan = 255;  // channels below: MAVLink, 2 · link + direction
 constexpr std::size_t kCanIdBytes = 4;
 
-LogSeries series(const LogSettings& settings, const char* prefix, const char* extension) {
-  return {settings.directory, prefix, extension, settings.file_bytes, settings.total_bytes};
+LogSeries tlog(const LogSettings& settings, std::size_t link) {
+  return {settings.directory, "mavlink" + std::to_string(link), ".tlog", settings.file_bytes,
+          settings.total_bytes / settings.links};
 }
 
 }  // namespace
@@ -34,8 +35,10 @@ LogSeries series(const LogSettings& settings, const char* prefix, const char* ex
 Logs::Logs(LogSettings settings) : settings_(std::move(settings)) {
   if (settings_.directory.empty()) return;
   ring_.emplace(settings_.ring_bytes);
-  tlog_.emplace(series(settings_, "mavlink", ".tlog"));
-  candump_.emplace(series(settings_, "can", ".log"));
+  settings_.links = std::min(settings_.links, kLinks);
+  for (std::size_t i = 0; i < settings_.links; ++i) tlogs_[i].emplace(tlog(settings_, i));
+  candump_.emplace(
+      LogSeries{settings_.directory, "can", ".log", settings_.file_bytes, settings_.total_bytes});
   stop_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC));
   if (!stop_) throw std::system_error(errno, std::generic_category(), "eventfd of the logs");
   writer_ = start_background_thread(&Logs::run, this, "the logs");
@@ -54,7 +57,7 @@ void Logs::put(std::uint8_t channel, std::span<const std::uint8_t> payload, std:
 
 void Logs::mavlink(std::size_t link, Direction direction, std::span<const std::uint8_t> bytes,
                    std::int64_t unix_us) {
-  if (!ring_ || link >= kLinks) return;
+  if (!ring_ || link >= settings_.links) return;
   const auto channel = static_cast<std::uint8_t>(2 * link + static_cast<std::size_t>(direction));
   constexpr std::size_t kMax = 4096;
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(kMax, bytes.size()))) {
@@ -85,6 +88,12 @@ void* Logs::run(void* self) {
   return nullptr;
 }
 
+template <class F>
+void Logs::each_file(F&& f) {
+  for (std::size_t i = 0; i < settings_.links; ++i) f(*tlogs_[i]);
+  f(*candump_);
+}
+
 void Logs::write_until_stopped() {
   using Clock = std::chrono::steady_clock;
   auto try_again_at = Clock::now() + kTryAgainEvery, sync_at = Clock::now() + kSyncEvery;
@@ -94,15 +103,15 @@ void Logs::write_until_stopped() {
     drain();
     const auto now = Clock::now();
     if (now >= try_again_at) {
-      for (auto* file : {&*tlog_, &*candump_}) file->try_again();
+      each_file([](LogFile& file) { file.try_again(); });
       try_again_at = now + kTryAgainEvery;
     }
     if (now >= sync_at) {
-      for (auto* file : {&*tlog_, &*candump_}) file->sync();
+      each_file([](LogFile& file) { file.sync(); });
       sync_at = now + kSyncEvery;
     }
   }
-  for (auto* file : {&*tlog_, &*candump_}) file->close();
+  each_file([](LogFile& file) { file.close(); });
   publish();
 }
 
@@ -111,7 +120,7 @@ void Logs::drain() {
     const std::span<const std::uint8_t> payload(scratch_.data(), record->size);
     record->channel == kCan ? write_can(*record, payload) : write_mavlink(*record, payload);
   }
-  for (auto* file : {&*tlog_, &*candump_}) file->flush();
+  each_file([](LogFile& file) { file.flush(); });
   publish();
 }
 
@@ -125,7 +134,7 @@ void Logs::write_mavlink(const LogRecord& record, std::span<const std::uint8_t> 
   splitters_[record.channel].split(bytes, [&](std::span<const std::uint8_t> packet) {
     if (holds_key(packet)) return;
     std::copy(packet.begin(), packet.end(), out.begin() + kTimeBytes);
-    tlog_->append(std::span(out).first(kTimeBytes + packet.size()));
+    tlogs_[record.channel / 2]->append(std::span(out).first(kTimeBytes + packet.size()));
   });
 }
 
@@ -147,10 +156,14 @@ void Logs::write_can(const LogRecord& record, std::span<const std::uint8_t> payl
 }
 
 void Logs::publish() {
-  written_.store(tlog_->written() + candump_->written(), std::memory_order_relaxed);
-  lost_.store(tlog_->lost() + candump_->lost(), std::memory_order_relaxed);
-  const auto& fault = tlog_->fault() ? tlog_->fault() : candump_->fault();
-  if (fault) complaint_.put(*fault);
+  std::uint64_t written = 0, lost = 0;
+  each_file([&](const LogFile& file) {
+    written += file.written();
+    lost += file.lost();
+    if (file.fault()) complaint_.put(*file.fault());
+  });
+  written_.store(written, std::memory_order_relaxed);
+  lost_.store(lost, std::memory_order_relaxed);
 }
 
 std::string candump_name(std::string_view can_address) {

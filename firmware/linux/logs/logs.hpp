@@ -2,8 +2,12 @@
 // The boat's logs: every MAVLink packet and CAN frame, both directions, in formats that other
 // programs open, written by a separate thread. Packets with a key are left out.
 //
-//   mavlink-00001.tlog   telemetry log: u64 microseconds since 1970, big endian, then the packet
-//   can-00001.log        candump -L: (1700000000.123456) can0 0704060A#FF7C0200C1
+//   mavlink0-00001.tlog   telemetry log of link 0, the first `mavlink` of the configuration: u64
+//                         microseconds since 1970, big endian, then the packet
+//   can-00001.log         candump -L: (1700000000.123456) can0 0704060A#FF7C0200C1
+//
+// A link has a log of its own: a sender counts its packets on each link, so that in a common log
+// readers would take the jumps between those counts for lost packets.
 //
 // The control loop puts records into a ring and never waits; if the ring is full they are dropped
 // and counted. Every 100 ms the writer empties it into the files. kill -9 loses the records after
@@ -35,7 +39,8 @@ struct LogSettings {
   std::filesystem::path directory;
   std::string can_name = "can0";               ///< interface name in the candump log
   std::uint64_t file_bytes = 64ULL << 20U;     ///< of one file
-  std::uint64_t total_bytes = 1024ULL << 20U;  ///< of all files of one kind, over all runs
+  std::uint64_t total_bytes = 1024ULL << 20U;  ///< of all CAN logs, and of all tlogs, of all runs
+  std::size_t links = 1;                       ///< that share the tlogs' total
   std::size_t ring_bytes = 1U << 20U;          ///< about 10 s of a busy boat
 };
 
@@ -60,7 +65,7 @@ class Logs {
   Logs(const Logs&) = delete;
   Logs& operator=(const Logs&) = delete;
 
-  /// Bytes received or sent, in any chunks, on link 0 … 63.
+  /// Bytes received or sent, in any chunks, on link 0 … 63 (of LogSettings::links).
   void mavlink(std::size_t link, Direction direction, std::span<const std::uint8_t> bytes,
                std::int64_t unix_us);
   void can(const link::CanFrame& frame, std::int64_t unix_us);
@@ -78,6 +83,8 @@ class Logs {
   void drain();
   void write_mavlink(const LogRecord& record, std::span<const std::uint8_t> bytes);
   void write_can(const LogRecord& record, std::span<const std::uint8_t> payload);
+  template <class F>
+  void each_file(F&& f);
   void publish();
   void put(std::uint8_t channel, std::span<const std::uint8_t> payload, std::int64_t unix_us);
 
@@ -86,7 +93,8 @@ class Logs {
   std::atomic<std::uint64_t> written_{0}, dropped_{0}, lost_{0};
 
   // for the writer only
-  std::optional<LogFile> tlog_, candump_;
+  std::optional<LogFile> candump_;
+  std::array<std::optional<LogFile>, kLinks> tlogs_;
   std::array<PacketSplitter, 2 * kLinks> splitters_;
   std::array<std::uint8_t, 65536> scratch_{};
 

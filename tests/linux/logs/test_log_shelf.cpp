@@ -37,18 +37,18 @@ std::string read(LogShelf& shelf, std::size_t log, std::uint32_t offset, std::si
 
 TEST_CASE("logs are listed by their age, and no other file is") {
   const Scratch folder;
-  put(folder / "mavlink-00002.tlog", "newest", 10);
+  put(folder / "mavlink0-00002.tlog", "newest", 10);
   put(folder / "can-00007.log", "middle!", 20);
-  put(folder / "mavlink-00001.tlog", "old", 30);
+  put(folder / "mavlink0-00001.tlog", "old", 30);
   put(folder / "secret.txt", "no log", 1);
   put(folder / "can-00008.tlog.gz", "none either", 1);
-  fs::create_directory(folder / "mavlink-9.tlog");
+  fs::create_directory(folder / "mavlink0-9.tlog");
   LogShelf shelf(folder.path());
   const auto answer = answer_to(shelf, {true, 0, 0, 0});
   std::vector<std::string> names;
   for (const LogShelf::Log& log : answer.logs) names.push_back(log.file.filename().string());
   CHECK(names ==
-        std::vector<std::string>{"mavlink-00001.tlog", "can-00007.log", "mavlink-00002.tlog"});
+        std::vector<std::string>{"mavlink0-00001.tlog", "can-00007.log", "mavlink0-00002.tlog"});
   CHECK(answer.logs[1].size == 7);
   const auto now_s = std::chrono::system_clock::now().time_since_epoch() / std::chrono::seconds(1);
   CHECK(std::abs(now_s - 20 - std::int64_t{answer.logs[1].time_s}) < 5);

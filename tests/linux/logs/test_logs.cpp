@@ -99,14 +99,15 @@ TEST_CASE("a CAN frame is a line of candump -L, eight hexadecimal digits for the
   CHECK(files(folder.path(), ".tlog").empty());
 }
 
-TEST_CASE("MAVLink bytes in any chunks are logged packet by packet, each link for itself") {
+TEST_CASE("MAVLink bytes in any chunks are logged packet by packet, each link in its own log") {
   Scratch folder;
   const std::uint32_t seed = 11;
   CAPTURE(seed);
   std::mt19937 random(seed);
   std::vector<Bytes> sent;
+  std::size_t chunks = 0;
   {
-    Logs logs({.directory = folder.path()});
+    Logs logs({.directory = folder.path(), .links = 2});
     Bytes stream;
     for (int i = 0; i < 300; ++i) {
       sent.push_back(packet(random() % 256, static_cast<std::uint8_t>(i), i % 3 == 0));
@@ -118,12 +119,13 @@ TEST_CASE("MAVLink bytes in any chunks are logged packet by packet, each link fo
       logs.mavlink(0, Direction::kReceived, chunk, kTime_us + static_cast<std::int64_t>(at));
       logs.mavlink(1, Direction::kSent, packet(1, 0xEE), kTime_us);
       at += size;
+      ++chunks;
     }
   }
+  CHECK(read_tlog(folder / "mavlink1-00001.tlog").size() == chunks);
   std::vector<Bytes> logged;
   std::int64_t last_us = 0;
-  for (const auto& entry : read_tlog(folder / "mavlink-00001.tlog")) {
-    if (entry.packet == packet(1, 0xEE)) continue;
+  for (const auto& entry : read_tlog(folder / "mavlink0-00001.tlog")) {
     CHECK(entry.unix_us >= last_us);
     last_us = entry.unix_us;
     logged.push_back(entry.packet);
@@ -139,11 +141,12 @@ TEST_CASE("many packets in one chunk larger than any record are all there") {
     many.insert(many.end(), one.begin(), one.end());
   }
   {
-    Logs logs({.directory = folder.path()});
+    Logs logs({.directory = folder.path(), .links = 64});
     logs.mavlink(63, Direction::kSent, many, kTime_us);
     logs.mavlink(64, Direction::kSent, many, kTime_us);  // no such link: nothing
   }
-  CHECK(read_tlog(folder / "mavlink-00001.tlog").size() == 100);
+  CHECK(read_tlog(folder / "mavlink63-00001.tlog").size() == 100);
+  CHECK(files(folder.path(), ".tlog").size() == 1);
 }
 
 TEST_CASE("noise between packets stays out of the log, MAVLink 1 does not") {
@@ -209,7 +212,7 @@ TEST_CASE("a file that is full is followed by the next; all records are there, e
   }
   const auto tlogs = files(folder.path(), ".tlog");
   CHECK(tlogs.size() == 32);  // 16 records of 60 bytes are 960
-  CHECK(tlogs[1].filename() == "mavlink-00002.tlog");
+  CHECK(tlogs[1].filename() == "mavlink0-00002.tlog");
   std::int64_t next_us = kTime_us;
   for (const auto& path : tlogs) {
     CHECK(std::filesystem::file_size(path) <= 1000);
@@ -226,20 +229,20 @@ TEST_CASE("a file that is full is followed by the next; all records are there, e
 
 TEST_CASE("the oldest files go, of this run and of those before; other files never") {
   Scratch folder;
-  put(folder / "mavlink-x.tlog", "not mine");
-  put(folder / "mavlink-1.tlog", "not mine");
+  put(folder / "mavlink0-x.tlog", "not mine");
+  put(folder / "mavlink0-1.tlog", "not mine");
   put(folder / "sailing.tlog", "not mine");
   for (int run = 0; run < 5; ++run) {
     Logs logs({.directory = folder.path(), .file_bytes = 1000, .total_bytes = 4000});
     for (int i = 0; i < 30; ++i)
       logs.mavlink(0, Direction::kSent, packet(40, 1), kTime_us + 100 * run + i);
   }
-  for (const char* name : {"mavlink-x.tlog", "mavlink-1.tlog", "sailing.tlog"}) {
+  for (const char* name : {"mavlink0-x.tlog", "mavlink0-1.tlog", "sailing.tlog"}) {
     CHECK(content(folder / name) == "not mine");
     std::filesystem::remove(folder / name);
   }
   const auto left = files(folder.path(), ".tlog");
-  CHECK(left.back().filename() == "mavlink-00010.tlog");  // two a run
+  CHECK(left.back().filename() == "mavlink0-00010.tlog");  // two a run
   CHECK(left.size() >= 4);
   CHECK(total_size(left) <= 4000);
   CHECK(read_tlog(left.back()).back().unix_us == kTime_us + 429);
@@ -364,7 +367,7 @@ TEST_CASE("killed with SIGKILL: what was written before is there, whole") {
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
   CHECK(WTERMSIG(status) == SIGKILL);
-  CHECK(read_tlog(folder / "mavlink-00001.tlog").size() == 100);
+  CHECK(read_tlog(folder / "mavlink0-00001.tlog").size() == 100);
 }
 
 TEST_CASE("no directory, no logs: nothing happens") {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The boat's logs, read by common programs: pymavlink and python-can."""
 
+import itertools
 import os
 import subprocess
 import time
@@ -10,7 +11,7 @@ import can
 import pytest
 from pymavlink import mavutil
 
-from tests.linux.process import RealSea
+from tests.linux.process import RealSea, Udp
 from tests.target.bus import NODE
 from tests.target.stations import (
     BOAT,
@@ -46,16 +47,13 @@ def messages(path: Path) -> list[mavutil.mavlink.MAVLink_message]:
 
 
 def test_pymavlink_reads_every_packet_of_the_tlog_with_its_time(logs: Path) -> None:
-    paths = sorted(logs.glob("mavlink-*.tlog"))
-    assert len(paths) > 1
-    everything = [m for path in paths for m in messages(path)]
-    assert [m.get_type() for m in everything] == [
-        "HEARTBEAT",
-        "ATTITUDE",
-        "LOCAL_POSITION_NED",
-    ] * 100
+    boat = [m for path in sorted(logs.glob("mavlink0-*.tlog")) for m in messages(path)]
+    leader = [m for path in sorted(logs.glob("mavlink1-*.tlog")) for m in messages(path)]
+    assert len(list(logs.glob("mavlink0-*.tlog"))) > 1
+    assert [m.get_type() for m in boat] == ["HEARTBEAT", "ATTITUDE"] * 100
+    assert [m.get_type() for m in leader] == ["LOCAL_POSITION_NED"] * 100
     for i, (heartbeat, attitude, position) in enumerate(
-        zip(everything[::3], everything[1::3], everything[2::3], strict=True)
+        zip(boat[::2], boat[1::2], leader, strict=True)
     ):
         assert (heartbeat.custom_mode, heartbeat.get_srcSystem()) == (i, 2)
         assert heartbeat.get_seq() == 2 * i
@@ -67,7 +65,7 @@ def test_pymavlink_reads_every_packet_of_the_tlog_with_its_time(logs: Path) -> N
 
 
 def test_mavlogdumps_entry_point_opens_the_tlog(logs: Path) -> None:
-    log = mavutil.mavlink_connection(str(min(logs.glob("mavlink-*.tlog"))))
+    log = mavutil.mavlink_connection(str(min(logs.glob("mavlink0-*.tlog"))))
     first = log.recv_match(type="HEARTBEAT")
     log.close()
     assert first.type == mavutil.mavlink.MAV_TYPE_SURFACE_BOAT
@@ -117,3 +115,17 @@ def test_flotillads_own_logs_have_both_directions(sea: RealSea, tmp_path: Path) 
     times = [frame.timestamp for frame in frames]
     assert times == sorted(times)
     assert times[-1] == pytest.approx(time.time(), abs=60.0)
+
+
+def test_no_packet_is_missing_or_twice_in_the_log_of_a_link(sea: RealSea, tmp_path: Path) -> None:
+    sea.connect(Udp(), Udp())
+    sea.start(f"--log={tmp_path / 'log'}")
+    sea.enter_formation()
+    assert sea.end() == 0
+    tlogs = sorted((tmp_path / "log").glob("*.tlog"))
+    assert [path.name for path in tlogs] == ["mavlink0-00001.tlog", "mavlink1-00001.tlog"]
+    for path in tlogs:
+        said = [m.get_msgbuf() for m in messages(path)]  # stock pymavlink: some are unknown to it
+        numbers = [raw[4] for raw in said if (raw[5], raw[6]) == (BOAT, 1)]
+        assert len(numbers) > 50
+        assert {(b - a) % 256 for a, b in itertools.pairwise(numbers)} == {1}

@@ -9,7 +9,8 @@
 int main(int count, char** arguments) {
   using namespace flotilla;
   if (count != 2) return 2;
-  target::Logs logs({.directory = arguments[1], .can_name = "vcan0", .file_bytes = 8000});
+  target::Logs logs(
+      {.directory = arguments[1], .can_name = "vcan0", .file_bytes = 5000, .links = 2});
   link::MavlinkEncoder boat({2, 1}), leader({1, 1});
   std::array<std::uint8_t, 512> bytes;
   for (std::uint32_t tick = 0; tick < 100; ++tick) {

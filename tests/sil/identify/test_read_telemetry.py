@@ -97,7 +97,8 @@ def test_flotillads_logs_in_their_folder_with_a_leaders_motion_among_its_own(
     foreign = attitude_and_place(truth, 7, 1, north_m=900.0)
     (tmp_path / "log").mkdir()
     content = tlog(*attitude_and_place(truth, 3, 191), *own, *foreign)
-    (tmp_path / "log" / "mavlink-00001.tlog").write_bytes(content)
+    (tmp_path / "log" / "mavlink0-00001.tlog").write_bytes(content)
+    (tmp_path / "log" / "mavlink1-00001.tlog").write_bytes(tlog(*own, *foreign))  # the radio
     lines = []
     for k, (t_us, pair) in enumerate(zip(times(truth), truth.commands, strict=True)):
         raw = dronecan.uavcan.equipment.esc.RawCommand(cmd=[round(8191 * c) for c in pair])

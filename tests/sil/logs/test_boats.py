@@ -3,6 +3,7 @@
 
 import math
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -99,7 +100,7 @@ def log(tmp_path: Path) -> Path:
     """A boat's folder of logs."""
     folder = tmp_path / "log"
     folder.mkdir()
-    write_boat(folder / "mavlink-00001.tlog")
+    write_boat(folder / "mavlink0-00001.tlog")
     return folder
 
 
@@ -203,8 +204,10 @@ def test_several_boats_logs_are_one_file_and_each_speaks_for_itself(tmp_path: Pa
     for folder, boat in zip(folders, (2, 3), strict=True):
         folder.mkdir()
         # boat 3 hears boat 2, its leader; its clock is a second ahead
-        write_boat(folder / "mavlink-00001.tlog", boat, boat - 1, (boat - 2) * SECOND_US)
+        write_boat(folder / "mavlink0-00001.tlog", boat, boat - 1, (boat - 2) * SECOND_US)
         write_candump(folder / "can-00001.log")
+        # a second link with the same messages, where its unit is heard too
+        shutil.copy(folder / "mavlink0-00001.tlog", folder / "mavlink1-00001.tlog")
     topics = converted(*folders, tmp_path / "out.mcap")
     for boat in (2, 3):
         begin_ns = 1000 * (START_US + (boat - 2) * SECOND_US)
@@ -239,7 +242,7 @@ def test_a_boat_that_sends_other_messages_is_at_the_same_place(
 def test_damaged_bytes_of_a_tlog_are_left_out_and_counted(
     log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = log / "mavlink-00001.tlog"
+    path = log / "mavlink0-00001.tlog"
     content = bytearray(path.read_bytes())
     middle = len(content) // 2
     content[middle : middle + 40] = b"\xfd" * 40
@@ -348,7 +351,7 @@ def test_mavlogdump_prints_a_tlog_that_was_converted(log: Path, tmp_path: Path) 
         str(mavlogdump),
         "--types",
         "LOCAL_POSITION_NED",
-        str(log / "mavlink-00001.tlog"),
+        str(log / "mavlink0-00001.tlog"),
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.count("LOCAL_POSITION_NED") >= STEPS

@@ -18,7 +18,7 @@ RAW = ((0.1, "0704060A#FF3C0300C1"),)
 
 def log_of(folder: Path, said: list[tuple[float, int, Any]]) -> None:
     """A tlog of messages (time s, component, message), and a candump log."""
-    with (folder / "mavlink-00001.tlog").open("wb") as file:
+    with (folder / "mavlink0-00001.tlog").open("wb") as file:
         for t_s, component, message in said:
             packed = message.pack(mavlink.MAVLink(None, BOAT, component))
             file.write((UNIX_US + round(1e6 * t_s)).to_bytes(8, "big") + packed)

@@ -15,6 +15,7 @@ from sil.scenario import scenario
 from sil.view.history import MOST_SAMPLES, numbers
 from sil.view.tlog_history import history_of_tlog, messages_of
 from sil.wire.mavlink_frames import frames
+from sil.wire.tlog import packets
 from tests.sil.view.feed import BEAT, attitude, local, said, sail_and_look
 
 START_US = 1_700_000_000_000_000
@@ -56,7 +57,7 @@ def test_every_message_that_pymavlink_reads_is_read_at_its_time(
     log = mavutil.mavlogfile(str(sailed[0]))
     theirs = [(m._timestamp - 1e-6 * START_US, m.get_msgId()) for m in iter(log.recv_msg, None)]
     log.close()
-    ours = [(t_s, m.number) for t_s, m in messages_of(sailed[0].read_bytes())]
+    ours = [(t_s, m.number) for t_s, m in messages_of(packets(sailed[0].read_bytes(), []))]
     known = {number for _, number in ours}
     theirs = [(t_s, number) for t_s, number in theirs if number in known]
     known = {number for _, number in theirs}
@@ -108,11 +109,11 @@ def test_damage_costs_no_more_than_what_is_damaged(
     sailed: tuple[Path, Array], tmp_path: Path
 ) -> None:
     rng, content = random.Random(4), bytearray(sailed[0].read_bytes())
-    whole = sum(1 for _ in messages_of(bytes(content)))
+    whole = sum(1 for _ in messages_of(packets(bytes(content), [])))
     for _ in range(50):
         content[rng.randrange(len(content))] ^= 0xFF
     del content[:5], content[-3:]
-    assert whole - 110 <= sum(1 for _ in messages_of(bytes(content))) < whole
+    assert whole - 110 <= sum(1 for _ in messages_of(packets(bytes(content), []))) < whole
     path = tmp_path / "damaged.tlog"
     path.write_bytes(content)
     assert len(history_of_tlog(path)["vessels"]) == 5
