@@ -37,7 +37,6 @@ enum class ParameterKind : std::uint8_t {
 enum class ParameterChange : std::uint8_t { kAnytime, kDisarmed, kRestart };
 
 struct ParameterInfo {
-  std::string_view group;
   std::string_view name;
   std::string_view unit;
   float default_value;
@@ -45,7 +44,6 @@ struct ParameterInfo {
   float greatest;
   ParameterKind kind;
   ParameterChange change;
-  std::string_view sentence;
   float Parameters::* member;
 
   bool whole() const { return kind != ParameterKind::kReal; }
@@ -53,16 +51,27 @@ struct ParameterInfo {
 
 inline constexpr std::array kParameterList{
 #define FLOTILLA_PARAMETER(group, name, unit, value, least, greatest, kind, change, sentence) \
-  ParameterInfo{group,                                                                        \
-                #name,                                                                        \
+  ParameterInfo{#name,                                                                        \
                 unit,                                                                         \
                 static_cast<float>(value),                                                    \
                 static_cast<float>(least),                                                    \
                 static_cast<float>(greatest),                                                 \
                 ParameterKind::k##kind,                                                       \
                 ParameterChange::k##change,                                                   \
-                sentence,                                                                     \
                 &Parameters::name},
+#include "app/parameters.def"
+#undef FLOTILLA_PARAMETER
+};
+
+/// Of the parameter at the same place in kParameterList. Programs without a use for it do not hold it.
+struct ParameterText {
+  std::string_view group;
+  std::string_view sentence;
+};
+
+inline constexpr std::array kParameterTexts{
+#define FLOTILLA_PARAMETER(group, name, unit, value, least, greatest, kind, change, sentence) \
+  ParameterText{group, sentence},
 #include "app/parameters.def"
 #undef FLOTILLA_PARAMETER
 };

@@ -79,6 +79,13 @@ inline std::string content_of(std::size_t size, std::uint32_t seed) {
   return content;
 }
 
+/// The text of a file, whole.
+inline std::string text_of(const PackedText& content) {
+  std::vector<std::uint8_t> bytes(content.size());
+  REQUIRE(content.read(0, bytes) == bytes.size());
+  return {bytes.begin(), bytes.end()};
+}
+
 struct Harbour {
   std::string big = content_of(10'000, 1), even = content_of(2 * 239, 2);
   std::vector<FtpFile> files{

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Writes a boat's component metadata, JSON files made of parameters.def, as a C++ header.
 
+The long one is packed: link/mavlink/packed_text.hpp reads it.
+
 make_metadata.py PARAMETERS_DEF HEADER
 """
 
@@ -8,7 +10,10 @@ import json
 import re
 import sys
 import zlib
+from collections.abc import Iterable
 from pathlib import Path
+
+from byte_pairs import Packed, pack
 
 TEXT = r'"([^"\\]*)", '
 PARAMETER = re.compile(
@@ -72,16 +77,34 @@ def compact(document: object) -> str:
     return json.dumps(document, ensure_ascii=False, separators=(",", ":"))
 
 
+def numbers(values: Iterable[int]) -> str:
+    """As the elements of an initialiser."""
+    return ", ".join(map(str, values))
+
+
+def literal(packed: Packed, size: int, checksum: int) -> str:
+    """The packed text as C++ constants."""
+    pairs = (f"{{{{{numbers(pair)}}}}}" for pair in packed.pairs)
+    return (
+        f"constexpr auto kBytes = std::to_array<std::uint8_t>({{{numbers(packed.data)}}});\n"
+        f"constexpr auto kPages = std::to_array<std::uint16_t>({{{numbers(packed.pages)}}});\n"
+        f"constexpr link::PackedText::Pairs kPairs{{{{{', '.join(pairs)}}}}};\n"
+        "constexpr link::PackedText::Packed kParameters"
+        f"{{kBytes, kPages, &kPairs, {size}, {checksum}U}};\n"
+    )
+
+
 lines = Path(sys.argv[1]).read_text(encoding="utf-8").splitlines()
 entries = [described(line) for line in lines if line and not line.startswith("//")]
 parameters = compact({"version": 1, "parameters": entries})
 file = {"type": 1, "uri": "mftp:///parameters.json", "fileCrc": crc(parameters)}
 general = compact({"version": 1, "metadataTypes": [file]})
 Path(sys.argv[2]).write_text(
-    "// Made by make_metadata.py\n#pragma once\n\n#include <string_view>\n\n"
+    "// Made by make_metadata.py\n#pragma once\n\n#include <array>\n#include <string_view>\n\n"
+    '#include "link/mavlink/packed_text.hpp"\n\n'
     "namespace flotilla::app {\n"
     f'constexpr std::string_view kGeneralJson = R"json({general})json";\n'
-    f'constexpr std::string_view kParametersJson = R"json({parameters})json";\n'
+    f"{literal(pack(parameters.encode()), len(parameters.encode()), crc(parameters))}"
     "}  // namespace flotilla::app\n",
     encoding="utf-8",
 )

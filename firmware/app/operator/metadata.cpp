@@ -3,22 +3,17 @@
 
 #include <array>
 
-#include "app/parameters.hpp"
-#include "link/mavlink/crc32.hpp"
 #include "metadata_json.hpp"
 
 namespace flotilla::app {
 namespace {
 
 constexpr std::array kFiles{link::FtpFile{"general.json", kGeneralJson},
-                            link::FtpFile{"parameters.json", kParametersJson}};
+                            link::FtpFile{"parameters.json", link::PackedText(kParameters)}};
 
 }  // namespace
 
-std::uint32_t general_crc() {
-  constexpr std::uint32_t kCrc = link::crc32(link::kMavlinkCrc32Start, kGeneralJson);
-  return kCrc;
-}
+std::uint32_t general_crc() { return kFiles[0].content.crc(); }
 
 std::span<const link::FtpFile> metadata_files() { return kFiles; }
 

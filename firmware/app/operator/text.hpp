@@ -25,7 +25,7 @@ struct Complaint {
 };
 
 /// Texts for unmet conditions, the most important first.
-constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
+inline constexpr std::array<Complaint, core::kConditionCount> kComplaints{{
     {core::kSoleController, "another controller on the CAN bus"},
     {core::kBusUp, "CAN bus is down"},
     {core::kInRange, "numeric overflow in the control law"},

@@ -10,12 +10,13 @@
 
 namespace flotilla::link {
 
-inline constexpr std::array<std::uint32_t, 256> kCrc32Table = [] {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
-    std::uint32_t crc = byte;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
-    table[byte] = crc;
+/// By half bytes: files and plans are short, and a table of bytes is a kilobyte.
+inline constexpr std::array<std::uint32_t, 16> kCrc32Table = [] {
+  std::array<std::uint32_t, 16> table{};
+  for (std::uint32_t half = 0; half < table.size(); ++half) {
+    std::uint32_t crc = half;
+    for (int bit = 0; bit < 4; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
+    table[half] = crc;
   }
   return table;
 }();
@@ -25,7 +26,9 @@ constexpr std::uint32_t kMavlinkCrc32Start = 0;
 /// Continues `crc` over further bytes.
 constexpr std::uint32_t crc32(std::uint32_t crc, std::string_view bytes) {
   for (const char c : bytes) {
-    crc = (crc >> 8U) ^ kCrc32Table[(crc ^ static_cast<std::uint8_t>(c)) & 0xFFU];
+    crc ^= static_cast<std::uint8_t>(c);
+    crc = (crc >> 4U) ^ kCrc32Table[crc & 0xFU];
+    crc = (crc >> 4U) ^ kCrc32Table[crc & 0xFU];
   }
   return crc;
 }

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "link/mavlink/crc32.hpp"
-
 namespace flotilla::link {
 namespace {
 
@@ -243,15 +241,15 @@ FileTransferProtocol FtpServer::packet(const Answer& answer, Address target) con
   } else if (answer.asked == kListDirectory) {
     payload[kSize] = put_entries(answer.offset, data);
   } else if (answer.asked == kOpenFileRO || answer.asked == kCalcFileCRC32) {
-    const std::string_view content = files_[answer.file].content;
+    const PackedText& content = files_[answer.file].content;
     payload[kSize] = 4;
-    put_number(data.first(4), answer.asked == kOpenFileRO
-                                  ? static_cast<std::uint32_t>(content.size())
-                                  : crc32(kMavlinkCrc32Start, content));
+    put_number(data.first(4), answer.asked == kOpenFileRO ? content.size() : content.crc());
   } else if (answer.asked == kReadFile || answer.asked == kBurstReadFile) {
-    const std::string_view rest = files_[answer.file].content.substr(answer.offset);
-    payload[kSize] = put_text(data.first(answer.size), rest);
-    payload[kBurstComplete] = answer.asked == kBurstReadFile && rest.size() <= answer.size ? 1 : 0;
+    const PackedText& content = files_[answer.file].content;
+    const std::size_t taken = content.read(answer.offset, data.first(answer.size));
+    payload[kSize] = static_cast<std::uint8_t>(taken);
+    const bool complete = content.size() - answer.offset <= answer.size;
+    payload[kBurstComplete] = answer.asked == kBurstReadFile && complete ? 1 : 0;
   }
   return message;
 }

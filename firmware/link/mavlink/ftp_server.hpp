@@ -12,12 +12,13 @@
 #include <string_view>
 
 #include "link/mavlink/messages.hpp"
+#include "link/mavlink/packed_text.hpp"
 
 namespace flotilla::link {
 
 struct FtpFile {
   std::string_view name;  ///< without "/", up to 200 characters
-  std::string_view content;
+  PackedText content;
 };
 
 /// A parsed request with its path resolved.

@@ -194,7 +194,9 @@ const char* name_of(app::ParameterChange change) {
 
 nb::list parameter_list() {
   nb::list out;
-  for (const app::ParameterInfo& info : app::kParameterList) {
+  for (std::size_t i = 0; i < app::kParameterList.size(); ++i) {
+    const app::ParameterInfo& info = app::kParameterList[i];
+    const auto& [group, sentence] = app::kParameterTexts[i];
     nb::dict entry;
     entry["name"] = nb::str(info.name.data(), info.name.size());
     entry["unit"] = nb::str(info.unit.data(), info.unit.size());
@@ -202,10 +204,10 @@ nb::list parameter_list() {
     entry["least"] = info.least;
     entry["greatest"] = info.greatest;
     entry["integer"] = info.whole();
-    entry["group"] = nb::str(info.group.data(), info.group.size());
+    entry["group"] = nb::str(group.data(), group.size());
     entry["kind"] = name_of(info.kind);
     entry["change"] = name_of(info.change);
-    entry["sentence"] = nb::str(info.sentence.data(), info.sentence.size());
+    entry["sentence"] = nb::str(sentence.data(), sentence.size());
     out.append(entry);
   }
   return out;
@@ -223,8 +225,9 @@ nb::dict derived(const nb::dict& parameters) {
 nb::dict metadata() {
   nb::dict out;
   for (const link::FtpFile& file : app::metadata_files()) {
-    out[nb::str(file.name.data(), file.name.size())] =
-        nb::bytes(file.content.data(), file.content.size());
+    std::vector<std::uint8_t> content(file.content.size());
+    file.content.read(0, content);
+    out[nb::str(file.name.data(), file.name.size())] = nb::bytes(content.data(), content.size());
   }
   return out;
 }
