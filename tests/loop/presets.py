@@ -23,12 +23,11 @@ BOATS, RUNS = 4, 20
 _HEADING_RAD = 0.6  # amplitude of the S-curve
 _SPACING = 3.0  # hull lengths
 _SHORTEST_M = 1.3  # BOAT_LEN's default
-GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "R_MAX")
-DEFAULTS = {
-    own["name"]: own["default"]
-    for own in flotilla.parameter_list()
-    if own["name"].removeprefix("LAW_") in GAINS
-}
+GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "XT_DIST", "R_MAX")
+#: What a boat of 1 kg would have.
+OF_THE_PAPERS_HULL = dict(
+    zip((f"LAW_{name}" for name in GAINS), (10.0, 10.0, 2.0, 0.1, 1.0, 0.8), strict=True)
+)
 WEATHER = (
     "navigation.rate_hz=20",
     "navigation.position_noise_m=0.02",
@@ -45,11 +44,12 @@ def alike(name: str) -> list[str]:
     """Overrides that make `mixed` a fleet of one hull, behind one of its kind at cruise."""
     hull = presets.load(name)
     model, rate = presets.linear(hull), hull.cruise.yaw_rate_radps
-    omega = rate / _HEADING_RAD
+    omega, speed = rate / _HEADING_RAD, hull.cruise.speed_mps
+    damping = model.d33 + model.d33_speed * speed
     spacing = _SPACING * max(hull.vessel.length_m, _SHORTEST_M)
     curve = {
-        "surge_N": model.d11 * hull.cruise.speed_mps,
-        "yaw_sine_Nm": math.hypot(model.d33, model.m33 * omega) * rate,
+        "surge_N": (model.d11 + model.d11_quadratic * speed) * speed,
+        "yaw_sine_Nm": math.hypot(damping, model.m33 * omega) * rate,
         "yaw_sine_rad_s": omega,
     }
     return [
@@ -105,16 +105,16 @@ def _sailed(run: Run | RunError) -> Run:
 
 def main() -> None:
     """Print the table, with the gains."""
-    found, default = measured({}), measured(DEFAULTS)
+    found, other = measured({}), measured(OF_THE_PAPERS_HULL)
     names = " | ".join(f"`LAW_{name}`" for name in GAINS)
-    print(f"| fleet | {names} | calm, m | weather, m | ±30 %, m | calm, default gains, m |")
+    print(f"| fleet | {names} | calm, m | weather, m | ±30 %, m | calm, gains of 1 kg, m |")
     print("|---|" + "--:|" * (len(GAINS) + 4))
     for fleet in (*presets.names(), "mixed"):
-        own = presets.firmware(presets.load(fleet)) if fleet in presets.names() else {}
-        gains = (own.get(f"LAW_{name}") for name in GAINS)
-        cells = ["–" if gain is None else f"{gain:.4g}" for gain in gains]
+        alone = fleet in presets.names()
+        own = flotilla.derived(presets.firmware(presets.load(fleet))) if alone else {}
+        cells = [f"{own[f'LAW_{name}']:.4g}" if alone else "–" for name in GAINS]
         cells += [f"{found[fleet, weather]:.4f}" for weather in ("calm", "weather")]
-        cells += [f"{varied(fleet):.4f}" if own else "–", f"{default[fleet, 'calm']:.4f}"]
+        cells += [f"{varied(fleet):.4f}" if alone else "–", f"{other[fleet, 'calm']:.4f}"]
         print(f"| `{fleet}` | {' | '.join(cells)} |")
 
 
