@@ -5,8 +5,8 @@
 
 Four of each in a diamond, and `mixed`: in calm water with exact states, then with the noise of
 `noisy`, 0.1 m/s of current and 3 m/s of wind with gusts, and in that the worst of 20 fleets whose
-hulls differ from the firmware's by up to 30 %. The leader is a virtual hull of the same
-kind at its cruise. All parameters but the hull's are the firmware's defaults.
+hulls differ from the firmware's by up to 30 %. The leader is the paper's vessel at the hull's
+cruise. All parameters but the hull's are the firmware's defaults.
 """
 
 import math
@@ -28,6 +28,7 @@ GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "XT_DIST", "R_MAX")
 OF_THE_PAPERS_HULL = dict(
     zip((f"LAW_{name}" for name in GAINS), (10.0, 10.0, 2.0, 0.1, 1.0, 0.8), strict=True)
 )
+LEADER = scenario.load("mixed").hulls()[0]
 WEATHER = (
     "navigation.rate_hz=20",
     "navigation.position_noise_m=0.02",
@@ -41,19 +42,21 @@ WEATHER = (
 
 
 def alike(name: str) -> list[str]:
-    """Overrides that make `mixed` a fleet of one hull, behind one of its kind at cruise."""
+    """Overrides that make `mixed` a fleet of one hull, behind an S-curve of its cruise.
+
+    The leader is the paper's vessel, which keeps to its course by itself. A Heron does not: behind
+    a virtual one, whose propellers swing about straight ahead, the fleet sails in circles.
+    """
     hull = presets.load(name)
-    model, rate = presets.linear(hull), hull.cruise.yaw_rate_radps
-    omega, speed = rate / _HEADING_RAD, hull.cruise.speed_mps
-    damping = model.d33 + model.d33_speed * speed
+    speed, rate = hull.cruise.speed_mps, hull.cruise.yaw_rate_radps
+    omega = rate / _HEADING_RAD
     spacing = _SPACING * max(hull.vessel.length_m, _SHORTEST_M)
     curve = {
-        "surge_N": (model.d11 + model.d11_quadratic * speed) * speed,
-        "yaw_sine_Nm": math.hypot(damping, model.m33 * omega) * rate,
+        "surge_N": LEADER.d11 * speed,
+        "yaw_sine_Nm": math.hypot(LEADER.d33, LEADER.m33 * omega) * rate,
         "yaw_sine_rad_s": omega,
     }
     return [
-        f"hull={name}",
         *(f"boat.{number}.hull={name}" for number in range(1, BOATS + 1)),
         f"formation.spacing_m={spacing:g}",
         *(f"leader.input.1.{key}={value:.6g}" for key, value in curve.items()),
