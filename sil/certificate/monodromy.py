@@ -21,7 +21,7 @@ Complex = npt.NDArray[np.complex128]
 
 _DELTA = 1e-5
 _MOST_WINDOWS = 5
-_LEAST_SAIL_S, _MOST_SAIL_S = 30.0, 400.0
+_LEAST_SAIL_S, _MOST_SAIL_S = 30.0, 1200.0
 _REPEATS_M, _REPEATS = 1e-5, 1e-3
 _LOST_M = 50.0
 _IDLE = 1e-9
@@ -85,7 +85,7 @@ class Regime:
 
 
 def settle(boat: Boat, wanted: Sequence[Instants]) -> Regime:
-    """Sail a boat from its slot until it repeats itself, for 30 to 400 s, and then its windows."""
+    """Sail a boat from its slot until it repeats itself, for 30 to 1,200 s, and then its windows."""
     loop, rate = Loop(boat, 1), boat.rate_hz
     lap = max(boat.cycle, round(boat.leader.window_s * rate / boat.cycle) * boat.cycle)
     lap *= max(1, round(_LEAST_SAIL_S * rate / lap))

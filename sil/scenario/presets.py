@@ -3,16 +3,16 @@
 
 A hull of the user's own, such as `flotilla identify` finds, is named by the path of its file.
 
-The firmware, which has the paper's linear drag alone, is told straight lines through the hull's
-drag in a steady turn at cruise:
+The firmware has the hull's drag ahead and its yaw damping that grows with the speed as they are.
+Of what it lacks it is told straight lines through the hull's drag in a steady turn at cruise:
 
-d̂11 = X/U   d̂22 = Y/v   d̂33 = N/r,  v from Y = −m11 U r
+d̂11 = d11, d̂11q = d11q   d̂22 = Y/v   d̂33 = N/r − d33u U, d̂33u = d33u,   v from Y = −m11 U r
 
-U, r: speed and yaw rate at cruise; v: drift; X, Y, N: the hull's drag there (`sil.plant.hull`).
+U, r: speed and yaw rate at cruise; v: drift; Y, N: the hull's drag there (`sil.plant.hull`). The
+gains of the law are derived from these numbers by the firmware (`app/parameters/derived.hpp`).
 """
 
 import difflib
-import math
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -21,13 +21,20 @@ import numpy as np
 
 from sil import ROOT
 from sil.plant.hull import PAPER, HullParameters
-from sil.scenario.hull_gains import gains
 from sil.scenario.sections import Positive, Propellers, Section, Vessel
 from sil.scenario.toml_errors import ScenarioError
 
 FOLDER = ROOT / "sil" / "hulls"
 _ITERATIONS, _STRIPS = 60, 400
-_OF_MOMENT, _RATE_MOST = 0.85, 0.8  # the firmware's default
+_LEAST_D = 0.01  # VES_D11 and VES_D33 begin there, or below
+DERIVED = (
+    "LAW_KDU",
+    "LAW_KDR",
+    "LAW_OBS_BW",
+    "LAW_CUR_BW",
+    "LAW_XT_DIST",
+    "LAW_R_MAX",
+)
 
 
 class Cruise(Section):
@@ -79,25 +86,30 @@ def load(name: str) -> Preset:
 
 
 def firmware(preset: Preset) -> dict[str, float]:
-    """The firmware's parameters for a boat with this hull: VES_*, THR_*, BOAT_LEN, LAW_*."""
+    """The firmware's parameters for a boat with this hull: VES_*, THR_*, BOAT_LEN, gains derived.
+
+    The gains are told as -1, derive, so that none stays that was set for another hull.
+    """
     model, pair = linear(preset), preset.propellers
     own = {f"VES_{name.upper()}": getattr(model, name) for name in PAPER}
     own |= {
+        "VES_D11Q": model.d11_quadratic,
+        "VES_D33U": model.d33_speed,
         "THR_ARM": pair.arm_m,
         "THR_FWD_MAX": pair.forward_max_N,
         "THR_REV_MAX": pair.reverse_max_N,
         "THR_EXPO": pair.expo,
         "THR_DEAD": 0.0,  # told of a dead band, it gives up what its observer finds it needs
+        "THR_LAG": pair.lag_s,
     }
     if preset.vessel.length_m:
         own["BOAT_LEN"] = preset.vessel.length_m
-    own |= gains(model, pair)
-    own["LAW_R_MAX"] = greatest_rate(preset)
+    own |= dict.fromkeys(DERIVED, -1.0)
     return {name: float(f"{value:.4g}") for name, value in own.items()}
 
 
 def linear(preset: Preset) -> HullParameters:
-    """The hull with the paper's six terms alone, its drag that of a line through cruise."""
+    """The hull as the firmware has it, what it lacks as lines through cruise."""
     hull, u, r = preset.vessel.hull, preset.cruise.speed_mps, preset.cruise.yaw_rate_radps
     x = hull.length_m * ((np.arange(_STRIPS) + 0.5) / _STRIPS - 0.5)
     v = d22 = swing = 0.0
@@ -110,18 +122,9 @@ def linear(preset: Preset) -> HullParameters:
         hull.m11,
         hull.m22,
         hull.m33,
-        hull.d11 + hull.d11_quadratic * u,
+        max(hull.d11, _LEAST_D),
         d22,
-        hull.d33 + hull.d33_quadratic * r + hull.d33_speed * u + swing,
+        max(hull.d33 + hull.d33_quadratic * r + swing, _LEAST_D),
+        d11_quadratic=hull.d11_quadratic,
+        d33_speed=hull.d33_speed,
     )
-
-
-def greatest_rate(preset: Preset) -> float:
-    """LAW_R_MAX: the yaw rate that the propellers hold at cruise with some of their moment left."""
-    hull, pair = preset.vessel.hull, preset.propellers
-    half = 0.5 * hull.length_m
-    linear = hull.d33 + hull.d33_speed * preset.cruise.speed_mps
-    quadratic = hull.d33_quadratic + 0.5 * hull.crossflow * half**4
-    moment = _OF_MOMENT * pair.arm_m * (pair.forward_max_N + pair.reverse_max_N)
-    rate = 2.0 * moment / (linear + math.sqrt(linear**2 + 4.0 * quadratic * moment))
-    return min(_RATE_MOST, rate)

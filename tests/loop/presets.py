@@ -5,8 +5,8 @@
 
 Four of each in a diamond, and `mixed`: in calm water with exact states, then with the noise of
 `noisy`, 0.1 m/s of current and 3 m/s of wind with gusts, and in that the worst of 20 fleets whose
-hulls differ from the firmware's by up to 30 %. The leader is a virtual hull of the same
-kind at its cruise. All parameters but the hull's are the firmware's defaults.
+hulls differ from the firmware's by up to 30 %. The leader is the paper's vessel at the hull's
+cruise. All parameters but the hull's are the firmware's defaults.
 """
 
 import math
@@ -23,12 +23,12 @@ BOATS, RUNS = 4, 20
 _HEADING_RAD = 0.6  # amplitude of the S-curve
 _SPACING = 3.0  # hull lengths
 _SHORTEST_M = 1.3  # BOAT_LEN's default
-GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "R_MAX")
-DEFAULTS = {
-    own["name"]: own["default"]
-    for own in flotilla.parameter_list()
-    if own["name"].removeprefix("LAW_") in GAINS
-}
+GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "XT_DIST", "R_MAX")
+#: What a boat of 1 kg would have.
+OF_THE_PAPERS_HULL = dict(
+    zip((f"LAW_{name}" for name in GAINS), (10.0, 10.0, 2.0, 0.1, 1.0, 0.8), strict=True)
+)
+LEADER = scenario.load("mixed").hulls()[0]
 WEATHER = (
     "navigation.rate_hz=20",
     "navigation.position_noise_m=0.02",
@@ -42,18 +42,21 @@ WEATHER = (
 
 
 def alike(name: str) -> list[str]:
-    """Overrides that make `mixed` a fleet of one hull, behind one of its kind at cruise."""
+    """Overrides that make `mixed` a fleet of one hull, behind an S-curve of its cruise.
+
+    The leader is the paper's vessel, which keeps to its course by itself. A Heron does not: behind
+    a virtual one, whose propellers swing about straight ahead, the fleet sails in circles.
+    """
     hull = presets.load(name)
-    model, rate = presets.linear(hull), hull.cruise.yaw_rate_radps
+    speed, rate = hull.cruise.speed_mps, hull.cruise.yaw_rate_radps
     omega = rate / _HEADING_RAD
     spacing = _SPACING * max(hull.vessel.length_m, _SHORTEST_M)
     curve = {
-        "surge_N": model.d11 * hull.cruise.speed_mps,
-        "yaw_sine_Nm": math.hypot(model.d33, model.m33 * omega) * rate,
+        "surge_N": LEADER.d11 * speed,
+        "yaw_sine_Nm": math.hypot(LEADER.d33, LEADER.m33 * omega) * rate,
         "yaw_sine_rad_s": omega,
     }
     return [
-        f"hull={name}",
         *(f"boat.{number}.hull={name}" for number in range(1, BOATS + 1)),
         f"formation.spacing_m={spacing:g}",
         *(f"leader.input.1.{key}={value:.6g}" for key, value in curve.items()),
@@ -105,16 +108,16 @@ def _sailed(run: Run | RunError) -> Run:
 
 def main() -> None:
     """Print the table, with the gains."""
-    found, default = measured({}), measured(DEFAULTS)
+    found, other = measured({}), measured(OF_THE_PAPERS_HULL)
     names = " | ".join(f"`LAW_{name}`" for name in GAINS)
-    print(f"| fleet | {names} | calm, m | weather, m | ±30 %, m | calm, default gains, m |")
+    print(f"| fleet | {names} | calm, m | weather, m | ±30 %, m | calm, gains of 1 kg, m |")
     print("|---|" + "--:|" * (len(GAINS) + 4))
     for fleet in (*presets.names(), "mixed"):
-        own = presets.firmware(presets.load(fleet)) if fleet in presets.names() else {}
-        gains = (own.get(f"LAW_{name}") for name in GAINS)
-        cells = ["–" if gain is None else f"{gain:.4g}" for gain in gains]
+        alone = fleet in presets.names()
+        own = flotilla.derived(presets.firmware(presets.load(fleet))) if alone else {}
+        cells = [f"{own[f'LAW_{name}']:.4g}" if alone else "–" for name in GAINS]
         cells += [f"{found[fleet, weather]:.4f}" for weather in ("calm", "weather")]
-        cells += [f"{varied(fleet):.4f}" if own else "–", f"{default[fleet, 'calm']:.4f}"]
+        cells += [f"{varied(fleet):.4f}" if alone else "–", f"{other[fleet, 'calm']:.4f}"]
         print(f"| `{fleet}` | {' | '.join(cells)} |")
 
 

@@ -41,9 +41,19 @@ float current_radps(const Parameters& p) {
   return kLeast_radps * std::max(1.0F, std::min(drift_s, kMost / drift_s));
 }
 
+float greatest_speed_mps(const Parameters& p) {
+  return p.LAW_U_MAX > 0 ? p.LAW_U_MAX : kAnySpeed_mps;
+}
+
+float look_ahead_m(const Parameters& p, float yaw_s) {
+  constexpr float kLeast_m = 1, kMost_m = 100;
+  const float damped = std::max(kLeast_m, 2 * greatest_speed_mps(p) * yaw_s);
+  return std::min({p.BOAT_LEN / kLength_m, damped, kMost_m});
+}
+
 float yaw_rate_radps(const Parameters& p) {
   const float moment = p.THR_ARM * (p.THR_FWD_MAX + p.THR_REV_MAX) * (1 - std::abs(p.THR_BALANCE));
-  const float speed = (p.LAW_U_MAX > 0 ? p.LAW_U_MAX : kAnySpeed_mps) / 2;
+  const float speed = greatest_speed_mps(p) / 2;
   const float held = kMomentShare * moment / (p.VES_D33 + p.VES_D33U * speed);
   return std::min(kYawRateMost_radps * std::min(kLength_m / p.BOAT_LEN, 1.0F), held);
 }
@@ -89,7 +99,7 @@ Parameters derived(const Parameters& p) {
   unless_set(out.LAW_KDR, rounded(p.VES_M33 / yaw_s - p.VES_D33));
   unless_set(out.LAW_OBS_BW, std::min(kObserverMost_radps, kObserver / surge_s));
   unless_set(out.LAW_CUR_BW, current_radps(p));
-  unless_set(out.LAW_XT_DIST, std::min(p.BOAT_LEN / kLength_m, 100.0F));
+  unless_set(out.LAW_XT_DIST, look_ahead_m(p, yaw_s));
   unless_set(out.LAW_R_MAX, yaw_rate_radps(p));
   return out;
 }

@@ -9,7 +9,9 @@
 //   ω = min(2 rad/s, 1 / T_u)              the observer is not faster than the loops
 //   ω_c = 0.1 rad/s max(1, min(T_v, 6/T_v))   T_v = m22 / d22: a hull that drifts on for long looks
 //                                          like a current, whose estimate is then to follow the drift
-//   Δ = L / 1.3                            look-ahead, 1 m for a boat of 1.3 m
+//   Δ = min(L / 1.3, max(1 m, 2 u_max T_r))   look-ahead: the lateral loop T_r ÿ + ẏ + y u/Δ = 0
+//                                          has the damping 0.7 at u_max. Longer only costs: what
+//                                          the course is wrong by puts the boat Δ times that aside
 //   r_max = min(0.8 · 1.3 m / max(L, 1.3 m), 0.6 N_max / (d33 + d33u u_max / 2)) rad/s
 //
 //   unknown THR_LAG: 20 ms (√(m11 / 1.012 kg) − 1), within 0 … 0.5 s
