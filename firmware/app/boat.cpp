@@ -737,6 +737,9 @@ void Boat<S>::tell(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
   if (vehicle_.tells_report()) vehicle_.report(report(now_us));
   vehicle_.tell(counters_);
+  if (vehicle_.waits_for_future(pilot_.future_news())) {
+    vehicle_.tell_future(pilot_.future_news(), pilot_.future(now_us), counters_);
+  }
   const std::uint32_t news = pilot_.reference_news();
   if (!vehicle_.waits_for_reference(news)) return;
   if (const auto reference = this->reference(now_us)) {

@@ -48,7 +48,8 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
   }
   own_.take(received, link, now_us, counters);
   const convert::Position* place = located() ? &own_.track().position() : nullptr;
-  if (std::holds_alternative<link::FormationReference>(received.message)) {
+  if (std::holds_alternative<link::FormationReference>(received.message) ||
+      std::holds_alternative<link::FormationFuture>(received.message)) {
     reference_.take(received, place, now_us, counters);
   } else {
     leader_.take(received, now_us, counters);
@@ -187,6 +188,10 @@ template <class S>
 core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt) {
   const core::Motion<S>& motion = plan_vessel_.motion();
   reference_.tell({plan_vessel_.place(), {motion.psi, motion.nu, motion.nu_dot, S(0)}}, now_us);
+  if (const auto foreseen = plan_vessel_.take_future()) {
+    const double since_s = convert::number(foreseen->since);
+    reference_.tell(foreseen->future, now_us - static_cast<std::int64_t>(1e6 * since_s));
+  }
   follower_.follow(law_, own_, lead_of_plan(), dt);
   const auto out = step_law(now_us, dt);
   follower_.judge(law_, out, out.error, yaw_rate(), dt);

@@ -116,6 +116,10 @@ class Pilot {
     return reference_.message(now_us, followed);
   }
   std::uint32_t reference_news() const { return reference_.news(); }
+  std::optional<link::FormationFuture> future(std::int64_t now_us) const {
+    return reference_.future_message(now_us);
+  }
+  std::uint32_t future_news() const { return reference_.future_news(); }
   const TreePlace& tree_place() const { return reference_.place(); }
   std::optional<double> reference_age_s(std::int64_t now_us) const;
 
