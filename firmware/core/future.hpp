@@ -52,16 +52,14 @@ Nu<S> future_at(const Future<S>& future, S t) {
 template <class S>
 bool future_holds(const Future<S>& future, const Nu<S>& nu, S t_r) {
   const Nu<S> told = future_at(future, t_r);
-  return t_r < S(0) ||
-         (abs(told.u - nu.u) < S(0.1) && abs(told.r - nu.r) < S(0.06));
+  return t_r < S(0) || (abs(told.u - nu.u) < S(0.1) && abs(told.r - nu.r) < S(0.06));
 }
 
 template <class S>
 FutureWalk<S> future_start(const ReferenceMotion<S>& at, S t_r) {
   FutureWalk<S> walk{{{}, at.psi, at.nu, {}}, 0, t_r};
   // A sample that is too near would make a step of it.
-  while (walk.next <= kFutureSamples &&
-         S(0.5) * S(static_cast<int>(walk.next)) < t_r + S(0.05)) {
+  while (walk.next <= kFutureSamples && S(0.5) * S(static_cast<int>(walk.next)) < t_r + S(0.05)) {
     ++walk.next;
   }
   return walk;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kParts = 1024, kHeadingParts = 8192, kTurnParts = 4096;
 constexpr int kSurgeSteps = 4, kTurnSteps = 8;  // parts of a change of FORMATION_FUTURE
-constexpr int kMetresShift = 22;  // from Metres' 2⁻³² m to 2⁻¹⁰ m
+constexpr int kMetresShift = 22;                // from Metres' 2⁻³² m to 2⁻¹⁰ m
 constexpr std::int64_t kFarthest = std::int64_t{1'000'000} * kParts;
 constexpr std::int32_t kFarthestSlot = 100'000 * kParts;
 

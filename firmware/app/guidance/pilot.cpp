@@ -34,6 +34,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   leader_.set_lag(c.formation.leader_lag_us);
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
   reference_.configure(c.formation, law.foresight, own_system);
+  reports_.configure(own_system, leader_.system(), c.formation.wait_us);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
   const float slot_m = convert::length_m(reference_.place().own().offset);
   reach_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
@@ -54,6 +55,7 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
   } else {
     leader_.take(received, now_us, counters);
   }
+  reports_.hear(received, now_us);
   claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/convert/convert_telemetry.hpp"
+#include "app/guidance/fleet_reports.hpp"
 #include "app/guidance/plan_vessel.hpp"
 #include "app/guidance/reference.hpp"
 #include "app/guidance/slot_claims.hpp"
@@ -84,6 +85,9 @@ class Pilot {
   core::Astray astray() const { return follower_.astray(); }
   bool in_slot() const { return follower_.in_slot(); }
   S yaw_rate() const { return own_.motion().nu.r; }
+
+  /// What the tree's other boats say about themselves.
+  const FleetReports& reports() const { return reports_; }
 
   /// Other claims to the own slot.
   const SlotClaims& claims() const { return claims_; }
@@ -174,6 +178,7 @@ class Pilot {
   Neighbours neighbours_;
   Reference<S> reference_;
   SlotClaims claims_;
+  FleetReports reports_;
 };
 
 }  // namespace flotilla::app

@@ -99,6 +99,9 @@ class Vehicle {
   void tell_future(std::uint32_t news, const std::optional<link::FormationFuture>& future,
                    link::Counters& counters);
 
+  /// A request of the boat itself.
+  void request(core::Request request, link::Counters& counters);
+
   /// Sends telemetry and pending answers.
   void tell(link::Counters& counters);
 
