@@ -184,6 +184,11 @@ void Boat<S>::supervise(std::int64_t now_us) {
     apply_conditions(now_us);
   }
   vehicle_.apply_rc(counters_);
+  const bool follows = state() == core::State::kFormation || state() == core::State::kCoast;
+  if (follows && configuration().formation.returns_alone &&
+      pilot_.reports().leader_returns(now_us)) {
+    vehicle_.request(core::Request::kReturn, counters_);
+  }
   note_state(now_us);
 }
 
@@ -258,6 +263,7 @@ void Boat<S>::start_plan() {
                       : std::nullopt},
         configuration().plan);
     reached_.reset();
+    awaited_.reset();
     return;
   }
   way_round_.stop();
@@ -458,7 +464,8 @@ void Boat<S>::sail_plan(std::int64_t now_us, S dt) {
     law_output_.allocation.thrust = sail_voyage(now_us, dt);
     if (voyage_.is_over()) start_plan();
   } else {
-    law_output_ = pilot_.sail(missions.plan(), vehicle_.is_paused(), now_us, dt);
+    const bool waits = waits_for_others(now_us);
+    law_output_ = pilot_.sail(missions.plan(), vehicle_.is_paused() || waits, now_us, dt);
   }
   const PlanVessel<S>& sailed = pilot_.plan_vessel();
   auto reached = sailed.reached();
@@ -467,6 +474,21 @@ void Boat<S>::sail_plan(std::int64_t now_us, S dt) {
   if (!reached || reached_ == *reached) return;
   reached_ = static_cast<std::uint16_t>(*reached);
   set_home_of_plan(*reached);
+}
+
+/// For a boat that has fallen out of its slot, which is told once.
+template <class S>
+bool Boat<S>::waits_for_others(std::int64_t now_us) {
+  const auto late = pilot_.reports().late(now_us);
+  if (std::exchange(awaited_, late) == late) return late.has_value();
+  Sentence told;
+  if (late) {
+    told << "waiting for boat " << static_cast<float>(*late) << ", out of its slot";
+  } else {
+    told << "not waiting any more";
+  }
+  warn(told.text());
+  return late.has_value();
 }
 
 /// Where the plan has come to one, and the boat is in its room.
@@ -737,6 +759,9 @@ void Boat<S>::tell(std::int64_t now_us) {
   if ((conditions_ & core::kOwnFresh) != 0 && pilot_.located()) vehicle_.locate(pilot_.origin());
   if (vehicle_.tells_report()) vehicle_.report(report(now_us));
   vehicle_.tell(counters_);
+  if (vehicle_.waits_for_future(pilot_.future_news())) {
+    vehicle_.tell_future(pilot_.future_news(), pilot_.future(now_us), counters_);
+  }
   const std::uint32_t news = pilot_.reference_news();
   if (!vehicle_.waits_for_reference(news)) return;
   if (const auto reference = this->reference(now_us)) {

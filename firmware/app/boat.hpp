@@ -195,6 +195,7 @@ class Boat {
   bool in_slot() const { return keeps_slot() && pilot_.in_slot(); }
   core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
   void sail_plan(std::int64_t now_us, S dt);
+  bool waits_for_others(std::int64_t now_us);
   void begin_voyage();
   core::Thrust<S> sail_voyage(std::int64_t now_us, S dt);
   bool leaves_fence(const convert::Position& here, const core::Vec2<S>& way) const;
@@ -240,6 +241,7 @@ class Boat {
   HullVoyage<S> voyage_;                  // of AUTO
   bool voyage_at_fence_ = false;          // as judged last
   std::optional<std::uint16_t> reached_;  // item of the plan
+  std::optional<std::uint8_t> awaited_;   // a boat, as told to the operator
   Settled beaten_;                        // by current or wind
   bool alone_ = false;                    // sailed alone in the last tick
 

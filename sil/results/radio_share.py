@@ -40,7 +40,13 @@ PROFILE = {"SR_STATE": 1.5, "SR_SLOW": 0.1, "FS_LEADER_S": 4.0}
 EIGHT_SHARE, EIGHT_RMS_M = 0.9, 0.1
 
 # Messages that the wheel's dialect lacks.
-_NAMES = {290: "ESC_INFO", 291: "ESC_STATUS", 436: "CURRENT_MODE", 53100: "FORMATION_REFERENCE"}
+_NAMES = {
+    290: "ESC_INFO",
+    291: "ESC_STATUS",
+    436: "CURRENT_MODE",
+    53100: "FORMATION_REFERENCE",
+    53101: "FORMATION_FUTURE",
+}
 
 
 class Radio(TypedDict):

@@ -160,3 +160,34 @@ def test_mavproxy_loads_lists_sets_sails_and_clears_a_plan(
     sea.until(lambda: sea.state == "HOLD")
     ready.tell("wp clear", "MISSION_ACK: TYPE_MISSION: ACCEPTED")
     ready.tell("mode AUTO", "no plan")
+
+
+def loop_to(item: int) -> str:
+    """The plan with a jump back at its end, twice."""
+    return WPL + f"4\t0\t3\t177\t{item}\t2\t0\t0\t0\t0\t0\t1\n"
+
+
+def test_mavproxy_loads_a_plan_with_a_home_and_a_jump_and_sails_it(
+    sea: Sea, ready: MavProxy, tmp_path: Path, autopilot: float
+) -> None:
+    file = tmp_path / "plan.txt"
+    file.write_text(loop_to(2))
+    ready.tell(f"wp load {file}", "Plan of 5 items stored")
+    listed = ready.tell("wp list", "47.3979420000 8.5457940000")
+    assert re.search(r"177 \d 0\.0+ 0\.0+ 0\.0+ p1=2\.0 p2=2\.0", listed), listed
+    ready.tell("arm throttle", "ARMED")
+    ready.tell("mode AUTO", "Mode AUTO")
+    sea.until(lambda: sea.state == "AUTO" and sea.driven())
+    # The home is item 0: a place to sail to for a GENERIC autopilot only.
+    assert sea.named("MISSION_CURRENT")[-1].total == 5
+    first = 2 if autopilot else 0
+    sea.until(lambda: sea.named("MISSION_CURRENT")[-1].seq == first)
+
+
+def test_a_jump_to_the_home_is_a_loop_for_a_generic_autopilot_only(
+    sea: Sea, ready: MavProxy, tmp_path: Path, autopilot: float
+) -> None:
+    file = tmp_path / "plan.txt"
+    file.write_text(loop_to(0))
+    answer = "Plan refused at item 4" if autopilot else "Plan of 5 items stored"
+    ready.tell(f"wp load {file}", answer)

@@ -21,6 +21,7 @@ from tests.target.plans import (
 from tests.target.stations import BOAT
 from tests.target.test_auto import AUTO, at_sea, place, progress, reached
 
+JUMP, PARAM1 = 177, 6
 ARDUPILOT = {"MAV_AUTOPILOT": 1.0}
 OVER_SEA_LEVEL = 0  # MAV_FRAME_GLOBAL
 HOME = at(-30, -30)._replace(frame=OVER_SEA_LEVEL, z=490.0)
@@ -46,6 +47,19 @@ def test_to_begin_anew_is_to_begin_at_the_first_waypoint() -> None:
         sea.say(mavlink.MAVLink_mission_set_current_message(BOAT, 1, item))
         sea.step()
         assert progress(sea)[0] == max(item, 1)
+
+
+def test_a_jump_counts_the_home_among_the_items() -> None:
+    """To item 1, which is the first waypoint, once; item 0, the home, is no place to jump to."""
+    back = Item(JUMP, (1.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    sea = at_sea([HOME, *WAY, back], ARDUPILOT)
+    assert plan_of(sea) == as_sent([HOME, *WAY, back])
+    sea.mode(AUTO)
+    assert reached(sea.run(150.0)) == [1, 2, 1, 2]
+    assert place(sea) == pytest.approx((6, 6), abs=0.05)
+    home = Item(JUMP, (0.0, 1.0, 0.0, 0.0), 0, 0, frame=2)
+    other = at_sea([], ARDUPILOT)
+    assert Planner(other).send([HOME, *WAY, home]) == PARAM1
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/convert/convert_reference.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -10,7 +11,8 @@ namespace flotilla::app::convert {
 namespace {
 
 constexpr int kParts = 1024, kHeadingParts = 8192, kTurnParts = 4096;
-constexpr int kMetresShift = 22;  // from Metres' 2⁻³² m to 2⁻¹⁰ m
+constexpr int kSurgeSteps = 4, kTurnSteps = 8;  // parts of a change of FORMATION_FUTURE
+constexpr int kMetresShift = 22;                // from Metres' 2⁻³² m to 2⁻¹⁰ m
 constexpr std::int64_t kFarthest = std::int64_t{1'000'000} * kParts;
 constexpr std::int32_t kFarthestSlot = 100'000 * kParts;
 
@@ -49,6 +51,39 @@ std::optional<std::array<std::int16_t, 3>> wire_of(const core::Nu<S>& nu, int tu
   const auto u = parts_of(nu.u, kParts), v = parts_of(nu.v, kParts), r = parts_of(nu.r, turn_parts);
   if (!u || !v || !r) return std::nullopt;
   return std::array{*u, *v, *r};
+}
+
+using Changes = std::array<std::int8_t, core::kFutureSamples>;
+
+/// False if one is beyond `most` parts.
+template <class S, int parts>
+bool read_samples(std::int16_t first, const Changes& changes, int step, int most, auto& out) {
+  int sum = first;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    if (k > 0) sum += step * changes[k - 1];
+    if (std::abs(sum) > most) return false;
+    out[k] = of_parts<S, parts>(static_cast<std::int16_t>(sum));
+  }
+  return true;
+}
+
+/// What the changes before could not tell is made good by the next.
+template <class S>
+bool write_samples(const auto& samples, int parts, int step, std::int16_t& first,
+                   Changes& changes) {
+  const auto begin = parts_of(samples[0], parts);
+  if (!begin) return false;
+  first = *begin;
+  int sum = first;
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const auto sample = parts_of(samples[k + 1], parts);
+    if (!sample) return false;
+    const int off = *sample - sum, half = off < 0 ? -step / 2 : step / 2;
+    const int change = std::clamp((off + half) / step, -127, 127);
+    changes[k] = static_cast<std::int8_t>(change);
+    sum += step * change;
+  }
+  return true;
 }
 
 }  // namespace
@@ -118,11 +153,34 @@ std::optional<link::FormationReference> reference_of(const RootState<S>& root) {
   return out;
 }
 
+template <class S>
+std::optional<core::Future<S>> future_of(const link::FormationFuture& m) {
+  constexpr int kFastest = 20 * kParts, kTurnsFastest = 4 * kTurnParts;
+  core::Future<S> out;
+  if (!read_samples<S, kParts>(m.u, m.u_change, kSurgeSteps, kFastest, out.u) ||
+      !read_samples<S, kTurnParts>(m.r, m.r_change, kTurnSteps, kTurnsFastest, out.r)) {
+    return std::nullopt;
+  }
+  return out;
+}
+
+template <class S>
+std::optional<link::FormationFuture> message_of(const core::Future<S>& future) {
+  link::FormationFuture out{};
+  if (!write_samples<S>(future.u, kParts, kSurgeSteps, out.u, out.u_change) ||
+      !write_samples<S>(future.r, kTurnParts, kTurnSteps, out.r, out.r_change)) {
+    return std::nullopt;
+  }
+  return out;
+}
+
 #define FLOTILLA_INSTANTIATE(S)                                                          \
   template core::Vec2<S> offset_of<S>(const WireOffset&);                                \
   template std::optional<RootState<S>> root_state_of<S>(const link::FormationReference&, \
                                                         std::int32_t);                   \
-  template std::optional<link::FormationReference> reference_of<S>(const RootState<S>&);
+  template std::optional<link::FormationReference> reference_of<S>(const RootState<S>&); \
+  template std::optional<core::Future<S>> future_of<S>(const link::FormationFuture&);    \
+  template std::optional<link::FormationFuture> message_of<S>(const core::Future<S>&);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)
 FLOTILLA_INSTANTIATE(core::Q16)

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "app/convert/convert.hpp"
-#include "core/reference.hpp"
+#include "core/future.hpp"
 #include "link/mavlink/messages.hpp"
 
 namespace flotilla::app::convert {
@@ -40,5 +40,14 @@ std::optional<RootState<S>> root_state_of(const link::FormationReference& messag
 /// A message with this motion and zeros else; nothing if a value exceeds the message's range.
 template <class S>
 std::optional<link::FormationReference> reference_of(const RootState<S>& root);
+
+/// Nothing if no boat sails so.
+template <class S>
+std::optional<core::Future<S>> future_of(const link::FormationFuture& message);
+
+/// A message with this future, as near to it as the message can tell, and zeros else; nothing if it
+/// exceeds the message's range.
+template <class S>
+std::optional<link::FormationFuture> message_of(const core::Future<S>& future);
 
 }  // namespace flotilla::app::convert

@@ -34,6 +34,7 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   leader_.set_lag(c.formation.leader_lag_us);
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
   reference_.configure(c.formation, law.foresight, own_system);
+  reports_.configure(own_system, leader_.system(), c.formation.wait_us);
   claims_.configure(own_system, leader_.system(), c.formation.beam_m);
   const float slot_m = convert::length_m(reference_.place().own().offset);
   reach_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
@@ -48,11 +49,13 @@ void Pilot<S>::take(const link::Received& received, std::size_t link, std::int64
   }
   own_.take(received, link, now_us, counters);
   const convert::Position* place = located() ? &own_.track().position() : nullptr;
-  if (std::holds_alternative<link::FormationReference>(received.message)) {
+  if (std::holds_alternative<link::FormationReference>(received.message) ||
+      std::holds_alternative<link::FormationFuture>(received.message)) {
     reference_.take(received, place, now_us, counters);
   } else {
     leader_.take(received, now_us, counters);
   }
+  reports_.hear(received, now_us);
   claims_.hear(received, reference_.place(), now_us);
   if (neighbours_.watches() && place != nullptr) neighbours_.take<S>(received, *place, now_us);
 }
@@ -187,6 +190,10 @@ template <class S>
 core::ControllerOutput<S> Pilot<S>::follow_plan_vessel(std::int64_t now_us, S dt) {
   const core::Motion<S>& motion = plan_vessel_.motion();
   reference_.tell({plan_vessel_.place(), {motion.psi, motion.nu, motion.nu_dot, S(0)}}, now_us);
+  if (const auto foreseen = plan_vessel_.take_future()) {
+    const double since_s = convert::number(foreseen->since);
+    reference_.tell(foreseen->future, now_us - static_cast<std::int64_t>(1e6 * since_s));
+  }
   follower_.follow(law_, own_, lead_of_plan(), dt);
   const auto out = step_law(now_us, dt);
   follower_.judge(law_, out, out.error, yaw_rate(), dt);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/convert/convert_telemetry.hpp"
+#include "app/guidance/fleet_reports.hpp"
 #include "app/guidance/plan_vessel.hpp"
 #include "app/guidance/reference.hpp"
 #include "app/guidance/slot_claims.hpp"
@@ -85,6 +86,9 @@ class Pilot {
   bool in_slot() const { return follower_.in_slot(); }
   S yaw_rate() const { return own_.motion().nu.r; }
 
+  /// What the tree's other boats say about themselves.
+  const FleetReports& reports() const { return reports_; }
+
   /// Other claims to the own slot.
   const SlotClaims& claims() const { return claims_; }
 
@@ -116,6 +120,10 @@ class Pilot {
     return reference_.message(now_us, followed);
   }
   std::uint32_t reference_news() const { return reference_.news(); }
+  std::optional<link::FormationFuture> future(std::int64_t now_us) const {
+    return reference_.future_message(now_us);
+  }
+  std::uint32_t future_news() const { return reference_.future_news(); }
   const TreePlace& tree_place() const { return reference_.place(); }
   std::optional<double> reference_age_s(std::int64_t now_us) const;
 
@@ -170,6 +178,7 @@ class Pilot {
   Neighbours neighbours_;
   Reference<S> reference_;
   SlotClaims claims_;
+  FleetReports reports_;
 };
 
 }  // namespace flotilla::app

@@ -2,6 +2,7 @@
 #include "app/guidance/plan_vessel.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "app/convert/convert_scalar.hpp"
 
@@ -12,6 +13,8 @@ constexpr float kLongestWay_m = 3000;  // the planner's tested range
 static_assert(kPlanStart_m + kPlanReach_m <= kLongestWay_m && kErrandReach_m < kLongestWay_m);
 // The vessel waits for a boat that is so far from it, and slows down from the first of these on.
 constexpr int kNear_m = 1, kFar_m = 3;
+// Of the scout between two samples of the future.
+constexpr int kSteps = 5;
 
 }  // namespace
 
@@ -26,6 +29,7 @@ void PlanVessel<S>::start(const Voyage& voyage, const PlanDefaults& defaults,
   items_ = {};
   count_ = 1;
   sound_ = true;
+  seen_ = 0;
   reader_.begin(voyage.plan, voyage.first, defaults, voyage.home);
   fill(voyage.plan);
   state_ = core::route_start(limits_, points());
@@ -89,6 +93,8 @@ void PlanVessel<S>::drive(const core::Drive<S>& desired, S off_m, bool paused, S
     motion.moved_n = {};
   }
   const S share = pace(off_m, paused);
+  seen_ = 0;
+  foresees_ = false;
   core::drive_forward(limits_, {share * desired.u, share * desired.r, desired.course}, state_, dt);
 }
 
@@ -96,9 +102,12 @@ template <class S>
 void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
   constexpr std::size_t kPassed = 3;  // points behind that are kept
   if (!(S(0) < dt)) return;           // a tick in which the clock stood still
-  core::route_forward(limits_, points(), state_, pace(off_m, paused), dt);
+  const S share = pace(off_m, paused);
+  advance(state_, share, dt);
+  look_ahead(share, dt);
   if (state_.next <= kPassed) return;
   const std::size_t passed = state_.next - 1;
+  scout_.next -= std::min(scout_.next, passed);
   std::shift_left(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(count_),
                   static_cast<std::ptrdiff_t>(passed));
   std::shift_left(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(count_),
@@ -106,6 +115,44 @@ void PlanVessel<S>::forward(Plan plan, S off_m, bool paused, S dt) {
   count_ -= passed;
   state_.next = 1;
   fill(plan);
+}
+
+template <class S>
+void PlanVessel<S>::advance(core::RouteState<S>& state, S share, S dt) const {
+  core::route_forward(limits_, points(), state, share, dt);
+}
+
+/// One sample of the future in each tick, anew every second, and at once where the vessel begins to
+/// slow down for the boat, or to go on.
+template <class S>
+void PlanVessel<S>::look_ahead(S share, S dt) {
+  constexpr std::size_t kSamples = core::kFutureSamples + 1;
+  foreseen_.since = foreseen_.since + dt;
+  const bool changed = S(0.1) < core::abs(share - share_) && S(0.25) < foreseen_.since;
+  if (seen_ == 0 || changed || (seen_ == kSamples && !(foreseen_.since < S(1)))) {
+    scout_ = state_;
+    share_ = share;
+    seen_ = 0;
+    foreseen_.since = S(0);
+  }
+  if (seen_ == kSamples) return;
+  for (int step = 0; step < kSteps && seen_ > 0; ++step) advance(scout_, share_, S(0.1));
+  foreseen_.future.u[seen_] = scout_.motion.nu.u;
+  foreseen_.future.r[seen_] = scout_.motion.nu.r;
+  if (++seen_ == kSamples) foresees_ = true;
+}
+
+template <class S>
+std::optional<typename PlanVessel<S>::Foreseen> PlanVessel<S>::take_future() {
+  constexpr int kSteadyTold = 3;  // a steady future is told once in so many times
+  if (!std::exchange(foresees_, false)) return std::nullopt;
+  const auto steady = [](const auto& samples) {
+    return std::ranges::all_of(samples, [&](S x) { return x == samples[0]; });
+  };
+  const bool changes = !steady(foreseen_.future.u) || !steady(foreseen_.future.r);
+  untold_ = changes ? 0 : untold_ + 1;
+  if (untold_ % kSteadyTold > 1) return std::nullopt;
+  return foreseen_;
 }
 
 template <class S>

@@ -9,6 +9,7 @@
 
 #include "app/guidance/errand.hpp"
 #include "core/drive.hpp"
+#include "core/future.hpp"
 
 namespace flotilla::app {
 
@@ -31,6 +32,13 @@ class PlanVessel {
 
   /// dt seconds later. off_m: how far the boat is from this vessel, which slows down and waits.
   void forward(Plan plan, S off_m, bool paused, S dt);
+
+  /// How it will sail, where that is worth telling, and how long ago that began, s; once.
+  struct Foreseen {
+    core::Future<S> future;
+    S since{};
+  };
+  std::optional<Foreseen> take_future();
 
   /// The same, driven by these velocities; the plan is given up.
   void drive(const core::Drive<S>& desired, S off_m, bool paused, S dt);
@@ -56,6 +64,8 @@ class PlanVessel {
   core::Waypoints<S> points() const { return core::Waypoints<S>(points_).first(count_); }
   void fill(Plan plan);
   void add(const PlanPoint& point);
+  void advance(core::RouteState<S>& state, S share, S dt) const;
+  void look_ahead(S share, S dt);
 
   convert::Position from_;
   float start_m_ = 0;
@@ -66,6 +76,14 @@ class PlanVessel {
   std::size_t count_ = 1;
   core::RouteState<S> state_{};
   bool sound_ = false;
+
+  // The future is made anew every second, a little in each tick, from `scout_` on.
+  core::RouteState<S> scout_{};
+  Foreseen foreseen_{};
+  std::size_t seen_ = 0;   // samples of foreseen_
+  S share_{};              // of its speed, when the scout set out
+  int untold_ = 0;         // successive futures without any change
+  bool foresees_ = false;  // foreseen_ is whole, and not taken yet
 };
 
 }  // namespace flotilla::app

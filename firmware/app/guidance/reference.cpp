@@ -12,6 +12,14 @@ constexpr std::int64_t kOldestFollowed_us = 4'000'000, kOldestTold_us = 3'000'00
 constexpr std::int64_t kRestart_us = 1'000'000;
 // A plan's motion is exact: no follower needs it more often.
 constexpr std::int64_t kTold_us = 100'000;
+// A future lasts for kFuture_us; a reference that it covers may be followed, and told, for this long.
+constexpr std::int64_t kFuture_us = 12'000'000, kOldestCovered_us = 9'000'000;
+
+/// As a message tells it that leaves now.
+std::uint16_t age_ms(std::int64_t now_us, std::int64_t valid_us) {
+  const std::int64_t age_us = convert::us_of_ms(now_us) - valid_us;
+  return static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
+}
 
 }  // namespace
 
@@ -40,6 +48,7 @@ void Reference<S>::settle() {
     held_.reset();
     guard_ = {};
     shaped_ = {};
+    future_.reset();
   }
   place_.configure(own);
 }
@@ -55,7 +64,9 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
   if (!stamp) return;
   const std::int64_t age_us = std::int64_t{m.age_ms} * 1000;
   const std::int64_t valid_us = stamp->us - age_us, least_us = stamp->least_us - age_us;
-  if (leads) place_.hear(m, valid_us, now_us);
+  // A motion whose future is known does not become too old for the boats behind.
+  const bool covered = lasting_us(now_us, 0) > now_us - valid_us;
+  if (leads) place_.hear(m, covered ? now_us : valid_us, now_us);
   const auto branch = place_.branch(now_us);
   if (own == nullptr || branch != Branch{m.root, m.maker}) return;
   if (!is_newer(m, *branch, valid_us)) return;
@@ -63,12 +74,74 @@ void Reference<S>::take(link::Address from, const link::FormationReference& m,
   const auto root = convert::root_state_of<S>(m, own->origin.altitude);
   if (!root) {
     ++counters.mavlink_bad_value;
-  } else if (now_us - least_us > kOldestFollowed_us || !believe(*root, valid_us, now_us)) {
+  } else if (now_us - least_us > lasting_us(now_us, kOldestFollowed_us) ||
+             !believe(*root, valid_us, now_us)) {
     ++counters.reference_refused;
   } else {
     const bool timed = stamp->timed && (m.flags & link::mav::kReferenceUntimed) == 0;
     hold(*branch, m.sequence, m, *root, valid_us, is_near(*own, *root, now_us), timed);
   }
+}
+
+template <class S>
+void Reference<S>::take(link::Address from, const link::FormationFuture& m, std::int64_t now_us,
+                        link::Counters& counters) {
+  if (!on_ || from.system == place_.own().system) return;
+  const Branch branch{m.root, m.maker};
+  if (place_.branch(now_us) != branch) return;
+  const auto rank = static_cast<std::uint8_t>(from.system == place_.own().leader ? 0 : 255);
+  const auto stamp = clocks_.heard(from, rank, m.time_boot_ms, now_us);
+  if (!stamp) return;
+  const std::int64_t begun_us = stamp->us - std::int64_t{m.age_ms} * 1000;
+  if (future_ && future_->branch == branch) {
+    const auto ahead = static_cast<std::int16_t>(m.sequence - future_->told.sequence);
+    if (ahead <= 0 && begun_us - future_->begun_us < kRestart_us) return;
+  }
+  const auto future = convert::future_of<S>(m);
+  if (!future) {
+    ++counters.mavlink_bad_value;
+  } else if (now_us - begun_us < kFuture_us) {
+    future_.emplace(branch, m, *future, begun_us, stamp->timed);
+    ++future_news_;
+    walks_ = false;
+  }
+}
+
+/// The future of the branch that is held, while it lasts.
+template <class S>
+const typename Reference<S>::HeldFuture* Reference<S>::future(std::int64_t now_us) const {
+  if (!future_ || !held_ || future_->branch != held_->branch || !future_->timed ||
+      now_us - future_->begun_us > kFuture_us) {
+    return nullptr;
+  }
+  return &*future_;
+}
+
+/// The greatest age of a reference, plain_us where its future is not known.
+template <class S>
+std::int64_t Reference<S>::lasting_us(std::int64_t now_us, std::int64_t plain_us) const {
+  return future(now_us) != nullptr ? kOldestCovered_us : plain_us;
+}
+
+/// Keeps the walk from the reference along its future at the present; drops a future that the
+/// reference contradicts.
+template <class S>
+void Reference<S>::walk(std::int64_t now_us) {
+  const HeldFuture* told = future(now_us);
+  if (told == nullptr) {
+    walks_ = false;
+    return;
+  }
+  if (!walks_) {
+    const auto since = convert::seconds<S>(held_->valid_us - told->begun_us);
+    if (!core::future_holds(told->future, held_->root.motion.nu, since)) {
+      future_.reset();
+      return;
+    }
+    walk_ = core::future_start(held_->root.motion, since);
+    walks_ = true;
+  }
+  core::future_forward(told->future, walk_, convert::seconds<S>(now_us - told->begun_us));
 }
 
 /// Whether the root, and our slot relative to it, are within reach.
@@ -122,11 +195,21 @@ void Reference<S>::tell(const convert::RootState<S>& root, std::int64_t now_us) 
   }
 }
 
+template <class S>
+void Reference<S>::tell(const core::Future<S>& future, std::int64_t begun_us) {
+  auto told = convert::message_of(future);
+  if (!told) return;
+  told->sequence = static_cast<std::uint16_t>(future_ ? future_->told.sequence + 1 : 0);
+  future_.emplace(mine(), *told, future, begun_us, true);
+  ++future_news_;
+}
+
 /// Keeps updating valid_us: the leader's clock offset becomes more precise with time.
 template <class S>
 void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
   const auto message = leader.take_fix();
   if (leads_) return;
+  walk(now_us);
   if (message) core::track_update(core::reference_track<S>(), shaped_, *message);
   const auto age_us = leader.age_us(now_us);
   if (!age_us || place_.branch(now_us) || !leader.has_origin()) return;
@@ -147,6 +230,7 @@ void Reference<S>::make(VesselTrack<S>& leader, std::int64_t now_us) {
 template <class S>
 void Reference<S>::hold(const auto&... held) {
   held_.emplace(held...);
+  walks_ = false;
   ++news_;
 }
 
@@ -160,10 +244,15 @@ const typename Reference<S>::Held* Reference<S>::held(std::int64_t now_us,
 
 template <class S>
 std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us) const {
-  const Held* held = this->held(now_us, kOldestFollowed_us);
+  const Held* held = this->held(now_us, lasting_us(now_us, kOldestFollowed_us));
   if (held == nullptr || !held->near || !held->timed) return std::nullopt;
   const auto& offset = place_.offset(now_us);
   if (!offset) return std::nullopt;
+  if (walks_ && future_) {
+    const S ahead = convert::seconds<S>(now_us - future_->begun_us) - walk_.t;
+    return Aim{held->branch, held->root.position,
+               core::future_motion(future_->future, walk_, ahead), *offset};
+  }
   const S age = convert::seconds<S>(now_us - held->valid_us);
   return Aim{held->branch, held->root.position,
              core::reference_forward(limits_, held->root.motion, age), *offset};
@@ -172,14 +261,12 @@ std::optional<typename Reference<S>::Aim> Reference<S>::aim(std::int64_t now_us)
 template <class S>
 std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_us,
                                                               bool followed) const {
-  const Held* held = this->held(now_us, kOldestTold_us);
+  const Held* held = this->held(now_us, lasting_us(now_us, kOldestTold_us));
   const auto& offset = place_.offset(now_us);
   if (held == nullptr || !offset || place_.too_deep(now_us)) return std::nullopt;
-  const std::int64_t age_us = convert::us_of_ms(now_us) - held->valid_us;
-  const auto age_ms = static_cast<std::uint16_t>(age_us < 0 ? 0 : (age_us + 500) / 1000);
   link::FormationReference out = held->told;
   out.time_boot_ms = convert::boot_ms(now_us);
-  out.age_ms = age_ms;
+  out.age_ms = age_ms(now_us, held->valid_us);
   out.sequence = held->sequence;
   out.root = held->branch.root;
   out.maker = held->branch.maker;
@@ -192,8 +279,20 @@ std::optional<link::FormationReference> Reference<S>::message(std::int64_t now_u
 }
 
 template <class S>
+std::optional<link::FormationFuture> Reference<S>::future_message(std::int64_t now_us) const {
+  const HeldFuture* told = on_ ? future(now_us) : nullptr;
+  if (told == nullptr) return std::nullopt;
+  link::FormationFuture out = told->told;
+  out.time_boot_ms = convert::boot_ms(now_us);
+  out.age_ms = age_ms(now_us, told->begun_us);
+  out.root = told->branch.root;
+  out.maker = told->branch.maker;
+  return out;
+}
+
+template <class S>
 std::optional<std::int64_t> Reference<S>::age_us(std::int64_t now_us) const {
-  const Held* held = this->held(now_us, kOldestFollowed_us);
+  const Held* held = this->held(now_us, lasting_us(now_us, kOldestFollowed_us));
   const bool known = held != nullptr && held->timed;
   return known ? std::optional(now_us - held->valid_us) : std::nullopt;
 }

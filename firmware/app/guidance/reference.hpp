@@ -10,7 +10,7 @@
 #include "app/navigation/sender_clocks.hpp"
 #include "app/navigation/vessel_track.hpp"
 #include "app/parameters/configuration.hpp"
-#include "core/reference.hpp"
+#include "core/future.hpp"
 
 namespace flotilla::app {
 
@@ -29,6 +29,8 @@ class Reference {
             link::Counters& counters) {
     const auto* told = std::get_if<link::FormationReference>(&received.message);
     if (told != nullptr) take(received.from, *told, own, now_us, counters);
+    const auto* future = std::get_if<link::FormationFuture>(&received.message);
+    if (future != nullptr) take(received.from, *future, now_us, counters);
   }
 
   /// A vessel answered the TIMESYNC request that we sent at `sent_us`.
@@ -42,6 +44,9 @@ class Reference {
 
   /// The motion of the vessel that the boat follows in AUTO, as the reference of a boat that leads.
   void tell(const convert::RootState<S>& root, std::int64_t now_us);
+
+  /// How it will sail from `begun_us` on.
+  void tell(const core::Future<S>& future, std::int64_t begun_us);
 
   /// Call in every tick: makes the reference if this boat is its maker. Also while LAW_REF is 0, so
   /// that it can be switched on at any time.
@@ -62,6 +67,10 @@ class Reference {
   std::optional<link::FormationReference> message(std::int64_t now_us, bool followed) const;
   std::uint32_t news() const { return news_; }
 
+  /// The same of the root's future, while it lasts.
+  std::optional<link::FormationFuture> future_message(std::int64_t now_us) const;
+  std::uint32_t future_news() const { return future_news_; }
+
   const TreePlace& place() const { return place_; }
 
   /// A jump of the root was believed since accept_place().
@@ -73,6 +82,8 @@ class Reference {
  private:
   void take(link::Address from, const link::FormationReference& message,
             const convert::Position* own, std::int64_t now_us, link::Counters& counters);
+  void take(link::Address from, const link::FormationFuture& message, std::int64_t now_us,
+            link::Counters& counters);
 
   struct Held {
     Branch branch;
@@ -83,6 +94,13 @@ class Reference {
     bool near = false;
     bool timed = false;  ///< valid_us is known, through all hops
   };
+  struct HeldFuture {
+    Branch branch;
+    link::FormationFuture told;
+    core::Future<S> future;
+    std::int64_t begun_us = 0;
+    bool timed = false;
+  };
 
   bool is_newer(const link::FormationReference& message, const Branch& branch,
                 std::int64_t valid_us) const;
@@ -92,6 +110,9 @@ class Reference {
   const Held* held(std::int64_t now_us, std::int64_t oldest_us) const;
   void hold(const auto&... held);
   void settle();
+  void walk(std::int64_t now_us);
+  const HeldFuture* future(std::int64_t now_us) const;
+  std::int64_t lasting_us(std::int64_t now_us, std::int64_t plain_us) const;
   Branch mine() const {
     return {leads_ ? place_.own().system : place_.own().leader, place_.own().system};
   }
@@ -105,7 +126,10 @@ class Reference {
   SenderClocks clocks_;
   JumpGuard<S> guard_;
   std::optional<Held> held_;
-  std::uint32_t news_ = 0;
+  std::optional<HeldFuture> future_;
+  core::FutureWalk<S> walk_;  // from held_ along future_
+  bool walks_ = false;
+  std::uint32_t news_ = 0, future_news_ = 0;
   core::TrackState<S> shaped_;  // the leader's motion, filtered for followers
   std::uint16_t made_ = 0;
 };

@@ -59,6 +59,7 @@ inline constexpr std::array kStreams{
     StreamInfo{link::GpsRawInt::kId, 64, Pace::kFixed, 1'100'000, false},
     StreamInfo{link::VfrHud::kId, 32, Pace::kFixed, 900'000, false},
     StreamInfo{link::ExtendedSysState::kId, 14, Pace::kOnRequest, 0, false},
+    StreamInfo{link::FormationFuture::kId, 74, Pace::kNews, 0, true},
 };
 
 constexpr std::size_t kOriginStream = 0, kPlanStream = 9, kFenceStream = 10, kGpsStream = 18;
@@ -67,7 +68,9 @@ static_assert(kStreams[kGpsStream].id == link::GpsRawInt::kId);
 /// The state that followers need, at SR_STATE's pace.
 constexpr std::array<std::size_t, 2> kStateStreams{1, 2};
 constexpr std::size_t kReferenceStream = 3;
+constexpr std::size_t kFutureStream = 21;
 static_assert(kStreams[kReferenceStream].pace == Pace::kNews);
+static_assert(kStreams[kFutureStream].pace == Pace::kNews);
 static_assert(std::ranges::count(kStreams, Pace::kState, &StreamInfo::pace) == 2 &&
               kStreams[1].pace == Pace::kState && kStreams[2].pace == Pace::kState);
 

@@ -222,11 +222,14 @@ void Vehicle::stop(link::Counters& counters) {
 }
 
 void Vehicle::apply_rc(link::Counters& counters) {
-  const auto request = rc_.take_request(supervisor_.state(), now_us_);
-  if (!request) return;
-  const auto decision = supervisor_.request(*request, now_us_);
+  const auto asked = rc_.take_request(supervisor_.state(), now_us_);
+  if (asked) request(*asked, counters);
+}
+
+void Vehicle::request(Request request, link::Counters& counters) {
+  const auto decision = supervisor_.request(request, now_us_);
   if (decision.changed) announce_state(0, counters);
-  if (!decision.granted) refuse(*request, decision.missing, counters);
+  if (!decision.granted) refuse(request, decision.missing, counters);
 }
 
 bool Vehicle::answer(link::Counters& counters) {

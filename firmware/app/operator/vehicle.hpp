@@ -94,6 +94,14 @@ class Vehicle {
   void tell_reference(std::uint32_t news, const link::FormationReference& reference,
                       link::Counters& counters);
 
+  /// The same of FORMATION_FUTURE, each of which is sent twice; nothing if it is over.
+  bool waits_for_future(std::uint32_t news) const;
+  void tell_future(std::uint32_t news, const std::optional<link::FormationFuture>& future,
+                   link::Counters& counters);
+
+  /// A request of the boat itself.
+  void request(core::Request request, link::Counters& counters);
+
   /// Sends telemetry and pending answers.
   void tell(link::Counters& counters);
 
@@ -174,6 +182,7 @@ class Vehicle {
   void tell_separation(link::Counters& counters);
   bool state_is_due();
   bool reference_is_due(std::size_t link, std::uint32_t news) const;
+  bool future_is_due(std::size_t link, std::uint32_t news) const;
   void tell_state(link::Counters& counters);
   void tell_state(std::size_t link, StateMessages& state, link::Counters& counters);
   void tell_rest(std::size_t link, link::Counters& counters);
@@ -220,6 +229,11 @@ class Vehicle {
   std::optional<std::array<std::int32_t, 2>> told_origin_;
   bool origin_moved_ = false;  // in this tick
   std::array<std::uint32_t, kMaxLinks> told_news_{};
+  struct ToldFuture {
+    std::uint32_t news = 0;
+    bool again = false;
+  };
+  std::array<ToldFuture, kMaxLinks> told_futures_{};
   std::array<std::size_t, kMaxLinks> turn_{};  // next in turn among what can wait
   struct Begun {
     std::size_t stream = kStreams.size();

@@ -193,6 +193,35 @@ void Vehicle::tell_reference(std::uint32_t news, const link::FormationReference&
   }
 }
 
+bool Vehicle::future_is_due(std::size_t link, std::uint32_t news) const {
+  const Schedule& schedule = streams_.schedule(kFutureStream, link);
+  const ToldFuture& told = told_futures_[link];
+  return told.news == news ? told.again && schedule.is_due(now_us_)
+                           : schedule.is_due_early(now_us_);
+}
+
+bool Vehicle::waits_for_future(std::uint32_t news) const {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    if (future_is_due(link, news)) return true;
+  }
+  return false;
+}
+
+void Vehicle::tell_future(std::uint32_t news, const std::optional<link::FormationFuture>& future,
+                          link::Counters& counters) {
+  for (std::size_t link = 0; link < links_.count(); ++link) {
+    ToldFuture& told = told_futures_[link];
+    if (!future) told = {news, false};
+    if (!future_is_due(link, news) || !links_.bucket(link).for_state() ||
+        links_.room(link) < kStreams[kFutureStream].bytes) {
+      continue;
+    }
+    links_.send_state(link, *future, counters);
+    streams_.schedule(kFutureStream, link).take(now_us_);
+    told = {news, told.news != news};
+  }
+}
+
 /// Sends everything else in turn; what a slow link has no room for comes first in a later tick.
 void Vehicle::tell_rest(std::size_t link, link::Counters& counters) {
   const bool asked = parameter_service_.owes(link) || !ftp_.is_idle() || !logs_.is_idle();

@@ -34,6 +34,8 @@ struct Configuration {
     float beam_m = 0;        ///< slots closer than this count as one
     float separation_m = 0;  ///< FS_SEP_M
     bool judges_station = false;
+    std::int64_t wait_us = 0;    ///< WP_WAIT_S
+    bool returns_alone = false;  ///< RTL_ALONE
   };
 
   /// Limits of the quality that the own navigation unit reports; 0: no limit.

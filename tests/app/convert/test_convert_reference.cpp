@@ -105,6 +105,36 @@ TEST_CASE_TEMPLATE("a motion beyond the message's numbers is not told, and overf
   CHECK_FALSE(core::take_overflow<S>());
 }
 
+TEST_CASE_TEMPLATE("a future is told to two thousandths, however it changes", S, float, double,
+                   core::Q16) {
+  core::Future<S> future;
+  for (std::size_t k = 0; k < future.u.size(); ++k) {
+    const double t = 0.5 * static_cast<double>(k);
+    future.u[k] = scalar<S>(static_cast<float>(0.6 + 0.3 * std::sin(0.7 * t)));
+    future.r[k] = scalar<S>(static_cast<float>(0.3 * std::cos(0.5 * t)));
+  }
+  const auto told = message_of(future);
+  REQUIRE(told);
+  const auto read = future_of<S>(*told);
+  REQUIRE(read);
+  for (std::size_t k = 0; k < future.u.size(); ++k) {
+    CHECK(std::abs(number(read->u[k] - future.u[k])) < 0.0026);
+    CHECK(std::abs(number(read->r[k] - future.r[k])) < 0.0013);
+  }
+}
+
+TEST_CASE("a future of 20 m/s or 4 rad/s is none, and overflows nothing") {
+  core::take_overflow<core::Q16>();
+  link::FormationFuture m{};
+  m.u = 30'000;
+  m.u_change.fill(127);
+  CHECK_FALSE(future_of<core::Q16>(m));
+  m = {};
+  m.r_change.fill(-128);
+  CHECK_FALSE(future_of<core::Q16>(m));
+  CHECK_FALSE(core::take_overflow<core::Q16>());
+}
+
 TEST_CASE("slots add up to whole parts of a metre, as far as any fleet reaches") {
   const WireOffset a = wire_offset_of(-3.0F, 0.5F), b = wire_offset_of(1000.0F, -1000.0F);
   CHECK(a == WireOffset{-3072, 512});

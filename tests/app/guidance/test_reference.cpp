@@ -237,6 +237,93 @@ struct Follower {
   std::uint32_t news() const { return boat.reference.news(); }
 };
 
+/// The circle, which turns into a straight at `straight_us`, as boat 1 tells its future at `us`.
+link::FormationFuture future(std::int64_t us, std::uint16_t sequence, std::int64_t straight_us) {
+  core::Future<double> f;
+  for (std::size_t k = 0; k < f.u.size(); ++k) {
+    const auto at_us = us + static_cast<std::int64_t>(k) * kSecond_us / 2;
+    f.u[k] = Circle::kU;
+    f.r[k] = at_us < straight_us ? Circle::kR : 0;
+  }
+  link::FormationFuture m = *convert::message_of(f);
+  m.time_boot_ms = static_cast<std::uint32_t>(us / 1000);
+  m.sequence = sequence;
+  m.root = kRoot;
+  m.maker = 1;
+  return m;
+}
+
+/// Follows the circle until 2 s, heard from boat 1; at 2 s its future is heard.
+struct Foreseeing : Follower {
+  /// The last reference once more, older now.
+  void repeat(std::int64_t us) {
+    link::FormationReference m = reference(1'900'000, sequence);
+    m.time_boot_ms = static_cast<std::uint32_t>(us / 1000);
+    m.age_ms = static_cast<std::uint16_t>((us - 1'900'000) / 1000);
+    hear(m, us);
+  }
+
+  explicit Foreseeing(std::int64_t straight_us) {
+    hear_until(kSecond_us, 2 * kSecond_us);
+    boat.hear({1, 1}, future(1'950'000, 1, straight_us), 1'960'000);
+  }
+  auto aim(std::int64_t us) {
+    for (std::int64_t t = 1'970'000; t <= us; t += kTick_us) {
+      if (t % kSecond_us == 0) repeat(t);
+      boat.reference.make(boat.leader, t);
+    }
+    return boat.aim(us);
+  }
+};
+
+TEST_CASE("an old reference is followed along the future that its root told") {
+  Foreseeing f(4'000'000);
+  const auto aim = f.aim(7'000'000);  // the reference is 5.1 s old
+  REQUIRE(aim);
+  CHECK(std::abs(aim->motion.nu.r) < 0.001);
+  const double turned = aim->motion.psi - Circle::psi(4'280'000);  // half of it between two samples
+  CHECK(std::abs(std::remainder(turned, 2 * M_PI)) < 0.03);
+  CHECK(f.boat.reference.message(7'000'000, true));
+  CHECK_FALSE(f.aim(11'000'000));  // older than 9 s
+}
+
+TEST_CASE("without a future a reference of that age is not followed") {
+  Follower f;
+  f.hear_until(kSecond_us, 2 * kSecond_us);
+  CHECK_FALSE(f.boat.aim(7'000'000));
+}
+
+TEST_CASE("a future that the reference contradicts is dropped") {
+  Foreseeing f(2'000'000);  // it says: straight from now on
+  REQUIRE(f.aim(2'400'000));
+  CHECK(f.boat.reference.future_message(2'400'000));
+  f.hear(Follower::reference(2'900'000, ++f.sequence), 2'910'000);  // but the root still turns
+  f.boat.reference.make(f.boat.leader, 2'920'000);
+  CHECK_FALSE(f.boat.reference.future_message(2'920'000));
+  CHECK(off_m(f.boat, 3'000'000) < 0.01);
+}
+
+TEST_CASE("a future is handed on as it was told, with its age, and no other branch's is taken") {
+  Foreseeing f(4'000'000);
+  f.aim(2'500'000);
+  const auto told = f.boat.reference.future_message(2'500'000);
+  REQUIRE(told);
+  CHECK(told->age_ms == 550);
+  CHECK(told->root == kRoot);
+  CHECK(told->maker == 1);
+  CHECK(told->r_change == future(1'950'000, 1, 4'000'000).r_change);
+  const std::uint32_t news = f.boat.reference.future_news();
+  auto other = future(2'500'000, 9, 4'000'000);
+  other.maker = 9;
+  f.boat.hear({1, 1}, other, 2'510'000);
+  auto impossible = future(2'500'000, 9, 4'000'000);
+  impossible.u = 32'000;
+  f.boat.hear({1, 1}, impossible, 2'510'000);
+  f.boat.hear({1, 1}, future(1'950'000, 1, 4'000'000), 2'510'000);  // again
+  CHECK(f.boat.reference.future_news() == news);
+  CHECK(f.boat.counters.mavlink_bad_value == 1);
+}
+
 TEST_CASE("what was heard before, or is older, changes nothing") {
   Follower f;
   f.hear_until(kSecond_us, 2 * kSecond_us);

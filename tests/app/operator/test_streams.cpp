@@ -57,6 +57,7 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
       {link::Attitude::kId, 100'000},
       {link::LocalPositionNed::kId, 100'000},
       {link::FormationReference::kId, 100'000},
+      {link::FormationFuture::kId, 100'000},
       {link::FollowTarget::kId, -1},
       {link::GpsGlobalOrigin::kId, 1'000'000},
       {link::GlobalPositionInt::kId, 500'000},
@@ -97,7 +98,7 @@ TEST_CASE("beside an autopilot the boat has only streams that cannot be mistaken
     const std::uint16_t id = kStreams[stream].id;
     const bool may = id == link::CurrentMode::kId || id == link::MavEscStatus::kId ||
                      id == link::MavEscInfo::kId || id == link::NamedValueFloat::kId ||
-                     id == link::FormationReference::kId;
+                     id == link::FormationReference::kId || id == link::FormationFuture::kId;
     CAPTURE(id);
     CHECK(is_companions(id) == may);
     const bool asked = kStreams[stream].pace == Pace::kOnRequest;

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/fleet_reports.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "app/parameters.hpp"
+#include "link/mavlink/mav.hpp"
+
+namespace flotilla::app {
+namespace {
+
+namespace mav = link::mav;
+
+// A boat silent for this long has left, or has failed: nobody waits for it.
+constexpr std::int64_t kSilent_us = 3'000'000;
+
+}  // namespace
+
+void FleetReports::configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us) {
+  if (own_system != own_) members_ = {};
+  if (leader != leader_) return_us_.reset();
+  own_ = own_system;
+  leader_ = leader;
+  wait_us_ = wait_us;
+}
+
+FleetReports::Member* FleetReports::find(std::uint8_t system) {
+  auto* const found = std::ranges::find(members_, system, &Member::system);
+  return found == members_.end() ? nullptr : found;
+}
+
+/// A boat that is too many is not waited for.
+void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t now_us) {
+  Member* member = find(system);
+  if (!follows) {
+    if (member != nullptr) *member = {};
+    return;
+  }
+  if (member == nullptr) {
+    member = std::ranges::find_if(members_, [&](const Member& m) {
+      return m.system == 0 || now_us - m.heard_us > kSilent_us;
+    });
+    if (member == members_.end()) return;
+    *member = {system, false, now_us, {}};
+  }
+  member->heard_us = now_us;
+}
+
+void FleetReports::hear(const link::Received& received, std::int64_t now_us) {
+  const std::uint8_t from = received.from.system;
+  if (from == own_ || from == 0) return;
+  if (const auto* told = std::get_if<link::FormationReference>(&received.message)) {
+    const bool follows = (told->flags & mav::kReferenceFollowed) != 0 && told->root == own_;
+    take_member(from, follows, now_us);
+  } else if (const auto* value = std::get_if<link::NamedValueFloat>(&received.message)) {
+    if (std::strncmp(value->name.data(), "IN_SLOT", value->name.size()) != 0) return;
+    Member* member = find(from);
+    if (member == nullptr) return;
+    if (value->value > 0) {
+      member->was_in = true;
+      member->late_us.reset();
+    } else if (member->was_in && !member->late_us) {
+      member->late_us = now_us;
+    }
+  } else if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
+    if (from != leader_ || beat->autopilot == mav::kAutopilotInvalid) return;
+    constexpr std::uint8_t kSails = mav::kModeFlagCustom | mav::kModeFlagArmed;
+    return_us_.reset();
+    if (beat->custom_mode == mode::kReturn && (beat->base_mode & kSails) == kSails) {
+      return_us_ = now_us;
+    }
+  }
+}
+
+std::optional<std::uint8_t> FleetReports::late(std::int64_t now_us) const {
+  for (const Member& m : members_) {
+    if (m.late_us && now_us - m.heard_us < kSilent_us && now_us - *m.late_us < wait_us_) {
+      return m.system;
+    }
+  }
+  return std::nullopt;
+}
+
+bool FleetReports::leader_returns(std::int64_t now_us) const {
+  return return_us_ && now_us - *return_us_ < kSilent_us;
+}
+
+}  // namespace flotilla::app

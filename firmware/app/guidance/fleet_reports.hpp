@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// What other boats of the tree say about themselves: whether boats that follow this one have fallen
+// out of their slots, and whether the own leader returns.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "link/mavlink/messages.hpp"
+
+namespace flotilla::app {
+
+class FleetReports {
+ public:
+  /// wait_us: how long to wait for one boat at most.
+  void configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us);
+
+  void hear(const link::Received& received, std::int64_t now_us);
+
+  /// A boat whose slot moves with this one, that was in its slot, says that it is no more, and has
+  /// not been waited for too long.
+  std::optional<std::uint8_t> late(std::int64_t now_us) const;
+
+  /// The leader, armed, says that it is in RTL.
+  bool leader_returns(std::int64_t now_us) const;
+
+ private:
+  struct Member {
+    std::uint8_t system = 0;  ///< 0: a free entry
+    bool was_in = false;      ///< its slot, since it was heard first
+    std::int64_t heard_us = 0;
+    std::optional<std::int64_t> late_us;  ///< out of its slot since
+  };
+
+  Member* find(std::uint8_t system);
+  void take_member(std::uint8_t system, bool follows, std::int64_t now_us);
+
+  std::uint8_t own_ = 0, leader_ = 0;
+  std::int64_t wait_us_ = 0;
+  std::optional<std::int64_t> return_us_;  // when the leader said so last
+  std::array<Member, 24> members_{};
+};
+
+}  // namespace flotilla::app

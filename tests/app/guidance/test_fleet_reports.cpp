@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <string_view>
+
+#include "app/guidance/fleet_reports.hpp"
+#include "link/mavlink/mav.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::uint8_t kOwn = 1, kFollower = 2;
+
+/// A boat that leads, and one that follows it and tells its reference ten times a second.
+struct Fleet {
+  FleetReports reports;
+  std::int64_t now_us = kSecond_us;
+  bool follows = true, speaks = true;
+  std::uint8_t root = kOwn;
+
+  Fleet() { reports.configure(kOwn, 100, 30 * kSecond_us); }
+
+  void hear(const link::Message& message, std::uint8_t from = kFollower) {
+    reports.hear({{from, 1}, message}, now_us);
+  }
+  void run(double s) {
+    for (int k = 0; k < static_cast<int>(10 * s); ++k) {
+      now_us += kSecond_us / 10;
+      link::FormationReference m{};
+      m.root = root;
+      m.flags = follows ? link::mav::kReferenceFollowed : std::uint8_t{0};
+      if (speaks) hear(m);
+    }
+  }
+  void in_slot(float value) {
+    link::NamedValueFloat m{};
+    constexpr std::string_view kName = "IN_SLOT";
+    std::copy(kName.begin(), kName.end(), m.name.begin());
+    m.value = value;
+    hear(m);
+  }
+  auto late() const { return reports.late(now_us); }
+};
+
+TEST_CASE("a follower that falls out of its slot is waited for until it is back") {
+  Fleet fleet;
+  fleet.run(1);
+  fleet.in_slot(1);
+  CHECK_FALSE(fleet.late());
+  fleet.in_slot(0);
+  CHECK(fleet.late() == kFollower);
+  fleet.run(20);
+  fleet.in_slot(0);
+  CHECK(fleet.late() == kFollower);
+  fleet.in_slot(1);
+  CHECK_FALSE(fleet.late());
+}
+
+TEST_CASE("nobody is waited for longer than that, until it was back") {
+  Fleet fleet;
+  fleet.run(1);
+  fleet.in_slot(1);
+  fleet.in_slot(0);
+  fleet.run(29.5);
+  CHECK(fleet.late());
+  fleet.run(1);
+  fleet.in_slot(0);
+  CHECK_FALSE(fleet.late());
+  fleet.in_slot(1);
+  fleet.in_slot(0);
+  CHECK(fleet.late());
+}
+
+TEST_CASE("nobody waits for a boat that never was in its slot") {
+  Fleet fleet;
+  fleet.run(1);
+  fleet.in_slot(0);
+  CHECK_FALSE(fleet.late());
+}
+
+TEST_CASE("nobody waits for a boat that is silent, has left, or follows another") {
+  Fleet fleet;
+  fleet.run(1);
+  fleet.in_slot(1);
+  fleet.in_slot(0);
+  SUBCASE("silent") {
+    fleet.speaks = false;
+    fleet.run(3.1);
+  }
+  SUBCASE("not in FORMATION any more") {
+    fleet.follows = false;
+    fleet.run(0.1);
+  }
+  SUBCASE("behind another root") {
+    fleet.root = 77;
+    fleet.run(0.1);
+  }
+  CHECK_FALSE(fleet.late());
+}
+
+TEST_CASE("WP_WAIT_S 0: nobody is waited for") {
+  Fleet fleet;
+  fleet.reports.configure(kOwn, 100, 0);
+  fleet.run(1);
+  fleet.in_slot(1);
+  fleet.in_slot(0);
+  CHECK_FALSE(fleet.late());
+}
+
+TEST_CASE("the leader's own armed heartbeat tells that it returns") {
+  Fleet fleet;
+  link::Heartbeat beat{};
+  beat.custom_mode = 11;
+  beat.type = link::mav::kTypeSurfaceBoat;
+  beat.base_mode = link::mav::kModeFlagCustom | link::mav::kModeFlagArmed;
+  fleet.hear(beat, 50);
+  CHECK_FALSE(fleet.reports.leader_returns(fleet.now_us));
+  fleet.hear(beat, 100);
+  CHECK(fleet.reports.leader_returns(fleet.now_us));
+  CHECK_FALSE(fleet.reports.leader_returns(fleet.now_us + 3 * kSecond_us));
+  SUBCASE("another mode") { beat.custom_mode = 10; }
+  SUBCASE("disarmed") { beat.base_mode = link::mav::kModeFlagCustom; }
+  fleet.hear(beat, 100);
+  CHECK_FALSE(fleet.reports.leader_returns(fleet.now_us));
+}
+
+}  // namespace
+}  // namespace flotilla::app

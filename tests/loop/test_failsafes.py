@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: MIT
+"""The first twenty of the thousand losses; python -m tests.loop.failsafes sails them all."""
+
+from tests.loop.failsafes import TOGETHER, draw, expected, sail_all
+
+
+def test_boats_that_lose_something_at_any_instant_end_as_their_parameters_say() -> None:
+    ended = sail_all(range(1, TOGETHER + 1))
+    assert not [(one.drawn.seed, one.wrong) for one in ended if one.wrong]
+    assert {"LOITER", "RTL", "HOLD"} <= {name for one in ended for name in one.names}
+
+
+def test_a_loss_that_strikes_nobody_is_seen() -> None:
+    """The judge's own test: without the fault the boats do not end where they should."""
+    one = next(draw(seed) for seed in range(1, 100) if draw(seed).loss == "battery")
+    assert one.scenario.fault
+    assert expected(one, one.boat) == {one.stop}
