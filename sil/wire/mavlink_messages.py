@@ -15,12 +15,15 @@ POSITION_TARGET_LOCAL_NED, FOLLOW_TARGET, NAMED_VALUE_FLOAT, STATUSTEXT = 85, 14
 MISSION_CURRENT, MISSION_COUNT, MISSION_CLEAR_ALL = 42, 44, 45
 MISSION_ACK, MISSION_ITEM_INT = 47, 73
 ESC_INFO, ESC_STATUS, ODOMETRY, FORMATION_REFERENCE = 290, 291, 331, 53100
+FLEET_BEACON, FLEET_TABLE = 53101, 53102
 
 SEEDS: dict[int, int] = {
     **{number: kind.crc_extra for number, kind in mavlink.mavlink_map.items()},
     ESC_INFO: 251,
     ESC_STATUS: 10,
     FORMATION_REFERENCE: 131,
+    FLEET_BEACON: 25,
+    FLEET_TABLE: 55,
 }
 """Checksum seed (CRC_EXTRA) of every message that is known, by its number."""
 

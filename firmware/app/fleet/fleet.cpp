@@ -18,6 +18,11 @@ constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
 constexpr std::int64_t kMore_us = 200'000;
 
+std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
+  if (table == nullptr) return std::nullopt;
+  return table->rank_of(system);
+}
+
 bool is_of(const FleetTable& table, std::uint8_t system) {
   return table.rank_of(system).has_value();
 }
@@ -30,9 +35,7 @@ bool same(const Configuration::Formation& a, const Configuration::Formation& b) 
 }  // namespace
 
 void Fleet::hear(const link::Received& received, bool commands, std::int64_t now_us) {
-  if (const FleetTable* table = ledger_.current()) {
-    if (const auto rank = table->rank_of(received.from.system)) heard_us_[*rank] = now_us;
-  }
+  if (const auto rank = rank_in(ledger_.current(), received.from.system)) heard_us_[*rank] = now_us;
   if (const auto* beacon = std::get_if<link::FleetBeacon>(&received.message)) {
     take(received.from.system, *beacon, now_us);
   } else if (const auto* table = std::get_if<link::FleetTable>(&received.message)) {
@@ -75,8 +78,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
     const auto own = held.rank_of(system_);
     table_us_ = now_us + kTurn_us * static_cast<std::int64_t>(own.value_or(0));
   }
-  const FleetTable* current = ledger_.current();
-  const auto now_rank = current != nullptr ? current->rank_of(from) : std::nullopt;
+  const auto now_rank = rank_in(ledger_.current(), from);
   if (!now_rank) return;
   FleetPeer& peer = peers_[*now_rank];
   peer.fit = (beacon.flags & kFit) != 0;
@@ -120,9 +122,8 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
   FleetOrder order = FleetOrder::kNone;
   std::optional<Hang> next;
   const FleetTable* table = ledger_.current();
-  const auto rank = table != nullptr ? table->rank_of(system_) : std::nullopt;
   by_hand_ = by_hand_ || !same(own, by_parameters_);
-  if (rank) {
+  if (const auto rank = rank_in(table, system_)) {
     listen(leader_limit_us + kMore_us, now_us);
     const core::State state = report.state;
     const bool follows = core::follows(state);
@@ -170,7 +171,7 @@ void Fleet::speak(const FleetReport& report, std::int64_t now_us) {
   link::FleetBeacon now{};
   now.epoch = newest.epoch;
   now.digest = newest.digest;
-  if (ledger_.current() != nullptr && is_of(*ledger_.current(), system_)) {
+  if (rank_in(ledger_.current(), system_)) {
     const bool fit = core::follows(report.state) && report.fit && !by_hand_;
     const bool leads = succession_.leads();
     now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U));

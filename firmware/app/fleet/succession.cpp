@@ -108,6 +108,18 @@ void Succession::hang(const FleetTable& table, std::size_t own) {
   }
 }
 
+std::uint64_t Succession::code() const {
+  static_assert(FleetTable::kMost <= 24);
+  std::uint64_t code = was_fit_;
+  code = code << 24U | out_;
+  code = code << 5U | leader_;
+  code = code << 6U | followed_.value_or(32);
+  for (const bool flag : {leads_, taking_, yielding_, under_way_, stopping_}) {
+    code = code << 1U | (flag ? 1U : 0U);
+  }
+  return code;
+}
+
 FleetOrder Succession::order(const FleetSelf& self) {
   stopping_ = stopping_ && self.drives;
   if (stopping_) return FleetOrder::kStop;

@@ -59,6 +59,9 @@ class Succession {
   /// Rank of the member that this boat follows; nothing: none is known, or the boat leads.
   std::optional<std::size_t> followed() const { return followed_; }
 
+  /// Its whole memory, for a search through all states.
+  std::uint64_t code() const;
+
  private:
   void judge(std::span<const FleetPeer> peers, std::size_t own);
   void choose(const FleetTable& table, const FleetSelf& self, std::span<const FleetPeer> peers);
