@@ -3,10 +3,10 @@
 
     python -m tests.loop.succession [--instants 8] [--kinds leader inner split]
 
-The scenario `succession`: eight boats in a vee, a radio that loses 30 % and is up to 0.3 s late. All
-get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 (or boat 2, which
-three boats hang on) is killed, or the radio is split between boats 1 to 4 and 5 to 8 for 60 s, at
-instants spread over the plan. Truth, and the boats' own words, are judged.
+The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is up to 0.3 s late.
+All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 (or boat 2,
+which boats 4, 6 and 8 hang on) is killed, or the radio is split between boats 1 to 4 and 5 to 8 for
+60 s, at instants spread over the plan. Truth, and the boats' own words, are judged.
 """
 
 import argparse
@@ -36,6 +36,17 @@ FIRST_S, LAST_S, AFTER_S, SPLIT_S = 20.0, 80.0, 90.0, 60.0
 FORMS_UP_S = 60.0
 #: Boat by boat, whom it follows in the table.
 TREE = (0, 1, 1, 2, 3, 2, 3, 4)
+SETTINGS = (
+    "leader.waypoints=[[0, 0], [70, 0], [70, 50], [0, 50]]",
+    "formation.shape=vee",
+    "formation.boats=8",
+    "formation.spacing_m=5.0",
+    "link.delay_s=0.15",
+    "link.jitter_s=0.15",
+    "link.loss=0.3",
+    "link.everyone=true",
+    "parameters.FS_COAST_S=15.0",
+)
 RADIO = 1
 SIDE = range(4)  # boats from 0 on one side of a split
 
@@ -140,7 +151,7 @@ class Observer:
 
 def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
     """The runs of that kind of failure."""
-    base = scenario.load("succession")
+    base = scenario.load("lead", SETTINGS)
     rest_s = AFTER_S + (SPLIT_S if kind == "split" else 0.0)
     made = []
     for seed, at_s in enumerate(instants, start=1):
