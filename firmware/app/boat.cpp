@@ -2,6 +2,7 @@
 #include "app/boat.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <tuple>
 #include <utility>
@@ -15,6 +16,7 @@
 namespace flotilla::app {
 namespace {
 
+constexpr bool kKeepsFleet = FLOTILLA_KEEPS_FLEET != 0;
 constexpr std::int64_t kSecond_us = 1'000'000;
 // Followers keep the formation's reference through a COAST of their leader shorter than this.
 constexpr std::int64_t kShortCoast_us = 1'000'000;
@@ -102,6 +104,10 @@ void Boat<S>::collect_overflow() {
 template <class S>
 void Boat<S>::take_all(std::size_t link, std::int64_t now_us) {
   while (links_.next(link, received_, now_us, counters_)) {
+    if (kKeepsFleet && received_.from.system != vehicle_.self().system) {
+      const auto commander = configuration().operators.commander;
+      fleet_.hear(received_, !commander || *commander == received_.from.system, now_us);
+    }
     const bool operators = vehicle_.take(link, received_, now_us, counters_);
     if (operators) continue;
     if (const auto* time = std::get_if<link::SystemTime>(&received_.message)) {
@@ -173,6 +179,7 @@ template <class S>
 void Boat<S>::supervise(std::int64_t now_us) {
   if (vehicle_.take_change()) configure();
   apply_conditions(now_us);
+  if (kKeepsFleet) consult_fleet(now_us);
   if (host_.stop_pressed || can_.stop_pressed(now_us)) vehicle_.stop(counters_);
   bool more = true;
   while (more) {
@@ -190,6 +197,72 @@ void Boat<S>::supervise(std::int64_t now_us) {
     vehicle_.request(core::Request::kReturn, counters_);
   }
   note_state(now_us);
+}
+
+/// What the fleet's rule asks for comes before the operators' requests of this tick, so theirs win.
+template <class S>
+void Boat<S>::consult_fleet(std::int64_t now_us) {
+  const MissionService& missions = vehicle_.missions();
+  const auto item = static_cast<std::uint16_t>(missions.current());
+  const bool fit = (conditions_ & core::kLoiterBegins) == core::kLoiterBegins;
+  const FleetOrder order =
+      fleet_.step({vehicle_.self().system, state(), fit, {missions.id(Stored::kPlan), item}},
+                  configuration().formation, configuration().navigation.leader_limit_us, now_us);
+  if (fleet_.take_change()) {
+    configure();
+    apply_conditions(now_us);
+  }
+  switch (order) {
+    case FleetOrder::kNone:
+      return;
+    case FleetOrder::kLead:
+      lead_fleet();
+      break;
+    case FleetOrder::kFollow:
+      vehicle_.obey(core::Request::kFormation, counters_);
+      break;
+    case FleetOrder::kStop:
+      vehicle_.obey(core::Request::kHold, counters_);
+      break;
+  }
+  note_state(now_us);
+}
+
+/// Sails on with the fleet's plan from where the last leader was, or waits if it has another one.
+template <class S>
+void Boat<S>::lead_fleet() {
+  MissionService& missions = vehicle_.missions();
+  const FleetPlace& place = fleet_.place();
+  const bool shared = place.plan_id != 0 && place.plan_id == missions.id(Stored::kPlan);
+  if (shared && missions.set_current(place.item) &&
+      vehicle_.obey(core::Request::kAuto, counters_)) {
+    return;
+  }
+  vehicle_.obey(core::Request::kLoiter, counters_);
+}
+
+template <class S>
+void Boat<S>::tell_fleet(std::int64_t now_us) {
+  if (const auto beacon = fleet_.beacon(now_us)) links_.broadcast(*beacon, counters_);
+  if (const auto table = fleet_.table(now_us)) links_.broadcast(*table, counters_);
+  if (const auto epoch = fleet_.take_epoch()) {
+    Sentence text;
+    text << "fleet table " << static_cast<float>(*epoch) << " is in force";
+    vehicle_.send_statustext(link::mav::kSeverityInfo, {text.text()}, counters_);
+  }
+  if (const auto refused = fleet_.take_refusal()) {
+    constexpr std::array<std::string_view, 6> kWhy{"",
+                                                   "empty",
+                                                   "listed twice: boat ",
+                                                   "does not follow one above it: boat ",
+                                                   "must lead and cannot: boat ",
+                                                   "slots overlap: boats "};
+    Sentence text;
+    text << "Fleet table refused: " << kWhy[static_cast<std::size_t>(refused->fault)];
+    if (refused->system != 0) text << static_cast<float>(refused->system);
+    if (refused->other != 0) text << ", " << static_cast<float>(refused->other);
+    warn(text.text());
+  }
 }
 
 /// Called after each answered request, so that leaving FORMATION and returning within one tick
@@ -292,8 +365,9 @@ void Boat<S>::configure() {
   collect_overflow();
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
   supervisor_.choose(configuration().failsafes.choices);
-  const auto law = convert::law_of<S>(parameters());
-  pilot_.configure(configuration(), law, vehicle_.self().system);
+  const Parameters applied = kKeepsFleet ? fleet_.applied(parameters()) : parameters();
+  const auto law = convert::law_of<S>(applied);
+  pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   fits_ = !core::take_overflow<S>();
   in_range_ = in_range_ && fits_;
@@ -762,6 +836,7 @@ void Boat<S>::tell(std::int64_t now_us) {
   if (vehicle_.waits_for_future(pilot_.future_news())) {
     vehicle_.tell_future(pilot_.future_news(), pilot_.future(now_us), counters_);
   }
+  if (kKeepsFleet) tell_fleet(now_us);
   const std::uint32_t news = pilot_.reference_news();
   if (!vehicle_.waits_for_reference(news)) return;
   if (const auto reference = this->reference(now_us)) {
@@ -809,12 +884,12 @@ Report Boat<S>::report(std::int64_t now_us) {
   out.own_age_s = pilot_.own_age_s(now_us);
   out.leader_age_s = pilot_.leader_age_s(now_us);
   out.leader_uncertainty_m = pilot_.leader_uncertainty_m(now_us);
-  const auto& [formation, propulsion, failsafes] =
-      std::tie(configuration().formation, configuration().propulsion, configuration().failsafes);
+  const auto& [propulsion, failsafes] =
+      std::tie(configuration().propulsion, configuration().failsafes);
   out.thrust = {convert::number(thrust_.thrust.port), convert::number(thrust_.thrust.stbd)};
   out.most_N = propulsion.ahead_N;
   out.least_N = -propulsion.astern_N;
-  out.leader = core::sails_alone(state()) ? vehicle_.self().system : formation.leader;
+  out.leader = core::sails_alone(state()) ? vehicle_.self().system : pilot_.leader();
   const auto esc = [&](std::uint8_t index) {
     return EscReport{index, can_.esc_status(index, now_us)};
   };

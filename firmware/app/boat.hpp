@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/conditions.hpp"
+#include "app/fleet/fleet.hpp"
 #include "app/guidance/pilot.hpp"
 #include "app/guidance/voyage.hpp"
 #include "app/guidance/way_round.hpp"
@@ -177,6 +178,9 @@ class Boat {
   void look_at_limits(std::int64_t now_us);
   void supervise(std::int64_t now_us);
   void configure();
+  void consult_fleet(std::int64_t now_us);
+  void lead_fleet();
+  void tell_fleet(std::int64_t now_us);
   void note_state(std::int64_t now_us);
   std::optional<Target> way_back();
   void look_for_way();
@@ -222,6 +226,7 @@ class Boat {
   Supervisor supervisor_;
   MavlinkLinks links_;
   Pilot<S> pilot_;
+  Fleet fleet_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   int max_idle_ticks_ = 0;

@@ -16,6 +16,7 @@ MISSION_CURRENT, MISSION_COUNT, MISSION_CLEAR_ALL = 42, 44, 45
 MISSION_ACK, MISSION_ITEM_INT = 47, 73
 ESC_INFO, ESC_STATUS, ODOMETRY = 290, 291, 331
 FORMATION_REFERENCE, FORMATION_FUTURE = 53100, 53101
+FLEET_BEACON, FLEET_TABLE = 53102, 53103
 
 SEEDS: dict[int, int] = {
     **{number: kind.crc_extra for number, kind in mavlink.mavlink_map.items()},
@@ -23,6 +24,8 @@ SEEDS: dict[int, int] = {
     ESC_STATUS: 10,
     FORMATION_REFERENCE: 131,
     FORMATION_FUTURE: 89,
+    FLEET_BEACON: 25,
+    FLEET_TABLE: 55,
 }
 """Checksum seed (CRC_EXTRA) of every message that is known, by its number."""
 

@@ -54,6 +54,9 @@ class Pilot {
   /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
 
+  /// System id of the leader.
+  std::uint8_t leader() const { return leader_.system(); }
+
   /// A jump of the leader or the root was believed since start().
   bool leader_jumped() const { return leader_.jumped() || reference_.jumped(); }
 

@@ -232,6 +232,12 @@ void Vehicle::request(Request request, link::Counters& counters) {
   if (!decision.granted) refuse(request, decision.missing, counters);
 }
 
+bool Vehicle::obey(Request request, link::Counters& counters) {
+  const auto decision = supervisor_.request(request, now_us_);
+  if (decision.changed) announce_state(0, counters);
+  return decision.granted;
+}
+
 bool Vehicle::answer(link::Counters& counters) {
   using Taken = Inbox::Taken;
   const auto answer_one = [&](const PendingRequest& pending) {

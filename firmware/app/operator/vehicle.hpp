@@ -68,6 +68,9 @@ class Vehicle {
   /// Applies the RC pilot's request, which overrides those of other operators.
   void apply_rc(link::Counters& counters);
 
+  /// A request by the fleet's rule, judged as an operator's. False if it is refused.
+  bool obey(core::Request request, link::Counters& counters);
+
   /// Call while a stop switch is pressed: FAULT until an operator disarms the boat after its
   /// release.
   void stop(link::Counters& counters);

@@ -68,7 +68,14 @@ CONSTANT: dict[tuple[str, str], Any] = {
 READ = {head for head, direction, *_ in LINES if direction == "read"}
 
 # Messages that version 1 does not have.
-NEW = {"ODOMETRY", "FORMATION_REFERENCE", "FORMATION_FUTURE", "EKF_STATUS_REPORT"}
+NEW = {
+    "ODOMETRY",
+    "FORMATION_REFERENCE",
+    "FORMATION_FUTURE",
+    "FLEET_BEACON",
+    "FLEET_TABLE",
+    "EKF_STATUS_REPORT",
+}
 
 # Our fields that the sender's protocol version does not have.
 ABSENT = {

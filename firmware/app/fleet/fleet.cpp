@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "app/fleet/fleet.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::uint8_t kFit = 1, kLeads = 2;
+
+// With eight boats' signed beacons: 250 bytes a second, 4.3 % of 57,600 Bd.
+constexpr std::int64_t kBeacon_us = 1'200'000;
+// A change is told at once, and again, so that a bad radio does not hold it back.
+constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
+// A boat that lacks the newest table gets it from the first member whose turn it is.
+constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
+// Beyond FS_LEADER_S: by then a follower already coasts.
+constexpr std::int64_t kMore_us = 200'000;
+
+std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
+  if (table == nullptr) return std::nullopt;
+  return table->rank_of(system);
+}
+
+bool is_of(const FleetTable& table, std::uint8_t system) {
+  return table.rank_of(system).has_value();
+}
+
+bool same(const Configuration::Formation& a, const Configuration::Formation& b) {
+  return a.leader == b.leader && a.north_m == b.north_m && a.east_m == b.east_m &&
+         a.turns == b.turns;
+}
+
+}  // namespace
+
+void Fleet::hear(const link::Received& received, bool commands, std::int64_t now_us) {
+  if (const auto rank = rank_in(ledger_.current(), received.from.system)) heard_us_[*rank] = now_us;
+  if (const auto* beacon = std::get_if<link::FleetBeacon>(&received.message)) {
+    take(received.from.system, *beacon, now_us);
+  } else if (const auto* table = std::get_if<link::FleetTable>(&received.message)) {
+    take(received, *table, commands, now_us);
+  }
+}
+
+/// Accepts it from an operator, and from a member of the table that is held; the first one from a
+/// member of its own.
+void Fleet::take(const link::Received& received, const link::FleetTable& message, bool commands,
+                 std::int64_t now_us) {
+  const FleetTable table = table_of(message);
+  const FleetTable& held = ledger_.newest();
+  const bool from_member = is_of(held.epoch != 0 ? held : table, received.from.system);
+  if (!from_member && !commands) return;
+  if (table.epoch == held.epoch && table.digest == held.digest) passed_us_ = now_us;
+  if (const TableVerdict verdict = verdict_of(table); verdict.fault != TableFault::kNone) {
+    refusal_ = verdict;
+    return;
+  }
+  if (ledger_.take(table, now_us + std::int64_t{message.in_ms} * 1000, now_us)) {
+    beacon_us_ = now_us;  // who lacks it asks
+    table_us_ = kNever;
+  }
+}
+
+void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us) {
+  const FleetTable& held = ledger_.newest();
+  if (held.epoch == 0) {
+    asks_ = asks_ || beacon.epoch != 0;
+    return;
+  }
+  const auto rank = held.rank_of(from);
+  if (!rank) return;
+  FleetTable theirs;
+  theirs.epoch = beacon.epoch;
+  theirs.digest = beacon.digest;
+  const bool lacks = is_newer(held.epoch, held.digest, theirs);
+  if (lacks && table_us_ == kNever && now_us - passed_us_ > kPassed_us / 4) {
+    const auto own = held.rank_of(system_);
+    table_us_ = now_us + kTurn_us * static_cast<std::int64_t>(own.value_or(0));
+  }
+  const auto now_rank = rank_in(ledger_.current(), from);
+  if (!now_rank) return;
+  FleetPeer& peer = peers_[*now_rank];
+  peer.fit = (beacon.flags & kFit) != 0;
+  peer.leads = (beacon.flags & kLeads) != 0;
+  peer.epoch = beacon.epoch;
+  if (*now_rank == succession_.leader() && peer.leads) {
+    place_ = {beacon.plan_id, beacon.plan_item};
+  }
+}
+
+/// What members said of themselves stays true in a new table.
+void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
+  const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
+  ledger_.forward(now_us);
+  const auto peers = std::exchange(peers_, {});
+  const auto heard_us = heard_us_;
+  heard_us_.fill(kNever);
+  for (std::size_t rank = 0; rank < before.count; ++rank) {
+    const auto now = ledger_.current()->rank_of(before.members[rank].system);
+    if (!now) continue;
+    peers_[*now] = peers[rank];
+    heard_us_[*now] = heard_us[rank];
+  }
+  by_parameters_ = own;
+  by_hand_ = false;
+  succession_.begin(*ledger_.current());
+  told_epoch_ = ledger_.current()->epoch;
+}
+
+void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
+  const FleetTable& table = *ledger_.current();
+  for (std::size_t rank = 0; rank < table.count; ++rank) {
+    peers_[rank].heard = now_us - heard_us_[rank] < limit_us;
+  }
+}
+
+FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation& own,
+                       std::int64_t leader_limit_us, std::int64_t now_us) {
+  system_ = report.system;
+  if (ledger_.is_due(now_us)) begin(own, now_us);
+  FleetOrder order = FleetOrder::kNone;
+  std::optional<Hang> next;
+  const FleetTable* table = ledger_.current();
+  by_hand_ = by_hand_ || !same(own, by_parameters_);
+  if (const auto rank = rank_in(table, system_)) {
+    listen(leader_limit_us + kMore_us, now_us);
+    const core::State state = report.state;
+    const bool follows = core::follows(state);
+    const bool ordered = state == core::State::kAuto || state == core::State::kGuided;
+    order = succession_.step(*table,
+                             {*rank, follows && report.fit && !by_hand_,
+                              core::law_drives(state) || state == core::State::kManual,
+                              core::sails_alone(state), ordered, by_hand_},
+                             std::span(peers_).first(table->count));
+    next = by_hand_ ? std::nullopt : hang(*rank);
+    if (succession_.leads()) place_ = ordered ? report.place : place_;
+  }
+  changed_ = changed_ || next != hang_;
+  hang_ = next;
+  speak(report, now_us);
+  return order;
+}
+
+/// The leader of the law: nothing leaves what the parameters say.
+std::optional<Fleet::Hang> Fleet::hang(std::size_t own) const {
+  const FleetTable& table = *ledger_.current();
+  const auto followed = succession_.followed();
+  if (!followed) return hang_;  // it leads, or knows no leader: as before
+  const auto cm = [&](std::size_t axis) {
+    const int apart = table.members[own].slot_cm[axis] - table.members[*followed].slot_cm[axis];
+    return static_cast<float>(apart) / 100;
+  };
+  return Hang{table.members[*followed].system, cm(0), cm(1), table.turns};
+}
+
+Parameters Fleet::applied(const Parameters& own) const {
+  Parameters out = own;
+  if (hang_) {
+    out.FORM_LEADER = hang_->leader;
+    out.FORM_OFS_N = hang_->north_m;
+    out.FORM_OFS_E = hang_->east_m;
+    out.FORM_FRAME = hang_->turns ? 1.0F : 0.0F;
+  }
+  return out;
+}
+
+/// A beacon that differs from the last one is due at once.
+void Fleet::speak(const FleetReport& report, std::int64_t now_us) {
+  const FleetTable& newest = ledger_.newest();
+  link::FleetBeacon now{};
+  now.epoch = newest.epoch;
+  now.digest = newest.digest;
+  if (rank_in(ledger_.current(), system_)) {
+    const bool fit = core::follows(report.state) && report.fit && !by_hand_;
+    const bool leads = succession_.leads();
+    now.flags = static_cast<std::uint8_t>((fit ? kFit : 0U) | (leads ? kLeads : 0U));
+    now.leader = leads || !hang_ ? std::uint8_t{0} : hang_->leader;
+    now.plan_id = place_.plan_id;
+    now.plan_item = place_.item;
+  }
+  const bool urgent = now.flags != told_.flags || now.epoch != told_.epoch;
+  told_ = now;
+  if (!urgent) return;
+  beacon_us_ = now_us;
+  repeats_ = kRepeats_us.size();
+}
+
+std::optional<link::FleetBeacon> Fleet::beacon(std::int64_t now_us) {
+  const bool speaks = ledger_.newest().epoch != 0 ? is_of(ledger_.newest(), system_) : asks_;
+  if (!speaks || now_us < beacon_us_) return std::nullopt;
+  asks_ = false;
+  const bool again = repeats_ > 0;
+  beacon_us_ = now_us + (again ? kRepeats_us[kRepeats_us.size() - repeats_] : kBeacon_us);
+  if (again) --repeats_;
+  return told_;
+}
+
+std::optional<link::FleetTable> Fleet::table(std::int64_t now_us) {
+  if (table_us_ == kNever || now_us < table_us_) return std::nullopt;
+  const bool another_did = now_us - passed_us_ <= kPassed_us / 4;
+  table_us_ = kNever;
+  if (another_did) return std::nullopt;
+  passed_us_ = now_us;
+  return message_of(ledger_.newest(), ledger_.in_ms(now_us));
+}
+
+}  // namespace flotilla::app

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// The boat as a member of a fleet: keeps the table, hears the other members, says who leads.
+// firmware/docs/FLEET.md explains it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "app/fleet/ledger.hpp"
+#include "app/fleet/succession.hpp"
+#include "app/parameters/configuration.hpp"
+#include "app/schedule.hpp"
+
+namespace flotilla::app {
+
+/// Where the fleet is in its plan: opaque id and item.
+struct FleetPlace {
+  std::uint32_t plan_id = 0;
+  std::uint16_t item = 0;
+};
+
+/// This boat in a tick.
+struct FleetReport {
+  std::uint8_t system = 0;
+  core::State state = core::State::kDisarmed;
+  bool fit = false;  ///< could begin LOITER, and keeps its slot
+  FleetPlace place;  ///< of its own plan
+};
+
+/// Without a table it does nothing, but for asking for one where others speak of one.
+class Fleet {
+ public:
+  /// Any message. commands: its sender may command the boat.
+  void hear(const link::Received& received, bool commands, std::int64_t now_us);
+
+  /// Decides anew; once a tick. `own`: as the parameters have it; a change by an operator takes the
+  /// boat out of the table's rule until the next table.
+  FleetOrder step(const FleetReport& report, const Configuration::Formation& own,
+                  std::int64_t leader_limit_us, std::int64_t now_us);
+
+  /// applied() has changed since the last call.
+  bool take_change() { return std::exchange(changed_, false); }
+
+  /// The parameters with whom the boat follows, and its slot, by the table if there is one.
+  Parameters applied(const Parameters& own) const;
+
+  /// How far the fleet's last leader was in its plan.
+  const FleetPlace& place() const { return place_; }
+
+  /// Messages that are due.
+  std::optional<link::FleetBeacon> beacon(std::int64_t now_us);
+  std::optional<link::FleetTable> table(std::int64_t now_us);
+
+  /// News for the operator since the last call: a refused table; the epoch of one in force.
+  std::optional<TableVerdict> take_refusal() { return std::exchange(refusal_, std::nullopt); }
+  std::optional<std::uint16_t> take_epoch() { return std::exchange(told_epoch_, std::nullopt); }
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
+  struct Hang {
+    std::uint8_t leader = 0;
+    float north_m = 0, east_m = 0;
+    bool turns = false;
+    bool operator==(const Hang&) const = default;
+  };
+
+  void take(const link::Received& received, const link::FleetTable& message, bool commands,
+            std::int64_t now_us);
+  void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
+  void begin(const Configuration::Formation& own, std::int64_t now_us);
+  void listen(std::int64_t limit_us, std::int64_t now_us);
+  std::optional<Hang> hang(std::size_t own) const;
+  void speak(const FleetReport& report, std::int64_t now_us);
+
+  FleetLedger ledger_;
+  Succession succession_;
+  std::array<FleetPeer, FleetTable::kMost> peers_{};
+  std::array<std::int64_t, FleetTable::kMost> heard_us_{};  // by rank
+  std::optional<Hang> hang_;
+  Configuration::Formation by_parameters_;  // when the table came into force
+  bool by_hand_ = false;
+  bool changed_ = false;
+  FleetPlace place_;
+  link::FleetBeacon told_{};
+  std::size_t repeats_ = 0;                         // of a changed beacon
+  bool asks_ = false;                               // without a table
+  std::int64_t beacon_us_ = 0, table_us_ = kNever;  // due
+  std::int64_t passed_us_ = kNever;                 // the newest table was last heard or sent
+  std::uint8_t system_ = 0;
+  std::optional<TableVerdict> refusal_;
+  std::optional<std::uint16_t> told_epoch_;
+};
+
+}  // namespace flotilla::app

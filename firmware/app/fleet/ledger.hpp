@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The tables that a boat holds: the one in force, and the one that comes next.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/fleet/table.hpp"
+
+namespace flotilla::app {
+
+/// The newest table wins: the greater epoch, and of two with one epoch the greater digest, so that
+/// all boats choose the same. Times are the boat's own: a message says how long the table still
+/// waits, and each boat that passes it on takes off how long it has held it.
+class FleetLedger {
+ public:
+  /// A sound table that comes into force at `valid_us`, one that stops all boats at once. False if
+  /// an older or the same one is held; of the same one the earliest time counts, as radios only
+  /// delay.
+  bool take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
+
+  /// Whether a table comes into force; forward() puts it there, as a whole.
+  bool is_due(std::int64_t now_us) const { return next_ && now_us >= valid_us_; }
+  void forward(std::int64_t now_us);
+
+  /// In force; nullptr before the first one.
+  const FleetTable* current() const { return current_.epoch != 0 ? &current_ : nullptr; }
+
+  /// In force or next; epoch 0 if there is none.
+  const FleetTable& newest() const { return next_ ? *next_ : current_; }
+
+  /// Until newest() comes into force; 0: it is in force.
+  std::uint16_t in_ms(std::int64_t now_us) const;
+
+ private:
+  FleetTable current_;
+  std::optional<FleetTable> next_;
+  std::int64_t valid_us_ = 0;  // of next_
+};
+
+/// Whether a table with this epoch and digest replaces that one.
+constexpr bool is_newer(std::uint16_t epoch, std::uint16_t digest, const FleetTable& than) {
+  return epoch != than.epoch ? epoch > than.epoch : digest > than.digest;
+}
+
+}  // namespace flotilla::app

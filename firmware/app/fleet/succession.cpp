@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "app/fleet/succession.hpp"
+
+#include <utility>
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::uint32_t bit(std::size_t rank) { return std::uint32_t{1} << rank; }
+
+/// The member that leads by the higher (epoch, rank); kNobody if none does.
+std::size_t best_leader(const FleetTable& table, std::size_t own,
+                        std::span<const FleetPeer> peers) {
+  std::size_t best = Succession::kNobody;
+  const auto epoch_of = [&](std::size_t rank) {
+    return table.members[rank].only_leads ? table.epoch : peers[rank].epoch;
+  };
+  for (std::size_t rank = 0; rank < table.count; ++rank) {
+    const FleetMember& member = table.members[rank];
+    const bool leads = member.can_lead && (member.only_leads || peers[rank].leads);
+    if (rank == own || !peers[rank].heard || !leads) continue;
+    if (best == Succession::kNobody || epoch_of(best) < epoch_of(rank)) best = rank;
+  }
+  return best;
+}
+
+}  // namespace
+
+void Succession::begin(const FleetTable& table) {
+  was_fit_ = out_ = 0;
+  followed_.reset();
+  leader_ = kNobody;
+  if (!table.stop) return;
+  *this = {};
+  stopping_ = true;
+}
+
+FleetOrder Succession::step(const FleetTable& table, const FleetSelf& self,
+                            std::span<const FleetPeer> peers) {
+  judge(peers, self.rank);
+  choose(table, self, peers);
+  if (self.by_hand || leads_) {
+    followed_.reset();
+  } else {
+    hang(table, self.rank);
+  }
+  return order(self);
+}
+
+/// Once the fleet is under way, a member that was fit and no longer is has failed.
+void Succession::judge(std::span<const FleetPeer> peers, std::size_t own) {
+  for (std::size_t rank = 0; rank < peers.size(); ++rank) {
+    if (rank == own) continue;
+    const bool fit = peers[rank].heard && (peers[rank].fit || peers[rank].leads);
+    if (fit) was_fit_ |= bit(rank);
+    if (!fit && under_way_) out_ |= bit(rank) & was_fit_;
+  }
+}
+
+void Succession::choose(const FleetTable& table, const FleetSelf& self,
+                        std::span<const FleetPeer> peers) {
+  const bool can_lead = table.members[self.rank].can_lead && !self.by_hand && !stopping_;
+  const std::size_t other = best_leader(table, self.rank, peers);
+  const bool older =
+      other != kNobody && !table.members[other].only_leads && peers[other].epoch < table.epoch;
+  const bool newer =
+      other != kNobody && !table.members[other].only_leads && peers[other].epoch > table.epoch;
+  const bool yields = newer || (other < self.rank && !older);
+  const bool led = std::exchange(leads_, false);
+  if (led && yields) yielding_ = true;
+  if (taking_) {
+    taking_ = self.fit && !self.alone;
+    leads_ = taking_ || self.alone;
+  } else {
+    leads_ = self.alone && (led || self.ordered);
+  }
+  if (other == kNobody && !led && under_way_ && self.fit && first_fit(table, self.rank, peers)) {
+    leads_ = taking_ = can_lead;
+  }
+  leads_ = leads_ && can_lead && !yields;
+  taking_ = taking_ && leads_;
+  leader_ = leads_ ? self.rank : other;
+  under_way_ = under_way_ || leader_ != kNobody;
+}
+
+/// No member with a higher rank is known to be fit to lead.
+bool Succession::first_fit(const FleetTable& table, std::size_t own,
+                           std::span<const FleetPeer> peers) {
+  for (std::size_t rank = 0; rank < own; ++rank) {
+    if (table.members[rank].can_lead && peers[rank].heard && peers[rank].fit) return false;
+  }
+  return true;
+}
+
+/// The nearest member above that has not failed; the fleet's leader, if there is none or it is
+/// somebody else than the table's. While no leader is known, whom the boat followed before.
+void Succession::hang(const FleetTable& table, std::size_t own) {
+  std::optional<std::size_t> above = table.rank_of(table.members[own].leader);
+  while (above && *above != leader_ && (out_ & bit(*above)) != 0) {
+    above = table.rank_of(table.members[*above].leader);
+  }
+  const bool is_root = above && table.members[*above].leader == 0;
+  const bool gone = !above || (is_root && leader_ != kNobody);
+  if (!gone) {
+    followed_ = above;
+  } else if (leader_ != kNobody) {
+    followed_ = leader_;
+  }
+}
+
+std::uint64_t Succession::code() const {
+  static_assert(FleetTable::kMost <= 24);
+  std::uint64_t code = was_fit_;
+  code = code << 24U | out_;
+  code = code << 5U | leader_;
+  code = code << 6U | followed_.value_or(32);
+  for (const bool flag : {leads_, taking_, yielding_, under_way_, stopping_}) {
+    code = code << 1U | (flag ? 1U : 0U);
+  }
+  return code;
+}
+
+FleetOrder Succession::order(const FleetSelf& self) {
+  stopping_ = stopping_ && self.drives;
+  if (stopping_) return FleetOrder::kStop;
+  if (taking_) return FleetOrder::kLead;
+  yielding_ = yielding_ && self.alone && !leads_;
+  return yielding_ && leader_ != kNobody ? FleetOrder::kFollow : FleetOrder::kNone;
+}
+
+}  // namespace flotilla::app

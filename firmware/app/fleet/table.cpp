@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "app/fleet/table.hpp"
+
+#include <algorithm>
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::size_t kBytes = 8;  // of a member
+constexpr std::uint8_t kTurns = 1, kStop = 2;
+constexpr std::uint8_t kCanLead = 1, kOnlyLeads = 2;
+
+static_assert(sizeof(link::FleetTable::members) == kBytes * FleetTable::kMost);
+
+/// FNV-1a, folded to 16 bits. Source: draft-eastlake-fnv.
+std::uint16_t digest_of(const link::FleetTable& message) {
+  std::uint32_t hash = 2166136261U;
+  const auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
+  add(message.flags);
+  for (const std::uint8_t byte : message.members) add(byte);
+  return static_cast<std::uint16_t>(hash ^ hash >> 16U);
+}
+
+std::int16_t int16_of(const std::uint8_t* bytes) {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8U));
+}
+
+bool too_close(const FleetMember& a, const FleetMember& b) {
+  const std::int64_t x = a.slot_cm[0] - b.slot_cm[0], y = a.slot_cm[1] - b.slot_cm[1];
+  const std::int64_t least_cm = 5 * (a.length_dm + b.length_dm);
+  return x * x + y * y < std::max<std::int64_t>(least_cm * least_cm, 1);
+}
+
+}  // namespace
+
+std::optional<std::size_t> FleetTable::rank_of(std::uint8_t system) const {
+  const auto found = std::ranges::find(all(), system, &FleetMember::system);
+  if (found == all().end()) return std::nullopt;
+  return static_cast<std::size_t>(found - all().begin());
+}
+
+TableVerdict verdict_of(const FleetTable& table) {
+  if (table.count == 0 || table.epoch == 0) return {TableFault::kEmpty};
+  for (std::size_t i = 0; i < table.count; ++i) {
+    const FleetMember& member = table.members[i];
+    bool led = false;
+    for (const FleetMember& before : table.all().first(i)) {
+      if (before.system == member.system) return {TableFault::kTwice, member.system};
+      if (too_close(before, member)) return {TableFault::kTooClose, before.system, member.system};
+      led = led || before.system == member.leader;
+    }
+    if (member.leader == 0 && !member.can_lead) return {TableFault::kNoLeader, member.system};
+    if (member.leader != 0 && (!led || member.only_leads)) {
+      return {TableFault::kTree, member.system, member.leader};
+    }
+  }
+  return {};
+}
+
+FleetTable table_of(const link::FleetTable& message) {
+  FleetTable table{.epoch = message.epoch,
+                   .digest = digest_of(message),
+                   .turns = (message.flags & kTurns) != 0,
+                   .stop = (message.flags & kStop) != 0};
+  while (table.count < FleetTable::kMost && message.members[kBytes * table.count] != 0) {
+    const std::uint8_t* bytes = message.members.data() + kBytes * table.count;
+    table.members[table.count++] = {.system = bytes[0],
+                                    .leader = bytes[1],
+                                    .can_lead = (bytes[2] & (kCanLead | kOnlyLeads)) != 0,
+                                    .only_leads = (bytes[2] & kOnlyLeads) != 0,
+                                    .length_dm = bytes[3],
+                                    .slot_cm = {int16_of(bytes + 4), int16_of(bytes + 6)}};
+  }
+  return table;
+}
+
+link::FleetTable message_of(const FleetTable& table, std::uint16_t in_ms) {
+  link::FleetTable message{};
+  message.in_ms = in_ms;
+  message.epoch = table.epoch;
+  message.flags =
+      static_cast<std::uint8_t>((table.turns ? kTurns : 0U) | (table.stop ? kStop : 0U));
+  std::uint8_t* byte = message.members.data();
+  for (const FleetMember& member : table.all()) {
+    *byte++ = member.system;
+    *byte++ = member.leader;
+    *byte++ = member.only_leads ? kOnlyLeads : member.can_lead ? kCanLead : std::uint8_t{0};
+    *byte++ = member.length_dm;
+    for (const std::int16_t cm : member.slot_cm) {
+      *byte++ = static_cast<std::uint8_t>(static_cast<std::uint16_t>(cm) & 0xFFU);
+      *byte++ = static_cast<std::uint8_t>(static_cast<std::uint16_t>(cm) >> 8U);
+    }
+  }
+  return message;
+}
+
+}  // namespace flotilla::app

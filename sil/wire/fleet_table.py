@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""A fleet's table as a ground station sends it, and the beacons of its members.
+
+Source: firmware/link/mavlink/flotilla.xml; fields on the wire by size, the widest first.
+"""
+
+import struct
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from pymavlink.generator.mavcrc import x25crc
+
+from sil.wire.mavlink_frames import HEADER, MAGIC_2, frames
+from sil.wire.mavlink_messages import FLEET_BEACON, FLEET_TABLE, SEEDS
+
+_TURNS, _STOP = 1, 2
+_CAN_LEAD, _ONLY_LEADS = 1, 2
+_TABLE, _MEMBER = struct.Struct("<HHB"), struct.Struct("<BBBBhh")
+_BEACON = struct.Struct("<IHHHBB")
+MOST_MEMBERS = 24
+
+
+class Member(NamedTuple):
+    """System ids of a member and of the one it follows (0: it leads), its place in the shape (m).
+
+    The place is north and east, or ahead and to starboard where the shape turns.
+    """
+
+    system: int
+    leader: int
+    place_m: tuple[float, float]
+    length_m: float
+    can_lead: bool = True
+    only_leads: bool = False
+
+
+class Beacon(NamedTuple):
+    """What a member says of itself: newest table, fit to follow or to take over, leads."""
+
+    epoch: int
+    fit: bool
+    leads: bool
+    follows: int
+    plan_item: int
+
+
+def table_message(
+    epoch: int,
+    members: Sequence[Member],
+    *,
+    turns: bool = False,
+    stop: bool = False,
+    in_s: float = 0.0,
+    sender: tuple[int, int] = (255, 190),
+) -> bytes:
+    """A FLEET_TABLE frame: the members by rank, in force after `in_s`. ValueError beyond 24."""
+    if len(members) > MOST_MEMBERS:
+        raise ValueError(f"{len(members)} members: a table has at most {MOST_MEMBERS}")
+    flags = _TURNS * turns | _STOP * stop
+    payload = _TABLE.pack(round(1000 * in_s), epoch, flags) + b"".join(map(_packed, members))
+    return _frame(FLEET_TABLE, payload.rstrip(b"\0"), sender)
+
+
+def beacons(data: bytes) -> Iterator[tuple[int, Beacon]]:
+    """The beacons in whole frames, with their senders' system ids."""
+    if FLEET_BEACON.to_bytes(3, "little") not in data:
+        return
+    for message_id, system, _, frame in frames(data):
+        if message_id != FLEET_BEACON:
+            continue
+        payload = frame[HEADER[MAGIC_2] : HEADER[MAGIC_2] + frame[1]].ljust(_BEACON.size, b"\0")
+        _, epoch, _, item, flags, follows = _BEACON.unpack(payload)
+        yield system, Beacon(epoch, bool(flags & 1), bool(flags & 2), follows, item)
+
+
+def _packed(member: Member) -> bytes:
+    flags = _ONLY_LEADS if member.only_leads else _CAN_LEAD * member.can_lead
+    place_cm = [round(100 * metres) for metres in member.place_m]
+    length_dm = round(10 * member.length_m)
+    return _MEMBER.pack(member.system, member.leader, flags, length_dm, *place_cm)
+
+
+def _frame(message_id: int, payload: bytes, sender: tuple[int, int]) -> bytes:
+    body = bytes([len(payload), 0, 0, 0, *sender]) + message_id.to_bytes(3, "little") + payload
+    checksum = x25crc(body + bytes([SEEDS[message_id]])).crc
+    return bytes([MAGIC_2]) + body + struct.pack("<H", checksum)

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// Fleets of the shipped class that hear each other's messages.
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "app/fleet/fleet.hpp"
+#include "app/fleet/tables.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using testing::table_of_four;
+
+constexpr std::int64_t kSecond_us = 1'000'000, kTick_us = 10'000;
+constexpr link::Address kOperator{255, 190};
+
+struct Boat {
+  std::uint8_t system = 0;
+  core::State state = core::State::kFormation;
+  Configuration::Formation own{};
+  Fleet fleet{};
+  FleetOrder order = FleetOrder::kNone;
+  std::int64_t clock_us = 0;  ///< its own clock's zero
+  bool on = true;
+  std::size_t bytes = 0;
+};
+
+/// Boats that hear each other without loss; the radio can be cut.
+struct Harbour {
+  std::vector<Boat> boats{4};
+  std::int64_t now_us = 0;
+
+  Harbour() {
+    for (std::size_t i = 0; i < boats.size(); ++i) {
+      boats[i].system = static_cast<std::uint8_t>(i + 1);
+      boats[i].own.leader = 100;
+      boats[i].clock_us = static_cast<std::int64_t>(i) * 3600 * kSecond_us;
+    }
+    boats[0].state = core::State::kAuto;
+  }
+
+  void hear(std::size_t who, const link::Message& message, link::Address from) {
+    link::Received received;
+    received.message = message;
+    received.from = from;
+    boats[who].fleet.hear(received, from == kOperator, now_us + boats[who].clock_us);
+  }
+
+  void spread(std::size_t from, const link::Message& message, std::size_t bytes) {
+    boats[from].bytes += bytes;
+    for (std::size_t to = 0; to < boats.size(); ++to) {
+      if (to != from && boats[to].on) hear(to, message, {boats[from].system, 1});
+    }
+  }
+
+  void sail(double s) {
+    const auto end_us = now_us + static_cast<std::int64_t>(s * 1e6);
+    for (; now_us < end_us; now_us += kTick_us) {
+      for (std::size_t i = 0; i < boats.size(); ++i) {
+        Boat& boat = boats[i];
+        if (!boat.on) continue;
+        const std::int64_t clock_us = now_us + boat.clock_us;
+        if (now_us % 100'000 == 0) spread(i, link::Attitude{}, 0);
+        const FleetReport report{boat.system, boat.state, true, {77, 3}};
+        boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
+        if (boat.order == FleetOrder::kLead) boat.state = core::State::kAuto;
+        if (boat.order == FleetOrder::kFollow) boat.state = core::State::kFormation;
+        if (boat.order == FleetOrder::kStop) boat.state = core::State::kHold;
+        if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 24);
+        if (const auto table = boat.fleet.table(clock_us)) spread(i, *table, 49);
+      }
+    }
+  }
+
+  Parameters applied(std::size_t who) const {
+    Parameters p;
+    p.FORM_LEADER = 100;
+    return boats[who].fleet.applied(p);
+  }
+  float leader_of(std::size_t who) const { return applied(who).FORM_LEADER; }
+};
+
+TEST_CASE("without a table nothing is said and nothing changes") {
+  Harbour harbour;
+  harbour.sail(10);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(harbour.boats[i].bytes == 0);
+    CHECK_FALSE(harbour.boats[i].fleet.take_change());
+    CHECK(harbour.leader_of(i) == 100);
+  }
+}
+
+TEST_CASE("a table that one boat gets is in force on all at one instant, on clocks apart") {
+  Harbour harbour;
+  harbour.hear(2, message_of(table_of_four(1), 3000), kOperator);
+  harbour.sail(2.9);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(harbour.leader_of(i) == 100);
+  harbour.sail(0.2);
+  CHECK(harbour.leader_of(1) == 1);
+  CHECK(harbour.leader_of(2) == 2);
+  CHECK(harbour.leader_of(3) == 1);
+  CHECK(harbour.applied(2).FORM_OFS_N == -4);
+  CHECK(harbour.applied(3).FORM_OFS_N == -12);
+  CHECK(harbour.applied(3).FORM_FRAME == 0);
+}
+
+TEST_CASE("a boat that was away while the table changed gets it within three seconds") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(3);
+  harbour.boats[3].on = false;
+  FleetTable next = table_of_four(2);
+  next.members[3].slot_cm = {0, 800};
+  harbour.hear(0, message_of(next, 0), kOperator);
+  harbour.sail(5);
+  CHECK(harbour.applied(3).FORM_OFS_E == 0);
+  harbour.boats[3].on = true;
+  harbour.sail(3);
+  CHECK(harbour.applied(3).FORM_OFS_E == 8);
+}
+
+TEST_CASE("a boat that restarts without a table asks for it") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(3);
+  harbour.boats[2].fleet = Fleet{};
+  harbour.sail(4);
+  CHECK(harbour.leader_of(2) == 2);
+}
+
+TEST_CASE("the leader falls silent: the next one leads within two seconds, all hang on it") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  harbour.boats[0].on = false;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+  CHECK(harbour.boats[1].fleet.place().plan_id == 77);
+  CHECK(harbour.leader_of(2) == 2);
+  CHECK(harbour.leader_of(3) == 2);
+  CHECK(harbour.applied(3).FORM_OFS_N == -8);
+}
+
+TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the next table") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  harbour.boats[1].state = core::State::kHold;
+  harbour.sail(0.2);
+  CHECK(harbour.leader_of(2) == 1);
+  CHECK(harbour.applied(2).FORM_OFS_N == -8);
+  harbour.boats[1].state = core::State::kFormation;
+  harbour.sail(5);
+  CHECK(harbour.leader_of(1) == 1);
+  CHECK(harbour.leader_of(2) == 1);
+  harbour.hear(3, message_of(table_of_four(2), 0), kOperator);
+  harbour.sail(3);
+  CHECK(harbour.leader_of(2) == 2);
+}
+
+TEST_CASE("an operator's own leader or slot is above the table until the next one") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  harbour.boats[2].own.east_m = 9;
+  harbour.sail(5);
+  CHECK(harbour.leader_of(2) == 100);
+  harbour.boats[0].on = harbour.boats[1].on = false;
+  harbour.sail(5);
+  CHECK(harbour.boats[2].state == core::State::kFormation);  // it takes nothing over
+  CHECK(harbour.boats[3].state == core::State::kAuto);
+}
+
+TEST_CASE("a stop reaches all at once; nobody takes over after it") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  harbour.hear(3, message_of(table_of_four(2, true), 9000), kOperator);
+  harbour.sail(2);
+  for (const Boat& boat : harbour.boats) CHECK(boat.state == core::State::kHold);
+  harbour.sail(20);
+  for (const Boat& boat : harbour.boats) CHECK(boat.state == core::State::kHold);
+}
+
+TEST_CASE("a table of a stranger is ignored, an unsound one is refused") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(3);
+  harbour.hear(0, message_of(table_of_four(9), 0), {66, 1});
+  FleetTable bad = table_of_four(9);
+  bad.members[1].system = 1;
+  harbour.hear(0, message_of(bad, 0), kOperator);
+  const auto refused = harbour.boats[0].fleet.take_refusal();
+  REQUIRE(refused);
+  CHECK(refused->fault == TableFault::kTwice);
+  harbour.sail(3);
+  CHECK(harbour.boats[0].fleet.take_epoch() == 1);
+}
+
+TEST_CASE("in peace eight boats' beacons take 5 % of 57,600 Bd at the most, even signed") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(10);
+  const std::size_t before = harbour.boats[0].bytes;
+  harbour.sail(60);
+  const double rate_Bps = static_cast<double>(harbour.boats[0].bytes - before) / 60;
+  const double signed_Bps = rate_Bps * (24 + 13) / 24;
+  CHECK(8 * signed_Bps <= 0.05 * 57'600 / 10);
+  CHECK(rate_Bps > 0);
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: MIT
+// Every history of four boats under the shipped rule of succession: a radio that loses, repeats and
+// delays what it likes, two boats that fail, one split of the radio, three tables of which the last
+// one stops all. Time is left out: a member may count as silent at any moment, so whatever the
+// radio's timing does is among the histories.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <deque>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "app/fleet/ledger.hpp"
+#include "app/fleet/succession.hpp"
+#include "app/fleet/tables.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::size_t kMostBoats = 4;
+constexpr std::uint16_t kStopEpoch = 3;
+
+enum class Mode : std::uint8_t { kCrashed, kHold, kFollows, kAlone };
+
+/// What a boat's beacon says.
+struct Word {
+  bool fit = false, leads = false;
+  std::uint16_t epoch = 1;
+  bool operator==(const Word&) const = default;
+};
+
+struct Vessel {
+  Mode mode = Mode::kFollows;
+  std::uint16_t epoch = 1;
+  Succession rule;
+  std::array<FleetPeer, kMostBoats> peers{};
+  std::array<Word, 2> said{};  ///< the last one, and the one before: both may still arrive
+};
+
+struct Node {
+  std::array<Vessel, kMostBoats> boats;
+  unsigned failures = 0, deafs = 0;
+  unsigned split = 0;  ///< boats on one side, a bit each; 0: everybody hears everybody
+  bool was_split = false;
+  std::uint16_t issued = 1;  ///< epoch of the operator's last table
+};
+
+/// Mistakes that the search must find.
+enum class Bug { kNone, kNeverYields, kTakesOldTables, kLeaderIgnoresStop, kNeverSilent };
+
+struct Limits {
+  std::size_t boats = kMostBoats;
+  unsigned failures = 2, deafs = 2;
+  bool splits = true;
+  std::uint16_t tables = kStopEpoch;
+  std::size_t states = std::numeric_limits<std::size_t>::max();  ///< breadth first, then cut off
+};
+
+const FleetTable& table_at(std::uint16_t epoch) {
+  static const std::array<FleetTable, 3> kTables = [] {
+    std::array<FleetTable, 3> out{testing::table_of_four(1), testing::table_of_four(2),
+                                  testing::table_of_four(3, true)};
+    out[1].members[2].leader = 1;
+    return out;
+  }();
+  return kTables[epoch - 1U];
+}
+
+bool connected(const Node& n, std::size_t a, std::size_t b) {
+  return (n.split >> a & 1U) == (n.split >> b & 1U);
+}
+
+Word word_of(const Vessel& v) {
+  return {v.mode == Mode::kFollows, v.mode == Mode::kAlone && v.rule.leads(), v.epoch};
+}
+
+/// Steps a boat until it has done what its rule asks, and lets it speak.
+void settle(Vessel& v, std::size_t rank, Bug bug) {
+  if (v.mode == Mode::kCrashed) return;
+  for (bool again = true; again;) {
+    const Mode was = v.mode;
+    auto peers = v.peers;
+    if (bug == Bug::kNeverYields && v.rule.leads()) {
+      for (FleetPeer& peer : peers) peer.leads = false;
+    }
+    const FleetSelf self{
+        rank, v.mode == Mode::kFollows, v.mode != Mode::kHold, v.mode == Mode::kAlone, false,
+        false};
+    switch (v.rule.step(table_at(v.epoch), self, peers)) {
+      case FleetOrder::kNone:
+        break;
+      case FleetOrder::kLead:
+        v.mode = Mode::kAlone;
+        break;
+      case FleetOrder::kFollow:
+        v.mode = Mode::kFollows;
+        break;
+      case FleetOrder::kStop:
+        if (bug != Bug::kLeaderIgnoresStop || v.mode != Mode::kAlone) v.mode = Mode::kHold;
+        break;
+    }
+    again = v.mode != was;
+  }
+  const Word now = word_of(v);
+  if (now != v.said[0]) v.said = {now, v.said[0]};
+}
+
+void hear(Node& n, std::size_t who, std::size_t from, std::size_t word, Bug bug) {
+  const Word& said = n.boats[from].said[word];
+  FleetPeer& peer = n.boats[who].peers[from];
+  if (peer.heard && Word{peer.fit, peer.leads, peer.epoch} == said) return;
+  peer = {true, said.fit, said.leads, said.epoch};
+  settle(n.boats[who], who, bug);
+}
+
+/// A boat gets the table of that epoch.
+void take(Node& n, std::size_t who, std::uint16_t epoch, Bug bug) {
+  Vessel& v = n.boats[who];
+  const bool newer = is_newer(epoch, 0, FleetTable{.epoch = v.epoch});
+  if (v.mode == Mode::kCrashed || (bug != Bug::kTakesOldTables ? !newer : epoch == v.epoch)) return;
+  v.epoch = epoch;
+  v.rule.begin(table_at(epoch));
+  settle(v, who, bug);
+}
+
+Node start(std::size_t boats) {
+  Node n;
+  for (std::size_t i = boats; i < kMostBoats; ++i) n.boats[i].mode = Mode::kCrashed;
+  n.boats[0].mode = Mode::kAlone;
+  for (std::size_t i = 0; i < boats; ++i) {
+    Vessel& v = n.boats[i];
+    for (std::size_t j = 0; j < boats; ++j) v.peers[j] = {true, j != 0, j == 0, 1};
+    v.rule.begin(table_at(1));
+    // Boat 1 was put into AUTO by its operator.
+    v.rule.step(table_at(1), {i, i != 0, true, i == 0, i == 0, false}, v.peers);
+    v.said = {word_of(v), word_of(v)};
+  }
+  return n;
+}
+
+/// What may happen next, one thing at a time; what changes nothing is left to the set of states.
+template <class F>
+void events(const Node& n, const Limits& limits, Bug bug, F f) {
+  const auto with = [&](auto change) {
+    Node next = n;
+    change(next);
+    f(next);
+  };
+  for (std::size_t i = 0; i < limits.boats; ++i) {
+    if (n.boats[i].mode == Mode::kCrashed) continue;
+    if (n.failures < limits.failures) {
+      for (const Mode end : {Mode::kCrashed, Mode::kHold}) {
+        if (n.boats[i].mode == end) continue;
+        with([&](Node& next) {
+          ++next.failures;
+          next.boats[i].mode = end;
+          settle(next.boats[i], i, bug);
+        });
+      }
+    }
+    for (std::size_t j = 0; j < limits.boats; ++j) {
+      if (i == j) continue;
+      if (connected(n, i, j)) {
+        for (const std::size_t word : {0U, 1U}) {
+          with([&](Node& next) { hear(next, i, j, word, bug); });
+        }
+        with([&](Node& next) { take(next, i, n.boats[j].epoch, bug); });
+      }
+      if (!n.boats[i].peers[j].heard || bug == Bug::kNeverSilent) continue;
+      const bool cut_off = n.boats[j].mode == Mode::kCrashed || !connected(n, i, j);
+      if (!cut_off && n.deafs == limits.deafs) continue;
+      with([&](Node& next) {
+        if (!cut_off) ++next.deafs;
+        next.boats[i].peers[j] = {};
+        settle(next.boats[i], i, bug);
+      });
+    }
+    if (n.issued < limits.tables) {
+      with([&](Node& next) { take(next, i, ++next.issued, bug); });
+    }
+  }
+  if (n.split != 0) with([](Node& next) { next.split = 0; });
+  if (n.was_split || !limits.splits) return;
+  for (const unsigned side : {0b0001U, 0b0010U, 0b0011U, 0b0101U, 0b1001U}) {
+    with([&](Node& next) {
+      next.split = side;
+      next.was_split = true;
+    });
+  }
+}
+
+/// A quiet radio for a while: everybody hears all whom it can, and lacks no table.
+Node closing(Node n, Bug bug) {
+  for (int round = 0; round < 8; ++round) {
+    for (std::size_t i = 0; i < kMostBoats; ++i) {
+      for (std::size_t j = 0; j < kMostBoats; ++j) {
+        if (i == j || n.boats[i].mode == Mode::kCrashed) continue;
+        if (n.boats[j].mode != Mode::kCrashed && connected(n, i, j)) {
+          take(n, i, n.boats[j].epoch, bug);
+          hear(n, i, j, 0, bug);
+        } else if (bug != Bug::kNeverSilent) {
+          n.boats[i].peers[j] = {};
+          settle(n.boats[i], i, bug);
+        }
+      }
+    }
+  }
+  return n;
+}
+
+/// What must not be seen in any state, a counter each.
+struct Broken {
+  std::size_t two_leaders = 0, not_the_best = 0, sails_after_stop = 0, older_table = 0;
+  std::size_t parts_differ = 0, leaders_in_part = 0, wrong_leader = 0, tree_open = 0, stop_lost = 0;
+
+  std::size_t all() const {
+    return two_leaders + not_the_best + sails_after_stop + older_table + parts_differ +
+           leaders_in_part + wrong_leader + tree_open + stop_lost;
+  }
+
+  /// In each state: a boat obeys one leader, the best that it knows; a stopped boat is at rest.
+  void look(const Node& n) {
+    for (std::size_t i = 0; i < kMostBoats; ++i) {
+      const Vessel& v = n.boats[i];
+      if (v.mode == Mode::kCrashed) continue;
+      const bool leads = v.rule.leads();
+      two_leaders += leads && v.rule.followed().has_value();
+      two_leaders += v.rule.followed() == i;
+      sails_after_stop += v.epoch == kStopEpoch && v.mode != Mode::kHold;
+      for (std::size_t j = 0; j < kMostBoats; ++j) {
+        const FleetPeer& peer = v.peers[j];
+        if (j == i || !peer.heard || !peer.leads) continue;
+        const std::size_t chosen = v.rule.leader();
+        if (chosen == Succession::kNobody) {
+          ++not_the_best;
+          continue;
+        }
+        const std::uint16_t epoch = chosen == i ? v.epoch : v.peers[chosen].epoch;
+        not_the_best += peer.epoch > epoch || (peer.epoch == epoch && j < chosen);
+      }
+    }
+  }
+
+  void look_between(const Node& before, const Node& after) {
+    for (std::size_t i = 0; i < kMostBoats; ++i) {
+      older_table += after.boats[i].epoch < before.boats[i].epoch;
+    }
+  }
+
+  /// After a quiet while: in each part one table, one leader, one tree; no stop is lost.
+  void look_closed(const Node& n) {
+    for (std::size_t i = 0; i < kMostBoats; ++i) {
+      const Vessel& v = n.boats[i];
+      if (v.mode == Mode::kCrashed) continue;
+      std::size_t leaders = 0, sailing = 0, leader = kMostBoats;
+      for (std::size_t j = 0; j < kMostBoats; ++j) {
+        const Vessel& other = n.boats[j];
+        if (other.mode == Mode::kCrashed || !connected(n, i, j)) continue;
+        parts_differ += other.epoch != v.epoch;
+        stop_lost += v.epoch == kStopEpoch && other.mode != Mode::kHold;
+        sailing += other.mode != Mode::kHold;
+        if (!other.rule.leads()) continue;
+        ++leaders;
+        leader = j;
+      }
+      leaders_in_part += leaders != (sailing > 0 ? 1 : 0);
+      if (v.mode == Mode::kHold || leaders != 1) continue;
+      wrong_leader += v.rule.leader() != leader;
+      std::size_t at = i, steps = 0;
+      while (at != leader && n.boats[at].rule.followed() && steps++ < kMostBoats) {
+        at = *n.boats[at].rule.followed();
+        if (n.boats[at].mode == Mode::kHold || !connected(n, i, at)) break;
+      }
+      tree_open += at != leader;
+    }
+  }
+};
+
+struct Print {
+  std::uint64_t a = 0x9E37'79B9'7F4A'7C15, b = 0xC2B2'AE3D'27D4'EB4F;
+  void add(std::uint64_t word) {
+    a = std::rotl((a ^ word) * 0x9FB2'1C65'1E98'DF25, 29);
+    b = std::rotl((b + word) * 0xD6E8'FEB8'6659'FD93, 37) ^ a;
+  }
+};
+
+/// 128 bits: among 10⁸ states the chance that two share one is below 10⁻²².
+std::array<std::uint64_t, 2> print_of(const Node& n) {
+  Print print;
+  for (const Vessel& v : n.boats) {
+    print.add(v.rule.code());
+    std::uint64_t rest = static_cast<std::uint64_t>(v.mode) << 2U | v.epoch;
+    const auto add = [&rest](bool heard, bool fit, bool leads, std::uint16_t epoch) {
+      rest = rest << 5U | (heard ? 16U : 0U) | (fit ? 8U : 0U) | (leads ? 4U : 0U) | epoch;
+    };
+    for (const FleetPeer& p : v.peers) add(p.heard, p.fit, p.leads, p.epoch);
+    for (const Word& w : v.said) add(true, w.fit, w.leads, w.epoch);
+    print.add(rest);
+  }
+  print.add((n.failures * 8ULL + n.deafs) << 16U | n.split << 8U | n.issued << 1U |
+            (n.was_split ? 1U : 0U));
+  return {print.a, print.b};
+}
+
+/// A set of prints, open addressing.
+class Seen {
+ public:
+  bool insert(const std::array<std::uint64_t, 2>& print) {
+    if (2 * count_ >= slots_.size()) grow();
+    const bool added = put(slots_, print);
+    count_ += added ? 1 : 0;
+    return added;
+  }
+  std::size_t size() const { return count_; }
+
+ private:
+  using Slots = std::vector<std::array<std::uint64_t, 2>>;
+  static bool put(Slots& slots, const std::array<std::uint64_t, 2>& print) {
+    std::size_t at = print[0] & (slots.size() - 1);
+    while (slots[at] != std::array<std::uint64_t, 2>{}) {
+      if (slots[at] == print) return false;
+      at = (at + 1) & (slots.size() - 1);
+    }
+    slots[at] = print;
+    return true;
+  }
+  void grow() {
+    Slots next(slots_.size() * 2);
+    for (const auto& print : slots_) {
+      if (print != std::array<std::uint64_t, 2>{}) put(next, print);
+    }
+    slots_.swap(next);
+  }
+  Slots slots_ = Slots(1U << 16U);
+  std::size_t count_ = 0;
+};
+
+struct Found {
+  std::size_t states = 0;
+  bool whole = false;  ///< all that there are
+  Broken broken;
+};
+
+/// All states, the nearest to the start first, up to the first that is broken.
+Found search(const Limits& limits, Bug bug) {
+  Found found;
+  Seen seen;
+  std::deque<Node> open;
+  const auto visit = [&](const Node& n) {
+    if (!seen.insert(print_of(n))) return;
+    open.push_back(n);
+    found.broken.look(n);
+    found.broken.look_closed(closing(n, bug));
+  };
+  visit(start(limits.boats));
+  while (!open.empty() && seen.size() < limits.states && found.broken.all() == 0) {
+    const Node n = open.front();
+    open.pop_front();
+    events(n, limits, bug, [&](const Node& next) {
+      found.broken.look_between(n, next);
+      visit(next);
+    });
+  }
+  found.states = seen.size();
+  found.whole = open.empty();
+  return found;
+}
+
+/// FLOTILLA_SEARCH=wide takes minutes and gigabytes.
+bool is_wide() {
+  const char* wish = std::getenv("FLOTILLA_SEARCH");
+  return wish != nullptr && std::string_view(wish) == "wide";
+}
+
+void check(const Limits& limits) {
+  const Found found = search(limits, Bug::kNone);
+  MESSAGE((found.whole ? "all " : "the nearest "), found.states, " states: ", limits.boats,
+          " boats, ", limits.failures, " failures, ", limits.deafs, " false silences, ",
+          limits.splits ? "a split, " : "", limits.tables, " tables");
+  CHECK(found.broken.two_leaders == 0);
+  CHECK(found.broken.not_the_best == 0);
+  CHECK(found.broken.sails_after_stop == 0);
+  CHECK(found.broken.older_table == 0);
+  CHECK(found.broken.parts_differ == 0);
+  CHECK(found.broken.leaders_in_part == 0);
+  CHECK(found.broken.wrong_leader == 0);
+  CHECK(found.broken.tree_open == 0);
+  CHECK(found.broken.stop_lost == 0);
+}
+
+TEST_CASE("no history of failures and of the radio makes two leaders, or loses a stop") {
+  check({.boats = 3, .failures = 1, .deafs = 0, .splits = false});
+  check({.failures = 1, .deafs = 0, .splits = false, .tables = 1});
+  check({.states = is_wide() ? 20'000'000U : 100'000U});
+}
+
+TEST_CASE("a search finds planted mistakes") {
+  for (const Bug bug :
+       {Bug::kNeverYields, Bug::kTakesOldTables, Bug::kLeaderIgnoresStop, Bug::kNeverSilent}) {
+    CAPTURE(static_cast<int>(bug));
+    CHECK(search({.failures = 1, .deafs = 1, .states = 200'000}, bug).broken.all() > 0);
+  }
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: MIT
+"""A fleet that loses its leader, an inner boat, or half of its radio, while it sails a plan.
+
+    python -m tests.loop.succession [--instants 8] [--kinds leader inner split]
+
+The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is up to 0.3 s late.
+All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 (or boat 2,
+which boats 4, 6 and 8 hang on) is killed, or the radio is split between boats 1 to 4 and 5 to 8 for
+60 s, at instants spread over the plan. Truth, and the boats' own words, are judged.
+"""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import flotilla
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+
+from sil.lockstep.batch import Batch
+from sil.lockstep.start import RunError
+from sil.lockstep.world import sail as sail_runs
+from sil.plant.hull import Array
+from sil.scenario import scenario
+from sil.scenario.formation import slots
+from sil.scenario.scenario import Scenario
+from sil.scenario.sections import Fault
+from sil.scenario.told_plan import items_of
+from sil.wire.fleet_table import Beacon, Member, beacons, table_message
+from sil.wire.operator import plan_upload
+from sil.wire.plan_upload import PlanUpload
+
+KINDS = ("leader", "inner", "split")
+FIRST_S, LAST_S, AFTER_S, SPLIT_S = 20.0, 80.0, 90.0, 60.0
+FORMS_UP_S = 60.0
+#: Boat by boat, whom it follows in the table.
+TREE = (0, 1, 1, 2, 3, 2, 3, 4)
+SETTINGS = (
+    "leader.waypoints=[[0, 0], [70, 0], [70, 50], [0, 50]]",
+    "formation.shape=vee",
+    "formation.boats=8",
+    "formation.spacing_m=5.0",
+    "link.delay_s=0.15",
+    "link.jitter_s=0.15",
+    "link.loss=0.3",
+    "link.everyone=true",
+    "parameters.FS_COAST_S=15.0",
+)
+RADIO = 1
+SIDE = range(4)  # boats from 0 on one side of a split
+
+_AUTO = flotilla.STATES.index("AUTO")
+
+
+@dataclass(frozen=True)
+class Healed:
+    """One run, times since the failure (or since the parts met again).
+
+    `leads_s`: when one boat alone leads; `two_s`: how long two of those that hear each other did;
+    `off_m`: greatest distance of a live boat from its slot after 60 s; `nearest_m`: of two live
+    boats; `wreck_m`: of a live boat from a dead one; `goes_on`: the leader sails the plan at the
+    end; `states`: of the live boats at the end.
+    """
+
+    kind: str
+    at_s: float
+    leads_s: float
+    two_s: float
+    off_m: float
+    nearest_m: float
+    wreck_m: float
+    goes_on: bool
+    states: tuple[str, ...]
+
+
+class Observer:
+    """Gives each run its plans and its table after the release, splits radios, and listens."""
+
+    def __init__(self, kind: str, instants: Sequence[float], one: Scenario) -> None:
+        self.kind, self.instants, self.one = kind, instants, one
+        self.places = slots(one.formation) if one.formation else []
+        self.states: list[Array] = []
+        self.eta: list[Array] = []
+        self.t_s: list[float] = []
+        self.said: dict[tuple[int, int], Beacon] = {}
+        self.leads: list[Array] = []
+        self.bytes = 0
+        self._uploads: dict[tuple[int, int], PlanUpload] = {}
+
+    def __call__(self, batch: Batch, members: Sequence[int], k: int, t_us: int) -> None:
+        now_s = k * self.one.step_s
+        runs = range(len(batch.scenarios))
+        if k == 0:
+            self._begin(batch, runs, t_us)
+        for run in runs:
+            for boat, agent in enumerate(batch.agents(run)):
+                self._exchange(batch, run, boat, agent, t_us)
+            if self.kind == "split":
+                self._split(batch, run, self.instants[members[run]], k)
+        if k % 10 == 0:
+            shape = (len(batch.scenarios), batch.boats)
+            self.t_s.append(now_s)
+            self.states.append(batch.states.copy())
+            self.eta.append(batch.bodies.eta[len(batch.scenarios) :].reshape(*shape, 3).copy())
+            leads = [[self._leads(run, boat) for boat in range(batch.boats)] for run in runs]
+            self.leads.append(np.array(leads))
+
+    def _leads(self, run: int, boat: int) -> bool:
+        said = self.said.get((run, boat + 1))
+        return said is not None and said.leads
+
+    def _begin(self, batch: Batch, runs: range, t_us: int) -> None:
+        members = [
+            Member(i + 1, leader, place, self.one.vessel.length_m)
+            for i, (leader, place) in enumerate(zip(TREE, self.places, strict=True))
+        ]
+        for run in runs:
+            second = batch.agents(run)[1]
+            batch.fleet.hear(second, table_message(1, members, in_s=3.0), t_us, RADIO)
+            for boat in range(1, batch.boats):
+                upload = plan_upload(boat + 1, items_of(self.one.leader))
+                self._uploads[run, boat] = upload
+
+    def _exchange(self, batch: Batch, run: int, boat: int, agent: int, t_us: int) -> None:
+        said = batch.fleet.sent(agent)
+        for system, beacon in beacons(said):
+            self.said[run, system] = beacon
+        upload = self._uploads.get((run, boat))
+        if upload is None or upload.done:
+            return
+        upload.on_mavlink(said, t_us)
+        if words := upload.say(t_us):
+            batch.fleet.hear(agent, words, t_us, RADIO)
+
+    def _split(self, batch: Batch, run: int, at_s: float, k: int) -> None:
+        begins, ends = (round(x / self.one.step_s) for x in (at_s, at_s + SPLIT_S))
+        if k not in (begins, ends):
+            return
+        pairs = self.one.pairs()
+        quality = dict(self.one.link.quality)
+        if k == begins:
+            quality["loss"] = 1.0
+        for number, (a, b) in enumerate(pairs):
+            if 0 in (a, b) or ((a - 1) in SIDE) == ((b - 1) in SIDE):
+                continue
+            for way in range(2):
+                link = 2 * (run * len(pairs) + number) + way
+                batch.fleet.set_link(link, **quality)
+
+
+def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
+    """The runs of that kind of failure."""
+    base = scenario.load("lead", SETTINGS)
+    rest_s = AFTER_S + (SPLIT_S if kind == "split" else 0.0)
+    made = []
+    for seed, at_s in enumerate(instants, start=1):
+        agent = 2 if kind == "inner" else 1
+        fault = Fault(kind="restart", agent=agent, at_s=at_s)
+        update = {
+            "seed": seed,
+            "duration_s": max(instants) + rest_s,
+            "fault": () if kind == "split" else (fault,),
+        }
+        made.append(base.model_copy(update=update))
+    return made
+
+
+def sail(kind: str, instants: Sequence[float]) -> list[Healed]:
+    """Sail one run for each instant, together."""
+    chosen = scenarios_of(kind, instants)
+    observer = Observer(kind, instants, chosen[0])
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(kind, total=1.0)
+        runs = sail_runs(
+            chosen,
+            {},
+            keep_s=1.0,
+            progress=lambda share: progress.update(task, completed=share),
+            watch=observer,
+        )
+    for run in runs:
+        if isinstance(run, RunError):
+            raise run
+    return [judge(observer, kind, run, at_s) for run, at_s in enumerate(instants)]
+
+
+def judge(seen: Observer, kind: str, run: int, at_s: float) -> Healed:
+    """Compare a run with what is asked of it."""
+    t_s = np.array(seen.t_s)
+    states = np.array([all_runs[run] for all_runs in seen.states])
+    eta = np.array([all_runs[run] for all_runs in seen.eta])
+    leads = np.array([all_runs[run] for all_runs in seen.leads])
+    dead = {"leader": 0, "inner": 1}.get(kind)
+    live = [boat for boat in range(states.shape[1]) if boat != dead]
+    from_s = at_s + (SPLIT_S if kind == "split" else 0.0)
+    after = t_s >= from_s
+    count = leads[after][:, live].sum(axis=1)
+    step_s = float(t_s[1] - t_s[0])
+    alone = np.flatnonzero(count == 1)
+    leads_s = float(alone[0]) * step_s if len(alone) else np.inf
+    leader = live[int(leads[-1][live].argmax())]
+    places = np.array(seen.places)
+    settled = t_s >= from_s + FORMS_UP_S
+    off = eta[settled][:, live, :2] - eta[settled][:, leader, None, :2]
+    off -= places[live] - places[leader]
+    since = t_s >= at_s
+    nearest = [
+        np.hypot(*(eta[since][:, a, :2] - eta[since][:, b, :2]).T).min()
+        for a in live
+        for b in live
+        if a < b
+    ]
+    wreck = np.inf
+    if dead is not None:
+        wreck = min(
+            np.hypot(*(eta[since][:, a, :2] - eta[since][:, dead, :2]).T).min() for a in live
+        )
+    return Healed(
+        kind,
+        at_s,
+        leads_s,
+        float((count > 1).sum()) * step_s,
+        float(np.hypot(off[..., 0], off[..., 1]).max()),
+        float(min(nearest)),
+        float(wreck),
+        bool(states[-1, leader] == _AUTO),
+        tuple(flotilla.STATES[state] for state in states[-1][live]),
+    )
+
+
+def main() -> None:
+    """Sail all kinds and print a line for each run."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--instants", type=int, default=8)
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
+    given = parser.parse_args()
+    print("| failure | at | one leader after | two for | off its slot | nearest | wreck | plan |")
+    for kind in given.kinds:
+        instants = np.linspace(FIRST_S, LAST_S, given.instants).round(2).tolist()
+        for it in sail(kind, instants):
+            figures = [f"{x:.2f}" for x in (it.leads_s, it.two_s, it.off_m, it.nearest_m)]
+            cells = [it.kind, f"{it.at_s:.1f}", *figures, f"{it.wreck_m:.2f}"]
+            odd = set(it.states) - {"AUTO", "FORMATION"}
+            print("|", " | ".join([*cells, "sailed" if it.goes_on else "ended", *odd]), "|")
+
+
+if __name__ == "__main__":
+    main()
