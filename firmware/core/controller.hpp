@@ -104,16 +104,19 @@ VirtualVelocity<S> through_water(VirtualVelocity<S> desired, const Vec2<S>& c_b,
   return desired;
 }
 
-/// Input of the separation: the boat, and the velocities that lead it to its slot and along with
-/// it.
+/// Input of the separation: the boat, its slot's velocity, and the way to the slot.
 template <class S>
 SeparationInput<S> separation_input(const ControllerParams<S>& params, const Traffic<S>& traffic,
-                                    const Slot<S>& slot, const FormationError<S>& error) {
+                                    const Slot<S>& slot, const FormationError<S>& error,
+                                    const Nu<S>& nu, S dt) {
   const Vec2<S> v = to_north_east(slot.psi, Vec2<S>{slot.nu.u, slot.nu.v});
-  const Vec2<S> e = to_north_east(error.R, Vec2<S>{error.e.x, error.e.y});
-  const S k = params.outer.k_x;
-  return {traffic, error.R, params.propellers.R / params.vessel.m11,
-          intent_of(params.outer, params.separation, v, Vec2<S>{v.x - k * e.x, v.y - k * e.y})};
+  const Vec2<S> off = to_north_east(error.R, Vec2<S>{-error.e.x, -error.e.y});
+  return {traffic,
+          error.R,
+          nu,
+          params.propellers.R / params.vessel.m11,
+          intent_of(params.outer, params.separation, v, off),
+          dt};
 }
 
 /// One control step; dt: s since the previous step, 0 in the first; traffic: nullptr for no
@@ -131,10 +134,10 @@ ControllerOutput<S> controller_step(const ControllerParams<S>& params, Controlle
   VirtualVelocity<S> desired = virtual_velocity(params.outer, state.outer, sailed, error, sight);
   Separation<S> separation{};
   if (traffic != nullptr && traffic->count == 0) {
-    state.separation.yielding = false;
+    state.separation = {};
   } else if (traffic != nullptr) {
     separation = separate(params.separation, state.separation,
-                          separation_input(params, *traffic, slot, error), desired);
+                          separation_input(params, *traffic, slot, error, in.nu, dt), desired);
   }
   const VirtualVelocity<S> desired_w = through_water(desired, c_b, in.nu.r);
   state.outer.u_star_held = desired_w.nu_star.u;  // v* is through the water too

@@ -1,35 +1,43 @@
 // SPDX-License-Identifier: MIT
-// Keeps clear of other vessels: changes ν* if the law would lead the boat too near to one.
+// Keeps clear of other vessels: a worst-case barrier over the boat's turning circles.
 //
-//   D(w)    = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
-//   D(w) < k_y D_min for a vessel with right of way, w: desired now, or straight to the slot
-//           ⇒ w ← argmin of |w − w_0|/U + c_s (1 − |w − w_S|/U) + c_b |w − w_before|/U + c_d s(w)
-//             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2;
-//             r* ← k_δ δ, δ: turn to that course;    ends at k_e D_min
-//   s(w)    : relative shortfall of d² below (k_y D_min + m)², summed over 8 times up to T, sooner
-//             ones weighted more; the boat first turns bow or stern to its course, on the spot
-//   u* n ≤ L((|p| − m − k_h D_min)/2) + k_v max(0, vᵀ p/|p|)           n = cos of the bearing
-//   L(g)    = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                  speed that stops within g
+//   s_w(t) = t_d V + R(ψ) c(δ) + (t − t_w) w,  t_w = t_d + |δ|/r_m   place while changing to w
+//   t_d    = t_r + |u_w − u|/2a                                      sails on, its speed changes
+//   c(δ)   = (u_w/r_m) [sin |δ|  ±(1 − cos δ)]ᵀ,  u_w = ±|w| cos² δ  turning circle
+//   h(w)   = min over vessels and t_w ≤ t ≤ T of |p + v t − s_w(t)| − m − D
+//   D(w)   = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
+//   D(w) < D for a vessel with right of way, w: desired now, or straight to the slot
+//           ⇒ w ← argmin of |w − w_e| over all w with h(w) ≥ 0; if there is none, argmax of h(w)
+//             over w = 0, w_0, w_S, the last choice and 16 courses at U and at U/2
+//   w_e    = w_S − R(k_t τ) e / T_e                                  aim: in the slot within T_e
+//   D      = D_min (k_y − (k_y − k_h) min(1, τ/T_n)), k_h D_min for a vessel without right of way
+//   u* n  ≤ L((|p| − m − k_h D_min)/2) + k_v max(0, vᵀ p/|p|)        n = cos of the bearing
+//   L(g)   = √((a t_r)² + 2 a g) − a t_r, 0 for g ≤ 0                speed that stops within g
 //
-//  symbol  meaning                                            unit   tested range
-//  p, v    other vessel's position relative to us, velocity   m, m/s ±100, ±5
-//  m       uncertainty of that position                       m      0 … 5
-//  D_min   distance to keep; 0: off                           m      0.5 … 20
-//  T       horizon                                            s
-//  w_S     the slot's velocity                                m/s
-//  w_0     velocity that leads straight to the slot           m/s
-//  U       LAW_U_MAX; if that is 0, max(D_min / 1 s, k_U |w_S|)   m/s
-//  a, t_r  half the full-astern deceleration; reaction time   m/s², s
+//  symbol    meaning                                            unit    tested range
+//  p, v, m   other vessel's place seen from us, velocity,       m, m/s, m  ±100, ±5, 0 … 5
+//            and how far off the place may be
+//  D_min     distance to keep; 0: off                           m       0.5 … 20
+//  V, u      own velocity, over ground and ahead                m/s
+//  w, δ, u_w velocity, the turn to its course, bow or stern first, ±π/2, and surge when that begins
+//  r_m, U    LAW_R_MAX, LAW_U_MAX; if U is 0, max(D_min / 1 s, k_U |w_S|)   rad/s, m/s
+//  w_S, w_0  velocity of the slot; straight to the slot         m/s
+//  τ         time in which the boat came no nearer to its slot  s
+//  a, t_r    half the full-astern deceleration; reaction time   m/s², s
 //
-// Only the yielding boat chooses w. The limit of u* binds every boat, also one with right of way:
-// where both obey it, they stay k_h D_min apart, and the way is free again once the yielding boat
-// has made room up to k_y D_min. Slots must be farther apart than that.
+// A choice that is clear of vessels of constant velocity stays clear while it is sailed, for the
+// rest of the path is the same: so a boat that once had a clear choice has one. Two boats never wait
+// for each other: one of them has the way, and the other makes room. A boat that gets nowhere turns
+// its aim to starboard, until it finds a way round, and is content with less room (T_n).
 //
-// The factors k and c were chosen by hand. With them, boats in 200 chance meetings stay D_min apart
-// and all arrive, two boats bow to bow stop, and a vessel at rest is passed: test_separation.cpp.
+// From a stranger the boat keeps (k_e − k_y) D_min more, and it turns to port only if nothing else is
+// clear or it got nowhere for 10 s (COLREGs, rules 14, 15 and 17).
 //
-// Not in paper. Source of the idea: P. Fiorini, Z. Shiller, Motion planning in dynamic environments
-// using velocity obstacles, IJRR 17 (1998).
+// The limit of u* binds every boat, also one with right of way: where both obey it, they stay
+// k_h D_min apart. Slots must be farther apart than k_e D_min.
+//
+// Not in paper. Sources of the ideas: C. Lee, J. Park, J. Kim, arXiv 2504.19247 (turning circles);
+// T. Paine et al., arXiv 2601.11335 (worst case); P. Fiorini, Z. Shiller, IJRR 17 (1998).
 //
 // Q16.16: tested within ±200 (other vessels' places, m)
 #pragma once
@@ -45,10 +53,11 @@ namespace flotilla::core {
 /// Another vessel at this instant.
 template <class S>
 struct OtherVessel {
-  Vec2<S> p_n{};   ///< relative to us
-  Vec2<S> v_n{};   ///< over ground
-  S margin{};      ///< uncertainty of p_n, m
-  bool has_way{};  ///< right of way: we yield
+  Vec2<S> p_n{};    ///< relative to us
+  Vec2<S> v_n{};    ///< over ground
+  S margin{};       ///< uncertainty of p_n, m
+  bool has_way{};   ///< right of way: we yield
+  bool stranger{};  ///< member of no formation: by the rules of the road
 };
 
 constexpr std::size_t kMaxVessels = 8;
@@ -70,20 +79,21 @@ struct SeparationParams {
   S yield = S(1.4);  ///< k_y: yielding begins; above k_h, or nobody would have room to pass
   S end = S(1.5);    ///< k_e: yielding ends; above k_y, or it would begin again at once
 
-  // Costs of a velocity: of a difference of U, and of s(w) = 1.
-  S settling = S(0.5);  ///< c_s: of settling for w_S, with which a boat passes nobody in formation
-  S change = S(0.3);    ///< c_b: of another choice than before
-  S danger = S(10);     ///< c_d: far above the others
-
-  S receding = S(0.8);  ///< k_v: share of another vessel's speed away from us that is relied on
-  S faster = S(1.1);    ///< k_U: over the slot's speed, to catch up with it
-  S turning = S(2);     ///< k_δ, 1/s
-  S any_rate = S(1);    ///< greatest yaw rate where LAW_R_MAX is 0, rad/s
+  S eager = S(1);        ///< T_e, s: short, so that a boat passes rather than waits
+  S aside = S(0.3);      ///< k_t, rad/s
+  S narrow = S(6);       ///< T_n, s
+  S stranger_s = S(10);  ///< then a stranger may be passed on either side
+  S same = S(0.1);       ///< of U and D_min: how much better another choice must be than the last
+  S receding = S(0.8);   ///< k_v: share of another vessel's speed away from us that is relied on
+  S faster = S(1.1);     ///< k_U: over the slot's speed, to catch up with it
+  S turning = S(2);      ///< r* over δ, 1/s
+  S any_rate = S(1);     ///< r_m where LAW_R_MAX is 0, rad/s
 };
 
 template <class S>
 struct SeparationState {
   Vec2<S> w_n{};  ///< chosen last
+  S stuck_s{};    ///< τ; lessens at half that rate
   bool yielding = false;
 };
 
@@ -99,8 +109,9 @@ template <class S>
 struct Intent {
   Vec2<S> slot_n{};      ///< w_S
   Vec2<S> straight_n{};  ///< w_0
+  Vec2<S> off_n{};       ///< −e, from the boat to the slot, m
   S fastest{};           ///< U
-  S turning{};           ///< greatest yaw rate
+  S turning{};           ///< r_m
 };
 
 /// A boat among others at one instant.
@@ -108,8 +119,10 @@ template <class S>
 struct SeparationInput {
   const Traffic<S>& traffic;
   Rotation<S> R{};  ///< R(ψ)
-  S a{};            ///< m/s²
+  Nu<S> nu{};
+  S a{};  ///< m/s²
   Intent<S> intent{};
+  S dt{};  ///< since the last step, s
 };
 
 template <class S>
@@ -127,18 +140,22 @@ Vec2<S> minus(const Vec2<S>& a, const Vec2<S>& b) {
   return {a.x - b.x, a.y - b.y};
 }
 
-/// D(w).
+/// Least |p + q t| for 0 ≤ t ≤ T.
 template <class S>
-S predicted_distance(S horizon, const OtherVessel<S>& other, const Vec2<S>& w) {
-  const Vec2<S> q = minus(other.v_n, w);
+S least_distance(const Vec2<S>& p, const Vec2<S>& q, S T) {
   const S speed = length(q);
   S t = S(0);
   if (S(0) < speed) {
-    const S way =
-        -dot(other.p_n, Vec2<S>{q.x / speed, q.y / speed});  // to the closest point of approach
-    if (S(0) < way) t = way < horizon * speed ? way / speed : horizon;
+    const S way = -dot(p, Vec2<S>{q.x / speed, q.y / speed});  // to the closest point of approach
+    if (S(0) < way) t = way < T * speed ? way / speed : T;
   }
-  return length(Vec2<S>{other.p_n.x + t * q.x, other.p_n.y + t * q.y}) - other.margin;
+  return length(Vec2<S>{p.x + t * q.x, p.y + t * q.y});
+}
+
+/// D(w).
+template <class S>
+S predicted_distance(S horizon, const OtherVessel<S>& other, const Vec2<S>& w) {
+  return least_distance(other.p_n, minus(other.v_n, w), horizon) - other.margin;
 }
 
 /// Speed from which the boat stops within the gap.
@@ -149,11 +166,11 @@ S stopping_speed(S a, S reaction, S gap) {
   return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
-/// Turn and surge that bring a boat onto a course, bow or stern first.
+/// Turn that brings a boat onto a course, bow or stern first, and surge during the turn.
 template <class S>
 struct Way {
   S delta{};
-  S u{};  ///< also during the turn
+  S u{};
 };
 
 template <class S>
@@ -164,85 +181,139 @@ Way<S> way_to(const Rotation<S>& R, const Vec2<S>& w_n) {
   return {atan2(w.x < S(0) ? -w.y : w.y, abs(w.x)), w.x * abs(w.x) / speed};
 }
 
-/// 1 − (|p|/keep)², 0 beyond; does not overflow for a distant p.
+/// The place at which the boat is on course w, seen from here, and the time until then.
 template <class S>
-S lacking(const Vec2<S>& p, S keep) {
-  if (!(abs(p.x) < keep && abs(p.y) < keep)) return S(0);
-  const Vec2<S> share = {p.x / keep, p.y / keep};
-  return max(S(0), S(1) - dot(share, share));
-}
-
-/// s(w) for one vessel.
-template <class S>
-S shortfall(const SeparationParams<S>& params, const OtherVessel<S>& other, const Vec2<S>& w,
-            S turning_s) {
-  const S keep = params.yield * params.least + other.margin;
-  S sum = S(0);
-  for (int k = 1; k <= 8; ++k) {
-    const S t = params.horizon * S(k) / S(8);
-    const S under_way = max(S(0), t - turning_s);
-    const Vec2<S> p = {other.p_n.x + t * other.v_n.x - under_way * w.x,
-                       other.p_n.y + t * other.v_n.y - under_way * w.y};
-    sum = sum + S(9 - k) / S(8) * lacking(p, keep);
-  }
-  return sum;
-}
+struct OnCourse {
+  Vec2<S> at_n{};
+  S t{};
+};
 
 template <class S>
-S cost_of(const SeparationParams<S>& params, const SeparationState<S>& state,
-          const SeparationInput<S>& in, const Vec2<S>& w) {
-  const Intent<S>& intent = in.intent;
-  const S turning_s = abs(way_to(in.R, w).delta) / intent.turning;
-  S cost = length(minus(w, intent.straight_n)) / intent.fastest +
-           params.settling * (S(1) - length(minus(w, intent.slot_n)) / intent.fastest);
-  if (state.yielding) cost = cost + params.change * length(minus(w, state.w_n)) / intent.fastest;
+OnCourse<S> on_course(const SeparationParams<S>& params, const SeparationInput<S>& in,
+                      const Vec2<S>& w) {
+  const Way<S> way = way_to(in.R, w);
+  const S t_d = min(params.reaction + abs(way.u - in.nu.u) / (S(2) * in.a), params.horizon);
+  const auto [s, c] = sin_cos(way.delta);
+  const S radius = way.u / in.intent.turning;
+  const Vec2<S> at = {t_d * in.nu.u + radius * abs(s),
+                      t_d * in.nu.v + (s < S(0) ? -radius : radius) * (S(1) - c)};
+  return {to_north_east(in.R, at), t_d + abs(way.delta) / in.intent.turning};
+}
+
+/// D of a vessel, with `room` in place of k_y for one with right of way.
+template <class S>
+S to_keep(const SeparationParams<S>& params, S room, const OtherVessel<S>& other) {
+  if (other.stranger) return (room + params.end - params.yield) * params.least;
+  return (other.has_way ? room : params.hold) * params.least;
+}
+
+/// Room for a boat that has come no nearer to its slot for `stuck` seconds; to strangers all of it.
+template <class S>
+S room_for(const SeparationParams<S>& params, S stuck, bool stranger) {
+  if (stranger) return params.yield;
+  return params.yield - (params.yield - params.hold) * min(S(1), stuck / params.narrow);
+}
+
+/// h(w).
+template <class S>
+S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
+            const SeparationInput<S>& in, const Vec2<S>& w) {
+  const OnCourse<S> from = on_course(params, in, w);
+  const S left = max(params.horizon - from.t, S(0));
+  S least = S(1000);
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
-    if (other.has_way) cost = cost + params.danger * shortfall(params, other, w, turning_s);
+    const Vec2<S> p = {other.p_n.x + from.t * other.v_n.x - from.at_n.x,
+                       other.p_n.y + from.t * other.v_n.y - from.at_n.y};
+    const S room = room_for(params, state.stuck_s, other.stranger);
+    least = min(least, least_distance(p, minus(other.v_n, w), left) - other.margin -
+                           to_keep(params, room, other));
   }
-  return cost;
+  return least;
 }
 
-/// The velocity of least cost; of equals the first.
+/// A choice; the greater `rank` is better, then the smaller `cost`.
+template <class S>
+struct Choice {
+  Vec2<S> w_n{};
+  int rank = -1;  ///< 2: clear; 1: clear, but to port of a stranger; 0: not clear
+  S cost{};
+};
+
+/// w_e.
+template <class S>
+Vec2<S> aim(const SeparationParams<S>& params, const SeparationState<S>& state,
+            const Intent<S>& intent) {
+  const Vec2<S> q = to_north_east(params.aside * state.stuck_s, intent.off_n);
+  return {intent.slot_n.x + q.x / params.eager, intent.slot_n.y + q.y / params.eager};
+}
+
 template <class S>
 Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& state,
-               const SeparationInput<S>& in) {
-  Vec2<S> best{};
-  S least = cost_of(params, state, in, best);
-  const auto consider = [&](const Vec2<S>& w) {
-    const S cost = cost_of(params, state, in, w);
-    if (!(cost < least)) return;
-    least = cost;
-    best = w;
+               const SeparationInput<S>& in, bool stranger) {
+  const Intent<S>& intent = in.intent;
+  const Vec2<S> w_e = aim(params, state, intent);
+  const bool by_rule = stranger && state.stuck_s < params.stranger_s;
+  Choice<S> best{};
+  const auto consider = [&](const Vec2<S>& w, S bonus) {
+    const S h = clearance(params, state, in, w) + bonus * params.least;
+    const Vec2<S>& ahead = intent.straight_n;
+    const bool to_port = by_rule && ahead.x * w.y - ahead.y * w.x < S(-0.02);
+    const int rank = h < S(0) ? 0 : (to_port ? 1 : 2);
+    const S cost = rank == 0 ? -h : length(minus(w, w_e)) - bonus * intent.fastest;
+    if (best.rank < rank || (best.rank == rank && cost < best.cost)) best = {w, rank, cost};
   };
-  consider(in.intent.straight_n);
-  consider(in.intent.slot_n);
-  if (state.yielding) consider(state.w_n);
+  consider(Vec2<S>{}, S(0));
+  consider(intent.straight_n, S(0));
+  consider(intent.slot_n, S(0));
+  if (state.yielding) consider(state.w_n, stranger ? S(0) : params.same);
   const S c = S(0.92387953251128674), s = S(0.38268343236508977);  // cos, sin of π/8
-  Vec2<S> course = {in.intent.fastest, S(0)};
+  Vec2<S> course = {intent.fastest, S(0)};
   for (int k = 0; k < 16; ++k) {
-    consider(course);
-    consider({S(0.5) * course.x, S(0.5) * course.y});
+    consider(course, S(0));
+    consider({S(0.5) * course.x, S(0.5) * course.y}, S(0));
     course = {c * course.x - s * course.y, s * course.x + c * course.y};
   }
-  return best;
+  return best.w_n;
 }
 
-/// Whether a boat that sails with w must yield, and the least predicted distance.
+/// Whether a boat that sails with w must yield, to a stranger too, and the least predicted distance.
 template <class S>
-Separation<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
-                      const SeparationInput<S>& in, const Vec2<S>& w) {
-  const S keep = (state.yielding ? params.end : params.yield) * params.least;
-  Separation<S> out;
+struct Foresight {
+  Separation<S> out{};
+  bool stranger = false;
+};
+
+template <class S>
+Foresight<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
+                     const SeparationInput<S>& in, const Vec2<S>& w) {
+  Foresight<S> seen;
+  Separation<S>& out = seen.out;
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
     const S now = predicted_distance(params.horizon, other, w);
     out.predicted = out.known ? min(out.predicted, now) : now;
     out.known = true;
     const S straight = predicted_distance(params.horizon, other, in.intent.straight_n);
-    out.yielding = out.yielding || (other.has_way && min(now, straight) < keep);
+    const S room = room_for(params, state.stuck_s, other.stranger) +
+                   (state.yielding ? params.end - params.yield : S(0));
+    if (!other.has_way || !(min(now, straight) < to_keep(params, room, other))) continue;
+    out.yielding = true;
+    seen.stranger = seen.stranger || other.stranger;
   }
-  return out;
+  return seen;
+}
+
+/// Counts τ: the boat is off its slot, slow beside it (or yields to a stranger), and comes no nearer.
+template <class S>
+void count_stuck(SeparationState<S>& state, const SeparationInput<S>& in, bool stranger) {
+  const Intent<S>& intent = in.intent;
+  const S off = length(intent.off_n), slow = intent.fastest / S(4);
+  const Vec2<S> q = minus(to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v}), intent.slot_n);
+  const bool stuck = state.yielding && slow < off && (stranger || length(q) < slow) &&
+                     dot(q, Vec2<S>{intent.off_n.x / off, intent.off_n.y / off}) < slow / S(2);
+  state.stuck_s = stuck ? state.stuck_s + in.dt : max(S(0), state.stuck_s - in.dt / S(2));
+  if (S(60) < state.stuck_s) state.stuck_s = S(0);
 }
 
 /// Limits u so that u* n stays within its bound for every vessel.
@@ -263,10 +334,11 @@ S held_back(const SeparationParams<S>& params, const SeparationInput<S>& in, S u
 /// Limits w_S and w_0 to U.
 template <class S>
 Intent<S> intent_of(const VirtualVelocityParams<S>& limits, const SeparationParams<S>& params,
-                    const Vec2<S>& slot_n, const Vec2<S>& to_slot_n) {
+                    const Vec2<S>& slot_n, const Vec2<S>& off_n) {
   const S fastest =
       S(0) < limits.u_max ? limits.u_max : max(params.least, params.faster * length(slot_n));
-  return {shortened(slot_n, fastest), shortened(to_slot_n, fastest), fastest,
+  const Vec2<S> to_slot_n = {slot_n.x + limits.k_x * off_n.x, slot_n.y + limits.k_x * off_n.y};
+  return {shortened(slot_n, fastest), shortened(to_slot_n, fastest), off_n, fastest,
           S(0) < limits.r_max ? limits.r_max : params.any_rate};
 }
 
@@ -275,15 +347,16 @@ template <class S>
 Separation<S> separate(const SeparationParams<S>& params, SeparationState<S>& state,
                        const SeparationInput<S>& in, VirtualVelocity<S>& desired) {
   Nu<S>& nu = desired.nu_star;
-  Separation<S> out = foresee(params, state, in, to_north_east(in.R, Vec2<S>{nu.u, S(0)}));
+  auto [out, stranger] = foresee(params, state, in, to_north_east(in.R, Vec2<S>{nu.u, S(0)}));
   if (out.yielding) {
-    state.w_n = choose(params, state, in);
+    state.w_n = choose(params, state, in, stranger);
     const Way<S> way = way_to(in.R, state.w_n);
     nu.u = way.u;
     nu.r = clamp(params.turning * way.delta, -in.intent.turning, in.intent.turning);
     desired.r_star_dot = S(0);
   }
   state.yielding = out.yielding;
+  count_stuck(state, in, stranger);
   const S u = held_back(params, in, nu.u);
   out.yielding = out.yielding || u < nu.u || nu.u < u;
   nu.u = u;
