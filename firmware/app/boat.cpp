@@ -25,6 +25,21 @@ constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
 
+float tenths(float x) { return static_cast<float>(portable::nearest(10 * double{x})) / 10; }
+
+/// "10:31", UTC; "minute 12" of the boat's clock where the time of day at its 0 is unknown, 0.
+void put_time(Sentence& out, std::int64_t at_us, std::int64_t unix_us_at_0) {
+  constexpr std::int64_t kMinute_us = 60'000'000, kHour = 60, kDay = 24;
+  const std::int64_t minutes = (unix_us_at_0 + at_us) / kMinute_us;
+  const auto number = [](std::int64_t n) { return static_cast<float>(n); };
+  if (unix_us_at_0 == 0) {
+    out << "minute " << number(minutes);
+    return;
+  }
+  const std::int64_t hour = minutes / kHour % kDay, minute = minutes % kHour;
+  out << (hour < 10 ? "0" : "") << number(hour) << (minute < 10 ? ":0" : ":") << number(minute);
+}
+
 /// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that the figure exceeds the limit.
 Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
   Sentence out;
@@ -366,9 +381,11 @@ void Boat<S>::configure() {
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
   supervisor_.choose(configuration().failsafes.choices);
   const Parameters applied = kKeepsFleet ? fleet_.applied(parameters()) : parameters();
-  const auto law = convert::law_of<S>(applied);
+  learnt_.configure(applied);
+  const auto law = convert::law_of<S>(learnt_.applied(applied));
   pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
+  thrusters_.set_curves(law);
   fits_ = !core::take_overflow<S>();
   in_range_ = in_range_ && fits_;
 }
@@ -651,6 +668,7 @@ template <class S>
 void Boat<S>::steer(std::int64_t now_us) {
   const S dt = last_tick_us_ ? convert::seconds<S>(now_us - *last_tick_us_) : S(0);
   pilot_.observe(now_us, dt, thrust_.given, core::armed(state()));
+  learn(now_us, dt);
   const bool drive = supervisor_.may_drive(conditions_, now_us);
   if (!drive || !core::law_drives(state())) law_output_ = {};
   const core::Thrust<S> desired = drive ? desired_thrust(now_us, dt) : core::Thrust<S>{};
@@ -669,6 +687,23 @@ void Boat<S>::steer(std::int64_t now_us) {
   collect_overflow();
   // After an overflow the thrust may be wrong. The next tick's conditions lead to FAULT.
   if (overflow_) thrust_ = thrusters_.step(false, desired, dt);
+}
+
+/// From the thrust given since the last tick, and the motion now.
+template <class S>
+void Boat<S>::learn(std::int64_t now_us, S dt) {
+  if (!core::law_drives(state()) || (conditions_ & core::kOwnFresh) == 0) {
+    learnt_.interrupt();
+    return;
+  }
+  const auto of = [](S x) { return static_cast<float>(convert::number(x)); };
+  if (!learnt_.push({of(thrust_.given.X), of(thrust_.given.N)}, of(dt))) return;
+  const core::Motion<S>& motion = pilot_.motion();
+  const auto [sin, cos] = core::sin_cos(motion.psi);
+  const core::Vec2<S>& current_n = pilot_.current_n();
+  const bool applies = learnt_.take({of(motion.nu.u), of(motion.nu.v), of(motion.nu.r)},
+                                    {of(sin), of(cos)}, {of(current_n.x), of(current_n.y)}, now_us);
+  if (applies) configure();
 }
 
 template <class S>
@@ -719,6 +754,34 @@ void Boat<S>::send_warnings(std::int64_t now_us) {
   warn_of_depth(now_us);
   warn_of_fence(now_us);
   tell_latency();
+  tell_finding(now_us);
+}
+
+/// "Port 12 % weak since 10:31: THR_BALANCE 0.06", in UTC or in minutes since the start.
+template <class S>
+void Boat<S>::tell_finding(std::int64_t now_us) {
+  using enum ModelMonitor::Number;
+  const auto finding = learnt_.take_finding();
+  if (!finding) return;
+  const auto& [number, value, since_us] = *finding;
+  Sentence text;
+  if (number == kBalance) {
+    const double change = double{value} - double{parameters().THR_BALANCE};
+    const double size = change < 0 ? -change : change;
+    const auto percent = static_cast<float>(portable::nearest(200 * size / (1 + size)));
+    text << (change < 0 ? "Starboard " : "Port ") << percent << " % weak";
+  } else {
+    text << (number == kDrag ? "Drag " : "Yaw damping ") << tenths(value) << " x "
+         << (number == kDrag ? "VES_D11" : "VES_D33");
+  }
+  text << " since ";
+  put_time(text, since_us, host_.unix_us > 0 ? host_.unix_us - now_us : 0);
+  if (number == kBalance) {
+    text << ": THR_BALANCE " << hundredths(portable::nearest(100 * double{value}));
+  } else {
+    text << ": identify the hull";
+  }
+  vehicle_.send_statustext(link::mav::kSeverityWarning, {text.text()}, counters_);
 }
 
 /// Reports a newly estimated latency of 0.03 s or more, and whether it is compensated.
@@ -870,6 +933,9 @@ Report Boat<S>::report(std::int64_t now_us) {
     out.estimates = pilot_.estimates();
     out.gps = pilot_.gps(now_us);
   }
+  out.balance = learnt_.told(ModelMonitor::Number::kBalance);
+  out.drag = learnt_.told(ModelMonitor::Number::kDrag);
+  out.yaw_damping = learnt_.told(ModelMonitor::Number::kYawDamping);
   out.home = limits_.home();
   if (error_known()) {
     const bool judged = keeps_slot() && configuration().formation.judges_station;

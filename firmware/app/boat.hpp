@@ -11,6 +11,7 @@
 
 #include "app/conditions.hpp"
 #include "app/fleet/fleet.hpp"
+#include "app/guidance/model_monitor.hpp"
 #include "app/guidance/pilot.hpp"
 #include "app/guidance/voyage.hpp"
 #include "app/guidance/way_round.hpp"
@@ -205,6 +206,7 @@ class Boat {
   bool leaves_fence(const convert::Position& here, const core::Vec2<S>& way) const;
   void tell_voyage(const VoyageNews& news);
   void steer(std::int64_t now_us);
+  void learn(std::int64_t now_us, S dt);
   Report report(std::int64_t now_us);
   std::optional<double> separation_m() const;
   std::optional<link::FormationReference> reference(std::int64_t now_us) const;
@@ -219,6 +221,7 @@ class Boat {
   void look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us);
   void warn_of_depth(std::int64_t now_us);
   void tell_latency();
+  void tell_finding(std::int64_t now_us);
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // null if the caller owns it
@@ -239,6 +242,8 @@ class Boat {
   bool in_range_ = true;
   FailsafeLimits limits_;
   FenceWatch fence_watch_;
+
+  ModelMonitor learnt_;
 
   Errand errand_;                         // of GUIDED, LOITER, RTL
   WayRound way_round_;                    // back, where the straight way leaves the fence

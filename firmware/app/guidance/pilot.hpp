@@ -100,6 +100,7 @@ class Pilot {
 
   const core::ControllerParams<S>& law() const { return law_.controller; }
   Estimates estimates() const;
+  const core::Vec2<S>& current_n() const { return own_.observer().c_n; }
 
   /// The own state at the current whole millisecond.
   convert::OwnState own_state(std::int64_t now_us) const;

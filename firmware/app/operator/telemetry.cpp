@@ -167,7 +167,7 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   const core::Conditions met = r.conditions & core::kAllConditions;
   using F = FormationReport;
   using E = Estimates;
-  const std::array<Value, 23> values{{{"E_X", of([](const F& f) { return f.error.x; })},
+  const std::array<Value, 26> values{{{"E_X", of([](const F& f) { return f.error.x; })},
                                       {"E_Y", of([](const F& f) { return f.error.y; })},
                                       {"E_PSI", of([](const F& f) { return f.error.psi; })},
                                       {"IN_SLOT", in_slot},
@@ -182,6 +182,9 @@ std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
                                       {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
                                       {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
                                       {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
+                                      {"LRN_BAL", r.balance},
+                                      {"LRN_DRAG", r.drag},
+                                      {"LRN_YAWD", r.yaw_damping},
                                       {"LEADER", double(r.leader)},
                                       {"COND", double(met % (1U << kCond))},
                                       {"COND2", double(met >> kCond)},

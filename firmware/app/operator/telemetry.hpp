@@ -64,10 +64,11 @@ struct Report {
   std::optional<double> depth;         ///< in the tree of leaders; unless FS_SEP_M is 0
   std::optional<double> separation_m;  ///< predicted, of the nearest vessel, while the law drives
   std::optional<Estimates> estimates;  ///< while the own state is fresh
-  core::Thrust<double> thrust{};       ///< N, of the commands as sent
-  double most_N = 0, least_N = 0;      ///< of one propeller, N; least: astern, negative
-  std::uint8_t leader = 0;             ///< system id
-  std::array<EscReport, 2> escs{};     ///< port, starboard
+  std::optional<float> balance, drag, yaw_damping;  ///< as learnt, while they look wrong
+  core::Thrust<double> thrust{};                    ///< N, of the commands as sent
+  double most_N = 0, least_N = 0;             ///< of one propeller, N; least: astern, negative
+  std::uint8_t leader = 0;                    ///< system id
+  std::array<EscReport, 2> escs{};            ///< port, starboard
   bool fenced = false, fence_is_off = false;  ///< by FS_FENCE_M or a stored fence
   bool battery_limited = false;               ///< by FS_BATT_V
   std::uint32_t overruns = 0;

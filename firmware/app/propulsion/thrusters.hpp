@@ -27,6 +27,13 @@ class Thrusters {
         port_{law.port_curve, propulsion.port_esc, propulsion.port_reversed},
         stbd_{law.stbd_curve, propulsion.stbd_esc, propulsion.stbd_reversed} {}
 
+  /// Other curves from the next step on; the commands go on from where they are.
+  void set_curves(const convert::Law<S>& law) {
+    propellers_ = law.controller.propellers;
+    port_.curve = law.port_curve;
+    stbd_.curve = law.stbd_curve;
+  }
+
   /// Zeros at once unless `drive`; else moves towards the desired thrusts at the slew rate at most.
   /// If the thrust may not rise, neither thrust nor command exceeds the greater of the last step's
   /// two: the same command gives different thrusts ahead and astern.

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/model_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/parameters/derived.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr float kSample_s = 0.1F;
+constexpr int kLeastBlocks = 12;    // a minute
+constexpr float kTurnShare = 0.6F;  // of LAW_R_MAX
+// Applied within a block of 5 s: 5 % of a propeller's thrust, 12 % of the drag in a minute.
+constexpr float kBalanceStep = 0.004F, kDragStep = 0.01F;
+constexpr float kMostBalance = 0.3F, kLeastDrag = 0.4F, kMostDrag = 2.5F;
+
+/// Errors that are told: above, below 0; standard deviation of one that is known.
+struct Limits {
+  float above, below, known;
+};
+constexpr std::array<Limits, ModelMonitor::kNumbers> kLimits{
+    {{0.025F, 0.025F, 0.02F}, {0.4F, 0.3F, 0.15F}, {0.75F, 0.4F, 0.15F}}};
+
+constexpr std::size_t index_of(ModelMonitor::Number number) {
+  return static_cast<std::size_t>(number);
+}
+
+}  // namespace
+
+void ModelMonitor::configure(const Parameters& p) {
+  const std::array<float, 14> numbers{p.VES_M11,     p.VES_M22,     p.VES_M33,  p.VES_D11,
+                                      p.VES_D22,     p.VES_D33,     p.VES_D11Q, p.VES_D33U,
+                                      p.THR_ARM,     p.THR_FWD_MAX, p.THR_EXPO, p.THR_REV_MAX,
+                                      p.THR_BALANCE, p.LEARN_APPLY};
+  if (std::exchange(numbers_, numbers) != numbers) {
+    state_ = {};
+    judged_ = {};
+    balance_applied_ = 0;
+    drag_applied_ = 1;
+    choice_ = static_cast<int>(p.LEARN_APPLY);
+    balance_ = p.THR_BALANCE;
+  }
+  const Parameters now = applied(p);
+  params_.vessel = {now.VES_M11, now.VES_M22, now.VES_M33,  now.VES_D11,
+                    now.VES_D22, now.VES_D33, now.VES_D11Q, now.VES_D33U};
+  params_.a = now.THR_ARM;
+  params_.r_max = kTurnShare * derived(now).LAW_R_MAX;
+}
+
+Parameters ModelMonitor::applied(const Parameters& p) const {
+  Parameters out = p;
+  out.THR_BALANCE = std::clamp(p.THR_BALANCE + balance_applied_, -0.5F, 0.5F);
+  out.VES_D11 = drag_applied_ * p.VES_D11;
+  out.VES_D11Q = drag_applied_ * p.VES_D11Q;
+  return out;
+}
+
+bool ModelMonitor::push(const core::Tau<float>& given, float since_s) {
+  impulse_ = {impulse_.X + since_s * given.X, impulse_.N + since_s * given.N};
+  impulse_s_ += since_s;
+  return impulse_s_ >= kSample_s;
+}
+
+bool ModelMonitor::take(const core::Nu<float>& nu, const core::SinCos<float>& heading,
+                        const core::Vec2<float>& current_n, std::int64_t now_us) {
+  const bool used = core::model_error_forward(params_, state_,
+                                              {std::exchange(impulse_, {}), nu, heading, current_n},
+                                              std::exchange(impulse_s_, 0.0F));
+  if (!used) return false;
+  judge(Number::kBalance, core::balance_error(state_), balance_applied_, now_us);
+  judge(Number::kDrag, core::drag_error(state_), drag_applied_, now_us);
+  judge(Number::kYawDamping, core::yaw_damping_error(state_), 1, now_us);
+  return apply();
+}
+
+void ModelMonitor::interrupt() {
+  impulse_ = {};
+  impulse_s_ = 0;
+  core::model_error_interrupt(state_);
+}
+
+/// applied: THR_BALANCE's change, or the factor, that the model has already.
+void ModelMonitor::judge(Number number, const core::Share<float>& error, float applied,
+                         std::int64_t now_us) {
+  const Limits& limits = kLimits[index_of(number)];
+  Judged& one = judged_[index_of(number)];
+  const bool sum = number == Number::kBalance;
+  one.value = sum ? applied + error.value : applied * (1 + error.value) - 1;
+  const float variance = sum ? error.variance : applied * applied * error.variance;
+  const float size = std::abs(one.value);
+  const float limit = one.value < 0 ? limits.below : limits.above;
+  if (size < limit) {
+    one.since_us.reset();
+  } else if (!one.since_us) {
+    one.since_us = now_us;
+  }
+  if (size < limit / 2) one.wrong = false;
+  const float spare = size - limit;
+  if (state_.blocks < kLeastBlocks || variance > limits.known * limits.known) return;
+  if (spare < 0 || spare * spare < 4 * variance || size * size < 16 * variance) return;
+  if (one.wrong && std::abs(one.value - one.told) < limits.below) return;
+  one.wrong = one.fresh = true;
+  one.told = one.value;
+}
+
+/// Moves what is told a step from the filters into the model.
+bool ModelMonitor::apply() {
+  const auto step = [&](Number number, float error, float most) {
+    const Judged& one = judged_[index_of(number)];
+    return one.wrong ? std::clamp(error, -most, most) : 0;
+  };
+  float balance = 0, drag = 0;
+  if (choice_ >= 1) {
+    balance = step(Number::kBalance, core::balance_error(state_).value, kBalanceStep);
+    balance =
+        std::clamp(balance_applied_ + balance, -kMostBalance, kMostBalance) - balance_applied_;
+  }
+  if (choice_ >= 2) {
+    drag = step(Number::kDrag, core::drag_error(state_).value, kDragStep);
+    drag = std::clamp(drag_applied_ * (1 + drag), kLeastDrag, kMostDrag) / drag_applied_ - 1;
+  }
+  if (balance == 0 && drag == 0) return false;
+  balance_applied_ += balance;
+  drag_applied_ *= 1 + drag;
+  core::model_error_applied(state_, balance, drag);
+  return true;
+}
+
+float ModelMonitor::value_of(Number number) const {
+  const float value = judged_[index_of(number)].value;
+  return number == Number::kBalance ? balance_ + value : 1 + value;
+}
+
+std::optional<ModelMonitor::Finding> ModelMonitor::take_finding() {
+  for (std::size_t i = 0; i < kNumbers; ++i) {
+    if (!std::exchange(judged_[i].fresh, false)) continue;
+    const auto number = static_cast<Number>(i);
+    return Finding{number, value_of(number), judged_[i].since_us.value_or(0)};
+  }
+  return std::nullopt;
+}
+
+std::optional<float> ModelMonitor::told(Number number) const {
+  if (!judged_[index_of(number)].wrong) return std::nullopt;
+  return value_of(number);
+}
+
+}  // namespace flotilla::app

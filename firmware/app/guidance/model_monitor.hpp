@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// What the boat learns of its own model while it sails: which numbers look wrong, and since when.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "app/parameters.hpp"
+#include "core/estimation/model_error.hpp"
+
+namespace flotilla::app {
+
+/// In float for every law: products of its variances are below Q16's resolution.
+class ModelMonitor {
+ public:
+  enum class Number : std::uint8_t { kBalance, kDrag, kYawDamping };
+  static constexpr std::size_t kNumbers = 3;
+
+  struct Finding {
+    Number number = Number::kBalance;
+    float value = 0;  ///< THR_BALANCE that fits; or the factor of VES_D11, VES_D33
+    std::int64_t since_us = 0;
+  };
+
+  /// Other numbers of the hull, the propellers, or LEARN_APPLY: forgets what it has learnt.
+  void configure(const Parameters& p);
+
+  /// The same parameters with what LEARN_APPLY has applied so far.
+  Parameters applied(const Parameters& p) const;
+
+  /// The wrench given for `since_s`. True if the motion at their end is to be passed to take().
+  [[nodiscard]] bool push(const core::Tau<float>& given, float since_s);
+
+  /// Velocity, heading, and the current's estimate. True if applied() has changed.
+  [[nodiscard]] bool take(const core::Nu<float>& nu, const core::SinCos<float>& heading,
+                          const core::Vec2<float>& current_n, std::int64_t now_us);
+
+  /// The law does not drive, or the motion is unknown.
+  void interrupt();
+
+  /// A number that looks wrong, once, and again when it has changed by as much as is worth telling.
+  std::optional<Finding> take_finding();
+
+  /// The number's value while it looks wrong or is being applied.
+  std::optional<float> told(Number number) const;
+
+ private:
+  struct Judged {
+    float value = 0;  ///< THR_BALANCE's change, or the share beyond the parameter
+    bool wrong = false, fresh = false;
+    std::optional<std::int64_t> since_us;
+    float told = 0;
+  };
+
+  void judge(Number number, const core::Share<float>& error, float beyond, std::int64_t now_us);
+  bool apply();
+  float value_of(Number number) const;
+
+  core::ModelErrorParams<float> params_{};
+  core::ModelError<float> state_{};
+  std::array<Judged, kNumbers> judged_{};
+  std::array<float, 14> numbers_{};
+  int choice_ = 0;     // LEARN_APPLY
+  float balance_ = 0;  // THR_BALANCE
+  float balance_applied_ = 0, drag_applied_ = 1;
+  core::Tau<float> impulse_{};
+  float impulse_s_ = 0;
+};
+
+}  // namespace flotilla::app

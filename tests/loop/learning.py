@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: MIT
+"""What boats learn of their own model while they sail, beside the truth.
+
+    python -m tests.loop.learning [--seeds N] [--minutes N]
+
+First hulls that are not as the boats are told: how many of the boats tell the number that is wrong,
+after how many minutes, the value told at the end against the truth, what else they tell, and the
+worst RMS distance from the slots in the last third. Then the same fleets with nothing wrong: every
+finding is a false one. N seeds (20) of N minutes (10) each.
+"""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from pymavlink.dialects.v20 import common as mavlink
+from rich.progress import track
+
+from sil.lockstep.batch import Batch
+from sil.lockstep.world import Run, sail
+from sil.scenario import scenario
+from sil.wire.mavlink_frames import frames
+from tests.loop.presets import WEATHER, alike
+
+BALANCE, DRAG, YAW = "LRN_BAL", "LRN_DRAG", "LRN_YAWD"
+_WORDS = {"weak": BALANCE, "Drag": DRAG, "Yaw": YAW}
+FLEETS: dict[str, tuple[str, ...]] = {
+    "diamond": ("diamond", "law=product"),
+    "noisy": ("noisy",),
+    "current": ("current",),
+    "square": ("square",),
+    "turning": ("turning",),
+    "straight": ("straight",),
+    "sea": ("sea",),
+    "paper in weather": ("mixed", *alike("paper"), *WEATHER),
+    "blueboat in weather": ("mixed", *alike("blueboat"), *WEATHER),
+    "otter in weather": ("mixed", *alike("otter"), *WEATHER),
+}
+
+
+@dataclass(frozen=True)
+class Told:
+    """A boat's text, and when."""
+
+    minute: float
+    number: str
+    text: str
+
+
+@dataclass
+class Learnt:
+    """What the boats of one run told: texts, last values; where they were."""
+
+    texts: dict[int, list[Told]] = field(default_factory=dict)
+    values: dict[tuple[int, str], float] = field(default_factory=dict)
+    rms_m: float = float("nan")
+    left: str = ""
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """A fleet whose hull differs by `changes` in `number`, whose true value is `truth`."""
+
+    fleet: str
+    what: str
+    changes: tuple[str, ...]
+    number: str
+    truth: float
+
+
+def weak(fleet: str, port: float, stbd: float) -> Wrong:
+    """Propellers that give these shares of what they are told to have."""
+    given = 0.5 * (port + stbd)
+    own = scenario.load(*_file(fleet)).propellers
+    changes = (
+        f"propellers.port_gain={own.port_gain * port!r}",
+        f"propellers.stbd_gain={own.stbd_gain * stbd!r}",
+    )
+    what = f"port {port:g}, starboard {stbd:g}"
+    return Wrong(fleet, what, changes, BALANCE, 0.5 * (stbd - port) / given)
+
+
+def times(fleet: str, number: str, factor: float) -> Wrong:
+    """A hull with that many times the drag, or the yaw damping, of the boats' parameters."""
+    own = scenario.load(*_file(fleet)).vessel
+    keys = {DRAG: ("d11", "d11_quadratic"), YAW: ("d33", "d33_quadratic", "d33_speed")}[number]
+    changes = tuple(f"vessel.{key}={getattr(own, key) * factor!r}" for key in keys)
+    return Wrong(fleet, f"{keys[0]} × {factor:g}", changes, number, factor)
+
+
+def _file(fleet: str) -> tuple[str, list[str]]:
+    name, *changes = FLEETS[fleet]
+    return name, changes
+
+
+def learnt(
+    fleet: str,
+    changes: Sequence[str],
+    seeds: Sequence[int],
+    minutes: float,
+    parameters: dict[str, float] | None = None,
+) -> list[Learnt]:
+    """Sail a fleet once for each seed."""
+    name, own = _file(fleet)
+    more = [*own, *changes, f"duration_s={60 * minutes:g}"]
+    chosen = [scenario.load(name, [*more, f"seed={seed}"]) for seed in seeds]
+    out = [Learnt() for _ in chosen]
+    mav = mavlink.MAVLink(None)
+    begin_us: list[int] = []
+
+    def watch(batch: Batch, members: Sequence[int], tick: int, t_us: int) -> None:
+        if tick == 0:
+            begin_us[:] = [t_us]
+        minute = (t_us - begin_us[0]) / 60e6
+        for run, member in enumerate(members):
+            for agent in range(1, batch.boats + 1):
+                sent = batch.fleet.sent(batch.row(run, agent))
+                if b" since " in sent or b"LRN_" in sent:
+                    _hear(out[member], agent, minute, sent, mav)
+
+    for one, run in zip(out, sail(chosen, parameters or {}, keep_s=0.1, watch=watch), strict=True):
+        if not isinstance(run, Run):
+            one.left = str(run)
+            continue
+        off_m = np.hypot(run.trace["error"][..., 0], run.trace["error"][..., 1])
+        one.rms_m = float(np.sqrt((off_m[len(off_m) * 2 // 3 :] ** 2).mean(axis=0)).max())
+        ends = {state for states in run.states for state in states}
+        one.left = " ".join(sorted(ends - {"FORMATION", "APPROACH"}))
+    return out
+
+
+def _hear(one: Learnt, agent: int, minute: float, sent: bytes, mav: mavlink.MAVLink) -> None:
+    """Read texts and values from what a boat sent in a tick, on whichever link it came first."""
+    for kind, _, _, frame in frames(sent):
+        if kind == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
+            text = mav.decode(bytearray(frame)).text
+            number = next((own for word, own in _WORDS.items() if word in text), None)
+            texts = one.texts.setdefault(agent, [])
+            if number is None or " since " not in text:
+                continue
+            if not texts or texts[-1].text != text:
+                texts.append(Told(minute, number, text))
+        elif kind == mavlink.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT:
+            value = mav.decode(bytearray(frame))
+            if value.name.startswith("LRN_"):
+                one.values[agent, value.name] = value.value
+
+
+def boats(fleet: str) -> int:
+    """Boats in a run of a fleet."""
+    return len(scenario.load(*_file(fleet)).boat)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A case over all seeds: shares and figures of the table."""
+
+    found: float  # share of the boats that told the number
+    minutes: tuple[float, float]  # until told: median, worst
+    error: tuple[float, float]  # of the last value: median size, worst
+    others: int  # texts of other numbers
+    rms_m: float
+    left: int  # runs in which a boat left FORMATION
+
+
+def judged(case: Wrong, runs: Sequence[Learnt]) -> Row:
+    """What the runs show of a case."""
+    count = boats(case.fleet) * len(runs)
+    every = [texts for run in runs for texts in run.texts.values()]
+    first = [
+        next(told.minute for told in texts if told.number == case.number)
+        for texts in every
+        if any(told.number == case.number for told in texts)
+    ]
+    off = [
+        abs(value - case.truth)
+        for run in runs
+        for (_, name), value in run.values.items()
+        if name == case.number
+    ]
+    others = sum(told.number != case.number for texts in every for told in texts)
+    return Row(
+        len(first) / count,
+        _spread(first),
+        _spread(off),
+        others,
+        max(run.rms_m for run in runs),
+        sum(bool(run.left) for run in runs),
+    )
+
+
+def _spread(figures: Sequence[float]) -> tuple[float, float]:
+    if not figures:
+        return float("nan"), float("nan")
+    return float(np.median(figures)), float(np.max(figures))
+
+
+#: All that `main` sails.
+CASES = (
+    *(weak(fleet, 0.88, 1.0) for fleet in FLEETS),
+    weak("noisy", 1.0, 0.88),
+    *(
+        times(fleet, number, factor)
+        for fleet in FLEETS
+        for number in (DRAG, YAW)
+        for factor in (0.5, 2.0)
+    ),
+)
+
+
+def main() -> None:
+    """Print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=20, help="of each case (20)")
+    parser.add_argument("--minutes", type=float, default=10.0, help="of each run (10)")
+    options = parser.parse_args()
+    seeds = range(1, options.seeds + 1)
+    rows = []
+    for case in track(CASES, "wrong hulls"):
+        row = judged(case, learnt(case.fleet, case.changes, seeds, options.minutes))
+        cells = [f"{row.found:.0%}", f"{row.minutes[0]:.1f}; {row.minutes[1]:.1f}"]
+        cells += [f"{case.truth:.3f}", f"{row.error[0]:.3f}; {row.error[1]:.3f}", f"{row.others}"]
+        cells += [f"{row.rms_m:.3f}", f"{row.left}"]
+        rows.append(f"| {case.fleet}: {case.what} | {' | '.join(cells)} |")
+    heads = ("told by", "minutes: median; worst", "truth", "error: median; worst")
+    print(f"| wrong | {' | '.join(heads)} | others told | RMS, m | runs that left FORMATION |")
+    print("|---|" + "--:|" * 7)
+    print("\n".join(rows))
+    print("\n| nothing wrong | boats | false findings | such as |\n|---|--:|--:|---|")
+    for fleet in FLEETS:
+        texts = [
+            told.text
+            for run in learnt(fleet, (), seeds, options.minutes)
+            for own in run.texts.values()
+            for told in own
+        ]
+        print(f"| {fleet} | {boats(fleet) * options.seeds} | {len(texts)} | {''.join(texts[:1])} |")
+
+
+if __name__ == "__main__":
+    main()
