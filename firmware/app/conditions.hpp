@@ -9,33 +9,13 @@
 
 #include "app/operator/telemetry.hpp"
 #include "app/propulsion/can_node.hpp"
+#include "app/settled.hpp"
 
 namespace flotilla::app {
 
 /// Whether both ESCs are online and obey, and no other node commands them.
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
                                std::int64_t now_us);
-
-/// Debounces a condition: takes a new value once it has lasted 2 s; initially false.
-class Settled {
- public:
-  void look(bool now, std::int64_t now_us) {
-    if (now == is_) {
-      differs_since_us_.reset();
-    } else if (!differs_since_us_) {
-      differs_since_us_ = now_us;
-    } else if (now_us - *differs_since_us_ >= kWait_us) {
-      is_ = now;
-      differs_since_us_.reset();
-    }
-  }
-  bool is() const { return is_; }
-
- private:
-  static constexpr std::int64_t kWait_us = 2'000'000;
-  bool is_ = false;
-  std::optional<std::int64_t> differs_since_us_;
-};
 
 /// The operator's limits FS_BATT_V and FS_FENCE_M, which an unknown voltage or position violates,
 /// and the place to return to.
