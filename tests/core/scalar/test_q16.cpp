@@ -5,6 +5,7 @@
 #include "core/estimation/thrust_response.hpp"
 #include "core/estimation/track.hpp"
 #include "core/fence.hpp"
+#include "core/future.hpp"
 #include "core/manual.hpp"
 #include "core/piloted_boat.hpp"
 #include "core/reference.hpp"
