@@ -279,15 +279,15 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
 
 /// Whether a boat that sails with w must yield, to a stranger too, and the least predicted distance.
 template <class S>
-struct Foresight {
+struct Outlook {
   Separation<S> out{};
   bool stranger = false;
 };
 
 template <class S>
-Foresight<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
+Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
                      const SeparationInput<S>& in, const Vec2<S>& w) {
-  Foresight<S> seen;
+  Outlook<S> seen;
   Separation<S>& out = seen.out;
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
