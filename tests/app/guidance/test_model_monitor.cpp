@@ -24,7 +24,6 @@ Parameters told() {
   p.VES_D22 = UnlikeHull::d22;
   p.VES_D33 = UnlikeHull::d33;
   p.THR_ARM = static_cast<float>(UnlikeHull::a);
-  p.LAW_R_MAX = 0;
   return p;
 }
 
@@ -39,7 +38,7 @@ struct Boat {
 
   explicit Boat(const UnlikeHull& boats, int apply = 0) : hull(boats) {
     p.LEARN_APPLY = static_cast<float>(apply);
-    monitor.configure(p);
+    monitor.configure(p, 0);
   }
 
   void sail(double minutes, double turns = 1.2) {
@@ -57,7 +56,7 @@ struct Boat {
       const float before = monitor.applied(p).THR_BALANCE;
       if (monitor.take({f(nu.u), f(nu.v), f(nu.r)}, {f(std::sin(hull.psi)), f(std::cos(hull.psi))},
                        {}, now_us)) {
-        monitor.configure(p);
+        monitor.configure(p, 0);
       }
       fastest = std::max(fastest, std::abs(monitor.applied(p).THR_BALANCE - before));
       while (const auto found = monitor.take_finding()) findings.push_back(*found);
@@ -122,7 +121,7 @@ TEST_CASE("applied: slowly, and no more than is wrong; the parameter stays as it
   CHECK(boat.p.THR_BALANCE == 0);
   CHECK(boat.monitor.applied(boat.p).VES_D11 == boat.p.VES_D11);
   boat.p.LEARN_APPLY = 0;  // switched off: as it is set
-  boat.monitor.configure(boat.p);
+  boat.monitor.configure(boat.p, 0);
   CHECK(boat.monitor.applied(boat.p).THR_BALANCE == 0);
 }
 
@@ -140,7 +139,7 @@ TEST_CASE("another number of the hull: what was learnt of the old one is forgott
   boat.sail(10);
   REQUIRE(boat.monitor.told(Number::kBalance).has_value());
   boat.p.THR_BALANCE = 0.06F;
-  boat.monitor.configure(boat.p);
+  boat.monitor.configure(boat.p, 0);
   CHECK_FALSE(boat.monitor.told(Number::kBalance).has_value());
   CHECK(boat.monitor.applied(boat.p).THR_BALANCE == 0.06F);
   boat.p.LAW_KX = 0.3F;  // no number of the hull

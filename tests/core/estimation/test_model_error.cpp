@@ -14,8 +14,11 @@ using testing::UnlikeHull;
 
 template <class S>
 struct Learner {
-  ModelErrorParams<S> params{.vessel = {S(UnlikeHull::m11), S(UnlikeHull::m22), S(UnlikeHull::m33),
-                                        S(UnlikeHull::d11), S(UnlikeHull::d22), S(UnlikeHull::d33)},
+  ModelErrorParams<S> params{.m11 = S(UnlikeHull::m11),
+                             .m22 = S(UnlikeHull::m22),
+                             .m33 = S(UnlikeHull::m33),
+                             .d11 = S(UnlikeHull::d11),
+                             .d33 = S(UnlikeHull::d33),
                              .a = S(UnlikeHull::a)};
   ModelError<S> state{};
 
