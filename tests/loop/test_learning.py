@@ -30,7 +30,7 @@ def texts(runs: Sequence[Learnt]) -> list[str]:
         learning.times("noisy", DRAG, 2.0),
         learning.times("noisy", YAW, 0.5),
         learning.times("noisy", YAW, 2.0),
-        learning.times("otter in weather", DRAG, 2.0),
+        learning.times("windy", DRAG, 2.0),
     ],
     ids=lambda case: f"{case.fleet}, {case.what}",
 )
@@ -42,7 +42,7 @@ def test_every_boat_tells_the_number_that_is_wrong_and_no_other(case: Wrong) -> 
     assert row.rms_m < MOST_M and not row.left
 
 
-@pytest.mark.parametrize("fleet", ["noisy", "sea", "otter in weather"])
+@pytest.mark.parametrize("fleet", ["noisy", "sea", "windy"])
 def test_boats_that_are_as_they_are_told_tell_nothing(fleet: str) -> None:
     assert not texts(learning.learnt(fleet, (), [1], 5.0))
 
