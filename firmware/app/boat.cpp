@@ -25,19 +25,25 @@ constexpr std::int64_t kLatest_us = 9'000'000'000'000'000;
 
 float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
 
-float tenths(float x) { return static_cast<float>(portable::nearest(10 * double{x})) / 10; }
+/// The nearest 1/n, of a number under 1000.
+float to_nearest(float x, int n) {
+  const float scaled = static_cast<float>(n) * x;
+  return static_cast<float>(static_cast<int>(scaled + (x < 0 ? -0.5F : 0.5F))) /
+         static_cast<float>(n);
+}
 
 /// "10:31", UTC; "minute 12" of the boat's clock where the time of day at its 0 is unknown, 0.
 void put_time(Sentence& out, std::int64_t at_us, std::int64_t unix_us_at_0) {
-  constexpr std::int64_t kMinute_us = 60'000'000, kHour = 60, kDay = 24;
-  const std::int64_t minutes = (unix_us_at_0 + at_us) / kMinute_us;
-  const auto number = [](std::int64_t n) { return static_cast<float>(n); };
+  constexpr std::int64_t kMinute_us = 60'000'000;
+  constexpr std::uint32_t kHour = 60, kDay = 24;
+  const auto minutes = static_cast<std::uint32_t>((unix_us_at_0 + at_us) / kMinute_us);
   if (unix_us_at_0 == 0) {
-    out << "minute " << number(minutes);
+    out << "minute " << static_cast<float>(minutes);
     return;
   }
-  const std::int64_t hour = minutes / kHour % kDay, minute = minutes % kHour;
-  out << (hour < 10 ? "0" : "") << number(hour) << (minute < 10 ? ":0" : ":") << number(minute);
+  const std::uint32_t hour = minutes / kHour % kDay, minute = minutes % kHour;
+  out << (hour < 10 ? "0" : "") << static_cast<float>(hour) << (minute < 10 ? ":0" : ":")
+      << static_cast<float>(minute);
 }
 
 /// "slot needs 2.13 m/s, LAW_U_MAX is 1.5"; rounded up, so that the figure exceeds the limit.
@@ -381,8 +387,8 @@ void Boat<S>::configure() {
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
   supervisor_.choose(configuration().failsafes.choices);
   const Parameters applied = kKeepsFleet ? fleet_.applied(parameters()) : parameters();
-  learnt_.configure(applied);
   const auto law = convert::law_of<S>(learnt_.applied(applied));
+  learnt_.configure(applied, convert::in_float(law.controller.outer.r_max));
   pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   thrusters_.set_curves(law);
@@ -696,7 +702,7 @@ void Boat<S>::learn(std::int64_t now_us, S dt) {
     learnt_.interrupt();
     return;
   }
-  const auto of = [](S x) { return static_cast<float>(convert::number(x)); };
+  const auto of = [](S x) { return convert::in_float(x); };
   if (!learnt_.push({of(thrust_.given.X), of(thrust_.given.N)}, of(dt))) return;
   const core::Motion<S>& motion = pilot_.motion();
   const auto [sin, cos] = core::sin_cos(motion.psi);
@@ -766,18 +772,18 @@ void Boat<S>::tell_finding(std::int64_t now_us) {
   const auto& [number, value, since_us] = *finding;
   Sentence text;
   if (number == kBalance) {
-    const double change = double{value} - double{parameters().THR_BALANCE};
-    const double size = change < 0 ? -change : change;
-    const auto percent = static_cast<float>(portable::nearest(200 * size / (1 + size)));
+    const float change = value - parameters().THR_BALANCE;
+    const float size = change < 0 ? -change : change;
+    const float percent = to_nearest(200 * size / (1 + size), 1);
     text << (change < 0 ? "Starboard " : "Port ") << percent << " % weak";
   } else {
-    text << (number == kDrag ? "Drag " : "Yaw damping ") << tenths(value) << " x "
+    text << (number == kDrag ? "Drag " : "Yaw damping ") << to_nearest(value, 10) << " x "
          << (number == kDrag ? "VES_D11" : "VES_D33");
   }
   text << " since ";
   put_time(text, since_us, host_.unix_us > 0 ? host_.unix_us - now_us : 0);
   if (number == kBalance) {
-    text << ": THR_BALANCE " << hundredths(portable::nearest(100 * double{value}));
+    text << ": THR_BALANCE " << to_nearest(value, 100);
   } else {
     text << ": identify the hull";
   }
