@@ -62,7 +62,8 @@ def test_the_leader_waits_for_a_weak_follower_which_stays_in_formation() -> None
     assert set(waits.states[WEAK - 1]) == {"FORMATION"}, waits.states
     assert set(goes_on.states[WEAK - 1]) != {"FORMATION"}, goes_on.states
     assert sailed_m(waits) < sailed_m(goes_on) - 3.0
-    assert slowest_mps(waits) < 0.4 < 0.7 < slowest_mps(goes_on)
+    assert slowest_mps(waits) < 0.4
+    assert slowest_mps(goes_on) > 0.7
 
 
 def test_the_leader_does_not_wait_for_a_boat_that_fails() -> None:
