@@ -190,8 +190,8 @@ void Boat<S>::configure() {
   max_idle_ticks_ = static_cast<int>(parameters().FS_NAV_S * tick_rate_Hz_);
   supervisor_.choose(configuration().failsafes.choices);
   const Parameters applied = fleet_.applied(parameters());
-  learnt_.configure(applied);
   const auto law = convert::law_of<S>(learnt_.applied(applied));
+  learnt_.configure(applied, convert::in_float(law.controller.outer.r_max));
   pilot_.configure(configuration_of(applied), law, vehicle_.self().system);
   if (!core::armed(state())) thrusters_ = {configuration().propulsion, law};
   thrusters_.set_curves(law);
@@ -322,7 +322,7 @@ void Boat<S>::learn(std::int64_t now_us, S dt) {
     learnt_.interrupt();
     return;
   }
-  const auto of = [](S x) { return static_cast<float>(convert::number(x)); };
+  const auto of = [](S x) { return convert::in_float(x); };
   if (!learnt_.push({of(thrust_.given.X), of(thrust_.given.N)}, of(dt))) return;
   const core::Motion<S>& motion = pilot_.motion();
   const auto [sin, cos] = core::sin_cos(motion.psi);

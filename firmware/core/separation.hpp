@@ -2,7 +2,7 @@
 // Keeps clear of other vessels: a worst-case barrier over the boat's turning circles.
 //
 //   s_w(t) = t_d V + R(ψ) c(δ) + (t − t_w) w,  t_w = t_d + |δ|/r_m   place while changing to w
-//   t_d    = t_r + |u_w − u|/2a                                      sails on, its speed changes
+//   t_d    = min(T, t_r + |u_w − u|/2a)                              sails on, its speed changes
 //   c(δ)   = (u_w/r_m) [sin |δ|  ±(1 − cos δ)]ᵀ,  u_w = ±|w| cos² δ  turning circle
 //   h(w)   = min over vessels and t_w ≤ t ≤ T of |p + v t − s_w(t)| − m − D
 //   D(w)   = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
@@ -192,7 +192,9 @@ template <class S>
 OnCourse<S> on_course(const SeparationParams<S>& params, const SeparationInput<S>& in,
                       const Vec2<S>& w) {
   const Way<S> way = way_to(in.R, w);
-  const S t_d = min(params.reaction + abs(way.u - in.nu.u) / (S(2) * in.a), params.horizon);
+  const S change = abs(way.u - in.nu.u), twice = S(2) * in.a;
+  const S most = params.horizon - params.reaction;
+  const S t_d = params.reaction + (change < twice * most ? change / twice : most);
   const auto [s, c] = sin_cos(way.delta);
   const S radius = way.u / in.intent.turning;
   const Vec2<S> at = {t_d * in.nu.u + radius * abs(s),
@@ -279,15 +281,15 @@ Vec2<S> choose(const SeparationParams<S>& params, const SeparationState<S>& stat
 
 /// Whether a boat that sails with w must yield, to a stranger too, and the least predicted distance.
 template <class S>
-struct Prediction {
+struct Outlook {
   Separation<S> out{};
   bool stranger = false;
 };
 
 template <class S>
-Prediction<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
-                     const SeparationInput<S>& in, const Vec2<S>& w) {
-  Prediction<S> seen;
+Outlook<S> foresee(const SeparationParams<S>& params, const SeparationState<S>& state,
+                   const SeparationInput<S>& in, const Vec2<S>& w) {
+  Outlook<S> seen;
   Separation<S>& out = seen.out;
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];

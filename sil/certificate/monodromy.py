@@ -6,10 +6,16 @@ at each of many instants, and the Jacobians are multiplied: Φ = ∏ A_k. What t
 y moves on with the leader, by a shift and, after the window, whole turns; both leave Φ as it is.
 The leader's motion is given, so that no place is as good as another: only a state that nothing
 pulls back shows a multiplier of 1.
+
+A propeller that stands still under small commands has no derivative where it begins to turn. Its
+thrust is T(c) + w: T the curve without the dead band, w = −T(c) for |c| < dead, else 0, so that
+|w| ≤ |T(dead)|. The Jacobians are those with T, about the regime that is sailed with w. Where
+their product's modes decay, w, which is bounded, moves the boat by a bounded amount only (a stable
+periodic linear system under a bounded input): that is in the regime's `error`.
 """
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -119,9 +125,13 @@ def on_slot(boat: Boat, where: Instants) -> Points:
 
 
 def jacobians(boat: Boat, points: Points) -> Array:
-    """Derivatives (K, n, n) of the state a cycle of fixes after the points (K) by that at them."""
+    """Derivatives (K, n, n) of the state a cycle of fixes after the points (K) by that at them.
+
+    Without the propellers' dead band.
+    """
     n = points.states.shape[1]
-    loop, found = Loop(boat, 2 * n), []
+    smooth = replace(boat, propellers=replace(boat.propellers, dead=0.0))
+    loop, found = Loop(smooth, 2 * n), []
     nudges = _DELTA * np.vstack([np.eye(n), -np.eye(n)])
     ticks = points.ticks[:, None] + np.arange(boat.cycle)
     rows = leader_rows(boat.leader, boat.h_s * ticks.ravel().astype(np.float64))

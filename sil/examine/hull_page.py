@@ -4,6 +4,8 @@
 import tomllib
 from collections.abc import Iterator
 
+import flotilla
+
 from sil import ROOT
 from sil.examine.scenario_page import meanings
 from sil.scenario import hull_files, presets
@@ -22,8 +24,12 @@ def files() -> dict[str, str]:
 
 
 def firmware_table() -> str:
-    """The firmware's parameters, a column for each hull."""
-    columns = {name: presets.firmware(presets.load(name)) for name in presets.names()}
+    """The firmware's parameters, a column for each hull, with the gains that it derives."""
+    columns = {}
+    for name in presets.names():
+        own = presets.firmware(presets.load(name))
+        gains = flotilla.derived(own)
+        columns[name] = own | {gain: float(f"{gains[gain]:.4g}") for gain in presets.DERIVED}
     rows = list(dict.fromkeys(own for column in columns.values() for own in column))
     lines = [f"| | {' | '.join(columns)} |", "|---|" + "--:|" * len(columns)]
     for own in rows:

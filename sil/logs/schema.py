@@ -45,6 +45,9 @@ LAW = (
     "conditions2",
     "depth",
     "separation_m",
+    "learnt_balance",
+    "learnt_drag",
+    "learnt_yaw_damping",
 )
 #: One ESC, with the values of esc.Status and ESC_STATUS.
 ESC = ("rpm", "voltage_V", "current_A", "temperature_degC", "power_percent", "errors")

@@ -39,6 +39,9 @@ LAW_NAMES = {
     "COND2": "conditions2",
     "DEPTH": "depth",
     "SEP_M": "separation_m",
+    "LRN_BAL": "learnt_balance",
+    "LRN_DRAG": "learnt_drag",
+    "LRN_YAWD": "learnt_yaw_damping",
 }
 MESSAGES = frozenset(
     (

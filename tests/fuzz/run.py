@@ -27,9 +27,9 @@ ROOT = Path(__file__).parents[2]
 CORPUS = Path(__file__).parent / "corpus"
 OUT = ROOT / "out" / "fuzz"
 PROGRAMS = ROOT / "build" / "dev" / "tests" / "fuzz"
-TARGETS = ("mavlink", "can", "parameters", "history")
+TARGETS = ("mavlink", "can", "parameters", "history", "missions")
 # A history of this length covers some seconds of a boat's life; longer ones only cost time.
-LONGEST = {"history": 1024, "mavlink": 2048, "can": 2048, "parameters": 4096}
+LONGEST = {"history": 1024, "mavlink": 2048, "can": 2048, "parameters": 4096, "missions": 1024}
 CALL_LIMIT_S = 20
 PROGRESS_S = 10
 

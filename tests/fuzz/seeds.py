@@ -71,6 +71,47 @@ def parameters() -> Iterator[tuple[str, bytes]]:
     yield "time", b"\x71" + b"123456789\n"
 
 
+PLAN, FENCE, RALLY, CIRCLE, JUMP, SPEED, WAIT = 0, 13, 17, 15, 7, 8, 5  # in fuzz_missions' list
+GIVE, TIME, READ, LOOK, CLEAR = 11, 6, 5, 9, 2
+
+
+def item(command: int, place: tuple[int, int], *params: int) -> bytes:
+    """An item as fuzz_missions reads it; its parameters are from -2 on."""
+    shifted = [param + 2 for param in (*params, *[0] * 4)][:4]
+    return bytes([GIVE, command, *shifted, place[0] % 256, place[1] % 256])
+
+
+def sent(kind: int, *items: bytes) -> bytes:
+    """An upload, whole, a while, what is stored read back, and a look at the way there."""
+    after = bytes([TIME, 200, TIME, 9, READ, kind, LOOK, 5, 5])
+    return bytes([0, len(items), kind]) + b"".join(items) + after
+
+
+def missions() -> Iterator[tuple[str, bytes]]:
+    """Uploads of fuzz_missions."""
+    square = [item(FENCE, place, 4) for place in ((-99, -99), (-99, 99), (99, 99), (99, -99))]
+    plan = [
+        item(PLAN, (10, 0)),
+        item(SPEED, (0, 0), 1, 1),
+        item(PLAN, (20, 9)),
+        item(WAIT, (0, 0), 3),
+    ]
+    rally = [item(RALLY, (5, 5)), item(RALLY, (-5, 5))]
+    circle = [item(CIRCLE, (0, 0), 25), item(CIRCLE + 1, (60, 60), 5)]
+    loop = [*plan, item(JUMP, (0, 0), 0, 2)]
+    uploads = {
+        "plan": sent(0, *plan),
+        "fence": sent(1, *square),
+        "circles": sent(1, *circle),
+        "rally": sent(2, *rally),
+        "loop": sent(0, *loop),
+        "all": sent(1, *square) + sent(2, *rally) + sent(0, *loop) + bytes([CLEAR, 3]),
+    }
+    for name, content in uploads.items():
+        for homes in (0, 1):
+            yield f"{name}_{homes}", bytes([homes]) + content
+
+
 def write(directory: Path) -> None:
     """Write the seeds to DIRECTORY/TARGET/…."""
     for name, seeds in (
@@ -78,6 +119,7 @@ def write(directory: Path) -> None:
         ("can", can),
         ("parameters", parameters),
         ("history", histories),
+        ("missions", missions),
     ):
         folder = directory / name
         folder.mkdir(parents=True, exist_ok=True)

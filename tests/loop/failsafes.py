@@ -27,7 +27,7 @@ from sil.plant.hull import Array
 from sil.scenario import scenario
 from sil.scenario.scenario import Scenario
 
-BOATS, TOGETHER = 3, 20
+BOATS, TOGETHER = 3, 100
 DURATION_S, FIRST_S, LAST_S = 260.0, 20.0, 100.0
 FENCE_M, BATTERY_V, GCS_S = 48.0, 14.0, 3.0
 HOME_M, STAYS_M, BEYOND_M = 2.5, 2.5, 4.0
@@ -132,7 +132,8 @@ def expected(drawn: Drawn, boat: int) -> set[str]:
     own = "AUTO" if boat == LEAD else "FORMATION"
     struck = drawn.boat in (0, boat)
     if drawn.loss == "leader":
-        return {own} if boat == LEAD else {drawn.stop}
+        # Without its radio the leader has no ground station either.
+        return {drawn.stop}
     if drawn.loss == "fence":
         return {drawn.stop} if boat == LEAD else {own, drawn.stop}
     if drawn.loss.startswith("navigation"):
@@ -216,6 +217,7 @@ def main() -> int:
             if one.wrong:
                 drawn = f"seed {one.drawn.seed}, {one.drawn.loss} of boat {one.drawn.boat}"
                 print(f"{drawn} at {one.drawn.at_s:.1f} s: {'; '.join(one.wrong)}", flush=True)
+        print(f"{len(ended)} sailed", flush=True)
     kinds = Counter((one.drawn.loss, one.drawn.stop, bool(one.wrong)) for one in ended)
     for loss in LOSSES:
         cells = [f"{stop} {kinds[loss, stop, False]}" for stop in STOPS]

@@ -30,6 +30,9 @@ GROUPS = {
 ALL = "all six"
 CASES = tuple((number, factor) for number in (*GROUPS, ALL) for factor in FACTORS)
 
+#: Of each hull the worst, or near it: what every run of the tests sails.
+SHORT = (("m11", 0.5), ("m11", 2.0), (ALL, 0.5), (ALL, 2.0))
+
 
 def fleet(name: str, number: str, factor: float, more: tuple[str, ...] = ()) -> Scenario:
     """Four boats of a hull, a number of which (or `ALL`) is times `factor`."""

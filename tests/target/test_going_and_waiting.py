@@ -20,7 +20,7 @@ from tests.target.plans import (
     plan_of,
 )
 from tests.target.plans import LOITER as LOITER_ITEM
-from tests.target.sea import Tick, acks, texts
+from tests.target.sea import Sea, Tick, acks, texts
 from tests.target.stations import (
     ACCEPTED,
     BOAT,
@@ -32,7 +32,7 @@ from tests.target.stations import (
     TEMPORARILY_REJECTED,
     Station,
 )
-from tests.target.test_auto import CORNER, at_sea, place, sailing
+from tests.target.test_auto import AUTO, CORNER, at_sea, place, sailing
 
 LOITER, RTL, GUIDED = 5, 11, 15
 REPOSITION, RETURN, PAUSE, STANDARD_MODE = 192, 20, 193, 262
@@ -470,3 +470,17 @@ def test_setpoints_of_who_may_not_command_move_no_boat() -> None:
     sea.say(local(NED, place_m=(5.0, 0.0)), sender=Station(7, 190))
     assert "Refused: setpoint, not your boat" in texts(sea.run(10.0))
     assert place(sea) == pytest.approx((0, 0), abs=0.05)
+
+
+@pytest.mark.parametrize(("alone", "into"), [(0.0, "FORMATION"), (1.0, "RTL")])
+def test_a_boat_stays_behind_a_leader_that_returns_or_returns_alone(
+    alone: float, into: str
+) -> None:
+    sea = Sea({"RTL_ALONE": alone, "FORM_OFS_N": -3.0})
+    sea.enter_formation()
+    armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED | mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+    for mode, expected in ((AUTO, "FORMATION"), (RTL, into)):
+        beat = mavlink.MAVLink_heartbeat_message(11, 0, armed, mode, 4, 3)
+        sea.say(beat, sender=sea.leader.station)
+        sea.run(0.1)
+        assert sea.state == expected

@@ -72,6 +72,18 @@ std::optional<Sample<S>> sample_of(const link::FollowTarget& message,
 template <class S = double>
 std::optional<HeadingSample<S>> own_heading_of(const link::FollowTarget& message);
 
+/// Of a vessel that an AIS receiver heard: its age on arrival, and how far its hull reaches from the
+/// position, m (0: unknown). Without a course or a speed it lies still; nothing if there is no fix,
+/// or a ship cannot be that fast.
+template <class S>
+struct AisReport {
+  Sample<S> sample;  ///< heading: the course
+  std::int64_t age_us;
+  S reach_m;
+};
+template <class S>
+std::optional<AisReport<S>> ais_report_of(const link::AisVessel& message);
+
 /// Position and velocity are known, and every field flagged as known is in range.
 bool is_usable(const link::FollowTarget& message);
 

@@ -221,6 +221,29 @@ std::optional<Sample<S>> sample_of(const link::FollowTarget& m, const HeadingSam
 }
 
 template <class S>
+std::optional<AisReport<S>> ais_report_of(const link::AisVessel& m) {
+  namespace mav = link::mav;
+  constexpr int kFullTurn_cdeg = 36'000, kFastest_cmps = static_cast<int>(kFastest_mps) * 100;
+  constexpr std::uint16_t kMoves = mav::kAisCourse | mav::kAisSpeed;
+  const bool moves = (m.flags & kMoves) == kMoves && m.COG < kFullTurn_cdeg;
+  if (!is_fix(m.lat, m.lon) || (m.flags & mav::kAisFast) != 0) return std::nullopt;
+  if (moves && m.velocity > kFastest_cmps) return std::nullopt;
+  // Whole seconds, cut off.
+  AisReport<S> out{{}, (std::int64_t{m.tslc} + 1) * 1'000'000, S(0)};
+  out.sample.at = {m.lat, m.lon};
+  if (moves) {
+    out.sample.psi_rad = S(int{m.COG}) / S(kFullTurn_cdeg) * S(2 * 3.14159265358979);
+    out.sample.u_mps = S(int{m.velocity}) / S(kCentimetres);
+  }
+  if ((m.flags & mav::kAisDimensions) != 0) {
+    const auto far = [](int a, int b) { return S(std::max(a, b)); };
+    out.reach_m = core::hypot(far(m.dimension_bow, m.dimension_stern),
+                              far(m.dimension_port, m.dimension_starboard));
+  }
+  return out;
+}
+
+template <class S>
 void move_to_reference_point(Sample<S>& antenna, S x, S y) {
   if (x == S(0) && y == S(0)) return;
   const S r = antenna.r_radps;
@@ -243,6 +266,7 @@ bool is_valid(const link::GpsGlobalOrigin& o) { return is_fix(o.latitude, o.long
   template std::optional<Sample<S>> sample_of<S>(const link::FollowTarget&,              \
                                                  const HeadingSample<S>&);               \
   template std::optional<HeadingSample<S>> own_heading_of<S>(const link::FollowTarget&); \
+  template std::optional<AisReport<S>> ais_report_of<S>(const link::AisVessel&);         \
   template void move_to_reference_point<S>(Sample<S>&, S, S);
 FLOTILLA_INSTANTIATE(float)
 FLOTILLA_INSTANTIATE(double)

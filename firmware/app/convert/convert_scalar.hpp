@@ -103,6 +103,13 @@ int whole(S x) {
 }
 inline int whole(core::Q16 x) { return x.raw() / 65536; }
 
+/// A number of the law in float, for estimators that keep float in every law.
+template <std::floating_point S>
+float in_float(S x) {
+  return static_cast<float>(x);
+}
+inline float in_float(core::Q16 x) { return static_cast<float>(x.raw()) * (1.0F / 65536); }
+
 /// Time, s. Q16 saturates at ±32,767 s (nine hours): older than any limit.
 template <class S>
 S seconds(std::int64_t us) {

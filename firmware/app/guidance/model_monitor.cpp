@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "app/parameters/derived.hpp"
-
 namespace flotilla::app {
 namespace {
 
@@ -24,30 +22,40 @@ struct Limits {
 constexpr std::array<Limits, ModelMonitor::kNumbers> kLimits{
     {{0.025F, 0.025F, 0.02F}, {0.4F, 0.3F, 0.15F}, {0.75F, 0.4F, 0.15F}}};
 
+/// With another one of these, what was learnt is forgotten; LEARN_APPLY and THR_BALANCE are first.
+constexpr std::array<float Parameters::*, ModelMonitor::kOfModels> kOfModel{
+    &Parameters::LEARN_APPLY, &Parameters::THR_BALANCE, &Parameters::VES_M11,
+    &Parameters::VES_M22,     &Parameters::VES_M33,     &Parameters::VES_D11,
+    &Parameters::VES_D22,     &Parameters::VES_D33,     &Parameters::VES_D11Q,
+    &Parameters::VES_D33U,    &Parameters::THR_ARM,     &Parameters::THR_FWD_MAX,
+    &Parameters::THR_REV_MAX, &Parameters::THR_EXPO};
+
 constexpr std::size_t index_of(ModelMonitor::Number number) {
   return static_cast<std::size_t>(number);
 }
 
 }  // namespace
 
-void ModelMonitor::configure(const Parameters& p) {
-  const std::array<float, 14> numbers{p.VES_M11,     p.VES_M22,     p.VES_M33,  p.VES_D11,
-                                      p.VES_D22,     p.VES_D33,     p.VES_D11Q, p.VES_D33U,
-                                      p.THR_ARM,     p.THR_FWD_MAX, p.THR_EXPO, p.THR_REV_MAX,
-                                      p.THR_BALANCE, p.LEARN_APPLY};
-  if (std::exchange(numbers_, numbers) != numbers) {
+void ModelMonitor::configure(const Parameters& p, float r_max_radps) {
+  bool same = true;
+  for (std::size_t i = 0; i < kOfModel.size(); ++i) {
+    same = std::exchange(numbers_[i], p.*kOfModel[i]) == p.*kOfModel[i] && same;
+  }
+  if (!same) {
     state_ = {};
     judged_ = {};
     balance_applied_ = 0;
     drag_applied_ = 1;
-    choice_ = static_cast<int>(p.LEARN_APPLY);
-    balance_ = p.THR_BALANCE;
   }
-  const Parameters now = applied(p);
-  params_.vessel = {now.VES_M11, now.VES_M22, now.VES_M33,  now.VES_D11,
-                    now.VES_D22, now.VES_D33, now.VES_D11Q, now.VES_D33U};
-  params_.a = now.THR_ARM;
-  params_.r_max = kTurnShare * derived(now).LAW_R_MAX;
+  params_.m11 = p.VES_M11;
+  params_.m22 = p.VES_M22;
+  params_.m33 = p.VES_M33;
+  params_.d11 = drag_applied_ * p.VES_D11;
+  params_.d11q = drag_applied_ * p.VES_D11Q;
+  params_.d33 = p.VES_D33;
+  params_.d33u = p.VES_D33U;
+  params_.a = p.THR_ARM;
+  params_.r_max = kTurnShare * r_max_radps;
 }
 
 Parameters ModelMonitor::applied(const Parameters& p) const {
@@ -113,12 +121,13 @@ bool ModelMonitor::apply() {
     return one.wrong ? std::clamp(error, -most, most) : 0;
   };
   float balance = 0, drag = 0;
-  if (choice_ >= 1) {
+  const float choice = numbers_[0];
+  if (choice >= 1) {
     balance = step(Number::kBalance, core::balance_error(state_).value, kBalanceStep);
     balance =
         std::clamp(balance_applied_ + balance, -kMostBalance, kMostBalance) - balance_applied_;
   }
-  if (choice_ >= 2) {
+  if (choice >= 2) {
     drag = step(Number::kDrag, core::drag_error(state_).value, kDragStep);
     drag = std::clamp(drag_applied_ * (1 + drag), kLeastDrag, kMostDrag) / drag_applied_ - 1;
   }
@@ -131,7 +140,7 @@ bool ModelMonitor::apply() {
 
 float ModelMonitor::value_of(Number number) const {
   const float value = judged_[index_of(number)].value;
-  return number == Number::kBalance ? balance_ + value : 1 + value;
+  return number == Number::kBalance ? numbers_[1] + value : 1 + value;
 }
 
 std::optional<ModelMonitor::Finding> ModelMonitor::take_finding() {

@@ -16,7 +16,7 @@ namespace flotilla::app {
 class ModelMonitor {
  public:
   enum class Number : std::uint8_t { kBalance, kDrag, kYawDamping };
-  static constexpr std::size_t kNumbers = 3;
+  static constexpr std::size_t kNumbers = 3, kOfModels = 14;
 
   struct Finding {
     Number number = Number::kBalance;
@@ -24,8 +24,9 @@ class ModelMonitor {
     std::int64_t since_us = 0;
   };
 
-  /// Other numbers of the hull, the propellers, or LEARN_APPLY: forgets what it has learnt.
-  void configure(const Parameters& p);
+  /// Other numbers of the hull, the propellers, or LEARN_APPLY: forgets what it has learnt. r_max:
+  /// greatest yaw rate of the law, 0: no limit.
+  void configure(const Parameters& p, float r_max_radps);
 
   /// The same parameters with what LEARN_APPLY has applied so far.
   Parameters applied(const Parameters& p) const;
@@ -61,9 +62,7 @@ class ModelMonitor {
   core::ModelErrorParams<float> params_{};
   core::ModelError<float> state_{};
   std::array<Judged, kNumbers> judged_{};
-  std::array<float, 14> numbers_{};
-  int choice_ = 0;     // LEARN_APPLY
-  float balance_ = 0;  // THR_BALANCE
+  std::array<float, kOfModels> numbers_{};  // LEARN_APPLY, THR_BALANCE, hull, propellers
   float balance_applied_ = 0, drag_applied_ = 1;
   core::Tau<float> impulse_{};
   float impulse_s_ = 0;

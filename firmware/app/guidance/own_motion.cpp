@@ -18,12 +18,6 @@ bool tells_place(const link::Message& message) {
          std::holds_alternative<link::GlobalPositionInt>(message);
 }
 
-template <std::floating_point S>
-float float_of(S x) {
-  return static_cast<float>(x);
-}
-float float_of(core::Q16 x) { return static_cast<float>(x.raw()) * (1.0F / 65536); }
-
 }  // namespace
 
 template <class S>
@@ -91,7 +85,7 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
     carry(now_us);
     return;
   }
-  if (latency_.estimates()) latency_.push(float_of(given.N), float_of(since));
+  if (latency_.estimates()) latency_.push(convert::in_float(given.N), convert::in_float(since));
   response_.push(law.controller, given, since);
   const core::Vessel<S>& vessel = law.controller.vessel;
   track_.push(since * core::max(core::abs(given.X) / vessel.m11, core::abs(given.N) / vessel.m33));
@@ -101,7 +95,8 @@ void OwnMotion<S>::observe(const convert::Law<S>& law, const core::Tau<S>& given
   if (!fix) return;
   response_.take_fix(fix->nu);
   std::int64_t age_us = track_.age_us(now_us).value_or(0);
-  if (latency_.estimates() && latency_.correct(float_of(fix->nu.r), float_of(fix->dt), age_us)) {
+  if (latency_.estimates() &&
+      latency_.correct(convert::in_float(fix->nu.r), convert::in_float(fix->dt), age_us)) {
     track_.set_lag(latency_.lag_us());
     age_us = track_.age_us(now_us).value_or(0);
   }

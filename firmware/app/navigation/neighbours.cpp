@@ -10,7 +10,8 @@
 namespace flotilla::app {
 namespace {
 
-constexpr std::int64_t kForgotten_us = 3'000'000;
+constexpr std::int64_t kForgotten_us = 3'000'000, kShipForgotten_us = 30'000'000;
+constexpr std::uint32_t kLastSystem = 255;
 constexpr double kOnItsWay_s = 0.1;     // least latency of the radio, and age at sending
 constexpr std::int64_t kDrift = 1'000;  // a share of time by which no two clocks drift apart
 constexpr float kDeepest = 250;
@@ -64,6 +65,9 @@ template <class S>
 void Neighbours::take(const link::Received& received, const convert::Position& own,
                       std::int64_t now_us) {
   const auto [system, component] = received.from;
+  if (const auto* ship = std::get_if<link::AisVessel>(&received.message)) {
+    take_ais<S>(*ship, own, now_us);
+  }
   if (!watches() || system == own_system_ || system == 0) return;
   if (const auto* beat = std::get_if<link::Heartbeat>(&received.message)) {
     take_heartbeat(received.from, *beat);
@@ -101,23 +105,38 @@ void Neighbours::take_origin(std::uint8_t system, const link::GpsGlobalOrigin& m
   vessel->has_origin = true;
 }
 
+/// The receiver may be our own, and repeats a report with its age.
 template <class S>
-void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sample,
-                            const convert::Position& own, std::int64_t now_us) {
-  const Vessel* known = find(system);
+void Neighbours::take_ais(const link::AisVessel& message, const convert::Position& own,
+                          std::int64_t now_us) {
+  const auto report = convert::ais_report_of<S>(message);
+  if (!watches() || !report || message.MMSI <= kLastSystem) return;
+  convert::Sample<S> sample = report->sample;
+  sample.stamp_us = now_us - report->age_us;
+  if (Vessel* vessel = take_place(message.MMSI, sample, own, now_us)) {
+    vessel->reach_m = static_cast<float>(convert::number(report->reach_m));
+  }
+}
+
+template <class S>
+Neighbours::Vessel* Neighbours::take_place(std::uint32_t id, const convert::Sample<S>& sample,
+                                           const convert::Position& own, std::int64_t now_us) {
+  const Vessel* known = find(id);
   const bool local = !sample.at;
-  if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) return;
+  if (!convert::is_valid(own.origin) || (local && (known == nullptr || !known->has_origin))) {
+    return nullptr;
+  }
   look_from(own.origin);
   const convert::Sample<S> seen = local ? sample : convert::in_plane(sample, own.origin);
   const convert::Position there{seen.north_m, seen.east_m, local ? known->origin : own.origin};
-  if (!convert::near(own, there)) return;
+  if (!convert::near(own, there)) return nullptr;
   core::Motion<S> motion;
   motion.psi = seen.psi_rad;
   const auto controller_input = convert::controller_input_of<S>(own, {}, there, motion);
   const core::Vec2<S>& apart_n = controller_input.separation_n;
   const double apart_m = portable::hypot(convert::number(apart_n.x), convert::number(apart_n.y));
-  Vessel* vessel = place_for(system, apart_m, own, now_us);
-  if (vessel == nullptr || !date(*vessel, seen.stamp_us, now_us)) return;
+  Vessel* vessel = place_for(id, apart_m, own, now_us);
+  if (vessel == nullptr || !date(*vessel, seen.stamp_us, now_us)) return nullptr;
   const auto v_n =
       core::to_north_east(controller_input.psi_L, core::Vec2<S>{seen.u_mps, seen.v_mps});
   vessel->located = true;
@@ -125,11 +144,18 @@ void Neighbours::take_place(std::uint8_t system, const convert::Sample<S>& sampl
   vessel->east_m = own.east_m - apart_n.y;
   vessel->v_north_mps = static_cast<float>(convert::number(v_n.x));
   vessel->v_east_mps = static_cast<float>(convert::number(v_n.y));
+  return vessel;
 }
 
 /// Dates a state; true if it is the newest, and young enough. An earlier stamp belongs to an
 /// overtaken message or, if no other state came for 3 s, to a clock that was restarted.
 bool Neighbours::date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us) {
+  if (vessel.id > kLastSystem) {  // stamped by our clock
+    if (vessel.dated && stamp_us < vessel.true_us) return false;
+    vessel.dated = true;
+    vessel.true_us = stamp_us;
+    return now_us - stamp_us <= kShipForgotten_us;
+  }
   if (stamp_us == 0) stamp_us = now_us;  // it has no stamp
   const std::int64_t since_us = stamp_us + vessel.ahead_us - vessel.true_us;
   const std::int64_t arrived_us = now_us - stamp_us;
@@ -157,21 +183,21 @@ void Neighbours::look_from(const link::GpsGlobalOrigin& origin) {
   for (Vessel& vessel : vessels_) vessel.located = false;
 }
 
-Neighbours::Vessel* Neighbours::find(std::uint8_t system) {
-  auto* const found = std::find_if(vessels_.begin(), vessels_.end(),
-                                   [=](const Vessel& v) { return v.system == system; });
+Neighbours::Vessel* Neighbours::find(std::uint32_t id) {
+  auto* const found =
+      std::find_if(vessels_.begin(), vessels_.end(), [=](const Vessel& v) { return v.id == id; });
   return found == vessels_.end() ? nullptr : found;
 }
 
 /// The vessel's own entry, else a free one, else that of the farthest vessel if this one is nearer.
-Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<double> distance_m,
+Neighbours::Vessel* Neighbours::place_for(std::uint32_t id, std::optional<double> distance_m,
                                           const convert::Position& own, std::int64_t now_us) {
-  if (Vessel* known = find(system)) return known;
+  if (Vessel* known = find(id)) return known;
   constexpr double kNowhere = std::numeric_limits<double>::infinity();
   double farthest_m = distance_m.value_or(kNowhere);
   Vessel* place = nullptr;
   for (Vessel& v : vessels_) {
-    const bool free = v.system == 0 || now_us - std::max(v.true_us, v.late_us) > kForgotten_us;
+    const bool free = v.id == 0 || now_us - std::max(v.true_us, v.late_us) > patience_us(v);
     const double far_m = v.located ? portable::hypot(convert::number(v.north_m - own.north_m),
                                                      convert::number(v.east_m - own.east_m))
                                    : std::numeric_limits<double>::max();
@@ -182,7 +208,7 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
   }
   if (place == nullptr) return nullptr;
   *place = {};
-  place->system = system;
+  place->id = id;
   place->true_us = now_us;
   return place;
 }
@@ -190,18 +216,23 @@ Neighbours::Vessel* Neighbours::place_for(std::uint8_t system, std::optional<dou
 std::optional<std::uint8_t> Neighbours::late(std::int64_t now_us) const {
   if (now_us - late_us_ > kForgotten_us) return std::nullopt;
   for (const Vessel& v : vessels_) {
-    if (now_us - v.true_us > kForgotten_us && now_us - v.late_us <= kForgotten_us) return v.system;
+    if (now_us - v.true_us <= kForgotten_us || now_us - v.late_us > kForgotten_us) continue;
+    return static_cast<std::uint8_t>(v.id);
   }
   return std::nullopt;
 }
 
+std::int64_t Neighbours::patience_us(const Vessel& vessel) {
+  return vessel.id > kLastSystem ? kShipForgotten_us : kForgotten_us;
+}
+
 bool Neighbours::counts(const Vessel& vessel, std::int64_t now_us) {
-  return vessel.located && now_us - vessel.true_us <= kForgotten_us;
+  return vessel.located && now_us - vessel.true_us <= patience_us(vessel);
 }
 
 bool Neighbours::has_way(const Vessel& vessel) const {
-  if (vessel.system == leader_system_ || !vessel.steered || !vessel.depth) return true;
-  return *vessel.depth == depth() ? vessel.system < own_system_ : *vessel.depth < depth();
+  if (vessel.id == leader_system_ || !vessel.steered || !vessel.depth) return true;
+  return *vessel.depth == depth() ? vessel.id < own_system_ : *vessel.depth < depth();
 }
 
 std::uint8_t Neighbours::depth() const {
@@ -218,7 +249,7 @@ core::OtherVessel<S> Neighbours::seen(const Vessel& v, const convert::Position& 
   return {{convert::scalar<S>(v.north_m - own.north_m) + age * v_n.x - moved_n.x,
            convert::scalar<S>(v.east_m - own.east_m) + age * v_n.y - moved_n.y},
           v_n,
-          age * core::length(v_n)};  // it may have stopped since
+          age * core::length(v_n) + convert::scalar<S>(v.reach_m)};  // it may have stopped since
 }
 
 template <class S>
@@ -231,6 +262,7 @@ core::Traffic<S> Neighbours::traffic(const convert::Position& own, const core::V
     core::OtherVessel<S>& other = out.vessels[out.count++];
     other = seen(v, own, moved_n, now_us);
     other.has_way = has_way(v);
+    other.stranger = !v.depth && v.id != leader_system_;
   }
   return out;
 }
@@ -240,8 +272,8 @@ bool Neighbours::clear(const convert::Position& own, const core::Vec2<S>& moved_
                        std::int64_t now_us) const {
   if (!watches() || !same(own.origin, frame_)) return true;
   return std::ranges::none_of(vessels_, [&](const Vessel& v) {
-    return counts(v, now_us) &&
-           core::length(seen(v, own, moved_n, now_us).p_n) < convert::scalar<S>(least_m_);
+    return counts(v, now_us) && core::length(seen(v, own, moved_n, now_us).p_n) <
+                                    convert::scalar<S>(least_m_ + v.reach_m);
   });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tracks nearby vessels by their MAVLink messages, and decides which have the right of way.
+// Tracks nearby vessels by their MAVLink messages or AIS, and decides which have the right of way.
 #pragma once
 
 #include <array>
@@ -19,6 +19,9 @@ namespace flotilla::app {
 ///
 /// The delay of a state beyond that of the vessel's promptest messages adds to its age. The delay
 /// that all its messages share is not measured, but assumed to be 0.1 s.
+///
+/// AIS_VESSEL counts from whichever component sends it, under the ship's MMSI, for 30 s: ships report
+/// every two to ten seconds. A vessel that sends no DEPTH is a stranger.
 class Neighbours {
  public:
   /// Our own and our leader's system id. If `least_m` (FS_SEP_M) is 0, nobody is tracked.
@@ -49,13 +52,14 @@ class Neighbours {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
   struct Vessel {
-    std::uint8_t system = 0;  ///< 0: a free entry
+    std::uint32_t id = 0;  ///< system id, or MMSI, which is greater; 0: a free entry
     bool located = false;
     bool dated = false;  ///< ahead_us is known
     bool has_origin = false;
     bool steered = false;  ///< drives itself; only then can it yield
     std::optional<std::uint8_t> depth;
     float v_north_mps = 0, v_east_mps = 0;
+    float reach_m = 0;  ///< of the hull beyond the position
     Metres north_m, east_m;
     link::GpsGlobalOrigin origin{};  ///< of its local frame
     std::int64_t true_us = 0;        ///< when its state was true, by our clock
@@ -67,13 +71,17 @@ class Neighbours {
   void take_depth(std::uint8_t system, const link::NamedValueFloat& message);
   void take_origin(std::uint8_t system, const link::GpsGlobalOrigin& message, std::int64_t now_us);
   template <class S>
-  void take_place(std::uint8_t system, const convert::Sample<S>& sample,
-                  const convert::Position& own, std::int64_t now_us);
+  void take_ais(const link::AisVessel& message, const convert::Position& own, std::int64_t now_us);
+  /// The vessel's entry, if this is its newest state, which takes the place.
+  template <class S>
+  Vessel* take_place(std::uint32_t id, const convert::Sample<S>& sample,
+                     const convert::Position& own, std::int64_t now_us);
   bool date(Vessel& vessel, std::int64_t stamp_us, std::int64_t now_us);
   void look_from(const link::GpsGlobalOrigin& origin);
-  Vessel* find(std::uint8_t system);
-  Vessel* place_for(std::uint8_t system, std::optional<double> distance_m,
+  Vessel* find(std::uint32_t id);
+  Vessel* place_for(std::uint32_t id, std::optional<double> distance_m,
                     const convert::Position& own, std::int64_t now_us);
+  static std::int64_t patience_us(const Vessel& vessel);
   static bool counts(const Vessel& vessel, std::int64_t now_us);
   bool has_way(const Vessel& vessel) const;
   template <class S>

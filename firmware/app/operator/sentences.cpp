@@ -10,18 +10,24 @@ namespace {
 
 float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
 
-float tenths(float x) { return static_cast<float>(portable::nearest(10 * double{x})) / 10; }
+/// The nearest 1/n, of a number under 1000.
+float to_nearest(float x, int n) {
+  const float scaled = static_cast<float>(n) * x;
+  return static_cast<float>(static_cast<int>(scaled + (x < 0 ? -0.5F : 0.5F))) /
+         static_cast<float>(n);
+}
 
 void put_time(Sentence& out, std::int64_t at_us, std::int64_t unix_us_at_0) {
-  constexpr std::int64_t kMinute_us = 60'000'000, kHour = 60, kDay = 24;
-  const std::int64_t minutes = (unix_us_at_0 + at_us) / kMinute_us;
-  const auto number = [](std::int64_t n) { return static_cast<float>(n); };
+  constexpr std::int64_t kMinute_us = 60'000'000;
+  constexpr std::uint32_t kHour = 60, kDay = 24;
+  const auto minutes = static_cast<std::uint32_t>((unix_us_at_0 + at_us) / kMinute_us);
   if (unix_us_at_0 == 0) {
-    out << "minute " << number(minutes);
+    out << "minute " << static_cast<float>(minutes);
     return;
   }
-  const std::int64_t hour = minutes / kHour % kDay, minute = minutes % kHour;
-  out << (hour < 10 ? "0" : "") << number(hour) << (minute < 10 ? ":0" : ":") << number(minute);
+  const std::uint32_t hour = minutes / kHour % kDay, minute = minutes % kHour;
+  out << (hour < 10 ? "0" : "") << static_cast<float>(hour) << (minute < 10 ? ":0" : ":")
+      << static_cast<float>(minute);
 }
 
 }  // namespace
@@ -55,18 +61,18 @@ Sentence sentence_of(const ModelMonitor::Finding& finding, float balance,
   const auto& [number, value, since_us] = finding;
   Sentence text;
   if (number == kBalance) {
-    const double change = double{value} - double{balance};
-    const double size = change < 0 ? -change : change;
-    const auto percent = static_cast<float>(portable::nearest(200 * size / (1 + size)));
+    const float change = value - balance;
+    const float size = change < 0 ? -change : change;
+    const float percent = to_nearest(200 * size / (1 + size), 1);
     text << (change < 0 ? "Starboard " : "Port ") << percent << " % weak";
   } else {
-    text << (number == kDrag ? "Drag " : "Yaw damping ") << tenths(value) << " x "
+    text << (number == kDrag ? "Drag " : "Yaw damping ") << to_nearest(value, 10) << " x "
          << (number == kDrag ? "VES_D11" : "VES_D33");
   }
   text << " since ";
   put_time(text, since_us, unix_us_at_0);
   if (number == kBalance) {
-    text << ": THR_BALANCE " << hundredths(portable::nearest(100 * double{value}));
+    text << ": THR_BALANCE " << to_nearest(value, 100);
   } else {
     text << ": identify the hull";
   }

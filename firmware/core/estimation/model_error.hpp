@@ -29,14 +29,15 @@
 
 #include <Eigen/Core>
 
+#include "core/scalar/scalar.hpp"
 #include "core/types.hpp"
-#include "core/vessel.hpp"
 
 namespace flotilla::core {
 
 template <class S>
 struct ModelErrorParams {
-  Vessel<S> vessel{};
+  S m11{}, m22{}, m33{};
+  S d11{}, d33{}, d11q{}, d33u{};
   S a{};      ///< half the distance between the propellers, m
   S r_max{};  ///< blocks of faster turns are not used: damping is not linear there; 0: no limit
   S T = S(5);
@@ -91,18 +92,26 @@ struct ModelErrorInput {
 template <class S>
 void model_error_correct(const ModelErrorParams<S>& params, ModelErrorAxis<S>& axis, S y,
                          const Eigen::Matrix<S, 4, 1>& phi) {
-  // Of the shares 14 % and 4 % in an hour, of the weather 5 %.
-  const Eigen::Matrix<S, 4, 1> Q{S(0.0000055), S(0.00000055), S(0.0000008), S(0.0000008)};
-  axis.P.diagonal() += params.T * Q;
+  // Drag and damping may change by 14 % in an hour, all else by 5 %.
   const S V = max(axis.V, params.least_V);
   const S rho = clamp(axis.C / V, S(0), S(0.9));
   const S R = V * (S(1) + rho) / (S(1) - rho);
-  const Eigen::Matrix<S, 4, 1> P_phi = axis.P * phi;
-  const S share = S(1) / (R + phi.dot(P_phi));
-  const S off = y - phi.dot(axis.x);
-  const Eigen::Matrix<S, 4, 1> k = share * P_phi;
-  axis.x += off * k;
-  axis.P -= k * P_phi.transpose();
+  // Loops over the coefficients: a third of the flash of Eigen's products, at one block in 5 s.
+  Eigen::Matrix<S, 4, 1> P_phi;
+  S variance = R, off = y;
+  for (int i = 0; i < 4; ++i) {
+    axis.P(i, i) = axis.P(i, i) + params.T * (i == 0 ? S(0.0000055) : S(0.0000007));
+    P_phi(i) = S(0);
+    for (int j = 0; j < 4; ++j) P_phi(i) = P_phi(i) + axis.P(i, j) * phi(j);
+    variance = variance + phi(i) * P_phi(i);
+    off = off - phi(i) * axis.x(i);
+  }
+  const S share = S(1) / variance;
+  for (int i = 0; i < 4; ++i) {
+    const S k = share * P_phi(i);
+    axis.x(i) = axis.x(i) + off * k;
+    for (int j = 0; j < 4; ++j) axis.P(i, j) = axis.P(i, j) - k * P_phi(j);
+  }
   const S left = R * share * off;
   if (axis.count < params.memory) ++axis.count;
   const S weight = S(1) / S(axis.count);
@@ -114,25 +123,24 @@ void model_error_correct(const ModelErrorParams<S>& params, ModelErrorAxis<S>& a
 /// Uses a block that ends with velocities u, r through the water.
 template <class S>
 void model_error_end(const ModelErrorParams<S>& params, ModelError<S>& state, S u, S r) {
-  const Vessel<S>& m = params.vessel;
   const ModelErrorBlock<S>& sum = state.block;
-  const S X_1 = m.d11 + m.d11q, N_1 = m.d33 + m.d33u;
+  const S X_1 = params.d11 + params.d11q, N_1 = params.d33 + params.d33u;
   const S X = S(1) / (sum.time * X_1), N = S(1) / (sum.time * N_1);
   const S c = sum.cos / sum.time, s = sum.sin / sum.time;
   ++state.blocks;
   model_error_correct(params, state.surge,
-                      X * (m.m11 * (u - sum.first_u) - sum.given.X - sum.coupled_X + sum.drag),
+                      X * (params.m11 * (u - sum.first_u) - sum.given.X - sum.coupled_X + sum.drag),
                       Eigen::Matrix<S, 4, 1>{-X * sum.drag, -X * sum.given.N / params.a, c, s});
-  model_error_correct(params, state.yaw,
-                      N * (m.m33 * (r - sum.first_r) - sum.given.N + sum.coupled_N + sum.damping),
-                      Eigen::Matrix<S, 4, 1>{-N * sum.damping, -N * params.a * sum.given.X, c, s});
+  model_error_correct(
+      params, state.yaw,
+      N * (params.m33 * (r - sum.first_r) - sum.given.N + sum.coupled_N + sum.damping),
+      Eigen::Matrix<S, 4, 1>{-N * sum.damping, -N * params.a * sum.given.X, c, s});
 }
 
 /// A step of h seconds. True at the end of a block that is used.
 template <class S>
 bool model_error_forward(const ModelErrorParams<S>& params, ModelError<S>& state,
                          const ModelErrorInput<S>& in, S h) {
-  const Vessel<S>& m = params.vessel;
   ModelErrorBlock<S>& sum = state.block;
   const auto& [sin_psi, cos_psi] = in.heading;
   const S u = in.nu.u - (cos_psi * in.c_n.x + sin_psi * in.c_n.y);
@@ -142,10 +150,10 @@ bool model_error_forward(const ModelErrorParams<S>& params, ModelError<S>& state
   if (sum.begun) {
     sum.time = sum.time + h;
     sum.given = {sum.given.X + in.impulse.X, sum.given.N + in.impulse.N};
-    sum.drag = sum.drag + h * surge_damping(m, u) * u;
-    sum.damping = sum.damping + h * yaw_damping(m, u) * r;
-    sum.coupled_X = sum.coupled_X + h * m.m22 * v * r;
-    sum.coupled_N = sum.coupled_N + h * (m.m22 - m.m11) * u * v;
+    sum.drag = sum.drag + h * (params.d11 + params.d11q * abs(u)) * u;
+    sum.damping = sum.damping + h * (params.d33 + params.d33u * abs(u)) * r;
+    sum.coupled_X = sum.coupled_X + h * params.m22 * v * r;
+    sum.coupled_N = sum.coupled_N + h * (params.m22 - params.m11) * u * v;
     sum.cos = sum.cos + h * cos_psi;
     sum.sin = sum.sin + h * sin_psi;
     sum.turned = sum.turned + h * r;

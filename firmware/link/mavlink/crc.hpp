@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MAVLink's checksum, CRC-16/MCRF4XX: reflected polynomial 0x8408, initial value 0xFFFF. By tables,
-// eight bytes at a time: the generated crc_calculate() works bit by bit and took half of the
+// eight bytes at a time (four on a microcontroller, whose flash is short): the generated crc_calculate() works bit by bit and took half of the
 // decoding time. Source: M. E. Kounavis, F. L. Berry, A Systematic Approach to Building High
 // Performance Software-based CRC Generators ("slicing by 8").
 #pragma once
@@ -12,9 +12,11 @@
 
 namespace flotilla::link {
 
+constexpr std::size_t kCrcRows = sizeof(void*) == 8 ? 8 : 4;
+
 /// Row k: the CRC of a byte followed by k zeros, from initial value 0.
-inline constexpr std::array<std::array<std::uint16_t, 256>, 8> kMavlinkCrcTables = [] {
-  std::array<std::array<std::uint16_t, 256>, 8> tables{};
+inline constexpr std::array<std::array<std::uint16_t, 256>, kCrcRows> kMavlinkCrcTables = [] {
+  std::array<std::array<std::uint16_t, 256>, kCrcRows> tables{};
   for (unsigned byte = 0; byte < 256; ++byte) {
     unsigned crc = byte;
     for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0x8408U : 0U);
@@ -35,13 +37,14 @@ constexpr std::uint16_t mavlink_crc(std::span<const std::uint8_t> bytes, std::ui
   unsigned crc = 0xFFFF;
   const std::uint8_t* b = bytes.data();
   std::size_t left = bytes.size();
-  for (; left >= 8; left -= 8, b += 8) {
-    crc = t[7][(crc ^ b[0]) & 0xFFU] ^ t[6][(crc >> 8U) ^ b[1]] ^ t[5][b[2]] ^ t[4][b[3]] ^
-          t[3][b[4]] ^ t[2][b[5]] ^ t[1][b[6]] ^ t[0][b[7]];
+  if constexpr (kCrcRows == 8) {
+    for (; left >= 8; left -= 8, b += 8) {
+      crc = t[7][(crc ^ b[0]) & 0xFFU] ^ t[6][(crc >> 8U) ^ b[1]] ^ t[5][b[2]] ^ t[4][b[3]] ^
+            t[3][b[4]] ^ t[2][b[5]] ^ t[1][b[6]] ^ t[0][b[7]];
+    }
   }
-  if (left >= 4) {
+  for (; left >= 4; left -= 4, b += 4) {
     crc = t[3][(crc ^ b[0]) & 0xFFU] ^ t[2][(crc >> 8U) ^ b[1]] ^ t[1][b[2]] ^ t[0][b[3]];
-    left -= 4, b += 4;
   }
   for (; left > 0; --left, ++b) crc = (crc >> 8U) ^ t[0][(crc ^ *b) & 0xFFU];
   return static_cast<std::uint16_t>((crc >> 8U) ^ t[0][(crc ^ crc_extra) & 0xFFU]);

@@ -11,7 +11,7 @@
 namespace flotilla::link {
 
 struct MavlinkEntry {
-  std::uint32_t id;
+  std::uint16_t id;
   std::uint8_t crc_extra;                        ///< seed of the checksum
   std::uint8_t min_bytes;                        ///< payload without MAVLink 2 extensions
   std::uint8_t target_system, target_component;  ///< offsets in the payload, 255: none
@@ -23,12 +23,13 @@ inline constexpr auto kMavlinkEntries = std::to_array<MavlinkEntry>({
 });
 
 /// Index in the table of each low id, which nearly all messages have; the table's size if absent.
-inline constexpr std::array<std::uint16_t, 512> kMavlinkPlaces = [] {
-  std::array<std::uint16_t, 512> places{};
+inline constexpr std::array<std::uint8_t, 512> kMavlinkPlaces = [] {
+  static_assert(kMavlinkEntries.size() < 256);
+  std::array<std::uint8_t, 512> places{};
   places.fill(kMavlinkEntries.size());
   for (std::size_t i = 0; i < kMavlinkEntries.size(); ++i) {
     const std::size_t id = kMavlinkEntries[i].id;
-    if (id < places.size()) places[id] = static_cast<std::uint16_t>(i);
+    if (id < places.size()) places[id] = static_cast<std::uint8_t>(i);
   }
   return places;
 }();

@@ -17,6 +17,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
 // Messages without a name in link::mav.
+constexpr std::uint32_t kFleetTableId = 53102;
 constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kRcChannelsId = 65,
                         kManualControlId = 69, kRcOverrideId = 70, kCommandIntId = 75,
                         kCommandLongId = 76, kCommandAckId = 77, kTimesyncId = 111,
@@ -173,7 +174,7 @@ MavlinkEar::MavlinkEar(const app::Parameters& p)
       companion_(p.MAV_IDENTITY == 1.0F) {}
 
 bool MavlinkEar::hear(Bytes bytes, const app::Parameters& p, Moment& n) {
-  const auto leader = static_cast<std::uint8_t>(p.FORM_LEADER);
+  const std::uint8_t leader = n.leader;
   while (!bytes.empty()) {
     const Frame frame = frame_at(bytes);
     if (frame.size == 0) return false;
@@ -182,6 +183,7 @@ bool MavlinkEar::hear(Bytes bytes, const app::Parameters& p, Moment& n) {
     heard_.set(system);
     n.heard.own |= companion_ || system == self_.system;
     n.heard.leader |= system == leader;
+    n.in_fleet |= frame.id == kFleetTableId;
     if (const auto stamp = stamp_us(frame)) {
       if (system == self_.system) note_truth(n.clocks.own_us, *stamp, n.now_us, n.own_true_us);
       if (system == leader) note_truth(n.clocks.leader_us, *stamp, n.now_us, n.leader_true_us);

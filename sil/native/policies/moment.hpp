@@ -138,7 +138,9 @@ struct Moment : Seen {
   std::int64_t own_us = kNever_us, leader_us = kNever_us, sticks_us = kNever_us,
                neutral_us = kNever_us;
   std::int64_t controller_us = kNever_us, reboot_us = kNever_us;
-  Clocks clocks;  ///< of the navigation unit and the leader
+  Clocks clocks;            ///< of the navigation unit and the leader
+  bool in_fleet = false;    ///< a fleet's table was heard
+  std::uint8_t leader = 0;  ///< system id of the vessel followed, by FORM_LEADER or that table
   std::int64_t own_true_us = kNever_us, leader_true_us = kNever_us;  ///< of the newest state heard
   std::array<std::int64_t, 2> esc_us{kNever_us, kNever_us};
 

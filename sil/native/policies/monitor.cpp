@@ -33,7 +33,9 @@ std::optional<std::string_view> first_broken(const Seen& before, const Moment& n
 
 template <class S>
 Monitor<S>::Monitor(const app::Parameters& p)
-    : can_(static_cast<std::uint8_t>(p.CAN_NODE)), mavlink_(p), known_(p) {}
+    : can_(static_cast<std::uint8_t>(p.CAN_NODE)), mavlink_(p), known_(p) {
+  now_.leader = static_cast<std::uint8_t>(p.FORM_LEADER);
+}
 
 template <class S>
 void Monitor<S>::heard(std::span<const std::uint8_t> bytes) {
@@ -75,6 +77,8 @@ void Monitor<S>::look_inside(const app::Boat<S>& boat) {
                    static_cast<float>(app::convert::number(thrust.stbd))};
   now_.own_age_s = boat.pilot().own_age_s(now_.now_us);
   now_.leader_age_s = boat.pilot().leader_age_s(now_.now_us);
+  const std::uint8_t leader = boat.pilot().leader();
+  if (std::exchange(now_.leader, leader) != leader) now_.leader_true_us = kNever_us;
   now_.p = &boat.parameters();
   now_.in_range = true;
   now_.locked_change = false;
@@ -95,7 +99,6 @@ void Monitor<S>::note_change(const app::Parameters& now) {
   if (now.MAV_GCS_SYSID != known_.MAV_GCS_SYSID) {
     now_.asked[Ask::kArmAllowed] = now_.asked[Ask::kArm];
   }
-  if (now.FORM_LEADER != known_.FORM_LEADER) now_.leader_true_us = kNever_us;
   known_ = now;
 }
 
@@ -143,12 +146,15 @@ void Monitor<S>::note_deeds() {
     if (now_.in(State::kManual) && !lost) ++done[Ask::kManual];
     // A loss may lead to these, by the operator's choice; COAST is over where nothing else is lost.
     const bool failed = core::law_drives(was) && (was == State::kCoast || !now_.has(core::kLosses));
-    if (now_.in(State::kLoiter) && !failed) ++done[Ask::kLoiter];
+    // A boat with a fleet's table leads by its rule where it followed, and follows where it led.
+    const bool leads = now_.in_fleet && core::follows(was);
+    const bool yields = now_.in_fleet && core::sails_alone(was);
+    if (now_.in(State::kLoiter) && !failed && !leads) ++done[Ask::kLoiter];
     if (now_.in(State::kReturn) && !failed) ++done[Ask::kReturn];
     if (now_.in(State::kGuided)) ++done[Ask::kGuided];
     // If the leader is lost in the tick of the request, the state may be COAST already.
-    if (now_.follows() && !core::follows(was)) ++done[Ask::kFormation];
-    if (now_.in(State::kAuto)) ++done[Ask::kAuto];
+    if (now_.follows() && !core::follows(was) && !yields) ++done[Ask::kFormation];
+    if (now_.in(State::kAuto) && !leads) ++done[Ask::kAuto];
     if (now_.in(State::kTest)) ++done[Ask::kTest];
     if (now_.in(State::kFault) && was == State::kDisarmed) ++done[Ask::kTerminate];
   }

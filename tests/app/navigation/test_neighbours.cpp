@@ -256,6 +256,92 @@ TEST_CASE("the leader, the shallower and the lower system id have the way; the u
   }
 }
 
+TEST_CASE("a vessel that sends no DEPTH is a stranger, the leader never") {
+  Watch w;
+  w.meet(kLeader, 5, 0, -1);
+  w.meet(9, 10, 0, 4);
+  w.meet(10, 15, 0, -1);
+  const auto seen = w.look();
+  REQUIRE(seen.count == 3);
+  CHECK_FALSE(seen.vessels[0].stranger);
+  CHECK_FALSE(seen.vessels[1].stranger);
+  CHECK((seen.vessels[2].stranger && seen.vessels[2].has_way));
+}
+
+/// A ship that reports by AIS that it goes east.
+link::AisVessel ship(double north_m, std::uint16_t heard_s_ago, std::uint32_t mmsi = 211'000'001) {
+  const link::GlobalPositionInt place = at(north_m, 0);
+  link::AisVessel m{};
+  m.MMSI = mmsi;
+  m.lat = place.lat;
+  m.lon = place.lon;
+  m.COG = 9000;
+  m.velocity = 200;
+  m.tslc = heard_s_ago;
+  m.flags = link::mav::kAisCourse | link::mav::kAisSpeed;
+  return m;
+}
+
+TEST_CASE("a ship that AIS reports is a stranger with the way, whoever tells of it") {
+  for (const std::uint8_t teller : {kOwn, kLeader, std::uint8_t{255}}) {
+    Watch w;
+    w.hear(teller, ship(40, 0), 10 * kSecond_us, 191);
+    const auto seen = w.look(10 * kSecond_us);
+    REQUIRE(seen.count == 1);
+    const auto& other = seen.vessels[0];
+    CHECK((other.stranger && other.has_way));
+    CHECK(other.p_n.x == doctest::Approx(40).epsilon(0.01));
+    CHECK(other.v_n.x == doctest::Approx(0).scale(1));
+    CHECK(other.v_n.y == doctest::Approx(2));
+    CHECK(other.p_n.y == doctest::Approx(2.2));  // up to a second old, and 0.1 s on its way
+    CHECK(other.margin == doctest::Approx(2.2));
+  }
+}
+
+TEST_CASE("a ship's report ages with the receiver's count, and is forgotten after 30 s") {
+  Watch w;
+  w.hear(255, ship(40, 9), 60 * kSecond_us);
+  CHECK(w.look(60 * kSecond_us).vessels[0].p_n.y == doctest::Approx(2 * 10.1));
+  w.hear(255, ship(40, 14), 62 * kSecond_us);  // an older one
+  CHECK(w.look(62 * kSecond_us).vessels[0].p_n.y == doctest::Approx(2 * 12.1));
+  CHECK(w.look(80 * kSecond_us).count == 1);
+  CHECK(w.look(81 * kSecond_us).count == 0);
+  w.hear(255, ship(40, 30), 90 * kSecond_us);  // too old when it comes
+  CHECK(w.look(90 * kSecond_us).count == 0);
+  w.hear(255, ship(40, 1), 91 * kSecond_us);
+  CHECK(w.look(91 * kSecond_us).count == 1);
+}
+
+TEST_CASE("a ship's hull counts, and a report that cannot be true does not") {
+  Watch w;
+  link::AisVessel m = ship(40, 0);
+  m.flags |= link::mav::kAisDimensions;
+  m.dimension_bow = 3;
+  m.dimension_stern = 30;
+  m.dimension_starboard = 40;
+  w.hear(255, m);
+  CHECK(w.look().vessels[0].margin == doctest::Approx(50 + 2.2));
+  CHECK_FALSE(w.neighbours.clear(w.own, core::Vec2<float>{}, 0));  // its bow may be here
+  link::AisVessel still = ship(40, 0);
+  still.flags = link::mav::kAisSpeed;  // where to?
+  Watch rest;
+  rest.hear(255, still);
+  CHECK(core::length(rest.look().vessels[0].v_n) == 0);
+  for (int wrong = 0; wrong < 4; ++wrong) {
+    link::AisVessel bad = ship(40, 0);
+    if (wrong == 0) bad.lat = 910'000'000;
+    if (wrong == 1) bad.velocity = 5001;
+    if (wrong == 2) bad.flags |= link::mav::kAisFast;
+    if (wrong == 3) bad.MMSI = 7;  // would be a system id
+    Watch none;
+    none.hear(255, bad);
+    CHECK(none.look().count == 0);
+  }
+  Watch off(0);
+  off.hear(255, ship(40, 0));
+  CHECK(off.look().count == 0);
+}
+
 TEST_CASE("behind a leader that tells no depth a boat is one deep; nonsense is no depth") {
   Watch w;
   CHECK(w.neighbours.depth() == 1);

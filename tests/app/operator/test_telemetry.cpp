@@ -295,6 +295,9 @@ TEST_CASE("named values are those that are known, each once, all by names of up 
   r.leader_uncertainty_m.reset();
   r.estimates.reset();
   CHECK(names(r) == always);
+  r.balance = 0.06F;
+  r.yaw_damping = 0.5F;
+  CHECK(names(r) == "LRN_BAL LRN_YAWD " + always);
 }
 
 TEST_CASE("SYS_STATUS tells whether sensors, motors and arming are well, whatever is wrong") {

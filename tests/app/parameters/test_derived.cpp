@@ -147,6 +147,21 @@ TEST_CASE("each kind of misfit is named with the time constants that do not go t
   CHECK_FALSE(found->more);
 }
 
+TEST_CASE("a long boat looks as far ahead as its lateral loop needs, a short one less") {
+  Parameters p;
+  p.BOAT_LEN = 0.65F;
+  CHECK(derived(p).LAW_XT_DIST == doctest::Approx(0.5));
+  p.BOAT_LEN = 4.9F;
+  CHECK(derived(p).LAW_XT_DIST == 1);  // propellers without lag: no longer than the paper's
+  p.THR_LAG = 0.5F;
+  const double yaw_s = 1.81 * 0.518;
+  CHECK(derived(p).LAW_XT_DIST == doctest::Approx(2 * 1.5 * yaw_s).epsilon(1e-3));
+  p.LAW_U_MAX = 0;  // no limit: 1.5 m/s
+  CHECK(derived(p).LAW_XT_DIST == doctest::Approx(2 * 1.5 * yaw_s).epsilon(1e-3));
+  p.LAW_U_MAX = 5;
+  CHECK(derived(p).LAW_XT_DIST == doctest::Approx(4.9 / 1.3));
+}
+
 TEST_CASE("a boat that turns with speed, or has a weak propeller, is asked to turn less") {
   Parameters p;
   p.BOAT_LEN = 1.2F;

@@ -5,6 +5,7 @@
 #include "core/estimation/thrust_response.hpp"
 #include "core/estimation/track.hpp"
 #include "core/fence.hpp"
+#include "core/future.hpp"
 #include "core/manual.hpp"
 #include "core/piloted_boat.hpp"
 #include "core/reference.hpp"
@@ -118,7 +119,8 @@ TEST_CASE("vessels hundreds of metres away overflow nothing") {
       traffic.vessels[k] = {{in_scalar<Q16>(random(-far, far)), in_scalar<Q16>(random(-far, far))},
                             {in_scalar<Q16>(random(-5, 5)), in_scalar<Q16>(random(-5, 5))},
                             in_scalar<Q16>(random(0, 5)),
-                            k != 0};
+                            k != 0,
+                            k == 2};
     }
     const auto out = controller_step(params, state, testing::arbitrary_encounter<Q16>(random),
                                      Q16(0.01), &traffic);

@@ -195,7 +195,7 @@ const std::vector<Mutation> kState{
      from(kHold, done(Ask::kManual))},
     {"FORMATION only where it was asked for or COAST is over", kLaw,
      from(kHold, done(Ask::kFormation))},
-    {"AUTO only where it was asked for", State::kAuto, from(kHold, done(Ask::kAuto))},
+    {"AUTO only where it was asked for, or by a fleet's rule", State::kAuto, from(kHold, done(Ask::kAuto))},
     {"GUIDED only where it was asked for", kGuided, from(kHold, done(Ask::kGuided))},
     {"LOITER only where it was asked for or a loss led to it", kLoiter,
      from(kHold, done(Ask::kLoiter))},

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: MIT
+"""Boats among others: strangers that keep course and speed, and fleets that change places.
+
+    python -m tests.loop.encounters --runs 1000
+
+A boat in its slot meets a vessel of no formation, which would pass within 1.5 m of it: at the
+defaults, heard 2 to 20 times a second, up to 0.3 s late, with noise. Then fleets: boats that begin
+in each other's slots, and 20 boats in random places. Prints who came nearer than FS_SEP_M, on which
+side strangers were passed, and who did not arrive.
+
+The side is judged where the rules of the road have one. Crossing, from starboard: the boat does not
+cross ahead of the stranger. Bow to bow: they pass port to port. From port: the boat does not go to
+port of its way. Who overtakes, or is overtaken, may pass on either side.
+"""
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from pymavlink.dialects.v20 import common as mavlink
+from rich.console import Console
+from rich.progress import track
+
+from sil.lockstep import metrics
+from sil.lockstep.batch import Batch
+from sil.lockstep.world import Run, sail
+from sil.plant.hull import Array
+from sil.scenario import scenario
+from sil.scenario.scenario import Scenario
+from sil.scenario.wiring import ORIGIN
+from tests.target.stations import Station, heartbeat
+
+GUARD_M = 1.2 * 1.3  # FS_SEP_M -1: 1.2 BOAT_LEN
+SLOT_NORTH_M = -3.0  # of the leader
+D11 = 3.436  # kg/s: surge force of the leader over its speed
+ARRIVED_M, AT_REST_M = 0.2, 0.5
+SPACING_M = 4.5  # of slots between which there is room to pass: 2.9 of the guard
+TOGETHER = 50
+STRANGER = 77
+FLEET = """base = "diamond"
+law = "product"
+[propellers]
+forward_max_N = 20.0
+reverse_max_N = 20.0
+[navigation]
+rate_hz = 20.0
+position_noise_m = 0.02
+heading_noise_rad = 0.0087
+velocity_noise_mps = 0.02
+yaw_rate_noise_radps = 0.0035
+[link]
+delay_s = 0.1
+everyone = true
+[parameters]
+FS_SEP_M = -1.0
+SR_STATE = 10.0
+THR_FWD_MAX = 20.0
+THR_REV_MAX = 20.0
+THR_SLEW = 5.0
+"""
+
+
+@dataclass(frozen=True)
+class Encounter:
+    """A stranger, `there` (north, east) at the release, with velocity `v`; how it is heard."""
+
+    slot_mps: float
+    there: Array
+    v: Array
+    rate_hz: float
+    delay_s: float
+    seed: int
+
+    def at(self, t_s: Array | float) -> Array:
+        return self.there + np.multiply.outer(t_s, self.v)
+
+    @property
+    def bearing(self) -> float:
+        return math.atan2(self.there[1], self.there[0] - SLOT_NORTH_M)
+
+    @property
+    def kind(self) -> str:
+        """The rule that applies: "ahead", "starboard", "port", or "either"."""
+        course, speed = math.atan2(self.v[1], self.v[0]), math.hypot(*self.v)
+        sector = math.radians(67.5)
+        if abs(self.bearing) > math.pi - sector or (abs(course) < sector and speed < self.slot_mps):
+            return "either"
+        if abs(course) > math.radians(157.5) and abs(self.bearing) < math.radians(22.5):
+            return "ahead"
+        return "starboard" if self.bearing > 0.0 else "port"
+
+
+def drawn(number: int) -> Encounter:
+    rng = np.random.default_rng([7, number])
+    while True:
+        slot = rng.uniform(0.3, 1.2)
+        speed, course = rng.uniform(0.0, 2.0), rng.uniform(-math.pi, math.pi)
+        meet_s, miss_m = rng.uniform(10.0, 22.0), rng.uniform(-1.5, 1.5)
+        v = speed * np.array([math.cos(course), math.sin(course)])
+        relative = v - [slot, 0.0]
+        fast = math.hypot(*relative)
+        if fast < 0.15:
+            continue
+        aside = np.array([-relative[1], relative[0]]) / fast
+        there = [SLOT_NORTH_M, 0.0] + miss_m * aside - relative * meet_s
+        if math.hypot(there[0] - SLOT_NORTH_M, there[1]) > 6.0:
+            return Encounter(slot, there, v, rng.uniform(2, 20), rng.uniform(0.02, 0.3), number)
+
+
+def scenario_of(seed: int, duration_s: float, text: str, folder: Path) -> Scenario:
+    path = folder / f"run{seed}.toml"
+    head = f"seed = {seed}\nduration_s = {duration_s}\n"
+    path.write_text(head + FLEET + text, encoding="utf-8")
+    return scenario.load(path)
+
+
+def leader_at(speed_mps: float) -> str:
+    return (
+        f"[leader]\nnu = [{speed_mps}, 0.0, 0.0]\n[[leader.input]]\nsurge_N = {D11 * speed_mps}\n"
+    )
+
+
+def boat_at(offset: Sequence[float], eta: Sequence[float]) -> str:
+    return f"[[boat]]\nfollows = 0\noffset_m = {list(offset)}\neta = {list(eta)}\n"
+
+
+class Strangers:
+    """Says what the strangers of a batch say, as `sail` watches it; one stranger a run."""
+
+    def __init__(self, met: Sequence[Encounter]) -> None:
+        self.met = met
+        self.stations = [Station(STRANGER) for _ in met]
+        self.rng = [np.random.default_rng([8, each.seed]) for each in met]
+        self.next_s = np.zeros(len(met))
+        self.begun_us = 0
+
+    def __call__(self, batch: Batch, members: Sequence[int], k: int, t_us: int) -> None:
+        if k == 0:
+            self.begun_us = t_us
+        t_s = 1e-6 * (t_us - self.begun_us)
+        for run, member in enumerate(members):
+            if t_s < self.next_s[member]:
+                continue
+            one = self.met[member]
+            self.next_s[member] += 1.0 / one.rate_hz
+            noise = self.rng[member].normal(0.0, 0.02, 4)
+            here, v = one.at(t_s - one.delay_s) + noise[:2], one.v + noise[2:]
+            boot_ms = round(1e-3 * t_us - 1e3 * one.delay_s)
+            place = mavlink.MAVLink_local_position_ned_message(boot_ms, *here, 0.0, *v, 0.0)
+            origin = mavlink.MAVLink_gps_global_origin_message(*ORIGIN, 0)
+            beat = heartbeat(mavlink.MAV_TYPE_SURFACE_BOAT)
+            wire = self.stations[member].pack(beat, origin, place)
+            batch.fleet.hear(batch.agents(run)[0], wire, t_us)
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How an encounter ended; `right`: on the side of the rules, None where there is none."""
+
+    least_m: float
+    right: bool | None
+    arrived: bool
+
+
+def judged(one: Encounter, run: Run) -> Passing:
+    t_s, boat = run.trace["t_s"], run.trace["eta"][:, 1, :2]
+    apart = boat - one.at(t_s)
+    distance = np.hypot(*apart.T)
+    course = math.atan2(one.v[1], one.v[0])
+    along = apart @ [math.cos(course), math.sin(course)]
+    side = apart @ [-math.sin(course), math.cos(course)]  # to starboard of the stranger's course
+    crossed = (side[1:] < 0.0) != (side[:-1] < 0.0)
+    near = distance < 12.0
+    right = {
+        "either": None,
+        "ahead": bool(side[distance.argmin()] < 0.0),
+        "starboard": not np.any(crossed & (along[1:] > 0.0) & near[1:]),
+        "port": bool(boat[near, 1].min(initial=0.0) > -0.5),
+    }[one.kind]
+    end = float(metrics.distances(run.trace["error"])[-1].max())
+    return Passing(float(distance.min()), right, end < ARRIVED_M)
+
+
+def encounters(numbers: Sequence[int], duration_s: float = 90.0) -> list[Passing]:
+    """Each encounter's end."""
+    found = []
+    with TemporaryDirectory() as folder:
+        for begin in track(range(0, len(numbers), TOGETHER), "meeting", transient=True):
+            met = [drawn(number) for number in numbers[begin : begin + TOGETHER]]
+            slot = boat_at([SLOT_NORTH_M, 0.0], [SLOT_NORTH_M, 0.0, 0.0])
+            scenarios = [
+                scenario_of(one.seed, duration_s, leader_at(one.slot_mps) + slot, Path(folder))
+                for one in met
+            ]
+            for one, run in zip(met, sail(scenarios, {}, watch=Strangers(met)), strict=True):
+                if not isinstance(run, Run):
+                    raise run
+                found.append(judged(one, run))
+    return found
+
+
+def crowd(number: int, boats: int, speed_mps: float, swapped: bool, folder: Path) -> Scenario:
+    """A grid of slots; boats begin in each other's, or anywhere around."""
+    rng = np.random.default_rng([9, number])
+    wide = math.ceil(math.sqrt(boats))
+    slots = [(-SPACING_M * (i // wide) - 3.0, SPACING_M * (i % wide)) for i in range(boats)]
+    if swapped:
+        begin = [(*slots[i], 0.0) for i in rng.permutation(boats)]
+    else:
+        begin = []
+        while len(begin) < boats:
+            side = 2.1 * SPACING_M * wide / 2.0
+            here = (*rng.uniform(-side / 1.4, side / 1.4, 2), rng.uniform(-math.pi, math.pi))
+            if all(math.hypot(here[0] - x, here[1] - y) > 2.5 for x, y, _ in begin):
+                begin.append(here)
+    text = leader_at(speed_mps) + "".join(
+        boat_at(slot, eta) for slot, eta in zip(slots, np.round(begin, 3).tolist(), strict=True)
+    )
+    return scenario_of(number, 150.0, text, folder)
+
+
+def crowds(numbers: Sequence[int], boats: int, speed_mps: float, swapped: bool) -> Array:
+    """Least distance and worst last error of each run."""
+    found = []
+    with TemporaryDirectory() as folder:
+        for n in track(numbers, f"{boats} boats", transient=True):
+            (run,) = sail([crowd(n, boats, speed_mps, swapped, Path(folder))], {}, keep_s=0.05)
+            if not isinstance(run, Run):
+                raise run
+            least = metrics.min_separation_m(run.trace["eta"]) or 0.0
+            found.append((least, float(metrics.distances(run.trace["error"])[-1].max())))
+    return np.array(found)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--runs", type=int, default=1000, metavar="N")
+    runs = parser.parse_args(arguments).runs
+    console = Console()
+    passed = encounters(range(runs))
+    least = [each.least_m for each in passed]
+    sides = [each.right for each in passed if each.right is not None]
+    console.print(
+        f"{runs} strangers: {sum(m < GUARD_M for m in least)} nearer than {GUARD_M:.2f} m, the "
+        f"nearest {min(least):.2f} m; on the side of the rules {sum(sides)} of {len(sides)}; "
+        f"{sum(not each.arrived for each in passed)} boats not back in their slots"
+    )
+    for boats, speed, swapped in (
+        (4, 0.5, True),
+        (9, 0.0, True),
+        (12, 0.5, True),
+        (20, 0.5, False),
+    ):
+        found = crowds(range(max(runs // 50, 2)), boats, speed, swapped)
+        off = found[:, 1] > (ARRIVED_M if speed > 0.0 else AT_REST_M)
+        console.print(
+            f"{boats} boats {'in swapped slots' if swapped else 'anywhere'}, {speed} m/s, "
+            f"{len(found)} runs: {np.sum(found[:, 0] < GUARD_M)} nearer than the guard, the "
+            f"nearest {found[:, 0].min():.2f} m; not arrived in {np.sum(off)}"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT
+"""Boats find which number of their model is wrong, and find nothing where none is.
+
+The short form of `python -m tests.loop.learning`.
+"""
+
+import re
+from collections.abc import Sequence
+
+import pytest
+
+from tests.loop import learning
+from tests.loop.learning import BALANCE, DRAG, YAW, Learnt, Wrong
+
+MOST_M = 0.2  # from the slots, RMS
+ERRORS = {BALANCE: 0.015, DRAG: 0.1, YAW: 0.15}
+
+
+def texts(runs: Sequence[Learnt]) -> list[str]:
+    """All texts of all boats."""
+    return [told.text for run in runs for own in run.texts.values() for told in own]
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        learning.weak("noisy", 0.88, 1.0),
+        learning.weak("current", 1.0, 0.88),
+        learning.times("noisy", DRAG, 0.5),
+        learning.times("noisy", DRAG, 2.0),
+        learning.times("noisy", YAW, 0.5),
+        learning.times("noisy", YAW, 2.0),
+        learning.times("windy", DRAG, 2.0),
+    ],
+    ids=lambda case: f"{case.fleet}, {case.what}",
+)
+def test_every_boat_tells_the_number_that_is_wrong_and_no_other(case: Wrong) -> None:
+    runs = learning.learnt(case.fleet, case.changes, [1], 5.0)
+    row = learning.judged(case, runs)
+    assert (row.found, row.others) == (1.0, 0), texts(runs)
+    assert row.error[1] < ERRORS[case.number]
+    assert row.rms_m < MOST_M and not row.left
+
+
+@pytest.mark.parametrize("fleet", ["noisy", "sea", "windy"])
+def test_boats_that_are_as_they_are_told_tell_nothing(fleet: str) -> None:
+    assert not texts(learning.learnt(fleet, (), [1], 5.0))
+
+
+def test_a_text_names_propeller_share_time_and_what_to_set() -> None:
+    case = learning.weak("noisy", 0.88, 1.0)
+    first = texts(learning.learnt(case.fleet, case.changes, [1], 4.0))[0]
+    # the boats' clocks do not know the time of day
+    assert re.fullmatch(r"Port 1\d % weak since minute \d: THR_BALANCE 0\.0[5-8]", first), first

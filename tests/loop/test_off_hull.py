@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: MIT
+"""Boats whose hull is half or twice what they were told stay in FORMATION, near their slots."""
+
+import pytest
+
+from sil.scenario import presets
+from tests.loop.gains import Found
+from tests.loop.off_hull import SHORT, measured
+
+# As `python -m tests.loop.off_hull` prints it, m: the worst case of `SHORT` of each hull.
+MEASURED = {
+    "blueboat": 0.0345,
+    "heron": 0.1065,
+    "otter": 0.0538,
+    "paper": 0.0153,
+    "wamv": 0.0599,
+}
+MOST_M = 0.2
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[tuple[str, str, float], Found]:
+    return measured(presets.names(), SHORT)
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_no_boat_leaves_formation_or_its_slot(
+    name: str, found: dict[tuple[str, str, float], Found]
+) -> None:
+    own = {key[1:]: fleet for key, fleet in found.items() if key[0] == name}
+    assert own.keys() == set(SHORT)
+    assert not [fleet.left for fleet in own.values() if fleet.left]
+    worst = max(fleet.rms_m for fleet in own.values())
+    assert worst <= MOST_M
+    assert 0.5 * MEASURED[name] < worst < 1.5 * MEASURED[name]
