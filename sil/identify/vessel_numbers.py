@@ -95,10 +95,11 @@ def hull_of(found: Identification, boat: Boat) -> Preset:
 
 
 def parameters(found: Identification, boat: Boat) -> dict[str, float]:
-    """The firmware's parameters of this hull."""
+    """The firmware's parameters of this hull; it derives its gains from them."""
     hull = hull_of(found, boat)
     pair = hull.propellers
     own = presets.firmware(hull)
+    own = {name: value for name, value in own.items() if not name.startswith("LAW_")}
     own |= {"THR_BALANCE": pair.stbd_gain - 1.0, "THR_LAG": pair.lag_s}
     if found.wiring.port_inverted:
         own["THR_PORT_DIR"] = -1.0
