@@ -146,7 +146,8 @@ def formation(found: Identification, chosen: Scenario, kind: str) -> tuple[str, 
     own = parameters(found, Boat(chosen.vessel.m11 / 1.05))
     true = [one for one in changes(kind, chosen.seed) if one.startswith(("vessel", "propellers"))]
     same = [f"boat.{k}.{one}" for k in range(1, presets_fleet.BOATS + 1) for one in true]
-    told = [f"parameters.{name}={value}" for name, value in own.items()]
+    derived = dict.fromkeys((f"LAW_{name}" for name in (*presets_fleet.GAINS, "XT_DIST")), -1.0)
+    told = [f"parameters.{name}={value}" for name, value in (derived | own).items()]
     told += [f"boat.{k}.{one}" for k in range(1, presets_fleet.BOATS + 1) for one in told]
     base = [*presets_fleet.alike(kind), *same, *told]
     out = []
