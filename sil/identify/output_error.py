@@ -2,11 +2,11 @@
 """Output error: the terms with which open-loop simulation comes nearest to the logs.
 
 Minimises Σ |(measured − simulated) / σ|² + Σ z² over the terms z (in deviations from their
-guesses), current and push of each log, and of each window its gust and the state in which it
+guesses), current and wind of each log, and of each window its gust and the state in which it
 begins. What is a window's own is eliminated window by window (variable projection: Golub and
-Pereyra 1973), the rest is a damped Gauss-Newton step within bounds. σ² of each channel is its residuals' own mean
-square, found in rounds, times κ = 1 + 2 Σ ρ_k: so many samples count as one, since residuals whose
-neighbours correlate by ρ_k are alike.
+Pereyra 1973), the rest is a damped Gauss-Newton step within bounds.
+σ² of each channel is its residuals' own mean square, found in rounds, times κ = 1 + 2 Σ ρ_k: so
+many samples count as one, since residuals whose neighbours correlate by ρ_k are alike.
 Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4 and 5.
 """
 

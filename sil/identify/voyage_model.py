@@ -3,8 +3,8 @@
 
     u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + k_x |a| a_x
     m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + k_y |a| a_y
-    m33 ṙ + m23 v̇ = N + w − k_n a_x a_y − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
-                    − d22q ∫ x |v + x r| (v + x r) dx / L
+    m33 ṙ + m23 v̇ = N + w − k_n a_x a_y − (m22 − 1 + k) u v − m23 u r
+                    − (d33 + d33q |r| + d33s |u|) r − d22q ∫ x |v + x r| (v + x r) dx / L
     η̇ = R(ψ) ν + c
 
 ν = [u v r] through the water, c the current, a = Rᵀ(ψ) W − [u v] the air past the boat, W
@@ -48,10 +48,10 @@ class Body:
 def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
     """Measurements (samples, 6, W, C): n, e, ψ, u, v, r of W stretches for C sets of terms.
 
-    terms (K, C); local (8, W, C): current and wind over the water, north and east, and a moment; then
-    how wind and moment rise in the stretch's second half, as they did in its first; start (6, W, C):
-    n, e, ψ of the boat and u, v, r through the water; commands (before + samples, W, 2), port and
-    starboard, held for a sample; the first is `before(h)` samples before the stretch.
+    terms (K, C); local (8, W, C): current and wind over the water, north and east, and a moment;
+    then how much wind and moment rise in half a stretch; start (6, W, C): n, e, ψ of the boat and
+    u, v, r through the water; commands (before + samples, W, 2), port and starboard, held for a
+    sample; the first is `before(h)` samples before the stretch.
     """
     return measured(sail(terms, local, start, commands, body), terms, local, body.h_s)
 

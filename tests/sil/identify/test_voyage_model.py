@@ -100,7 +100,8 @@ def exact(
 def test_ten_seconds_end_where_scipy_ends(seed: int) -> None:
     rng = np.random.default_rng(seed)
     p, given = drawn(rng), commands(rng)
-    local, start = rng.normal(0.0, [0.1, 0.1, 2.0, 2.0, 0.01, 1.0, 1.0, 0.01]), rng.normal(0.0, 0.3, 6)
+    local = rng.normal(0.0, [0.1, 0.1, 2.0, 2.0, 0.01, 1.0, 1.0, 0.01])
+    start = rng.normal(0.0, 0.3, 6)
     places = local[:, None, None], start[:, None, None]
     simulated = simulate(column(p), *places, given, BODY)[:, :, 0, 0]
     true = exact(p, local, start, given)
