@@ -20,6 +20,7 @@ from rich.progress import Progress
 
 from sil.lockstep.batch import Batch
 from sil.lockstep.start import RunError
+from sil.lockstep.trace import States
 from sil.lockstep.world import sail as sail_runs
 from sil.plant.hull import Array
 from sil.scenario import scenario
@@ -80,7 +81,7 @@ class Observer:
     def __init__(self, kind: str, instants: Sequence[float], one: Scenario) -> None:
         self.kind, self.instants, self.one = kind, instants, one
         self.places = slots(one.formation) if one.formation else []
-        self.states: list[Array] = []
+        self.states: list[States] = []
         self.eta: list[Array] = []
         self.t_s: list[float] = []
         self.said: dict[tuple[int, int], Beacon] = {}
