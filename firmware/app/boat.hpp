@@ -9,51 +9,22 @@
 #include <span>
 #include <utility>
 
+#include "app/alone.hpp"
 #include "app/conditions.hpp"
-#include "app/fleet/fleet.hpp"
 #include "app/guidance/model_monitor.hpp"
 #include "app/guidance/pilot.hpp"
-#include "app/guidance/voyage.hpp"
-#include "app/guidance/way_round.hpp"
+#include "app/membership.hpp"
+#include "app/monotonic_clock.hpp"
 #include "app/operator/storage.hpp"
 #include "app/operator/vehicle.hpp"
+#include "app/operator/warnings.hpp"
+#include "app/parts.hpp"
 #include "app/propulsion/can_node.hpp"
 #include "app/propulsion/thrusters.hpp"
+#include "app/report.hpp"
 #include "app/supervisor.hpp"
 
 namespace flotilla::app {
-
-/// State after the last tick, for plots and logs; SI units.
-struct Snapshot {
-  core::State state;
-  core::Conditions conditions;
-  std::optional<double> own_age_s, leader_age_s, leader_uncertainty_m;
-  std::optional<double> reference_age_s;  ///< while the formation's reference is followed
-  Estimates estimates;
-  bool error_known;  ///< own and leader's state are fresh
-  core::Error<double> error;
-  core::Nu<double> nu_star;
-  core::Tau<double> asked, given;
-  core::Thrust<double> thrust_N;
-  core::Limits limits;                 ///< limits that acted
-  core::TooFast<double> slot_needs;    ///< if above LAW_U_MAX, LAW_R_MAX; else 0
-  bool yielding;                       ///< to another vessel
-  bool in_slot;                        ///< FORMATION, and closed up
-  std::optional<double> separation_m;  ///< predicted, of the nearest vessel
-  link::Counters counters;
-};
-
-/// State that only the host knows.
-struct HostReport {
-  bool bus_up = true;             ///< the CAN interface is up and not bus-off
-  bool parameters_saved = true;   ///< false: defaults that nobody has saved
-  std::uint32_t overruns = 0;     ///< ticks more than a period late, since the start
-  std::int64_t unix_us = 0;       ///< present time, µs since 1970; 0: unknown
-  bool save_failed = false;       ///< the last attempt to save the parameters failed
-  bool stop_pressed = false;      ///< stop switch wired to the host
-  std::uint8_t closed_links = 0;  ///< bit mask of MAVLink links whose device is not open
-  bool clock_is_set = true;       ///< false: unix_us is a guess; the unit's SYSTEM_TIME replaces it
-};
 
 /// S: scalar of the law: float, double or core::Q16.
 template <class S>
@@ -148,7 +119,7 @@ class Boat {
   core::State state() const { return supervisor_.state(); }
 
   /// Parts of the snapshot, cheap enough for every tick; now_us() is the boat's monotonic clock.
-  std::int64_t now_us() const { return now_us_; }
+  std::int64_t now_us() const { return clock_.now_us(); }
   core::Conditions conditions() const { return conditions_; }
   const core::Thrust<S>& thrust() const { return thrust_.thrust; }
   const Pilot<S>& pilot() const { return pilot_; }
@@ -167,61 +138,26 @@ class Boat {
   }
 
   const Configuration& configuration() const { return vehicle_.configuration(); }
-  std::int64_t monotonic(std::int64_t now);
   void take_all(std::size_t link, std::int64_t now_us);
   void learn_time(std::size_t link, const link::SystemTime& time, std::int64_t now_us);
   void set_clock();
   void give_up(std::size_t link, std::int64_t now_us);
-  core::Conditions heard(std::int64_t now_us) const;
-  core::Conditions conditions(std::int64_t now_us) const;
-  void apply_conditions(std::int64_t now_us);
-  bool coasts_on(std::int64_t now_us) const;
-  void look_at_limits(std::int64_t now_us);
+  void collect_overflow();
+
   void supervise(std::int64_t now_us);
   void configure();
-  void consult_fleet(std::int64_t now_us);
-  void lead_fleet();
-  void tell_fleet(std::int64_t now_us);
+  core::Conditions conditions(std::int64_t now_us) const;
+  void apply_conditions(std::int64_t now_us);
   void note_state(std::int64_t now_us);
-  std::optional<Target> way_back();
-  void look_for_way();
-  void start_plan();
-  void set_home_of_plan(std::size_t reached);
-  void collect_overflow();
-  bool seen() const {
-    constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
-    return (conditions_ & kSeen) == kSeen;
-  }
-  /// Behind the leader, or the own plan; not in COAST.
-  bool keeps_slot() const {
-    return state() == core::State::kFormation || core::sails_alone(state());
-  }
-  bool error_known() const { return seen() || core::sails_alone(state()); }
-  bool in_slot() const { return keeps_slot() && pilot_.in_slot(); }
-  core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
-  void sail_plan(std::int64_t now_us, S dt);
-  bool waits_for_others(std::int64_t now_us);
-  void begin_voyage();
-  core::Thrust<S> sail_voyage(std::int64_t now_us, S dt);
-  bool leaves_fence(const convert::Position& here, const core::Vec2<S>& way) const;
-  void tell_voyage(const VoyageNews& news);
+  void consult_fleet(std::int64_t now_us);
+
   void steer(std::int64_t now_us);
+  core::Thrust<S> desired_thrust(std::int64_t now_us, S dt);
+  void drive_by_hand();
   void learn(std::int64_t now_us, S dt);
-  Report report(std::int64_t now_us);
-  std::optional<double> separation_m() const;
-  std::optional<link::FormationReference> reference(std::int64_t now_us) const;
-  void warn(std::string_view text);
-  void send_warnings(std::int64_t now_us);
-  void warn_of_fast_slot(std::int64_t now_us);
-  void warn_of_time(std::int64_t now_us);
-  void warn_of_station();
-  void warn_of_current(std::int64_t now_us);
-  void warn_of_unsound_slot(std::int64_t now_us);
-  void warn_of_fence(std::int64_t now_us);
+  void look_at_limits(std::int64_t now_us);
   void look_at_fence(const std::optional<convert::Position>& place, std::int64_t now_us);
-  void warn_of_depth(std::int64_t now_us);
-  void tell_latency();
-  void tell_finding(std::int64_t now_us);
+
   void tell(std::int64_t now_us);
 
   std::unique_ptr<AmpleStorage> own_storage_;  // null if the caller owns it
@@ -229,7 +165,6 @@ class Boat {
   Supervisor supervisor_;
   MavlinkLinks links_;
   Pilot<S> pilot_;
-  Fleet fleet_;
   Vehicle vehicle_;
   float tick_rate_Hz_;
   int max_idle_ticks_ = 0;
@@ -245,38 +180,24 @@ class Boat {
 
   ModelMonitor learnt_;
 
-  Errand errand_;                         // of GUIDED, LOITER, RTL
-  WayRound way_round_;                    // back, where the straight way leaves the fence
-  bool driven_ = false;                   // by velocities, in GUIDED
-  HullVoyage<S> voyage_;                  // of AUTO
-  bool voyage_at_fence_ = false;          // as judged last
-  std::optional<std::uint16_t> reached_;  // item of the plan
-  std::optional<std::uint8_t> awaited_;   // a boat, as told to the operator
-  Settled beaten_;                        // by current or wind
-  bool alone_ = false;                    // sailed alone in the last tick
+  Settled slot_astern_;
 
   Thrusters<S> thrusters_;
   typename Thrusters<S>::Output thrust_{};
   CanNode can_;
   HostReport host_;
   std::optional<std::int64_t> learnt_unix_us_;  // Unix time at which the boat's clock was 0
-  bool save_failed_ = false;                    // as reported to the operator
   link::Counters counters_;
   link::Received received_;  // reused: constructing one for each message would zero all of it
 
   std::optional<std::int64_t> last_tick_us_;
-  std::int64_t now_us_ = 0;
-  std::int64_t clock_shift_us_ = 0;
-  std::optional<std::int64_t> behind_since_us_;
+  MonotonicClock clock_;
   int idle_ticks_ = 0;  // successive ticks without progress of time
-  Schedule way_due_, fence_warning_due_;
-  Schedule frame_warning_due_, fast_slot_warning_due_, unsound_slot_warning_due_;
-  Schedule unsaved_warning_due_, closed_warning_due_;
-  Schedule beaten_due_, double_due_, time_warning_due_, quality_due_, late_due_;
-  Settled slot_too_fast_, slot_astern_, untimed_;
-  core::Astray astray_ = core::Astray::kNo;  // as reported to the operator
-  bool latency_told_ = false;
-  bool deep_ = false;  // deeper in the tree than certified
+
+  Membership fleet_;
+  Warnings<S> warnings_;
+  Alone<S> alone_;
+  const Parts<S> parts_;  // of the above
 };
 
 }  // namespace flotilla::app

@@ -4,7 +4,19 @@
 #include <algorithm>
 #include <tuple>
 
+#include "app/parts.hpp"
+
 namespace flotilla::app {
+namespace {
+
+template <class S>
+bool coasts_on(const Parts<S>& boat, std::int64_t now_us) {
+  const auto since_us = boat.supervisor.coasting_since_us();
+  if (!since_us) return true;
+  return now_us - *since_us < boat.configuration().failsafes.coast_us && boat.pilot.can_coast();
+}
+
+}  // namespace
 
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
                                std::int64_t now_us) {
@@ -53,5 +65,53 @@ bool FailsafeLimits::inside(float fence_m, const Seen& seen) const {
   if (!seen.place) return false;
   return !seen.armed || convert::distance_m(*left_from_, *seen.place) <= double{fence_m};
 }
+
+template <class S>
+core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us) {
+  static_assert(((core::kManualDrive | core::kDrive | core::kCoastDrive | core::kAutoDrive |
+                  core::kGuidedDrive | core::kReturnDrive | core::kTestDrive) &
+                 core::kClear) == 0);
+  core::Conditions met = boat.vehicle.conditions(now_us) | boat.pilot.heard(now_us) |
+                         propulsion_of(boat.can, boat.configuration().propulsion, now_us);
+  if (boat.host.bus_up) met |= core::kBusUp;
+  if (boat.host.parameters_saved) met |= core::kParametersSaved;
+  return met;
+}
+
+template <class S>
+core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::int64_t now_us) {
+  const Pilot<S>& pilot = boat.pilot;
+  const bool sails = core::law_drives(boat.state());
+  core::Conditions met = judged.heard | boat.supervisor.conditions(now_us) |
+                         pilot.conditions(now_us) | boat.limits.conditions();
+  if (coasts_on(boat, now_us)) met |= core::kCoastRunning;
+  if (judged.in_range) met |= core::kInRange;
+  if (!judged.slot_astern && pilot.claims().is_free(pilot.tree_place(), now_us, sails)) {
+    met |= core::kSlotSound;
+  }
+  if ((pilot.astray() == core::Astray::kNo && !judged.voyage_lost) || !sails) {
+    met |= core::kOnStation;
+  }
+  if (!boat.fence_watch.stays()) met &= ~core::kInsideFence;
+  if (pilot.located()) met |= core::kLocated;
+  const MissionService& missions = boat.vehicle.missions();
+  const bool reached = !core::sails_alone(boat.state()) || pilot.plan_vessel().is_sound();
+  if (!reached) met &= ~core::kHomeNear;
+  if (!missions.plan().empty() && pilot.located() && reached &&
+      missions.plan_keeps_fence(boat.state() == core::State::kAuto)) {
+    met |= core::kPlanReady;
+  }
+  if (boat.vehicle.doubled(now_us)) met &= ~core::kSoleVessel;
+  if (sails && pilot.leader_jumped()) met &= ~core::kLeaderSteady;  // until a new request
+  return met;
+}
+
+#define FLOTILLA_CONDITIONS(S)                                          \
+  template core::Conditions heard_of<S>(const Parts<S>&, std::int64_t); \
+  template core::Conditions conditions_of<S>(const Parts<S>&, const Judged&, std::int64_t);
+FLOTILLA_CONDITIONS(float)
+FLOTILLA_CONDITIONS(double)
+FLOTILLA_CONDITIONS(core::Q16)
+#undef FLOTILLA_CONDITIONS
 
 }  // namespace flotilla::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The supervisor's conditions that depend on ESCs, voltage and position; the others come from
-// Vehicle, Pilot and the host.
+// The supervisor's conditions: those that depend on ESCs, voltage and position, and the set of all,
+// with those of Vehicle, Pilot and the host.
 #pragma once
 
 #include <array>
@@ -9,33 +9,24 @@
 
 #include "app/operator/telemetry.hpp"
 #include "app/propulsion/can_node.hpp"
+#include "app/settled.hpp"
 
 namespace flotilla::app {
+
+template <class S>
+struct Parts;
+
+/// What the boat's loop knows beside its parts.
+struct Judged {
+  core::Conditions heard = 0;
+  bool in_range = false;     ///< no overflow of the law's scalar
+  bool slot_astern = false;  ///< the slot needs sailing astern
+  bool voyage_lost = false;
+};
 
 /// Whether both ESCs are online and obey, and no other node commands them.
 core::Conditions propulsion_of(const CanNode& can, const Configuration::Propulsion& propulsion,
                                std::int64_t now_us);
-
-/// Debounces a condition: takes a new value once it has lasted 2 s; initially false.
-class Settled {
- public:
-  void look(bool now, std::int64_t now_us) {
-    if (now == is_) {
-      differs_since_us_.reset();
-    } else if (!differs_since_us_) {
-      differs_since_us_ = now_us;
-    } else if (now_us - *differs_since_us_ >= kWait_us) {
-      is_ = now;
-      differs_since_us_.reset();
-    }
-  }
-  bool is() const { return is_; }
-
- private:
-  static constexpr std::int64_t kWait_us = 2'000'000;
-  bool is_ = false;
-  std::optional<std::int64_t> differs_since_us_;
-};
 
 /// The operator's limits FS_BATT_V and FS_FENCE_M, which an unknown voltage or position violates,
 /// and the place to return to.
@@ -74,5 +65,15 @@ class FailsafeLimits {
   bool home_near_ = false;  // looked at once a second
   std::int64_t home_due_us_ = 0;
 };
+
+/// The conditions that depend on messages, frames, the host and parameters alone. Within a tick only
+/// a change of parameters changes them; kClear moves with the boat, but is asked only before a tick's
+/// motion.
+template <class S>
+core::Conditions heard_of(const Parts<S>& boat, std::int64_t now_us);
+
+/// All conditions.
+template <class S>
+core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::int64_t now_us);
 
 }  // namespace flotilla::app

@@ -57,6 +57,20 @@ TableVerdict verdict_of(const FleetTable& table) {
   return {};
 }
 
+Sentence sentence_of(const TableVerdict& refused) {
+  constexpr std::array<std::string_view, 6> kWhy{"",
+                                                 "empty",
+                                                 "listed twice: boat ",
+                                                 "does not follow one above it: boat ",
+                                                 "must lead and cannot: boat ",
+                                                 "slots overlap: boats "};
+  Sentence text;
+  text << "Fleet table refused: " << kWhy[static_cast<std::size_t>(refused.fault)];
+  if (refused.system != 0) text << static_cast<float>(refused.system);
+  if (refused.other != 0) text << ", " << static_cast<float>(refused.other);
+  return text;
+}
+
 FleetTable table_of(const link::FleetTable& message) {
   FleetTable table{.epoch = message.epoch,
                    .digest = digest_of(message),

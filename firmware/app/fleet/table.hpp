@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "app/sentence.hpp"
 #include "link/mavlink/messages.hpp"
 
 namespace flotilla::app {
@@ -51,6 +52,8 @@ struct TableVerdict {
   std::uint8_t system = 0, other = 0;
 };
 TableVerdict verdict_of(const FleetTable& table);
+/// For the operator: why a table is refused.
+Sentence sentence_of(const TableVerdict& refused);
 
 /// A table as the wire has it. A whole table is one message: nobody ever holds a part of one.
 FleetTable table_of(const link::FleetTable& message);

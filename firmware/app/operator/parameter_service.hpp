@@ -13,23 +13,10 @@
 #include <string_view>
 
 #include "app/parameters.hpp"
+#include "app/sentence.hpp"
 #include "link/mavlink/messages.hpp"
 
 namespace flotilla::app {
-
-/// A text of at most 120 characters; longer text is cut off.
-class Sentence {
- public:
-  Sentence& operator<<(std::string_view text);
-  Sentence& operator<<(float number);
-  std::string_view text() const { return {characters_.data(), size_}; }
-
- private:
-  Sentence& add_digits(std::uint32_t digits, int point);
-
-  std::array<char, 120> characters_{};
-  std::size_t size_ = 0;
-};
 
 /// Result of a PARAM_SET.
 struct SetResult {

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "app/alone.hpp"
+
+#include <tuple>
+
+#include "app/convert/convert_scalar.hpp"
+#include "app/operator/sentences.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr bool kSailsVoyages = FLOTILLA_SAILS_VOYAGES != 0;
+
+}  // namespace
+
+template <class S>
+void Alone<S>::start(const Now& now) {
+  if (now.state == core::State::kAuto) {
+    start_plan();
+  } else {
+    start_errand(now);
+  }
+}
+
+template <class S>
+core::ControllerOutput<S> Alone<S>::sail(const Now& now, S dt) {
+  if (now.state == core::State::kAuto) return sail_plan(now, dt);
+  if (now.state == core::State::kGuided) return sail_guided(now, dt);
+  if (now.state == core::State::kReturn) look_for_way();
+  return pilot_.sail(errands_.plan(), vehicle_.is_paused(), now.now_us, dt);
+}
+
+template <class S>
+void Alone<S>::check_way(const convert::Position& here, std::int64_t now_us) {
+  if (!way_due_.take_if_due(now_us)) return;
+  vehicle_.missions().check_way(here, configuration().plan);
+}
+
+template <class S>
+void Alone<S>::start_plan() {
+  const MissionService& missions = vehicle_.missions();
+  voyage_.begin_plan(missions.id(Stored::kPlan), missions.current(), missions.is_complete());
+  pilot_.start_plan({.plan = missions.plan(), .first = missions.current(), .home = home()},
+                    configuration().plan);
+  reached_.reset();
+  warnings_.forget_waiting();
+}
+
+template <class S>
+void Alone<S>::start_errand(const Now& now) {
+  voyage_.interrupt();
+  const std::optional<Target> asked = vehicle_.take_target();
+  const bool at_fence = (now.conditions & core::kInsideFence) == 0;  // no room to stop ahead
+  const Target here = at_fence ? Target{convert::global_of(pilot_.place())} : pilot_.stop_ahead();
+  const auto home = this->home();
+  if (now.state == core::State::kReturn && home) {
+    const MissionService& missions = vehicle_.missions();
+    const PlanDefaults& defaults = configuration().plan;
+    const Target back{missions.return_place(pilot_.place(), *home, defaults)};
+    errands_.sail_back(missions.fence(), pilot_.place(), back, here, defaults.margin_m);
+  } else {
+    errands_.sail_to(now.state == core::State::kGuided && asked ? *asked : here);
+  }
+  tell_way_back();
+  sail_errand();
+}
+
+template <class S>
+void Alone<S>::sail_errand() {
+  pilot_.start_plan({errands_.plan(), 0, kErrandReach_m}, configuration().plan);
+}
+
+template <class S>
+void Alone<S>::look_for_way() {
+  const bool found = errands_.look_for_way(vehicle_.missions().fence());
+  tell_way_back();
+  if (found) sail_errand();
+}
+
+template <class S>
+void Alone<S>::tell_way_back() {
+  const std::string_view news = errands_.take_news();
+  if (!news.empty()) warnings_.warn(news);
+}
+
+template <class S>
+core::ControllerOutput<S> Alone<S>::sail_guided(const Now& now, S dt) {
+  const auto drive = vehicle_.drive(now.now_us);
+  if (vehicle_.has_target() || (driven_ && !drive)) start_errand(now);
+  driven_ = drive.has_value();
+  const bool paused = vehicle_.is_paused();
+  return drive ? pilot_.drive(convert::drive_of<S>(*drive), paused, now.now_us, dt)
+               : pilot_.sail(errands_.plan(), paused, now.now_us, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Alone<S>::sail_plan(const Now& now, S dt) {
+  if (vehicle_.missions().take_jump()) {
+    voyage_.forget();
+    start_plan();
+  }
+  const core::ControllerOutput<S> out = sail_items(now, dt);
+  const PlanVessel<S>& sailed = pilot_.plan_vessel();
+  auto reached = sailed.reached();
+  if (kSailsVoyages && !reached && voyage_.is_over()) reached = voyage_.item();
+  vehicle_.sailed(sailed.item(), reached, sailed.has_arrived(), counters_);
+  if (!reached || reached_ == *reached) return out;
+  reached_ = static_cast<std::uint16_t>(*reached);
+  set_home_of_plan(*reached);
+  return out;
+}
+
+/// By the law, but for a voyage that measures the hull.
+template <class S>
+core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
+  const MissionService& missions = vehicle_.missions();
+  if (kSailsVoyages && !voyage_.is_on()) {
+    const std::size_t at = pilot_.plan_vessel().item();
+    voyage_.begin(missions.plan()[at], missions.id(Stored::kPlan), at, pilot_, configuration());
+  }
+  if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
+  const auto late = pilot_.reports().late(now.now_us);
+  warnings_.tell_waiting(late);
+  return pilot_.sail(missions.plan(), vehicle_.is_paused() || late, now.now_us, dt);
+}
+
+template <class S>
+core::ControllerOutput<S> Alone<S>::sail_voyage(const Now& now, S dt) {
+  const MissionService& missions = vehicle_.missions();
+  const PlanItem& centre = missions.plan()[voyage_.item()];
+  if (way_due_.take_if_due(now.now_us)) {
+    const auto& [plan, failsafes] = std::tie(configuration().plan, configuration().failsafes);
+    voyage_.look(pilot_, {missions.fence(), plan.margin_m, home(), failsafes.fence_m}, now.now_us);
+  }
+  const bool waits = vehicle_.is_paused() || (now.conditions & core::kClear) == 0;
+  core::ControllerOutput<S> out;
+  out.allocation.thrust = voyage_.forward(pilot_, {centre.x, centre.y}, waits, now.now_us, dt);
+  if (const auto news = voyage_.take_news()) {
+    const bool lost = news->kind == VoyageNews::Kind::kLost;
+    vehicle_.send_statustext(lost ? link::mav::kSeverityError : link::mav::kSeverityInfo,
+                             {sentence_of(*news).text()}, counters_);
+  }
+  if (voyage_.is_over()) start_plan();
+  return out;
+}
+
+/// Does DO_SET_HOME where it follows the place that was reached.
+template <class S>
+void Alone<S>::set_home_of_plan(std::size_t reached) {
+  const Plan plan = vehicle_.missions().plan();
+  for (std::size_t i = reached + 1; i < plan.size() && !place_of(plan[i]); ++i) {
+    if (plan[i].command != link::mav::kDoSetHome) continue;
+    const auto place = home_of(plan[i]);
+    limits_.set_home(place ? *place : convert::global_of(pilot_.place()));
+  }
+}
+
+template <class S>
+std::optional<convert::GlobalPoint> Alone<S>::home() const {
+  const auto home = limits_.home();
+  if (!home) return std::nullopt;
+  return convert::GlobalPoint{home->latitude, home->longitude};
+}
+
+template class Alone<float>;
+template class Alone<double>;
+template class Alone<core::Q16>;
+
+}  // namespace flotilla::app

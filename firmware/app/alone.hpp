@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Sails without a leader. AUTO: the stored plan, but where it has come to a voyage that measures the
+// hull, that. GUIDED: to a target, or by velocities. LOITER: to a stop. RTL: home, or to a rally
+// point, straight or round what the fence forbids.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "app/conditions.hpp"
+#include "app/guidance/errands.hpp"
+#include "app/guidance/voyage_pilot.hpp"
+#include "app/operator/vehicle.hpp"
+#include "app/operator/warnings.hpp"
+
+namespace flotilla::app {
+
+template <class S>
+class Alone {
+ public:
+  /// The boat in a tick. state: one that sails alone.
+  struct Now {
+    core::State state;
+    core::Conditions conditions;
+    std::int64_t now_us;
+  };
+
+  /// All must outlive this.
+  Alone(Vehicle& vehicle, Pilot<S>& pilot, FailsafeLimits& limits, Warnings<S>& warnings,
+        link::Counters& counters)
+      : vehicle_(vehicle),
+        pilot_(pilot),
+        limits_(limits),
+        warnings_(warnings),
+        counters_(counters) {}
+
+  /// The state is entered.
+  void start(const Now& now);
+
+  /// One step, dt after the last one, s.
+  core::ControllerOutput<S> sail(const Now& now, S dt);
+
+  /// Before AUTO: judges the way from the boat to where the plan begins, ten times a second.
+  void check_way(const convert::Position& here, std::int64_t now_us);
+
+  bool voyage_is_lost() const { return voyage_.is_lost(); }
+
+ private:
+  void start_plan();
+  void start_errand(const Now& now);
+  void sail_errand();
+  void look_for_way();
+  void tell_way_back();
+  core::ControllerOutput<S> sail_guided(const Now& now, S dt);
+  core::ControllerOutput<S> sail_plan(const Now& now, S dt);
+  core::ControllerOutput<S> sail_items(const Now& now, S dt);
+  core::ControllerOutput<S> sail_voyage(const Now& now, S dt);
+  void set_home_of_plan(std::size_t reached);
+  std::optional<convert::GlobalPoint> home() const;
+  const Configuration& configuration() const { return vehicle_.configuration(); }
+
+  Vehicle& vehicle_;
+  Pilot<S>& pilot_;
+  FailsafeLimits& limits_;
+  Warnings<S>& warnings_;
+  link::Counters& counters_;
+
+  Errands errands_;                       // of GUIDED, LOITER, RTL
+  bool driven_ = false;                   // by velocities, in GUIDED
+  VoyagePilot<S> voyage_;                 // of AUTO
+  std::optional<std::uint16_t> reached_;  // item of the plan
+  Schedule way_due_{100'000};
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#include "app/guidance/errands.hpp"
+
+namespace flotilla::app {
+namespace {
+
+constexpr std::string_view kNoWay = "no way back keeps the fence: the boat waits";
+
+}  // namespace
+
+void Errands::sail_to(const Target& target) {
+  way_round_.stop();
+  errand_.sail_to(target);
+}
+
+void Errands::sail_back(const Fence& fence, const convert::Position& here, const Target& back,
+                        const Target& meanwhile, float margin_m) {
+  const bool straight = !fence.is_on() || fence.refusal_of(here, back.place, 0).empty();
+  sail_to(straight ? back : meanwhile);
+  if (straight) return;
+  way_round_.begin(fence, here, back, margin_m);
+  if (!way_round_.is_searching()) news_ = kNoWay;
+}
+
+bool Errands::look_for_way(const Fence& fence) {
+  if (!way_round_.is_searching()) return false;
+  way_round_.forward(fence);
+  if (way_round_.is_searching()) return false;
+  if (!way_round_.found()) {
+    news_ = kNoWay;
+    return false;
+  }
+  news_ = "straight back leaves the fence: the boat sails round";
+  errand_ = way_round_.errand(fence);
+  return true;
+}
+
+}  // namespace flotilla::app

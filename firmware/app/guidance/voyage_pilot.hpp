@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Sails the voyage of a plan that measures a hull: whether the plan has come to one and the boat is
+// in its room, where the boat is in that room by the navigation unit alone, and whether it would
+// leave the fence or the circle round home before it comes to rest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "app/guidance/fence.hpp"
+#include "app/guidance/pilot.hpp"
+#include "app/guidance/voyage.hpp"
+
+namespace flotilla::app {
+
+template <class S>
+class VoyagePilot {
+ public:
+  /// Where the boat may sail.
+  struct Bounds {
+    const Fence& fence;
+    float margin_m = 0;  ///< to keep from it
+    std::optional<convert::GlobalPoint> home{};
+    std::optional<float> reach_m{};  ///< from home
+  };
+
+  /// A state without a voyage begins, or a plan does, at that item: its voyage goes on with the step
+  /// where it was interrupted.
+  void interrupt() { voyage_.interrupt(); }
+  void begin_plan(std::uint32_t plan, std::size_t item, bool complete);
+  /// An operator has set another item: a voyage starts from its first step.
+  void forget() { voyage_.forget(); }
+
+  /// Begins, where the boat is in the room of the voyage that the plan's item is, if it is one.
+  void begin(const PlanItem& ahead, std::uint32_t plan, std::size_t item, const Pilot<S>& pilot,
+             const Configuration& configuration);
+
+  bool is_on() const { return voyage_.is_on(); }
+  bool is_over() const { return voyage_.is_over(); }
+  bool is_lost() const { return voyage_.is_lost(); }
+  std::size_t item() const { return voyage_.item(); }
+
+  /// Judges whether the boat leaves its bounds if it comes to rest from now on; forward() heeds it.
+  void look(const Pilot<S>& pilot, const Bounds& bounds, std::int64_t now_us);
+
+  /// Thrusts for the next dt seconds, N. centre: of the room.
+  core::Thrust<S> forward(const Pilot<S>& pilot, const convert::GlobalPoint& centre, bool waits,
+                          std::int64_t now_us, S dt);
+
+  std::optional<VoyageNews> take_news() { return voyage_.take_news(); }
+
+ private:
+  HullVoyage<S> voyage_;
+  bool at_fence_ = false;  // as judged last
+};
+
+}  // namespace flotilla::app

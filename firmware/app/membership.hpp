@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The boat as a member of its fleet: tells the fleet's rule how the boat is, asks the boat for what
+// the rule orders, and passes messages and news on. Where flash is short it does nothing.
+#pragma once
+
+#include <cstdint>
+
+#include "app/fleet/fleet.hpp"
+#include "app/operator/vehicle.hpp"
+
+namespace flotilla::app {
+
+class Membership {
+ public:
+  /// All must outlive this.
+  Membership(Vehicle& vehicle, MavlinkLinks& links, link::Counters& counters)
+      : vehicle_(vehicle), links_(links), counters_(counters) {}
+
+  /// Any message.
+  void hear(const link::Received& received, std::int64_t now_us);
+
+  /// What the rule orders; once a tick.
+  FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
+
+  /// applied() has changed since the last call.
+  bool take_change() { return fleet_.take_change(); }
+  Parameters applied(const Parameters& own) const;
+
+  /// Asks the boat for it. False if there was nothing to ask.
+  bool obey(FleetOrder order);
+
+  /// Sends what is due.
+  void tell(std::int64_t now_us);
+
+ private:
+  static constexpr bool kKeepsFleet = FLOTILLA_KEEPS_FLEET != 0;
+
+  void lead();
+
+  Vehicle& vehicle_;
+  MavlinkLinks& links_;
+  link::Counters& counters_;
+  Fleet fleet_;
+};
+
+}  // namespace flotilla::app

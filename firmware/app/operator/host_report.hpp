@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// The computer or microcontroller that the boat runs on, as it tells the boat of itself.
+#pragma once
+
+#include <cstdint>
+
+namespace flotilla::app {
+
+/// State that only the host knows.
+struct HostReport {
+  bool bus_up = true;             ///< the CAN interface is up and not bus-off
+  bool parameters_saved = true;   ///< false: defaults that nobody has saved
+  std::uint32_t overruns = 0;     ///< ticks more than a period late, since the start
+  std::int64_t unix_us = 0;       ///< present time, µs since 1970; 0: unknown
+  bool save_failed = false;       ///< the last attempt to save the parameters failed
+  bool stop_pressed = false;      ///< stop switch wired to the host
+  std::uint8_t closed_links = 0;  ///< bit mask of MAVLink links whose device is not open
+  bool clock_is_set = true;       ///< false: unix_us is a guess; the unit's SYSTEM_TIME replaces it
+};
+
+}  // namespace flotilla::app

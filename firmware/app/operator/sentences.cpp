@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "app/operator/sentences.hpp"
+
+#include <bit>
+
+#include "app/convert/portable.hpp"
+
+namespace flotilla::app {
+namespace {
+
+float hundredths(std::int64_t n) { return static_cast<float>(n) / 100; }
+
+/// The nearest 1/n, of a number under 1000.
+float to_nearest(float x, int n) {
+  const float scaled = static_cast<float>(n) * x;
+  return static_cast<float>(static_cast<int>(scaled + (x < 0 ? -0.5F : 0.5F))) /
+         static_cast<float>(n);
+}
+
+void put_time(Sentence& out, std::int64_t at_us, std::int64_t unix_us_at_0) {
+  constexpr std::int64_t kMinute_us = 60'000'000;
+  constexpr std::uint32_t kHour = 60, kDay = 24;
+  const auto minutes = static_cast<std::uint32_t>((unix_us_at_0 + at_us) / kMinute_us);
+  if (unix_us_at_0 == 0) {
+    out << "minute " << static_cast<float>(minutes);
+    return;
+  }
+  const std::uint32_t hour = minutes / kHour % kDay, minute = minutes % kHour;
+  out << (hour < 10 ? "0" : "") << static_cast<float>(hour) << (minute < 10 ? ":0" : ":")
+      << static_cast<float>(minute);
+}
+
+}  // namespace
+
+Sentence slot_needs(double needed, std::string_view limit_is, float limit) {
+  Sentence out;
+  out << "slot needs " << hundredths(portable::ceil(100 * needed)) << limit_is << limit;
+  return out;
+}
+
+Sentence sentence_of(core::Astray astray, double off_m, double yaw_rate,
+                     const Parameters& derived) {
+  Sentence why;
+  if (astray == core::Astray::kSpins) {
+    why << "boat spins: " << hundredths(portable::nearest(100 * yaw_rate))
+        << " rad/s, LAW_R_MAX is " << derived.LAW_R_MAX;
+    return why;
+  }
+  const float off = hundredths(10 * portable::nearest(10 * off_m));
+  if (astray == core::Astray::kLeft) {
+    why << "boat left its slot: " << off << " m off, FS_SLOT_M is " << derived.FS_SLOT_M;
+  } else {
+    why << "boat does not approach its slot: " << off << " m off";
+  }
+  return why;
+}
+
+Sentence sentence_of(const ModelMonitor::Finding& finding, float balance,
+                     std::int64_t unix_us_at_0) {
+  using enum ModelMonitor::Number;
+  const auto& [number, value, since_us] = finding;
+  Sentence text;
+  if (number == kBalance) {
+    const float change = value - balance;
+    const float size = change < 0 ? -change : change;
+    const float percent = to_nearest(200 * size / (1 + size), 1);
+    text << (change < 0 ? "Starboard " : "Port ") << percent << " % weak";
+  } else {
+    text << (number == kDrag ? "Drag " : "Yaw damping ") << to_nearest(value, 10) << " x "
+         << (number == kDrag ? "VES_D11" : "VES_D33");
+  }
+  text << " since ";
+  put_time(text, since_us, unix_us_at_0);
+  if (number == kBalance) {
+    text << ": THR_BALANCE " << to_nearest(value, 100);
+  } else {
+    text << ": identify the hull";
+  }
+  return text;
+}
+
+Sentence sentence_of(const VoyageNews& news) {
+  using enum VoyageNews::Kind;
+  const auto count = static_cast<float>(kVoyageSteps.size());
+  Sentence text;
+  text << "Voyage: ";
+  if (news.kind == kOver) {
+    text << "over, " << static_cast<float>(news.step) << " of " << count << " steps whole";
+  } else if (news.kind == kLost) {
+    text << "the boat does not come back to its room";
+  } else {
+    text << "step " << static_cast<float>(news.step);
+    if (news.kind == kBegins) text << " of " << count << ", ";
+    if (news.kind == kAgain) text << " again: ";
+    if (news.kind == kLeftOut) text << " left out: ";
+    text << news.what;
+  }
+  return text;
+}
+
+Sentence waiting_for(std::optional<std::uint8_t> late) {
+  Sentence told;
+  if (late) {
+    told << "waiting for boat " << static_cast<float>(*late) << ", out of its slot";
+  } else {
+    told << "not waiting any more";
+  }
+  return told;
+}
+
+Sentence unit_is_late(double latency_s) {
+  Sentence late;
+  late << "navigation unit is " << hundredths(portable::nearest(100 * latency_s))
+       << " s late (no TIMESYNC)";
+  return late;
+}
+
+Sentence slot_is_taken(std::uint8_t by) {
+  Sentence why;
+  why << "slot is that of boat " << static_cast<float>(by) << " too";
+  return why;
+}
+
+Sentence too_deep(std::size_t depth, float certified) {
+  Sentence why;
+  why << "boat is " << static_cast<float>(depth) << " deep in the tree, FORM_DEPTH is "
+      << certified;
+  return why;
+}
+
+Sentence link_is_closed(std::uint8_t links) {
+  Sentence closed;
+  closed << "MAVLink link " << static_cast<float>(std::countr_zero(links) + 1) << " is not open";
+  return closed;
+}
+
+}  // namespace flotilla::app

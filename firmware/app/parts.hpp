@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// A boat's parts, to look at: what its conditions, reports and snapshots are made of.
+#pragma once
+
+#include "app/conditions.hpp"
+#include "app/guidance/model_monitor.hpp"
+#include "app/operator/host_report.hpp"
+#include "app/operator/vehicle.hpp"
+#include "app/propulsion/thrusters.hpp"
+
+namespace flotilla::app {
+
+template <class S>
+struct Parts {
+  const Vehicle& vehicle;
+  const Supervisor& supervisor;
+  const Pilot<S>& pilot;
+  const ModelMonitor& learnt;
+  const FailsafeLimits& limits;
+  const FenceWatch& fence_watch;
+  const CanNode& can;
+  const HostReport& host;
+  const core::Conditions& met;  ///< conditions of this tick
+  const core::ControllerOutput<S>& law;
+  const typename Thrusters<S>::Output& thrust;
+  const link::Counters& counters;
+
+  core::State state() const { return supervisor.state(); }
+  const Configuration& configuration() const { return vehicle.configuration(); }
+
+  /// Own and leader's state are fresh.
+  bool seen() const {
+    constexpr core::Conditions kSeen = core::kOwnFresh | core::kLeaderFresh;
+    return (met & kSeen) == kSeen;
+  }
+  /// Behind the leader, or the own plan; not in COAST.
+  bool keeps_slot() const {
+    return state() == core::State::kFormation || core::sails_alone(state());
+  }
+};
+
+}  // namespace flotilla::app

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Debounces what is seen in every tick.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace flotilla::app {
+
+/// Debounces a condition: takes a new value once it has lasted 2 s; initially false.
+class Settled {
+ public:
+  void look(bool now, std::int64_t now_us) {
+    if (now == is_) {
+      differs_since_us_.reset();
+    } else if (!differs_since_us_) {
+      differs_since_us_ = now_us;
+    } else if (now_us - *differs_since_us_ >= kWait_us) {
+      is_ = now;
+      differs_since_us_.reset();
+    }
+  }
+  bool is() const { return is_; }
+
+ private:
+  static constexpr std::int64_t kWait_us = 2'000'000;
+  bool is_ = false;
+  std::optional<std::int64_t> differs_since_us_;
+};
+
+}  // namespace flotilla::app

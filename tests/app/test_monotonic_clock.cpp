@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "app/monotonic_clock.hpp"
+
+namespace flotilla::app {
+namespace {
+
+TEST_CASE("a host's clock that is set back for half a second: the boat's stands still until then") {
+  MonotonicClock clock;
+  link::Counters counters;
+  CHECK(clock.take(5'000'000, counters) == 5'000'000);
+  CHECK(clock.take(4'000'000, counters) == 5'000'000);
+  CHECK(clock.take(4'500'000, counters) == 5'000'000);
+  CHECK(counters.clock_went_back == 2);
+  CHECK(clock.take(5'000'001, counters) == 5'000'001);
+}
+
+TEST_CASE(
+    "a host's clock that stays behind for more than a second: the boat's runs on from there") {
+  MonotonicClock clock;
+  link::Counters counters;
+  clock.take(5'000'000, counters);
+  CHECK(clock.take(1'000'000, counters) == 5'000'000);
+  CHECK(clock.take(2'000'000, counters) == 5'000'000);
+  CHECK(clock.take(2'000'001, counters) == 5'000'000);
+  CHECK(clock.take(2'000'011, counters) == 5'000'010);
+  CHECK(clock.now_us() == 5'000'010);
+}
+
+TEST_CASE("a time before the start, or beyond any real clock, is cut off") {
+  MonotonicClock clock;
+  link::Counters counters;
+  CHECK(clock.take(-1, counters) == 0);
+  CHECK(clock.take(std::numeric_limits<std::int64_t>::max(), counters) ==
+        MonotonicClock::kLatest_us);
+}
+
+}  // namespace
+}  // namespace flotilla::app
