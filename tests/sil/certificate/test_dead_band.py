@@ -51,7 +51,7 @@ def test_deviations_of_every_size_shrink_as_the_multipliers_say(
     lap_s = blueboat.leader.window_s
     assert shrinking(blueboat, off_mps, 3) == pytest.approx(np.exp(-loop.decay * lap_s), rel=0.08)
     # |w| ≤ 2.5 N of each propeller leaves an error, which is told
-    assert 0.001 < np.hypot(*loop.error[:2]) < 0.03
+    assert 0.001 < np.hypot(loop.error[0], loop.error[1]) < 0.03
 
 
 def test_loop_that_runs_away_does_so_with_a_dead_band_too() -> None:
