@@ -95,7 +95,7 @@ def hull_of(found: Identification, boat: Boat) -> Preset:
 
 
 def parameters(found: Identification, boat: Boat) -> dict[str, float]:
-    """The firmware's parameters of this hull; it derives its gains from them."""
+    """The firmware's parameters of this hull."""
     hull = hull_of(found, boat)
     own = presets.firmware(hull)
     own["THR_BALANCE"] = hull.propellers.stbd_gain - 1.0

@@ -8,8 +8,7 @@ apart, in 0.1 m/s of current and 3 m/s of wind with gusts; each with an RTK unit
 0.5 m. The boats know the numbers of the kind, not their own. Errors: of drag at 0.5 and 1 m/s, of
 the yaw moment at 0.1 and 0.3 rad/s, of m22 and m33 over m11; then gain difference of the propellers
 and the sum of lag and dead time; R² over 10 s in open loop, fitted to every other minute, scored on
-the rest. `--fleet`: then four of each hull, with the parameters that the tool writes, sail an
-S-curve in formation, calm and in weather; printed is the worst boat's RMS distance from its slot.
+the rest.
 """
 
 import argparse
@@ -22,16 +21,9 @@ import numpy as np
 from rich.progress import track
 
 from sil.identify.hull_terms import INDEX
-from sil.identify.identification import Identification, identify
+from sil.identify.identification import identify
 from sil.identify.log_files import read
-from sil.identify.vessel_numbers import (
-    RATES_RADPS,
-    SPEEDS_MPS,
-    Boat,
-    drag_N,
-    parameters,
-    yaw_moment_Nm,
-)
+from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS, drag_N, yaw_moment_Nm
 from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.lockstep.start import RunError
@@ -39,7 +31,6 @@ from sil.lockstep.world import sail
 from sil.logs import own_motion
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
-from tests.loop import presets as presets_fleet
 
 VARIED, APART = 0.3, 0.1
 WEATHER = (
@@ -67,7 +58,6 @@ class Found:
     late_s: float
     r2_u: float
     r2_r: float
-    fleet: tuple[str, ...] = ()  # RMS, m, or why not: calm, weather
 
     def worst(self) -> float:
         """The largest share."""
@@ -116,9 +106,9 @@ def body_of(chosen: Scenario) -> Body:
     return Body(chosen.propellers.arm_m, chosen.vessel.length_m or _LENGTH_M, SAMPLE_S)
 
 
-def measured(task: tuple[str, str, int, bool]) -> Found | str:
+def measured(task: tuple[str, str, int]) -> Found | str:
     """Sail a voyage and identify it; a sentence where either fails."""
-    kind, unit, seed, fleet = task
+    kind, unit, seed = task
     chosen = sailed(kind, unit, seed)
     try:
         found = identify([voyage(chosen)], body_of(chosen), lambda _: None)
@@ -137,29 +127,7 @@ def measured(task: tuple[str, str, int, bool]) -> Found | str:
         float(terms[INDEX["lag"]] + terms[INDEX["dead_time"]]) - pair.lag_s,
         min((score.u for score in scores), default=0.0),
         min((score.r for score in scores), default=0.0),
-        formation(found, chosen, kind) if fleet else (),
     )
-
-
-def formation(found: Identification, chosen: Scenario, kind: str) -> tuple[str, ...]:
-    """RMS (m) of four true hulls with the parameters that the tool writes: calm, in weather."""
-    own = parameters(found, Boat(chosen.vessel.m11 / 1.05))
-    true = [one for one in changes(kind, chosen.seed) if one.startswith(("vessel", "propellers"))]
-    same = [f"boat.{k}.{one}" for k in range(1, presets_fleet.BOATS + 1) for one in true]
-    derived = dict.fromkeys((f"LAW_{name}" for name in (*presets_fleet.GAINS, "XT_DIST")), -1.0)
-    told = [f"parameters.{name}={value}" for name, value in (derived | own).items()]
-    told += [f"boat.{k}.{one}" for k in range(1, presets_fleet.BOATS + 1) for one in told]
-    base = [*presets_fleet.alike(kind), *same, *told]
-    out = []
-    for weather in ((), presets_fleet.WEATHER):
-        (run,) = sail([scenario.load("mixed", [*base, *weather])], {})
-        try:
-            if isinstance(run, RunError):
-                raise run
-            out.append(f"{presets_fleet.rms_m(run):.3f}")
-        except (RunError, AssertionError) as error:
-            out.append(str(error))
-    return tuple(out)
 
 
 def shares(terms: Array, chosen: Scenario) -> dict[str, float]:
@@ -201,9 +169,6 @@ def table(every: list[Found | str]) -> list[str]:
         r2 = [np.quantile([getattr(one, name) for one in here], 0.1) for name in ("r2_u", "r2_r")]
         cells += [f"{within:.0%}", gain, f"{1e3 * late:.0f}", f"{r2[0]:.3f}", f"{r2[1]:.3f}"]
         lines.append(f"| {kind}, {unit}, {len(here)} | {' | '.join(cells)} |")
-    lines += [
-        f"{one.kind} {one.unit} {one.seed}: {', '.join(one.fleet)}" for one in done if one.fleet
-    ]
     return lines + [one for one in every if isinstance(one, str)]
 
 
@@ -218,11 +183,10 @@ def main() -> None:
     parser.add_argument("--hulls", type=int, default=20, help="of each kind (20)")
     parser.add_argument("--workers", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", help="one kind")
-    parser.add_argument("--fleet", action="store_true", help="then sail four of each in formation")
     options = parser.parse_args()
     kinds = [options.only] if options.only else presets.names()
     tasks = [
-        (kind, unit, seed, options.fleet)
+        (kind, unit, seed)
         for kind in kinds
         for unit in UNITS
         for seed in range(1, options.hulls + 1)
