@@ -32,9 +32,9 @@ def firmware_table() -> str:
         columns[name] = own | {gain: float(f"{gains[gain]:.4g}") for gain in presets.DERIVED}
     rows = list(dict.fromkeys(own for column in columns.values() for own in column))
     lines = [f"| | {' | '.join(columns)} |", "|---|" + "--:|" * len(columns)]
-    for own in rows:
-        cells = (f"{column[own]:.9g}" if own in column else "–" for column in columns.values())
-        lines.append(f"| `{own}` | {' | '.join(cells)} |")
+    for row in rows:
+        cells = (f"{column[row]:.9g}" if row in column else "–" for column in columns.values())
+        lines.append(f"| `{row}` | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 

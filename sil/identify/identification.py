@@ -45,7 +45,7 @@ def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identificatio
     for k, half in enumerate(halves):
         problem = problem_of(half, body)
         part = part_of(told, _HALVES * k / 2, _HALVES * (k + 1) / 2)
-        scores.append(score(problem, searched(problem, part), halves[1 - k]))
+        scores.append(score(problem, searched(problem, part).values, halves[1 - k]))
     problem = problem_of(logs, body)
     whole = searched(problem, part_of(told, _HALVES, 1.0))
     return Identification(

@@ -29,14 +29,14 @@ def predictions(found: Identification) -> Figure:
     windows = windows.chosen(windows.working())
     which = np.unique(np.linspace(0, len(windows) - 1, min(_SHOWN, len(windows))).astype(int))
     windows = windows.chosen(np.isin(np.arange(len(windows)), which))
-    error = predicted(found.problem, found.fit, windows)
+    error = predicted(found.problem, found.fit.values, windows)
     with matplotlib.rc_context(plots.STYLE):
         size = (2.2 * len(windows) + 0.8, 8.0)
         figure = Figure(figsize=size, layout="constrained")
         panels = figure.subplots(len(_ROWS), len(windows), squeeze=False, sharex=True, sharey="row")
         t: Array = np.arange(len(error), dtype=np.float64) * SAMPLE_S
         for column in range(len(windows)):
-            name = windows.names[windows.log[column]]
+            name = found.logs[windows.log[column]].name
             panels[0, column].set_title(f"{name}, {windows.start_s[column]:.0f} s")
             for row, (_, channel) in enumerate(_ROWS):
                 _draw(panels[row, column], t, windows, error, column, channel)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Output error: the terms with which open-loop simulation comes nearest to the logs.
 
-Minimises Σ |(measured − simulated) / σ|² + Σ z² over the terms z (in deviations from their
+Minimises Σ |(measured − simulated) / σ|² / κ + Σ z² over the terms z (in deviations from their
 guesses), current and push of each log, and of each window its gust and the state in which it
 begins. What is a window's own is eliminated window by window (variable projection: Golub and
-Pereyra 1973), the rest is a damped Gauss-Newton step within bounds. σ² of each channel is its residuals' own mean
-square, found in rounds, times κ = 1 + 2 Σ ρ_k: so many samples count as one, since residuals whose
-neighbours correlate by ρ_k are alike.
+Pereyra 1973), the rest is a damped Gauss-Newton step within bounds. κ samples of a residual count
+as one, since they are alike.
+σ of each channel is the residuals' own, found in rounds.
 Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4 and 5.
 """
 
@@ -17,25 +17,22 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
-from sil.identify.hull_terms import GUSTS, INDEX, LOCAL, MEASURED, Term
+from sil.identify.hull_terms import GUSTS, LOCAL, Term
 from sil.identify.voyage_log import Array
-from sil.identify.voyage_model import Body, measured, sail, simulate
+from sil.identify.voyage_model import Body, simulate
 from sil.identify.windows import Windows
 
 Bools = npt.NDArray[np.bool_]
 Told = Callable[[float], None]
 
 # m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
-_FIRST_SIGMA = 10.0 * np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
+_FIRST_SIGMA = np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
 _LEAST_SIGMA = np.array([0.02, 0.02, 0.005, 0.01, 0.01, 0.005])
-_ALIKE = 100.0  # κ at most: a window of a channel
-_NONE = 0.02  # of a correlation
+_ALIKE = 100.0  # κ: a window of a channel
 _STEP = 1e-3  # of a finite difference, in deviations
 # Of each round: a wide edge of the dead band is found from afar.
 _GATES = (0.5, 0.2, 0.05)
-_ITERATIONS = (10, 10, 4)
-_SHARES = (1.0, 0.3)  # of a window's own step
-_CLOSE = 1e-3  # of the cost: less is no progress
+_ITERATIONS = 12
 _EARLY = 5  # samples
 _STATES, _PLACES, _GUSTS = 6, len(LOCAL), len(GUSTS)
 _OWN = _STATES + _GUSTS
@@ -85,7 +82,7 @@ class _Point:
     z: Array  # (free terms)
     local: Array  # (logs, 4), in deviations
     start: Array  # (6, W)
-    gust: Array  # (6, W), in deviations
+    gust: Array  # (3, W), in deviations
 
 
 def fit(problem: Problem, values: Array, told: Told) -> Fit:
@@ -98,9 +95,9 @@ def fit(problem: Problem, values: Array, told: Told) -> Fit:
     sigma = _FIRST_SIGMA
     cost = 0.0
     for turn, gate in enumerate(_GATES):
-        problem = replace(problem, body=replace(problem.body, gate=gate, steps=1))
+        problem = replace(problem, body=replace(problem.body, gate=gate))
         part = part_of(told, turn / len(_GATES), (turn + 1) / len(_GATES))
-        point, cost = _descend(problem, point, values, sigma, part, _ITERATIONS[turn])
+        point, cost = _descend(problem, point, values, sigma, part)
         if gate != _GATES[-1]:
             sigma = _spread_of(problem, point, values)
     equations = _equations(problem, point, values, sigma)
@@ -128,7 +125,7 @@ def first_start(windows: Windows) -> Array:
 def residuals(problem: Problem, values: Array, places: Array, start: Array) -> Array:
     """Measured minus simulated (samples, 6, W), NaN where nothing was measured.
 
-    places (8, W): as `sail` in `voyage_model` has them.
+    places (5, W): current and push, north and east, and a moment.
     """
     windows = problem.windows
     out = simulate(
@@ -138,7 +135,7 @@ def residuals(problem: Problem, values: Array, places: Array, start: Array) -> A
 
 
 def _places(problem: Problem, point: _Point) -> Array:
-    """Current, wind and moment in each window, and how the last rise (8, W)."""
+    """Current, push and moment in each window (5, W)."""
     local = (_LOCAL_GUESS + point.local * _LOCAL_SPREAD)[problem.windows.log].T
     gust = point.gust * _GUST_SPREAD[:, None]
     return np.vstack([local[:2], local[2:] + gust[:2], gust[2:]])
@@ -159,40 +156,32 @@ def _full(problem: Problem, z: Array, values: Array) -> Array:
 
 
 def _descend(
-    problem: Problem, point: _Point, values: Array, sigma: Array, told: Told, most: int
+    problem: Problem, point: _Point, values: Array, sigma: Array, told: Told
 ) -> tuple[_Point, float]:
     damping = 1e-2
     cost = _cost(problem, point, values, sigma)
-    for turn in range(most):
-        told(turn / most)
+    for turn in range(_ITERATIONS):
+        told(turn / _ITERATIONS)
         equations = _equations(problem, point, values, sigma)
         before = cost
-        for _ in range(8):
-            trial, there = _moved(problem, point, values, sigma, equations, damping)
+        for _ in range(6):
+            trial = _moved(problem, point, equations, damping)
+            there = _cost(problem, trial, values, sigma)
             if there < cost:
                 point, cost, damping = trial, there, max(damping * 0.1, 1e-6)
                 break
             damping *= 10.0
-        if before - cost < _CLOSE * before and damping < 1.0:
+        if before - cost < 1e-4 * before:
             break
     return point, cost
 
 
 def _cost(problem: Problem, point: _Point, values: Array, sigma: Array) -> float:
-    return float(_costs(problem, point, values, sigma).sum() + _prior(point))
-
-
-def _prior(point: _Point) -> float:
-    return float((point.z**2).sum() + (point.local**2).sum())
-
-
-def _costs(problem: Problem, point: _Point, values: Array, sigma: Array) -> Array:
-    """Of each window (W), its gust's included."""
     places = _places(problem, point)
     error = residuals(problem, _full(problem, point.z, values), places, point.start)
     scaled = np.nan_to_num(error / sigma[:, None])
-    each: Array = (scaled**2).sum(axis=(0, 1)) + (point.gust**2).sum(axis=0)
-    return each
+    prior = (point.z**2).sum() + (point.local**2).sum() + (point.gust**2).sum()
+    return float((scaled**2).sum() / _ALIKE + prior)
 
 
 def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:
@@ -201,21 +190,8 @@ def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:
     with np.errstate(invalid="ignore"):
         rms = np.sqrt(np.nanmean(error**2, axis=(0, 2)))
     rms[:2] = np.sqrt((rms[:2] ** 2).mean())
-    alike = np.array([_alike(np.nan_to_num(error[:, k])) for k in range(_STATES)])
-    sigma: Array = np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA) * np.sqrt(alike)
+    sigma: Array = np.maximum(np.nan_to_num(rms, nan=1.0), _LEAST_SIGMA)
     return sigma
-
-
-def _alike(error: Array) -> float:
-    """κ of residuals (samples, W): correlation of neighbours, up to the first that has none."""
-    whole = float((error**2).sum())
-    kappa = 1.0
-    for k in range(1, len(error)):
-        rho = float((error[k:] * error[:-k]).sum()) / max(whole, 1e-30)
-        if rho < _NONE:
-            break
-        kappa += 2.0 * rho
-    return min(kappa, _ALIKE)
 
 
 def _equations(problem: Problem, point: _Point, values: Array, sigma: Array) -> Equations:
@@ -223,7 +199,7 @@ def _equations(problem: Problem, point: _Point, values: Array, sigma: Array) -> 
     windows, free = problem.windows, int(problem.free.sum())
     shared = free + _PLACES
     out, steps = _perturbed(problem, point, values)
-    weight = np.isfinite(windows.measured) / sigma[:, None]
+    weight = np.isfinite(windows.measured) / (sigma[:, None] * _ALIKE**0.5)
     error = np.nan_to_num(windows.measured - out[..., 0]) * weight
     slopes = (out[..., 1:] - out[..., :1]) / steps * weight[..., None]
     count = len(windows)
@@ -241,7 +217,7 @@ def _equations(problem: Problem, point: _Point, values: Array, sigma: Array) -> 
     ridge = r + 1e-9 * np.eye(_OWN)
 
     def back(delta: Array) -> Array:
-        """Change of the windows' own (12, W) that goes with (W, n) changes of the rest."""
+        """Change of the windows' own (9, W) that goes with (W, n) changes of the rest."""
         right = onto - np.einsum("wkn,wn->wk", seen, delta)
         return np.linalg.solve(ridge, right[:, :, None])[:, :, 0].T
 
@@ -250,51 +226,26 @@ def _equations(problem: Problem, point: _Point, values: Array, sigma: Array) -> 
 
 
 def _perturbed(problem: Problem, point: _Point, values: Array) -> tuple[Array, Array]:
-    """Simulated (samples, 6, W, 1 + n): as it is, then each number changed by its step (n).
-
-    Columns: terms, current, wind, state at the begin, gusts. A number that does not change the
-    motion through the water, but what is measured of it, needs no simulation of its own.
-    """
-    searched = np.flatnonzero(problem.free)
-    free = len(searched)
+    """Simulated (samples, 6, W, 1 + n): as it is, then each number changed by its step (n)."""
+    free = int(problem.free.sum())
     columns = 1 + free + _PLACES + _OWN
     full = _full(problem, point.z, values)
     terms = np.repeat(full[:, None], columns, axis=1)
     places = np.repeat(_places(problem, point)[:, :, None], columns, axis=2)
     start = np.repeat(point.start[:, :, None], columns, axis=2)
     steps = np.full(columns, _STEP)
-    for c, k in enumerate(searched, start=1):
+    for c, k in enumerate(np.flatnonzero(problem.free), start=1):
         term = problem.terms[k]
         if full[k] + _STEP * term.spread > term.greatest:
             steps[c] = -_STEP
         terms[k, c] += steps[c] * term.spread
-    current, begin = 1 + free, 1 + free + _PLACES
-    gust = begin + _STATES
     for c, spread in enumerate(_LOCAL_SPREAD):
-        places[c, :, current + c] += _STEP * spread
+        places[c, :, 1 + free + c] += _STEP * spread
     for c in range(_STATES):
-        start[c, :, begin + c] += _STEP
+        start[c, :, 1 + free + _PLACES + c] += _STEP
     for c, spread in enumerate(_GUST_SPREAD):
-        places[2 + c, :, gust + c] += _STEP * spread
-    alike = [c for c, k in enumerate(searched, start=1) if k in _ONLY_MEASURED]
-    alike += [current, current + 1, begin, begin + 1]
-    own = np.setdiff1d(np.arange(columns), alike)
-    out = np.empty((_samples(problem), _STATES, len(problem.windows), columns))
-    commands = problem.windows.commands
-    out[..., own] = sail(terms[:, own], places[..., own], start[..., own], commands, problem.body)
-    out[..., alike] = out[..., :1]
-    t = np.arange(len(out))[:, None] * problem.body.h_s
-    for c in range(2):
-        out[:, c, :, current + c] += t * _STEP * _LOCAL_SPREAD[c]
-        out[:, c, :, begin + c] += _STEP
-    return measured(out, terms, places, problem.body.h_s), steps[1:]
-
-
-def _samples(problem: Problem) -> int:
-    return len(problem.windows.measured)
-
-
-_ONLY_MEASURED = frozenset(INDEX[name] for name in MEASURED)
+        places[2 + c, :, 1 + free + _PLACES + _STATES + c] += _STEP * spread
+    return simulate(terms, places, start, problem.windows.commands, problem.body), steps[1:]
 
 
 def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array, Array]:
@@ -310,15 +261,7 @@ def summed(problem: Problem, equations: Equations, counts: Array) -> tuple[Array
     return h, g
 
 
-def _moved(
-    problem: Problem,
-    point: _Point,
-    values: Array,
-    sigma: Array,
-    equations: Equations,
-    damping: float,
-) -> tuple[_Point, float]:
-    """A step and its cost. Each window goes as far along its own step as serves it best."""
+def _moved(problem: Problem, point: _Point, equations: Equations, damping: float) -> _Point:
     h, g = summed(problem, equations, np.ones(len(problem.windows)))
     delta = step(problem, h, g, np.concatenate([point.z, point.local.ravel()]), damping)
     free = int(problem.free.sum())
@@ -326,21 +269,12 @@ def _moved(
     local = delta[free:].reshape(problem.logs, _PLACES)
     each = np.hstack([np.tile(delta[:free], (len(problem.windows), 1)), local[problem.windows.log]])
     own = equations.back(each)
-    z = np.clip(point.z + delta[:free], least[:free], greatest[:free])
-    there = replace(point, z=z, local=point.local + local)
-    best, costs = np.zeros(len(problem.windows)), _costs(problem, there, values, sigma)
-    for share in _SHARES:
-        costly = _costs(problem, _along(there, own, share), values, sigma)
-        best = np.where(costly < costs, share, best)
-        costs = np.minimum(costly, costs)
-    return _along(there, own, best), float(costs.sum() + _prior(there))
-
-
-def _along(point: _Point, own: Array, share: Array | float) -> _Point:
     return replace(
         point,
-        start=point.start + share * own[:_STATES],
-        gust=point.gust + share * own[_STATES:],
+        z=np.clip(point.z + delta[:free], least[:free], greatest[:free]),
+        local=point.local + local,
+        start=point.start + own[:_STATES],
+        gust=point.gust + own[_STATES:],
     )
 
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sil.identify.hull_terms import LOCAL
-from sil.identify.output_error import Fit, Problem, first_start, residuals
+from sil.identify.output_error import Problem, first_start, residuals
 from sil.identify.voyage_log import Array, VoyageLog
 from sil.identify.voyage_model import deviation
 from sil.identify.windows import Windows, cut
@@ -27,19 +26,17 @@ class Score:
     ninetieth_m: float
 
 
-def score(problem: Problem, fit: Fit, logs: Sequence[VoyageLog]) -> Score | None:
-    """Windows of `logs` in which the propellers work, one a second, steady water and air.
-
-    Current and wind are those that the fit found in other parts of the same log, else none.
+def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score | None:
+    """Windows of `logs` in which the propellers work, one a second, still water and air.
 
     Each begins as measured: position and heading of its first sample, velocities by its first half
-    second, the fit's compass deviation taken off. None where there is no such window.
+    second, the compass deviation of `values` taken off. None where there is no such window.
     """
     windows = cut(logs, _STRIDE_S)
     windows = windows.chosen(windows.working())
     if len(windows) == 0:
         return None
-    error = predicted(problem, fit, windows)
+    error = predicted(problem, values, windows)
     measured = windows.measured
     r2 = [_determination(measured[:, k], error[:, k]) for k in (3, 4, 5)]
     ends = np.hypot(error[-1, 0], error[-1, 1])
@@ -47,26 +44,20 @@ def score(problem: Problem, fit: Fit, logs: Sequence[VoyageLog]) -> Score | None
     return Score(len(windows), r2[0], r2[1], r2[2], float(median), float(ninetieth))
 
 
-def predicted(problem: Problem, fit: Fit, windows: Windows) -> Array:
+def predicted(problem: Problem, values: Array, windows: Windows) -> Array:
     """Measured minus predicted (samples, 6, W)."""
     held_out = Problem(windows, problem.body, problem.terms, problem.free)
-    known = {name: fit.local[k] for k, name in enumerate(problem.windows.names)}
-    none = np.array([term.guess for term in LOCAL])
-    places = np.zeros((8, len(windows)))
-    places[:4] = np.array([known.get(name, none) for name in windows.names])[windows.log].T
-    return residuals(held_out, fit.values, places, _start(fit.values, places, windows))
+    still = np.zeros((5, len(windows)))
+    return residuals(held_out, values, still, _start(values, windows))
 
 
-def _start(values: Array, places: Array, windows: Windows) -> Array:
+def _start(values: Array, windows: Windows) -> Array:
     start = first_start(windows)
     off = deviation(values[:, None], start[2][:, None])[:, 0]
     start[2] -= off
     cos, sin = np.cos(off), np.sin(off)
     u, v = start[3].copy(), start[4].copy()
-    cos_psi, sin_psi = np.cos(start[2]), np.sin(start[2])
-    north, east = places[:2]
-    start[3] = cos * u - sin * v - cos_psi * north - sin_psi * east
-    start[4] = sin * u + cos * v - cos_psi * east + sin_psi * north
+    start[3], start[4] = cos * u - sin * v, sin * u + cos * v
     return start
 
 

@@ -97,9 +97,8 @@ def hull_of(found: Identification, boat: Boat) -> Preset:
 def parameters(found: Identification, boat: Boat) -> dict[str, float]:
     """The firmware's parameters of this hull."""
     hull = hull_of(found, boat)
-    pair = hull.propellers
     own = presets.firmware(hull)
-    own |= {"THR_BALANCE": pair.stbd_gain - 1.0, "THR_LAG": pair.lag_s}
+    own["THR_BALANCE"] = hull.propellers.stbd_gain - 1.0
     if found.wiring.port_inverted:
         own["THR_PORT_DIR"] = -1.0
     if found.wiring.stbd_inverted:

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: MIT
 """A boat in open loop over many stretches of a log at once: commands in, measurements out.
 
-    u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + k_x |a| a_x
-    m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + k_y |a| a_y
-    m33 ṙ + m23 v̇ = N + w − k_n a_x a_y − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
+    u̇ = X + m22 v r + m23 r² − (d11 + d11q |u|) u + w_x
+    m22 v̇ + m23 ṙ = −u r − (d22 + d22s |u|) v − d22q ∫ |v + x r| (v + x r) dx / L + w_y
+    m33 ṙ + m23 v̇ = N + w_n − (m22 − 1 + k) u v − m23 u r − (d33 + d33q |r| + d33s |u|) r
                     − d22q ∫ x |v + x r| (v + x r) dx / L
     η̇ = R(ψ) ν + c
 
-ν = [u v r] through the water, c the current, a = Rᵀ(ψ) W − [u v] the air past the boat, W
-the wind over the water, w the moment of a gust; all forces and inertias divided by
+ν = [u v r] through the water, c the current, w the wind's push; all forces and inertias divided by
 m11 (the names are `hull_terms`'). X = T_port + T_stbd, N = a (T_port − T_stbd). It shares no code
 with the firmware's vessel or with `sil.plant`. Source: Fossen, Handbook of Marine Craft
 Hydrodynamics and Motion Control, 2nd ed., chapters 6, 7 and 10.
@@ -23,6 +22,7 @@ from sil.identify.hull_terms import INDEX
 
 Array = npt.NDArray[np.float64]
 
+STEPS = 2  # of integration for each sample
 _BEFORE_S = 3.0  # of commands before a stretch, from which its first thrust comes
 # Gauss and Legendre: places along the hull (half lengths) and weights of the cross-flow's integral.
 _PLACES = (-(0.6**0.5), 0.0, 0.6**0.5)
@@ -34,34 +34,25 @@ _FASTEST = 30.0  # m/s, rad/s: a wrong guess must not overflow
 class Body:
     """What is measured with a tape: half the distance of the propellers, length; sample time.
 
-    gate: how far beside the dead band's edge, as a share of it, thrust is partly there. steps: of
-    integration for each sample.
+    gate: how far beside the dead band's edge, as a share of it, thrust is partly there.
     """
 
     arm_m: float
     length_m: float
     h_s: float
     gate: float = 0.05
-    steps: int = 2
 
 
 def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
     """Measurements (samples, 6, W, C): n, e, ψ, u, v, r of W stretches for C sets of terms.
 
-    terms (K, C); local (8, W, C): current and wind over the water, north and east, and a moment; then
-    how wind and moment rise in the stretch's second half, as they did in its first; start (6, W, C):
+    terms (K, C); local (5, W, C): current and push, north and east, and a moment; start (6, W, C):
     n, e, ψ of the boat and u, v, r through the water; commands (before + samples, W, 2), port and
     starboard, held for a sample; the first is `before(h)` samples before the stretch.
     """
-    return measured(sail(terms, local, start, commands, body), terms, local, body.h_s)
-
-
-def sail(terms: Array, local: Array, start: Array, commands: Array, body: Body) -> Array:
-    """States (samples, 6, W, C): n, e, ψ, and u, v, r through the water; otherwise `simulate`."""
     thrust = _thrusts(terms, commands, body)
     samples = len(commands) - before(body.h_s)
-    steps = body.steps
-    h = body.h_s / steps
+    h = body.h_s / STEPS
     state = start.copy()
     out = np.empty((samples, *start.shape))
     hull = _Hull(terms, local, body)
@@ -69,18 +60,17 @@ def sail(terms: Array, local: Array, start: Array, commands: Array, body: Body) 
     lag = terms[INDEX["lag"]]
     half, whole = 1.0 - np.exp(-0.5 * h / lag), 1.0 - np.exp(-h / lag)
     force = thrust[0].copy()
-    steps_before = steps * before(body.h_s)
+    steps_before = STEPS * before(body.h_s)
     for k, wanted in enumerate(thrust):
         if k >= steps_before:
-            if (k - steps_before) % steps == 0:
-                out[(k - steps_before) // steps] = state
+            if (k - steps_before) % STEPS == 0:
+                out[(k - steps_before) // STEPS] = state
             middle, end = force + half * (wanted - force), force + whole * (wanted - force)
-            hull.weather(2.0 * (k - steps_before + 0.5) / (len(thrust) - steps_before) - 1.0)
             state = hull.step(state, (force, middle, end), h)
             force = end
         else:
             force += whole * (wanted - force)
-    return out
+    return _measured(out, terms, local, body.h_s)
 
 
 def before(h_s: float) -> int:
@@ -111,7 +101,7 @@ def _thrusts(terms: Array, commands: Array, body: Body) -> Array:
     total = np.zeros((len(held) + 1, *held.shape[1:]))
     np.cumsum(held, axis=0, out=total[1:])
     late = terms[INDEX["dead_time"]] / body.h_s
-    at = np.arange(body.steps * len(commands) + 1)[:, None] / body.steps - late  # (steps + 1, C)
+    at = np.arange(STEPS * len(commands) + 1)[:, None] / STEPS - late  # (steps + 1, C)
     at = np.clip(at, 0.0, len(held))
     whole = np.minimum(at.astype(int), len(held) - 1)
     part = at - whole
@@ -119,7 +109,7 @@ def _thrusts(terms: Array, commands: Array, body: Body) -> Array:
     low = total[whole, :, :, sets]  # (steps + 1, C, 2, W)
     high = total[whole + 1, :, :, sets]
     integral = low + part[:, :, None, None] * (high - low)
-    return np.ascontiguousarray(np.moveaxis(np.diff(integral, axis=0) * body.steps, 1, -1))
+    return np.ascontiguousarray(np.moveaxis(np.diff(integral, axis=0) * STEPS, 1, -1))
 
 
 class _Hull:
@@ -131,11 +121,6 @@ class _Hull:
         self._det = p["m22"] * p["m33"] - p["m23"] ** 2
         self._local = local
         self._body = body
-        self.weather(0.0)
-
-    def weather(self, place: float) -> None:
-        """Wind and moment from now on: −1 at the stretch's begin, 1 at its end."""
-        self._air = self._local[2:5] + place * self._local[5:8]
 
     def step(self, s: Array, forces: tuple[Array, Array, Array], h: float) -> Array:
         """One step of classical Runge-Kutta 4; forces (2, W, C) at its begin, middle and end."""
@@ -149,13 +134,8 @@ class _Hull:
     def _rates(self, s: Array, thrust: Array) -> Array:
         p = self._p
         _, _, psi, u, v, r = s
-        c_n, c_e = self._local[:2]
-        wind_n, wind_e, w_turn = self._air
+        c_n, c_e, w_n, w_e, w_turn = self._local
         cos, sin, speed = np.cos(psi), np.sin(psi), np.abs(u)
-        # The air past the boat.
-        air_x = cos * wind_n + sin * wind_e - u
-        air_y = cos * wind_e - sin * wind_n - v
-        air = np.sqrt(air_x * air_x + air_y * air_y)
         lost = 1.0 - p["advance"] * u
         port, stbd = thrust[0] * lost, thrust[1] * lost
         side, turn = self._crossflow(v, r)
@@ -163,12 +143,11 @@ class _Hull:
         out[0] = cos * u - sin * v + c_n
         out[1] = sin * u + cos * v + c_e
         out[2] = r
-        out[3] = port + stbd + (p["m22"] * v + p["m23"] * r) * r + p["wind_x"] * air * air_x
+        out[3] = port + stbd + (p["m22"] * v + p["m23"] * r) * r + cos * w_n + sin * w_e
         out[3] -= (p["d11"] + p["d11_quadratic"] * speed) * u
         Y = -u * r - (p["d22"] + p["d22_speed"] * speed) * v - side
-        Y += p["wind_y"] * air * air_y
-        N = w_turn - p["wind_n"] * air_x * air_y + self._body.arm_m * (port - stbd)
-        N -= (p["m22"] - 1.0 + p["munk"]) * u * v + turn
+        Y += p["wind_side"] * (cos * w_e - sin * w_n)
+        N = w_turn + self._body.arm_m * (port - stbd) - (p["m22"] - 1.0 + p["munk"]) * u * v - turn
         N -= (p["d33"] + p["d33_quadratic"] * np.abs(r) + p["d33_speed"] * speed + p["m23"] * u) * r
         out[4] = (p["m33"] * Y - p["m23"] * N) / self._det
         out[5] = (p["m22"] * N - p["m23"] * Y) / self._det
@@ -197,7 +176,7 @@ def deviation(terms: Array, psi: Array) -> Array:
     return off
 
 
-def measured(states: Array, terms: Array, local: Array, h_s: float) -> Array:
+def _measured(states: Array, terms: Array, local: Array, h_s: float) -> Array:
     """What the log has of these states (samples, 6, W, C): deviation, antenna, ages."""
     _, _, psi, u, v, r = np.moveaxis(states, 1, 0)
     cos, sin = np.cos(psi), np.sin(psi)

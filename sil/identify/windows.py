@@ -17,16 +17,12 @@ _MOVING = 0.05  # m/s, rad/s
 
 @dataclass(frozen=True)
 class Windows:
-    """commands (before + samples, W, 2); measured (samples, 6, W), NaN where unknown; log (W).
-
-    log: index in `names` of the log that a window is of; parts of one log have its name.
-    """
+    """commands (before + samples, W, 2); measured (samples, 6, W), NaN where unknown; log (W)."""
 
     commands: Array
     measured: Array
     log: npt.NDArray[np.int64]
     start_s: Array
-    names: tuple[str, ...]
 
     def __len__(self) -> int:
         return len(self.log)
@@ -38,7 +34,6 @@ class Windows:
             self.measured[:, :, which],
             self.log[which],
             self.start_s[which],
-            self.names,
         )
 
     def working(self) -> npt.NDArray[np.bool_]:
@@ -52,8 +47,7 @@ def cut(logs: Sequence[VoyageLog], stride_s: float = WINDOW_S) -> Windows:
     """Every stretch in which the boat moves or is driven."""
     ahead, samples = before(SAMPLE_S), round(WINDOW_S / SAMPLE_S)
     commands, measured, which, starts = [], [], [], []
-    names = tuple(dict.fromkeys(log.name for log in logs))
-    for log in logs:
+    for number, log in enumerate(logs):
         padded = np.vstack([np.zeros((ahead, 2)), log.commands])
         for at in range(0, len(log.motion) - samples + 1, round(stride_s / SAMPLE_S)):
             given = padded[at : at + ahead + samples]
@@ -64,18 +58,16 @@ def cut(logs: Sequence[VoyageLog], stride_s: float = WINDOW_S) -> Windows:
                 continue
             commands.append(given)
             measured.append(_from_first_turn(motion).T)
-            which.append(names.index(log.name))
+            which.append(number)
             starts.append(at * SAMPLE_S)
     if not commands:
         shape = (ahead + samples, 0, 2), (samples, 6, 0)
-        empty = np.empty(shape[0]), np.empty(shape[1]), np.empty(0, np.int64), np.empty(0)
-        return Windows(*empty, names)
+        return Windows(np.empty(shape[0]), np.empty(shape[1]), np.empty(0, np.int64), np.empty(0))
     return Windows(
         np.stack(commands, axis=1),
         np.moveaxis(np.stack(measured, axis=2), 0, 1),
         np.array(which),
         np.array(starts),
-        names,
     )
 
 

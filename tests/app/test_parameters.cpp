@@ -20,7 +20,7 @@ TEST_CASE("every parameter has a wire name, a range that holds its default, and 
     CHECK(info.least < info.greatest);
     CHECK(is_valid(info, info.default_value));
     CHECK(defaults.*info.member == info.default_value);
-    CHECK(info.sentence.ends_with('.'));
+    CHECK(kParameterTexts[names.size() - 1].sentence.ends_with('.'));
     CHECK(find_parameter(info.name) == &info);
   }
   CHECK(find_parameter("NO_SUCH_NAME") == nullptr);

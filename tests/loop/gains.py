@@ -3,8 +3,8 @@
 
     python -m tests.loop.gains [HULL…]
 
-Four of a kind in a diamond, slots three hull lengths apart, behind an S-curve at
-their cruise, in calm water with exact states. The boats are told their hull (VES_*), propellers
+Four of a kind in a diamond, slots three hull lengths apart, behind an S-curve at their cruise, in
+calm water with exact states. The boats are told their hull (VES_*), propellers
 (THR_*) and length, no LAW_*: first with the lag of their propellers, then without, and at last with
 the numbers that belong to the paper's hull. `certificate`: decay of small errors of the slowest
 boat's sampled loop.

@@ -3,7 +3,8 @@
 
     python -m tests.loop.off_hull [HULL…] [--weather]
 
-Four of each hull in sil/hulls in a diamond behind an S-curve at its cruise, as in `tests.loop.presets`. Of the boats' hulls one number, then all six, are half or twice as great as
+Four of each hull in sil/hulls in a diamond behind an S-curve at its cruise, as in
+`tests.loop.presets`. Of the boats' hulls one number, then all six, are half or twice as great as
 the firmware's parameters say, a drag with its quadratic part: d11 with d11_quadratic, d22 with
 crossflow_cd, d33 with d33_quadratic and d33_speed. Gains are derived, all else is the firmware's
 default. `--weather`: in the wind, current and noise of `tests.loop.presets`.

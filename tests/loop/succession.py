@@ -20,10 +20,11 @@ from rich.progress import Progress
 
 from sil.lockstep.batch import Batch
 from sil.lockstep.start import RunError
+from sil.lockstep.trace import States
 from sil.lockstep.world import sail as sail_runs
 from sil.plant.hull import Array
 from sil.scenario import scenario
-from sil.scenario.formation import slots
+from sil.scenario.formation import Place, slots
 from sil.scenario.scenario import Scenario
 from sil.scenario.sections import Fault
 from sil.scenario.told_plan import items_of
@@ -74,48 +75,56 @@ class Healed:
     states: tuple[str, ...]
 
 
+class Track:
+    """What one run showed, ten times a second: states, poses and claims to lead of all boats."""
+
+    def __init__(self) -> None:
+        self.t_s: list[float] = []
+        self.states: list[States] = []
+        self.eta: list[Array] = []
+        self.leads: list[list[bool]] = []
+
+
 class Observer:
     """Gives each run its plans and its table after the release, splits radios, and listens."""
 
     def __init__(self, kind: str, instants: Sequence[float], one: Scenario) -> None:
         self.kind, self.instants, self.one = kind, instants, one
         self.places = slots(one.formation) if one.formation else []
-        self.states: list[Array] = []
-        self.eta: list[Array] = []
-        self.t_s: list[float] = []
-        self.said: dict[tuple[int, int], Beacon] = {}
-        self.leads: list[Array] = []
-        self.bytes = 0
+        self.tracks = [Track() for _ in instants]
+        self._said: dict[tuple[int, int], Beacon] = {}
         self._uploads: dict[tuple[int, int], PlanUpload] = {}
 
     def __call__(self, batch: Batch, members: Sequence[int], k: int, t_us: int) -> None:
-        now_s = k * self.one.step_s
-        runs = range(len(batch.scenarios))
         if k == 0:
-            self._begin(batch, runs, t_us)
-        for run in runs:
+            self._begin(batch, t_us)
+        for run, member in enumerate(members):
             for boat, agent in enumerate(batch.agents(run)):
                 self._exchange(batch, run, boat, agent, t_us)
             if self.kind == "split":
-                self._split(batch, run, self.instants[members[run]], k)
-        if k % 10 == 0:
-            shape = (len(batch.scenarios), batch.boats)
-            self.t_s.append(now_s)
-            self.states.append(batch.states.copy())
-            self.eta.append(batch.bodies.eta[len(batch.scenarios) :].reshape(*shape, 3).copy())
-            leads = [[self._leads(run, boat) for boat in range(batch.boats)] for run in runs]
-            self.leads.append(np.array(leads))
+                self._split(batch, run, self.instants[member], k)
+            if k % 10 == 0:
+                self._note(batch, run, self.tracks[member], k)
+
+    def _note(self, batch: Batch, run: int, track: Track, k: int) -> None:
+        rows = list(batch.agents(run))
+        track.t_s.append(k * self.one.step_s)
+        track.states.append(batch.states[run].copy())
+        track.eta.append(batch.bodies.eta[rows].copy())
+        track.leads.append([self._leads(run, boat) for boat in range(batch.boats)])
 
     def _leads(self, run: int, boat: int) -> bool:
-        said = self.said.get((run, boat + 1))
+        said = self._said.get((run, boat + 1))
         return said is not None and said.leads
 
-    def _begin(self, batch: Batch, runs: range, t_us: int) -> None:
+    def _begin(self, batch: Batch, t_us: int) -> None:
+        self._said.clear()
+        self._uploads.clear()
         members = [
             Member(i + 1, leader, place, self.one.vessel.length_m)
             for i, (leader, place) in enumerate(zip(TREE, self.places, strict=True))
         ]
-        for run in runs:
+        for run in range(len(batch.scenarios)):
             second = batch.agents(run)[1]
             batch.fleet.hear(second, table_message(1, members, in_s=3.0), t_us, RADIO)
             for boat in range(1, batch.boats):
@@ -125,7 +134,7 @@ class Observer:
     def _exchange(self, batch: Batch, run: int, boat: int, agent: int, t_us: int) -> None:
         said = batch.fleet.sent(agent)
         for system, beacon in beacons(said):
-            self.said[run, system] = beacon
+            self._said[run, system] = beacon
         upload = self._uploads.get((run, boat))
         if upload is None or upload.done:
             return
@@ -182,15 +191,16 @@ def sail(kind: str, instants: Sequence[float]) -> list[Healed]:
     for run in runs:
         if isinstance(run, RunError):
             raise run
-    return [judge(observer, kind, run, at_s) for run, at_s in enumerate(instants)]
+    return [
+        judge(track, observer.places, kind, at_s)
+        for track, at_s in zip(observer.tracks, instants, strict=True)
+    ]
 
 
-def judge(seen: Observer, kind: str, run: int, at_s: float) -> Healed:
+def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Healed:
     """Compare a run with what is asked of it."""
-    t_s = np.array(seen.t_s)
-    states = np.array([all_runs[run] for all_runs in seen.states])
-    eta = np.array([all_runs[run] for all_runs in seen.eta])
-    leads = np.array([all_runs[run] for all_runs in seen.leads])
+    t_s, states = np.array(track.t_s), np.array(track.states)
+    eta, leads = np.array(track.eta), np.array(track.leads)
     dead = {"leader": 0, "inner": 1}.get(kind)
     live = [boat for boat in range(states.shape[1]) if boat != dead]
     from_s = at_s + (SPLIT_S if kind == "split" else 0.0)
@@ -200,7 +210,7 @@ def judge(seen: Observer, kind: str, run: int, at_s: float) -> Healed:
     alone = np.flatnonzero(count == 1)
     leads_s = float(alone[0]) * step_s if len(alone) else np.inf
     leader = live[int(leads[-1][live].argmax())]
-    places = np.array(seen.places)
+    places = np.array(shape)
     settled = t_s >= from_s + FORMS_UP_S
     off = eta[settled][:, live, :2] - eta[settled][:, leader, None, :2]
     off -= places[live] - places[leader]

@@ -6,6 +6,7 @@ import pytest
 from sil.scenario import presets
 from tests.loop.gains import Found
 from tests.loop.off_hull import SHORT, measured
+from tests.loop.presets import WEATHER
 
 # As `python -m tests.loop.off_hull` prints it, m: the worst case of `SHORT` of each hull.
 MEASURED = {
@@ -15,6 +16,7 @@ MEASURED = {
     "paper": 0.0153,
     "wamv": 0.0599,
 }
+WORST_IN_WEATHER = ("heron", "m11", 2.0), 0.1263
 MOST_M = 0.2
 
 
@@ -33,3 +35,11 @@ def test_no_boat_leaves_formation_or_its_slot(
     worst = max(fleet.rms_m for fleet in own.values())
     assert worst <= MOST_M
     assert 0.5 * MEASURED[name] < worst < 1.5 * MEASURED[name]
+
+
+def test_worst_of_all_in_weather_stays_in_formation_too() -> None:
+    key, rms_m = WORST_IN_WEATHER
+    fleet = measured([key[0]], (key[1:],), WEATHER)[key]
+    assert not fleet.left
+    assert fleet.rms_m <= MOST_M
+    assert 0.5 * rms_m < fleet.rms_m < 1.5 * rms_m

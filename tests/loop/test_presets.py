@@ -57,7 +57,9 @@ def test_certificate_holds_with_the_gains_that_the_firmware_derives(name: str) -
 
 def test_virtual_heron_sails_in_circles_and_the_leader_of_these_fleets_does_not() -> None:
     turning = ("leader.input.1.yaw_sine_Nm=2.0", "leader.input.1.yaw_sine_rad_s=0.25")
-    (circles,) = references(scenario.load("mixed", ["hull=heron", "leader.input.1.surge_N=13", *turning]))
+    (circles,) = references(
+        scenario.load("mixed", ["hull=heron", "leader.input.1.surge_N=13", *turning])
+    )
     (curve,) = references(scenario.load("mixed", presets.alike("heron")))
     assert abs(circles.motion.drift[2]) > 6.0
     assert abs(curve.motion.drift[2]) < 1e-6

@@ -27,6 +27,16 @@ bool is_of(const FleetTable& table, std::uint8_t system) {
   return table.rank_of(system).has_value();
 }
 
+/// Whether a boat hears so many that they are more than half of the table with it. A smaller part
+/// may be cut off from one that still sails the plan: it waits, lest both sail on one line.
+bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer> peers) {
+  std::size_t heard = 1;
+  for (std::size_t rank = 0; rank < table.count; ++rank) {
+    if (rank != own && peers[rank].heard) ++heard;
+  }
+  return 2 * heard > table.count;
+}
+
 bool same(const Configuration::Formation& a, const Configuration::Formation& b) {
   return a.leader == b.leader && a.north_m == b.north_m && a.east_m == b.east_m &&
          a.turns == b.turns;
@@ -133,6 +143,7 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
                               core::law_drives(state) || state == core::State::kManual,
                               core::sails_alone(state), ordered, by_hand_},
                              std::span(peers_).first(table->count));
+    if (order == FleetOrder::kLead && !is_most(*table, *rank, peers_)) place_ = {};
     next = by_hand_ ? std::nullopt : hang(*rank);
     if (succession_.leads()) place_ = ordered ? report.place : place_;
   }

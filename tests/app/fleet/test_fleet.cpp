@@ -64,7 +64,10 @@ struct Harbour {
         if (now_us % 100'000 == 0) spread(i, link::Attitude{}, 0);
         const FleetReport report{boat.system, boat.state, true, {77, 3}};
         boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
-        if (boat.order == FleetOrder::kLead) boat.state = core::State::kAuto;
+        const bool planned = boat.fleet.place().plan_id != 0;
+        if (boat.order == FleetOrder::kLead) {
+          boat.state = planned ? core::State::kAuto : core::State::kLoiter;
+        }
         if (boat.order == FleetOrder::kFollow) boat.state = core::State::kFormation;
         if (boat.order == FleetOrder::kStop) boat.state = core::State::kHold;
         if (const auto beacon = boat.fleet.beacon(clock_us)) spread(i, *beacon, 24);
@@ -142,6 +145,16 @@ TEST_CASE("the leader falls silent: the next one leads within two seconds, all h
   CHECK(harbour.applied(3).FORM_OFS_N == -8);
 }
 
+TEST_CASE("half of the members go on without the leader: they have no plan, so that they wait") {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  harbour.boats[0].on = harbour.boats[1].on = false;
+  harbour.sail(2);
+  CHECK(harbour.boats[2].state == core::State::kLoiter);
+  CHECK(harbour.leader_of(3) == 3);
+}
+
 TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the next table") {
   Harbour harbour;
   harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
@@ -166,7 +179,8 @@ TEST_CASE("an operator's own leader or slot is above the table until the next on
   harbour.boats[2].own.east_m = 9;
   harbour.sail(5);
   CHECK(harbour.leader_of(2) == 100);
-  harbour.boats[0].on = harbour.boats[1].on = false;
+  harbour.boats[0].on = false;
+  harbour.boats[1].state = core::State::kHold;
   harbour.sail(5);
   CHECK(harbour.boats[2].state == core::State::kFormation);  // it takes nothing over
   CHECK(harbour.boats[3].state == core::State::kAuto);

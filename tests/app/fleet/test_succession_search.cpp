@@ -303,7 +303,7 @@ std::array<std::uint64_t, 2> print_of(const Node& n) {
     for (const Word& w : v.said) add(true, w.fit, w.leads, w.epoch);
     print.add(rest);
   }
-  print.add((n.failures * 8ULL + n.deafs) << 16U | n.split << 8U | n.issued << 1U |
+  print.add((n.failures * 8ULL + n.deafs) << 16U | n.split << 8U | std::uint64_t{n.issued} << 1U |
             (n.was_split ? 1U : 0U));
   return {print.a, print.b};
 }
