@@ -88,14 +88,8 @@ core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
   look(seen);
   advance(seen);
   const core::Thrust<S> asked = shares(seen, dt);
-  const S port = core::clamp(asked.port, S(-1), S(1)), stbd = core::clamp(asked.stbd, S(-1), S(1));
-  if (phase_ == Phase::kDriven && step().manoeuvre == Manoeuvre::kAlone) {
-    const S gain = gain_ * core::min(surge_gain_, turn_gain_);
-    return {gain * port, gain * stbd};
-  }
-  const S surge = S(0.5) * gain_ * surge_gain_ * (port + stbd);
-  const S turn = S(0.5) * gain_ * turn_gain_ * (port - stbd);
-  return {surge + turn, surge - turn};
+  const S gain = gain_ * slowed_;
+  return {gain * core::clamp(asked.port, S(-1), S(1)), gain * core::clamp(asked.stbd, S(-1), S(1))};
 }
 
 /// Cuts the step off where it cannot go on. A fence makes the room smaller.
@@ -111,9 +105,9 @@ void HullVoyage<S>::look(const Seen& seen) {
   const S edge = S(0.95) * radius_;
   const bool too_fast = fastest_ < speed || turns_fast;
   if (phase_ == Phase::kReturn) {
-    if (too_fast && slow_down(turns_fast)) enter(Phase::kRest);
+    if (too_fast && slow_down()) enter(Phase::kRest);
   } else if (too_fast) {
-    cut_off("too fast", slow_down(turns_fast));
+    cut_off("too fast", slow_down());
   } else if (seen.blocked) {
     radius_ = core::min(radius_, core::max(away_, S(kLeastRadius_m)));
     cut_off("the fence", false);
@@ -122,13 +116,12 @@ void HullVoyage<S>::look(const Seen& seen) {
   }
 }
 
-/// Less thrust ahead, or less to turn, from now on, unless there is hardly any.
+/// Less thrust from now on, unless there is hardly any.
 template <class S>
-bool HullVoyage<S>::slow_down(bool turns) {
-  S& now = turns ? turn_gain_ : surge_gain_;
-  const S slower = S(0.7) * now;
+bool HullVoyage<S>::slow_down() {
+  const S slower = S(0.7) * slowed_;
   const bool can = S(0.1) < gain_ * slower;
-  if (can) now = slower;
+  if (can) slowed_ = slower;
   return can;
 }
 

@@ -5,15 +5,12 @@
 //   |p| > 0.4 R: back to 0.33 R before the next step; > 1.5 R: lost
 //   |p| > 0.15 R: turns first, where the next step goes far
 //   d = ±min(d_max, |k (χ_d − ψ) − k_r r|)      port = s + d, stbd = s − d      steers to a course
-//   port = g (g_u s + g_r d), stbd = g (g_u s − g_r d); of one propeller alone g min(g_u, g_r)
 //
 //  symbol    meaning                                                          unit
 //  p, v      place from the room's centre, velocity over ground, north-east   m, m/s
 //  R, T_s    radius of the room; time in which the boat comes to rest         m, s
 //  χ_d, ψ    desired course, heading                                          rad
 //  s, d      surge and differential, shares of a propeller's greatest thrust  1
-//  g         share that the voyage uses at most                               1
-//  g_u, g_r  times 0.7 whenever the boat was too fast, or turned too fast     1
 //
 // The law takes no part: it needs the very numbers that the voyage is to find. So the boat steers by
 // shares of its thrust also on its way back to the centre, where it goes between steps as needed.
@@ -100,7 +97,7 @@ class HullVoyage {
   void begin_step(const Seen& seen);
   void end_step();
   void next_step();
-  bool slow_down(bool turns);
+  bool slow_down();
   void cut_off(std::string_view why, bool slower);
   void look(const Seen& seen);
   void advance(const Seen& seen);
@@ -114,8 +111,7 @@ class HullVoyage {
   bool lost_ = false;
   std::size_t step_ = 0, whole_ = 0;
   int tries_ = 0;
-  S radius_{}, greatest_{}, gain_{};
-  S surge_gain_ = S(1), turn_gain_ = S(1);  // less after it was too fast
+  S radius_{}, greatest_{}, gain_{}, slowed_ = S(1);
   S rest_s_{}, fastest_{}, fastest_r_{};
   S away_{};  // from the centre
   S in_phase_s_{};

@@ -246,6 +246,7 @@ bool can_compose(std::uint16_t id) {
                                  link::ComponentMetadata::kId,
                                  link::AvailableModes::kId,
                                  link::Odometry::kId};
+  if (id == link::FormationFuture::kId) return false;  // told by news only
   return std::find(kOnceOnly.begin(), kOnceOnly.end(), id) != kOnceOnly.end() ||
          std::any_of(kStreams.begin(), kStreams.end(),
                      [&](const StreamInfo& info) { return info.id == id; });

@@ -17,7 +17,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kVersion1 = 0xFE, kVersion2 = 0xFD, kSigned = 1;
 // Messages without a name in link::mav.
-constexpr std::uint32_t kFleetTableId = 53102;
+constexpr std::uint32_t kFleetTableId = 53103;
 constexpr std::uint32_t kSetModeId = 11, kParamValueId = 22, kRcChannelsId = 65,
                         kManualControlId = 69, kRcOverrideId = 70, kCommandIntId = 75,
                         kCommandLongId = 76, kCommandAckId = 77, kTimesyncId = 111,

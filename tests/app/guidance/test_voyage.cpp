@@ -248,20 +248,6 @@ TEST_CASE("a step that was too fast is repeated with less thrust, and all after 
   CHECK(again->what == "too fast");
 }
 
-TEST_CASE("a boat that turned too fast turns with less thrust, and goes ahead with as much") {
-  VoyageRoom slow = room();
-  slow.fastest_radps = 0.3F;
-  Sea<float> sea{slow};
-  const std::size_t circle = first_of(Manoeuvre::kCircle);
-  REQUIRE(sea.sail_to(circle));
-  REQUIRE(sea.count(Kind::kAgain) >= 1);
-  sea.step();
-  const VoyageStep& step = kVoyageSteps[circle - 1];
-  const double full = 0.8 * 0.01;
-  CHECK(sea.shares.port + sea.shares.stbd == doctest::Approx(full * (step.port + step.stbd)));
-  CHECK(sea.shares.port - sea.shares.stbd < 0.75 * full * (step.port - step.stbd));
-}
-
 TEST_CASE("the fence cuts a step off as its room does") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(2));

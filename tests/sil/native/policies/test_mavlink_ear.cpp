@@ -89,6 +89,7 @@ TEST_CASE("with MAV_GCS_SYSID, who else arms is not counted among who may") {
 
 TEST_CASE("who speaks is heard; what is no whole frame is torn") {
   Ear e;
+  e.n.leader = static_cast<std::uint8_t>(e.p.FORM_LEADER);
   CHECK(e.hear(e.leader, link::Attitude{}));
   CHECK(e.n.heard.leader);
   CHECK(!e.n.heard.own);
