@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // All of core with a scalar that can do nothing but what core's contract promises.
-#include "core/assignment.hpp"
 #include "core/coast.hpp"
 #include "core/estimation/observer.hpp"
 #include "core/estimation/plausibility.hpp"
