@@ -7,7 +7,7 @@ void Membership::hear(const link::Received& received, std::int64_t now_us) {
   const std::uint8_t from = received.from.system;
   if (!kKeepsFleet || from == vehicle_.self().system) return;
   const auto commander = vehicle_.configuration().operators.commander;
-  fleet_.hear(received, !commander || *commander == from, now_us);
+  fleet().hear(received, !commander || *commander == from, now_us);
 }
 
 FleetOrder Membership::order(core::State state, core::Conditions conditions, std::int64_t now_us) {
@@ -16,12 +16,12 @@ FleetOrder Membership::order(core::State state, core::Conditions conditions, std
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
-  return fleet_.step({vehicle_.self().system, state, fit, {missions.id(Stored::kPlan), item}},
-                     configuration.formation, configuration.navigation.leader_limit_us, now_us);
+  return fleet().step({vehicle_.self().system, state, fit, {missions.id(Stored::kPlan), item}},
+                      configuration.formation, configuration.navigation.leader_limit_us, now_us);
 }
 
 Parameters Membership::applied(const Parameters& own) const {
-  return kKeepsFleet ? fleet_.applied(own) : own;
+  return kKeepsFleet ? fleet().applied(own) : own;
 }
 
 bool Membership::obey(FleetOrder order) {
@@ -44,7 +44,7 @@ bool Membership::obey(FleetOrder order) {
 /// Sails on with the fleet's plan from where the last leader was, or waits if it has another one.
 void Membership::lead() {
   MissionService& missions = vehicle_.missions();
-  const FleetPlace& place = fleet_.place();
+  const FleetPlace& place = fleet().place();
   const bool shared = place.plan_id != 0 && place.plan_id == missions.id(Stored::kPlan);
   if (shared && missions.set_current(place.item) &&
       vehicle_.obey(core::Request::kAuto, counters_)) {
@@ -55,14 +55,14 @@ void Membership::lead() {
 
 void Membership::tell(std::int64_t now_us) {
   if (!kKeepsFleet) return;
-  if (const auto beacon = fleet_.beacon(now_us)) links_.broadcast(*beacon, counters_);
-  if (const auto table = fleet_.table(now_us)) links_.broadcast(*table, counters_);
-  if (const auto epoch = fleet_.take_epoch()) {
+  if (const auto beacon = fleet().beacon(now_us)) links_.broadcast(*beacon, counters_);
+  if (const auto table = fleet().table(now_us)) links_.broadcast(*table, counters_);
+  if (const auto epoch = fleet().take_epoch()) {
     Sentence text;
     text << "fleet table " << static_cast<float>(*epoch) << " is in force";
     vehicle_.send_statustext(link::mav::kSeverityInfo, {text.text()}, counters_);
   }
-  if (const auto refused = fleet_.take_refusal()) {
+  if (const auto refused = fleet().take_refusal()) {
     vehicle_.send_statustext(link::mav::kSeverityWarning, {sentence_of(*refused).text()},
                              counters_);
   }

@@ -3,6 +3,7 @@
 // the rule orders, and passes messages and news on. Where flash is short it does nothing.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "app/fleet/fleet.hpp"
@@ -23,7 +24,7 @@ class Membership {
   FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
 
   /// applied() has changed since the last call.
-  bool take_change() { return fleet_.take_change(); }
+  bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
 
   /// Asks the boat for it. False if there was nothing to ask.
@@ -35,12 +36,14 @@ class Membership {
  private:
   static constexpr bool kKeepsFleet = FLOTILLA_KEEPS_FLEET != 0;
 
+  Fleet& fleet() { return fleets_[0]; }
+  const Fleet& fleet() const { return fleets_[0]; }
   void lead();
 
   Vehicle& vehicle_;
   MavlinkLinks& links_;
   link::Counters& counters_;
-  Fleet fleet_;
+  std::array<Fleet, kKeepsFleet ? 1 : 0> fleets_;  // no memory for it where it does nothing
 };
 
 }  // namespace flotilla::app

@@ -114,6 +114,7 @@ def test_choices_are_offered_where_only_some_values_are_taken() -> None:
         {"value": 2, "description": "RTL"},
     ]
     assert choices == {
+        "RTL_ALONE": [{"value": 0, "description": "off"}, {"value": 1, "description": "on"}],
         "FS_LEADER_ACT": action,
         "FS_GCS_ACT": action,
         "FS_COAST_ACT": stop,

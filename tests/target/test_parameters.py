@@ -137,7 +137,7 @@ def test_a_parameter_says_what_numbers_it_takes_and_when_it_may_change(p: dict[s
     assert (p["kind"] == "sign") == p["name"].endswith("_DIR")
     assert (p["kind"] in ("action", "stop")) == p["name"].endswith("_ACT")
     assert (p["kind"] == "frame") == (p["name"] == "FORM_FRAME")
-    assert (p["kind"] == "switch") == (p["name"] == "LAW_REF")
+    assert (p["kind"] == "switch") == (p["name"] in ("LAW_REF", "RTL_ALONE"))
     assert re.fullmatch(r"[A-Z][A-Za-z]+", p["group"])
 
 
