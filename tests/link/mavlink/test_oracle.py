@@ -75,6 +75,7 @@ NEW = {
     "FLEET_BEACON",
     "FLEET_TABLE",
     "EKF_STATUS_REPORT",
+    "AIS_VESSEL",
 }
 
 # Our fields that the sender's protocol version does not have.
