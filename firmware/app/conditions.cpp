@@ -86,7 +86,7 @@ core::Conditions conditions_of(const Parts<S>& boat, const Judged& judged, std::
                          pilot.conditions(now_us) | boat.limits.conditions();
   if (coasts_on(boat, now_us)) met |= core::kCoastRunning;
   if (judged.in_range) met |= core::kInRange;
-  if (!judged.slot_astern && pilot.claims().is_free(pilot.tree_place(), now_us, sails)) {
+  if (!judged.slot_astern && pilot.claims().is_free(now_us, sails)) {
     met |= core::kSlotSound;
   }
   if ((pilot.astray() == core::Astray::kNo && !judged.voyage_lost) || !sails) {

@@ -59,7 +59,8 @@ class Healed:
     """One run, times since the failure (or since the parts met again).
 
     `leads_s`: when one boat alone leads; `two_s`: how long two of those that hear each other did;
-    `off_m`: greatest distance of a live boat from its slot after 60 s; `nearest_m`: of two live
+    `off_m`: greatest distance of a live boat from its slot after 60 s, and after as long again as
+    the parts were apart, since those who waited catch up by 0.9 m/s; `nearest_m`: of two live
     boats; `wreck_m`: of a live boat from a dead one; `goes_on`: the leader sails the plan at the
     end; `states`: of the live boats at the end.
     """
@@ -158,10 +159,15 @@ class Observer:
                 batch.fleet.set_link(link, **quality)
 
 
+def apart_s(kind: str) -> float:
+    """How long the parts of the fleet sail apart."""
+    return SPLIT_S if kind == "split" else 0.0
+
+
 def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
     """The runs of that kind of failure."""
     base = scenario.load("lead", SETTINGS)
-    rest_s = AFTER_S + (SPLIT_S if kind == "split" else 0.0)
+    rest_s = AFTER_S + 2.0 * apart_s(kind)
     made = []
     for seed, at_s in enumerate(instants, start=1):
         agent = 2 if kind == "inner" else 1
@@ -203,7 +209,7 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
     eta, leads = np.array(track.eta), np.array(track.leads)
     dead = {"leader": 0, "inner": 1}.get(kind)
     live = [boat for boat in range(states.shape[1]) if boat != dead]
-    from_s = at_s + (SPLIT_S if kind == "split" else 0.0)
+    from_s = at_s + apart_s(kind)
     after = t_s >= from_s
     count = leads[after][:, live].sum(axis=1)
     step_s = float(t_s[1] - t_s[0])
@@ -211,7 +217,7 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
     leads_s = float(alone[0]) * step_s if len(alone) else np.inf
     leader = live[int(leads[-1][live].argmax())]
     places = np.array(shape)
-    settled = t_s >= from_s + FORMS_UP_S
+    settled = t_s >= from_s + FORMS_UP_S + apart_s(kind)
     off = eta[settled][:, live, :2] - eta[settled][:, leader, None, :2]
     off -= places[live] - places[leader]
     since = t_s >= at_s

@@ -65,6 +65,7 @@ def assert_refused(sea: Sea, why: str) -> None:
     assert sea.state == "HOLD"
 
 
+LOITER = 5
 RING = "leaders form a cycle"
 TAKEN = "slot is taken, or needs sailing astern"
 
@@ -209,3 +210,17 @@ def test_boat_deeper_than_certified_says_so_once_it_is_armed(
     told(sea, reference(sea, path), LEADER, 2.0)
     said = [text for text in texts(sea.ticks) if "FORM_DEPTH" in text]
     assert said == ["boat is 4 deep in the tree, FORM_DEPTH is 3"] * says
+
+
+@pytest.mark.parametrize("north", [0.0, -4.0])
+def test_slot_behind_a_vessel_is_judged_while_the_boat_sails_alone(north: float) -> None:
+    sea = hold({"FORM_OFS_N": north})
+    sea.mode(LOITER)
+    sea.leader.beats = False
+    sea.say(heartbeat(mavlink.MAV_TYPE_SURFACE_BOAT), sender=sea.leader.station)
+    sea.run(0.5)
+    assert sea.state == "LOITER"
+    told_so = any("slot is the leader's own place" in t for t in texts(sea.ticks))
+    assert told_so == (north == 0.0)
+    sea.mode(FORMATION)
+    assert sea.state == ("LOITER" if north == 0.0 else "FORMATION")

@@ -35,8 +35,9 @@ void Pilot<S>::configure(const Configuration& c, const convert::Law<S>& law,
   neighbours_.configure(own_system, leader_.system(), c.formation.separation_m);
   reference_.configure(c.formation, law.foresight, own_system);
   reports_.configure(own_system, leader_.system(), c.formation.wait_us);
-  claims_.configure(own_system, leader_.system(), c.formation.beam_m);
-  const float slot_m = convert::length_m(reference_.place().own().offset);
+  const auto slot = convert::wire_offset_of(c.formation.north_m, c.formation.east_m);
+  claims_.configure(own_system, leader_.system(), slot, c.formation.beam_m);
+  const float slot_m = convert::length_m(slot);
   reach_ = std::min(c.formation.reach_m.value_or(convert::kNear_m) + slot_m, convert::kNear_m);
 }
 

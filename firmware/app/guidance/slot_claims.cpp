@@ -18,10 +18,12 @@ bool is_vessel(const link::Heartbeat& beat) {
 
 }  // namespace
 
-void SlotClaims::configure(std::uint8_t own_system, std::uint8_t leader, float beam_m) {
+void SlotClaims::configure(std::uint8_t own_system, std::uint8_t leader,
+                           const convert::WireOffset& slot, float beam_m) {
   if (leader != leader_ || own_system != own_) leader_is_vessel_ = false;
   own_ = own_system;
   leader_ = leader;
+  slot_ = slot;
   beam_ = convert::wire_offset_of(beam_m, 0)[0];
   rival_ = 0;  // the slot may have changed; claims are repeated at 10 Hz
 }
@@ -55,9 +57,7 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
   }
 }
 
-bool SlotClaims::leaders(const TreePlace& place) const {
-  return leader_is_vessel_ && is_one({place.own().offset, {}}, {});
-}
+bool SlotClaims::leaders() const { return leader_is_vessel_ && is_one({slot_, {}}, {}); }
 
 std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) const {
   const bool counts = rival_ != 0 && (rival_sails_ || !sails);

@@ -13,8 +13,10 @@ namespace flotilla::app {
 
 class SlotClaims {
  public:
-  /// Slots closer than beam_m count as one. A change of leader discards what the old one sent.
-  void configure(std::uint8_t own_system, std::uint8_t leader, float beam_m);
+  /// Slots closer than beam_m count as one. `slot`: behind the leader, also while the boat sails
+  /// alone. A change of leader discards what the old one sent.
+  void configure(std::uint8_t own_system, std::uint8_t leader, const convert::WireOffset& slot,
+                 float beam_m);
 
   /// Takes any message. HEARTBEAT gives a vessel's type; GENERIC is a virtual leader, which takes
   /// no room, so a slot of zero is valid behind it. Boats announce their slots by
@@ -22,21 +24,22 @@ class SlotClaims {
   void hear(const link::Received& received, const TreePlace& place, std::int64_t now_us);
 
   /// The slot coincides with the leader, which is a vessel.
-  bool leaders(const TreePlace& place) const;
+  bool leaders() const;
 
   /// System id of a boat with the same slot of the same root. While we sail, only a rival that
   /// sails too counts.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
   /// Neither the leader nor another boat claims the slot.
-  bool is_free(const TreePlace& place, std::int64_t now_us, bool sails) const {
-    return !leaders(place) && !rival(now_us, sails);
+  bool is_free(std::int64_t now_us, bool sails) const {
+    return !leaders() && !rival(now_us, sails);
   }
 
  private:
   bool is_one(const RootOffset& a, const RootOffset& b) const;
 
   std::uint8_t own_ = 0, leader_ = 0;
+  convert::WireOffset slot_{};
   std::int64_t beam_ = 0;  // 1/1024 m
   bool leader_is_vessel_ = false;
   std::uint8_t rival_ = 0;

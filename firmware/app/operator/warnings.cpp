@@ -130,7 +130,7 @@ void Warnings<S>::warn_of_unsound_slot(const Seen& seen) {
   if ((seen.conditions & core::kSlotSound) != 0 || !core::armed(seen.state)) return;
   if (!unsound_slot_due_.take_if_due(seen.now_us)) return;
   const SlotClaims& claims = pilot_.claims();
-  if (claims.leaders(pilot_.tree_place())) {
+  if (claims.leaders()) {
     say(mav::kSeverityError, "slot is the leader's own place: set FORM_OFS_N, FORM_OFS_E");
   } else if (const auto rival = claims.rival(seen.now_us, core::law_drives(seen.state))) {
     say(mav::kSeverityError, slot_is_taken(*rival).text());
