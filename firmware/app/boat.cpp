@@ -151,7 +151,7 @@ void Boat<S>::supervise(std::int64_t now_us) {
   note_state(now_us);
 }
 
-/// What the fleet's rule asks for comes before the operators' requests of this tick, so theirs win.
+/// The fleet's rule acts before the operators' requests of this tick, so theirs win.
 template <class S>
 void Boat<S>::consult_fleet(std::int64_t now_us) {
   const FleetOrder order = fleet_.order(state(), conditions_, now_us);

@@ -16,7 +16,7 @@ namespace flotilla::app {
 template <class S>
 struct Parts;
 
-/// What the boat's loop knows beside its parts.
+/// The results of the boat's loop that its parts do not hold.
 struct Judged {
   core::Conditions heard = 0;
   bool in_range = false;     ///< no overflow of the law's scalar

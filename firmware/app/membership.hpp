@@ -20,7 +20,7 @@ class Membership {
   /// Any message.
   void hear(const link::Received& received, std::int64_t now_us);
 
-  /// What the rule orders; once a tick.
+  /// The rule's order; call it once a tick.
   FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
 
   /// applied() has changed since the last call.

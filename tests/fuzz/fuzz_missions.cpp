@@ -111,7 +111,7 @@ class Senders {
     }
   }
 
-  /// What is stored is sound: another boat takes it, and reads it to its end.
+  /// The stored items are sound: another boat takes them, and reads them to their end.
   void judge() {
     for (const Stored kind : kKinds) {
       const app::Plan items = boat_.service.stored(kind);

@@ -19,7 +19,7 @@ from tests.loop.gains import Found, found_of
 from tests.loop.presets import BOATS, WEATHER, alike
 
 FACTORS = (0.5, 2.0)
-#: What is scaled together, by the firmware's name of it.
+#: Hull terms that are scaled together, by the firmware's name.
 GROUPS = {
     "m11": ("m11",),
     "m22": ("m22",),

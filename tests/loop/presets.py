@@ -24,7 +24,7 @@ _HEADING_RAD = 0.6  # amplitude of the S-curve
 _SPACING = 3.0  # hull lengths
 _SHORTEST_M = 1.3  # BOAT_LEN's default
 GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "XT_DIST", "R_MAX")
-#: What a boat of 1 kg would have.
+#: Gains of a boat of 1 kg.
 OF_THE_PAPERS_HULL = dict(
     zip((f"LAW_{name}" for name in GAINS), (10.0, 10.0, 2.0, 0.1, 1.0, 0.8), strict=True)
 )

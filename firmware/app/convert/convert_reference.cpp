@@ -67,7 +67,7 @@ bool read_samples(std::int16_t first, const Changes& changes, int step, int most
   return true;
 }
 
-/// What the changes before could not tell is made good by the next.
+/// The rounding error of each change is carried into the next one.
 template <class S>
 bool write_samples(const auto& samples, int parts, int step, std::int16_t& first,
                    Changes& changes) {

@@ -99,7 +99,7 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
   }
 }
 
-/// What members said of themselves stays true in a new table.
+/// Members' last beacons stay valid in a new table.
 void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
   ledger_.forward(now_us);

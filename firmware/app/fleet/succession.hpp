@@ -29,7 +29,7 @@ struct FleetSelf {
   bool by_hand = false;  ///< an operator has set its leader or slot since the table came
 };
 
-/// What the rule asks of the boat's supervisor; repeated in each step until it is done.
+/// The rule's request to the boat's supervisor; repeated in each step until it is done.
 enum class FleetOrder : std::uint8_t {
   kNone,
   kLead,    ///< AUTO with the fleet's plan, else LOITER

@@ -38,7 +38,7 @@ struct FleetTable {
   std::optional<std::size_t> rank_of(std::uint8_t system) const;
 };
 
-/// What is wrong with a table, and of which members.
+/// Why a table is refused, and because of which members.
 enum class TableFault : std::uint8_t {
   kNone,
   kEmpty,     ///< no members, or epoch 0

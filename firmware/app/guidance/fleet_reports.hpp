@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What other boats of the tree say about themselves: whether boats that follow this one have fallen
+// Reports of the other boats of the tree: whether boats that follow this one have fallen
 // out of their slots, and whether the own leader returns.
 #pragma once
 

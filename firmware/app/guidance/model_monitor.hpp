@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the boat learns of its own model while it sails: which numbers look wrong, and since when.
+// Monitors the boat's own model while it sails: which numbers look wrong, and since when.
 #pragma once
 
 #include <array>

@@ -89,7 +89,7 @@ class Pilot {
   bool in_slot() const { return follower_.in_slot(); }
   S yaw_rate() const { return own_.motion().nu.r; }
 
-  /// What the tree's other boats say about themselves.
+  /// The reports of the tree's other boats.
   const FleetReports& reports() const { return reports_; }
 
   /// Other claims to the own slot.

@@ -84,6 +84,14 @@ struct Harbour {
   float leader_of(std::size_t who) const { return applied(who).FORM_LEADER; }
 };
 
+/// Five seconds behind boat 1, by the first table.
+Harbour under_way() {
+  Harbour harbour;
+  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
+  harbour.sail(5);
+  return harbour;
+}
+
 TEST_CASE("without a table nothing is said and nothing changes") {
   Harbour harbour;
   harbour.sail(10);
@@ -133,9 +141,7 @@ TEST_CASE("a boat that restarts without a table asks for it") {
 }
 
 TEST_CASE("the leader falls silent: the next one leads within two seconds, all hang on it") {
-  Harbour harbour;
-  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
-  harbour.sail(5);
+  Harbour harbour = under_way();
   harbour.boats[0].on = false;
   harbour.sail(2);
   CHECK(harbour.boats[1].state == core::State::kAuto);
@@ -146,9 +152,7 @@ TEST_CASE("the leader falls silent: the next one leads within two seconds, all h
 }
 
 TEST_CASE("half of the members go on without the leader: they have no plan, so that they wait") {
-  Harbour harbour;
-  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
-  harbour.sail(5);
+  Harbour harbour = under_way();
   harbour.boats[0].on = harbour.boats[1].on = false;
   harbour.sail(2);
   CHECK(harbour.boats[2].state == core::State::kLoiter);
@@ -156,9 +160,7 @@ TEST_CASE("half of the members go on without the leader: they have no plan, so t
 }
 
 TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the next table") {
-  Harbour harbour;
-  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
-  harbour.sail(5);
+  Harbour harbour = under_way();
   harbour.boats[1].state = core::State::kHold;
   harbour.sail(0.2);
   CHECK(harbour.leader_of(2) == 1);
@@ -173,9 +175,7 @@ TEST_CASE("an inner boat in HOLD: its follower hangs on its leader until the nex
 }
 
 TEST_CASE("an operator's own leader or slot is above the table until the next one") {
-  Harbour harbour;
-  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
-  harbour.sail(5);
+  Harbour harbour = under_way();
   harbour.boats[2].own.east_m = 9;
   harbour.sail(5);
   CHECK(harbour.leader_of(2) == 100);
@@ -187,9 +187,7 @@ TEST_CASE("an operator's own leader or slot is above the table until the next on
 }
 
 TEST_CASE("a stop reaches all at once; nobody takes over after it") {
-  Harbour harbour;
-  harbour.hear(0, message_of(table_of_four(1), 0), kOperator);
-  harbour.sail(5);
+  Harbour harbour = under_way();
   harbour.hear(3, message_of(table_of_four(2, true), 9000), kOperator);
   harbour.sail(2);
   for (const Boat& boat : harbour.boats) CHECK(boat.state == core::State::kHold);

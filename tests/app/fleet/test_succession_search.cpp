@@ -25,7 +25,7 @@ constexpr std::uint16_t kStopEpoch = 3;
 
 enum class Mode : std::uint8_t { kCrashed, kHold, kFollows, kAlone };
 
-/// What a boat's beacon says.
+/// The contents of a boat's beacon.
 struct Word {
   bool fit = false, leads = false;
   std::uint16_t epoch = 1;
@@ -144,7 +144,7 @@ Node start(const Limits& limits) {
   return n;
 }
 
-/// What may happen next, one thing at a time; what changes nothing is left to the set of states.
+/// The events that may happen next, one at a time.
 template <class F>
 void events(const Node& n, const Limits& limits, Bug bug, F f) {
   const auto with = [&](auto change) {
@@ -214,7 +214,7 @@ Node closing(Node n, Bug bug) {
   return n;
 }
 
-/// What must not be seen in any state, a counter each.
+/// Violations found in the states searched, a counter each.
 struct Broken {
   std::size_t two_leaders = 0, not_the_best = 0, sails_after_stop = 0, older_table = 0;
   std::size_t parts_differ = 0, leaders_in_part = 0, wrong_leader = 0, tree_open = 0, stop_lost = 0;
