@@ -77,7 +77,7 @@ def stages(options: argparse.Namespace) -> list[Stage]:
     )
     found = [
         Stage("lint", ("clang-format --dry-run --Werror $(git ls-files '*.hpp' '*.cpp')",
-                       "ruff format --check .", "ruff check .", "mypy")),
+                       "ruff format --check .", "ruff check .", "mypy"), nice=0),
         Stage("release", (f"tools/build release {RELEASE}",)),
         Stage("vcan", ("tools/with-vcan build/release/tests/socketcan_tests",
                        f"tools/with-vcan {pytest} {junit.format('vcan')} tests/vcan"),

@@ -37,7 +37,7 @@ def live(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "recording.bin",
             "run.mcap",
             "boat2/flotillad.log",
-            "boat2/log/mavlink-00001.tlog",
+            "boat2/log/mavlink0-00001.tlog",
         ):
             (out / name).parent.mkdir(parents=True, exist_ok=True)
             (out / name).write_bytes(b"of an earlier run")
