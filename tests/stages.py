@@ -46,7 +46,7 @@ class Stage:
     commands: tuple[str, ...]
     after: tuple[str, ...] = ()
     tests: bool = False
-    nice: int = 15
+    nice: int = 10
 
 
 @dataclass
