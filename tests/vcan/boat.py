@@ -8,6 +8,7 @@ that the machine does not run are old, and then a boat rightly refuses: such tim
 and a test that loses too much of it is not judged.
 """
 
+import itertools
 import json
 import select
 import shlex
@@ -161,6 +162,18 @@ class Boat:
         known = len(self.commands)
         self.run(seconds)
         return len(self.commands) - known
+
+    def share_lost(self, commands: int) -> float:
+        """The share of the RawCommands sent that do not arrive, until so many more have arrived.
+
+        Each transfer has the number after the last one's, 5 bits wide, in its last byte.
+        """
+        self._hear_bus()
+        known = len(self.commands)
+        self.wait(lambda: len(self.commands) > known + commands, f"{commands} RawCommands")
+        numbers = [data[-1] & 31 for _, (_, data) in self.commands[known:]]
+        sent = sum((after - before) % 32 for before, after in itertools.pairwise(numbers))
+        return 1.0 - (len(numbers) - 1) / sent
 
     def execute(self, *command: str) -> None:
         """Run a system program through a waiting shell.
