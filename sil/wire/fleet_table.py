@@ -63,7 +63,8 @@ def table_message(
     if len(members) > MOST_MEMBERS:
         raise ValueError(f"{len(members)} members: a table has at most {MOST_MEMBERS}")
     flags = _TURNS * turns | _STOP * stop | _ASSIGN * assign
-    payload = _TABLE.pack(round(1000 * in_s), epoch, round(10 * move_s), flags) + b"".join(map(_packed, members))
+    head = _TABLE.pack(round(1000 * in_s), epoch, round(10 * move_s), flags)
+    payload = head + b"".join(map(_packed, members))
     return _frame(FLEET_TABLE, payload.rstrip(b"\0"), sender)
 
 

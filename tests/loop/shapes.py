@@ -49,10 +49,10 @@ SETTINGS = (
 class Change:
     """One change of shape: `nearest_m` of two boats, until the next one begins.
 
-    `arrived_s`: when all boats have come within NEAR_M of their places and stay there for STAY_S, `asked_s`: a time-optimal
-    intercept of the moving places, one turn and 10 s; both since the request. `far_m`: the longest
-    way in the shape; `off_m`: the farthest boat from its place at the end; `idle`: boats that are
-    in neither AUTO nor FORMATION at the end.
+    `arrived_s`: when all boats have come within NEAR_M of their places and stay there for STAY_S;
+    `asked_s`: a time-optimal intercept of the moving places, one turn and 10 s; both since the
+    request. `far_m`: the longest way in the shape; `off_m`: the farthest boat from its place at
+    the end; `idle`: boats that are in neither AUTO nor FORMATION at the end.
     """
 
     boats: int

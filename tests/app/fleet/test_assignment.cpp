@@ -123,7 +123,9 @@ TEST_CASE("the time is that of the longest way at what the boats can do") {
   };
   CHECK(seconds({-400, 0}, kUnderWay) == -5);
   CHECK(seconds({-410, 0}, kUnderWay) == 5);
-  CHECK(seconds({400, 0}, kUnderWay) == doctest::Approx(8 / (0.92 * 1.5 - 0.6)).epsilon(0.01));
+  const Now abeam{FleetSlot{0, 0}, FleetSlot{-400, 500}};
+  CHECK(assigned(table_of({{0, 0}, {400, 500}}), abeam, kUnderWay).move_ds / 10.0 - 5 ==
+        doctest::Approx(8 / (0.92 * 1.5 - 0.6)).epsilon(0.01));
   CHECK(seconds({-1000, 0}, kUnderWay) == doctest::Approx(6.0).epsilon(0.01));
   CHECK(seconds({-400, 1200}, kUnderWay) ==
         doctest::Approx(12 / std::sqrt(1.38 * 1.38 - 0.36)).epsilon(0.01));
