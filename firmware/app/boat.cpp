@@ -154,9 +154,14 @@ void Boat<S>::supervise(std::int64_t now_us) {
 /// The fleet's rule acts before the operators' requests of this tick, so theirs win.
 template <class S>
 void Boat<S>::consult_fleet(std::int64_t now_us) {
-  const FleetOrder order = fleet_.order(state(), conditions_, now_us);
+  if (!Membership::kKeepsFleet) return;
+  const FleetPace pace{static_cast<float>(convert::number(pilot_.motion().nu.u)),
+                       static_cast<float>(convert::number(pilot_.motion().psi)),
+                       configuration().plan.fastest_mps};
+  const FleetOrder order = fleet_.order(state(), conditions_, pace, now_us);
   if (fleet_.take_change()) {
     configure();
+    pilot_.move_slot(fleet_.slot_mps());
     apply_conditions(now_us);
   }
   if (fleet_.obey(order)) note_state(now_us);
@@ -305,7 +310,8 @@ void Boat<S>::steer(std::int64_t now_us) {
     law_output_.error = slot.error;
     law_output_.astern = slot.astern;
   }
-  slot_astern_.look(law_output_.astern && parts_.seen() && configuration().formation.judges_station,
+  slot_astern_.look(law_output_.astern && !pilot_.slot_moves() && parts_.seen() &&
+                        configuration().formation.judges_station,
                     now_us);
   // Checked again after allocation, with newly evaluated conditions.
   const bool still = drive && core::may_drive(state(), conditions(now_us));

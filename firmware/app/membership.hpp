@@ -13,6 +13,8 @@ namespace flotilla::app {
 
 class Membership {
  public:
+  static constexpr bool kKeepsFleet = FLOTILLA_KEEPS_FLEET != 0;
+
   /// All must outlive this.
   Membership(Vehicle& vehicle, MavlinkLinks& links, link::Counters& counters)
       : vehicle_(vehicle), links_(links), counters_(counters) {}
@@ -21,11 +23,15 @@ class Membership {
   void hear(const link::Received& received, std::int64_t now_us);
 
   /// The rule's order; call it once a tick.
-  FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
+  FleetOrder order(core::State state, core::Conditions conditions, const FleetPace& pace,
+                   std::int64_t now_us);
 
   /// applied() has changed since the last call.
   bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
+  std::array<float, 2> slot_mps() const {
+    return kKeepsFleet ? fleet().slot_mps() : std::array<float, 2>{};
+  }
 
   /// Asks the boat for it. False if there was nothing to ask.
   bool obey(FleetOrder order);
@@ -34,8 +40,6 @@ class Membership {
   void tell(std::int64_t now_us);
 
  private:
-  static constexpr bool kKeepsFleet = FLOTILLA_KEEPS_FLEET != 0;
-
   Fleet& fleet() { return fleets_[0]; }
   const Fleet& fleet() const { return fleets_[0]; }
   void lead();

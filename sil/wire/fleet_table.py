@@ -13,9 +13,9 @@ from pymavlink.generator.mavcrc import x25crc
 from sil.wire.mavlink_frames import HEADER, MAGIC_2, frames
 from sil.wire.mavlink_messages import FLEET_BEACON, FLEET_TABLE, SEEDS
 
-_TURNS, _STOP = 1, 2
+_TURNS, _STOP, _ASSIGN = 1, 2, 4
 _CAN_LEAD, _ONLY_LEADS = 1, 2
-_TABLE, _MEMBER = struct.Struct("<HHB"), struct.Struct("<BBBBhh")
+_TABLE, _MEMBER = struct.Struct("<HHHB"), struct.Struct("<BBBBhh")
 _BEACON = struct.Struct("<IHHHBB")
 MOST_MEMBERS = 24
 
@@ -50,14 +50,21 @@ def table_message(
     *,
     turns: bool = False,
     stop: bool = False,
+    assign: bool = False,
     in_s: float = 0.0,
+    move_s: float = 0.0,
     sender: tuple[int, int] = (255, 190),
 ) -> bytes:
-    """A FLEET_TABLE frame: the members by rank, in force after `in_s`. ValueError beyond 24."""
+    """A FLEET_TABLE frame: the members by rank, in force after `in_s`. ValueError beyond 24.
+
+    `move_s`: how long the boats take from then on to their new places. `assign`: a boat that hears
+    it gives the places to the members and chooses `move_s`.
+    """
     if len(members) > MOST_MEMBERS:
         raise ValueError(f"{len(members)} members: a table has at most {MOST_MEMBERS}")
-    flags = _TURNS * turns | _STOP * stop
-    payload = _TABLE.pack(round(1000 * in_s), epoch, flags) + b"".join(map(_packed, members))
+    flags = _TURNS * turns | _STOP * stop | _ASSIGN * assign
+    head = _TABLE.pack(round(1000 * in_s), epoch, round(10 * move_s), flags)
+    payload = head + b"".join(map(_packed, members))
     return _frame(FLEET_TABLE, payload.rstrip(b"\0"), sender)
 
 

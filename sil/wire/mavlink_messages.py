@@ -25,7 +25,7 @@ SEEDS: dict[int, int] = {
     FORMATION_REFERENCE: 131,
     FORMATION_FUTURE: 89,
     FLEET_BEACON: 25,
-    FLEET_TABLE: 55,
+    FLEET_TABLE: 24,
 }
 """Checksum seed (CRC_EXTRA) of every message that is known, by its number."""
 

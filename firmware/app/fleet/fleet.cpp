@@ -2,6 +2,7 @@
 #include "app/fleet/fleet.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace flotilla::app {
@@ -17,6 +18,8 @@ constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
 constexpr std::int64_t kMore_us = 200'000;
+// While a shape changes the slots are set anew that often; between, the law has their speed.
+constexpr std::int64_t kMove_us = 200'000;
 
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
@@ -57,14 +60,22 @@ void Fleet::hear(const link::Received& received, bool commands, std::int64_t now
 /// member of its own.
 void Fleet::take(const link::Received& received, const link::FleetTable& message, bool commands,
                  std::int64_t now_us) {
-  const FleetTable table = table_of(message);
+  FleetTable table = table_of(message);
   const FleetTable& held = ledger_.newest();
   const bool from_member = is_of(held.epoch != 0 ? held : table, received.from.system);
-  if (!from_member && !commands) return;
+  if (!commands && (table.assigns || !from_member)) return;
   if (table.epoch == held.epoch && table.digest == held.digest) passed_us_ = now_us;
   if (const TableVerdict verdict = verdict_of(table); verdict.fault != TableFault::kNone) {
     refusal_ = verdict;
     return;
+  }
+  if (table.assigns) {
+    if (table.epoch <= held.epoch) return;  // heard again: its places are given already
+    std::array<std::optional<FleetSlot>, FleetTable::kMost> places;
+    std::ranges::transform(table.all(), places.begin(), [&](const FleetMember& member) {
+      return place_of(member.system, now_us);
+    });
+    table = assigned(table, places, pace_);
   }
   if (ledger_.take(table, now_us + std::int64_t{message.in_ms} * 1000, now_us)) {
     beacon_us_ = now_us;  // who lacks it asks
@@ -102,7 +113,15 @@ void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_
 /// Members' last beacons stay valid in a new table.
 void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
+  const FleetTable next = ledger_.newest();
+  std::array<FleetSlot, FleetTable::kMost> from_cm{};
+  std::ranges::transform(next.all(), from_cm.begin(), [&](const FleetMember& member) {
+    const auto place = place_of(member.system, now_us);
+    return place && before.turns == next.turns ? *place : member.slot_cm;
+  });
   ledger_.forward(now_us);
+  from_cm_ = from_cm;
+  begun_us_ = now_us;
   const auto peers = std::exchange(peers_, {});
   const auto heard_us = heard_us_;
   heard_us_.fill(kNever);
@@ -128,9 +147,11 @@ void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
 FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation& own,
                        std::int64_t leader_limit_us, std::int64_t now_us) {
   system_ = report.system;
+  pace_ = report.pace;
   if (ledger_.is_due(now_us)) begin(own, now_us);
   FleetOrder order = FleetOrder::kNone;
   std::optional<Hang> next;
+  std::array<float, 2> slot_mps{};
   const FleetTable* table = ledger_.current();
   by_hand_ = by_hand_ || !same(own, by_parameters_);
   if (const auto rank = rank_in(table, system_)) {
@@ -144,25 +165,61 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
                               core::sails_alone(state), ordered, by_hand_},
                              std::span(peers_).first(table->count));
     if (order == FleetOrder::kLead && !is_most(*table, *rank, peers_)) place_ = {};
-    next = by_hand_ ? std::nullopt : hang(*rank);
+    next = by_hand_ ? std::nullopt : hang(*rank, now_us);
+    if (next) slot_mps = rate(*rank, now_us);
     if (succession_.leads()) place_ = ordered ? report.place : place_;
   }
-  changed_ = changed_ || next != hang_;
+  changed_ = changed_ || next != hang_ || slot_mps != slot_mps_;
+  slot_mps_ = slot_mps;
   hang_ = next;
   speak(report, now_us);
   return order;
 }
 
+/// Of the way to the new places.
+FleetMove Fleet::move(std::int64_t now_us) const {
+  const std::int64_t since_us = (now_us - begun_us_) / kMove_us * kMove_us;
+  return move_at(1e-6 * static_cast<double>(since_us), 0.1 * ledger_.current()->move_ds);
+}
+
+/// A member's place in the shape as it is now; nothing for others.
+std::optional<FleetSlot> Fleet::place_of(std::uint8_t system, std::int64_t now_us) const {
+  const auto rank = rank_in(ledger_.current(), system);
+  if (!rank) return std::nullopt;
+  const double share = move(now_us).share;
+  FleetSlot place{};
+  for (std::size_t axis = 0; axis < place.size(); ++axis) {
+    const int from = from_cm_[*rank][axis], to = ledger_.current()->members[*rank].slot_cm[axis];
+    place[axis] = static_cast<std::int16_t>(std::lround(from + share * (to - from)));
+  }
+  return place;
+}
+
+std::array<float, 2> Fleet::rate(std::size_t own, std::int64_t now_us) const {
+  const FleetTable& table = *ledger_.current();
+  const std::size_t root = succession_.leader();
+  if (root >= table.count) return {};
+  const double rate = move(now_us).rate;
+  const auto mps = [&](std::size_t axis) {
+    const int way = table.members[own].slot_cm[axis] - from_cm_[own][axis];
+    const int roots = table.members[root].slot_cm[axis] - from_cm_[root][axis];
+    return static_cast<float>(0.01 * rate * (way - roots));
+  };
+  return {mps(0), mps(1)};
+}
+
 /// The leader of the law: nothing leaves what the parameters say.
-std::optional<Fleet::Hang> Fleet::hang(std::size_t own) const {
+std::optional<Fleet::Hang> Fleet::hang(std::size_t own, std::int64_t now_us) const {
   const FleetTable& table = *ledger_.current();
   const auto followed = succession_.followed();
   if (!followed) return hang_;  // it leads, or knows no leader: as before
-  const auto cm = [&](std::size_t axis) {
-    const int apart = table.members[own].slot_cm[axis] - table.members[*followed].slot_cm[axis];
-    return static_cast<float>(apart) / 100;
+  const std::uint8_t leader = table.members[*followed].system;
+  const FleetSlot here = *place_of(table.members[own].system, now_us);
+  const FleetSlot there = *place_of(leader, now_us);
+  const auto metres = [&](std::size_t axis) {
+    return static_cast<float>(here[axis] - there[axis]) / 100;
   };
-  return Hang{table.members[*followed].system, cm(0), cm(1), table.turns};
+  return Hang{leader, metres(0), metres(1), table.turns};
 }
 
 Parameters Fleet::applied(const Parameters& own) const {

@@ -9,7 +9,9 @@
 #include <optional>
 #include <utility>
 
+#include "app/fleet/assignment.hpp"
 #include "app/fleet/ledger.hpp"
+#include "app/fleet/move.hpp"
 #include "app/fleet/succession.hpp"
 #include "app/parameters/configuration.hpp"
 #include "app/schedule.hpp"
@@ -28,6 +30,7 @@ struct FleetReport {
   core::State state = core::State::kDisarmed;
   bool fit = false;  ///< could begin LOITER, and keeps its slot
   FleetPlace place;  ///< of its own plan
+  FleetPace pace;
 };
 
 /// Without a table it does nothing, but for asking for one where others speak of one.
@@ -46,6 +49,10 @@ class Fleet {
 
   /// The parameters with whom the boat follows, and its slot, by the table if there is one.
   Parameters applied(const Parameters& own) const;
+
+  /// How fast the slot moves while the shape changes, relative to the fleet's leader, m/s; in the
+  /// axes of the slot.
+  std::array<float, 2> slot_mps() const { return slot_mps_; }
 
   /// How far the fleet's last leader was in its plan.
   const FleetPlace& place() const { return place_; }
@@ -70,9 +77,12 @@ class Fleet {
   void take(const link::Received& received, const link::FleetTable& message, bool commands,
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
+  std::optional<FleetSlot> place_of(std::uint8_t system, std::int64_t now_us) const;
+  FleetMove move(std::int64_t now_us) const;
   void begin(const Configuration::Formation& own, std::int64_t now_us);
   void listen(std::int64_t limit_us, std::int64_t now_us);
-  std::optional<Hang> hang(std::size_t own) const;
+  std::optional<Hang> hang(std::size_t own, std::int64_t now_us) const;
+  std::array<float, 2> rate(std::size_t own, std::int64_t now_us) const;
   void speak(const FleetReport& report, std::int64_t now_us);
 
   FleetLedger ledger_;
@@ -84,6 +94,10 @@ class Fleet {
   bool by_hand_ = false;
   bool changed_ = false;
   FleetPlace place_;
+  FleetPace pace_;
+  std::array<FleetSlot, FleetTable::kMost> from_cm_{};  // by rank, when the table came into force
+  std::int64_t begun_us_ = 0;
+  std::array<float, 2> slot_mps_{};
   link::FleetBeacon told_{};
   std::size_t repeats_ = 0;                         // of a changed beacon
   bool asks_ = false;                               // without a table

@@ -7,7 +7,7 @@ namespace flotilla::app {
 namespace {
 
 constexpr std::size_t kBytes = 8;  // of a member
-constexpr std::uint8_t kTurns = 1, kStop = 2;
+constexpr std::uint8_t kTurns = 1, kStop = 2, kAssigns = 4;
 constexpr std::uint8_t kCanLead = 1, kOnlyLeads = 2;
 
 static_assert(sizeof(link::FleetTable::members) == kBytes * FleetTable::kMost);
@@ -17,6 +17,8 @@ std::uint16_t digest_of(const link::FleetTable& message) {
   std::uint32_t hash = 2166136261U;
   const auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
   add(message.flags);
+  add(static_cast<std::uint8_t>(message.move_ds & 0xFFU));
+  add(static_cast<std::uint8_t>(message.move_ds >> 8U));
   for (const std::uint8_t byte : message.members) add(byte);
   return static_cast<std::uint16_t>(hash ^ hash >> 16U);
 }
@@ -75,7 +77,9 @@ FleetTable table_of(const link::FleetTable& message) {
   FleetTable table{.epoch = message.epoch,
                    .digest = digest_of(message),
                    .turns = (message.flags & kTurns) != 0,
-                   .stop = (message.flags & kStop) != 0};
+                   .stop = (message.flags & kStop) != 0,
+                   .assigns = (message.flags & kAssigns) != 0,
+                   .move_ds = message.move_ds};
   while (table.count < FleetTable::kMost && message.members[kBytes * table.count] != 0) {
     const std::uint8_t* bytes = message.members.data() + kBytes * table.count;
     table.members[table.count++] = {.system = bytes[0],
@@ -92,8 +96,9 @@ link::FleetTable message_of(const FleetTable& table, std::uint16_t in_ms) {
   link::FleetTable message{};
   message.in_ms = in_ms;
   message.epoch = table.epoch;
-  message.flags =
-      static_cast<std::uint8_t>((table.turns ? kTurns : 0U) | (table.stop ? kStop : 0U));
+  message.move_ds = table.move_ds;
+  message.flags = static_cast<std::uint8_t>(
+      (table.turns ? kTurns : 0U) | (table.stop ? kStop : 0U) | (table.assigns ? kAssigns : 0U));
   std::uint8_t* byte = message.members.data();
   for (const FleetMember& member : table.all()) {
     *byte++ = member.system;

@@ -13,13 +13,16 @@
 
 namespace flotilla::app {
 
+/// A place in the shape, cm: ahead and to starboard, or north and east.
+using FleetSlot = std::array<std::int16_t, 2>;
+
 struct FleetMember {
   std::uint8_t system = 0;
   std::uint8_t leader = 0;  ///< system id of the member that it follows; 0: it leads
   bool can_lead = false;
   bool only_leads = false;  ///< an autopilot or a tablet, which sends no FLEET_BEACON
   std::uint8_t length_dm = 0;
-  std::array<std::int16_t, 2> slot_cm{};  ///< ahead and to starboard, or north and east
+  FleetSlot slot_cm{};
 };
 
 struct FleetTable {
@@ -27,8 +30,10 @@ struct FleetTable {
 
   std::uint16_t epoch = 0;  ///< 0: no table
   std::uint16_t digest = 0;
-  bool turns = false;  ///< the shape turns with the leader's heading
-  bool stop = false;   ///< all boats stop
+  bool turns = false;         ///< the shape turns with the leader's heading
+  bool stop = false;          ///< all boats stop
+  bool assigns = false;       ///< a request: who hears it gives the places to the members
+  std::uint16_t move_ds = 0;  ///< how long the boats take to their new places, 0.1 s; 0: at once
   std::size_t count = 0;
   std::array<FleetMember, kMost> members{};  ///< by rank, the highest first
 

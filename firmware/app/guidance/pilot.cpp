@@ -114,10 +114,15 @@ Lead<S> Pilot<S>::lead(std::int64_t now_us) const {
   slot.d = convert::offset_of<S>(aim->offset.b);
   slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
+  // A root that moves as the slot does in the shape gives the slot that motion.
+  core::Motion<S> motion = aim->motion;
+  const core::Vec2<S> more = slot.turns ? slot_mps_ : core::to_body(motion.psi, slot_mps_);
+  motion.nu.u = motion.nu.u + more.x;
+  motion.nu.v = motion.nu.v + more.y;
   return {leader_.system(),
           aim->branch,
           aim->position,
-          aim->motion,
+          motion,
           convert::offset_of<S>(aim->offset.n),
           slot};
 }

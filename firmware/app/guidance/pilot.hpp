@@ -2,6 +2,7 @@
 // Tracks the boat, its leader and other vessels, and runs the control law.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -53,6 +54,14 @@ class Pilot {
 
   /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
+
+  /// The slot moves relative to the formation's root, m/s, in its axes: the fleet changes its shape.
+  void move_slot(const std::array<float, 2>& mps) {
+    slot_mps_ = {convert::scalar<S>(mps[0]), convert::scalar<S>(mps[1])};
+  }
+
+  /// While it does, it may go astern in a turn.
+  bool slot_moves() const { return slot_mps_.x != S(0) || slot_mps_.y != S(0); }
 
   /// System id of the leader.
   std::uint8_t leader() const { return leader_.system(); }
@@ -172,6 +181,7 @@ class Pilot {
   core::ControllerOutput<S> step_law(std::int64_t now_us, S dt);
 
   convert::Law<S> law_;
+  core::Vec2<S> slot_mps_{};
   Configuration::Navigation limits_;
   convert::Reach reach_{0};  // the farthest that the leader may be
   TimeRequests time_;

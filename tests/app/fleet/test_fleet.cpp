@@ -62,7 +62,7 @@ struct Harbour {
         if (!boat.on) continue;
         const std::int64_t clock_us = now_us + boat.clock_us;
         if (now_us % 100'000 == 0) spread(i, link::Attitude{}, 0);
-        const FleetReport report{boat.system, boat.state, true, {77, 3}};
+        const FleetReport report{boat.system, boat.state, true, {77, 3}, {0.6F, 0.0F, 1.5F}};
         boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
         const bool planned = boat.fleet.place().plan_id != 0;
         if (boat.order == FleetOrder::kLead) {
@@ -114,6 +114,46 @@ TEST_CASE("a table that one boat gets is in force on all at one instant, on cloc
   CHECK(harbour.applied(2).FORM_OFS_N == -4);
   CHECK(harbour.applied(3).FORM_OFS_N == -12);
   CHECK(harbour.applied(3).FORM_FRAME == 0);
+}
+
+TEST_CASE("a new shape moves all places together, at the speed that the law is told") {
+  Harbour harbour = under_way();
+  FleetTable next = table_of_four(2);
+  next.move_ds = 100;
+  next.members[3].slot_cm = {-1200, 800};
+  harbour.hear(3, message_of(next, 1000), kOperator);
+  harbour.sail(6);
+  CHECK(harbour.applied(1).FORM_OFS_N == -4);
+  CHECK(harbour.applied(2).FORM_OFS_N == -4);  // behind boat 2
+  CHECK(harbour.applied(3).FORM_OFS_N == -12);
+  CHECK(harbour.applied(3).FORM_OFS_E == doctest::Approx(4).epsilon(0.1));
+  CHECK(harbour.boats[3].fleet.slot_mps()[1] == doctest::Approx(1.6).epsilon(0.05));
+  CHECK(harbour.boats[2].fleet.slot_mps()[1] == 0);
+  harbour.sail(6);
+  CHECK(harbour.applied(3).FORM_OFS_E == 8);
+  CHECK(harbour.boats[3].fleet.slot_mps()[1] == 0);
+}
+
+TEST_CASE("a request to give the places: who hears it does, and all agree") {
+  Harbour harbour = under_way();
+  FleetTable wish = table_of_four(2);
+  wish.assigns = true;
+  wish.members[1].slot_cm = {-1200, 100};
+  wish.members[2].slot_cm = {-400, 100};
+  wish.members[3].slot_cm = {-800, 100};
+  harbour.hear(2, message_of(wish, 0), {9, 1});
+  harbour.sail(3);
+  CHECK(harbour.applied(3).FORM_OFS_E == 0);  // nobody gives orders but an operator
+  harbour.hear(2, message_of(wish, 0), kOperator);
+  harbour.sail(30);
+  CHECK(harbour.applied(1).FORM_OFS_N == -4);
+  CHECK(harbour.applied(2).FORM_OFS_N == -4);  // behind boat 2
+  CHECK(harbour.applied(3).FORM_OFS_N == -12);
+  for (std::size_t i : {1U, 3U}) CHECK(harbour.applied(i).FORM_OFS_E == 1);
+  wish.members[3].slot_cm = {-800, 900};
+  harbour.hear(1, message_of(wish, 0), kOperator);  // an epoch that all have
+  harbour.sail(30);
+  CHECK(harbour.applied(3).FORM_OFS_E == 1);
 }
 
 TEST_CASE("a boat that was away while the table changed gets it within three seconds") {

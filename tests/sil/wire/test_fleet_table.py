@@ -15,10 +15,11 @@ MEMBERS = [
 
 
 def test_pymavlink_reads_the_table() -> None:
-    frame = table_message(300, MEMBERS, turns=True, in_s=2.5)
+    frame = table_message(300, MEMBERS, turns=True, in_s=2.5, move_s=12.34)
     mav = dialect().MAVLink(None)
     (message,) = mav.parse_buffer(frame)
     assert (message.epoch, message.in_ms, message.flags) == (300, 2500, 1)
+    assert message.move_ds == 123
     assert (message.get_srcSystem(), message.get_srcComponent()) == (255, 190)
     rows = [message.members[8 * i : 8 * i + 8] for i in range(5)]
     assert rows[0] == [1, 0, 1, 12, 0, 0, 0, 0]
@@ -27,14 +28,17 @@ def test_pymavlink_reads_the_table() -> None:
     assert bytes(rows[2][6:]) == b"\x00\x80" and rows[4] == [0] * 8
 
 
-def test_a_stop_is_a_flag() -> None:
-    (message,) = dialect().MAVLink(None).parse_buffer(table_message(2, MEMBERS, stop=True))
-    assert message.flags == 2
+@pytest.mark.parametrize(("asked", "flags"), [({"stop": True}, 2), ({"assign": True}, 4)])
+def test_a_stop_and_a_request_to_give_the_places_are_flags(
+    asked: dict[str, bool], flags: int
+) -> None:
+    (message,) = dialect().MAVLink(None).parse_buffer(table_message(2, MEMBERS, **asked))
+    assert message.flags == flags
 
 
 def test_more_members_than_a_message_holds_are_refused() -> None:
     many = [Member(i + 1, 0, (3.0 * i, 0.0), 1.0) for i in range(25)]
-    assert len(table_message(1, many[:24])) <= 12 + 197
+    assert len(table_message(1, many[:24])) <= 12 + 199
     with pytest.raises(ValueError, match="25 members"):
         table_message(1, many)
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Who takes which place of a new shape, and how long all take to get there.
+//
+//   least Σ |b_σ(i) − a_i|²      a_i: boat i's place now, b: the new places
+//   ⇒ (a_i − a_j) · (b_σ(i) − b_σ(j)) ≥ 0
+//   ⇒ on straight ways, begun and ended together, two boats stay |a| |b| / √(a² + b²) apart,
+//     a and b their distances before and after: at least 0.7 of the smaller one
+//   |u ê + w d| ≤ 0.92 u_max, u + w d_x ≥ −0.4 m/s    w: speed in the shape
+//
+// Source: Turpin, Michael and Kumar, CAPT: Concurrent assignment and planning of trajectories for
+// multiple robots, 2014. Solved by shortest augmenting paths (Jonker and Volgenant 1987).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "app/fleet/table.hpp"
+
+namespace flotilla::app {
+
+/// A fleet under way, as one of its boats knows it.
+struct FleetPace {
+  float ahead_mps = 0;
+  float heading_rad = 0;
+  float most_mps = 0;  ///< LAW_U_MAX
+};
+
+/// The table with its places given anew to its members. `now`: their present places, by rank in
+/// `wanted`; nothing for who has none yet. Who follows nobody, or only leads, keeps its place,
+/// unless somebody's way would pass it too near: then all places are free.
+FleetTable assigned(const FleetTable& wanted, std::span<const std::optional<FleetSlot>> now,
+                    const FleetPace& pace);
+
+}  // namespace flotilla::app

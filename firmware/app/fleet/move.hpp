@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// How places move from one shape to the next: as a share s of their ways, in a time T.
+//
+//   ṡ rises to 1 / (T − ρ) in ρ, stays there, and falls to 0 in ρ      ρ = min(5 s, T/2)
+//
+// The ramps give a boat time to turn to its place's new course.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace flotilla::app {
+
+constexpr double kMoveRamp_s = 5;
+
+struct FleetMove {
+  double share = 1;
+  double rate = 0;  ///< of share, 1/s
+};
+
+/// t_s after the move began.
+inline FleetMove move_at(double t_s, double all_s) {
+  if (!(t_s < all_s)) return {};
+  const double ramp_s = std::min(kMoveRamp_s, all_s / 2);
+  const double most = 1 / (all_s - ramp_s);
+  const double t = std::max(t_s, 0.0), left = all_s - t;
+  if (t < ramp_s) return {most * t * t / (2 * ramp_s), most * t / ramp_s};
+  if (left < ramp_s) return {1 - most * left * left / (2 * ramp_s), most * left / ramp_s};
+  return {most * (t - ramp_s / 2), most};
+}
+
+}  // namespace flotilla::app

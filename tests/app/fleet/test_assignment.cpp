@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// Places of a shape, given to boats: against all permutations, and against what the theorem says.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "app/fleet/assignment.hpp"
+#include "app/fleet/move.hpp"
+
+namespace flotilla::app {
+namespace {
+
+using Now = std::vector<std::optional<FleetSlot>>;
+constexpr FleetPace kUnderWay{0.6F, 0.0F, 1.5F};
+
+/// Boats 1 … n, all behind boat 1.
+FleetTable table_of(const std::vector<FleetSlot>& places) {
+  FleetTable table{.epoch = 2, .assigns = true, .count = places.size()};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    table.members[i] = {.system = static_cast<std::uint8_t>(i + 1),
+                        .leader = static_cast<std::uint8_t>(i == 0 ? 0 : 1),
+                        .can_lead = true,
+                        .length_dm = 12,
+                        .slot_cm = places[i]};
+  }
+  return table;
+}
+
+double square(const FleetSlot& a, const FleetSlot& b) {
+  return std::pow(a[0] - b[0], 2) + std::pow(a[1] - b[1], 2);
+}
+
+std::vector<FleetSlot> drawn(std::mt19937& generator, std::size_t count) {
+  std::uniform_int_distribution<int> cm(-5000, 5000);
+  std::vector<FleetSlot> places;
+  while (places.size() < count) {
+    const FleetSlot place{static_cast<std::int16_t>(cm(generator)),
+                          static_cast<std::int16_t>(cm(generator))};
+    const auto near = [&](const FleetSlot& other) { return square(place, other) < 400.0 * 400; };
+    if (std::ranges::none_of(places, near)) places.push_back(place);
+  }
+  return places;
+}
+
+double nearest_cm(const FleetTable& table, const Now& now, std::size_t i, std::size_t j) {
+  double least = std::numeric_limits<double>::max();
+  for (int step = 0; step <= 1000; ++step) {
+    const double s = step / 1000.0;
+    std::array<double, 2> d{};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double before = (*now[i])[axis] - (*now[j])[axis];
+      d[axis] =
+          before + s * (table.members[i].slot_cm[axis] - table.members[j].slot_cm[axis] - before);
+    }
+    least = std::min(least, std::hypot(d[0], d[1]));
+  }
+  return least;
+}
+
+TEST_CASE("no other choice of places has a smaller sum of squared ways") {
+  std::mt19937 generator(7);
+  for (int round = 0; round < 200; ++round) {
+    const std::size_t count = 2 + static_cast<std::size_t>(round) % 5;
+    const auto now_at = drawn(generator, count), places = drawn(generator, count);
+    const Now now(now_at.begin(), now_at.end());
+    const FleetTable table = assigned(table_of(places), now, kUnderWay);
+    double got = 0;
+    for (std::size_t i = 0; i < count; ++i) got += square(table.members[i].slot_cm, now_at[i]);
+    const bool leader_stays = table.members[0].slot_cm == places[0];
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), 0U);
+    do {
+      if (leader_stays && order[0] != 0) continue;
+      double sum = 0;
+      for (std::size_t i = 0; i < count; ++i) sum += square(places[order[i]], now_at[i]);
+      CHECK(got <= sum);
+    } while (std::ranges::next_permutation(order).found);
+  }
+}
+
+TEST_CASE("on straight ways no two boats come nearer than 1.2 hulls, whoever has to move") {
+  std::mt19937 generator(11);
+  int led_from_elsewhere = 0;
+  for (int round = 0; round < 300; ++round) {
+    const std::size_t count = 2 + static_cast<std::size_t>(round) % 23;
+    const auto now_at = drawn(generator, count), places = drawn(generator, count);
+    const Now now(now_at.begin(), now_at.end());
+    const FleetTable table = assigned(table_of(places), now, kUnderWay);
+    led_from_elsewhere += table.members[0].slot_cm != places[0] ? 1 : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < i; ++j) CHECK(nearest_cm(table, now, i, j) > 143.9);
+    }
+  }
+  CHECK(led_from_elsewhere > 0);
+  CHECK(led_from_elsewhere < 300);
+}
+
+TEST_CASE("each place is given once, also to boats whose place is unknown") {
+  std::mt19937 generator(13);
+  for (std::size_t count = 1; count <= FleetTable::kMost; ++count) {
+    auto places = drawn(generator, count);
+    Now now(count);
+    for (std::size_t i = 0; i < count; i += 2) now[i] = places[count - 1 - i];
+    const FleetTable table = assigned(table_of(places), now, kUnderWay);
+    std::vector<FleetSlot> given;
+    for (const FleetMember& member : table.all()) given.push_back(member.slot_cm);
+    std::ranges::sort(given);
+    std::ranges::sort(places);
+    CHECK(given == places);
+    CHECK_FALSE(table.assigns);
+  }
+}
+
+TEST_CASE("the time is that of the longest way at what the boats can do") {
+  const Now now{FleetSlot{0, 0}, FleetSlot{-400, 0}};
+  const auto seconds = [&](FleetSlot to, FleetPace pace) {
+    return assigned(table_of({{0, 0}, to}), now, pace).move_ds / 10.0 - 5;
+  };
+  CHECK(seconds({-400, 0}, kUnderWay) == -5);
+  CHECK(seconds({-410, 0}, kUnderWay) == 5);
+  const Now abeam{FleetSlot{0, 0}, FleetSlot{-400, 500}};
+  CHECK(assigned(table_of({{0, 0}, {400, 500}}), abeam, kUnderWay).move_ds / 10.0 - 5 ==
+        doctest::Approx(8 / (0.92 * 1.5 - 0.6)).epsilon(0.01));
+  CHECK(seconds({-1000, 0}, kUnderWay) == doctest::Approx(6.0).epsilon(0.01));
+  CHECK(seconds({-400, 1200}, kUnderWay) ==
+        doctest::Approx(12 / std::sqrt(1.38 * 1.38 - 0.36)).epsilon(0.01));
+  // At rest all ways are as long; sailing east, a place to the north is abeam.
+  CHECK(seconds({-1600, 0}, {0, 0, 1.5F}) == doctest::Approx(12 / 0.4).epsilon(0.02));
+  CHECK(seconds({-1600, 0}, {0.6F, 1.5708F, 1.5F}) ==
+        doctest::Approx(12 / std::sqrt(1.38 * 1.38 - 0.36)).epsilon(0.01));
+}
+
+TEST_CASE("a move has the speed that its rate says, and no steps") {
+  for (const double all_s : {0.5, 4.0, 10.0, 37.3}) {
+    double share = 0;
+    constexpr double kStep_s = 1e-3;
+    for (double t = 0; t < all_s; t += kStep_s) {
+      const FleetMove now = move_at(t, all_s);
+      CHECK(now.share == doctest::Approx(share).epsilon(0.01));
+      share += kStep_s * now.rate;
+    }
+    CHECK(share == doctest::Approx(1).epsilon(0.01));
+    CHECK(move_at(all_s, all_s).share == 1);
+    CHECK(move_at(all_s, all_s).rate == 0);
+  }
+  CHECK(move_at(0, 0).share == 1);
+}
+
+}  // namespace
+}  // namespace flotilla::app

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: MIT
+"""Fleets that change their shape while they sail a plan.
+
+    python -m tests.loop.shapes [--changes 500] [--seed 1]
+
+The scenario `lead` with 4 to 20 boats on a radio that loses 10 % and is up to 0.2 s late. A ground
+station asks for a random shape and spacing, again and again; the boat that hears it gives the
+places to the members. Truth is judged: how near two boats come, and when all are in their places.
+"""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+import flotilla
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+
+from sil.lockstep.batch import Batch
+from sil.lockstep.start import RunError
+from sil.lockstep.world import sail as sail_runs
+from sil.plant.hull import Array
+from sil.scenario import scenario
+from sil.scenario.formation import Formation, Place, Shape, slots
+from sil.scenario.scenario import Scenario
+from sil.wire.fleet_table import Member, table_message
+
+FIRST_S, EVERY_S, EACH = 20.0, 130.0, 5  # when shapes change, and how many times in a run
+U_MAX_MPS, R_MAX_RADPS = 1.5, 0.8
+NEAR_M, STAY_S = 0.3, 10.0  # of a boat that has arrived: how near its place, for how long
+STEP_S = 0.2  # of what is noted
+SPARE_S = 2.0 * np.pi / R_MAX_RADPS + 10.0
+RADIO = 1
+TURNING = 4  # a shape of so many boats turns with its leader; greater ones keep their bearings
+SETTINGS = (
+    "leader.waypoints=[[0, 0], [170, 0], [170, 170], [0, 170], [0, 0]]",
+    "leader.corner_radius_m=20.0",
+    "link.delay_s=0.1",
+    "link.jitter_s=0.1",
+    "link.loss=0.1",
+    "link.everyone=true",
+    f"duration_s={FIRST_S + EACH * EVERY_S}",
+)
+
+
+@dataclass(frozen=True)
+class Change:
+    """One change of shape: `nearest_m` of two boats, until the next one begins.
+
+    `arrived_s`: when all boats have come within NEAR_M of their places and stay there for STAY_S;
+    `asked_s`: a time-optimal intercept of the moving places, one turn and 10 s; both since the
+    request. `far_m`: the longest way in the shape; `off_m`: the farthest boat from its place at
+    the end; `idle`: boats that are in neither AUTO nor FORMATION at the end.
+    """
+
+    boats: int
+    shape: str
+    spacing_m: float
+    far_m: float
+    nearest_m: float
+    arrived_s: float
+    asked_s: float
+    off_m: float
+    idle: int
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A shape that a ground station asks for, with its places."""
+
+    shape: str
+    spacing_m: float
+    places: list[Place]
+
+
+class Observer:
+    """Asks for the shapes of each run, and notes where the boats are, five times a second."""
+
+    def __init__(self, one: Scenario, wishes: Sequence[Sequence[Wish]]) -> None:
+        self.one, self.wishes = one, wishes
+        self.every = round(STEP_S / one.step_s)
+        self.eta: list[list[Array]] = [[] for _ in wishes]
+        self.states: list[Array] = [np.zeros(0, int) for _ in wishes]
+
+    def __call__(self, batch: Batch, members: Sequence[int], k: int, t_us: int) -> None:
+        first, every = (round(x / self.one.step_s) for x in (FIRST_S, EVERY_S))
+        for run, member in enumerate(members):
+            rows = list(batch.agents(run))
+            if k == 0 and self.one.formation:
+                first_table = self._table(1, slots(self.one.formation))
+                batch.fleet.hear(rows[0], first_table, t_us, RADIO)
+            number, rest = divmod(k - first, every)
+            if rest == 0 and 0 <= number < EACH:
+                wish = self.wishes[member][number]
+                told = self._table(number + 2, wish.places, assign=True)
+                batch.fleet.hear(rows[0], told, t_us, RADIO)
+            if k % self.every == 0:
+                self.eta[member].append(batch.bodies.eta[rows].copy())
+                self.states[member] = np.array(batch.states[run])
+
+    def _table(self, epoch: int, places: Sequence[Place], *, assign: bool = False) -> bytes:
+        members = [
+            Member(i + 1, min(i, 1), place, self.one.vessel.length_m)
+            for i, place in enumerate(places)
+        ]
+        turns = self.one.formation is not None and self.one.formation.turns
+        return table_message(epoch, members, turns=turns, assign=assign, in_s=1.0)
+
+
+def drawn(generator: np.random.Generator, boats: int) -> Wish:
+    """A shape that this many boats have."""
+    while True:
+        shape: Shape = generator.choice(get_args(Shape))
+        spacing_m = round(float(generator.uniform(3.5, 6.0)), 1)
+        try:
+            places = slots(Formation(shape=shape, boats=boats, spacing_m=spacing_m))
+        except ValueError:
+            continue  # a diamond of five
+        ahead, starboard = places[0]
+        return Wish(shape, spacing_m, [(x - ahead, y - starboard) for x, y in places])
+
+
+def intercept_s(to_m: Array, mps: Array) -> Array:
+    """Until a boat at U_MAX_MPS is at a place `to_m` away that moves; (n, 2) each."""
+    a = U_MAX_MPS**2 - (mps**2).sum(-1)
+    b = (to_m * mps).sum(-1)
+    return (b + np.sqrt(b**2 + a * (to_m**2).sum(-1))) / a
+
+
+def nearest_m(eta: Array) -> float:
+    """Least distance of two boats in (times, boats, 3)."""
+    a, b = np.triu_indices(eta.shape[1], 1)
+    apart = eta[:, a, :2] - eta[:, b, :2]
+    return float(np.hypot(apart[..., 0], apart[..., 1]).min())
+
+
+def velocity_of(eta: Array) -> Array:
+    """Boat 1's over ground, m/s, over the last second; (times, 2)."""
+    before = np.concatenate([eta[:1, 0].repeat(5, axis=0), eta[:-5, 0]])
+    v: Array = eta[:, 0, :2] - before[:, :2]
+    v[:5] = v[5]
+    return v
+
+
+def in_shape(off: Array, v: Array, *, turns: bool) -> Array:
+    """(times, boats, 2), north and east; ahead and to starboard of the course where it turns."""
+    if not turns:
+        return off
+    course = np.arctan2(v[:, 1], v[:, 0])[:, None]
+    c, s = np.cos(course), np.sin(course)
+    return np.stack([c * off[..., 0] + s * off[..., 1], c * off[..., 1] - s * off[..., 0]], -1)
+
+
+def reached(end: Array, told: Array) -> tuple[Array, float]:
+    """Which place each boat took, (boats, 2), and the farthest boat's distance from it.
+
+    Any boat may have any place, the leader too. Infinite where two boats are nearest to one.
+    """
+    best = told, np.inf
+    for root in told:
+        goals = told - root
+        apart = end[:, None] - goals[None]
+        distance = np.hypot(apart[..., 0], apart[..., 1])
+        chosen = distance.argmin(axis=1)
+        if len(set(chosen)) == len(told) and distance.min(axis=1).max() < best[1]:
+            best = goals[chosen], float(distance.min(axis=1).max())
+    return best
+
+
+def judge(wish: Wish, eta: Array, states: Array, *, turns: bool) -> Change:
+    """`eta`: (times, boats, 3), from the request to the next one."""
+    v = velocity_of(eta)
+    place = in_shape(eta[..., :2] - eta[:, :1, :2], v, turns=turns)
+    goals, off_m = reached(place[-1], np.array(wish.places))
+    to = place - goals
+    far = np.hypot(to[..., 0], to[..., 1]).max(axis=1)
+    stay = round(STAY_S / STEP_S)
+    still = np.flatnonzero(np.convolve(far > NEAR_M, np.ones(stay), "valid") == 0)
+    speed = in_shape(v[:1, None], v[:1], turns=turns)[0]
+    sails = [flotilla.STATES.index(state) for state in ("AUTO", "FORMATION")]
+    return Change(
+        boats=len(goals),
+        shape=wish.shape,
+        spacing_m=wish.spacing_m,
+        far_m=float(far[0]),
+        nearest_m=nearest_m(eta),
+        arrived_s=STEP_S * float(still[0]) if len(still) else np.inf,
+        asked_s=float(intercept_s(-to[0], speed).max()) + SPARE_S,
+        off_m=off_m,
+        idle=int((~np.isin(states, sails)).sum()),
+    )
+
+
+def sail(boats: int, runs: int, seed: int, *, turns: bool) -> list[Change]:
+    """EACH changes in each of so many runs of a fleet."""
+    settings = (
+        *SETTINGS,
+        f"formation.boats={boats}",
+        "formation.spacing_m=5.0",
+        f"formation.shape={'vee' if turns else 'column'}",
+        f"formation.turns={str(turns).lower()}",
+    )
+    base = scenario.load("lead", settings)
+    chosen = [base.model_copy(update={"seed": seed + run}) for run in range(runs)]
+    generator = np.random.default_rng([seed, boats, turns])
+    wishes = [[drawn(generator, boats) for _ in range(EACH)] for _ in range(runs)]
+    observer = Observer(base, wishes)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(f"{boats} boats", total=1.0)
+        done = sail_runs(
+            chosen,
+            {},
+            keep_s=1.0,
+            progress=lambda share: progress.update(task, completed=share),
+            watch=observer,
+        )
+    for it in done:
+        if isinstance(it, RunError):
+            raise it
+    changes = []
+    for run in range(runs):
+        eta = np.array(observer.eta[run])
+        for number, wish in enumerate(wishes[run]):
+            begin, end = (round((FIRST_S + (number + i) * EVERY_S) / STEP_S) for i in (0, 1))
+            part = eta[begin : min(end, len(eta))]
+            changes.append(judge(wish, part, observer.states[run], turns=turns))
+    return changes
+
+
+def main() -> None:
+    """Sail fleets of all sizes and print a line for each change, the summary last."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--changes", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--boats", nargs="+", type=int, default=[4, 6, 8, 9, 12, 16, 20])
+    given = parser.parse_args()
+    runs = max(1, round(given.changes / EACH / len(given.boats)))
+    print("| boats | shape | spacing | longest way | nearest two | arrived | asked | off | idle |")
+    changes = []
+    for boats in given.boats:
+        for it in sail(boats, runs, given.seed, turns=boats == TURNING):
+            changes.append(it)
+            figures = [it.spacing_m, it.far_m, it.nearest_m, it.arrived_s, it.asked_s, it.off_m]
+            cells = [str(it.boats), it.shape, *(f"{x:.2f}" for x in figures), str(it.idle)]
+            print("|", " | ".join(cells), "|", flush=True)
+    late = sum(it.arrived_s > it.asked_s for it in changes)
+    print(
+        f"{len(changes)} changes: nearest two {min(it.nearest_m for it in changes):.2f} m, "
+        f"{sum(not np.isfinite(it.arrived_s) for it in changes)} did not arrive, {late} too late"
+    )
+
+
+if __name__ == "__main__":
+    main()
