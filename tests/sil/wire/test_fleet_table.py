@@ -47,5 +47,5 @@ def test_beacons_are_read() -> None:
     )
     other = ours.MAVLink_heartbeat_message(11, 0, 0, 0, 0, 3).pack(mav)
     found = list(beacons(other + message.pack(mav) + other))
-    assert found == [(3, Beacon(5, True, True, 1, 4))]
+    assert found == [(3, Beacon(5, True, True, 1, 4, 77))]
     assert not list(beacons(other))
