@@ -6,8 +6,11 @@ boat or a router listens there. `tcp:HOST:PORT`: a server. `/dev/…[:BAUD]`: a 
 """
 
 import os
+import select
 import socket
 import termios
+import time
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Protocol
 
@@ -39,6 +42,28 @@ class End(Protocol):
 
     def close(self) -> None:
         """Close it."""
+
+
+class Clock(Protocol):
+    """The time, and waiting for it."""
+
+    def now_s(self) -> float:
+        """Now, from any beginning."""
+
+    def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
+        """The ends at which something has come, after `for_s` at most."""
+
+
+class RealTime:
+    """The monotonic clock."""
+
+    def now_s(self) -> float:
+        """Now."""
+        return time.monotonic()
+
+    def wait(self, ends: Sequence[End], for_s: float) -> Sequence[End]:
+        """Wait for the descriptors."""
+        return select.select(ends, [], [], for_s)[0]
 
 
 class UdpIn:

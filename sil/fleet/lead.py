@@ -22,7 +22,7 @@ def listed(boats: Sequence[int]) -> str:
 def followed_by(station: Station, system: int) -> int | None:
     """Whom a boat follows, by its beacon or its telemetry; None if unknown, or if it leads."""
     beacon = station.beacon(system)
-    if beacon is not None and (beacon.leads or beacon.follows):
+    if beacon is not None and beacon.epoch:
         return beacon.follows or None
     vessel = station.fleet.systems.get(system)
     leader = None if vessel is None else vessel.value("LEADER")

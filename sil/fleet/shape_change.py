@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sil.fleet.station import Station
+from sil.fleet.station import Station, Text
 from sil.fleet.tables import (
     LAST_EPOCH,
     assigned,
@@ -24,13 +24,16 @@ from sil.wire.fleet_table import digest_of, table_message
 
 IN_S = 3.0
 _PATIENCE_S, _RETRY_S = 8.0, 0.6
+_BEACONS_S = 2.5  # two of each boat: who has no table sends none
+_TOLD_S = 1.5  # until all beacons tell whom they follow now
+_STOPS_S = 1.0  # until a boat has stopped that refuses its new slot
 _GUARD_LENGTHS = 1.2  # of FS_SEP_M where it is negative
 _SLOTS_GUARDS = 1.5  # slots are farther apart, in FS_SEP_M
 _ASKED = ("BOAT_LEN", "FS_SEP_M")
 
 
 class Change(NamedTuple):
-    """What was told; each boat's place; why a boat has not got the table, by system id."""
+    """What was told; each boat's place; why a boat does not take it, by system id."""
 
     words: str
     places: list[Place]
@@ -55,6 +58,7 @@ def change(
     if guard_m == 0.0:
         least_m, why = _GUARD_LENGTHS * longest_m, f"{_GUARD_LENGTHS:g} hull lengths"
     check(places, boats, least_m, why)
+    station.run(_BEACONS_S, lambda: all(station.beacon(boat) for boat in boats))
     epoch = newest_epoch(station) + 1
     if epoch > LAST_EPOCH:
         raise ValueError(f"epoch {LAST_EPOCH} is the last one: restart all boats at once")
@@ -83,11 +87,26 @@ def change(
         station.send(frame())
         station.run(_RETRY_S, lambda: not missing())
     late = missing()
-    left_s = max(0.0, IN_S - (station.now_s() - since_s))
-    when = f"in force in {left_s:.1f} s" if left_s else "in force"
+
+    def is_in_force() -> bool:
+        told = [station.beacon(boat) for boat in boats[1:] if boat not in late]
+        return all(beacon is not None and beacon.follows == boats[0] for beacon in told)
+
+    station.run(IN_S - (station.now_s() - since_s))
+    station.run(_TOLD_S, is_in_force)
+    station.run(_STOPS_S)
     how = "" if present is not None else "; some do not tell where they are: places by rank"
-    words = f"table {epoch} is with {len(boats) - len(late)} of {len(boats)} boats, {when}{how}"
-    return Change(words, places, {boat: _why(station, boat, epoch, since_s) for boat in late})
+    words = f"table {epoch} is in force with {len(boats) - len(late)} of {len(boats)} boats{how}"
+    missing_ones = {boat: _why(station, boat, epoch, since_s) for boat in late}
+    stops = {each.system: each.text for each in station.texts if _stops(each, boats, since_s)}
+    stopped = {
+        boat: f"{text}; flotilla fleet follow --boats {boat}" for boat, text in stops.items()
+    }
+    return Change(words, places, {**stopped, **missing_ones})
+
+
+def _stops(text: Text, boats: Sequence[int], since_s: float) -> bool:
+    return text.system in boats and text.at_s >= since_s and text.text.startswith("HOLD: ")
 
 
 def _sizes(station: Station, boats: Sequence[int]) -> tuple[list[float], float]:

@@ -5,14 +5,12 @@ Its heartbeat is not a ground station's: boats that stop without one (`FS_GCS_S`
 command that ends after a few seconds.
 """
 
-import select
-import time
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from sil.fleet.ends import End, Peer
+from sil.fleet.ends import Clock, End, Peer, RealTime
 from sil.view.seen_fleet import Fleet
 from sil.wire import mavlink_messages as messages
 from sil.wire.fleet_table import Beacon, beacon_of
@@ -54,7 +52,13 @@ class Station:
     without a good signature. Times are s since the station began.
     """
 
-    def __init__(self, ends: Sequence[End], system: int = SYSTEM, signer: Signer | None = None):
+    def __init__(
+        self,
+        ends: Sequence[End],
+        system: int = SYSTEM,
+        signer: Signer | None = None,
+        clock: Clock | None = None,
+    ) -> None:
         self.system = system
         self.fleet = Fleet(length_m=1.0)
         self.beacons: dict[int, tuple[float, Beacon]] = {}
@@ -67,16 +71,17 @@ class Station:
         self._signer = signer
         self._ear = Ear(stream=False)
         self._mav = mavlink.MAVLink(None, system, COMPONENT)
-        self._began_s = time.monotonic()
+        self._clock = clock or RealTime()
+        self._began_s = self._clock.now_s()
         # Boats take equal numbers by two links for copies: two commands begin with others.
-        self._sequence = time.time_ns() // 1_000_000
+        self._sequence = int(1000.0 * self._began_s)
         self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
         self._asked_s: dict[int, float] = {}
         self._beat_s = 0.0
 
     def now_s(self) -> float:
         """The station's time."""
-        return time.monotonic() - self._began_s
+        return self._clock.now_s() - self._began_s
 
     def boats(self) -> list[int]:
         """System ids of the Flotilla boats that have been heard, ever."""
@@ -130,7 +135,7 @@ class Station:
             kind, none = mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID
             state = mavlink.MAV_STATE_ACTIVE
             self.say(mavlink.MAVLink_heartbeat_message(kind, none, 0, 0, state, 3))
-        for end in select.select(self._ends, [], [], wait_s)[0]:
+        for end in self._clock.wait(self._ends, wait_s):
             try:
                 heard = end.receive()
             except OSError:
