@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field, ValidationError
 from sil.scenario.sections import Positive, Section
 from sil.scenario.toml_errors import Source, lay, leaves
 
-Shape = Literal["line", "column", "vee", "diamond", "circle"]
+Shape = Literal["line", "column", "vee", "diamond", "circle", "grid"]
 Place = tuple[float, float]
 
 
@@ -19,9 +19,9 @@ class Formation(Section):
 
     "line": abreast; "column": one behind the other, the first at the leader's place; "vee": as
     geese fly; "diamond": a square of boats, one corner ahead; "circle": around the leader, the
-    first ahead. Where boat 1 leads, its place in the shape is the leader's. `spacing_m`: between
-    neighbours. `turns`: the shape turns with the leader's heading; else every slot keeps its
-    bearing from it.
+    first ahead; "grid": rows abreast, as many boats in a row as rows or one more. Where boat 1
+    leads, its place in the shape is the leader's. `spacing_m`: between neighbours. `turns`: the
+    shape turns with the leader's heading; else every slot keeps its bearing from it.
     """
 
     shape: Shape
@@ -145,11 +145,18 @@ def _circle(boats: int, spacing_m: float) -> list[Place]:
     return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
 
+def _grid(boats: int, spacing_m: float) -> list[Place]:
+    columns = math.isqrt(boats - 1) + 1
+    middle = 0.5 * (columns - 1)
+    return [(-spacing_m * (i // columns), spacing_m * (i % columns - middle)) for i in range(boats)]
+
+
 _SHAPES: dict[Shape, Callable[[int, float], list[Place]]] = {
     "line": _line,
     "column": _column,
     "vee": _vee,
     "diamond": _diamond,
     "circle": _circle,
+    "grid": _grid,
 }
 assert set(_SHAPES) == set(get_args(Shape))

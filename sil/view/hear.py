@@ -9,18 +9,16 @@ import asyncio
 import os
 import socket
 import termios
-import tty
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from pathlib import Path
 
 from sil.view import alarm
 from sil.wire import mavlink_mcast
 from sil.wire.mavlink_ear import Ear, Message
+from sil.wire.serial_line import line_of, open_line
 
 Take = Callable[[Iterable[Message]], None]
 
-_BAUD = 57600
 _RETRY_S = 1.0
 _MOST_BYTES = 65536
 _MOST_DATAGRAMS = 256  # in a row, before the page is served again
@@ -87,7 +85,7 @@ class Listener:
 
     async def _hear_line(self, take: Take) -> None:
         loop, ended = asyncio.get_running_loop(), asyncio.Event()
-        line = _open_line(*_line_of(self.address))
+        line = open_line(*line_of(self.address))
         self.trouble = None
 
         def hear() -> None:
@@ -135,28 +133,5 @@ def _socket_of(address: str) -> socket.socket | None:
         wanted = "mcast:, udpin:HOST:PORT, tcp:HOST:PORT or /dev/…"
         raise ValueError(f"no file, no folder and no MAVLink address, which are {wanted}")
     else:
-        _line_of(address)
+        line_of(address)
     return None
-
-
-def _line_of(address: str) -> tuple[Path, int]:
-    """Parse DEVICE[:BAUD] into device and speed constant; ValueError if invalid."""
-    device, _, baud = address.partition(":")
-    speed = getattr(termios, f"B{baud or _BAUD}", None)
-    if speed is None:
-        raise ValueError(f"{baud} is not a speed of a serial line; use 57600 or 115200, say")
-    return Path(device), speed
-
-
-def _open_line(device: Path, speed: int) -> int:
-    """Open a serial line for reading only."""
-    line = os.open(device, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        tty.setraw(line)
-        settings = termios.tcgetattr(line)
-        settings[4] = settings[5] = speed
-        termios.tcsetattr(line, termios.TCSANOW, settings)
-    except termios.error:
-        os.close(line)
-        raise
-    return line

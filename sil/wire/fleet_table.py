@@ -11,13 +11,14 @@ from typing import NamedTuple
 from pymavlink.generator.mavcrc import x25crc
 
 from sil.wire.mavlink_frames import HEADER, MAGIC_2, frames
-from sil.wire.mavlink_messages import FLEET_BEACON, FLEET_TABLE, SEEDS
+from sil.wire.mavlink_messages import FLEET_BEACON, FLEET_TABLE, LAYOUTS, SEEDS
 
 _TURNS, _STOP, _ASSIGN = 1, 2, 4
 _CAN_LEAD, _ONLY_LEADS = 1, 2
 _TABLE, _MEMBER = struct.Struct("<HHHB"), struct.Struct("<BBBBhh")
-_BEACON = struct.Struct("<IHHHBB")
+_BEACON = LAYOUTS[FLEET_BEACON]
 MOST_MEMBERS = 24
+_TABLE_BYTES = _TABLE.size + _MEMBER.size * MOST_MEMBERS
 
 
 class Member(NamedTuple):
@@ -42,6 +43,7 @@ class Beacon(NamedTuple):
     leads: bool
     follows: int
     plan_item: int
+    digest: int = 0
 
 
 def table_message(
@@ -76,8 +78,23 @@ def beacons(data: bytes) -> Iterator[tuple[int, Beacon]]:
         if message_id != FLEET_BEACON:
             continue
         payload = frame[HEADER[MAGIC_2] : HEADER[MAGIC_2] + frame[1]].ljust(_BEACON.size, b"\0")
-        _, epoch, _, item, flags, follows = _BEACON.unpack(payload)
-        yield system, Beacon(epoch, bool(flags & 1), bool(flags & 2), follows, item)
+        yield system, beacon_of(_BEACON.unpack(payload))
+
+
+def beacon_of(fields: tuple[int, ...]) -> Beacon:
+    """A beacon of its fields, in the order of the wire."""
+    _, epoch, digest, item, flags, follows = fields
+    return Beacon(epoch, bool(flags & 1), bool(flags & 2), follows, item, digest)
+
+
+def digest_of(message: bytes) -> int:
+    """The digest that beacons tell, of a FLEET_TABLE frame: FNV-1a, folded to 16 bits."""
+    payload = message[HEADER[MAGIC_2] : HEADER[MAGIC_2] + message[1]].ljust(_TABLE_BYTES, b"\0")
+    value = 2166136261
+    move, flags, members = payload[4:6], payload[6:7], payload[_TABLE.size :]
+    for byte in flags + move + members:
+        value = (value ^ byte) * 16777619 & 0xFFFFFFFF
+    return (value ^ value >> 16) & 0xFFFF
 
 
 def _packed(member: Member) -> bytes:

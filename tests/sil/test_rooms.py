@@ -17,6 +17,7 @@ ORDER = [
     "rivals",
     "live",
     "view",
+    "fleet",
     "logs",
     "report",
     "identify",

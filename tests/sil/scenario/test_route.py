@@ -42,7 +42,8 @@ def motion_of(scenario: Scenario) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("shape", "boats"), [("line", 5), ("column", 4), ("vee", 6), ("diamond", 9), ("circle", 7)]
+    ("shape", "boats"),
+    [("line", 5), ("column", 4), ("vee", 6), ("diamond", 9), ("circle", 7), ("grid", 7)],
 )
 def test_neighbours_are_as_far_apart_as_asked(shape: Shape, boats: int) -> None:
     places = slots(Formation(shape=shape, boats=boats, spacing_m=3.0))
@@ -98,7 +99,7 @@ def test_waypoints_take_the_place_of_the_input_of_a_base(tmp_path: Path) -> None
         ("[20, 0], [20, 20]]", "]", '"leader.waypoints": must be two or more'),
         ("[20, 0],", "[0.05, 0],", "waypoint 2 is less than 0.1 m from the one before"),
         ("speed_mps = 0.5", "eta = [0, 0, 0]", '"leader.eta": "leader.waypoints" says it'),
-        ('"line"', '"row"', "'line', 'column', 'vee', 'diamond' or 'circle'"),
+        ('"line"', '"row"', "'diamond', 'circle' or 'grid'"),
         ('"line"', '"diamond"', "a diamond has 1, 4, 9, 16 … boats: 3 is none of them, 1 or 4 are"),
         ("boats = 3", "", 'missing key "formation.boats"'),
         ("spacing_m = 2.0", "spacing_m = 30.0", "the corner at waypoint 2 has a radius of"),

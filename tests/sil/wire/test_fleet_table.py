@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The fleet's messages against pymavlink with our dialect."""
 
+import flotilla
 import pytest
 
-from sil.wire.fleet_table import Beacon, Member, beacons, table_message
+from sil.wire.fleet_table import Beacon, Member, beacons, digest_of, table_message
 from tests.dialect import dialect
 
 MEMBERS = [
@@ -51,5 +52,22 @@ def test_beacons_are_read() -> None:
     )
     other = ours.MAVLink_heartbeat_message(11, 0, 0, 0, 0, 3).pack(mav)
     found = list(beacons(other + message.pack(mav) + other))
-    assert found == [(3, Beacon(5, True, True, 1, 4))]
+    assert found == [(3, Beacon(5, True, True, 1, 4, 77))]
     assert not list(beacons(other))
+
+
+def test_the_digest_is_what_the_firmware_tells() -> None:
+    """The epoch and the time until a table is in force are no part of it; flags and members are."""
+    boat = flotilla.Boat({"MAV_SYSID": 7}, links=1)
+    for epoch, turns in ((1, False), (2, True), (9, True)):
+        frame = table_message(epoch, MEMBERS, turns=turns, in_s=1.0)
+        boat.on_mavlink(frame, epoch * 1_000_000, link=0)
+        said = b"".join(
+            data
+            for tick in range(50)
+            for _, data in boat.tick(epoch * 1_000_000 + 10_000 * tick).mavlink
+        )
+        told = [beacon for _, beacon in beacons(said) if beacon.epoch == epoch]
+        assert told and {beacon.digest for beacon in told} == {digest_of(frame)}
+        assert digest_of(frame) == digest_of(table_message(epoch + 1, MEMBERS, turns=turns))
+        assert digest_of(frame) != digest_of(table_message(epoch, MEMBERS, turns=not turns))

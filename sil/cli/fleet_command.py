@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""Commands a whole fleet: arms it, forms it, sends it off, stops it.
+
+status            who is in its slot, who leads, who is silent
+arm, disarm       all boats, or those of --boats
+form SHAPE        a table of the fleet: line, column, vee, diamond, circle, grid with --spacing M,
+                  or a file NAME.toml with places_m = [[ahead, starboard], …]; the first of --boats
+                  (or the lowest system id) leads
+follow            FORMATION for all that follow
+auto              the leader begins its plan
+go LAT LON        the leader sails there and waits; --local N E: metres north and east of itself
+loiter, return    the leader waits, or comes home; the fleet follows it
+hold              all boats stop their propellers and stay armed
+stop              disarms every boat directly, by every link; names each that did not answer
+
+Exit status: 0, 1 where a boat did not do as it was told, 2 for a mistake of the caller.
+"""
+
+import argparse
+import difflib
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sil.fleet.actions import Wish
+
+EXAMPLES = (
+    "flotilla fleet status",
+    "flotilla fleet form vee --spacing 5 --boats 1,2,3,4",
+    "flotilla fleet go --local 20 -5",
+    "flotilla fleet --mavlink udpin:0.0.0.0:14550 --key key stop",
+    "flotilla fleet --mavlink tcp:127.0.0.1:5760 --mavlink tcp:127.0.0.1:5770 arm",
+)
+
+_WORDS = {"form": "SHAPE", "go": "LAT LON"}
+_ACTIONS = (
+    "status",
+    "arm",
+    "disarm",
+    "form",
+    "follow",
+    "auto",
+    "go",
+    "loiter",
+    "return",
+    "hold",
+    "stop",
+)
+_DEFAULT = "udpin:127.0.0.1:14550"
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("action", metavar="ACTION", help="as above")
+    parser.add_argument("words", nargs="*", metavar="…", help="SHAPE, or LAT LON")
+    parser.add_argument(
+        "--mavlink",
+        action="append",
+        metavar="udpin:HOST:PORT|udpout:HOST:PORT|tcp:HOST:PORT|/dev/TTY[:BAUD]",
+        help=f"a link to the boats ({_DEFAULT}); several at once",
+    )
+    parser.add_argument(
+        "--boats", type=_systems, default=(), metavar="N,N", help="system ids (all that are heard)"
+    )
+    parser.add_argument(
+        "--key", type=Path, metavar="FILE", help="signs; only who has this key is heard"
+    )
+    parser.add_argument(
+        "--station", type=_system, default=255, metavar="N", help="own system id (255)"
+    )
+    parser.add_argument(
+        "--spacing", type=float, metavar="M", help="form: between neighbours in the shape"
+    )
+    parser.add_argument(
+        "--fixed", action="store_true", help="form: the shape does not turn; ahead is north"
+    )
+    parser.add_argument(
+        "--local", nargs=2, type=float, metavar=("N", "E"), help="go: metres from the leader"
+    )
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Do it."""
+    wish = _wish(options)
+    from rich.console import Console
+
+    from sil.fleet.actions import perform
+    from sil.fleet.ends import end_at
+    from sil.fleet.station import LINK, Station
+    from sil.wire.signing import Signer, read_key
+
+    signer = None if options.key is None else Signer(read_key(options.key), LINK)
+    ends = []
+    try:
+        for address in options.mavlink or [_DEFAULT]:
+            ends.append(end_at(address))
+    except (OSError, ValueError):
+        for end in ends:
+            end.close()
+        raise
+    with closing(Station(ends, options.station, signer)) as station:
+        return perform(station, wish, Console(highlight=False))
+
+
+def _wish(options: argparse.Namespace) -> "Wish":
+    """What the caller wants; ValueError where it makes no sense."""
+    action, words = options.action, options.words
+    if action not in _ACTIONS:
+        near = difflib.get_close_matches(action, _ACTIONS, 1)
+        hint = f'; did you mean "{near[0]}"?' if near else f": {', '.join(_ACTIONS)}"
+        raise ValueError(f'unknown action "{action}"{hint}')
+    from sil.fleet.actions import Wish, is_on_globe
+
+    wanted = {"form": 1, "go": 0 if options.local else 2}.get(action, 0)
+    if len(words) != wanted:
+        usage = f"flotilla fleet {action} {_WORDS.get(action, '')}".rstrip()
+        raise ValueError(f"{usage}: {len(words)} words are given, {wanted} needed")
+    place = None
+    if action == "go" and not options.local:
+        try:
+            place = float(words[0]), float(words[1])
+        except ValueError:
+            raise ValueError(f'"{" ".join(words)}" is no latitude and longitude') from None
+        if not is_on_globe(*place):
+            raise ValueError(f'"{" ".join(words)}" is no latitude and longitude, in degrees')
+    return Wish(
+        action=action,
+        boats=options.boats,
+        shape=words[0] if action == "form" else "",
+        spacing_m=options.spacing,
+        turning=not options.fixed,
+        place=place,
+        way_m=None if options.local is None else tuple(options.local),
+    )
+
+
+def _system(text: str) -> int:
+    """A system id; ValueError."""
+    if not text.isdecimal() or not 1 <= int(text) <= 255:
+        raise argparse.ArgumentTypeError(f'"{text}" is no system id from 1 to 255')
+    return int(text)
+
+
+def _systems(text: str) -> tuple[int, ...]:
+    systems = tuple(_system(part.strip()) for part in text.split(","))
+    if len(set(systems)) < len(systems):
+        raise argparse.ArgumentTypeError(f'"{text}" names a boat twice')
+    return systems

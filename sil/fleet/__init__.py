@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""A ground station that commands a whole fleet: `flotilla fleet`."""

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: MIT
+"""What an operator asks of a fleet, each with its words and its exit status: 0 done, 1 not."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from rich.console import Console
+
+from sil.fleet import fleet_status
+from sil.fleet.lead import leading_boat, root
+from sil.fleet.orders import DISCOVERY_S, Answer, Order, carry_out, go_to, long, stop, tell
+from sil.fleet.shape_change import change
+from sil.fleet.station import STALE_S, Station
+from sil.wire.geodesy import LocalFrame
+from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER, RTL
+from sil.wire.operator import ARM, DISARM, mode_request
+
+_STATUS_S, _NAMED_S = 3.0, 4.0
+
+
+class Wish(NamedTuple):
+    """What is asked, and of which boats: `boats` empty: all that are heard.
+
+    `place`: latitude and longitude, deg; `way_m`: north and east from where the leader is.
+    """
+
+    action: str
+    boats: tuple[int, ...] = ()
+    shape: str = ""
+    spacing_m: float | None = None
+    turning: bool = True
+    place: tuple[float, float] | None = None
+    way_m: tuple[float, float] | None = None
+
+
+def perform(station: Station, wish: Wish, console: Console) -> int:
+    """Do it, tell it, and return the exit status. ValueError for what cannot be done."""
+    if wish.action == "stop":
+        return _stop(station, wish, console)
+    boats = discover(station, wish)
+    if not boats:
+        console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
+        return 1
+    return _ACTIONS[wish.action](station, wish, boats, console)
+
+
+def discover(station: Station, wish: Wish) -> list[int]:
+    """The boats that are named, or those heard meanwhile."""
+    named = list(wish.boats)
+    if wish.action == "status" or not named:
+        station.run(_STATUS_S if wish.action == "status" else DISCOVERY_S)
+    else:
+        station.run(_NAMED_S, lambda: set(named) <= set(station.boats()))
+    return named if named and station.boats() else station.boats()
+
+
+def _nobody(station: Station) -> str:
+    if station.refused:
+        return f"no boat is heard that signs with this key; {station.refused} messages refused"
+    others = sorted(station.fleet.systems)
+    heard = f"; systems {', '.join(map(str, others))} are no boats" if others else ""
+    return f"no boat is heard: check the boats' power, the address and the radio{heard}"
+
+
+def _status(station: Station, _: Wish, boats: Sequence[int], console: Console) -> int:
+    words, rows, complete = fleet_status.of_station(station, boats)
+    console.print(f"[bold]{words}", soft_wrap=True)
+    console.print(rows)
+    return 0 if complete else 1
+
+
+def _stop(station: Station, wish: Wish, console: Console) -> int:
+    answers = stop(station, wish.boats)
+    if not answers:
+        console.print(f"[bold red]{_nobody(station)}", soft_wrap=True)
+        return 1
+    return _report(station, answers, "stopped and disarmed", console)
+
+
+def _to_all(order: Order, done: str) -> Callable[..., int]:
+    def act(station: Station, _: Wish, boats: Sequence[int], console: Console) -> int:
+        return _report(station, carry_out(station, order, boats), done, console)
+
+    return act
+
+
+def _to_leader(order: Order, done: str) -> Callable[..., int]:
+    def act(station: Station, wish: Wish, _: Sequence[int], console: Console) -> int:
+        return _lead(station, wish, order, done, console)
+
+    return act
+
+
+def _lead(station: Station, wish: Wish, order: Order, done: str, console: Console) -> int:
+    if len(wish.boats) > 1:
+        raise ValueError(f"{wish.action} commands one boat, which leads: name one of them")
+    boat = wish.boats[0] if wish.boats else leading_boat(station)
+    status = _report(station, carry_out(station, order, [boat]), done, console)
+    if status == 0:
+        console.print(f"boat {boat} leads; the others follow it and got no order")
+    return status
+
+
+def _follow(station: Station, wish: Wish, boats: Sequence[int], console: Console) -> int:
+    top = None if wish.boats else root(station)
+    followers = [boat for boat in boats if boat != top]
+    answers = carry_out(station, long(mode_request(FORMATION)), followers)
+    vessel = None if top is None else station.fleet.systems.get(top)
+    if vessel is not None and vessel.kind == "boat" and vessel.state not in fleet_status.LEADING:
+        console.print(f"boat {top} does not lead yet: auto, go or loiter")
+    return _report(station, answers, "in FORMATION", console)
+
+
+def _go(station: Station, wish: Wish, _: Sequence[int], console: Console) -> int:
+    if wish.place is not None:
+        latitude, longitude = wish.place
+    else:
+        boat = wish.boats[0] if wish.boats else leading_boat(station)
+        latitude, longitude = _from_boat(station, boat, wish.way_m or (0.0, 0.0))
+    order = go_to(round(1e7 * latitude), round(1e7 * longitude))
+    return _lead(station, wish, order, f"sails to {latitude:.6f} {longitude:.6f}", console)
+
+
+def _from_boat(station: Station, boat: int, way_m: tuple[float, float]) -> tuple[float, float]:
+    """Latitude and longitude, deg, so far north and east of a boat; ValueError if it is lost."""
+    told = {vessel["id"]: vessel for vessel in station.fleet.vessels(station.now_s())}
+    origin, vessel = station.fleet.origin, told.get(boat)
+    lost = vessel is None or vessel["x_m"] is None or vessel["place_age_s"] >= STALE_S
+    if origin is None or vessel is None or lost:
+        raise ValueError(f"boat {boat} does not tell where it is")
+    frame = LocalFrame(*origin[:2], 0.001 * origin[2])
+    place = frame.geodetic(vessel["x_m"] + way_m[0], vessel["y_m"] + way_m[1], 0.0)
+    return 1e-7 * place.latitude, 1e-7 * place.longitude
+
+
+def _form(station: Station, wish: Wish, boats: Sequence[int], console: Console) -> int:
+    made = change(station, boats, wish.shape, wish.spacing_m, turning=wish.turning)
+    console.print(f"[bold]{made.words}", soft_wrap=True)
+    for boat, (ahead_m, starboard_m) in zip(boats, made.places, strict=True):
+        console.print(f"  boat {boat}: {_place(ahead_m, starboard_m, turning=wish.turning)}")
+    for boat, why in made.missing.items():
+        console.print(f"[bold red]boat {boat}: {why}", soft_wrap=True)
+    return 1 if made.missing else 0
+
+
+def _place(ahead_m: float, starboard_m: float, *, turning: bool) -> str:
+    names = (("ahead", "astern"), ("to starboard", "to port"))
+    if not turning:
+        names = (("north", "south"), ("east", "west"))
+    ways = zip((ahead_m, starboard_m), names, strict=True)
+    told = [f"{abs(way):.1f} m {name[way < 0]}" for way, name in ways if abs(way) >= 0.05]
+    return ", ".join(told) or "leads"
+
+
+def _report(station: Station, answers: Sequence[Answer], done: str, console: Console) -> int:
+    good = [answer for answer in answers if answer.accepted]
+    console.print(f"[bold]{len(good)} of {len(answers)} {done}", soft_wrap=True)
+    for answer in answers:
+        if answer.accepted:
+            for text in answer.said:
+                if ", no FORMATION: " in text:
+                    console.print(f"  boat {answer.system}: {text}", soft_wrap=True)
+            continue
+        vessel = station.fleet.systems.get(answer.system)
+        held = () if vessel is None else vessel.held()
+        why = tell(answer, held, answer.system in station.signs)
+        if answer.result is None and not station.is_heard(answer.system):
+            why += ", and it is not heard"
+        console.print(f"[bold red]boat {answer.system}: {why}", soft_wrap=True)
+    return 0 if len(good) == len(answers) else 1
+
+
+def is_on_globe(latitude: float, longitude: float) -> bool:
+    """Whether these are degrees of a place."""
+    finite = math.isfinite(latitude) and math.isfinite(longitude)
+    return finite and abs(latitude) <= 90.0 and abs(longitude) <= 180.0
+
+
+_ACTIONS: dict[str, Callable[[Station, Wish, Sequence[int], Console], int]] = {
+    "status": _status,
+    "arm": _to_all(long(ARM), "armed"),
+    "disarm": _to_all(long(DISARM), "disarmed"),
+    "hold": _to_all(long(mode_request(HOLD)), "in HOLD"),
+    "form": _form,
+    "follow": _follow,
+    "go": _go,
+    "loiter": _to_leader(long(mode_request(LOITER)), "waits in LOITER"),
+    "return": _to_leader(long(mode_request(RTL)), "returns"),
+    "auto": _to_leader(long(mode_request(AUTO)), "sails its plan"),
+}

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""Who leads a fleet, by what its boats say."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from sil.fleet.station import Station
+
+
+def leaders(station: Station) -> list[int]:
+    """The boats whose last beacons say that they lead: more than one where a radio was split."""
+    beacons = ((system, station.beacon(system)) for system in station.boats())
+    return [system for system, beacon in beacons if beacon is not None and beacon.leads]
+
+
+def listed(boats: Sequence[int]) -> str:
+    """Their names: boat 1; boats 1, 2 and 3."""
+    *most, last = map(str, boats)
+    return f"boats {', '.join(most)} and {last}" if most else f"boat {last}"
+
+
+def followed_by(station: Station, system: int) -> int | None:
+    """Whom a boat follows, by its beacon or its telemetry; None if unknown, or if it leads."""
+    beacon = station.beacon(system)
+    if beacon is not None and beacon.epoch:
+        return beacon.follows or None
+    vessel = station.fleet.systems.get(system)
+    leader = None if vessel is None else vessel.value("LEADER")
+    return int(leader) if leader and leader != system else None
+
+
+def root(station: Station) -> int | None:
+    """The vessel at the top: the one that leads, or else whom most boats follow in the end.
+
+    None where nobody can tell, or where two lead. A boat that leads no more may still follow
+    another, which follows it: what most say counts.
+    """
+    told = leaders(station)
+    if told:
+        return told[0] if len(told) == 1 else None
+    above = {system: followed_by(station, system) for system in station.boats()}
+    votes = Counter(top for top in (_top(above, system) for system in above) if top is not None)
+    first, second = [*votes.most_common(2), (None, 0), (None, 0)][:2]
+    return None if second[1] == first[1] else first[0]
+
+
+def leading_boat(station: Station) -> int:
+    """The boat that commands to the whole fleet go to; ValueError where there is none."""
+    told = leaders(station)
+    if len(told) > 1:
+        raise ValueError(f"{listed(told)} lead: name the one that is meant, --boats {told[0]}")
+    top = root(station)
+    if top is None or top not in station.boats():
+        whom = "nobody knows who leads" if top is None else f"vessel {top} leads, which is no boat"
+        raise ValueError(f"{whom}: name the boat that is to lead, --boats N")
+    return top
+
+
+def _top(above: Mapping[int, int | None], system: int) -> int | None:
+    """The end of the chain of leaders, or where it meets itself; None: it follows nobody."""
+    seen = {system}
+    top = above[system]
+    while top is not None and top not in seen and above.get(top) is not None:
+        seen.add(top)
+        top = above[top]
+    return top

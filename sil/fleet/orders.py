@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""Orders to boats: each is repeated until its boat has answered, and each answer is explained."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sil.fleet.lead import root
+from sil.fleet.station import Station
+from sil.fleet.tables import StopTable
+from sil.wire.operator import DISARM, Request
+
+PATIENCE_S, STOP_PATIENCE_S = 6.0, 8.0
+DISCOVERY_S = 2.5
+
+_RETRY_S, _STOP_RETRY_S = 0.4, 0.2
+_REASONS_S, _NEWS_S = 1.2, 0.3
+_WHY = ("PreArm: ", "Refused: ")
+_FAULTS = {
+    mavlink.MAV_RESULT_TEMPORARILY_REJECTED: "refused",
+    mavlink.MAV_RESULT_DENIED: "denied",
+    mavlink.MAV_RESULT_UNSUPPORTED: "it does not know that command",
+    mavlink.MAV_RESULT_FAILED: "failed",
+}
+_ACCEPTED: int = mavlink.MAV_RESULT_ACCEPTED
+
+Order = Callable[[int, int], mavlink.MAVLink_message]
+"""The message to a system, when it is sent for the nth time, from 0."""
+
+
+class Answer(NamedTuple):
+    """Of one boat: whether it accepted, and what it said; no result: it did not answer."""
+
+    system: int
+    result: int | None
+    said: tuple[str, ...]
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the boat does as it was told."""
+        return self.result == _ACCEPTED
+
+
+def long(request: Request) -> Order:
+    """A COMMAND_LONG."""
+    command, params = request
+    seven = (*params, *(0.0,) * (7 - len(params)))
+
+    def message(system: int, count: int) -> mavlink.MAVLink_message:
+        return mavlink.MAVLink_command_long_message(
+            system, mavlink.MAV_COMP_ID_AUTOPILOT1, command, min(count, 255), *seven
+        )
+
+    return message
+
+
+def go_to(latitude: int, longitude: int) -> Order:
+    """Sail to a place (degE7) in GUIDED, and wait there."""
+
+    def message(system: int, count: int) -> mavlink.MAVLink_message:  # noqa: ARG001
+        changes_mode, same_speed = 1.0, -1.0
+        return mavlink.MAVLink_command_int_message(
+            system,
+            mavlink.MAV_COMP_ID_AUTOPILOT1,
+            mavlink.MAV_FRAME_GLOBAL_INT,
+            mavlink.MAV_CMD_DO_REPOSITION,
+            0,
+            0,
+            *(same_speed, changes_mode, 0.0, 0.0),
+            *(latitude, longitude, 0.0),
+        )
+
+    return message
+
+
+def carry_out(station: Station, order: Order, systems: Sequence[int]) -> list[Answer]:
+    """Give the order to each system until it answers, 6 s at most; then listen for reasons."""
+    since_s, heard = station.now_s(), len(station.acks)
+    command = order(0, 0).command
+    open_ones = dict.fromkeys(systems, 0)
+    results: dict[int, int] = {}
+
+    def all_answered() -> bool:
+        for ack in station.acks[heard:]:
+            if ack.command == command and ack.system in open_ones:
+                results.setdefault(ack.system, ack.result)
+        return len(results) == len(open_ones)
+
+    while station.now_s() - since_s < PATIENCE_S and not all_answered():
+        for system in leader_last(station, open_ones.keys() - results.keys()):
+            station.say(order(system, open_ones[system]), system)
+            open_ones[system] += 1
+        station.run(_RETRY_S, all_answered)
+    refused = any(result != _ACCEPTED for result in results.values())
+    station.run(_REASONS_S if refused else _NEWS_S)
+    return [
+        Answer(system, results.get(system), _said(station, system, since_s)) for system in systems
+    ]
+
+
+def stop(station: Station, named: Sequence[int]) -> list[Answer]:
+    """Disarm every boat that is heard, and those named, each directly and by every link.
+
+    Begins as the first is heard, and waits for others for 2.5 s. Where boats tell of a fleet's
+    table, one that stops all of its members goes beside it, which they hand on.
+    """
+    since_s, heard = station.now_s(), len(station.acks)
+    order, table = long(DISARM), StopTable(station)
+    results: dict[int, int] = {}
+    count = 0
+
+    def everyone() -> list[int]:
+        return sorted({*named, *station.boats()})
+
+    def open_ones() -> list[int]:
+        for ack in station.acks[heard:]:
+            if ack.command == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
+                results[ack.system] = ack.result
+        return [system for system in everyone() if results.get(system) != _ACCEPTED]
+
+    def is_over() -> bool:
+        return station.now_s() - since_s >= DISCOVERY_S and not open_ones()
+
+    while station.now_s() - since_s < STOP_PATIENCE_S and not is_over():
+        known = everyone()
+        for system in leader_last(station, open_ones()):
+            station.say(order(system, count))
+        table.send(everyone())
+        count += 1
+        station.run(_STOP_RETRY_S, lambda known=known: everyone() != known or is_over())  # type: ignore[misc]
+    return [
+        Answer(system, results.get(system), _said(station, system, since_s))
+        for system in everyone()
+    ]
+
+
+def leader_last(station: Station, systems: Iterable[int]) -> list[int]:
+    """In this order nobody takes over from a leader that is stopped first."""
+    top = root(station)
+    return sorted(systems, key=lambda system: (system == top, system))
+
+
+def tell(answer: Answer, held: Iterable[str], signs: bool) -> str:
+    """Why a boat did not do as it was told.
+
+    `held`: what keeps it from sailing; `signs`: it signs, and the station has no key.
+    """
+    if answer.result is None:
+        remedy = ": it signs its messages, give --key FILE" if signs else ""
+        return f"no answer{remedy}"
+    fault = _FAULTS.get(answer.result, f"result {answer.result}")
+    reasons = [text.partition(": ")[2] for text in answer.said if text.startswith(_WHY)]
+    reasons = reasons or ["; ".join(held)]
+    if answer.result == mavlink.MAV_RESULT_DENIED and not any(reasons):
+        reasons = ["a boat with MAV_GCS_SYSID obeys that system id alone (--station)"]
+    return ": ".join(filter(None, [fault, "; ".join(dict.fromkeys(reasons))]))
+
+
+def _said(station: Station, system: int, since_s: float) -> tuple[str, ...]:
+    heard = [each.text for each in station.texts if each.system == system and each.at_s >= since_s]
+    return tuple(dict.fromkeys(heard))

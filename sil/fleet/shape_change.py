@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: MIT
+"""A change of shape: asks boats how long they are, makes a table, and sees that all have it.
+
+Source: firmware/docs/FLEET.md.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sil.fleet.station import Station, Text
+from sil.fleet.tables import (
+    LAST_EPOCH,
+    assigned,
+    check,
+    newest_epoch,
+    present_places,
+    shape_places,
+    star,
+)
+from sil.scenario.formation import Place
+from sil.wire.fleet_table import digest_of, table_message
+
+IN_S = 3.0
+_PATIENCE_S, _RETRY_S = 8.0, 0.6
+_BEACONS_S = 2.5  # two of each boat: who has no table sends none
+_TOLD_S = 1.5  # until all beacons tell whom they follow now
+_STOPS_S = 1.0  # until a boat has stopped that refuses its new slot
+_GUARD_LENGTHS = 1.2  # of FS_SEP_M where it is negative
+_SLOTS_GUARDS = 1.5  # slots are farther apart, in FS_SEP_M
+_ASKED = ("BOAT_LEN", "FS_SEP_M")
+
+
+class Change(NamedTuple):
+    """What was told; each boat's place; why a boat does not take it, by system id."""
+
+    words: str
+    places: list[Place]
+    missing: dict[int, str]
+
+
+def change(
+    station: Station,
+    boats: Sequence[int],
+    shape: str,
+    spacing_m: float | None,
+    *,
+    turning: bool,
+) -> Change:
+    """Bring boats, by rank, into a shape. ValueError, and nothing is sent, if that cannot work."""
+    places = shape_places(shape, len(boats), spacing_m)
+    if unheard := [boat for boat in boats if not station.is_heard(boat)]:
+        raise ValueError(f"boat {unheard[0]} is not heard: name the others, --boats")
+    lengths_m, guard_m = _sizes(station, boats)
+    longest_m = max(lengths_m)
+    least_m, why = _SLOTS_GUARDS * guard_m, f"{_SLOTS_GUARDS:g} times FS_SEP_M"
+    if guard_m == 0.0:
+        least_m, why = _GUARD_LENGTHS * longest_m, f"{_GUARD_LENGTHS:g} hull lengths"
+    check(places, boats, least_m, why)
+    station.run(_BEACONS_S, lambda: all(station.beacon(boat) for boat in boats))
+    epoch = newest_epoch(station) + 1
+    if epoch > LAST_EPOCH:
+        raise ValueError(f"epoch {LAST_EPOCH} is the last one: restart all boats at once")
+    present = present_places(station, boats, turning=turning)
+    if present is not None:
+        places = assigned(places, present)
+    members = star(boats, places, lengths_m)
+    since_s = station.now_s()
+
+    def frame() -> bytes:
+        left_s = max(0.0, IN_S - (station.now_s() - since_s))
+        ours = (station.system, mavlink.MAV_COMP_ID_USER1)
+        return table_message(epoch, members, turns=turning, in_s=left_s, sender=ours)
+
+    digest = digest_of(frame())
+
+    def missing() -> list[int]:
+        told = ((boat, station.beacon(boat)) for boat in boats)
+        return [
+            boat
+            for boat, beacon in told
+            if beacon is None or (beacon.epoch, beacon.digest) != (epoch, digest)
+        ]
+
+    while missing() and station.now_s() - since_s < _PATIENCE_S:
+        station.send(frame())
+        station.run(_RETRY_S, lambda: not missing())
+    late = missing()
+
+    def is_in_force() -> bool:
+        told = [station.beacon(boat) for boat in boats[1:] if boat not in late]
+        return all(beacon is not None and beacon.follows == boats[0] for beacon in told)
+
+    station.run(IN_S - (station.now_s() - since_s))
+    station.run(_TOLD_S, is_in_force)
+    station.run(_STOPS_S)
+    how = "" if present is not None else "; some do not tell where they are: places by rank"
+    words = f"table {epoch} is in force with {len(boats) - len(late)} of {len(boats)} boats{how}"
+    missing_ones = {boat: _why(station, boat, epoch, since_s) for boat in late}
+    stops = {each.system: each.text for each in station.texts if _stops(each, boats, since_s)}
+    stopped = {
+        boat: f"{text}; flotilla fleet follow --boats {boat}" for boat, text in stops.items()
+    }
+    return Change(words, places, {**stopped, **missing_ones})
+
+
+def _stops(text: Text, boats: Sequence[int], since_s: float) -> bool:
+    return text.system in boats and text.at_s >= since_s and text.text.startswith("HOLD: ")
+
+
+def _sizes(station: Station, boats: Sequence[int]) -> tuple[list[float], float]:
+    """The boats' lengths and the greatest FS_SEP_M, m. ValueError if a boat does not tell."""
+    since_s = station.now_s()
+
+    def missing() -> list[tuple[int, str]]:
+        wanted = ((boat, name) for boat in boats for name in _ASKED)
+        return [one for one in wanted if one not in station.parameters]
+
+    while missing() and station.now_s() - since_s < _PATIENCE_S:
+        for boat, name in missing():
+            component = mavlink.MAV_COMP_ID_AUTOPILOT1
+            ask = mavlink.MAVLink_param_request_read_message(boat, component, name.encode(), -1)
+            station.say(ask, boat)
+        station.run(_RETRY_S, lambda: not missing())
+    for boat, name in missing():
+        raise ValueError(f"boat {boat} does not tell its {name}: a shape needs it")
+    lengths_m = [station.parameters[boat, "BOAT_LEN"] for boat in boats]
+    guards_m = [station.parameters[boat, "FS_SEP_M"] for boat in boats]
+    return lengths_m, max(
+        guard_m if guard_m >= 0.0 else _GUARD_LENGTHS * length_m
+        for guard_m, length_m in zip(guards_m, lengths_m, strict=True)
+    )
+
+
+def _why(station: Station, boat: int, epoch: int, since_s: float) -> str:
+    refusals = [
+        each.text
+        for each in station.texts
+        if each.system == boat and each.at_s >= since_s and each.text.startswith("Fleet table")
+    ]
+    beacon = station.beacon(boat)
+    if refusals:
+        return refusals[-1]
+    if beacon is not None and beacon.epoch >= epoch:
+        return f"has another table, {beacon.epoch}, which somebody sent meanwhile"
+    return f"does not tell of table {epoch}; does it obey this station (MAV_GCS_SYSID)?"

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: MIT
+"""A ground station: hears boats at several links' ends, and speaks to one or to all of them.
+
+Its heartbeat is not a ground station's: boats that stop without one (`FS_GCS_S`) do not count on a
+command that ends after a few seconds.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sil.fleet.ends import Clock, End, Peer, RealTime
+from sil.view.seen_fleet import Fleet
+from sil.wire import mavlink_messages as messages
+from sil.wire.fleet_table import Beacon, beacon_of
+from sil.wire.mavlink_ear import Ear, Message
+from sil.wire.mavlink_frames import frames
+from sil.wire.signing import Signer, is_signed, numbered
+
+SYSTEM, COMPONENT, LINK = 255, mavlink.MAV_COMP_ID_USER1, 70
+STALE_S = 5.0
+
+_BEAT_S, _SLICE_S = 1.0, 0.05
+_ROUTE_S = 10.0
+_ASK_S = 0.3
+_AUTOPILOTS = (mavlink.MAV_COMP_ID_AUTOPILOT1, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER)
+_MOST_KEPT = 1000  # acknowledgements and texts; a command hears a few dozen
+
+
+class Ack(NamedTuple):
+    """A boat's answer to a command of this station."""
+
+    system: int
+    command: int
+    result: int
+
+
+class Text(NamedTuple):
+    """A STATUSTEXT."""
+
+    at_s: float
+    system: int
+    text: str
+
+
+class Station:
+    """One station at `ends`, with system id `system`; with a `signer`, it hears its key only.
+
+    `fleet`: the vessels heard. By system id: `beacons`, with their times; `signs`, those that sign,
+    where the station has no key. `parameters`: by system id and name. `refused`: number of messages
+    without a good signature. Times are s since the station began.
+    """
+
+    def __init__(
+        self,
+        ends: Sequence[End],
+        system: int = SYSTEM,
+        signer: Signer | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        self.system = system
+        self.fleet = Fleet(length_m=1.0)
+        self.beacons: dict[int, tuple[float, Beacon]] = {}
+        self.parameters: dict[tuple[int, str], float] = {}
+        self.acks: list[Ack] = []
+        self.texts: list[Text] = []
+        self.signs: set[int] = set()
+        self.refused = 0
+        self._ends = list(ends)
+        self._signer = signer
+        self._ear = Ear(stream=False)
+        self._mav = mavlink.MAVLink(None, system, COMPONENT)
+        self._clock = clock or RealTime()
+        self._began_s = self._clock.now_s()
+        # Boats take equal numbers by two links for copies: two commands begin with others.
+        self._sequence = int(1000.0 * self._began_s)
+        self._routes: dict[int, dict[tuple[End, Peer], float]] = {}
+        self._asked_s: dict[int, float] = {}
+        self._beat_s = 0.0
+
+    def now_s(self) -> float:
+        """The station's time."""
+        return self._clock.now_s() - self._began_s
+
+    def boats(self) -> list[int]:
+        """System ids of the Flotilla boats that have been heard, ever."""
+        known = {system for system, each in self.fleet.systems.items() if each.kind == "boat"}
+        return sorted((known | self.beacons.keys()) - {self.system})
+
+    def is_heard(self, system: int) -> bool:
+        """Whether a system is not silent."""
+        vessel = self.fleet.systems.get(system)
+        return vessel is not None and self.now_s() - vessel.heard_s < STALE_S
+
+    def beacon(self, system: int) -> Beacon | None:
+        """A boat's last beacon; None if it has sent none or it is old."""
+        at_s, beacon = self.beacons.get(system, (-STALE_S, None))
+        return beacon if self.now_s() - at_s < STALE_S else None
+
+    def say(self, message: mavlink.MAVLink_message, system: int | None = None) -> None:
+        """Send a message towards a system where it has been heard; None: everywhere."""
+        self.send(message.pack(self._mav), system)
+
+    def send(self, frame: bytes, system: int | None = None) -> None:
+        """The same, of an unsigned frame, which gets number and signature."""
+        self._sequence = (self._sequence + 1) & 0xFF
+        whole = numbered(frame, self._sequence)
+        if self._signer is not None:
+            whole = self._signer.sign(whole)
+        since_s = self.now_s() - _ROUTE_S
+        known = self._routes.get(system, {}) if system is not None else {}
+        routes = [route for route, at_s in known.items() if at_s > since_s]
+        for end, peer in routes or [(end, None) for end in self._ends]:
+            end.send(whole, peer)
+
+    def run(self, for_s: float, done: Callable[[], object] = lambda: False) -> bool:
+        """Listen for so long, or until `done`, which is asked often; whether it was."""
+        end_s = self.now_s() + for_s
+        while not done():
+            left_s = end_s - self.now_s()
+            if left_s <= 0.0:
+                return False
+            self._listen(min(left_s, _SLICE_S))
+        return True
+
+    def close(self) -> None:
+        """Close all ends."""
+        for end in self._ends:
+            end.close()
+
+    def _listen(self, wait_s: float) -> None:
+        if self.now_s() >= self._beat_s:
+            self._beat_s = self.now_s() + _BEAT_S
+            kind, none = mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID
+            state = mavlink.MAV_STATE_ACTIVE
+            self.say(mavlink.MAVLink_heartbeat_message(kind, none, 0, 0, state, 3))
+        for end in self._clock.wait(self._ends, wait_s):
+            try:
+                heard = end.receive()
+            except OSError:
+                self._drop(end)
+                continue
+            for peer, data in heard:
+                self._hear(end, peer, data)
+
+    def _drop(self, end: End) -> None:
+        self._ends.remove(end)
+        end.close()
+        for known in self._routes.values():
+            for route in [route for route in known if route[0] is end]:
+                del known[route]
+        if not self._ends:
+            raise OSError(f"{end.address}: the other side has ended the connection")
+
+    def _hear(self, end: End, peer: Peer, data: bytes) -> None:
+        if self._signer is None:
+            self.signs |= {system for _, system, _, frame in frames(data) if is_signed(frame)}
+        else:
+            said = [frame for *_, frame in frames(data)]
+            good = [frame for frame in said if self._signer.verifies(frame)]
+            self.refused += len(said) - len(good)
+            data = b"".join(good)
+        for message in self._ear.hear(data):
+            if message.fields is not None and message.system != self.system:
+                now_s = self.now_s()
+                self._routes.setdefault(message.system, {})[end, peer] = now_s
+                self._take(message, now_s)
+
+    def _take(self, message: Message, now_s: float) -> None:
+        number, system, component, fields = message
+        self.fleet.hear([message], now_s)
+        self._identify(system, component, now_s)
+        if not fields:
+            return
+        if number == messages.FLEET_BEACON:
+            self.beacons[system] = now_s, beacon_of(fields)
+        elif number == messages.COMMAND_ACK:
+            command, result, _, _, to_system, to_component = fields
+            if (to_system, to_component) == (self.system, COMPONENT):
+                self.acks = [*self.acks[-_MOST_KEPT:], Ack(system, command, result)]
+        elif number == messages.PARAM_VALUE:
+            name = fields[3].split(b"\0")[0].decode("ascii", "replace")
+            self.parameters[system, name] = fields[0]
+        elif number == messages.STATUSTEXT:
+            said = self.fleet.systems[system].texts
+            if said.said_s == now_s and said.last:
+                self.texts = [*self.texts[-_MOST_KEPT:], Text(now_s, system, said.last)]
+
+    def _identify(self, system: int, component: int, now_s: float) -> None:
+        """Ask who has not said what it is for its heartbeat, which comes once a second only."""
+        vessel = self.fleet.systems.get(system)
+        if vessel is None or vessel.kind is not None or component not in _AUTOPILOTS:
+            return
+        if now_s < self._asked_s.get(system, 0.0):
+            return
+        self._asked_s[system] = now_s + _ASK_S
+        request, heartbeat = mavlink.MAV_CMD_REQUEST_MESSAGE, float(messages.HEARTBEAT)
+        self.say(
+            mavlink.MAVLink_command_long_message(
+                system, component, request, 0, heartbeat, 0, 0, 0, 0, 0, 0
+            ),
+            system,
+        )

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""Tables that a station sends: a shape's places, given to the boats; one that stops them all."""
+
+import difflib
+import math
+import tomllib
+from collections.abc import Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import Any, get_args
+
+from sil.fleet.lead import root
+from sil.fleet.station import STALE_S, Station
+from sil.scenario.formation import Formation, Place, Shape, slots
+from sil.wire.fleet_table import MOST_MEMBERS, Member, table_message
+
+LAST_EPOCH = 65535
+_FARTHEST_M = 327.0  # the wire has places in cm, in 16 bits
+_APART_M = 10.0  # in a table that stops boats whose places are unknown
+
+
+def shape_places(shape: str, boats: int, spacing_m: float | None) -> list[Place]:
+    """Places of a shape by its name, or of a TOML file, m from the first one's; ValueError."""
+    names: tuple[Shape, ...] = get_args(Shape)
+    if shape in names:
+        if spacing_m is None:
+            raise ValueError(f"{shape}: --spacing M is missing")
+        if not 0.0 < spacing_m < math.inf:
+            raise ValueError(f"--spacing {spacing_m:g}: must be greater than 0")
+        places = slots(Formation(shape=shape, boats=boats, spacing_m=spacing_m))
+    elif shape.endswith(".toml"):
+        places = _read(Path(shape), boats)
+    else:
+        near = difflib.get_close_matches(shape, names, 1)
+        hint = f'; did you mean "{near[0]}"?' if near else ""
+        raise ValueError(f'unknown shape "{shape}"{hint} (or a file of places: NAME.toml)')
+    x, y = places[0]
+    return [(place[0] - x, place[1] - y) for place in places]
+
+
+def _read(path: Path, boats: int) -> list[Place]:
+    """`places_m = [[ahead, starboard], …]`, the first one's the leader."""
+    try:
+        document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path}: {error}") from None
+    rows = document.get("places_m")
+    if not isinstance(rows, list) or document.keys() != {"places_m"}:
+        raise ValueError(f"{path}: must be places_m = [[ahead, starboard], …], and nothing else")
+    for row in rows:
+        pair = isinstance(row, list) and len(row) == 2
+        if not pair or not all(type(x) in (int, float) and math.isfinite(x) for x in row):
+            raise ValueError(f"{path}: {row} is not [ahead, starboard] in m")
+    if len(rows) != boats:
+        raise ValueError(f"{path}: {len(rows)} places for {boats} boats")
+    return [(float(x), float(y)) for x, y in rows]
+
+
+def check(places: Sequence[Place], boats: Sequence[int], least_m: float, why: str) -> None:
+    """ValueError where a table cannot carry the places, or two are not `least_m` apart."""
+    if len(boats) > MOST_MEMBERS:
+        raise ValueError(f"{len(boats)} boats: a table has at most {MOST_MEMBERS}")
+    for boat, place in zip(boats, places, strict=True):
+        if max(map(abs, place)) > _FARTHEST_M:
+            raise ValueError(f"the place of boat {boat} is over {_FARTHEST_M:g} m from boat 1's")
+    pairs = combinations(range(len(boats)), 2)
+    apart = [(math.dist(places[i], places[j]), i, j) for i, j in pairs]
+    nearest_m, i, j = min(apart, default=(math.inf, 0, 0))
+    if nearest_m < least_m:
+        pair = f"places {i + 1} and {j + 1}"
+        raise ValueError(f"{pair} are {nearest_m:.2f} m apart, at least {least_m:.2f} m: {why}")
+
+
+def assigned(places: Sequence[Place], present: Sequence[Place]) -> list[Place]:
+    """The places in the order of the boats: the first keeps its own, the others the least way.
+
+    Least is the sum of squared ways, which have no reason to cross. `present`: where the boats are,
+    from the first one, in the axes of the places.
+    """
+    import numpy as np  # noqa: PLC0415 – here alone
+    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415
+
+    if len(places) < 2:
+        return list(places)
+    way = np.asarray(present)[1:, None, :] - np.asarray(places)[None, 1:, :]
+    _, chosen = linear_sum_assignment((way**2).sum(axis=2))
+    return [places[0], *(places[1 + int(i)] for i in chosen)]
+
+
+def present_places(station: Station, boats: Sequence[int], *, turning: bool) -> list[Place] | None:
+    """Where the boats are, m from the first one; None if one's place or heading is unknown.
+
+    North and east, or ahead and to starboard of the first one.
+    """
+    told = {vessel["id"]: vessel for vessel in station.fleet.vessels(station.now_s())}
+    known = [told[boat] for boat in boats if boat in told and _is_placed(told[boat])]
+    if len(known) < len(boats):
+        return None
+    first = known[0]
+    if turning and first["psi_rad"] is None:
+        return None
+    psi = first["psi_rad"] if turning else 0.0
+    cos, sin = math.cos(psi), math.sin(psi)
+    ways = [(each["x_m"] - first["x_m"], each["y_m"] - first["y_m"]) for each in known]
+    return [(cos * north + sin * east, cos * east - sin * north) for north, east in ways]
+
+
+def _is_placed(vessel: dict[str, Any]) -> bool:
+    return vessel["x_m"] is not None and vessel["place_age_s"] < STALE_S
+
+
+def newest_epoch(station: Station) -> int:
+    """The newest table's that a boat has; 0: nobody has one."""
+    return max((beacon.epoch for _, beacon in station.beacons.values()), default=0)
+
+
+def star(boats: Sequence[int], places: Sequence[Place], lengths_m: Sequence[float]) -> list[Member]:
+    """Members by rank: all follow the first one."""
+    return [
+        Member(boat, 0 if boat == boats[0] else boats[0], place, length_m)
+        for boat, place, length_m in zip(boats, places, lengths_m, strict=True)
+    ]
+
+
+class StopTable:
+    """Stops the fleet's members, also those that no order reaches: boats hand a table on.
+
+    Nothing is sent while no boat tells of a table. The places are where the boats are: who follows
+    again after a stop stays in about that shape.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+        self._epoch = 0
+        self._boats: list[int] = []
+        self._members: list[Member] = []
+
+    def send(self, boats: Sequence[int]) -> None:
+        """Send it; with a greater epoch where boats, or another table, have come up."""
+        newest = newest_epoch(self._station)
+        if newest == 0 or not boats:
+            return
+        if newest > self._epoch or set(boats) - set(self._boats):
+            top = root(self._station)
+            self._boats = sorted(boats, key=lambda boat: (boat != top, boat))[:MOST_MEMBERS]
+            self._epoch = min(max(newest, self._epoch) + 1, LAST_EPOCH)
+            lengths_m = [0.0] * len(self._boats)
+            self._members = star(self._boats, self._places(self._boats), lengths_m)
+        self._station.send(table_message(self._epoch, self._members, stop=True))
+
+    def _places(self, boats: Sequence[int]) -> list[Place]:
+        places = present_places(self._station, boats, turning=False)
+        apart = places and all(math.dist(*pair) > 0.02 for pair in combinations(places, 2))
+        if places and apart and max(max(map(abs, place)) for place in places) < _FARTHEST_M:
+            return places
+        return [(-_APART_M * i, 0.0) for i in range(len(boats))]

@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: MIT
+"""`flotilla fleet` against the firmware: what an operator says, and what the boats then do."""
+
+import math
+import re
+from itertools import combinations, permutations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from sil.fleet.ends import Peer
+from sil.fleet.orders import carry_out, long, stop
+from sil.fleet.tables import assigned, shape_places
+from sil.scenario.formation import Formation, slots
+from sil.wire.heartbeat import HOLD
+from sil.wire.mavlink_ear import Ear
+from sil.wire.mavlink_messages import FLEET_TABLE
+from sil.wire.operator import Operator, mode_request
+from tests.sil.fleet.waters import BOATS, Air, Waters
+
+
+@pytest.fixture
+def waters() -> Waters:
+    return Waters()
+
+
+def sail(waters: Waters, for_s: float) -> None:
+    waters.wait((), for_s)
+
+
+def form(waters: Waters, shape: str, spacing_m: float | None = None) -> None:
+    """Form the boats; one that stops because its slot was another's is named, and sent on."""
+    wish: dict[str, Any] = {
+        "shape": shape,
+        "spacing_m": spacing_m,
+        "boats": BOATS,
+        "turning": False,
+    }
+    status, words = waters.command(action="form", **wish)
+    assert "is in force with 4 of 4 boats\n" in words
+    stopped = [boat for boat in BOATS if waters.state(boat) == "HOLD"]
+    assert status == bool(stopped)
+    for boat in stopped:
+        assert f"boat {boat}: HOLD: slot is taken" in words
+        assert waters.command(action="follow", boats=(boat,))[0] == 0
+
+
+def off_m(waters: Waters, shape: str, spacing_m: float) -> float:
+    """How far the worst boat is from the shape's places, however these are given to the boats."""
+    (x, y), *others = slots(Formation(shape=shape, boats=len(BOATS), spacing_m=spacing_m))  # type: ignore[arg-type]
+    wanted = np.array([(0.0, 0.0), *((a - x, b - y) for a, b in others)])
+    found = waters.places()
+    orders = [[0, *rest] for rest in permutations(range(1, len(BOATS)))]
+    return min(float(np.hypot(*(found[order] - wanted).T).max()) for order in orders)
+
+
+def test_status_tells_in_its_first_line_whether_all_is_well(waters: Waters) -> None:
+    status, words = waters.command(action="status")
+    first, _, *rows = words.splitlines()
+    assert (status, first) == (0, "4 of 4 in formation behind boat 1")
+    assert [row.split()[:2] for row in rows] == [
+        ["1", "AUTO"],
+        *([str(boat), "FORMATION"] for boat in (2, 3, 4)),
+    ]
+    assert all("24.0 V" in row for row in rows)
+
+
+def test_a_silent_boat_is_named_and_its_values_are_unknown(waters: Waters) -> None:
+    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    waters.fault(3, "restart")
+    waters.deaf.add(3)
+    status, words = waters.command(action="status", boats=BOATS)
+    assert status == 1
+    assert words.splitlines()[0] == "3 of 4 in formation behind boat 1; boat 3 silent"
+    row = next(row for row in words.splitlines() if row.startswith("3   "))
+    assert row.split() == ["3", *"––––––", "never"]
+
+
+def test_a_shape_is_taken_under_way(waters: Waters) -> None:
+    form(waters, "diamond", 4.0)
+    sail(waters, 40.0)
+    assert off_m(waters, "diamond", 4.0) < 0.5
+    form(waters, "line", 5.0)
+    sail(waters, 40.0)
+    assert off_m(waters, "line", 5.0) < 0.5
+    assert waters.states == ["AUTO", *["FORMATION"] * 3]
+
+
+def test_places_of_a_file_are_taken(waters: Waters, tmp_path: Path) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text("places_m = [[0, 0], [-6, 1.5], [-3, -3], [-3, 4]]\n")
+    form(waters, str(file))
+    sail(waters, 40.0)
+    for wanted in ((0, 0), (-6, 1.5), (-3, -3), (-3, 4)):
+        assert min(math.dist(wanted, place) for place in waters.places()) < 0.5
+
+
+def test_the_first_of_those_named_leads(waters: Waters) -> None:
+    order = (2, 1, 3, 4)
+    waters.command(action="hold")
+    assert waters.command(action="form", shape="column", spacing_m=4.0, boats=order)[0] == 0
+    status, words = waters.command(action="loiter")
+    assert status == 0 and "boat 2 leads" in words
+    assert waters.state(2) == "LOITER"
+    assert waters.command(action="follow")[0] == 0
+    assert waters.states == ["FORMATION", "LOITER", "FORMATION", "FORMATION"]
+
+
+def test_an_order_to_the_leader_moves_the_fleet(waters: Waters) -> None:
+    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    assert waters.command(action="loiter")[0] == 0
+    assert waters.states == ["LOITER", *["FORMATION"] * 3]
+    eta = waters.batch.bodies.eta[waters.agent(1), :2].copy()
+    status, words = waters.command(action="go", way_m=(12.0, -5.0))
+    assert status == 0 and "the others follow it and got no order" in words
+    assert waters.state(1) == "GUIDED"
+    sail(waters, 60.0)
+    moved = waters.batch.bodies.eta[waters.agent(1), :2] - eta
+    assert math.dist(moved, (12.0, -5.0)) < 3.0  # it drifted while it was asked
+    assert waters.command(action="auto")[0] == 0
+    assert waters.command(action="return")[0] == 0
+    assert waters.state(1) == "RTL"
+
+
+def test_hold_and_follow_again(waters: Waters) -> None:
+    waters.command(action="form", shape="vee", spacing_m=4.0)
+    assert waters.command(action="hold")[0] == 0
+    assert waters.states == ["HOLD"] * 4
+    assert waters.command(action="auto")[0] == 0
+    assert waters.command(action="follow")[0] == 0
+    assert waters.states == ["AUTO", *["FORMATION"] * 3]
+    assert waters.command(action="disarm", boats=(2,))[0] == 0
+    assert waters.states == ["AUTO", "DISARMED", "FORMATION", "FORMATION"]
+
+
+def test_who_does_not_arm_says_why(waters: Waters) -> None:
+    waters.command(action="stop")
+    waters.fault(3, "esc_silent")
+    status, words = waters.command(action="arm")
+    assert status == 1
+    assert "3 of 4 armed" in words and "boat 3: refused: ESCs are not online" in words
+    assert waters.states == ["HOLD", "HOLD", "DISARMED", "HOLD"]
+    # The boat gives its reasons every ten seconds only: then its conditions tell them.
+    assert "boat 3: refused: ESCs are not online" in waters.command(action="arm")[1]
+
+
+@pytest.mark.parametrize("table", [False, True])
+def test_stop_disarms_all(waters: Waters, table: bool) -> None:
+    if table:
+        waters.command(action="form", shape="vee", spacing_m=4.0)
+    assert waters.command(action="stop")[:2] == (0, "4 of 4 stopped and disarmed\n")
+    assert waters.states == ["DISARMED"] * 4
+    sail(waters, 10.0)
+    assert waters.states == ["DISARMED"] * 4
+
+
+def test_a_boat_that_does_not_answer_the_stop_is_named(waters: Waters) -> None:
+    waters.fault(2, "restart")  # and nothing starts it again
+    waters.deaf.add(2)
+    status, words = waters.command(action="stop", boats=BOATS)
+    assert status == 1
+    assert words.splitlines() == [
+        "3 of 4 stopped and disarmed",
+        "boat 2: no answer, and it is not heard",
+    ]
+    assert [waters.state(boat) for boat in (1, 3, 4)] == ["DISARMED"] * 3
+
+
+def test_a_stop_reaches_a_boat_that_the_operators_radio_does_not(waters: Waters) -> None:
+    """By the fleet's table, which members hand on."""
+    waters.command(action="form", shape="vee", spacing_m=4.0)
+    sail(waters, 5.0)
+    waters.deaf.add(4)
+    status, words = waters.command(action="stop", boats=BOATS)
+    assert status == 1 and "boat 4: no answer" in words
+    assert waters.states == ["DISARMED", "DISARMED", "DISARMED", "HOLD"]
+
+
+def test_a_stop_waits_for_nobody(waters: Waters) -> None:
+    """The boats it hears stop within half a second, while others may still come up."""
+    station = waters.station()
+    begin_s = waters.now_s()
+    stopped_s: list[float] = []
+    wait = waters.wait
+
+    def watched(ends: object, for_s: float) -> object:
+        heard = wait(ends, for_s)  # type: ignore[arg-type]
+        if waters.states == ["DISARMED"] * 4 and not stopped_s:
+            stopped_s.append(waters.now_s() - begin_s)
+        return heard
+
+    waters.wait = watched  # type: ignore[assignment]
+    stop(station, ())
+    assert stopped_s and stopped_s[0] < 0.5
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_radio_that_loses_a_third_carries_all_of_it(seed: int) -> None:
+    waters = Waters(loss=0.3, seed=seed + 1, boat_loss=0.3)
+    assert waters.command(action="form", shape="diamond", spacing_m=4.0, boats=BOATS)[0] == 0
+    assert waters.command(action="loiter", boats=(1,))[0] == 0
+    assert waters.command(action="hold", boats=BOATS)[0] == 0
+    assert waters.states == ["HOLD"] * 4
+    assert waters.command(action="stop", boats=BOATS)[0] == 0
+    assert waters.states == ["DISARMED"] * 4
+    assert waters.command(action="arm", boats=BOATS)[0] == 0
+    assert waters.states == ["HOLD"] * 4
+
+
+def test_a_boat_that_restarts_is_armed_and_formed_again(waters: Waters) -> None:
+    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    waters.fault(4, "restart")
+    sail(waters, 8.0)
+    waters.fault(4, "restart", over=True)
+    sail(waters, 8.0)
+    _, words = waters.command(action="status")
+    assert words.startswith("3 of 4 in formation behind boat 1; boat 4 is in DISARMED")
+    row = words.splitlines()[-1].split()
+    assert row[:2] == ["4", "DISARMED"] and "1" in row  # it got the table again
+    assert waters.command(action="arm", boats=(4,))[0] == 0
+    assert waters.command(action="follow", boats=(4,))[0] == 0
+    assert waters.state(4) == "FORMATION"
+
+
+def test_of_two_operators_the_newer_table_holds(waters: Waters) -> None:
+    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=BOATS)[0] == 0
+    status, words = waters.command(
+        system=254, action="form", shape="column", spacing_m=4.0, boats=BOATS
+    )
+    assert status == 0 and words.startswith("table 2 ")
+
+
+def test_acknowledgements_of_another_operators_orders_do_not_count(waters: Waters) -> None:
+    one, other = waters.station(255), waters.station(254)
+    other.run(2.0)
+    answers = carry_out(one, long(mode_request(HOLD)), BOATS)
+    other.run(0.2)
+    assert all(answer.accepted for answer in answers)
+    assert [len([ack for ack in each.acks if ack.command == 176]) for each in (one, other)] == [
+        4,
+        0,
+    ]
+
+
+def test_a_boat_that_obeys_one_station_alone_says_so(waters: Waters) -> None:
+    waters.command(action="stop")
+    wish = Operator().set_parameter(2, "MAV_GCS_SYSID", 255.0)
+    waters.batch.fleet.hear(waters.agent(2), wish, waters.t_us)
+    sail(waters, 1.0)
+    status, words = waters.command(system=250, action="arm")
+    assert status == 1
+    assert "boat 2: denied: a boat with MAV_GCS_SYSID obeys that system id alone" in words
+    assert waters.command(action="arm")[0] == 0
+    # Anybody may stop it.
+    assert waters.command(system=250, action="stop")[0] == 0
+
+
+def test_nobody_there_is_told(waters: Waters) -> None:
+    waters.deaf.update(BOATS)
+    for action in ("status", "arm", "stop", "auto"):
+        status, words = waters.command(action=action)
+        assert status == 1 and words.startswith("no boat is heard")
+
+
+def beat_of(system: int, component: int, kind: int) -> bytes:
+    sender = mavlink.MAVLink(None, system, component)
+    frame: bytes = mavlink.MAVLink_heartbeat_message(kind, 8, 0, 0, 4, 3).pack(sender)
+    return frame
+
+
+def test_strangers_are_no_boats(waters: Waters) -> None:
+    """A ground station, another one under this station's id, one aboard boat 2, a ship's."""
+    station = waters.station()
+    (air,) = waters.airs
+    for system, component, kind in ((254, 190, 6), (255, 190, 6), (2, 190, 6), (255, 1, 11)):
+        air.heard.append((("stranger", 1), beat_of(system, component, kind)))
+    station.run(2.0)
+    assert station.boats() == list(BOATS)
+    assert all(station.fleet.systems[boat].state is not None for boat in BOATS)
+
+
+@pytest.mark.parametrize(
+    ("wish", "said"),
+    [
+        ({"shape": "vee", "spacing_m": 1.5}, "places 1 and 2 are 1.50 m apart, at least 2.16 m"),
+        ({"shape": "vee"}, "vee: --spacing M is missing"),
+        ({"shape": "vee", "spacing_m": math.nan}, "must be greater than 0"),
+        ({"shape": "ve", "spacing_m": 4.0}, 'unknown shape "ve"; did you mean "vee"?'),
+        ({"shape": "vee", "spacing_m": 400.0}, "the place of boat 4 is over 327 m from boat 1's"),
+        ({"shape": "vee", "spacing_m": 4.0, "boats": (1, 2, 9)}, "boat 9 is not heard"),
+        ({"shape": "diamond", "spacing_m": 4.0, "boats": (1, 2, 3)}, "3 is none of them"),
+    ],
+)
+def test_what_cannot_be_formed_is_refused(waters: Waters, wish: dict[str, Any], said: str) -> None:
+    sent: list[bytes] = []
+    send = Air.send
+
+    def listening(air: Air, frame: bytes, peer: Peer) -> None:
+        sent.append(frame)
+        send(air, frame, peer)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Air, "send", listening)
+        with pytest.raises(ValueError, match=re.escape(said)):
+            waters.command(action="form", **wish)
+    ear = Ear(stream=False)
+    assert FLEET_TABLE not in {message.number for frame in sent for message in ear.hear(frame)}
+
+
+def test_orders_to_a_leader_nobody_knows_are_refused(waters: Waters) -> None:
+    waters.command(action="stop")
+    with pytest.raises(ValueError, match=r"vessel 100 leads.*--boats N"):
+        waters.command(action="auto")
+    with pytest.raises(ValueError, match="auto commands one boat"):
+        waters.command(action="auto", boats=(1, 2))
+
+
+def test_places_are_given_so_that_ways_are_short() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        places = [(0.0, 0.0), *map(tuple, rng.uniform(-20, 20, (5, 2)))]
+        present = [(0.0, 0.0), *map(tuple, rng.uniform(-20, 20, (5, 2)))]
+        given = assigned(places, present)
+        assert given[0] == places[0] and sorted(given) == sorted(places)
+
+        def cost(
+            order: list[tuple[float, float]], present: list[tuple[float, float]] = present
+        ) -> float:
+            return sum(math.dist(a, b) ** 2 for a, b in zip(order, present, strict=True))
+
+        best = min(cost([places[0], *rest]) for rest in permutations(places[1:]))
+        assert cost(given) == pytest.approx(best)
+
+
+def test_all_shapes_keep_their_spacing() -> None:
+    for shape in ("line", "column", "vee", "circle", "grid"):
+        places = shape_places(shape, 7, 5.0)
+        assert places[0] == (0.0, 0.0)
+        assert min(math.dist(*pair) for pair in combinations(places, 2)) == pytest.approx(5.0)
