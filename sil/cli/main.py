@@ -92,7 +92,7 @@ def main(given: Sequence[str] | None = None) -> int:
         module = (error.name or "").partition(".")[0]
         if module not in _EXTRAS:
             raise
-        remedy = f"pip install 'flotilla[{_EXTRAS[module]}]'"
+        remedy = f"pip install 'flotilla-usv[{_EXTRAS[module]}]'"
         print(f"error: flotilla {verb} needs {module}: {remedy}", file=sys.stderr)
         return 2
     except (OSError, ValueError) as error:
