@@ -22,6 +22,7 @@ _VERBS = {
     "identify": "find a hull in logs of its sailing: a parameter file, a page",
     "certify": "do these gains hold the formation? answered before sailing",
     "view": "show a fleet in the browser, live or recorded",
+    "doctor": "look at a boat's computer: what keeps it from sailing, and what to do",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",

@@ -26,6 +26,7 @@ ORDER = [
     "bench",
     "faults",
     "examine",
+    "doctor",
     "cli",
     "examples",
 ]
