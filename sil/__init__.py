@@ -8,4 +8,4 @@ from pathlib import Path
 # their number would change the last bits of results. numpy reads this when it is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-ROOT = Path(__file__).resolve().parents[1]  # of the source tree
+ROOT = Path(__file__).resolve().parents[1]  # of the source tree; in a wheel, flotilla_usv/tree

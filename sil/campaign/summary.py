@@ -66,7 +66,8 @@ def figures(
         "settled_runs": sum(bool(run.boats) and _settled(run) for run in runs),
         "versions": {
             "python": platform.python_version(),
-            **{name: version(name) for name in ("flotilla", "numpy", "pyarrow")},
+            "flotilla": version("flotilla-usv"),
+            **{name: version(name) for name in ("numpy", "pyarrow")},
         },
         "cores": effort.cores,
         "sailed_runs": effort.runs,

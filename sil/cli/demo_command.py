@@ -1,19 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Boat 1 sails a plan and three boats follow in a diamond; the report is out/demo/report.html.
 
-With --live they sail in real time, a flotillad process each, and a page in the browser shows them,
-and the plan, and, in a terminal, plays back what it heard when they have sailed.
+Started in a terminal of a desktop, it opens it in the browser. With --live they sail in real time,
+a flotillad process each, and a page in the browser shows them, and the plan, and, in a terminal,
+plays back what it heard when they have sailed.
 Further options go to `flotilla run`, or with --live to `flotilla live`.
 """
 
 import argparse
+import os
 import signal
 import subprocess
 import sys
+import webbrowser
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 
 EXAMPLES = ("flotilla demo", "flotilla demo --live", "flotilla demo --law product")
+_DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -28,12 +33,15 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     others = [text for text in given[1:] if text != "--live"]
 
     if not options.live:
-        return flotilla(["run", "lead", "--out", "out/demo", *others])
+        status = flotilla(["run", "lead", "--out", "out/demo", *others])
+        if status == 0:
+            _show(others)
+        return status
     from sil.live.live_world import build
 
     print("building flotillad", flush=True)
     build(print)
-    view = subprocess.Popen([sys.executable, "-m", "sil", "view", "mcast:"])
+    view = subprocess.Popen([sys.executable, "-m", "flotilla_usv", "view", "mcast:"])
     try:
         live = ["live", "lead", "--bus", "mcast:0", "--mavlink", "mcast:", "--out", "out/live"]
         status = flotilla([*live, "--param", "SR_SLOW=5", *others])
@@ -46,3 +54,14 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     finally:
         view.terminate()
         view.wait()
+
+
+def _show(others: Sequence[str]) -> None:
+    """Open the report in the browser, where somebody sits before a desktop."""
+    desktop = sys.platform in ("darwin", "win32") or any(map(os.environ.get, _DESKTOPS))
+    if not (desktop and sys.stdin.isatty()):
+        return
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--out", type=Path, default=Path("out/demo"))
+    out: Path = parser.parse_known_args(others)[0].out
+    webbrowser.open((out / "report.html").resolve().as_uri())

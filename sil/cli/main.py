@@ -23,6 +23,7 @@ _VERBS = {
     "certify": "do these gains hold the formation? answered before sailing",
     "view": "show a fleet in the browser, live or recorded",
     "fleet": "command a fleet: arm it, form it, send it off, stop it",
+    "doctor": "look at a boat's computer: what keeps it from sailing, and what to do",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",
@@ -93,7 +94,7 @@ def main(given: Sequence[str] | None = None) -> int:
         module = (error.name or "").partition(".")[0]
         if module not in _EXTRAS:
             raise
-        remedy = f"pip install 'flotilla[{_EXTRAS[module]}]'"
+        remedy = f"pip install 'flotilla-usv[{_EXTRAS[module]}]'"
         print(f"error: flotilla {verb} needs {module}: {remedy}", file=sys.stderr)
         return 2
     except (OSError, ValueError) as error:

@@ -21,7 +21,8 @@ def prepare(modules: Sequence[str]) -> None:
 
     The workers are forked from that process because, unlike this one, it has no threads.
     """
-    multiprocessing.set_forkserver_preload(list(modules))
+    # From a wheel, the first one makes the others importable there.
+    multiprocessing.set_forkserver_preload(["flotilla_usv", *modules])
     # That process inherits ignored signals: only this one handles Ctrl-C.
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:

@@ -38,7 +38,8 @@ from sil.wire.mavlink_mcast import Mouth
 from sil.wire.operator import Operator, plan_upload, start_requests
 from sil.wire.plan_upload import PlanUpload
 
-FLOTILLAD = ROOT / "build" / "release" / "firmware" / "flotillad"
+IS_CLONE = (ROOT / "CMakeLists.txt").exists()
+FLOTILLAD = ROOT / ("build/release/firmware" if IS_CLONE else "bin") / "flotillad"
 
 _PATIENCE_S = 30.0
 _LAST_MCAST_BUS = 9
@@ -273,8 +274,10 @@ class LiveWorld:
 
 
 def build(say: Callable[[str], None]) -> Path:
-    """Path of flotillad; in a checkout, rebuilt if older than its sources; StartError."""
-    if not (ROOT / "CMakeLists.txt").exists():
+    """Path of flotillad; in a clone, rebuilt if older than its sources; StartError."""
+    if not IS_CLONE:
+        if not FLOTILLAD.exists():
+            raise StartError("this wheel has no flotillad: live runs need Linux")
         return FLOTILLAD
     command = [str(ROOT / "tools" / "build"), "release", "flotillad"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603

@@ -176,7 +176,7 @@ def _finish(
         f"{summary['real_time_factor']:.0f} × real time; digest {digest}"
     )
     if not CAN_DRAW:
-        console.print(r"the report has no pictures: pip install 'flotilla\[view]' for them")
+        console.print(r"the report has no pictures: pip install 'flotilla-usv\[view]' for them")
     console.print(f"results: {out}/report.html", soft_wrap=True)
     return summary
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The page: one HTML text that includes its style, its scripts and the plot library.
 
-`page/` contains its parts. Chart.js draws the plots; it is read from Debian's package.
+`page/` contains its parts. Chart.js draws the plots: a wheel has its own copy there, a clone reads
+Debian's package.
 """
 
 import json
@@ -17,8 +18,10 @@ import flotilla
 from sil.common.colours import COLOURS
 from sil.lockstep import metrics
 
-LIBRARY = Path("/usr/share/javascript/chart.js/chart.min.js")
 _PARTS = Path(__file__).parent / "page"
+_OWN_LIBRARY = _PARTS / "chart.min.js"
+_DEBIANS_LIBRARY = Path("/usr/share/javascript/chart.js/chart.min.js")
+LIBRARY = _OWN_LIBRARY if _OWN_LIBRARY.exists() else _DEBIANS_LIBRARY
 # in this order: a script uses definitions of those before it
 _SCRIPTS = (
     "numbers",

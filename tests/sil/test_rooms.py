@@ -27,6 +27,7 @@ ORDER = [
     "bench",
     "faults",
     "examine",
+    "doctor",
     "cli",
     "examples",
 ]

@@ -9,7 +9,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-OUR_OWN = {"firmware", "flotilla", "sil", "tests"}
+OUR_OWN = {"firmware", "flotilla", "flotilla-usv", "sil", "tests"}
 
 
 def plain(requirement: str) -> str:

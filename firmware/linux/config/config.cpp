@@ -46,7 +46,7 @@ over the configuration file.)";
 struct Options {
   std::string config, can, state_dir, signing_key, log, stats, stop, priority;
   std::vector<std::string> mavlink, param, param_file;
-  bool lock_memory = false;
+  bool lock_memory = false, check = false;
 };
 
 /// Runs `read`; an error names the option.
@@ -99,6 +99,7 @@ void define(CLI::App& app, Options& options) {
       ->type_name("N");
   app.add_flag("--lock-memory", options.lock_memory,
                "Keep all memory in RAM; --lock-memory=false undoes the file's");
+  app.add_flag("--check", options.check, "Only say whether the configuration is valid");
   app.set_version_flag("--version", "flotillad " + std::to_string(app::kVersionMajor) + "." +
                                         std::to_string(app::kVersionMinor) + " (" +
                                         std::string(app::source_revision()) + ")");
@@ -165,7 +166,9 @@ std::variant<Config, Ending> read_config(std::span<const char* const> arguments,
     }
     app.parse(static_cast<int>(words.size()), words.data());
     if (by_root) throw ConfigError(kNotAsRoot);
-    return combined(app, options);
+    Config config = combined(app, options);
+    if (options.check) return Ending{0, "the configuration is valid\n"};
+    return config;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, complaint;
     app.exit(error, out, complaint);

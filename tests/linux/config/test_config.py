@@ -151,3 +151,11 @@ def test_version_is_one_line() -> None:
     done = run("--version")
     assert (done.returncode, done.stderr) == (0, "")
     assert re.fullmatch(r"flotillad 0\.1 \([0-9a-f]{8}\)\n", done.stdout)
+
+
+def test_a_file_is_checked_without_sailing(tmp_path: Path) -> None:
+    done = run(f"--config={SHIPPED}", "--check")
+    assert (done.returncode, done.stdout) == (0, "the configuration is valid\n")
+    wrong = tmp_path / "boat.toml"
+    wrong.write_text(f'mavlink = ["{LINK}"]\nstate = "/tmp"\n')
+    assert f'{wrong}:2:1: unknown key "state"' in mistake(f"--config={wrong}", "--check")

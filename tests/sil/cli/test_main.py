@@ -101,7 +101,7 @@ def test_missing_extra_is_named_with_its_remedy(
     assert main(["view", str(tmp_path)]) == 2
     assert (
         capsys.readouterr().err
-        == "error: flotilla view needs tornado: pip install 'flotilla[view]'\n"
+        == "error: flotilla view needs tornado: pip install 'flotilla-usv[view]'\n"
     )
 
 
@@ -111,7 +111,7 @@ def test_run_without_matplotlib_has_a_report_without_pictures(
     for module in ("drawing", "one_run"):
         monkeypatch.setattr(f"sil.report.{module}.CAN_DRAW", False)
     assert main(["run", "turning", "--set", "duration_s=1", "--out", str(tmp_path)]) == 0
-    assert "pip install 'flotilla[view]'" in capsys.readouterr().out
+    assert "pip install 'flotilla-usv[view]'" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {
         "recording.bin",
         "report.html",

@@ -29,11 +29,12 @@ def test_pymavlink_reads_the_table() -> None:
     assert bytes(rows[2][6:]) == b"\x00\x80" and rows[4] == [0] * 8
 
 
-@pytest.mark.parametrize(("asked", "flags"), [({"stop": True}, 2), ({"assign": True}, 4)])
+@pytest.mark.parametrize(("stop", "assign", "flags"), [(True, False, 2), (False, True, 4)])
 def test_a_stop_and_a_request_to_give_the_places_are_flags(
-    asked: dict[str, bool], flags: int
+    *, stop: bool, assign: bool, flags: int
 ) -> None:
-    (message,) = dialect().MAVLink(None).parse_buffer(table_message(2, MEMBERS, **asked))
+    frame = table_message(2, MEMBERS, stop=stop, assign=assign)
+    (message,) = dialect().MAVLink(None).parse_buffer(frame)
     assert message.flags == flags
 
 

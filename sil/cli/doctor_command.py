@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""Looks at a boat's computer: what keeps it from sailing, and what to do about it.
+
+Clock, disk and supply; the service, its files and who may use them; the CAN interface and the motor
+controllers on it; MAVLink links with rates, latency and signatures. It commands nothing. While
+flotillad runs it is asked; else the doctor listens to the links itself. With sudo it may read what
+the service reads.
+
+Exit status: 0 for a boat that is ready, 1 where something keeps it from sailing, 2 for a mistake of
+the caller.
+"""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+EXAMPLES = (
+    "sudo flotilla doctor",
+    "flotilla doctor --config boat.toml --json",
+    "sudo flotilla doctor --collect report.tar.gz    # logs and all, no keys: to report a fault",
+)
+_CONFIG = "/etc/flotilla/boat.toml"
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument(
+        "--config", default=_CONFIG, metavar="FILE", help=f"of flotillad ({_CONFIG})"
+    )
+    parser.add_argument(
+        "--seconds", type=_seconds, default=4.0, metavar="S", help="to listen to each bus (4)"
+    )
+    parser.add_argument("--json", action="store_true", help="the findings for a program")
+    parser.add_argument(
+        "--collect",
+        type=Path,
+        metavar="FILE.tar.gz",
+        help="write findings, configuration, parameters, logs and versions there, no keys",
+    )
+    parser.add_argument("--user", default="flotilla", help="whom flotillad runs as (flotilla)")
+    parser.add_argument(
+        "--root",
+        type=Path,
+        default=Path("/"),
+        metavar="DIR",
+        help="look up files there: a boat's card in a reader",
+    )
+
+
+def main(options: argparse.Namespace, _: Sequence[str]) -> int:
+    """Examine and tell."""
+    from sil.doctor import boat_file
+    from sil.doctor.checkup import as_json, examine, lines
+    from sil.doctor.collection import collect
+    from sil.doctor.computer import Computer
+
+    computer = Computer(options.root, options.user)
+    config = options.config
+    if options.root == Path("/"):
+        config = str(Path(config).absolute())
+    findings = list(examine(computer, config, options.seconds))
+    report = as_json(findings)
+    if options.json:
+        print(json.dumps(report, indent=1, ensure_ascii=False))
+    else:
+        print("\n".join(lines(findings)))
+    if options.collect is not None:
+        boat, _found = boat_file.read(computer, config)
+        names = collect(computer, config, boat, findings, options.collect)
+        if not options.json:
+            print(f"\n{options.collect}: {len(names)} files, no keys")
+    return 0 if report["ready"] else 1
+
+
+def _seconds(text: str) -> float:
+    """A time to listen; ValueError."""
+    seconds = float(text)
+    if not 0.0 < seconds <= 600.0:
+        raise ValueError(text)
+    return seconds

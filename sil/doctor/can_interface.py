@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""The CAN interface: there, up, at DroneCAN's rate, without errors, or why not.
+
+Linux tells rate, state and counters by netlink only: `ip -json -details link show`.
+"""
+
+import json
+import shutil
+import subprocess
+from collections.abc import Iterator
+from typing import Any
+
+from sil.doctor.boat_file import Boat
+from sil.doctor.computer import Computer
+from sil.doctor.finding import Finding, bad, doubt, ok
+
+_CAN_TYPE = "280"  # ARPHRD_CAN
+_IFF_UP = 1
+_BIT_RATE = 1_000_000
+_RATE_FILE = "/etc/systemd/network/60-flotilla-can0.network"
+_WIRES = (
+    "measure the resistance from CAN-H to CAN-L without power: 60 Ω, that is 120 Ω at both ends "
+    "and nowhere else; check that all nodes have one bit rate, and the HAT's crystal in "
+    "/boot/firmware/config.txt"
+)
+
+
+def can_interface(computer: Computer, boat: Boat) -> Iterator[Finding]:
+    """What can be said of the bus without listening to it."""
+    scheme, _, name = boat.can.partition(":")
+    if scheme != "socketcan":
+        what = "is a simulated bus: no motor controller hears it"
+        yield doubt(boat.can, what, 'can = "socketcan:can0" in the configuration file')
+        return
+    folder = f"/sys/class/net/{name}"
+    if not computer.at(folder).exists():
+        yield bad(
+            boat.can,
+            "there is no such interface",
+            "in /boot/firmware/config.txt the dtoverlay of the CAN HAT, then reboot; "
+            "`sudo dmesg | grep -i can` says what the kernel found",
+        )
+        return
+    if computer.read(f"{folder}/type") != _CAN_TYPE:
+        yield bad(boat.can, "is no CAN interface", "`ip -br link show type can` lists them")
+        return
+    flags = int(computer.read(f"{folder}/flags") or "0", 16)
+    if not flags & _IFF_UP:
+        up = f"sudo networkctl reload, or sudo ip link set {name} up type can bitrate {_BIT_RATE}"
+        yield bad(boat.can, "is down", up)
+        return
+    yield from _details(boat.can, details(name))
+
+
+def details(name: str) -> dict[str, Any]:
+    """What netlink tells of a CAN interface; empty where it tells nothing."""
+    program = shutil.which("ip")
+    if program is None:
+        return {}
+    words = [program, "-json", "-details", "-statistics", "link", "show", name]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=10)  # noqa: S603
+    try:
+        told = json.loads(done.stdout)
+        return dict(told[0]["linkinfo"])
+    except (ValueError, LookupError, TypeError):
+        return {}
+
+
+def _details(where: str, told: dict[str, Any]) -> Iterator[Finding]:
+    if told.get("info_kind") == "vcan":
+        yield doubt(
+            where, "is a virtual bus: no motor controller hears it", "name the HAT's interface"
+        )
+        return
+    data = told.get("info_data", {})
+    rate = data.get("bittiming", {}).get("bitrate")
+    if rate is None:
+        yield doubt(where, "its bit rate is not told", "apt install iproute2; ip -details link")
+    elif rate != _BIT_RATE:
+        yield bad(
+            where,
+            f"runs at {rate:,} bit/s, motor controllers usually at {_BIT_RATE:,}",
+            f"BitRate=1M in {_RATE_FILE}, then: sudo networkctl reload",
+        )
+    else:
+        yield ok(where, f"is up, {rate:,} bit/s")
+    state = data.get("state", "ERROR-ACTIVE")
+    errors = data.get("berr_counter", {})
+    counted = f", {errors['tx']} errors sending, {errors['rx']} receiving" if errors else ""
+    if state != "ERROR-ACTIVE":
+        yield bad(where, f"is {state}{counted}", _WIRES)
+    if data.get("restart_ms") == 0:
+        remedy = f"RestartSec=100ms in {_RATE_FILE}, then: sudo networkctl reload"
+        yield doubt(where, "stays off after too many errors", remedy)
+    lost = told.get("info_xstats", {}).get("bus_off", 0)
+    if lost:
+        yield doubt(where, f"was switched off by errors {lost} times since it is up", _WIRES)

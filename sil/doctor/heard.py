@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: MIT
+"""MAVLink heard on one link while the doctor listens, and the latency of who answers TIMESYNC."""
+
+import os
+import select
+import socket
+import termios
+import time
+import tty
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from sil.doctor.boat_file import Link
+from sil.wire.mavlink_mcast import host_and_port
+
+#: The doctor on the radio: a ground station's id, but no station's heartbeat.
+SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER4
+_ASK_S = 0.25
+_MOST_BYTES = 65536
+Sender = tuple[int, int]  # system and component
+
+
+class Heard:
+    """Senders by system and component: messages by name, latencies; bytes that are no MAVLink."""
+
+    def __init__(self) -> None:
+        self.counts: dict[Sender, Counter[str]] = defaultdict(Counter)
+        self.unsigned: Counter[Sender] = Counter()
+        self.round_trips_s: dict[Sender, list[float]] = defaultdict(list)
+        self.last: dict[tuple[int, str], Any] = {}
+        self.texts: list[str] = []
+        self.bytes = 0
+        self.damaged = 0
+        self._parser = mavlink.MAVLink(None)
+        self._parser.robust_parsing = True
+
+    def hear(self, data: bytes, now_ns: int) -> None:
+        """Take bytes as they came."""
+        self.bytes += len(data)
+        for message in self._parser.parse_buffer(data) or []:
+            name = message.get_type()
+            if name == "BAD_DATA":
+                self.damaged += len(message.data)
+                continue
+            self._take(message, name, now_ns)
+
+    def _take(self, message: Any, name: str, now_ns: int) -> None:
+        sender = (message.get_srcSystem(), message.get_srcComponent())
+        self.counts[sender][name] += 1
+        self.unsigned[sender] += not message.get_signed() and name != "RADIO_STATUS"
+        if name == "TIMESYNC" and message.tc1 != 0:
+            took_s = 1e-9 * (now_ns - message.ts1)
+            if 0.0 <= took_s < 10.0:  # an answer to us, not to another
+                self.round_trips_s[sender].append(took_s)
+        elif name == "NAMED_VALUE_FLOAT":
+            self.last[sender[0], str(message.name)] = message.value
+        elif name == "STATUSTEXT":
+            self.texts.append(str(message.text))
+        elif name == "HEARTBEAT":
+            self.last[sender[0], name] = message
+
+    def latency_s(self, sender: Sender) -> float | None:
+        """Half of the usual way there and back; None without an answer."""
+        trips = self.round_trips_s.get(sender)
+        return median(trips) / 2 if trips else None
+
+
+class Post:
+    """An open link. OSError if it cannot be opened, ValueError if its address is none.
+
+    `device` is where a serial line is on this computer. `ask`: talk to who waits at a udpin
+    address, as another program of this computer.
+    """
+
+    def __init__(self, link: Link, device: Path = Path(), *, ask: bool = False) -> None:
+        self.link = link
+        self.heard = Heard()
+        self._socket: socket.socket | None = None
+        self._peers: set[Any] = set()
+        self._mouth = mavlink.MAVLink(None, srcSystem=SYSTEM, srcComponent=COMPONENT)
+        if link.scheme == "serial":
+            self._end = _open_line(device, link.rest.rpartition(":")[2])
+            return
+        at = host_and_port(link.rest if ":" in link.rest else f"127.0.0.1:{link.rest}")
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            if link.scheme == "udpin" and not ask:
+                self._socket.bind(at)
+            else:
+                self._peers.add(("127.0.0.1" if at[0] == "0.0.0.0" else at[0], at[1]))  # noqa: S104
+        except OSError:
+            self._socket.close()
+            raise
+        self._socket.setblocking(False)
+        self._end = self._socket.fileno()
+
+    def fileno(self) -> int:
+        """For select."""
+        return self._end
+
+    def close(self) -> None:
+        """Let others have it."""
+        if self._socket is None:
+            os.close(self._end)
+        else:
+            self._socket.close()
+
+    def take(self) -> None:
+        """Hear what has come."""
+        try:
+            if self._socket is None:
+                data = os.read(self._end, _MOST_BYTES)
+            else:
+                data, peer = self._socket.recvfrom(_MOST_BYTES)
+                self._peers.add(peer)
+        except OSError:  # nobody there yet
+            return
+        self.heard.hear(data, time.monotonic_ns())
+
+    def ask(self, key: bytes | None) -> None:
+        """Ask everybody for the time, and show that we are there."""
+        if key is not None:
+            self._mouth.signing.secret_key = key
+            self._mouth.signing.sign_outgoing = True
+            self._mouth.signing.timestamp = round((time.time() - 1_420_070_400) * 1e5)
+        for message in (
+            mavlink.MAVLink_heartbeat_message(
+                mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3
+            ),
+            mavlink.MAVLink_timesync_message(0, time.monotonic_ns()),
+        ):
+            self._send(message.pack(self._mouth))
+
+    def _send(self, data: bytes) -> None:
+        try:
+            if self._socket is None:
+                os.write(self._end, data)
+            for peer in self._peers if self._socket is not None else ():
+                self._socket.sendto(data, peer)  # type: ignore[union-attr]
+        except OSError:
+            return  # a peer that has gone; silence is what is judged
+
+
+def listen(posts: Sequence[Post], seconds: float, key: bytes | None = None) -> None:
+    """Hear all links for so long, asking for the time again and again."""
+    end_s = time.monotonic() + seconds
+    ask_s = 0.0
+    while (now_s := time.monotonic()) < end_s:
+        if now_s >= ask_s:
+            ask_s = now_s + _ASK_S
+            for post in posts:
+                post.ask(key)
+        ready, _, _ = select.select(posts, [], [], min(end_s, ask_s) - now_s)
+        for post in ready:
+            post.take()
+
+
+def _open_line(device: Path, baud: str) -> int:
+    """A serial line, both ways."""
+    speed = getattr(termios, f"B{baud}", None)
+    if speed is None:
+        raise ValueError(f"{baud} is not a speed of a serial line")
+    line = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        tty.setraw(line)
+        settings = termios.tcgetattr(line)
+        settings[4] = settings[5] = speed
+        termios.tcsetattr(line, termios.TCSANOW, settings)
+    except termios.error as error:
+        os.close(line)
+        raise OSError(*error.args) from None
+    return line

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: MIT
+"""The boat's MAVLink links: opened and listened to; `link_judge` judges what is heard.
+
+While flotillad runs it has the links: then it is asked itself, as a program of its computer.
+"""
+
+import errno
+from collections.abc import Iterator
+
+from sil.doctor.boat_file import Boat, Link
+from sil.doctor.computer import READ, WRITE, Computer
+from sil.doctor.finding import Finding, bad, doubt, ok
+from sil.doctor.heard import Post, listen
+from sil.doctor.link_judge import judge_links, judge_senders, latency
+from sil.view import alarm
+from sil.view.states import held_by
+from sil.wire.heartbeat import state_of
+
+
+def links(computer: Computer, boat: Boat, seconds: float) -> Iterator[Finding]:
+    """Open what can be opened, listen, and judge."""
+    running = is_running(computer)
+    door = _Door(computer)
+    try:
+        for link in boat.links:
+            yield from door.open(link, running=running)
+        key = _key(computer, boat)
+        if door.held:
+            yield from _ask(boat, door.held[0], seconds, key)
+        elif running:
+            remedy = 'add "udpin:127.0.0.1:14550,signing=off" to mavlink in the configuration file'
+            yield doubt("flotillad", "runs, and has no link at which it can be asked", remedy)
+        elif door.posts:
+            listen(door.posts, seconds, key)
+            heard = [(post.link, post.heard) for post in door.posts]
+            yield from judge_links(boat, heard)
+            if not door.deaf:
+                yield from judge_senders(boat, heard, seconds)
+    finally:
+        for post in door.posts:
+            post.close()
+
+
+class _Door:
+    """Opens links: `posts` are open, `held` another program has, `deaf`: one is not for us."""
+
+    def __init__(self, computer: Computer) -> None:
+        self._computer = computer
+        self.posts: list[Post] = []
+        self.held: list[Link] = []
+        self.deaf = False
+
+    def open(self, link: Link, *, running: bool) -> Iterator[Finding]:
+        """Open it, or say why not; a serial line that a running flotillad has is left alone."""
+        if link.scheme == "udpbcast":
+            return  # it only sends
+        if link.scheme == "serial":
+            trouble = _line_trouble(self._computer, link)
+            if trouble is not None:
+                yield trouble
+            if trouble is not None or running:
+                return
+        try:
+            device = self._computer.at(link.rest.rpartition(":")[0])
+            self.posts.append(Post(link, device))
+        except (OSError, ValueError) as error:
+            yield from self._refused(link, error)
+
+    def _refused(self, link: Link, error: OSError | ValueError) -> Iterator[Finding]:
+        if isinstance(error, PermissionError):
+            self.deaf = True
+            yield doubt(link.address, "we may not listen there", "start the doctor with sudo")
+        elif isinstance(error, ValueError):
+            yield bad(link.address, str(error), "correct it in the configuration file")
+        elif error.errno == errno.EADDRINUSE:
+            self.held.append(link)
+        else:
+            yield bad(link.address, "cannot be opened", alarm.of_error(error))
+
+
+def is_running(computer: Computer) -> bool:
+    """Whether a flotillad runs there."""
+    return any(
+        computer.read(path.relative_to(computer.root)) == "flotillad"
+        for path in computer.at("/proc").glob("[0-9]*/comm")
+    )
+
+
+def _line_trouble(computer: Computer, link: Link) -> Finding | None:
+    device = link.rest.rpartition(":")[0]
+    try:
+        if computer.may(device, READ | WRITE):
+            return None
+    except OSError:
+        remedy = "check its cable; `ls /dev/serial/by-id /dev/tty*` lists the names that there are"
+        return bad(link.address, "there is no such device", remedy)
+    user = computer.user
+    remedy = f"sudo usermod -aG dialout {user} && sudo systemctl restart flotillad"
+    return bad(link.address, f"{user} may not use the device", remedy)
+
+
+def _key(computer: Computer, boat: Boat) -> bytes | None:
+    """The signing key, where there is one that we may read."""
+    if not boat.signing_key:
+        return None
+    try:
+        data = computer.at(boat.signing_key).read_bytes()
+        return data if len(data) == 32 else bytes.fromhex(data.decode().strip())
+    except (OSError, ValueError):
+        return None
+
+
+def _ask(boat: Boat, link: Link, seconds: float, key: bytes | None) -> Iterator[Finding]:
+    """Ask the flotillad that has the links."""
+    post = Post(link, ask=True)
+    try:
+        listen([post], max(seconds, 2.5), key if link.signing != "off" else None)
+    finally:
+        post.close()
+    heard = post.heard
+    beat = heard.last.get((boat.system, "HEARTBEAT"))
+    if beat is None:
+        remedy = "`sudo ss -ulnp` names the program; `journalctl -u flotillad` has the boat's words"
+        if link.signing == "required" and key is None:
+            remedy = "start the doctor with sudo: it must read the signing key"
+        what = f"a program has this port, but no boat {boat.system} answers there"
+        yield bad(link.address, what, remedy)
+        return
+    state = state_of(beat.custom_mode, beat.base_mode, beat.system_status) or "unknown"
+    yield ok(link.address, f"flotillad answers: {state}")
+    for sender in heard.round_trips_s:
+        if sender[0] == boat.system:
+            yield latency(link.address, "flotillad", heard.latency_s(sender) or 0.0)
+    low = heard.last.get((boat.system, "COND"))
+    if low is not None:
+        bits = int(low) | int(heard.last.get((boat.system, "COND2"), 0)) << 24
+        for complaint in held_by(bits, state):
+            yield doubt("boat", complaint, "firmware/docs/SUPERVISOR.md explains each condition")

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""A flotillad that runs has its links: the doctor asks it, as a program of its computer."""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from sil.doctor.checkup import examine
+from sil.doctor.computer import Computer
+from sil.doctor.finding import Finding
+from sil.live.live_world import FLOTILLAD
+from tests.linux.process import RealSea, Udp
+from tests.sil.doctor.patient import CONFIG, Patient
+from tests.target.stations import BOAT
+
+ASKED_BUS = 9
+KEY_FILE = "/etc/flotilla/signing.key"
+
+
+@pytest.fixture
+def patient(tmp_path: Path) -> Iterator[Patient]:
+    if not FLOTILLAD.exists():
+        pytest.skip(f"{FLOTILLAD} is not built: tools/build release flotillad")
+    tmp_path.chmod(0o755)
+    patient = Patient(tmp_path)
+    yield patient
+    patient.close()
+
+
+def asked(
+    patient: Patient, folder: Path, policy: str, plant: Callable[[], None] = lambda: None
+) -> list[Finding]:
+    """What the doctor finds while a boat runs, whose link has this policy for signatures.
+
+    `plant` is done once it runs.
+    """
+    end = Udp(patient.port)
+    patient.configure(
+        can=f'"mcast:{ASKED_BUS}"',
+        mavlink=f'["{end.option},signing={policy}"]',
+        param=f"{{ MAV_SYSID = {BOAT} }}",
+    )
+    end.option += f",signing={policy}"
+    with RealSea(ASKED_BUS, folder) as sea, ThreadPoolExecutor(1) as pool:
+        sea.connect(end)
+        sea.start(f"--signing-key={patient.at(KEY_FILE)}")
+        sea.until(lambda: len(sea.raw_commands()) > 0)
+        plant()
+        found = pool.submit(lambda: list(examine(Computer(patient.root), CONFIG, 0.5)))
+        sea.until(found.done)
+        return found.result()
+
+
+@pytest.mark.parametrize("policy", ["off", "required"])
+def test_a_boat_that_runs_tells_its_state_and_what_it_lacks(
+    patient: Patient, tmp_path: Path, policy: str
+) -> None:
+    found = asked(patient, tmp_path, policy)
+    told = [f.what for f in found if f.where.startswith("udpin:")]
+    assert told[0] == "flotillad answers: DISARMED"
+    assert len(told) == 2 and told[1].startswith("flotillad: a message takes ")
+    lacking = {f.what for f in found if f.where == "boat"}
+    # signatures are required of the navigation unit too, which has none here
+    assert ("own state is not fresh" in lacking) == (policy == "required")
+    assert not lacking & {"ESCs are not online", "parameters are not saved"}
+
+
+def test_a_doctor_without_the_key_says_that_it_needs_it(patient: Patient, tmp_path: Path) -> None:
+    found = asked(patient, tmp_path, "required", patient.at(KEY_FILE).unlink)
+    silent = next(f for f in found if f"no boat {BOAT} answers" in f.what)
+    assert "sudo" in silent.remedy
