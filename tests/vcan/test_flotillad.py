@@ -150,7 +150,7 @@ def test_a_disarmed_boat_sends_only_zeros_arming_status_0_node_status_and_answer
 def test_beside_another_controller_a_boat_neither_arms_nor_goes_on(boat: Boat, kind: str) -> None:
     why = "another controller on the CAN bus"
     boat.enter_formation()
-    run("cansend", INTERFACE, FOREIGN[kind])
+    boat.execute("cansend", INTERFACE, FOREIGN[kind])
     expect_fault(boat, why)
     assert commands([boat.commands[-1][1]]) == (0, 0)
     boat.disarm()
