@@ -79,7 +79,8 @@ def _tables(
             lines.append(f"| `{key}` | | | of this one alone: [`[{key}]`](#{key}) |")
         else:
             default = "the file's name" if key == "name" else _default(field)
-            cells = (f"`{key}`", default, _allowed(field), _meaning(name, key, said))
+            meaning = _meaning(name, key, said).replace("|", r"\|")
+            cells = (f"`{key}`", default, _allowed(field), meaning)
             lines.append(f"| {' | '.join(cells)} |".replace("|  |", "| |"))
     yield "\n".join(lines)
     yield from inner

@@ -137,7 +137,7 @@ def _from_boat(station: Station, boat: int, way_m: tuple[float, float]) -> tuple
 def _form(station: Station, wish: Wish, boats: Sequence[int], console: Console) -> int:
     made = change(station, boats, wish.shape, wish.spacing_m, turning=wish.turning)
     console.print(f"[bold]{made.words}", soft_wrap=True)
-    for boat, (ahead_m, starboard_m) in zip(boats, made.places, strict=True):
+    for boat, (ahead_m, starboard_m) in zip(boats, made.places, strict=False):
         console.print(f"  boat {boat}: {_place(ahead_m, starboard_m, turning=wish.turning)}")
     for boat, why in made.missing.items():
         console.print(f"[bold red]boat {boat}: {why}", soft_wrap=True)

@@ -33,7 +33,10 @@ _ASKED = ("BOAT_LEN", "FS_SEP_M")
 
 
 class Change(NamedTuple):
-    """What was told; each boat's place; why a boat does not take it, by system id."""
+    """What was told; each boat's place; why a boat does not take it, by system id.
+
+    No places where the boats give them to one another.
+    """
 
     words: str
     places: list[Place]
@@ -62,7 +65,10 @@ def change(
     epoch = newest_epoch(station) + 1
     if epoch > LAST_EPOCH:
         raise ValueError(f"epoch {LAST_EPOCH} is the last one: restart all boats at once")
-    present = present_places(station, boats, turning=turning)
+    # Who has a table knows the others' places in it: then the boats give the new ones themselves,
+    # and move there together.
+    under_way = epoch > 1
+    present = None if under_way else present_places(station, boats, turning=turning)
     if present is not None:
         places = assigned(places, present)
     members = star(boats, places, lengths_m)
@@ -71,15 +77,20 @@ def change(
     def frame() -> bytes:
         left_s = max(0.0, IN_S - (station.now_s() - since_s))
         ours = (station.system, mavlink.MAV_COMP_ID_USER1)
-        return table_message(epoch, members, turns=turning, in_s=left_s, sender=ours)
+        return table_message(
+            epoch, members, turns=turning, assign=under_way, in_s=left_s, sender=ours
+        )
 
-    digest = digest_of(frame())
+    sent = digest_of(frame())
 
     def missing() -> list[int]:
-        told = ((boat, station.beacon(boat)) for boat in boats)
+        told = {boat: station.beacon(boat) for boat in boats}
+        ours = [beacon.digest for beacon in told.values() if beacon and beacon.epoch == epoch]
+        # boats that gave the places differently agree on the greater digest
+        digest = max(ours, default=0) if under_way else sent
         return [
             boat
-            for boat, beacon in told
+            for boat, beacon in told.items()
             if beacon is None or (beacon.epoch, beacon.digest) != (epoch, digest)
         ]
 
@@ -95,14 +106,18 @@ def change(
     station.run(IN_S - (station.now_s() - since_s))
     station.run(_TOLD_S, is_in_force)
     station.run(_STOPS_S)
-    how = "" if present is not None else "; some do not tell where they are: places by rank"
+    how = ""
+    if under_way:
+        how = "; they share out the places and move there together"
+    elif present is None:
+        how = "; some do not tell where they are: places by rank"
     words = f"table {epoch} is in force with {len(boats) - len(late)} of {len(boats)} boats{how}"
     missing_ones = {boat: _why(station, boat, epoch, since_s) for boat in late}
     stops = {each.system: each.text for each in station.texts if _stops(each, boats, since_s)}
     stopped = {
         boat: f"{text}; flotilla fleet follow --boats {boat}" for boat, text in stops.items()
     }
-    return Change(words, places, {**stopped, **missing_ones})
+    return Change(words, [] if under_way else places, {**stopped, **missing_ones})
 
 
 def _stops(text: Text, boats: Sequence[int], since_s: float) -> bool:

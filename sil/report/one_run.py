@@ -170,6 +170,8 @@ def _finish(
             console.print(f"[bold yellow]boat {boat['id']} closing, {boat['closing_m']:.1f} m")
         if coasted := boat["states"].get("COAST"):
             console.print(f"[bold yellow]boat {boat['id']} was {coasted:.1f} s in COAST")
+    for fault in scenario.fault:
+        console.print(fault.sentence(scenario.leader.name), soft_wrap=True, highlight=False)
     digest = result.digest[:16] if result.digest else "none"
     console.print(
         f"{scenario.duration_s:g} s sailed in {wall_s:.1f} s, "

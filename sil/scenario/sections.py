@@ -279,6 +279,13 @@ class Fault(Section):
     value: float = 0.0
     esc: Literal["port", "stbd", "both"] = "both"
 
+    def sentence(self, leader: str) -> str:
+        """What fails whom and when, in one line; `leader` is the name of agent 0."""
+        value = f" {self.value:g}" if self.value else ""
+        whom = f"boat {self.agent}" if self.agent else leader
+        ends = "to the end" if self.for_s is None else f"for {self.for_s:g} s"
+        return f"fault: {self.kind}{value}, {whom}, from {self.at_s:g} s {ends}"
+
 
 class Vary(Section):
     """A key of the scenario that a campaign draws anew for each run; a single run ignores it.

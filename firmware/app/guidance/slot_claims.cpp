@@ -10,6 +10,8 @@ namespace mav = link::mav;
 
 // A boat silent for this long has given up its slot, or is out of range.
 constexpr std::int64_t kSilent_us = 3'000'000;
+// Longer than a radio delays a fleet's table on its way through a few boats.
+constexpr std::int64_t kSettles_us = 2'000'000;
 
 bool is_vessel(const link::Heartbeat& beat) {
   return beat.type != mav::kTypeGeneric && beat.type != mav::kTypeGcs &&
@@ -49,6 +51,7 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
   const std::uint8_t root = place.branch(now_us).value_or(Branch{leader_, own_}).root;
   const bool follower = told->path[0] == own_;  // its own leaders() checks its slot
   if (mine && !follower && told->root == root && is_one(*mine, {told->offset_n, told->offset_b})) {
+    if (rival_ == 0) rival_since_us_ = now_us;
     rival_ = from;
     rival_us_ = now_us;
     rival_sails_ = (told->flags & mav::kReferenceFollowed) != 0;
@@ -60,7 +63,8 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
 bool SlotClaims::leaders() const { return leader_is_vessel_ && is_one({slot_, {}}, {}); }
 
 std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) const {
-  const bool counts = rival_ != 0 && (rival_sails_ || !sails);
+  const bool stays = rival_sails_ && now_us - rival_since_us_ >= kSettles_us;
+  const bool counts = rival_ != 0 && (stays || !sails);
   const bool heard = counts && now_us - rival_us_ < kSilent_us;
   return heard ? std::optional(rival_) : std::nullopt;
 }

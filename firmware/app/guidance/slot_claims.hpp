@@ -26,8 +26,9 @@ class SlotClaims {
   /// The slot coincides with the leader, which is a vessel.
   bool leaders() const;
 
-  /// System id of a boat with the same slot of the same root. While we sail, only a rival that
-  /// sails too counts.
+  /// System id of a boat with the same slot of the same root. While we sail, only a rival counts
+  /// that sails too, and has claimed the slot for 2 s: boats that exchange their slots do not
+  /// change at one instant.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
   /// Neither the leader nor another boat claims the slot.
@@ -44,7 +45,7 @@ class SlotClaims {
   bool leader_is_vessel_ = false;
   std::uint8_t rival_ = 0;
   bool rival_sails_ = false;
-  std::int64_t rival_us_ = 0;
+  std::int64_t rival_us_ = 0, rival_since_us_ = 0;
 };
 
 }  // namespace flotilla::app

@@ -103,7 +103,7 @@ constexpr std::array kFaults = [] {
       {kRadioSilent, "radio_silent", kRadio, true, "", kNoValue, kNoValue,
        "the radio is off, both ways"},
       {kRadioLoss, "radio_loss", kRadio, true, "share", kShare, Range{0.1, 1},
-       "that share of chunks is lost, both ways"},
+       "that share of the radio's packets is lost, both ways"},
       {kByteErrors, "byte_errors", kRadio, true, "share", kShare, Range{0.001, 0.3},
        "that share of the radio's bytes is damaged, both ways"},
       {kRadioLate, "radio_late", kRadio, true, "s", kPositive, Range{0.5, 10},

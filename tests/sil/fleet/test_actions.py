@@ -32,7 +32,7 @@ def sail(waters: Waters, for_s: float) -> None:
 
 
 def form(waters: Waters, shape: str, spacing_m: float | None = None) -> None:
-    """Form the boats; one that stops because its slot was another's is named, and sent on."""
+    """Form the boats, of which none stops."""
     wish: dict[str, Any] = {
         "shape": shape,
         "spacing_m": spacing_m,
@@ -40,12 +40,8 @@ def form(waters: Waters, shape: str, spacing_m: float | None = None) -> None:
         "turning": False,
     }
     status, words = waters.command(action="form", **wish)
-    assert "is in force with 4 of 4 boats\n" in words
-    stopped = [boat for boat in BOATS if waters.state(boat) == "HOLD"]
-    assert status == bool(stopped)
-    for boat in stopped:
-        assert f"boat {boat}: HOLD: slot is taken" in words
-        assert waters.command(action="follow", boats=(boat,))[0] == 0
+    assert "is in force with 4 of 4 boats" in words
+    assert status == 0 and "HOLD" not in waters.states
 
 
 def off_m(waters: Waters, shape: str, spacing_m: float) -> float:
@@ -87,6 +83,22 @@ def test_a_shape_is_taken_under_way(waters: Waters) -> None:
     sail(waters, 40.0)
     assert off_m(waters, "line", 5.0) < 0.5
     assert waters.states == ["AUTO", *["FORMATION"] * 3]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_boats_exchange_their_places_without_a_stop(seed: int) -> None:
+    """Directly at first, as no table is there yet; then together."""
+    waters = Waters(loss=0.1, seed=seed + 1, boat_loss=0.2)
+    nearest_m = math.inf
+    for shape in ("diamond", "vee", "column"):
+        form(waters, shape, 4.0)
+        for _ in range(40):
+            sail(waters, 1.0)
+            pairs = combinations(waters.places(), 2)
+            nearest_m = min(nearest_m, *(math.dist(*pair) for pair in pairs))
+        assert waters.states == ["AUTO", *["FORMATION"] * 3]
+        assert off_m(waters, shape, 4.0) < 0.5
+    assert nearest_m > 1.44  # the guard
 
 
 def test_places_of_a_file_are_taken(waters: Waters, tmp_path: Path) -> None:
