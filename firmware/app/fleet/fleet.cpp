@@ -133,7 +133,13 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   }
   by_parameters_ = own;
   by_hand_ = false;
-  succession_.begin(*ledger_.current());
+  const FleetTable& table = *ledger_.current();
+  if (const auto rank = table.rank_of(system_); rank && table.members[*rank].leader == 0) {
+    // Whom it followed may follow it now.
+    hang_ = is_of(table, own.leader) ? std::optional(Hang{}) : std::nullopt;
+    changed_ = true;
+  }
+  succession_.begin(table);
   told_epoch_ = ledger_.current()->epoch;
 }
 
@@ -208,7 +214,7 @@ std::array<float, 2> Fleet::rate(std::size_t own, std::int64_t now_us) const {
   return {mps(0), mps(1)};
 }
 
-/// The leader of the law: nothing leaves what the parameters say.
+/// The leader of the law, 0 for none: nothing leaves what the parameters say.
 std::optional<Fleet::Hang> Fleet::hang(std::size_t own, std::int64_t now_us) const {
   const FleetTable& table = *ledger_.current();
   const auto followed = succession_.followed();

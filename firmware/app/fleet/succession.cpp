@@ -80,7 +80,7 @@ void Succession::choose(const FleetTable& table, const FleetSelf& self,
   leads_ = leads_ && can_lead && !yields;
   taking_ = taking_ && leads_;
   leader_ = leads_ ? self.rank : other;
-  under_way_ = under_way_ || leader_ != kNobody;
+  under_way_ = self.drives && (under_way_ || leader_ != kNobody);
 }
 
 /// No member with a higher rank is known to be fit to lead.

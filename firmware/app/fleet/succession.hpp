@@ -39,8 +39,9 @@ enum class FleetOrder : std::uint8_t {
 
 /// Of those that say they lead, the one with the higher epoch, then rank, is the leader; the other
 /// ones yield. If none is left, the first fit member that can lead takes over. The fleet is under
-/// way, and members are replaced, only after somebody has led it. Who has failed stays out of the
-/// tree, its followers hang on its own leader, until the next table; but it may follow.
+/// way, and members are replaced, only after somebody has led it; for a boat that has stopped since,
+/// only after somebody leads it again. Who has failed stays out of the tree, its followers hang on
+/// its own leader, until the next table; but it may follow.
 class Succession {
  public:
   static constexpr std::size_t kNobody = FleetTable::kMost;

@@ -191,6 +191,37 @@ TEST_CASE("the leader falls silent: the next one leads within two seconds, all h
   CHECK(harbour.applied(3).FORM_OFS_N == -8);
 }
 
+TEST_CASE("after a stop nobody takes over before somebody has led again") {
+  Harbour harbour = under_way();
+  for (Boat& boat : harbour.boats) boat.state = core::State::kHold;
+  harbour.sail(2);
+  for (std::size_t i = 1; i < 4; ++i) harbour.boats[i].state = core::State::kFormation;
+  harbour.sail(5);
+  for (std::size_t i = 1; i < 4; ++i) CHECK(harbour.boats[i].state == core::State::kFormation);
+  harbour.boats[0].state = core::State::kAuto;
+  harbour.sail(3);
+  harbour.boats[0].on = false;
+  harbour.sail(2);
+  CHECK(harbour.boats[1].state == core::State::kAuto);
+}
+
+TEST_CASE("a boat that is to lead follows none of those that are to follow it") {
+  Harbour harbour = under_way();
+  FleetTable next = table_of_four(2);
+  std::swap(next.members[0].system, next.members[1].system);
+  next.members[1].leader = next.members[2].leader = next.members[3].leader = 2;
+  for (Boat& boat : harbour.boats) boat.state = core::State::kHold;
+  harbour.hear(0, message_of(next, 0), kOperator);
+  harbour.sail(3);
+  CHECK(harbour.leader_of(1) == 100);
+  CHECK(harbour.leader_of(0) == 2);
+  harbour.boats[1].own.leader = 1;  // the parameters name one of them too
+  next.epoch = 3;
+  harbour.hear(0, message_of(next, 0), kOperator);
+  harbour.sail(3);
+  CHECK(harbour.leader_of(1) == 0);
+}
+
 TEST_CASE("half of the members go on without the leader: they have no plan, so that they wait") {
   Harbour harbour = under_way();
   harbour.boats[0].on = harbour.boats[1].on = false;

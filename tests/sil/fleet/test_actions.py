@@ -148,6 +148,22 @@ def test_hold_and_follow_again(waters: Waters) -> None:
     assert waters.states == ["AUTO", "DISARMED", "FORMATION", "FORMATION"]
 
 
+def test_after_a_hold_boats_wait_for_a_leader_in_any_order(waters: Waters) -> None:
+    """Also for one that has followed those which follow it now."""
+    assert waters.command(action="form", shape="vee", spacing_m=4.0)[0] == 0
+    sail(waters, 5.0)
+    waters.command(action="hold")
+    assert waters.command(action="form", shape="vee", spacing_m=4.0, boats=(2, 1, 3, 4))[0] == 0
+    sail(waters, 3.0)
+    assert waters.command(action="follow", boats=(1, 3, 4))[0] == 0
+    sail(waters, 20.0)
+    assert "LOITER" not in waters.states and "AUTO" not in waters.states
+    waters.command(action="follow", boats=(1, 3, 4))  # who drifted out of its slot has stopped
+    assert waters.command(action="loiter", boats=(2,))[0] == 0
+    sail(waters, 5.0)
+    assert waters.states == ["FORMATION", "LOITER", "FORMATION", "FORMATION"]
+
+
 def test_who_does_not_arm_says_why(waters: Waters) -> None:
     waters.command(action="stop")
     waters.fault(3, "esc_silent")
