@@ -83,7 +83,7 @@ def main(given: Sequence[str] | None = None) -> int:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         command.add_to(parser)
-        options, further = parser.parse_known_args(others)
+        options, further = parser.parse_known_intermixed_args(others)
         if further and verb != "demo":  # which passes them on
             parser.error(f"unrecognized arguments: {' '.join(further)}")
         status: int = command.main(options, given)

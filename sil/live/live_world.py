@@ -249,7 +249,6 @@ class LiveWorld:
     def _until(self, tick_us: int) -> None:
         """Process input as it arrives until `tick_us`."""
         ends: list[LiveBoat | TcpDoor] = [*self.boats, *self._tcp]
-        waiting = [fd for end in ends for fd in end.descriptors()]
         while True:
             t_us = now_us()
             for boat in self.boats:
@@ -261,6 +260,8 @@ class LiveWorld:
             if left_us <= 0:
                 self.late_us = max(self.late_us, -left_us)
                 return
+            # anew each time: a client that has left closes its descriptor
+            waiting = [fd for end in ends for fd in end.descriptors()]
             select.select(waiting, [], [], 1e-6 * left_us)
 
     def _send(self, tick_us: int) -> None:

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+"""`flotilla fleet` commands four flotillad processes of a live run, by UDP and by TCP."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.clients.boat import quiet_port
+from tests.linux.process import LOOPBACK, PROGRAM
+from tests.live_buses import live_buses
+
+_PATIENCE_S = 90.0
+_COMMAND = (sys.executable, "-m", "sil")
+
+
+class LiveFleet:
+    """A live run of `lead`: boat 1 sails its plan, three boats follow in a diamond."""
+
+    def __init__(self, bus: str, folder: Path) -> None:
+        self._udp = quiet_port(1)
+        self._words = folder / "words"
+        settings = ("link.everyone=true", "duration_s=300")
+        with self._words.open("wb") as words:
+            self._process = subprocess.Popen(
+                [
+                    *(*_COMMAND, "live", "lead", f"--bus={bus}", f"--out={folder / 'out'}"),
+                    f"--gcs=udpout:{LOOPBACK}:{self._udp}",
+                    *(f"--set={setting}" for setting in settings),
+                ],
+                stdin=subprocess.DEVNULL,
+                stdout=words,
+                stderr=subprocess.STDOUT,
+            )
+
+    @property
+    def by_udp(self) -> list[str]:
+        return [f"udpin:{LOOPBACK}:{self._udp}"]
+
+    def by_tcp(self) -> list[str]:
+        """The doors that the run has told."""
+        return re.findall(r"is at (tcp:127.0.0.1:\d+)", self.words())
+
+    def words(self) -> str:
+        return self._words.read_text(errors="replace")
+
+    def command(self, ends: list[str], *words: str) -> tuple[int, str]:
+        """Exit status and words of a command of an operator."""
+        assert self._process.poll() is None, self.words()
+        links = [f"--mavlink={end}" for end in ends]
+        done = subprocess.run(
+            [*_COMMAND, "fleet", *links, *words],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+        print(f"{words}: {done.returncode}\n{done.stdout}")
+        return done.returncode, done.stdout
+
+    def is_seen(self, verdict: str) -> None:
+        """Ask again until the first line is the verdict."""
+        end_s = time.monotonic() + _PATIENCE_S
+        while not (told := self.command(self.by_udp, "status")[1]).startswith(verdict):
+            assert time.monotonic() < end_s, self.words()
+            # On a busy machine a boat may stop, as its states are late.
+            if "is in HOLD" in told:
+                self.command(self.by_udp, "follow", "--boats=2,3,4")
+
+    def close(self) -> None:
+        boats = psutil.Process(self._process.pid).children()
+        self._process.terminate()
+        assert self._process.wait(20.0) == 130
+        assert boats and not any(boat.is_running() for boat in boats)
+
+
+@pytest.fixture
+def fleet(tmp_path: Path) -> Iterator[LiveFleet]:
+    if not PROGRAM.exists():
+        pytest.skip(f"{PROGRAM} is not built: tools/build release flotillad")
+    with live_buses() as bus, closing(LiveFleet(bus, tmp_path)) as fleet:
+        yield fleet
+        print(fleet.words())
+
+
+def test_an_operator_forms_holds_sends_off_and_stops_a_live_fleet(fleet: LiveFleet) -> None:
+    fleet.is_seen("4 of 4 in formation behind boat 1")
+    doors = fleet.by_tcp()
+    assert len(doors) == 4
+    # The options may stand between the words.
+    words = fleet.command(fleet.by_udp, "form", "--spacing", "5", "vee", "--boats=1,2,3,4")[1]
+    assert words.startswith("table 1 is in force with 4 of 4 boats")
+    assert fleet.command(doors, "hold")[0] == 0
+    assert fleet.command(fleet.by_udp, "loiter", "--boats=1")[0] == 0
+    fleet.command(doors, "follow", "--boats=2,3,4")
+    fleet.is_seen("4 of 4 in formation behind boat 1")
+    # By boat 4's door alone: it hands on what is for the others.
+    assert fleet.command(doors[3:], "stop", "--boats=1,2,3,4")[1] == "4 of 4 stopped and disarmed\n"
