@@ -119,7 +119,8 @@ core::ControllerOutput<S> Alone<S>::sail_items(const Now& now, S dt) {
     voyage_.begin(missions.plan()[at], missions.id(Stored::kPlan), at, pilot_, configuration());
   }
   if (kSailsVoyages && voyage_.is_on()) return sail_voyage(now, dt);
-  const auto late = pilot_.reports().late(now.now_us);
+  // Places that move need a leader under way: at rest it would send some of them astern.
+  const auto late = now.shape_moves ? std::nullopt : pilot_.reports().late(now.now_us);
   warnings_.tell_waiting(late);
   return pilot_.sail(missions.plan(), vehicle_.is_paused() || late, now.now_us, dt);
 }

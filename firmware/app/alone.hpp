@@ -24,6 +24,7 @@ class Alone {
     core::State state;
     core::Conditions conditions;
     std::int64_t now_us;
+    bool shape_moves = false;  ///< of the fleet, by its table
   };
 
   /// All must outlive this.

@@ -268,7 +268,7 @@ core::Thrust<S> Boat<S>::desired_thrust(std::int64_t now_us, S dt) {
     case core::State::kGuided:
     case core::State::kLoiter:
     case core::State::kReturn:
-      law_output_ = alone_.sail({state(), conditions_, now_us}, dt);
+      law_output_ = alone_.sail({state(), conditions_, now_us, fleet_.shape_moves(now_us)}, dt);
       break;
     case core::State::kDisarmed:
     case core::State::kHold:

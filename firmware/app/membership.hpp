@@ -33,6 +33,8 @@ class Membership {
     return kKeepsFleet ? fleet().slot_mps() : std::array<float, 2>{};
   }
 
+  bool shape_moves(std::int64_t now_us) const { return kKeepsFleet && fleet().moves(now_us); }
+
   /// Asks the boat for it. False if there was nothing to ask.
   bool obey(FleetOrder order);
 

@@ -27,7 +27,7 @@ from sil.scenario.formation import Formation, Place, Shape, slots
 from sil.scenario.scenario import Scenario
 from sil.wire.fleet_table import Member, table_message
 
-FIRST_S, EVERY_S, EACH = 20.0, 130.0, 5  # when shapes change, and how many times in a run
+FIRST_S, EVERY_S, EACH = 20.0, 200.0, 5  # when shapes change, and how many times in a run
 U_MAX_MPS, R_MAX_RADPS = 1.5, 0.8
 NEAR_M, STAY_S = 0.3, 10.0  # of a boat that has arrived: how near its place, for how long
 STEP_S = 0.2  # of what is noted

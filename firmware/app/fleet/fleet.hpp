@@ -54,6 +54,11 @@ class Fleet {
   /// axes of the slot.
   std::array<float, 2> slot_mps() const { return slot_mps_; }
 
+  /// The shape changes: places are on their way.
+  bool moves(std::int64_t now_us) const {
+    return ledger_.current() != nullptr && move(now_us).share < 1;
+  }
+
   /// How far the fleet's last leader was in its plan.
   const FleetPlace& place() const { return place_; }
 

@@ -129,7 +129,11 @@ TEST_CASE("a new shape moves all places together, at the speed that the law is t
   CHECK(harbour.applied(3).FORM_OFS_E == doctest::Approx(4).epsilon(0.1));
   CHECK(harbour.boats[3].fleet.slot_mps()[1] == doctest::Approx(1.6).epsilon(0.05));
   CHECK(harbour.boats[2].fleet.slot_mps()[1] == 0);
+  for (const Boat& boat : harbour.boats) CHECK(boat.fleet.moves(harbour.now_us + boat.clock_us));
   harbour.sail(6);
+  for (const Boat& boat : harbour.boats) {
+    CHECK_FALSE(boat.fleet.moves(harbour.now_us + boat.clock_us));
+  }
   CHECK(harbour.applied(3).FORM_OFS_E == 8);
   CHECK(harbour.boats[3].fleet.slot_mps()[1] == 0);
 }
