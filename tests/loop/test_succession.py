@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Eight boats lose their leader, an inner boat, or half of their radio, and sail on."""
 
+import flotilla
+import numpy as np
 import pytest
 
-from tests.loop.succession import KINDS, Healed, sail
+from sil.lockstep.world import sail as sail_runs
+from tests.loop.succession import KINDS, Healed, Observer, sail, scenarios_of
 
 
 @pytest.fixture(scope="module", params=KINDS)
@@ -31,3 +34,21 @@ def test_no_two_boats_come_near(healed: Healed) -> None:
 
 def test_all_are_in_their_slots_after_a_minute(healed: Healed) -> None:
     assert healed.off_m <= 0.2
+
+
+def test_boats_coast_shortly_behind_new_leaders() -> None:
+    """Six fleets get their table after 3 s, and with it five boats another leader."""
+    instants = [10.0] * 6
+    runs = [
+        one.model_copy(update={"duration_s": 15.0, "fault": ()})
+        for one in scenarios_of("leader", instants)
+    ]
+    observer = Observer("leader", instants, runs[0])
+    sail_runs(runs, {}, keep_s=1.0, watch=observer)
+    states = np.array([track.states for track in observer.tracks])
+    coasts = states == flotilla.STATES.index("COAST")
+    step_s = observer.tracks[0].t_s[1] - observer.tracks[0].t_s[0]
+    mean_s = float(coasts.sum()) * step_s / coasts[:, 0].size
+    print(f"in COAST: {mean_s:.2f} s a boat")
+    assert 0.1 < mean_s < 0.75
+    assert (states[:, -1] != flotilla.STATES.index("HOLD")).all()

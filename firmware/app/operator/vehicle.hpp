@@ -182,6 +182,7 @@ class Vehicle {
   /// The state messages of one tick, shared by all links.
   using StateMessages = std::array<std::optional<link::Message>, kStateStreams.size()>;
   void ask_times(link::Counters& counters);
+  void ask_leaders_time(link::Counters& counters);
   void tell_separation(link::Counters& counters);
   bool state_is_due();
   bool reference_is_due(std::size_t link, std::uint32_t news) const;
@@ -248,6 +249,7 @@ class Vehicle {
 
   Schedule heartbeat_due_;
   Schedule timesync_due_;
+  Schedule leader_time_due_{250'000};
   std::int64_t asked_everywhere_us_ = std::numeric_limits<std::int64_t>::min() / 2;
   Schedule separation_due_;
   Schedule arm_refusal_due_;

@@ -94,6 +94,10 @@ void Vehicle::tell(link::Counters& counters) {
   if (heartbeat_due_.take_if_due(now_us_) || announce_) links_.beat(heartbeat(), counters);
   announce_ = false;
   if (timesync_due_.take_if_due(now_us_)) ask_times(counters);
+  if (core::follows(supervisor_.state()) && (report_.conditions & core::kLeaderTimed) == 0 &&
+      leader_time_due_.take_if_due(now_us_)) {
+    ask_leaders_time(counters);
+  }
   if (const auto again = missions_.repeat(now_us_)) {
     links_.send(again->link, again->message, counters);
   }
@@ -128,6 +132,13 @@ void Vehicle::ask_times(link::Counters& counters) {
   for (std::size_t link = 0; link < links_.count(); ++link) {
     if (everywhere || (own >> link & 1U) != 0) links_.send(link, request, counters);
   }
+}
+
+/// Of a new leader alone, whose clock is not known yet: until it is, the boat coasts.
+void Vehicle::ask_leaders_time(link::Counters& counters) {
+  link::Timesync request = time_.ask(now_us_, self().system);
+  request.target = {report_.leader, 0};
+  links_.broadcast(request, counters);
 }
 
 /// DEPTH decides the right of way among nearby boats; SEP_M shows operators why this one stops.
