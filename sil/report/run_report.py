@@ -67,7 +67,7 @@ def write(
 
 def table(summary: Summary) -> Table:
     """The boats' numbers for the terminal."""
-    title = f"{summary['scenario']}, seed {summary['seed']}"
+    title = f"{summary['scenario']}, seed {summary['seed']}; RMS and max: of the last third"
     grid = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for column in COLUMNS:
         grid.add_column(column, justify="right", max_width=10)
