@@ -141,7 +141,9 @@ def test_slot_that_is_taken_under_way_ends_in_hold() -> None:
     sea.mode(FORMATION)
     told(sea, reference(sea, [LEADER], (-4.0, 0.6)), OTHER)
     assert sea.state == "FORMATION"
-    told(sea, reference(sea, [LEADER], (-4.0, 0.0)), OTHER, 0.1)
+    told(sea, reference(sea, [LEADER], (-4.0, 0.0)), OTHER, 1.8)
+    assert sea.state == "FORMATION"  # boats may exchange their slots
+    told(sea, reference(sea, [LEADER], (-4.0, 0.0)), OTHER, 2.5)
     assert sea.state == "HOLD"
     told(sea, reference(sea, [LEADER], (-8.0, 0.0)), OTHER, 0.1)
     sea.mode(FORMATION)

@@ -12,6 +12,8 @@ namespace mav = link::mav;
 constexpr std::int64_t kSilent_us = 3'000'000;
 // Longer than a radio delays a fleet's table on its way through a few boats.
 constexpr std::int64_t kSettles_us = 2'000'000;
+// Until the other boat has stopped, and this one has heard of it.
+constexpr std::int64_t kYields_us = 2'000'000;
 
 bool is_vessel(const link::Heartbeat& beat) {
   return beat.type != mav::kTypeGeneric && beat.type != mav::kTypeGcs &&
@@ -63,7 +65,8 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
 bool SlotClaims::leaders() const { return leader_is_vessel_ && is_one({slot_, {}}, {}); }
 
 std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) const {
-  const bool stays = rival_sails_ && now_us - rival_since_us_ >= kSettles_us;
+  const std::int64_t patience_us = kSettles_us + (own_ < rival_ ? kYields_us : 0);
+  const bool stays = rival_sails_ && now_us - rival_since_us_ >= patience_us;
   const bool counts = rival_ != 0 && (stays || !sails);
   const bool heard = counts && now_us - rival_us_ < kSilent_us;
   return heard ? std::optional(rival_) : std::nullopt;

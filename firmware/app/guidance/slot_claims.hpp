@@ -28,7 +28,8 @@ class SlotClaims {
 
   /// System id of a boat with the same slot of the same root. While we sail, only a rival counts
   /// that sails too, and has claimed the slot for 2 s: boats that exchange their slots do not
-  /// change at one instant.
+  /// change at one instant. For the boat with the lower system id it counts after 4 s, so that one
+  /// of the two sails on.
   std::optional<std::uint8_t> rival(std::int64_t now_us, bool sails) const;
 
   /// Neither the leader nor another boat claims the slot.
