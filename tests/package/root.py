@@ -138,12 +138,12 @@ def foreign_root(place: Path, arch: str) -> Root:
     """A fresh Debian of another processor; its archive stays in build/roots."""
     need("mmdebstrap", "arch-test", "unshare", "nsenter")
     understand(arch)
-    archive = CACHE / f"{SUITE}-{arch}.tar"
+    archive = CACHE / f"{SUITE}-{arch}-apt.tar"
     if not archive.exists():
         CACHE.mkdir(parents=True, exist_ok=True)
         made = archive.with_suffix(".new.tar")
         words = ["timeout", f"{PATIENCE_S:.0f}"]
-        words += ["mmdebstrap", f"--arch={arch}", "--variant=essential"]
+        words += ["mmdebstrap", f"--arch={arch}", "--variant=apt"]
         words += ["--include=systemd,libstdc++6", SUITE, str(made)]
         done = subprocess.run([*as_root(), *words], capture_output=True, text=True, check=False)
         if done.returncode:
