@@ -33,6 +33,14 @@ TRIPLETS = {
     "armhf": "arm-linux-gnueabihf",
     "wheel": f"{os.uname().machine}-linux-gnu",
 }
+#: The compilers for other processors.
+COMPILERS = {"arm64": "aarch64-linux-gnu-g++", "armhf": "arm-linux-gnueabihf-g++"}
+#: Files by which the packages are found that leave a part in every program, and which part.
+LINKED = {
+    "libgcc.a": "linked in: functions that the compiler calls",
+    "crt1.o": "linked in: the start of a program",
+    "libstdc++.a": "compiled in: templates of its headers",
+}
 
 
 def output(*words: str) -> str:
@@ -77,6 +85,16 @@ def owner(library: str, triplet: str) -> tuple[str, str]:
     return "NOASSERTION", "shared library"
 
 
+def linked(arch: str) -> dict[str, tuple[str, str]]:
+    """Version and way of use of what the compiler links into a program."""
+    found = {}
+    for name, use in LINKED.items():
+        path = output(COMPILERS.get(arch, "g++"), f"-print-file-name={name}")
+        package = output("dpkg-query", "--search", os.path.realpath(path)).split(":")[0]
+        found[package or name] = (debian_version(package), use)
+    return found
+
+
 def bundled(image: Path, place: Path) -> dict[str, tuple[str, str]]:
     """Version and way of use of the Debian packages in a container's image."""
     output("tar", "--extract", f"--file={image}", f"--directory={place}")
@@ -109,6 +127,8 @@ def contents(kind: str, artefact: Path) -> dict[str, tuple[str, str]]:
             for name in re.findall(r"^Requires-Dist: ([\w.-]+)\s*$", text, re.MULTILINE):
                 use = "compiled in and required" if name in found else "required"
                 found[name] = (locked(name), use)
+        if sort != "image":
+            found |= linked(kind.removeprefix("oci-"))
         if kind in TRIPLETS:
             libraries = shared_libraries(Path(place))
             found |= {name: owner(name, TRIPLETS[kind]) for name in libraries}

@@ -122,7 +122,7 @@ def test_apt_refuses_a_changed_package_and_a_list_that_the_key_did_not_sign(
 
 
 def test_a_key_that_gpg_does_not_have_is_named(repository: Repository, package: Path) -> None:
-    words = [SOURCES / "tools" / "repository", repository.folder, "nobody", package]
+    words = [str(SOURCES / "tools" / "repository"), str(repository.folder), "nobody", str(package)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "gpg's keyring has no secret key nobody" in done.stderr
