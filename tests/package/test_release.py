@@ -75,6 +75,14 @@ def test_a_changed_byte_is_found_and_named(package: Path, tmp_path: Path) -> Non
     assert done.returncode == 1 and f"{package.name}: FAILED" in done.stdout
 
 
+def test_the_release_has_every_kind_of_package() -> None:
+    script = (SOURCES / "tools" / "package").read_text(encoding="utf-8")
+    (kinds,) = re.findall(r"unknown kind \$kind; choose (.*)\"", script)
+    workflow = (SOURCES / ".github/workflows/release.yml").read_text(encoding="utf-8")
+    (released,) = re.findall("run: tools/package (.*)", workflow)
+    assert set(released.split()) == set(re.split(", | or ", kinds))
+
+
 @pytest.mark.nightly
 def test_a_clone_elsewhere_gives_the_same_bytes(package: Path, arch: str, tmp_path: Path) -> None:
     """Compiled anew, without the compiler's cache."""
