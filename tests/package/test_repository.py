@@ -53,7 +53,7 @@ def repository(tmp_path: Path) -> Iterator[Repository]:
 @pytest.fixture
 def root(tmp_path_factory: pytest.TempPathFactory, arch: str) -> Iterator[Root]:
     """A fresh Debian that knows no other repository than ours."""
-    root = foreign_root(tmp_path_factory.mktemp("root"), arch)
+    root = foreign_root(tmp_path_factory.mktemp("root"), arch, "apt")
     root.run("find", "/etc/apt", "-name", "*.list", "-delete")
     root.write("/etc/apt/sources.list.d/flotilla.sources", SOURCE)
     yield root
