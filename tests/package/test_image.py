@@ -22,12 +22,6 @@ BUNDLED = ("busybox-static", "flotillad", "libc6", "libgcc-s1", "libstdc++6")
 SEMVER = r"\d+\.\d+\.\d+(-[0-9A-Za-z-]+)?"
 
 
-@pytest.fixture(scope="session")
-def image(arch: str) -> Path:
-    """The image for this machine."""
-    return build(f"oci-{arch}")
-
-
 def unpacked(image: Path, folder: Path) -> Path:
     """The image's files, by its manifest for Docker."""
     run(["tar", "-xf", str(image), "-C", str(folder)])
