@@ -25,13 +25,21 @@ HEADERS = {
     ],
     "deb": ["libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev", "libtomlplusplus-dev"],
 }
-HEADERS["wheel"] = HEADERS["deb"]
+HEADERS["wheel"] = HEADERS["oci"] = HEADERS["deb"]
 #: Where Debian keeps an architecture's libraries; a wheel is for this machine.
 TRIPLETS = {
     "amd64": "x86_64-linux-gnu",
     "arm64": "aarch64-linux-gnu",
     "armhf": "arm-linux-gnueabihf",
     "wheel": f"{os.uname().machine}-linux-gnu",
+}
+#: The compilers for other processors.
+COMPILERS = {"arm64": "aarch64-linux-gnu-g++", "armhf": "arm-linux-gnueabihf-g++"}
+#: Files by which the packages are found that leave a part in every program, and which part.
+LINKED = {
+    "libgcc.a": "linked in: functions that the compiler calls",
+    "crt1.o": "linked in: the start of a program",
+    "libstdc++.a": "compiled in: templates of its headers",
 }
 
 
@@ -77,14 +85,38 @@ def owner(library: str, triplet: str) -> tuple[str, str]:
     return "NOASSERTION", "shared library"
 
 
+def linked(arch: str) -> dict[str, tuple[str, str]]:
+    """Version and way of use of what the compiler links into a program."""
+    found = {}
+    for name, use in LINKED.items():
+        path = output(COMPILERS.get(arch, "g++"), f"-print-file-name={name}")
+        package = output("dpkg-query", "--search", os.path.realpath(path)).split(":")[0]
+        found[package or name] = (debian_version(package), use)
+    return found
+
+
+def bundled(image: Path, place: Path) -> dict[str, tuple[str, str]]:
+    """Version and way of use of the Debian packages in a container's image."""
+    output("tar", "--extract", f"--file={image}", f"--directory={place}")
+    (docker,) = json.loads((place / "manifest.json").read_bytes())
+    output("tar", "--extract", f"--file={place / docker['Layers'][0]}", f"--directory={place}")
+    found = {}
+    for control in (place / "var/lib/dpkg/status.d").iterdir():
+        fields = dict(re.findall("^(Package|Version): (.*)$", control.read_text(), re.MULTILINE))
+        found[fields["Package"]] = (fields["Version"], "bundled: Debian's package")
+    return found
+
+
 def contents(kind: str, artefact: Path) -> dict[str, tuple[str, str]]:
     """Version and way of use by name."""
-    sort = kind if kind in ("wheel", "image") else "deb"
+    sort = "deb" if kind in TRIPLETS and kind != "wheel" else kind.partition("-")[0]
     found = {name: (debian_version(name), "compiled in") for name in HEADERS[sort]}
     found["pymavlink"] = (locked("pymavlink"), "its dialect and SHA-256, compiled in")
     with tempfile.TemporaryDirectory() as place:
         if sort == "deb":
             output("dpkg-deb", "--extract", str(artefact), place)
+        elif sort == "oci":
+            found |= bundled(artefact, Path(place))
         elif sort == "wheel":
             with zipfile.ZipFile(artefact) as archive:
                 archive.extractall(place)
@@ -96,6 +128,8 @@ def contents(kind: str, artefact: Path) -> dict[str, tuple[str, str]]:
                 use = "compiled in and required" if name in found else "required"
                 found[name] = (locked(name), use)
         if sort != "image":
+            found |= linked(kind.removeprefix("oci-"))
+        if kind in TRIPLETS:
             libraries = shared_libraries(Path(place))
             found |= {name: owner(name, TRIPLETS[kind]) for name in libraries}
     return found

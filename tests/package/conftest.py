@@ -34,6 +34,12 @@ def package(arch: str) -> Path:
     return build(arch)
 
 
+@pytest.fixture(scope="session")
+def image(arch: str) -> Path:
+    """The container's image for this machine."""
+    return build(f"oci-{arch}")
+
+
 @pytest.fixture
 def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Root]:
     """A root with this machine's Debian, without the package."""

@@ -134,17 +134,20 @@ def own_root(place: Path, *, own_network: bool = False) -> Root:
     return Root(place, OVERLAY, own_network=own_network)
 
 
-def foreign_root(place: Path, arch: str) -> Root:
-    """A fresh Debian of another processor; its archive stays in build/roots."""
+def foreign_root(place: Path, arch: str, *extra: str) -> Root:
+    """A fresh Debian, mostly of another processor, with extra packages.
+
+    Its archive stays in build/roots.
+    """
     need("mmdebstrap", "arch-test", "unshare", "nsenter")
     understand(arch)
-    archive = CACHE / f"{SUITE}-{arch}.tar"
+    archive = CACHE / f"{'-'.join((SUITE, arch, *extra))}.tar"
     if not archive.exists():
         CACHE.mkdir(parents=True, exist_ok=True)
         made = archive.with_suffix(".new.tar")
         words = ["timeout", f"{PATIENCE_S:.0f}"]
         words += ["mmdebstrap", f"--arch={arch}", "--variant=essential"]
-        words += ["--include=systemd,libstdc++6", SUITE, str(made)]
+        words += [f"--include={','.join(('systemd', 'libstdc++6', *extra))}", SUITE, str(made)]
         done = subprocess.run([*as_root(), *words], capture_output=True, text=True, check=False)
         if done.returncode:
             made.unlink(missing_ok=True)

@@ -52,10 +52,16 @@ def test_an_arm64_boat_is_installed_sails_on_loopback_and_is_purged(
 
 def sail(root: Root, folder: Path) -> list[str]:
     """The command line that sails the root's flotillad in the root's network."""
-    library = folder / "lenient_socket.so"
-    run(["aarch64-linux-gnu-g++", "-shared", "-fPIC", "-o", str(library), str(LENIENT)])
+    library = lenient_socket(folder, "aarch64-linux-gnu-g++")
     root.put(library, "/tmp/lenient_socket.so")
     root.run("mkdir", "--mode=777", "/tmp/state")
     where = ["chroot", str(root.path), "env", "LD_PRELOAD=/tmp/lenient_socket.so"]
     words = [sys.executable, "-m", "tests.package.sail", str(folder), "/usr/bin/flotillad"]
     return root.beside("env", f"--chdir={SOURCES}", *words, "/tmp/state", *where)
+
+
+def lenient_socket(folder: Path, compiler: str) -> Path:
+    """The library that makes up for socket options that qemu lacks."""
+    library = folder / "lenient_socket.so"
+    run([compiler, "-shared", "-fPIC", "-o", str(library), str(LENIENT)])
+    return library

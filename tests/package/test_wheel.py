@@ -19,6 +19,7 @@ from sil.live.ordinary_user import ordinary_user
 from tests.live_buses import live_buses
 from tests.package.conftest import build
 from tests.package.root import SOURCES, need, run
+from tests.package.test_release import parts
 
 CORE_MB = 450
 #: Printed beside what it took; no test fails on time alone.
@@ -167,6 +168,13 @@ def test_a_campaigns_processes_find_the_simulation(newcomer: Newcomer) -> None:
         *("--set=duration_s=2", "--out=out/campaign"),
     )
     assert (newcomer.folder / "out/campaign/report.html").exists()
+
+
+def test_the_list_names_what_the_wheel_needs_and_what_is_linked_in(wheel: Path) -> None:
+    listed = parts(wheel)
+    assert {"numpy", "nanobind", "libjs-chart.js", "libstdc++.so.6"} <= set(listed)
+    assert any(name.startswith("libgcc-") for name in listed)
+    assert "NOASSERTION" not in listed.values()
 
 
 def test_the_core_is_small(
