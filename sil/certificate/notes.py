@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Notes on a certificate: effects that it leaves out, and those that it need not cover."""
 
+import math
 from collections.abc import Iterable
 
 from sil.certificate.certificate import Certificate
+from sil.certificate.rehanging import rehangings
 
+SMALL_M = 0.2
 _NOT_LINEARISED = ("THR_SLEW", "THR_DEAD")
 
 
@@ -23,11 +26,32 @@ def notes(certificate: Certificate) -> list[str]:
         "error. Down a chain the modes repeat: the k-th boat's error may go as t^(k-1) e^(-σt), "
         "so that its decay, at the same rate in the end, begins later.",
     ]
+    texts += _rehung(certificate)
     texts += _left_out(certificate)
     weather = scenario.wind.gust_mps or any(scenario.wind.mean_mps) or scenario.waves.height_m
     if weather or scenario.white_noise.power or scenario.navigation.noise.sigma.any():
         texts.append("Wind, waves and noise are left out.")
     return texts
+
+
+def _rehung(certificate: Certificate) -> Iterable[str]:
+    found = rehangings(certificate.scenario)
+    if found.before < 2:
+        return
+    covers = "every one" if found.after <= found.before else "not every one"
+    text = (
+        f"When any one boat fails, its followers are hung on another, and the longest line then "
+        f"has {found.after} boats at the most, now {found.before}: this certificate covers "
+        f"{covers} of those trees"
+    )
+    decays = [case.sampled.decay for leg in certificate.legs for case in leg.cases]
+    if found.step_m > SMALL_M and min(decays, default=0.0) > 0.0:
+        after_s = math.log(found.step_m / SMALL_M) / min(decays)
+        text += (
+            f". Under a new leader all slots move by {found.step_m:.1f} m, of which small errors' "
+            f"decay leaves {SMALL_M:g} m after {after_s:.0f} s; LAW_U_MAX makes it later"
+        )
+    yield text + "."
 
 
 def _left_out(certificate: Certificate) -> Iterable[str]:
