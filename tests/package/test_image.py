@@ -156,6 +156,25 @@ def test_the_page_shows_what_flotillad_says_and_blueos_finds_it(
 
 
 @pytest.mark.nightly
+def test_a_mistake_in_the_configuration_ends_the_container_and_is_in_its_log(
+    image: Path, tmp_path: Path
+) -> None:
+    bundle = Bundle(image, tmp_path)
+    config = bundle.path / "rootfs" / "etc" / "flotilla" / "boat.toml"
+    write = "echo 'mavlnk = []' > \"$0\""
+    run([*as_root(), "sh", "-c", write, str(config)])
+    words = [sys.executable, "-m", "tests.package.container", str(bundle.path), START]
+    done = subprocess.run(
+        bundle.words("env", f"--chdir={SOURCES}", *words),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2 and "mavlnk" in done.stdout, done
+
+
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("arch", "triplet"), [("arm64", "aarch64-linux-gnu"), ("armhf", "arm-linux-gnueabihf")]
 )
