@@ -44,7 +44,7 @@ LINKED = {
 
 
 def output(*words: str) -> str:
-    """What a program prints; empty if it fails or is missing."""
+    """Output of a program; empty if it fails or is missing."""
     try:
         done = subprocess.run(words, check=False, capture_output=True, text=True)  # noqa: S603
     except FileNotFoundError:

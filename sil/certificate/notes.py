@@ -48,8 +48,9 @@ def _rehung(certificate: Certificate) -> Iterable[str]:
     if found.step_m > SMALL_M and min(decays, default=0.0) > 0.0:
         after_s = math.log(found.step_m / SMALL_M) / min(decays)
         text += (
-            f". Under a new leader all slots move by {found.step_m:.1f} m, of which small errors' "
-            f"decay leaves {SMALL_M:g} m after {after_s:.0f} s; LAW_U_MAX makes it later"
+            f". A new leader moves all slots by {found.step_m:.1f} m. At the rate at which small "
+            f"errors decay, {SMALL_M:g} m of it are left after {after_s:.0f} s; LAW_U_MAX makes "
+            f"that later"
         )
     yield text + "."
 

@@ -102,7 +102,7 @@ class Bundle:
         return [*as_root(), "unshare", "--net", "bash", "-c", network, "network", *command]
 
     def sail(self, *environment: str) -> str:
-        """What a boat on loopback says that sails in the container."""
+        """Output of a boat that sails in the container, on loopback."""
         module = [sys.executable, "-m", "tests.package"]
         sail = f"{module[-1]}.sail", str(self.folder), START, str(self.folder / "state")
         container = f"{module[-1]}.container", str(self.path), *environment

@@ -61,7 +61,7 @@ def root(tmp_path_factory: pytest.TempPathFactory, arch: str) -> Iterator[Root]:
 
 
 def renew(root: Root, repository: Repository) -> str:
-    """What apt says of the repository as it is now."""
+    """Output of `apt-get update` with the repository as it is now."""
     root.run("rm", "-rf", "/repository")
     run(root.beside("cp", "-r", repository.folder, f"{root.path}/repository"))
     root.run("mkdir", "-p", "/etc/apt/keyrings")
