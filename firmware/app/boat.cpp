@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "app/outlook.hpp"
 #include "core/manual.hpp"
 #include "core/scalar/overflow.hpp"
 
@@ -155,13 +156,16 @@ void Boat<S>::supervise(std::int64_t now_us) {
 template <class S>
 void Boat<S>::consult_fleet(std::int64_t now_us) {
   if (!Membership::kKeepsFleet) return;
-  const FleetPace pace{static_cast<float>(convert::number(pilot_.motion().nu.u)),
-                       static_cast<float>(convert::number(pilot_.motion().psi)),
-                       configuration().plan.fastest_mps};
-  const FleetOrder order = fleet_.order(state(), conditions_, pace, now_us);
+  if (fleet_.asks_outlook(now_us)) {
+    fleet_.give_places(
+        outlook_of(pilot_, state() == core::State::kAuto, configuration().plan.fastest_mps),
+        now_us);
+  }
+  const FleetOrder order = fleet_.order(state(), conditions_, now_us);
   if (fleet_.take_change()) {
     configure();
-    pilot_.move_slot(fleet_.slot_mps());
+    const SlotMotion slot = fleet_.slot_motion();
+    pilot_.move_slot(slot.moves, slot.mps, slot.mps2);
     apply_conditions(now_us);
   }
   if (fleet_.obey(order)) note_state(now_us);

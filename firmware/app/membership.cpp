@@ -10,16 +10,14 @@ void Membership::hear(const link::Received& received, std::int64_t now_us) {
   fleet().hear(received, !commander || *commander == from, now_us);
 }
 
-FleetOrder Membership::order(core::State state, core::Conditions conditions, const FleetPace& pace,
-                             std::int64_t now_us) {
+FleetOrder Membership::order(core::State state, core::Conditions conditions, std::int64_t now_us) {
   if (!kKeepsFleet) return FleetOrder::kNone;
   const MissionService& missions = vehicle_.missions();
   const Configuration& configuration = vehicle_.configuration();
   const auto item = static_cast<std::uint16_t>(missions.current());
   const bool fit = (conditions & core::kLoiterBegins) == core::kLoiterBegins;
-  return fleet().step(
-      {vehicle_.self().system, state, fit, {missions.id(Stored::kPlan), item}, pace},
-      configuration.formation, configuration.navigation.leader_limit_us, now_us);
+  return fleet().step({vehicle_.self().system, state, fit, {missions.id(Stored::kPlan), item}},
+                      configuration.formation, configuration.navigation.leader_limit_us, now_us);
 }
 
 Parameters Membership::applied(const Parameters& own) const {

@@ -22,16 +22,19 @@ class Membership {
   /// Any message.
   void hear(const link::Received& received, std::int64_t now_us);
 
+  /// As Fleet has it.
+  bool asks_outlook(std::int64_t now_us) const { return fleet().asks_outlook(now_us); }
+  void give_places(const FleetOutlook& outlook, std::int64_t now_us) {
+    fleet().give_places(outlook, now_us);
+  }
+
   /// The rule's order; call it once a tick.
-  FleetOrder order(core::State state, core::Conditions conditions, const FleetPace& pace,
-                   std::int64_t now_us);
+  FleetOrder order(core::State state, core::Conditions conditions, std::int64_t now_us);
 
   /// applied() has changed since the last call.
   bool take_change() { return kKeepsFleet && fleet().take_change(); }
   Parameters applied(const Parameters& own) const;
-  std::array<float, 2> slot_mps() const {
-    return kKeepsFleet ? fleet().slot_mps() : std::array<float, 2>{};
-  }
+  SlotMotion slot_motion() const { return kKeepsFleet ? fleet().slot_motion() : SlotMotion{}; }
 
   bool shape_moves(std::int64_t now_us) const { return kKeepsFleet && fleet().moves(now_us); }
 

@@ -3,8 +3,9 @@
 //
 // Source: B. Wang, A. Loría, Leader-Follower Formation and Tracking Control of Underactuated
 // Surface Vessels, (eq:formation-error) … (eq:mas-underactuated-control). Not in paper, and without
-// effect where their parameters are zero: a slot with its own course, line of sight, approach,
-// limits of ν*, separation from other vessels, current, unknown wrench.
+// effect where their parameters are zero: a slot with its own course, or one that moves in the
+// shape, line of sight, approach, limits of ν*, separation from other vessels, current, unknown
+// wrench.
 //
 // Q16.16: tested within ±1,000 (wrench, N)
 #pragma once
@@ -92,8 +93,14 @@ Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
     }
   }
   state.on = state.astern = state.waits = false;
-  const S U = agreed(slot.pace, desired_surge(params.outer, slot, error) - c_b.x);
-  return {slot, line_of_sight(params.sight, in.nu, slot, error, U)};
+  Slot<S> sailed = slot;
+  // A boat that still turns to its slot's course goes with the slot as well as it can meanwhile.
+  if (params.slot.moves) {
+    sailed.nu.u = to_body(error.R_e, Vec2<S>{slot.nu.u, slot.nu.v}).x;
+    sailed.nu_dot.u = error.R_e.c * slot.nu_dot.u;
+  }
+  const S U = agreed(slot.pace, desired_surge(params.outer, sailed, error) - c_b.x);
+  return {sailed, line_of_sight(params.sight, in.nu, slot, error, U)};
 }
 
 /// ν* through the water, as PD+ and v* need it; c_b: current in the boat's axes.

@@ -49,6 +49,7 @@ struct SlotParams {
   Vec2<S> d{};
   bool turns = false;   ///< frame 1
   bool steers = false;  ///< has its own course: in frame 1, or where a current is known
+  bool moves = false;   ///< in the shape: its course may be far from the boat's
   S epsilon = S(0.05);
   S omega_n = S(2);
 };

@@ -53,6 +53,24 @@ TEST_CASE(
   CHECK(limited > 50);
 }
 
+TEST_CASE("a slot that moves in the shape: a boat that faces away goes with it while it turns") {
+  ControllerParams<double> params = testing::papers_controller<double>();
+  ControllerInput<double> in;  // in its slot, bow astern
+  in.psi = 3;
+  in.nu = {-0.8, 0, 0};
+  in.nu_L = {0.8, 0, 0};
+  const auto u_star = [&] {
+    ControllerState<double> state = controller_start(in);
+    return controller_step(params, state, in, 0.0).desired.nu_star;
+  };
+  CHECK(u_star().u == doctest::Approx(0.8));
+  params.slot.moves = true;
+  CHECK(u_star().u == doctest::Approx(0.8 * std::cos(3.0)));
+  CHECK(u_star().r < 0);
+  in.psi = 0;
+  CHECK(u_star().u == doctest::Approx(0.8));
+}
+
 TEST_CASE("in a current u* is wanted through the water, and its derivative is the slope of that") {
   constexpr std::uint32_t kSeed = 25;
   INFO("seed ", kSeed);

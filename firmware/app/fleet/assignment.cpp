@@ -14,7 +14,7 @@ namespace {
 
 using Now = std::span<const std::optional<FleetSlot>>;
 constexpr std::size_t kMost = FleetTable::kMost;
-constexpr double kAstern_mps = 0.4;  // over the ground: any hull still keeps its course
+constexpr double kShortest_s = 10;  // a boat turns round and back meanwhile
 
 struct Way {
   double x = 0, y = 0;  ///< cm
@@ -126,45 +126,63 @@ double room_cm(const FleetTable& table, Now now) {
   return least;
 }
 
-/// How fast a place can move along (x, y), ahead and to starboard, if the boats sail at `pace`.
-double place_mps(const FleetPace& pace, double x, double y) {
-  const double most = 0.92 * (pace.most_mps > 0 ? double{pace.most_mps} : 1.5);
-  const double u = std::clamp(double{pace.ahead_mps}, 0.0, most);
-  const double root = std::sqrt(std::max(0.0, most * most - u * u * y * y));
-  double w = root - u * x;
-  if (x < 0) w = std::min(w, (u + kAstern_mps) / -x);
-  return std::max(w, 0.1);
+/// Velocity over ground of a place of the shape, m/s, in the shape's axes.
+Way velocity(bool turns, const FleetSlot& place, const FleetCourse& root) {
+  const double u = root.ahead_mps, r = root.turn_radps;
+  if (turns) return {u - r * place[1] / 100, r * place[0] / 100};
+  return {u * std::cos(double{root.heading_rad}), u * std::sin(double{root.heading_rad})};
 }
 
-/// Until the last boat has reached its place, 0.1 s; ways are relative to the first one's.
-std::uint16_t moves_ds(const FleetTable& table, Now now, const FleetPace& pace) {
-  const double heading = table.turns ? 0.0 : double{pace.heading_rad};
-  const double cos = std::cos(heading), sin = std::sin(heading);
+/// How long the way d takes at full speed, s, where the shape moves with v.
+double lasts_s(const Way& d, const Way& v, double most_mps) {
+  const double far_cm = length(d);
+  if (far_cm < 1) return 0;
+  const double along = (v.x * d.x + v.y * d.y) / far_cm;
+  const double spare = most_mps * most_mps - v.x * v.x - v.y * v.y;
+  const double mps = std::sqrt(std::max(0.0, along * along + spare)) - along;
+  return far_cm / 100 / std::max(mps, 0.1);
+}
+
+/// How long the slowest way takes if the root sails as at one instant, s; ways are relative to the
+/// root's.
+double slowest_s(const FleetTable& table, Now now, const FleetCourse& root, double most_mps) {
   const Way of_root = now[0] ? way_of(table.members[0].slot_cm, *now[0]) : Way{};
-  double most_s = 0;
+  double slowest = 0;
   for (std::size_t rank = 1; rank < table.count; ++rank) {
     if (!now[rank]) continue;
-    const Way d = way_of(table.members[rank].slot_cm, *now[rank]) - of_root;
-    const double far_cm = length(d);
-    if (far_cm < 1) continue;
-    const double x = (cos * d.x + sin * d.y) / far_cm, y = (cos * d.y - sin * d.x) / far_cm;
-    most_s = std::max(most_s, far_cm / 100 / place_mps(pace, x, y));
+    const FleetSlot& to = table.members[rank].slot_cm;
+    const Way d = way_of(to, *now[rank]) - of_root;
+    for (const FleetSlot& place : {*now[rank], to}) {
+      slowest = std::max(slowest, lasts_s(d, velocity(table.turns, place, root), most_mps));
+    }
   }
-  if (!(most_s > 0)) return 0;
-  const double all_s = std::max(most_s, kMoveRamp_s) + kMoveRamp_s;
+  return slowest;
+}
+
+/// Until the last boat has reached its place, 0.1 s: the way that is slowest at any instant of the
+/// move decides.
+std::uint16_t moves_ds(const FleetTable& table, Now now, const FleetOutlook& outlook) {
+  const double most_mps = 0.97 * (outlook.most_mps > 0 ? double{outlook.most_mps} : 1.5);
+  double slowest = 0;
+  for (std::size_t k = 0; k < outlook.count; ++k) {
+    if (k > 0 && slowest + kMoveRamp_s < static_cast<double>(k) * FleetOutlook::kEvery_s) break;
+    slowest = std::max(slowest, slowest_s(table, now, outlook.at[k], most_mps));
+  }
+  if (!(slowest > 0)) return 0;
+  const double all_s = std::max(slowest, kShortest_s) + kMoveRamp_s;
   return static_cast<std::uint16_t>(std::min(std::ceil(10 * all_s), 65'535.0));
 }
 
 }  // namespace
 
-FleetTable assigned(const FleetTable& wanted, Now now, const FleetPace& pace) {
+FleetTable assigned(const FleetTable& wanted, Now now, const FleetOutlook& outlook) {
   FleetTable table = matched(wanted, now, false);
   if (const double room = room_cm(table, now); room < 0) {
     const FleetTable free = matched(wanted, now, true);
     if (room_cm(free, now) > room) table = free;
   }
   table.assigns = false;
-  table.move_ds = moves_ds(table, now, pace);
+  table.move_ds = moves_ds(table, now, outlook);
   return table_of(message_of(table, 0));  // with its digest
 }
 

@@ -18,8 +18,12 @@ constexpr std::array<std::int64_t, 3> kRepeats_us{150'000, 150'000, 200'000};
 constexpr std::int64_t kTurn_us = 100'000, kPassed_us = 2'000'000;
 // Beyond FS_LEADER_S: by then a follower already coasts.
 constexpr std::int64_t kMore_us = 200'000;
+// Only the leader knows its plan: another boat that hears a request leaves it that long to it.
+constexpr std::int64_t kLeaders_us = 1'500'000;
 // While a shape changes the slots are set anew that often; between, the law has their speed.
 constexpr std::int64_t kMove_us = 200'000;
+// Until boats have turned to the leader's course again, and are in their new slots.
+constexpr double kSettle_s = 15;
 
 std::optional<std::size_t> rank_in(const FleetTable* table, std::uint8_t system) {
   if (table == nullptr) return std::nullopt;
@@ -38,6 +42,11 @@ bool is_most(const FleetTable& table, std::size_t own, std::span<const FleetPeer
     if (rank != own && peers[rank].heard) ++heard;
   }
   return 2 * heard > table.count;
+}
+
+FleetSlot rounded(const std::array<double, 2>& cm) {
+  return {static_cast<std::int16_t>(std::lround(cm[0])),
+          static_cast<std::int16_t>(std::lround(cm[1]))};
 }
 
 bool same(const Configuration::Formation& a, const Configuration::Formation& b) {
@@ -69,18 +78,31 @@ void Fleet::take(const link::Received& received, const link::FleetTable& message
     refusal_ = verdict;
     return;
   }
-  if (table.assigns) {
-    if (table.epoch <= held.epoch) return;  // heard again: its places are given already
-    std::array<std::optional<FleetSlot>, FleetTable::kMost> places;
-    std::ranges::transform(table.all(), places.begin(), [&](const FleetMember& member) {
-      return place_of(member.system, now_us);
-    });
-    table = assigned(table, places, pace_);
+  const std::int64_t valid_us = now_us + std::int64_t{message.in_ms} * 1000;
+  if (!table.assigns) {
+    take(table, valid_us, now_us);
+  } else if (table.epoch > held.epoch && !(wish_ && table.epoch <= wish_->table.epoch)) {
+    const bool own = succession_.leads() || succession_.leader() == Succession::kNobody;
+    wish_ = {table, valid_us, own ? now_us : now_us + kLeaders_us};
   }
-  if (ledger_.take(table, now_us + std::int64_t{message.in_ms} * 1000, now_us)) {
-    beacon_us_ = now_us;  // who lacks it asks
-    table_us_ = kNever;
-  }
+}
+
+void Fleet::take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us) {
+  if (!ledger_.take(table, valid_us, now_us)) return;
+  if (wish_ && wish_->table.epoch <= table.epoch) wish_.reset();
+  beacon_us_ = now_us;  // who lacks it asks
+  table_us_ = kNever;
+}
+
+void Fleet::give_places(const FleetOutlook& outlook, std::int64_t now_us) {
+  const Wish wish = *std::exchange(wish_, std::nullopt);
+  const std::int64_t valid_us = std::max(wish.valid_us, now_us);
+  std::array<std::optional<FleetSlot>, FleetTable::kMost> places;
+  std::ranges::transform(wish.table.all(), places.begin(), [&](const FleetMember& member) {
+    const auto place = place_of(member.system, valid_us);
+    return place ? std::optional(rest_of(*place, fades_s(valid_us, kMoveRamp_s))) : std::nullopt;
+  });
+  take(assigned(wish.table, places, outlook), valid_us, now_us);
 }
 
 void Fleet::take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us) {
@@ -115,13 +137,22 @@ void Fleet::begin(const Configuration::Formation& own, std::int64_t now_us) {
   const FleetTable before = ledger_.current() != nullptr ? *ledger_.current() : FleetTable{};
   const FleetTable next = ledger_.newest();
   std::array<FleetSlot, FleetTable::kMost> from_cm{};
-  std::ranges::transform(next.all(), from_cm.begin(), [&](const FleetMember& member) {
+  std::array<FleetSlot, FleetTable::kMost> carried_cmps{};
+  const double fades = fades_s(now_us, 0.1 * next.move_ds / 2);
+  for (std::size_t rank = 0; rank < next.count; ++rank) {
+    const FleetMember& member = next.members[rank];
     const auto place = place_of(member.system, now_us);
-    return place && before.turns == next.turns ? *place : member.slot_cm;
-  });
+    from_cm[rank] = member.slot_cm;
+    if (!place || before.turns != next.turns) continue;
+    from_cm[rank] = rest_of(*place, fades);
+    carried_cmps[rank] = rounded(place->cmps);
+  }
   ledger_.forward(now_us);
   from_cm_ = from_cm;
-  begun_us_ = now_us;
+  carried_cmps_ = carried_cmps;
+  fades_s_ = fades;
+  // In step with the old move, whose places stand still between two instants.
+  begun_us_ = before.count > 0 ? now_us - (now_us - begun_us_) % kMove_us : now_us;
   const auto peers = std::exchange(peers_, {});
   const auto heard_us = heard_us_;
   heard_us_.fill(kNever);
@@ -153,11 +184,10 @@ void Fleet::listen(std::int64_t limit_us, std::int64_t now_us) {
 FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation& own,
                        std::int64_t leader_limit_us, std::int64_t now_us) {
   system_ = report.system;
-  pace_ = report.pace;
   if (ledger_.is_due(now_us)) begin(own, now_us);
   FleetOrder order = FleetOrder::kNone;
   std::optional<Hang> next;
-  std::array<float, 2> slot_mps{};
+  SlotMotion slot_motion;
   const FleetTable* table = ledger_.current();
   by_hand_ = by_hand_ || !same(own, by_parameters_);
   if (const auto rank = rank_in(table, system_)) {
@@ -172,46 +202,74 @@ FleetOrder Fleet::step(const FleetReport& report, const Configuration::Formation
                              std::span(peers_).first(table->count));
     if (order == FleetOrder::kLead && !is_most(*table, *rank, peers_)) place_ = {};
     next = by_hand_ ? std::nullopt : hang(*rank, now_us);
-    if (next) slot_mps = rate(*rank, now_us);
+    if (next) slot_motion = this->slot_motion(*rank, now_us);
     if (succession_.leads()) place_ = ordered ? report.place : place_;
   }
-  changed_ = changed_ || next != hang_ || slot_mps != slot_mps_;
-  slot_mps_ = slot_mps;
+  changed_ = changed_ || next != hang_ || slot_motion != slot_motion_;
+  slot_motion_ = slot_motion;
   hang_ = next;
   speak(report, now_us);
   return order;
 }
 
-/// Of the way to the new places.
-FleetMove Fleet::move(std::int64_t now_us) const {
-  const std::int64_t since_us = (now_us - begun_us_) / kMove_us * kMove_us;
-  return move_at(1e-6 * static_cast<double>(since_us), 0.1 * ledger_.current()->move_ds);
+double Fleet::since_s(std::int64_t now_us) const {
+  return 1e-6 * static_cast<double>((now_us - begun_us_) / kMove_us * kMove_us);
 }
 
-/// A member's place in the shape as it is now; nothing for others.
-std::optional<FleetSlot> Fleet::place_of(std::uint8_t system, std::int64_t now_us) const {
+/// Of the way to the new places.
+FleetMove Fleet::move(std::int64_t now_us) const {
+  return move_at(since_s(now_us), 0.1 * ledger_.current()->move_ds);
+}
+
+bool Fleet::moves(std::int64_t now_us) const {
+  const FleetTable* table = ledger_.current();
+  return table != nullptr && table->move_ds > 0 &&
+         since_s(now_us) < 0.1 * table->move_ds + kSettle_s;
+}
+
+/// In which time the places' present speed can fade out, `most_s` at the most: none shall pass its
+/// goal meanwhile.
+double Fleet::fades_s(std::int64_t now_us, double most_s) const {
+  const FleetTable* table = ledger_.current();
+  const double left_s = table != nullptr ? 0.1 * table->move_ds - since_s(now_us) : 0;
+  return std::min({kMoveRamp_s, most_s, std::max(left_s, 0.0)});
+}
+
+/// A member's place as it is now; nothing for others.
+std::optional<Fleet::Place> Fleet::place_of(std::uint8_t system, std::int64_t now_us) const {
   const auto rank = rank_in(ledger_.current(), system);
   if (!rank) return std::nullopt;
-  const double share = move(now_us).share;
-  FleetSlot place{};
-  for (std::size_t axis = 0; axis < place.size(); ++axis) {
-    const int from = from_cm_[*rank][axis], to = ledger_.current()->members[*rank].slot_cm[axis];
-    place[axis] = static_cast<std::int16_t>(std::lround(from + share * (to - from)));
+  const FleetMove at = move(now_us);
+  const double fades = fades_s_ > 0 ? std::max(0.0, 1 - since_s(now_us) / fades_s_) : 0;
+  Place place;
+  for (std::size_t axis = 0; axis < place.cm.size(); ++axis) {
+    const double from = from_cm_[*rank][axis], v = carried_cmps_[*rank][axis];
+    const double way = ledger_.current()->members[*rank].slot_cm[axis] - from;
+    place.cm[axis] = from + at.share * way - v * fades_s_ / 2 * fades * fades;
+    place.cmps[axis] = at.rate * way + v * fades;
+    place.cmps2[axis] = at.rate_dot * way - (fades > 0 ? v / fades_s_ : 0);
   }
   return place;
 }
 
-std::array<float, 2> Fleet::rate(std::size_t own, std::int64_t now_us) const {
+/// Where a place comes to rest that stops within so many seconds.
+FleetSlot Fleet::rest_of(const Place& place, double fades_s) {
+  return rounded(
+      {place.cm[0] + place.cmps[0] * fades_s / 2, place.cm[1] + place.cmps[1] * fades_s / 2});
+}
+
+SlotMotion Fleet::slot_motion(std::size_t own, std::int64_t now_us) const {
   const FleetTable& table = *ledger_.current();
   const std::size_t root = succession_.leader();
   if (root >= table.count) return {};
-  const double rate = move(now_us).rate;
-  const auto mps = [&](std::size_t axis) {
-    const int way = table.members[own].slot_cm[axis] - from_cm_[own][axis];
-    const int roots = table.members[root].slot_cm[axis] - from_cm_[root][axis];
-    return static_cast<float>(0.01 * rate * (way - roots));
-  };
-  return {mps(0), mps(1)};
+  const Place here = *place_of(table.members[own].system, now_us);
+  const Place there = *place_of(table.members[root].system, now_us);
+  SlotMotion out{.moves = moves(now_us)};
+  for (std::size_t axis = 0; axis < out.mps.size(); ++axis) {
+    out.mps[axis] = static_cast<float>(0.01 * (here.cmps[axis] - there.cmps[axis]));
+    out.mps2[axis] = static_cast<float>(0.01 * (here.cmps2[axis] - there.cmps2[axis]));
+  }
+  return out;
 }
 
 /// The leader of the law, 0 for none: nothing leaves what the parameters say.
@@ -220,10 +278,10 @@ std::optional<Fleet::Hang> Fleet::hang(std::size_t own, std::int64_t now_us) con
   const auto followed = succession_.followed();
   if (!followed) return hang_;  // it leads, or knows no leader: as before
   const std::uint8_t leader = table.members[*followed].system;
-  const FleetSlot here = *place_of(table.members[own].system, now_us);
-  const FleetSlot there = *place_of(leader, now_us);
+  const auto here = place_of(table.members[own].system, now_us)->cm;
+  const auto there = place_of(leader, now_us)->cm;
   const auto metres = [&](std::size_t axis) {
-    return static_cast<float>(here[axis] - there[axis]) / 100;
+    return static_cast<float>(std::round(here[axis] - there[axis])) / 100;
   };
   return Hang{leader, metres(0), metres(1), table.turns};
 }

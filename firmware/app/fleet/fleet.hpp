@@ -30,7 +30,6 @@ struct FleetReport {
   core::State state = core::State::kDisarmed;
   bool fit = false;  ///< could begin LOITER, and keeps its slot
   FleetPlace place;  ///< of its own plan
-  FleetPace pace;
 };
 
 /// Without a table it does nothing, but for asking for one where others speak of one.
@@ -38,6 +37,10 @@ class Fleet {
  public:
   /// Any message. commands: its sender may command the boat.
   void hear(const link::Received& received, bool commands, std::int64_t now_us);
+
+  /// Places are to be given to the members, by a boat that knows how the root will sail.
+  bool asks_outlook(std::int64_t now_us) const { return wish_ && now_us >= wish_->due_us; }
+  void give_places(const FleetOutlook& outlook, std::int64_t now_us);
 
   /// Decides anew; once a tick. `own`: as the parameters have it; a change by an operator takes the
   /// boat out of the table's rule until the next table.
@@ -50,14 +53,11 @@ class Fleet {
   /// The parameters with whom the boat follows, and its slot, by the table if there is one.
   Parameters applied(const Parameters& own) const;
 
-  /// How fast the slot moves while the shape changes, relative to the fleet's leader, m/s; in the
-  /// axes of the slot.
-  std::array<float, 2> slot_mps() const { return slot_mps_; }
+  /// How the slot moves while the shape changes.
+  const SlotMotion& slot_motion() const { return slot_motion_; }
 
-  /// The shape changes: places are on their way.
-  bool moves(std::int64_t now_us) const {
-    return ledger_.current() != nullptr && move(now_us).share < 1;
-  }
+  /// The shape changes: places are on their way, or boats still settle in them.
+  bool moves(std::int64_t now_us) const;
 
   /// How far the fleet's last leader was in its plan.
   const FleetPlace& place() const { return place_; }
@@ -79,15 +79,29 @@ class Fleet {
     bool operator==(const Hang&) const = default;
   };
 
+  /// A request to give the places.
+  struct Wish {
+    FleetTable table;
+    std::int64_t valid_us = 0, due_us = 0;
+  };
+  /// A member's place in the shape, and how it moves.
+  struct Place {
+    std::array<double, 2> cm{}, cmps{}, cmps2{};
+  };
+
   void take(const link::Received& received, const link::FleetTable& message, bool commands,
             std::int64_t now_us);
   void take(std::uint8_t from, const link::FleetBeacon& beacon, std::int64_t now_us);
-  std::optional<FleetSlot> place_of(std::uint8_t system, std::int64_t now_us) const;
+  void take(const FleetTable& table, std::int64_t valid_us, std::int64_t now_us);
+  std::optional<Place> place_of(std::uint8_t system, std::int64_t now_us) const;
+  static FleetSlot rest_of(const Place& place, double fades_s);
+  double since_s(std::int64_t now_us) const;
   FleetMove move(std::int64_t now_us) const;
+  double fades_s(std::int64_t now_us, double all_s) const;
   void begin(const Configuration::Formation& own, std::int64_t now_us);
   void listen(std::int64_t limit_us, std::int64_t now_us);
   std::optional<Hang> hang(std::size_t own, std::int64_t now_us) const;
-  std::array<float, 2> rate(std::size_t own, std::int64_t now_us) const;
+  SlotMotion slot_motion(std::size_t own, std::int64_t now_us) const;
   void speak(const FleetReport& report, std::int64_t now_us);
 
   FleetLedger ledger_;
@@ -99,10 +113,13 @@ class Fleet {
   bool by_hand_ = false;
   bool changed_ = false;
   FleetPlace place_;
-  FleetPace pace_;
-  std::array<FleetSlot, FleetTable::kMost> from_cm_{};  // by rank, when the table came into force
+  std::optional<Wish> wish_;
+  // By rank: where the new ways begin, and the speed of the old ones, which fades out meanwhile.
+  std::array<FleetSlot, FleetTable::kMost> from_cm_{};
+  std::array<FleetSlot, FleetTable::kMost> carried_cmps_{};
+  double fades_s_ = 0;
   std::int64_t begun_us_ = 0;
-  std::array<float, 2> slot_mps_{};
+  SlotMotion slot_motion_;
   link::FleetBeacon told_{};
   std::size_t repeats_ = 0;                         // of a changed beacon
   bool asks_ = false;                               // without a table

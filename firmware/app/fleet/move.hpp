@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 namespace flotilla::app {
@@ -15,7 +16,15 @@ constexpr double kMoveRamp_s = 5;
 
 struct FleetMove {
   double share = 1;
-  double rate = 0;  ///< of share, 1/s
+  double rate = 0;      ///< of share, 1/s
+  double rate_dot = 0;  ///< 1/s²
+};
+
+/// Velocity and acceleration of a slot relative to the fleet's leader, in the slot's axes.
+struct SlotMotion {
+  bool moves = false;  ///< or has just done so, and the boat may still turn
+  std::array<float, 2> mps{}, mps2{};
+  bool operator==(const SlotMotion&) const = default;
 };
 
 /// t_s after the move began.
@@ -24,8 +33,9 @@ inline FleetMove move_at(double t_s, double all_s) {
   const double ramp_s = std::min(kMoveRamp_s, all_s / 2);
   const double most = 1 / (all_s - ramp_s);
   const double t = std::max(t_s, 0.0), left = all_s - t;
-  if (t < ramp_s) return {most * t * t / (2 * ramp_s), most * t / ramp_s};
-  if (left < ramp_s) return {1 - most * left * left / (2 * ramp_s), most * left / ramp_s};
+  const double most_dot = most / ramp_s;
+  if (t < ramp_s) return {most_dot * t * t / 2, most_dot * t, most_dot};
+  if (left < ramp_s) return {1 - most_dot * left * left / 2, most_dot * left, -most_dot};
   return {most * (t - ramp_s / 2), most};
 }
 

@@ -5,8 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include "app/guidance/moving_slot.hpp"
+
 namespace flotilla::app {
 namespace {
+
+constexpr bool kMoves = FLOTILLA_KEEPS_FLEET != 0;  // slots, in the shape
 
 template <class S>
 std::optional<double> age_s(const VesselTrack<S>& track, std::int64_t now_us) {
@@ -114,17 +118,14 @@ Lead<S> Pilot<S>::lead(std::int64_t now_us) const {
   slot.d = convert::offset_of<S>(aim->offset.b);
   slot.turns = slot.turns || aim->offset.b != convert::WireOffset{};
   slot.steers = slot.steers || slot.turns;
-  // A root that moves as the slot does in the shape gives the slot that motion.
-  core::Motion<S> motion = aim->motion;
-  const core::Vec2<S> more = slot.turns ? slot_mps_ : core::to_body(motion.psi, slot_mps_);
-  motion.nu.u = motion.nu.u + more.x;
-  motion.nu.v = motion.nu.v + more.y;
-  return {leader_.system(),
-          aim->branch,
-          aim->position,
-          motion,
-          convert::offset_of<S>(aim->offset.n),
-          slot};
+  const Lead<S> lead{leader_.system(),
+                     aim->branch,
+                     aim->position,
+                     aim->motion,
+                     convert::offset_of<S>(aim->offset.n),
+                     slot,
+                     aim->motion.psi};
+  return kMoves && slot_moves_ ? on_own_course(lead, slot_v_, slot_a_) : lead;
 }
 
 /// The leader's offset from its own slot, if that was computed from the root.
@@ -136,7 +137,7 @@ core::Vec2<S> Pilot<S>::leaders_error(std::int64_t now_us) const {
   const auto seen = convert::controller_input_of<S>(leader_.position(), leader_.motion(now_us),
                                                     lead.position, lead.motion);
   const core::Vec2<S> n = convert::offset_of<S>(slot.n);
-  const core::Vec2<S> b = core::to_north_east(seen.psi_L, convert::offset_of<S>(slot.b));
+  const core::Vec2<S> b = core::to_north_east(lead.root_psi, convert::offset_of<S>(slot.b));
   return {seen.separation_n.x - n.x - b.x, seen.separation_n.y - n.y - b.y};
 }
 

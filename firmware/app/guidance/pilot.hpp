@@ -55,13 +55,14 @@ class Pilot {
   /// Enters FORMATION from a mode other than COAST: resets the law to the leader's present state.
   void start(std::int64_t now_us);
 
-  /// The slot moves relative to the formation's root, m/s, in its axes: the fleet changes its shape.
-  void move_slot(const std::array<float, 2>& mps) {
-    slot_mps_ = {convert::scalar<S>(mps[0]), convert::scalar<S>(mps[1])};
+  /// The fleet changes its shape: the slot moves relative to the formation's root, m/s and m/s² in
+  /// its axes, and may go against the root's course.
+  void move_slot(bool moves, const std::array<float, 2>& mps, const std::array<float, 2>& mps2) {
+    slot_moves_ = moves;
+    slot_v_ = {convert::scalar<S>(mps[0]), convert::scalar<S>(mps[1])};
+    slot_a_ = {convert::scalar<S>(mps2[0]), convert::scalar<S>(mps2[1])};
   }
-
-  /// While it does, it may go astern in a turn.
-  bool slot_moves() const { return slot_mps_.x != S(0) || slot_mps_.y != S(0); }
+  bool slot_moves() const { return slot_moves_; }
 
   /// System id of the leader.
   std::uint8_t leader() const { return leader_.system(); }
@@ -181,7 +182,8 @@ class Pilot {
   core::ControllerOutput<S> step_law(std::int64_t now_us, S dt);
 
   convert::Law<S> law_;
-  core::Vec2<S> slot_mps_{};
+  bool slot_moves_ = false;
+  core::Vec2<S> slot_v_{}, slot_a_{};
   Configuration::Navigation limits_;
   convert::Reach reach_{0};  // the farthest that the leader may be
   TimeRequests time_;

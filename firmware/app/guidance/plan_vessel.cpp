@@ -156,6 +156,15 @@ std::optional<typename PlanVessel<S>::Foreseen> PlanVessel<S>::take_future() {
 }
 
 template <class S>
+void PlanVessel<S>::foresee(std::span<core::Motion<S>> motions, int every_s) const {
+  core::RouteState<S> state = state_;
+  for (core::Motion<S>& motion : motions) {
+    motion = state.motion;
+    for (int step = 0; step < 4 * every_s; ++step) advance(state, S(1), S(0.25));
+  }
+}
+
+template <class S>
 std::optional<std::size_t> PlanVessel<S>::reached() const {
   using enum core::RoutePhase;
   const bool under_way = state_.phase == kLeg || state_.phase == kCorner;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 
 #include "app/guidance/errand.hpp"
 #include "core/drive.hpp"
@@ -39,6 +40,10 @@ class PlanVessel {
     S since{};
   };
   std::optional<Foreseen> take_future();
+
+  /// Its motion from now on, every `every_s`, if it waits for nobody; costs as much as so many
+  /// seconds under way.
+  void foresee(std::span<core::Motion<S>> motions, int every_s) const;
 
   /// The same, driven by these velocities; the plan is given up.
   void drive(const core::Drive<S>& desired, S off_m, bool paused, S dt);

@@ -21,6 +21,7 @@ struct Lead {
   core::Motion<S> motion;
   core::Vec2<S> offset_n{};  ///< fixed north-east part of the slot; `slot` holds the rest
   core::SlotParams<S> slot;
+  S root_psi{};  ///< the root's heading; `motion` has the slot's own while the slot moves
 };
 
 template <class S>

@@ -16,7 +16,12 @@ namespace flotilla::app {
 namespace {
 
 using Now = std::vector<std::optional<FleetSlot>>;
-constexpr FleetPace kUnderWay{0.6F, 0.0F, 1.5F};
+
+/// Always on one course.
+FleetOutlook straight(float ahead_mps, float heading_rad = 0) {
+  return {.at = {{{ahead_mps, heading_rad, 0}}}, .most_mps = 1.5F};
+}
+const FleetOutlook kUnderWay = straight(0.6F);
 
 /// Boats 1 … n, all behind boat 1.
 FleetTable table_of(const std::vector<FleetSlot>& places) {
@@ -116,23 +121,47 @@ TEST_CASE("each place is given once, also to boats whose place is unknown") {
   }
 }
 
+/// Of a move of two boats, the second one's to `to`, without the ramps' 5 s.
+double seconds(FleetSlot from, FleetSlot to, const FleetOutlook& outlook, bool turns = false) {
+  FleetTable wanted = table_of({{0, 0}, to});
+  wanted.turns = turns;
+  return assigned(wanted, Now{FleetSlot{0, 0}, from}, outlook).move_ds / 10.0 - 5;
+}
+
 TEST_CASE("the time is that of the longest way at what the boats can do") {
-  const Now now{FleetSlot{0, 0}, FleetSlot{-400, 0}};
-  const auto seconds = [&](FleetSlot to, FleetPace pace) {
-    return assigned(table_of({{0, 0}, to}), now, pace).move_ds / 10.0 - 5;
-  };
-  CHECK(seconds({-400, 0}, kUnderWay) == -5);
-  CHECK(seconds({-410, 0}, kUnderWay) == 5);
-  const Now abeam{FleetSlot{0, 0}, FleetSlot{-400, 500}};
-  CHECK(assigned(table_of({{0, 0}, {400, 500}}), abeam, kUnderWay).move_ds / 10.0 - 5 ==
-        doctest::Approx(8 / (0.92 * 1.5 - 0.6)).epsilon(0.01));
-  CHECK(seconds({-1000, 0}, kUnderWay) == doctest::Approx(6.0).epsilon(0.01));
-  CHECK(seconds({-400, 1200}, kUnderWay) ==
-        doctest::Approx(12 / std::sqrt(1.38 * 1.38 - 0.36)).epsilon(0.01));
+  constexpr double kMost = 0.97 * 1.5;
+  const double abeam = std::sqrt(kMost * kMost - 0.36);
+  CHECK(seconds({-400, 0}, {-400, 0}, kUnderWay) == -5);
+  CHECK(seconds({-400, 0}, {-410, 0}, kUnderWay) == 10);
+  CHECK(seconds({-400, 500}, {600, 500}, kUnderWay) ==
+        doctest::Approx(10 / (kMost - 0.6)).epsilon(0.01));
+  CHECK(seconds({-400, 0}, {-4400, 0}, kUnderWay) ==
+        doctest::Approx(40 / (kMost + 0.6)).epsilon(0.01));
+  CHECK(seconds({-400, 0}, {-400, 2000}, kUnderWay) == doctest::Approx(20 / abeam).epsilon(0.01));
   // At rest all ways are as long; sailing east, a place to the north is abeam.
-  CHECK(seconds({-1600, 0}, {0, 0, 1.5F}) == doctest::Approx(12 / 0.4).epsilon(0.02));
-  CHECK(seconds({-1600, 0}, {0.6F, 1.5708F, 1.5F}) ==
-        doctest::Approx(12 / std::sqrt(1.38 * 1.38 - 0.36)).epsilon(0.01));
+  CHECK(seconds({-400, 0}, {-2400, 0}, straight(0)) == doctest::Approx(20 / kMost).epsilon(0.01));
+  CHECK(seconds({-400, 0}, {-2400, 0}, straight(0.6F, 1.5708F)) ==
+        doctest::Approx(20 / abeam).epsilon(0.01));
+}
+
+TEST_CASE("a turn of the leader counts if it comes while the boats move") {
+  FleetOutlook turns_north = straight(0.6F, 1.5708F);
+  turns_north.count = FleetOutlook::kMost;
+  turns_north.at.fill(turns_north.at[0]);
+  const double abeam_s = seconds({-3000, 500}, {0, 500}, turns_north);
+  for (std::size_t k = 12; k < turns_north.count; ++k) turns_north.at[k].heading_rad = 0;
+  const double ahead_s = seconds({-3000, 500}, {0, 500}, straight(0.6F));
+  CHECK(ahead_s > abeam_s + 10);
+  CHECK(seconds({-3000, 500}, {0, 500}, turns_north) == ahead_s);
+  for (std::size_t k = 12; k < 16; ++k) turns_north.at[k].heading_rad = 1.5708F;
+  CHECK(seconds({-3000, 500}, {0, 500}, turns_north) == abeam_s);
+}
+
+TEST_CASE("a shape that turns: on the outside of the turn less speed is left for the way") {
+  FleetOutlook turning = straight(0.6F);
+  turning.at[0].turn_radps = 0.03F;
+  const double outside_s = seconds({0, -1500}, {1500, -1500}, turning, true);
+  CHECK(outside_s > seconds({0, -1500}, {1500, -1500}, straight(0.6F), true) + 10);
 }
 
 TEST_CASE("a move has the speed that its rate says, and no steps") {

@@ -2,6 +2,8 @@
 // Fleets of the shipped class that hear each other's messages.
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "app/fleet/fleet.hpp"
@@ -22,6 +24,7 @@ struct Boat {
   Fleet fleet{};
   FleetOrder order = FleetOrder::kNone;
   std::int64_t clock_us = 0;  ///< its own clock's zero
+  float most_mps = 1.5F;
   bool on = true;
   std::size_t bytes = 0;
 };
@@ -62,7 +65,11 @@ struct Harbour {
         if (!boat.on) continue;
         const std::int64_t clock_us = now_us + boat.clock_us;
         if (now_us % 100'000 == 0) spread(i, link::Attitude{}, 0);
-        const FleetReport report{boat.system, boat.state, true, {77, 3}, {0.6F, 0.0F, 1.5F}};
+        if (boat.fleet.asks_outlook(clock_us)) {
+          const FleetOutlook outlook{.at = {{{0.6F, 0.0F, 0.0F}}}, .most_mps = boat.most_mps};
+          boat.fleet.give_places(outlook, clock_us);
+        }
+        const FleetReport report{boat.system, boat.state, true, {77, 3}};
         boat.order = boat.fleet.step(report, boat.own, kSecond_us, clock_us);
         const bool planned = boat.fleet.place().plan_id != 0;
         if (boat.order == FleetOrder::kLead) {
@@ -127,15 +134,15 @@ TEST_CASE("a new shape moves all places together, at the speed that the law is t
   CHECK(harbour.applied(2).FORM_OFS_N == -4);  // behind boat 2
   CHECK(harbour.applied(3).FORM_OFS_N == -12);
   CHECK(harbour.applied(3).FORM_OFS_E == doctest::Approx(4).epsilon(0.1));
-  CHECK(harbour.boats[3].fleet.slot_mps()[1] == doctest::Approx(1.6).epsilon(0.05));
-  CHECK(harbour.boats[2].fleet.slot_mps()[1] == 0);
+  CHECK(harbour.boats[3].fleet.slot_motion().mps[1] == doctest::Approx(1.6).epsilon(0.05));
+  CHECK(harbour.boats[2].fleet.slot_motion().mps[1] == 0);
   for (const Boat& boat : harbour.boats) CHECK(boat.fleet.moves(harbour.now_us + boat.clock_us));
-  harbour.sail(6);
+  harbour.sail(20);
   for (const Boat& boat : harbour.boats) {
     CHECK_FALSE(boat.fleet.moves(harbour.now_us + boat.clock_us));
   }
   CHECK(harbour.applied(3).FORM_OFS_E == 8);
-  CHECK(harbour.boats[3].fleet.slot_mps()[1] == 0);
+  CHECK(harbour.boats[3].fleet.slot_motion().mps[1] == 0);
 }
 
 TEST_CASE("a request to give the places: who hears it does, and all agree") {
@@ -158,6 +165,61 @@ TEST_CASE("a request to give the places: who hears it does, and all agree") {
   harbour.hear(1, message_of(wish, 0), kOperator);  // an epoch that all have
   harbour.sail(30);
   CHECK(harbour.applied(3).FORM_OFS_E == 1);
+}
+
+TEST_CASE(
+    "boats that hear the same request leave it to the leader; if it has not heard it they do") {
+  Harbour harbour = under_way();
+  FleetTable wish = table_of_four(2);
+  wish.assigns = true;
+  wish.members[3].slot_cm = {-1200, 1500};
+  for (std::size_t i = 1; i < 4; ++i) harbour.boats[i].most_mps = 0.9F;  // their tables differ
+  for (std::size_t i = 0; i < 4; ++i) harbour.hear(i, message_of(wish, 1000), kOperator);
+  harbour.sail(4);
+  const auto moves = [&](std::size_t i) {
+    return harbour.boats[i].fleet.moves(harbour.now_us + harbour.boats[i].clock_us);
+  };
+  for (std::size_t i = 0; i < 4; ++i) CHECK(moves(i));
+  harbour.sail(14 + 15);
+  for (std::size_t i = 0; i < 4; ++i) CHECK_FALSE(moves(i));  // 15 m at 1.3 m/s, not 0.6
+  wish.epoch = 3;
+  wish.members[3].slot_cm = {-1200, 0};
+  harbour.hear(2, message_of(wish, 0), kOperator);
+  harbour.sail(4);
+  CHECK(moves(2));
+  CHECK(harbour.applied(3).FORM_OFS_E < 15);
+}
+
+TEST_CASE("a shape that changes again under way: places and speeds go on without a step") {
+  for (const double after_s : {1.5, 3.0, 7.0, 11.9, 14.0}) {
+    CAPTURE(after_s);
+    Harbour harbour = under_way();
+    FleetTable next = table_of_four(2);
+    next.move_ds = 150;
+    next.members[3].slot_cm = {-1200, 1200};
+    harbour.hear(0, message_of(next, 0), kOperator);
+    harbour.sail(after_s);
+    next.epoch = 3;
+    next.members[3].slot_cm = {-2200, 400};
+    harbour.hear(0, message_of(next, 0), kOperator);
+    const auto place = [&] {
+      const Parameters p = harbour.applied(3);
+      return std::array{p.FORM_OFS_N, p.FORM_OFS_E};
+    };
+    auto before = place();
+    auto speed = harbour.boats[3].fleet.slot_motion().mps;
+    for (int step = 0; step < 90; ++step) {
+      harbour.sail(0.2);
+      const auto now = place(), mps = harbour.boats[3].fleet.slot_motion().mps;
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        CHECK(std::abs(mps[axis] - speed[axis]) < 0.15);
+        CHECK(std::abs(now[axis] - before[axis] - 0.1F * (mps[axis] + speed[axis])) < 0.03F);
+      }
+      before = now;
+      speed = mps;
+    }
+    CHECK(before == std::array{-22.0F, 4.0F});
+  }
 }
 
 TEST_CASE("a boat that was away while the table changed gets it within three seconds") {

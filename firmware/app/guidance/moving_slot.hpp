@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// A slot that moves in the shape, followed as a vessel on the slot's own course, which may be that
+// against the leader's.
+//
+//   frame 0: V = U + w            V̇ = U̇ + r × U + ẇ
+//   frame 1: V = U + r × d + w    V̇ = U̇ + r × (U + r × d) + 2 r × w + ẇ      in the leader's axes
+//   ψ = arg V      u = |V|      r = V × V̇ / |V|²      u̇ = V · V̇ / |V|
+//
+//  symbol       meaning                                              unit
+//  U, r, U̇      leader's velocity, yaw rate, acceleration            m/s, rad/s, m/s²
+//  d, w, ẇ      slot; its velocity and acceleration in the shape     m, m/s, m/s²
+//
+// Not in paper, where slots rest in the shape. The leader's ṙ is left out.
+#pragma once
+
+#include "app/guidance/slot_follower.hpp"
+#include "core/rotation.hpp"
+
+namespace flotilla::app {
+
+/// w, w_dot: in the slot's axes.
+template <class S>
+Lead<S> on_own_course(Lead<S> lead, core::Vec2<S> w, core::Vec2<S> w_dot) {
+  const auto [u, v, r] = lead.motion.nu;
+  const auto [u_dot, v_dot, r_dot] = lead.motion.nu_dot;
+  const core::Rotation<S> R = core::rotation(lead.motion.psi);
+  core::Vec2<S> swept{u, v};
+  if (lead.slot.turns) {
+    const core::Vec2<S> d = lead.slot.d, d_n = core::to_north_east(R, d);
+    swept = {u - r * d.y, v + r * d.x};
+    w_dot = {w_dot.x - S(2) * r * w.y, w_dot.y + S(2) * r * w.x};
+    lead.offset_n = {lead.offset_n.x + d_n.x, lead.offset_n.y + d_n.y};
+    lead.slot.d = {};
+    lead.slot.turns = false;
+  } else {
+    w = core::to_body(R, w);
+    w_dot = core::to_body(R, w_dot);
+  }
+  const core::Vec2<S> V{swept.x + w.x, swept.y + w.y};
+  const core::Vec2<S> V_dot{u_dot - r * swept.y + w_dot.x, v_dot + r * swept.x + w_dot.y};
+  const S speed = core::hypot(V.x, V.y);
+  const S q = core::max(speed, S(0.2));  // slower, and it has hardly a course
+  lead.motion.psi = core::wrap_pi(lead.motion.psi + core::atan2(V.y, V.x));
+  lead.motion.nu = {speed, S(0), (V.x * V_dot.y - V.y * V_dot.x) / (q * q)};
+  lead.motion.nu_dot = {(V.x * V_dot.x + V.y * V_dot.y) / q, S(0), S(0)};
+  lead.slot.moves = true;
+  return lead;
+}
+
+}  // namespace flotilla::app
