@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from flotilla import kernels
 
 from sil.identify.hull_terms import INDEX
 
@@ -24,10 +25,24 @@ Array = npt.NDArray[np.float64]
 
 STEPS = 2  # of integration for each sample
 _BEFORE_S = 3.0  # of commands before a stretch, from which its first thrust comes
-# Gauss and Legendre: places along the hull (half lengths) and weights of the cross-flow's integral.
-_PLACES = (-(0.6**0.5), 0.0, 0.6**0.5)
-_WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
-_FASTEST = 30.0  # m/s, rad/s: a wrong guess must not overflow
+# As in sil/native/plant/voyage.cpp, in its order.
+HULL_TERMS = (
+    "m22",
+    "m33",
+    "m23",
+    "d11",
+    "d11_quadratic",
+    "d22",
+    "d22_quadratic",
+    "d22_speed",
+    "d33",
+    "d33_quadratic",
+    "d33_speed",
+    "munk",
+    "advance",
+    "lag",
+    "wind_side",
+)
 
 
 @dataclass(frozen=True)
@@ -51,25 +66,21 @@ def simulate(terms: Array, local: Array, start: Array, commands: Array, body: Bo
     starboard, held for a sample; the first is `before(h)` samples before the stretch.
     """
     thrust = _thrusts(terms, commands, body)
-    samples = len(commands) - before(body.h_s)
-    h = body.h_s / STEPS
-    state = start.copy()
-    out = np.empty((samples, *start.shape))
-    hull = _Hull(terms, local, body)
-    # Thrust at the begin, middle and end of each step: lag τ, the command held.
-    lag = terms[INDEX["lag"]]
-    half, whole = 1.0 - np.exp(-0.5 * h / lag), 1.0 - np.exp(-h / lag)
-    force = thrust[0].copy()
     steps_before = STEPS * before(body.h_s)
-    for k, wanted in enumerate(thrust):
-        if k >= steps_before:
-            if (k - steps_before) % STEPS == 0:
-                out[(k - steps_before) // STEPS] = state
-            middle, end = force + half * (wanted - force), force + whole * (wanted - force)
-            state = hull.step(state, (force, middle, end), h)
-            force = end
-        else:
-            force += whole * (wanted - force)
+    out = np.empty((len(commands) - before(body.h_s), *start.shape))
+    out[0] = start
+    hull = terms[[INDEX[name] for name in HULL_TERMS]]
+    kernels.sail_voyages(
+        out,
+        thrust,
+        hull,
+        local,
+        before=steps_before,
+        every=STEPS,
+        h_s=body.h_s / STEPS,
+        arm_m=body.arm_m,
+        length_m=body.length_m,
+    )
     return _measured(out, terms, local, body.h_s)
 
 
@@ -110,63 +121,6 @@ def _thrusts(terms: Array, commands: Array, body: Body) -> Array:
     high = total[whole + 1, :, :, sets]
     integral = low + part[:, :, None, None] * (high - low)
     return np.ascontiguousarray(np.moveaxis(np.diff(integral, axis=0) * STEPS, 1, -1))
-
-
-class _Hull:
-    """The equations of motion of C hulls, W boats of each."""
-
-    def __init__(self, terms: Array, local: Array, body: Body) -> None:
-        self._p = {name: terms[k] for name, k in INDEX.items()}
-        p = self._p
-        self._det = p["m22"] * p["m33"] - p["m23"] ** 2
-        self._local = local
-        self._body = body
-
-    def step(self, s: Array, forces: tuple[Array, Array, Array], h: float) -> Array:
-        """One step of classical Runge-Kutta 4; forces (2, W, C) at its begin, middle and end."""
-        begin, middle, end = forces
-        k1 = self._rates(s, begin)
-        k2 = self._rates(s + 0.5 * h * k1, middle)
-        k3 = self._rates(s + 0.5 * h * k2, middle)
-        k4 = self._rates(s + h * k3, end)
-        return np.clip(s + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4), _LEAST, _GREATEST)
-
-    def _rates(self, s: Array, thrust: Array) -> Array:
-        p = self._p
-        _, _, psi, u, v, r = s
-        c_n, c_e, w_n, w_e, w_turn = self._local
-        cos, sin, speed = np.cos(psi), np.sin(psi), np.abs(u)
-        lost = 1.0 - p["advance"] * u
-        port, stbd = thrust[0] * lost, thrust[1] * lost
-        side, turn = self._crossflow(v, r)
-        out = np.empty_like(s)
-        out[0] = cos * u - sin * v + c_n
-        out[1] = sin * u + cos * v + c_e
-        out[2] = r
-        out[3] = port + stbd + (p["m22"] * v + p["m23"] * r) * r + cos * w_n + sin * w_e
-        out[3] -= (p["d11"] + p["d11_quadratic"] * speed) * u
-        Y = -u * r - (p["d22"] + p["d22_speed"] * speed) * v - side
-        Y += p["wind_side"] * (cos * w_e - sin * w_n)
-        N = w_turn + self._body.arm_m * (port - stbd) - (p["m22"] - 1.0 + p["munk"]) * u * v - turn
-        N -= (p["d33"] + p["d33_quadratic"] * np.abs(r) + p["d33_speed"] * speed + p["m23"] * u) * r
-        out[4] = (p["m33"] * Y - p["m23"] * N) / self._det
-        out[5] = (p["m22"] * N - p["m23"] * Y) / self._det
-        return out
-
-    def _crossflow(self, v: Array, r: Array) -> tuple[Array, Array]:
-        half = 0.5 * self._body.length_m
-        side, turn = np.zeros_like(v), np.zeros_like(v)
-        for place, weight in zip(_PLACES, _WEIGHTS, strict=True):
-            flow = v + (half * place) * r
-            drag = weight * np.abs(flow) * flow
-            side += drag
-            if place:
-                turn += (half * place) * drag
-        return self._p["d22_quadratic"] * side, self._p["d22_quadratic"] * turn
-
-
-_LEAST = np.array([-1e4, -1e4, -1e3, -_FASTEST, -_FASTEST, -_FASTEST])[:, None, None]
-_GREATEST = -_LEAST
 
 
 def deviation(terms: Array, psi: Array) -> Array:

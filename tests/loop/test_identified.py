@@ -14,7 +14,8 @@ BOUNDS = {
 }
 
 
-@pytest.mark.parametrize("kind", ["otter", pytest.param("blueboat", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("kind", BOUNDS)
 def test_a_voyage_in_wind_and_current_finds_the_hull(kind: str) -> None:
     chosen = sailed(kind, "RTK", 1)
     terms = searched(problem_of([voyage(chosen)], body_of(chosen)), lambda _: None).values

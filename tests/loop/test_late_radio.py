@@ -4,9 +4,9 @@ from tests.loop.late_radio import sailed
 
 def test_no_boat_is_driven_by_states_that_are_older_than_the_limit() -> None:
     """The first of the thousand runs."""
-    ended = [sailed(seed) for seed in range(1, 41)]
+    ended = [sailed(seed) for seed in range(1, 17)]
     assert not any(one.broke for one in ended)
-    assert sum(one.driven_s > 0.0 for one in ended) >= 20
+    assert sum(one.driven_s > 0.0 for one in ended) >= 8
 
 
 def test_where_the_operator_is_wrong_about_the_latency_the_harness_sees_it() -> None:

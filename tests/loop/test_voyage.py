@@ -102,7 +102,11 @@ def farthest_m(one: Sailed) -> float:
 
 
 @pytest.mark.parametrize(
-    ("weather", "longest_s"), [([], 1680.0), (BREEZE, 1800.0)], ids=["calm", "breeze"]
+    ("weather", "longest_s"),
+    [
+        pytest.param([], 1680.0, id="calm", marks=pytest.mark.nightly),
+        pytest.param(BREEZE, 1800.0, id="breeze"),
+    ],
 )
 def test_a_boat_measures_its_hull_within_its_room_in_about_25_minutes(
     weather: list[str], longest_s: float

@@ -5,6 +5,8 @@ import ast
 import re
 import sys
 import tomllib
+from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -17,6 +19,12 @@ def plain(requirement: str) -> str:
     return re.sub(r"[-_.]+", "-", re.split(r"[=<> \[]", requirement, maxsplit=1)[0]).lower()
 
 
+@cache
+def distributions() -> Mapping[str, list[str]]:
+    """The installed distributions of each module."""
+    return packages_distributions()
+
+
 def imported(*folders: str) -> set[str]:
     """The distributions imported in the folders."""
     modules: set[str] = set()
@@ -26,11 +34,10 @@ def imported(*folders: str) -> set[str]:
                 modules |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 modules.add(node.module.split(".")[0])
-    distributions = packages_distributions()
     return {
         plain(name)
         for module in modules - OUR_OWN - sys.stdlib_module_names
-        for name in distributions.get(module, [module])
+        for name in distributions().get(module, [module])
     }
 
 

@@ -254,6 +254,7 @@ NB_MODULE(flotilla, m) {
   plant::bind_hull(kernels);
   plant::bind_propeller(kernels);
   plant::bind_sensors(kernels);
+  plant::bind_voyage(kernels);
   plant::bind_weather(kernels);
   bind_traces(kernels);
   nb::class_<TickOutput>(m, "TickOutput", "What a boat sends in one tick, in sending order.")

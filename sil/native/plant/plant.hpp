@@ -10,6 +10,7 @@ namespace flotilla::plant {
 void bind_hull(nanobind::module_& m);
 void bind_propeller(nanobind::module_& m);
 void bind_sensors(nanobind::module_& m);
+void bind_voyage(nanobind::module_& m);
 void bind_weather(nanobind::module_& m);
 
 }  // namespace flotilla::plant

@@ -18,7 +18,7 @@ SIZES = ("--mass", "17.14", "--length", "1.2", "--arm", "0.28")
 
 def written(folder: Path, *, swapped: bool) -> Path:
     rng = np.random.default_rng(3)
-    log = sail(levels(rng, 240.0), rng)
+    log = sail(levels(rng, 160.0), rng)
     commands = log.commands[:, ::-1] if swapped else log.commands
     t = np.arange(len(log.motion)) * SAMPLE_S
     path = folder / "log.csv"

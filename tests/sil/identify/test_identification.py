@@ -21,7 +21,7 @@ BOAT = Boat(mass_kg=HULL.m11 / 1.05)
 @cache
 def found() -> Identification:
     rng = np.random.default_rng(5)
-    log = sail(levels(rng, 600.0), rng, current=(0.08, -0.05))
+    log = sail(levels(rng, 400.0), rng, current=(0.08, -0.05))
     return identify([log], BODY, lambda _: None)
 
 
@@ -87,7 +87,7 @@ def test_parameters_are_of_this_boat() -> None:
 
 def test_a_boat_that_never_went_astern_does_not_know_its_thrust_astern() -> None:
     rng = np.random.default_rng(6)
-    commands = np.maximum(levels(rng, 300.0), 0.0)
+    commands = np.maximum(levels(rng, 200.0), 0.0)
     told = " ".join(lacking(identify([sail(commands, rng)], BODY, lambda _: None)))
     print(told)
     assert "thrust full astern" in told and "each propeller alone, ahead and astern" in told

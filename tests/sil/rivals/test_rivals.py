@@ -28,7 +28,14 @@ def test_a_run_repeats_itself() -> None:
     assert first["sine"].mean_m == again["sine"].mean_m
 
 
-@pytest.mark.parametrize("name", [name for name in (OURS, *RIVALS) if name != "NMPC"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name == "ALOS" else pytest.mark.nightly)
+        for name in (OURS, *RIVALS)
+        if name != "NMPC"
+    ],
+)
 def test_the_figures_are_those_of_the_page(name: str) -> None:
     """NMPC's are renewed by `flotilla rivals --write` only: it takes minutes."""
     found = sail(name, list(ROUTES), "still")
