@@ -12,6 +12,8 @@ go LAT LON        the leader sails there and waits; --local N E: metres north an
 loiter, return    the leader waits, or comes home; the fleet follows it
 hold              all boats stop their propellers and stay armed
 stop              disarms every boat directly, by every link; names each that did not answer
+serve             makes the fleet one vehicle, with the system id --as, for a ground station
+                  at --ground, until Ctrl-C
 
 Exit status: 0, 1 where a boat did not do as it was told, 2 for a mistake of the caller.
 """
@@ -24,7 +26,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from sil.fleet.actions import Wish
+    from sil.fleet.station import Station
 
 EXAMPLES = (
     "flotilla fleet status",
@@ -32,6 +37,7 @@ EXAMPLES = (
     "flotilla fleet go --local 20 -5",
     "flotilla fleet --mavlink udpin:0.0.0.0:14550 --key key stop",
     "flotilla fleet --mavlink tcp:127.0.0.1:5760 --mavlink tcp:127.0.0.1:5770 arm",
+    "flotilla fleet serve --as 250 --ground udpout:127.0.0.1:14551",
 )
 
 _WORDS = {"form": "SHAPE", "go": "LAT LON"}
@@ -47,8 +53,9 @@ _ACTIONS = (
     "return",
     "hold",
     "stop",
+    "serve",
 )
-_DEFAULT = "udpin:127.0.0.1:14550"
+_DEFAULT, _GROUND = "udpin:127.0.0.1:14550", "udpout:127.0.0.1:14551"
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -79,6 +86,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--local", nargs=2, type=float, metavar=("N", "E"), help="go: metres from the leader"
     )
+    parser.add_argument(
+        "--ground", metavar="LINK", default=_GROUND, help=f"serve: the ground station ({_GROUND})"
+    )
+    parser.add_argument(
+        "--as", type=_system, default=250, metavar="N", dest="vehicle", help="serve: its id (250)"
+    )
 
 
 def main(options: argparse.Namespace, _: Sequence[str]) -> int:
@@ -100,8 +113,24 @@ def main(options: argparse.Namespace, _: Sequence[str]) -> int:
         for end in ends:
             end.close()
         raise
+    console = Console(highlight=False)
     with closing(Station(ends, options.station, signer)) as station:
-        return perform(station, wish, Console(highlight=False))
+        if wish.action == "serve":
+            return _serve(station, options, console)
+        return perform(station, wish, console)
+
+
+def _serve(station: "Station", options: argparse.Namespace, console: "Console") -> int:
+    from sil.fleet.ends import end_at
+    from sil.fleet.fleet_vehicle import LINK, FleetVehicle
+    from sil.wire.signing import Signer, read_key
+
+    signer = None if options.key is None else Signer(read_key(options.key), LINK)
+    with closing(end_at(options.ground, "--ground")) as end:
+        vehicle = FleetVehicle(station, end, options.vehicle, signer, console.print)
+        console.print(f"the fleet is vehicle {options.vehicle} at {options.ground}; Ctrl-C ends it")
+        while True:
+            vehicle.serve(for_s=3600.0)
 
 
 def _wish(options: argparse.Namespace) -> "Wish":

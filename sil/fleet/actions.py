@@ -49,7 +49,8 @@ def discover(station: Station, wish: Wish) -> list[int]:
     """The boats that are named, or those heard meanwhile."""
     named = list(wish.boats)
     if wish.action == "status" or not named:
-        station.run(_STATUS_S if wish.action == "status" else DISCOVERY_S)
+        least_s = _STATUS_S if wish.action == "status" else DISCOVERY_S
+        station.run(least_s - station.now_s())
     else:
         station.run(_NAMED_S, lambda: set(named) <= set(station.boats()))
     return named if named and station.boats() else station.boats()
@@ -117,12 +118,12 @@ def _go(station: Station, wish: Wish, _: Sequence[int], console: Console) -> int
         latitude, longitude = wish.place
     else:
         boat = wish.boats[0] if wish.boats else leading_boat(station)
-        latitude, longitude = _from_boat(station, boat, wish.way_m or (0.0, 0.0))
+        latitude, longitude = place_of(station, boat, wish.way_m or (0.0, 0.0))
     order = go_to(round(1e7 * latitude), round(1e7 * longitude))
     return _lead(station, wish, order, f"sails to {latitude:.6f} {longitude:.6f}", console)
 
 
-def _from_boat(station: Station, boat: int, way_m: tuple[float, float]) -> tuple[float, float]:
+def place_of(station: Station, boat: int, way_m: tuple[float, float]) -> tuple[float, float]:
     """Latitude and longitude, deg, so far north and east of a boat; ValueError if it is lost."""
     told = {vessel["id"]: vessel for vessel in station.fleet.vessels(station.now_s())}
     origin, vessel = station.fleet.origin, told.get(boat)

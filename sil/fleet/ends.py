@@ -173,8 +173,8 @@ class Stream:
         os.close(self._descriptor)
 
 
-def end_at(address: str) -> End:
-    """Open the end at an address. ValueError if it is none, OSError if it cannot be opened."""
+def end_at(address: str, option: str = "--mavlink") -> End:
+    """Open the end at an option's address. ValueError if it is none, OSError if it fails."""
     scheme, _, rest = address.partition(":")
     try:
         if scheme == "udpin":
@@ -188,6 +188,6 @@ def end_at(address: str) -> End:
             return Stream(address, open_line(*line_of(address), os.O_RDWR))
         raise ValueError("must be udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or /dev/…")
     except ValueError as error:
-        raise ValueError(f'--mavlink "{address}": {error}') from None
+        raise ValueError(f'{option} "{address}": {error}') from None
     except (OSError, termios.error) as error:
         raise OSError(f"{address}: {alarm.of_error(error)}") from None

@@ -111,8 +111,16 @@ def table(rows: Sequence[Row]) -> Table:
 def of_station(station: Station, boats: Sequence[int]) -> tuple[str, Table, bool]:
     """The sentence, the table, and whether all boats are heard."""
     rows = rows_of(station, boats)
-    words = verdict(rows, root(station), leaders(station))
-    return words, table(rows), all(row.is_heard for row in rows)
+    return _words(station, rows), table(rows), all(row.is_heard for row in rows)
+
+
+def verdict_of(station: Station, boats: Sequence[int]) -> str:
+    """The sentence alone."""
+    return _words(station, rows_of(station, boats))
+
+
+def _words(station: Station, rows: Sequence[Row]) -> str:
+    return verdict(rows, root(station), leaders(station))
 
 
 def _is_well(row: Row, top: int | None) -> bool:

@@ -49,7 +49,8 @@ class Station:
 
     `fleet`: the vessels heard. By system id: `beacons`, with their times; `signs`, those that sign,
     where the station has no key. `parameters`: by system id and name. `refused`: number of messages
-    without a good signature. Times are s since the station began.
+    without a good signature. Times are s since the station began. `kind`: its heartbeat's MAV_TYPE.
+    `meanwhile` is called at least 20 times a second while it listens.
     """
 
     def __init__(
@@ -67,6 +68,8 @@ class Station:
         self.texts: list[Text] = []
         self.signs: set[int] = set()
         self.refused = 0
+        self.kind: int = mavlink.MAV_TYPE_ONBOARD_CONTROLLER
+        self.meanwhile: Callable[[], None] = lambda: None
         self._ends = list(ends)
         self._signer = signer
         self._ear = Ear(stream=False)
@@ -132,9 +135,8 @@ class Station:
     def _listen(self, wait_s: float) -> None:
         if self.now_s() >= self._beat_s:
             self._beat_s = self.now_s() + _BEAT_S
-            kind, none = mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID
-            state = mavlink.MAV_STATE_ACTIVE
-            self.say(mavlink.MAVLink_heartbeat_message(kind, none, 0, 0, state, 3))
+            none, state = mavlink.MAV_AUTOPILOT_INVALID, mavlink.MAV_STATE_ACTIVE
+            self.say(mavlink.MAVLink_heartbeat_message(self.kind, none, 0, 0, state, 3))
         for end in self._clock.wait(self._ends, wait_s):
             try:
                 heard = end.receive()
@@ -143,6 +145,7 @@ class Station:
                 continue
             for peer, data in heard:
                 self._hear(end, peer, data)
+        self.meanwhile()
 
     def _drop(self, end: End) -> None:
         self._ends.remove(end)

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: MIT
+"""The whole fleet as one MAVLink vehicle: a ground station commands it as it would one boat.
+
+Arming, HOLD and a stop go to every boat directly; AUTO, LOITER, RTL and a place to go to are the
+leader's, and boats in HOLD then follow. What the fleet vehicle tells of itself is the leader's
+place and mode; it is armed as long as any boat is.
+"""
+
+import io
+from collections import deque
+from collections.abc import Callable
+from math import cos, degrees, isfinite, sin
+from typing import NamedTuple
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+from rich.console import Console
+
+from sil.fleet.actions import Wish, is_on_globe, perform, place_of
+from sil.fleet.ends import End
+from sil.fleet.fleet_status import verdict_of
+from sil.fleet.lead import root
+from sil.fleet.orders import DISCOVERY_S
+from sil.fleet.station import Station
+from sil.wire.heartbeat import AUTO, FORMATION, GUIDED, HOLD, LOITER, MANUAL, RTL
+from sil.wire.mavlink_frames import frames
+from sil.wire.signing import Signer
+
+SYSTEM, LINK = 250, 71
+
+_BEAT_S, _POSITION_S, _VERDICT_S = 1.0, 0.5, 5.0
+_STATION_SILENT_S = 3.0
+_TEXT_BYTES = 50
+_ARMED_MODE = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+_CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+_NUMBERS = {
+    "MANUAL": MANUAL,
+    "HOLD": HOLD,
+    "LOITER": LOITER,
+    "FORMATION": FORMATION,
+    "COAST": FORMATION,
+    "AUTO": AUTO,
+    "RTL": RTL,
+    "GUIDED": GUIDED,
+}
+_OF_MODE = {HOLD: "hold", FORMATION: "follow", AUTO: "auto", LOITER: "loiter", RTL: "return"}
+_OF_LEADER = ("auto", "loiter", "return", "go")
+_STOPS = ("stop", "hold")
+_KNOWN = (
+    mavlink.MAV_CMD_COMPONENT_ARM_DISARM,
+    mavlink.MAV_CMD_DO_SET_MODE,
+    mavlink.MAV_CMD_DO_REPOSITION,
+)
+_FORCED = 21196.0  # COMPONENT_ARM_DISARM, param2: without the checks
+_UNKNOWN_HEADING = 65535
+_MAVSDK_HOLD = 4.0, 3.0  # mode and sub mode
+_CANCELLED = 6  # MAV_RESULT_CANCELLED, which pymavlink lacks
+
+
+class SupersededError(Exception):
+    """A command that stops the boats has come."""
+
+
+class Command(NamedTuple):
+    """Who asks for what; `number`: of the command, None for SET_MODE, which has no answer."""
+
+    number: int | None
+    system: int
+    component: int
+    wish: Wish
+
+
+class FleetVehicle:
+    """One vehicle with system id `system` at a ground station's `end`, for the boats of `station`.
+
+    With a `signer` the ground station must sign, too. Commands are carried out one after another;
+    a stop and HOLD cancel all others at once. `told` gets what is done, in words.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        end: End,
+        system: int = SYSTEM,
+        signer: Signer | None = None,
+        told: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self._station = station
+        self._end = end
+        self._signer = signer
+        self._told = told
+        self._mav = mavlink.MAVLink(None, system, mavlink.MAV_COMP_ID_AUTOPILOT1)
+        self._ear = mavlink.MAVLink(None)
+        self._ear.robust_parsing = True
+        self._leader: int | None = None  # the last one that was known
+        self._asked: deque[Command] = deque()
+        self._carried_out: Command | None = None
+        self._beat_s = self._position_s = 0.0
+        self._verdict_s = DISCOVERY_S
+        self._station_s = -_STATION_SILENT_S
+        self._verdict = ""
+        self._chunked = 0
+        station.meanwhile = self._attend
+
+    def serve(self, for_s: float) -> None:
+        """Be this vehicle for so long.
+
+        OSError where an end has ended; ValueError where a boat has the vehicle's id.
+        """
+        end_s = self._station.now_s() + for_s
+        while (left_s := end_s - self._station.now_s()) > 0.0:
+            if self._station.run(left_s, lambda: self._asked):
+                self._carried_out = self._asked.popleft()
+                try:
+                    self._answer(self._carried_out, self._obey(self._carried_out.wish))
+                except SupersededError:
+                    self._answer(self._carried_out, _CANCELLED)
+                finally:
+                    self._carried_out = None
+
+    def _obey(self, wish: Wish) -> int:
+        if wish.action in _OF_LEADER and self._leader is not None:
+            wish = wish._replace(boats=(self._leader,))
+        status = self._perform(wish)
+        if status == 0 and wish.action in _OF_LEADER and self._rests():
+            status = self._perform(Wish("follow"))
+        result: int = mavlink.MAV_RESULT_FAILED if status else mavlink.MAV_RESULT_ACCEPTED
+        return result
+
+    def _perform(self, wish: Wish) -> int:
+        words = io.StringIO()
+        try:
+            status = perform(self._station, wish, Console(file=words, width=200, highlight=False))
+        except ValueError as error:
+            words.write(str(error))
+            status = 1
+        for line in words.getvalue().splitlines():
+            self._text(line.strip(), warns=status != 0)
+        return status
+
+    def _rests(self) -> bool:
+        """Whether a boat is in HOLD."""
+        systems = self._station.fleet.systems
+        return any(
+            self._station.is_heard(boat) and systems[boat].state == "HOLD"
+            for boat in self._station.boats()
+        )
+
+    def _attend(self) -> None:
+        """Hear the ground station and tell it of the fleet: often, whatever else is done."""
+        for _, data in self._end.receive():
+            for *_, frame in frames(data):
+                if self._signer is None or self._signer.verifies(frame):
+                    self._take(self._ear.parse_buffer(frame)[0])
+        now_s = self._station.now_s()
+        if (top := root(self._station)) in self._station.boats():
+            self._leader = top
+        hears = now_s - self._station_s < _STATION_SILENT_S
+        # Boats that stop without a ground station must miss the real one.
+        self._station.kind = mavlink.MAV_TYPE_GCS if hears else mavlink.MAV_TYPE_ONBOARD_CONTROLLER
+        if now_s >= self._beat_s:
+            self._beat_s = now_s + _BEAT_S
+            if (own := self._mav.srcSystem) in self._station.fleet.systems:
+                raise ValueError(f"system id {own} is taken by a vessel: give the fleet another")
+            self._say(self._heartbeat())
+        if now_s >= self._position_s:
+            self._position_s = now_s + _POSITION_S
+            if (position := self._position()) is not None:
+                self._say(position)
+        if now_s >= self._verdict_s:
+            self._verdict_s = now_s + _VERDICT_S
+            verdict = verdict_of(self._station, self._station.boats())
+            if verdict != self._verdict:
+                self._verdict = verdict
+                self._text(verdict, warns=False)
+        first, now = self._asked[0] if self._asked else None, self._carried_out
+        if first and now and first.wish.action in _STOPS and now.wish.action not in _STOPS:
+            raise SupersededError
+
+    def _take(self, message: mavlink.MAVLink_message) -> None:
+        kind, own = message.get_type(), self._mav.srcSystem
+        if message.get_srcSystem() == own or getattr(message, "target_system", own) not in (0, own):
+            return
+        if kind == "HEARTBEAT":
+            if message.type == mavlink.MAV_TYPE_GCS:
+                self._station_s = self._station.now_s()
+        elif kind == "PARAM_REQUEST_LIST":
+            count = float(len(self._station.boats()))
+            real = mavlink.MAV_PARAM_TYPE_REAL32
+            self._say(mavlink.MAVLink_param_value_message(b"FLEET_BOATS", count, real, 1, 0))
+        elif kind == "MISSION_REQUEST_LIST":
+            to = message.get_srcSystem(), message.get_srcComponent()
+            self._say(mavlink.MAVLink_mission_count_message(*to, 0, message.mission_type))
+        elif kind in ("COMMAND_LONG", "COMMAND_INT", "SET_MODE"):
+            self._ask(message)
+
+    def _ask(self, message: mavlink.MAVLink_message) -> None:
+        wish = wish_of(message)
+        number = None if message.get_type() == "SET_MODE" else message.command
+        asker = number, message.get_srcSystem(), message.get_srcComponent()
+        if wish is None:
+            known = number is None or number in _KNOWN
+            refused = mavlink.MAV_RESULT_DENIED if known else mavlink.MAV_RESULT_UNSUPPORTED
+            self._answer(Command(*asker, Wish("")), refused)
+            return
+        command = Command(*asker, wish)
+        self._answer(command, mavlink.MAV_RESULT_IN_PROGRESS)
+        if command in (self._carried_out, *self._asked):
+            return
+        if wish.action in _STOPS:
+            for other in self._asked:
+                if other.wish.action != "stop":
+                    self._answer(other, _CANCELLED)
+            self._asked = deque(other for other in self._asked if other.wish.action == "stop")
+        self._asked.append(command)
+
+    def _heartbeat(self) -> mavlink.MAVLink_message:
+        systems, boats = self._station.fleet.systems, self._station.boats()
+        states = {boat: systems[boat].state for boat in boats if self._station.is_heard(boat)}
+        mode = _NUMBERS.get(states.get(self._leader or 0) or "", HOLD)
+        armed = any(state not in (None, "DISARMED") for state in states.values())
+        well = states and len(states) == len(boats) and "FAULT" not in states.values()
+        return mavlink.MAVLink_heartbeat_message(
+            mavlink.MAV_TYPE_SURFACE_BOAT,
+            mavlink.MAV_AUTOPILOT_GENERIC,
+            _CUSTOM | (_ARMED_MODE if armed else 0),
+            mode,
+            mavlink.MAV_STATE_ACTIVE if well else mavlink.MAV_STATE_CRITICAL,
+            3,
+        )
+
+    def _position(self) -> mavlink.MAVLink_message | None:
+        """The leader's; None if it is not known."""
+        try:
+            latitude, longitude = place_of(self._station, self._leader or 0, (0.0, 0.0))
+        except ValueError:
+            return None
+        told = self._station.fleet.vessels(self._station.now_s())
+        vessel = next(vessel for vessel in told if vessel["id"] == self._leader)
+        heading = vessel["psi_rad"]
+        psi, u, v = heading or 0.0, vessel["u_mps"] or 0.0, vessel["v_mps"] or 0.0
+        north, east = u * cos(psi) - v * sin(psi), u * sin(psi) + v * cos(psi)
+        return mavlink.MAVLink_global_position_int_message(
+            round(1000.0 * self._station.now_s()) & 0xFFFFFFFF,
+            round(1e7 * latitude),
+            round(1e7 * longitude),
+            *(0, 0),
+            *(_int16(100.0 * north), _int16(100.0 * east), 0),
+            _UNKNOWN_HEADING if heading is None else round(100.0 * degrees(psi)) % 36000,
+        )
+
+    def _answer(self, command: Command, result: int) -> None:
+        if command.number is not None:
+            to = command.system, command.component
+            self._say(mavlink.MAVLink_command_ack_message(command.number, result, 0, 0, *to))
+
+    def _text(self, text: str, *, warns: bool) -> None:
+        """A STATUSTEXT, in as many parts as it takes."""
+        if not text:
+            return
+        self._told(text)
+        level = mavlink.MAV_SEVERITY_WARNING if warns else mavlink.MAV_SEVERITY_INFO
+        whole = text.encode("ascii", "replace")
+        self._chunked = self._chunked % 0xFFFF + 1
+        number = self._chunked if len(whole) > _TEXT_BYTES else 0
+        for part, begin in enumerate(range(0, len(whole), _TEXT_BYTES)):
+            piece = whole[begin : begin + _TEXT_BYTES]
+            self._say(mavlink.MAVLink_statustext_message(level, piece, number, part))
+
+    def _say(self, message: mavlink.MAVLink_message) -> None:
+        frame = message.pack(self._mav)
+        self._mav.seq = (self._mav.seq + 1) & 0xFF
+        self._end.send(frame if self._signer is None else self._signer.sign(frame), None)
+
+
+def wish_of(message: mavlink.MAVLink_message) -> Wish | None:
+    """What a COMMAND_LONG, COMMAND_INT or SET_MODE asks the fleet for; None if it is refused."""
+    if message.get_type() == "SET_MODE":
+        return _mode_wish(message.base_mode, message.custom_mode)
+    number = message.command
+    if number == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
+        arms = {0.0: "stop", 1.0: "arm"}.get(message.param1)
+        forced = arms == "arm" and message.param2 == _FORCED
+        return None if arms is None or forced else Wish(arms)
+    if number == mavlink.MAV_CMD_DO_SET_MODE:
+        mode = message.param2, message.param3
+        known = message.param3 == 0.0 or mode == _MAVSDK_HOLD
+        return _mode_wish(message.param1, message.param2) if known else None
+    if number == mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH:
+        return Wish("return")
+    return _go_wish(message) if number == mavlink.MAV_CMD_DO_REPOSITION else None
+
+
+def _mode_wish(base: float, custom: float) -> Wish | None:
+    is_custom = isfinite(base) and int(base) & _CUSTOM
+    action = _OF_MODE.get(int(custom)) if isfinite(custom) and custom == int(custom) else None
+    return Wish(action) if is_custom and action else None
+
+
+def _go_wish(message: mavlink.MAVLink_message) -> Wish | None:
+    if message.get_type() == "COMMAND_INT":
+        place = 1e-7 * message.x, 1e-7 * message.y
+    else:
+        place = message.param5, message.param6
+    return Wish("go", place=place) if is_on_globe(*place) else None
+
+
+def _int16(value: float) -> int:
+    return max(-32767, min(32767, round(value)))
