@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """A fleet that loses its leader, an inner boat, or half of its radio, while it sails a plan.
 
-    python -m tests.loop.succession [--instants 8] [--kinds leader inner split]
+    python -m tests.loop.succession [--instants 8] [--kinds leader inner split none]
 
 The scenario `lead` with eight boats in a vee, on a radio that loses 30 % and is up to 0.3 s late.
 All get the plan, one gets the fleet's table, and the radio does the rest. Then boat 1 (or boat 2,
 which boats 4, 6 and 8 hang on) is killed, or the radio is split between boats 1 to 4 and 5 to 8 for
-60 s, at instants spread over the plan. Truth, and the boats' own words, are judged.
+60 s, at instants spread over the plan. Truth, and the boats' own words, are judged. `none`: nothing
+fails, for comparison.
 """
 
 import argparse
@@ -33,6 +34,11 @@ from sil.wire.operator import plan_upload
 from sil.wire.plan_upload import PlanUpload
 
 KINDS = ("leader", "inner", "split")
+NOTHING = "none"
+#: Within which a boat is in its slot, for at least so long.
+IN_SLOT_M, STAYS_S = 0.2, 5.0
+#: After which a failure has had its effect.
+FELT_S = 10.0
 FIRST_S, LAST_S, AFTER_S, SPLIT_S = 20.0, 80.0, 90.0, 60.0
 FORMS_UP_S = 60.0
 #: Boat by boat, whom it follows in the table.
@@ -59,7 +65,8 @@ class Healed:
     """One run, times since the failure (or since the parts met again).
 
     `leads_s`: when one boat alone leads; `two_s`: how long two of those that hear each other did;
-    `off_m`: greatest distance of a live boat from its slot after 60 s, and after as long again as
+    `slots_s`: when all live boats are in their slots, for five seconds, 10 s after it at the
+    earliest; `off_m`: greatest distance of one from its slot after 60 s, and after as long again as
     the parts were apart, since those who waited catch up by 0.9 m/s; `nearest_m`: of two live
     boats; `wreck_m`: of a live boat from a dead one; `goes_on`: the leader sails the plan at the
     end; `states`: of the live boats at the end.
@@ -69,6 +76,7 @@ class Healed:
     at_s: float
     leads_s: float
     two_s: float
+    slots_s: float
     off_m: float
     nearest_m: float
     wreck_m: float
@@ -175,7 +183,7 @@ def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
         update = {
             "seed": seed,
             "duration_s": max(instants) + rest_s,
-            "fault": () if kind == "split" else (fault,),
+            "fault": () if kind in ("split", NOTHING) else (fault,),
         }
         made.append(base.model_copy(update=update))
     return made
@@ -218,8 +226,9 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
     leader = live[int(leads[-1][live].argmax())]
     places = np.array(shape)
     settled = t_s >= from_s + FORMS_UP_S + apart_s(kind)
-    off = eta[settled][:, live, :2] - eta[settled][:, leader, None, :2]
+    off = eta[:, live, :2] - eta[:, leader, None, :2]
     off -= places[live] - places[leader]
+    off_m = np.hypot(off[..., 0], off[..., 1]).max(axis=1)
     since = t_s >= at_s
     nearest = [
         np.hypot(*(eta[since][:, a, :2] - eta[since][:, b, :2]).T).min()
@@ -237,12 +246,20 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
         at_s,
         leads_s,
         float((count > 1).sum()) * step_s,
-        float(np.hypot(off[..., 0], off[..., 1]).max()),
+        FELT_S + first_s(off_m[t_s >= from_s + FELT_S] <= IN_SLOT_M, step_s),
+        float(off_m[settled].max()),
         float(min(nearest)),
         float(wreck),
         bool(states[-1, leader] == _AUTO),
         tuple(flotilla.STATES[state] for state in states[-1][live]),
     )
+
+
+def first_s(holds: Array, step_s: float) -> float:
+    """When this begins to be true for `STAYS_S`; infinite if it never does."""
+    size = round(STAYS_S / step_s)
+    whole = np.convolve(holds, np.ones(size), "valid") == size
+    return float(np.flatnonzero(whole)[0]) * step_s if whole.any() else np.inf
 
 
 def main() -> None:
@@ -251,16 +268,34 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--instants", type=int, default=8)
-    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
+    parser.add_argument("--kinds", nargs="+", choices=(*KINDS, NOTHING), default=KINDS)
     given = parser.parse_args()
-    print("| failure | at | one leader after | two for | off its slot | nearest | wreck | plan |")
+    names = ("failure", "at", "one leader after", "two for", "in slots after", "off its slot")
+    print("|", " | ".join([*names, "nearest", "wreck", "plan"]), "|")
     for kind in given.kinds:
         instants = np.linspace(FIRST_S, LAST_S, given.instants).round(2).tolist()
-        for it in sail(kind, instants):
-            figures = [f"{x:.2f}" for x in (it.leads_s, it.two_s, it.off_m, it.nearest_m)]
-            cells = [it.kind, f"{it.at_s:.1f}", *figures, f"{it.wreck_m:.2f}"]
+        healed = sail(kind, instants)
+        for it in healed:
+            times = (it.at_s, it.leads_s, it.two_s, it.slots_s)
+            places = (it.off_m, it.nearest_m, it.wreck_m)
+            cells = [it.kind, *(f"{x:.1f}" for x in times), *(f"{x:.2f}" for x in places)]
             odd = set(it.states) - {"AUTO", "FORMATION"}
             print("|", " | ".join([*cells, "sailed" if it.goes_on else "ended", *odd]), "|")
+        print(summary(kind, healed), flush=True)
+
+
+def summary(kind: str, healed: Sequence[Healed]) -> str:
+    """The worst of all runs of a kind, in words."""
+    slots_s = np.array([it.slots_s for it in healed])
+    late, off = slots_s > FORMS_UP_S, np.array([it.off_m for it in healed]) > IN_SLOT_M
+    return (
+        f"{kind}: {len(healed)} runs; one leader after {max(it.leads_s for it in healed):.1f} s at "
+        f"most, two for {max(it.two_s for it in healed):.1f} s; nearest two "
+        f"{min(it.nearest_m for it in healed):.2f} m; all in their slots after "
+        f"{np.median(slots_s):.0f} s in the median, {late.sum()} times later than "
+        f"{FORMS_UP_S:.0f} s; {off.sum()} times one was out of its slot after that; "
+        f"{sum(not it.goes_on for it in healed)} plans ended"
+    )
 
 
 if __name__ == "__main__":
