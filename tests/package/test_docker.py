@@ -104,10 +104,10 @@ def test_a_boat_has_thrust_in_a_container_of_docker(
 
 
 def test_a_container_is_restarted_when_flotillad_ends_and_its_folders_outlive_it(
-    engine: Engine, name: str
+    engine: Engine, name: str, tmp_path: Path
 ) -> None:
     folders = ("config:/etc", "state:/var/lib", "log:/var/log")
-    volumes = [f"--volume=flotilla-{folder}/flotilla" for folder in folders]
+    volumes = [f"--volume={tmp_path}/{folder}/flotilla" for folder in folders]
     options = ["--detach", "--name=flotilla", "--network=host", "--restart=unless-stopped"]
     engine.docker("run", *options, *volumes, name, "--can=mcast:0")
 
@@ -117,12 +117,26 @@ def test_a_container_is_restarted_when_flotillad_ends_and_its_folders_outlive_it
     until(lambda: ready() == 1)
     page = run(engine.beside("curl", "--silent", "--fail", "http://127.0.0.1:9851/"))
     assert "<title>Flotilla</title>" in page
+    check = ("/usr/bin/flotillad", "--config=/etc/flotilla/boat.toml", "--check")
+    said = engine.says("exec", "--user=flotilla", "flotilla", *check)
+    assert "the configuration is valid" in said
     engine.docker("exec", "flotilla", "busybox", "killall", "-9", "flotillad")
     until(lambda: ready() == 2)
     engine.docker("stop", "flotilla")
     assert engine.says("inspect", "--format={{.State.ExitCode}}", "flotilla") == "0\n"
     engine.docker("rm", "flotilla")
-    kept = engine.says("volume", "ls", "--quiet").split()
-    assert {"flotilla-config", "flotilla-state", "flotilla-log"} <= set(kept)
-    engine.docker("run", *options, *volumes, name, "--can=mcast:0")  # an update
-    until(lambda: ready() == 1)
+    config = run(
+        [*as_root(), "sed", 's/^can = .*/can = "mcast:1"/', f"{tmp_path}/config/boat.toml"]
+    )
+    run([*as_root(), "sh", "-c", 'printf %s "$1" > "$0"', f"{tmp_path}/config/boat.toml", config])
+    engine.docker("run", *options, *volumes, name)  # an update
+    until(lambda: "ready: boat 1 on mcast:1" in engine.says("logs", "flotilla"))
+    engine.docker("rm", "--force", "flotilla")
+
+
+def test_a_boat_sails_without_the_page_where_its_port_is_taken(engine: Engine, name: str) -> None:
+    options = ["--detach", "--network=host"]
+    for bus in (2, 3):
+        engine.docker("run", *options, f"--name=boat{bus}", name, f"--can=mcast:{bus}")
+        until(lambda bus=bus: f"on mcast:{bus}" in engine.says("logs", f"boat{bus}"))
+    assert "no page: another program has port 9851" in engine.says("logs", "boat3")
