@@ -14,7 +14,7 @@ def claim(out: Path, marker: str, scenario: str) -> Path:
     """
     if out.exists() and not out.is_dir():
         raise ValueError(f"--out {out}: is a file; name a folder")
-    if not (out / marker).exists() and not any(out.glob("*.html")):
+    if not (out / marker).exists() and not list(out.glob("*.html")):
         return out
     try:
         held = json.loads((out / marker).read_text(encoding="utf-8"))["scenario"]

@@ -17,8 +17,9 @@ from sil.scenario.sections import Boat, Leader
 ACCELERATION_MPS2 = 0.1
 YAW_RATE_RADPS = 0.35
 YAW_ACCELERATION_RADPS2 = 0.15
-# Radius of a corner of which nothing is said: the slot on the inside keeps steerage way.
-_SMALLEST_M, _WIDE = 2.0, 2.5
+# Radius of a corner of which nothing is said: the slot on the inside keeps steerage way, and those
+# ahead and astern do not have to be much faster than the leader.
+_SMALLEST_M, _WIDE, _LONG = 2.0, 2.5, 1.25
 _ANY_DISTANCE_M = 1e6
 _UNDER_WAY_MPS = 0.01
 #: How far a corner of a plan may pass from its waypoint, where its radius is what counts.
@@ -43,7 +44,7 @@ def route(
     width_m = half_width_m(boats)
     radius_m = leader.corner_radius_m
     if radius_m is None:
-        radius_m = max(_SMALLEST_M, _WIDE * width_m)
+        radius_m = max(_SMALLEST_M, _WIDE * width_m, _LONG * half_length_m(boats))
     points = np.zeros((len(leader.waypoints), 5))
     points[:, :2] = leader.waypoints
     points[:, 2] = leader.speed_mps
@@ -82,12 +83,31 @@ def plans_width_m(leader: Leader, boats: Sequence[Boat]) -> float:
 
 def half_width_m(boats: Sequence[Boat]) -> float:
     """Distance to port or starboard of the outermost slot that turns with the virtual leader."""
-    places = [(0.0, True)]
-    for boat in boats:
-        side, turns = places[boat.follows]
-        turns = turns and boat.parameters.get("FORM_FRAME", 0.0) == 1.0
-        places.append((side + boat.offset_m[1] if turns else 0.0, turns))
-    return max(abs(side) for side, _ in places)
+    return max(abs(starboard) for _, starboard in turning(boats).values())
+
+
+def half_length_m(boats: Sequence[Boat]) -> float:
+    """Distance ahead or astern of the outermost slot that turns with the virtual leader."""
+    return max(abs(ahead) for ahead, _ in turning(boats).values())
+
+
+def turning(boats: Sequence[Boat]) -> dict[int, tuple[float, float]]:
+    """Places ahead and to starboard (m) of the agents that turn with the virtual leader, 0."""
+    places = {0: (0.0, 0.0)}
+    for agent, boat in enumerate(boats, start=1):
+        if boat.follows in places and boat.parameters.get("FORM_FRAME", 0.0) == 1.0:
+            ahead, starboard = places[boat.follows]
+            places[agent] = ahead + boat.offset_m[0], starboard + boat.offset_m[1]
+    return places
+
+
+def fastest(motion: Array, place: tuple[float, float]) -> tuple[float, int]:
+    """Greatest speed of a place that turns with a route's motion, and the waypoint, from 1."""
+    ahead, starboard = place
+    u, v, r = motion[:, 3], motion[:, 4], motion[:, 5]
+    speed = np.hypot(u - r * starboard, v + r * ahead)
+    at = int(speed.argmax())
+    return float(speed[at]), round(motion[at, 9]) + 1
 
 
 def sharpest(motion: Array) -> tuple[float, int]:

@@ -12,6 +12,7 @@ from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
+import flotilla
 from pydantic import Field, Strict, ValidationError
 
 from sil import ROOT
@@ -22,7 +23,7 @@ from sil.scenario import formation, hulls, law, toml_errors
 from sil.scenario.fault_errors import fault_contradictions
 from sil.scenario.formation import Formation
 from sil.scenario.law import Law
-from sil.scenario.route import half_width_m, plans_width_m, route, sharpest
+from sil.scenario.route import fastest, half_width_m, plans_width_m, route, sharpest, turning
 from sil.scenario.sections import (
     Boat,
     Clocks,
@@ -284,7 +285,8 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             return
     # Nearer to the middle of the turn than this a slot would nearly stand still, or go astern.
     width_m = half_width_m(scenario.boat)
-    curvature, number = sharpest(scenario.route())
+    motion = scenario.route()
+    curvature, number = sharpest(motion)
     if width_m * curvature > _INNERMOST * (1.0 + 1e-9):
         wanted = width_m / _INNERMOST
         yield (
@@ -293,6 +295,28 @@ def _route_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
             f"{1 / curvature:.1f} m, slots {width_m:.1f} m abeam that turn with the leader need "
             f"{wanted:.1f} m: make legs longer, corner_radius_m greater, or slots nearer",
         )
+        return
+    if scenario.law == "product":
+        yield from _swung_out(scenario, motion)
+
+
+def _swung_out(scenario: Scenario, motion: Array) -> Iterator[tuple[KeyPath, str]]:
+    """Slots that turn with the leader and are too fast in a corner."""
+    for agent, place in turning(scenario.boat).items():
+        if agent == 0:
+            continue
+        own = scenario.firmware_parameters(scenario.boat[agent - 1])
+        most_mps = flotilla.derived(own)["LAW_U_MAX"]
+        speed_mps, number = fastest(motion, place)
+        if speed_mps > most_mps > 0.0:
+            yield (
+                ("leader", "waypoints"),
+                f'"leader.waypoints": at waypoint {number} the slot of boat {agent}, which turns '
+                f"with the leader, moves at {speed_mps:.1f} m/s, more than its LAW_U_MAX, "
+                f"{most_mps:.1f} m/s: make corner_radius_m greater, speed_mps less, or "
+                "formation.turns false",
+            )
+            return
 
 
 def _plan_contradictions(scenario: Scenario) -> Iterator[tuple[KeyPath, str]]:
