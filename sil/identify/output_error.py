@@ -33,6 +33,7 @@ _STEP = 1e-3  # of a finite difference, in deviations
 # Of each round: a wide edge of the dead band is found from afar.
 _GATES = (0.5, 0.2, 0.05)
 _ITERATIONS = 12
+_SHARES = (1.0, 0.3, 0.0)
 _EARLY = 5  # samples
 _STATES, _PLACES, _GUSTS = 6, len(LOCAL), len(GUSTS)
 _OWN = _STATES + _GUSTS
@@ -159,14 +160,14 @@ def _descend(
     problem: Problem, point: _Point, values: Array, sigma: Array, told: Told
 ) -> tuple[_Point, float]:
     damping = 1e-2
-    cost = _cost(problem, point, values, sigma)
+    cost = _cost(point, _costs(problem, point, values, sigma))
     for turn in range(_ITERATIONS):
         told(turn / _ITERATIONS)
         equations = _equations(problem, point, values, sigma)
         before = cost
         for _ in range(6):
-            trial = _moved(problem, point, equations, damping)
-            there = _cost(problem, trial, values, sigma)
+            moved = _moved(problem, point, equations, damping)
+            trial, there = _eased(problem, point, moved, values, sigma)
             if there < cost:
                 point, cost, damping = trial, there, max(damping * 0.1, 1e-6)
                 break
@@ -176,12 +177,41 @@ def _descend(
     return point, cost
 
 
-def _cost(problem: Problem, point: _Point, values: Array, sigma: Array) -> float:
+def _costs(problem: Problem, point: _Point, values: Array, sigma: Array) -> Array:
+    """Of each window (W): its errors, and what is believed of its gust."""
     places = _places(problem, point)
     error = residuals(problem, _full(problem, point.z, values), places, point.start)
     scaled = np.nan_to_num(error / sigma[:, None])
-    prior = (point.z**2).sum() + (point.local**2).sum() + (point.gust**2).sum()
-    return float((scaled**2).sum() / _ALIKE + prior)
+    costs: Array = (scaled**2).sum(axis=(0, 1)) / _ALIKE + (point.gust**2).sum(axis=0)
+    return costs
+
+
+def _cost(point: _Point, costs: Array) -> float:
+    return float(costs.sum() + (point.z**2).sum() + (point.local**2).sum())
+
+
+def _eased(
+    problem: Problem, point: _Point, moved: _Point, values: Array, sigma: Array
+) -> tuple[_Point, float]:
+    """`moved`, but of its own way each window goes the share of `_SHARES` that costs least.
+
+    A window in which the boat is unstable may be off after a whole step, however short that of the
+    terms is, and would stop the search of all.
+    """
+    least = np.full(len(problem.windows), np.inf)
+    best = moved
+    for share in _SHARES:
+        start = point.start + share * (moved.start - point.start)
+        gust = point.gust + share * (moved.gust - point.gust)
+        costs = _costs(problem, replace(moved, start=start, gust=gust), values, sigma)
+        better = costs < least
+        best = replace(
+            best,
+            start=np.where(better, start, best.start),
+            gust=np.where(better, gust, best.gust),
+        )
+        least = np.minimum(least, costs)
+    return best, _cost(best, least)
 
 
 def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:

@@ -67,6 +67,8 @@ class Engine:
             self.docker("rm", "--force", container)
         self._process.terminate()
         self._process.wait(PATIENCE_S)
+        # what an engine leaves mounted, and pytest could not remove
+        run([*as_root(), "umount", str(self.socket.parent / "exec/netns/default")], check=False)
         self.log.close()
 
 
