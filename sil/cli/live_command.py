@@ -15,7 +15,7 @@ from sil.cli.run_command import leave_motion
 from sil.scenario import arguments
 
 EXAMPLES = (
-    "flotilla live diamond --bus mcast:0",
+    "flotilla live diamond",
     "tools/with-vcan flotilla live diamond --bus socketcan:vcan0",
     "flotilla live diamond --bus mcast:0 --mavlink mcast:    # and elsewhere: flotilla view mcast:",
     "flotilla live diamond --bus mcast:0 --gcs udpout:127.0.0.1:14550 --duration 3600",
@@ -24,12 +24,12 @@ EXAMPLES = (
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    arguments.add_to(parser, out="folder of the results (out/SCENARIO)")
+    arguments.add_to(parser, out="folder of the results (out/SCENARIO_live)")
     parser.add_argument(
         "--bus",
-        required=True,
+        default="mcast:0",
         metavar="mcast:N|socketcan:NAMEn",
-        help="bus of boat 1, as mcast:0 or socketcan:vcan0; boat i takes the next one",
+        help="bus of boat 1, as mcast:0 (so it is) or socketcan:vcan0; boat i takes the next one",
     )
     parser.add_argument(
         "--mavlink",
@@ -60,7 +60,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     if options.duration is not None:
         overrides.append(f"duration_s={options.duration}")
     chosen = scenario.load(options.scenario, overrides, options.law)
-    out = claim(options.out or Path("out") / chosen.name, "summary.json", chosen.name)
+    out = claim(options.out or Path("out") / f"{chosen.name}_live", "summary.json", chosen.name)
     parameters = arguments.parameters_of(options.param)
     console = Console()
     repeat = shlex.join(["flotilla", *given])

@@ -24,6 +24,7 @@ _VERBS = {
     "view": "show a fleet in the browser, live or recorded",
     "fleet": "command a fleet: arm it, form it, send it off, stop it",
     "doctor": "look at a boat's computer: what keeps it from sailing, and what to do",
+    "scenarios": "list the scenarios, or print one to begin your own with",
     "hulls": "list the hulls that a scenario may name, or print one's parameters",
     "convert": "make an MCAP file of logs, for Foxglove, Lichtblick and Rerun",
     "replay": "feed a recording to its boats again: the same answers, bit for bit?",

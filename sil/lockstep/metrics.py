@@ -37,6 +37,7 @@ class BoatSummary(TypedDict):
     thrust_step_rms_N: float
     states: dict[str, float]
     closing_m: NotRequired[float]  # final distance from its slot, if it did not reach it
+    said: NotRequired[list[str]]  # when it first fell out of FORMATION
 
 
 class Summary(TypedDict):

@@ -158,6 +158,7 @@ def _finish(
     said = said_of(out, trace, recorded, release_unix_s)
     if said is not None:
         for boat, heard in zip(boats, said.boats, strict=False):
+            boat["said"] = heard.reasons()
             if heard.is_closing():
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
@@ -170,6 +171,9 @@ def _finish(
             console.print(f"[bold yellow]boat {boat['id']} closing, {boat['closing_m']:.1f} m")
         if coasted := boat["states"].get("COAST"):
             console.print(f"[bold yellow]boat {boat['id']} was {coasted:.1f} s in COAST")
+        if boat.get("said"):
+            words = "; ".join(boat["said"])
+            console.print(f"boat {boat['id']} said: {words}", soft_wrap=True, highlight=False)
     for fault in scenario.fault:
         console.print(fault.sentence(scenario.leader.name), soft_wrap=True, highlight=False)
     digest = result.digest[:16] if result.digest else "none"

@@ -67,6 +67,8 @@ def path_of(name: str) -> Path:
     """The file of a hull; ScenarioError for a name that none has."""
     if name.endswith(".toml") and Path(name).is_file():
         return Path(name)
+    if name.endswith(".toml"):
+        raise ScenarioError(f'"{name}": there is no such file, seen from {Path.cwd()}')
     known = names()
     if name not in known:
         near = difflib.get_close_matches(name, known, 1)

@@ -7,8 +7,9 @@ file with `base = "NAME"` overrides keys of that scenario, boats by number: `[bo
 
 import difflib
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -179,7 +180,7 @@ def read(
     name_or_path: str | Path, overrides: Sequence[str] = (), law_override: Law | None = None
 ) -> toml_errors.Source:
     """The complete document of a scenario for `load`, not yet checked."""
-    path = _find(name_or_path)
+    path = path_of(name_or_path)
     source = _read(path)
     source.document.setdefault("name", path.stem)
     # The route and the shape first: they make the boats, which other overrides may change.
@@ -215,7 +216,7 @@ def _read(path: Path) -> toml_errors.Source:
     if "base" in source.document:
         name = source.document.pop("base")
         try:
-            base = toml_errors.Source.read(_find(name))
+            base = toml_errors.Source.read(path_of(name))
         except (ScenarioError, TypeError) as error:
             raise source.error(("base",), f'"base": {error}') from None
         if "base" in base.document:
@@ -225,7 +226,16 @@ def _read(path: Path) -> toml_errors.Source:
     return source
 
 
-def _find(name_or_path: str | Path) -> Path:
+def about(path: Path) -> str:
+    """The first sentence of a scenario's file, which its comment begins with."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    comment = takewhile(lambda line: line.startswith("#"), lines)
+    words = " ".join(line.lstrip("# ") for line in comment if "SPDX" not in line)
+    return re.split(r"(?<!Fig)\. |; |: ", words)[0].rstrip(".")
+
+
+def path_of(name_or_path: str | Path) -> Path:
+    """The file of a scenario, by its name or path; ScenarioError for a name that none has."""
     path = Path(name_or_path)
     if path.suffix == ".toml":
         return path

@@ -42,6 +42,9 @@ _SHOWN = (
     *_PLANS,
 )
 
+# States in which a boat is out of formation, and how long before it says why, s.
+_LOST, _BEFORE_S = ("COAST", "HOLD", "FAULT"), 6.0
+
 # Of the NAMED_VALUE_FLOATs, which are nine tenths of the messages, a history needs these.
 _NAMES = {b"COND", b"COND2", b"IN_SLOT", b"LEAD_AGE"}
 _ID, _NAME = slice(7, 10), slice(18, 28)
@@ -91,6 +94,14 @@ class SaidByBoat:
     def is_closing(self) -> bool:
         """Whether it was last in FORMATION but not yet in its slot."""
         return self._vessel.state == "FORMATION" and self._vessel.value("IN_SLOT") == 0.0
+
+    def reasons(self) -> list[str]:
+        """Its texts around the moment when it first lost FORMATION; empty where it never did."""
+        lost = [at_s for at_s, state in self.states.list if at_s > 0.0 and state in _LOST]
+        near = (
+            text for at_s, text in self.texts.list if lost and -_BEFORE_S < at_s - lost[0] < 1.0
+        )
+        return list(dict.fromkeys(near))
 
     def has_escs(self, port: int, stbd: int) -> None:
         """Set the indices of its propellers' ESCs, 0 and 1 by default."""

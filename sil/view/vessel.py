@@ -8,10 +8,10 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from sil.view import states
 from sil.view.aboard import Aboard
 from sil.view.seen_motion import Motion
-from sil.view.texts import Texts
 from sil.wire import mavlink_messages as messages
 from sil.wire.heartbeat import state_of
 from sil.wire.mavlink_ear import Message
+from sil.wire.texts import Texts
 
 _SLOW_S = 5.0
 _RESTARTED_MS = 1000

@@ -9,6 +9,7 @@ from sil.wire.heartbeat import FORMATION, HOLD, state_of
 from sil.wire.mavlink_frames import frames
 from sil.wire.mavlink_messages import ESC_INFO, ESC_STATUS
 from sil.wire.plan_upload import PlanItem, PlanUpload
+from sil.wire.texts import CHUNK_BYTES, Texts
 
 SYSTEM, COMPONENT = 255, mavlink.MAV_COMP_ID_MISSIONPLANNER
 
@@ -63,13 +64,14 @@ def next_request(state: str, mode: int = FORMATION) -> Request | None:
 class Operator:
     """One ground station.
 
-    By system id: `state`, from the last HEARTBEAT that contains one, and the last `text`
-    (STATUSTEXT).
+    By system id: `state`, from the last HEARTBEAT that contains one, and the last whole `text`
+    (of STATUSTEXTs).
     """
 
     def __init__(self) -> None:
         self.state: dict[int, str] = {}
         self.text: dict[int, str] = {}
+        self._texts: dict[int, Texts] = {}
         self._mav = mavlink.MAVLink(None, SYSTEM, COMPONENT)
 
     def set_parameter(self, system: int, name: str, value: float) -> bytes:
@@ -108,7 +110,11 @@ class Operator:
                 if state is not None:
                     self.state[system] = state
             elif message_id == mavlink.MAVLINK_MSG_ID_STATUSTEXT:
-                self.text[system] = message.text
+                piece = message.text.encode().ljust(CHUNK_BYTES, b"\0")
+                texts = self._texts.setdefault(system, Texts())
+                texts.hear(message.get_srcComponent(), piece, message.id, message.chunk_seq, 0.0)
+                if texts.last:
+                    self.text[system] = texts.last
 
     def _pack(self, message: mavlink.MAVLink_message) -> bytes:
         frame: bytes = message.pack(self._mav)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sil.lockstep import metrics
 from sil.lockstep.world import Run, sail
 from sil.scenario.formation import Formation, Shape, slots
 from sil.scenario.route import half_width_m, route, sharpest
@@ -116,6 +117,27 @@ def test_mistakes_are_told_with_their_place(tmp_path: Path, was: str, now: str, 
     told = complaint(tmp_path, SQUARE.replace(was, now))
     assert told.startswith("square.toml:")
     assert said in told
+
+
+def test_a_slot_that_a_corner_swings_out_too_fast_is_refused(tmp_path: Path) -> None:
+    column = SQUARE.replace('"line"', '"column"').replace("spacing_m = 2.0", "spacing_m = 9.0")
+    told = complaint(tmp_path, column, "leader.corner_radius_m=3")
+    assert "at waypoint 2 the slot of boat " in told
+    assert "more than its LAW_U_MAX, 1.5 m/s: make corner_radius_m greater" in told
+    load(written(tmp_path, column), ["leader.corner_radius_m=3", "formation.turns=false"])
+    load(written(tmp_path, column), ["leader.corner_radius_m=3", "law=paper"])
+
+
+def test_a_column_sails_round_corners_at_the_defaults(tmp_path: Path) -> None:
+    text = (
+        SQUARE.replace('"line"', '"column"').replace("20", "60").replace("boats = 3", "boats = 5")
+    )
+    column = load(
+        written(tmp_path, text.replace("spacing_m = 2.0", "spacing_m = 4.0")), ["duration_s=300"]
+    )
+    (run,) = sail([column], {})
+    assert isinstance(run, Run)
+    assert metrics.distances(run.trace["error"])[-1].max() < 0.1
 
 
 def test_the_route_keeps_its_limits_and_ends_at_the_last_waypoint() -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A vessel's STATUSTEXTs, reassembled from their chunks."""
 
-_CHUNK = 50
+CHUNK_BYTES = 50
 
 
 class Texts:
