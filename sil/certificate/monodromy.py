@@ -27,7 +27,7 @@ Complex = npt.NDArray[np.complex128]
 
 _DELTA = 1e-5
 _MOST_WINDOWS = 5
-_LEAST_SAIL_S, _MOST_SAIL_S = 30.0, 1200.0
+_LEAST_SAIL_S, _MOST_SAIL_S = 30.0, 3600.0
 _REPEATS_M, _REPEATS = 1e-5, 1e-3
 _LOST_M = 50.0
 _IDLE = 1e-9
@@ -91,7 +91,7 @@ class Regime:
 
 
 def settle(boat: Boat, wanted: Sequence[Instants]) -> Regime:
-    """Sail a boat from its slot until it repeats itself, for 30 to 1,200 s, and then its windows.
+    """Sail a boat from its slot until it repeats itself, for 30 to 3,600 s, and then its windows.
 
     A mode that decays by σ is within 1e-3 of where it ends after 7/σ: the estimate of the current
     has 0.01 1/s on a slow hull, which is 700 s.
