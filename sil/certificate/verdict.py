@@ -100,6 +100,9 @@ def _thrust(case: Case) -> str:
 
 
 def _why(leg: Leg, case: Case) -> str:
+    mode = next(iter(case.sampled.slowest), "")
+    if mode.startswith(("current", "unknown")):
+        return f", that of a wrong estimate of the {mode}, which this leg does not show"
     if leg.reference.mu > 0.0 or case.setup.parameters.get("LAW_XT_DIST", 0.0) > 0.0:
         return ""
     return ", for the leader does not turn and LAW_XT_DIST is 0"
