@@ -37,9 +37,10 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
         if status == 0:
             _show(others)
         return status
-    from sil.live.live_world import build
+    from sil.live.live_world import IS_CLONE, build
 
-    print("building flotillad", flush=True)
+    if IS_CLONE:
+        print("building flotillad", flush=True)
     build(print)
     view = subprocess.Popen([sys.executable, "-m", "flotilla_usv", "view", "mcast:"])
     try:
