@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Decides when the boat may drive: conditions and an operator's request → ordered table → state.
 //
-// The first matching row wins. A row matches when the state is one of `from`, the request is the
-// row's, every condition in `needs` is met, unless `lacks` is empty, one in `lacks` is not, and,
-// unless `on` is empty, it holds the reaction that the operator chose for what is lost.
+// The first matching row wins. A row matches when all of this is true:
+//   from:   the state is one of these
+//   the request is the row's
+//   needs:  all of these conditions are met
+//   lacks:  empty, or at least one of these is not met
+//   on:     empty, or contains the reaction that the operator chose for what is lost
 #pragma once
 
 #include <algorithm>

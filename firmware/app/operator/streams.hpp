@@ -21,7 +21,7 @@ enum class Pace : std::uint8_t {
   kNews,       ///< twice SR_STATE, at most 10 Hz; news is sent up to half an interval early
   kSlow,       ///< SR_SLOW
   kFixed,      ///< as listed, or SR_SLOW if that is below 1 Hz
-  kOnRequest,  ///< off by default: clients whose dialect lacks it would count it as lost
+  kOnRequest,  ///< off until a client asks for it, with an interval of its own: SET_MESSAGE_INTERVAL
 };
 
 /// Paces that share the bandwidth left by the state streams.
@@ -32,10 +32,10 @@ struct StreamInfo {
   std::uint16_t bytes;  ///< on the wire, at most
   Pace pace;
   std::int64_t fixed_us;
-  bool companion;  ///< also sent beside an autopilot: cannot be confused with its states
+  bool companion;  ///< also sent by an autopilot's companion: the autopilot never sends it itself
 };
 
-/// In sending order: what followers need comes first.
+/// In sending order: what followers need comes first. Positions are named below: add at the end.
 inline constexpr std::array kStreams{
     StreamInfo{link::GpsGlobalOrigin::kId, 32, Pace::kFixed, 1'000'000, false},
     StreamInfo{link::Attitude::kId, 40, Pace::kState, 0, false},

@@ -89,12 +89,13 @@ constexpr std::array<bool, 128> kQuestions = [] {
 enum class Kind : std::uint8_t { kOther, kBeat, kPlace, kTimesync, kAck, kText };
 struct Contents {
   Kind kind = Kind::kOther;
-  bool has_time = false;   ///< begins with time since boot, ms
-  std::uint8_t first = 0;  ///< offset of the floating-point numbers
+  bool has_time = false;  ///< begins with time since boot, ms
+  std::uint8_t first =
+      0;  ///< offset of the floating-point numbers on the wire: largest types first
   std::uint8_t count = 0;  ///< how many there are
 };
 
-/// Without ESC messages: unknown values are NaN in the ESCs' protocol, and are forwarded as such.
+/// ESC messages are left out: their unknown values are NaN, and are forwarded as such.
 constexpr std::size_t kIds = 512;
 constexpr std::array<Contents, kIds> kContents = [] {
   std::array<Contents, kIds> of{};

@@ -81,6 +81,7 @@ TEST_CASE("a link nobody has asked for anything hears the defaults") {
   for (std::size_t link = 0; link < kLinks; ++link) {
     for (unsigned id = 0; id <= UINT16_MAX; ++id) {
       const auto found = kDefaults.find(static_cast<std::uint16_t>(id));
+      CAPTURE(id);
       REQUIRE(streams.interval_us(link, static_cast<std::uint16_t>(id)) ==
               (found == kDefaults.end() ? 0 : found->second));
     }

@@ -32,6 +32,7 @@ TEST_CASE("every condition that is not met has a sentence of its own, which fits
   for (unsigned bit = 0; bit < core::kConditionCount; ++bit) {
     const auto unmet = core::Conditions{1} << bit;
     const auto sentences = complaints_of(unmet);
+    CAPTURE(bit);
     REQUIRE(sentences.size() == 1);
     CHECK(complaint_of(unmet) == sentences[0]);
     CHECK(std::string("Refused: ").size() + sentences[0].size() <= 50);
