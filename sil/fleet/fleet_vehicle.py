@@ -44,7 +44,7 @@ _NUMBERS = {
 }
 _OF_MODE = {HOLD: "hold", FORMATION: "follow", AUTO: "auto", LOITER: "loiter", RTL: "return"}
 _OF_LEADER = ("auto", "loiter", "return", "go")
-_STOPS = ("stop", "hold")
+_STOPS = {"stop": 2, "hold": 1}  # the greater one cancels the others
 _KNOWN = (
     mavlink.MAV_CMD_COMPONENT_ARM_DISARM,
     mavlink.MAV_CMD_DO_SET_MODE,
@@ -173,7 +173,7 @@ class FleetVehicle:
                 self._verdict = verdict
                 self._text(verdict, warns=False)
         first, now = self._asked[0] if self._asked else None, self._carried_out
-        if first and now and first.wish.action in _STOPS and now.wish.action not in _STOPS:
+        if first and now and _rank(first) > _rank(now):
             raise SupersededError
 
     def _take(self, message: mavlink.MAVLink_message) -> None:
@@ -206,11 +206,9 @@ class FleetVehicle:
         self._answer(command, mavlink.MAV_RESULT_IN_PROGRESS)
         if command in (self._carried_out, *self._asked):
             return
-        if wish.action in _STOPS:
-            for other in self._asked:
-                if other.wish.action != "stop":
-                    self._answer(other, _CANCELLED)
-            self._asked = deque(other for other in self._asked if other.wish.action == "stop")
+        for other in [other for other in self._asked if _rank(other) < _rank(command)]:
+            self._asked.remove(other)
+            self._answer(other, _CANCELLED)
         self._asked.append(command)
 
     def _heartbeat(self) -> mavlink.MAVLink_message:
@@ -270,6 +268,10 @@ class FleetVehicle:
         frame = message.pack(self._mav)
         self._mav.seq = (self._mav.seq + 1) & 0xFF
         self._end.send(frame if self._signer is None else self._signer.sign(frame), None)
+
+
+def _rank(command: Command) -> int:
+    return _STOPS.get(command.wish.action, 0)
 
 
 def wish_of(message: mavlink.MAVLink_message) -> Wish | None:
