@@ -85,6 +85,17 @@ def test_blueos_can_read_the_labels(image: Path) -> None:
     assert f"httpd -p {port} " in (SOURCES / "firmware/linux/extension/start").read_text()
 
 
+def test_blueos_store_gets_a_description_and_a_square_logo(image: Path) -> None:
+    folder = SOURCES / "firmware/linux/extension"
+    told = json.loads((folder / "metadata.json").read_text(encoding="utf-8"))
+    assert told.keys() == {"name", "website", "docker", "description"}
+    company = json.loads(settings(image)["Labels"]["company"])
+    assert told["name"] == company["name"]
+    assert told["description"].lower() == company["about"]
+    header = (folder / "extension_logo.png").read_bytes()[:24]
+    assert header[:8] == b"\x89PNG\r\n\x1a\n" and header[16:20] == header[20:24]
+
+
 class Bundle:
     """The image, unpacked by umoci for runc."""
 
