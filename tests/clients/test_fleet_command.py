@@ -19,7 +19,7 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
 from tests.clients.boat import quiet_port
-from tests.linux.process import LOOPBACK, PROGRAM
+from tests.linux.process import LOOPBACK, PROGRAM, free_port
 from tests.live_buses import live_buses
 
 _PATIENCE_S = 90.0
@@ -75,7 +75,7 @@ class LiveFleet:
     @contextmanager
     def served(self, ends: list[str]) -> Iterator[Any]:
         """The fleet as one vehicle, at pymavlink's connection."""
-        port = quiet_port(1)
+        port = free_port()  # not where the boats send
         ground: Any = mavutil.mavlink_connection(f"udpin:{LOOPBACK}:{port}")
         links = [f"--mavlink={end}" for end in ends]
         server = subprocess.Popen(
