@@ -174,7 +174,7 @@ class Stream:
 
 
 def end_at(address: str, option: str = "--mavlink") -> End:
-    """Open the end at an option's address. ValueError if it is none, OSError if it fails."""
+    """Open the end at this address. ValueError if it is malformed, OSError if it fails."""
     scheme, _, rest = address.partition(":")
     try:
         if scheme == "udpin":

@@ -9,18 +9,19 @@ place and mode; it is armed as long as any boat is.
 import io
 from collections import deque
 from collections.abc import Callable
-from math import cos, degrees, isfinite, sin
+from math import cos, degrees, sin
 from typing import NamedTuple
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from rich.console import Console
 
-from sil.fleet.actions import Wish, is_on_globe, perform, place_of
+from sil.fleet.actions import Wish, perform, place_of
 from sil.fleet.ends import End
 from sil.fleet.fleet_status import verdict_of
 from sil.fleet.lead import root
 from sil.fleet.orders import DISCOVERY_S
 from sil.fleet.station import Station
+from sil.fleet.vehicle_commands import KNOWN, wish_of
 from sil.wire.heartbeat import AUTO, FORMATION, GUIDED, HOLD, LOITER, MANUAL, RTL
 from sil.wire.mavlink_frames import frames
 from sil.wire.signing import Signer
@@ -42,17 +43,9 @@ _NUMBERS = {
     "RTL": RTL,
     "GUIDED": GUIDED,
 }
-_OF_MODE = {HOLD: "hold", FORMATION: "follow", AUTO: "auto", LOITER: "loiter", RTL: "return"}
 _OF_LEADER = ("auto", "loiter", "return", "go")
 _STOPS = {"stop": 2, "hold": 1}  # the greater one cancels the others
-_KNOWN = (
-    mavlink.MAV_CMD_COMPONENT_ARM_DISARM,
-    mavlink.MAV_CMD_DO_SET_MODE,
-    mavlink.MAV_CMD_DO_REPOSITION,
-)
-_FORCED = 21196.0  # COMPONENT_ARM_DISARM, param2: without the checks
 _UNKNOWN_HEADING = 65535
-_MAVSDK_HOLD = 4.0, 3.0  # mode and sub mode
 _CANCELLED = 6  # MAV_RESULT_CANCELLED, which pymavlink lacks
 
 
@@ -61,7 +54,7 @@ class SupersededError(Exception):
 
 
 class Command(NamedTuple):
-    """Who asks for what; `number`: of the command, None for SET_MODE, which has no answer."""
+    """A request and its sender. `number`: the MAVLink command; None for SET_MODE: no answer."""
 
     number: int | None
     system: int
@@ -150,7 +143,8 @@ class FleetVehicle:
         for _, data in self._end.receive():
             for *_, frame in frames(data):
                 if self._signer is None or self._signer.verifies(frame):
-                    self._take(self._ear.parse_buffer(frame)[0])
+                    for message in self._ear.parse_buffer(frame) or ():
+                        self._take(message)
         now_s = self._station.now_s()
         if (top := root(self._station)) in self._station.boats():
             self._leader = top
@@ -198,7 +192,7 @@ class FleetVehicle:
         number = None if message.get_type() == "SET_MODE" else message.command
         asker = number, message.get_srcSystem(), message.get_srcComponent()
         if wish is None:
-            known = number is None or number in _KNOWN
+            known = number is None or number in KNOWN
             refused = mavlink.MAV_RESULT_DENIED if known else mavlink.MAV_RESULT_UNSUPPORTED
             self._answer(Command(*asker, Wish("")), refused)
             return
@@ -272,38 +266,6 @@ class FleetVehicle:
 
 def _rank(command: Command) -> int:
     return _STOPS.get(command.wish.action, 0)
-
-
-def wish_of(message: mavlink.MAVLink_message) -> Wish | None:
-    """What a COMMAND_LONG, COMMAND_INT or SET_MODE asks the fleet for; None if it is refused."""
-    if message.get_type() == "SET_MODE":
-        return _mode_wish(message.base_mode, message.custom_mode)
-    number = message.command
-    if number == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
-        arms = {0.0: "stop", 1.0: "arm"}.get(message.param1)
-        forced = arms == "arm" and message.param2 == _FORCED
-        return None if arms is None or forced else Wish(arms)
-    if number == mavlink.MAV_CMD_DO_SET_MODE:
-        mode = message.param2, message.param3
-        known = message.param3 == 0.0 or mode == _MAVSDK_HOLD
-        return _mode_wish(message.param1, message.param2) if known else None
-    if number == mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH:
-        return Wish("return")
-    return _go_wish(message) if number == mavlink.MAV_CMD_DO_REPOSITION else None
-
-
-def _mode_wish(base: float, custom: float) -> Wish | None:
-    is_custom = isfinite(base) and int(base) & _CUSTOM
-    action = _OF_MODE.get(int(custom)) if isfinite(custom) and custom == int(custom) else None
-    return Wish(action) if is_custom and action else None
-
-
-def _go_wish(message: mavlink.MAVLink_message) -> Wish | None:
-    if message.get_type() == "COMMAND_INT":
-        place = 1e-7 * message.x, 1e-7 * message.y
-    else:
-        place = message.param5, message.param6
-    return Wish("go", place=place) if is_on_globe(*place) else None
 
 
 def _int16(value: float) -> int:

@@ -158,7 +158,8 @@ def _finish(
     said = said_of(out, trace, recorded, release_unix_s)
     if said is not None:
         for boat, heard in zip(boats, said.boats, strict=False):
-            boat["said"] = heard.reasons()
+            if reasons := heard.reasons():
+                boat["said"] = reasons
             if heard.is_closing():
                 boat["closing_m"] = hypot(boat["final_error"]["x_m"], boat["final_error"]["y_m"])
     replayed = history_of(f"{scenario.name}, seed {scenario.seed}", trace, scenario, said)
@@ -171,7 +172,7 @@ def _finish(
             console.print(f"[bold yellow]boat {boat['id']} closing, {boat['closing_m']:.1f} m")
         if coasted := boat["states"].get("COAST"):
             console.print(f"[bold yellow]boat {boat['id']} was {coasted:.1f} s in COAST")
-        if boat.get("said"):
+        if "said" in boat:
             words = "; ".join(boat["said"])
             console.print(f"boat {boat['id']} said: {words}", soft_wrap=True, highlight=False)
     for fault in scenario.fault:

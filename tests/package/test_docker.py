@@ -38,25 +38,12 @@ class Engine:
             stdout=self.log,
             stderr=self.log,
         )
-        until(lambda: self.docker("version", check=False).returncode == 0)
+        until(lambda: "Server:" in self.says("version", check=False))
         self.pid = int((folder / "pid").read_text())
 
-    def docker(self, *words: str, check: bool = True) -> "subprocess.CompletedProcess[str]":
-        """A command of a user."""
-        command = [*as_root(), "docker", f"--host=unix://{self.socket}", *words]
-        done = subprocess.run(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            check=False,
-        )
-        assert not check or done.returncode == 0, (words, done.stdout)
-        return done
-
-    def says(self, *words: str) -> str:
-        return self.docker(*words).stdout
+    def says(self, *words: str, check: bool = True) -> str:
+        """What a user's command prints."""
+        return run([*as_root(), "docker", f"--host=unix://{self.socket}", *words], check)
 
     def beside(self, *words: str) -> list[str]:
         """The command line of a command in the engine's network."""
@@ -64,7 +51,7 @@ class Engine:
 
     def close(self) -> None:
         for container in self.says("ps", "--all", "--quiet").split():
-            self.docker("rm", "--force", container)
+            self.says("rm", "--force", container)
         self._process.terminate()
         self._process.wait(PATIENCE_S)
         # what an engine leaves mounted, and pytest could not remove
@@ -111,7 +98,7 @@ def test_a_container_is_restarted_when_flotillad_ends_and_its_folders_outlive_it
     folders = ("config:/etc", "state:/var/lib", "log:/var/log")
     volumes = [f"--volume={tmp_path}/{folder}/flotilla" for folder in folders]
     options = ["--detach", "--name=flotilla", "--network=host", "--restart=unless-stopped"]
-    engine.docker("run", *options, *volumes, name, "--can=mcast:0")
+    engine.says("run", *options, *volumes, name, "--can=mcast:0")
 
     def ready() -> int:
         return engine.says("logs", "flotilla").count("flotillad: ready")
@@ -122,23 +109,23 @@ def test_a_container_is_restarted_when_flotillad_ends_and_its_folders_outlive_it
     check = ("/usr/bin/flotillad", "--config=/etc/flotilla/boat.toml", "--check")
     said = engine.says("exec", "--user=flotilla", "flotilla", *check)
     assert "the configuration is valid" in said
-    engine.docker("exec", "flotilla", "busybox", "killall", "-9", "flotillad")
+    engine.says("exec", "flotilla", "busybox", "killall", "-9", "flotillad")
     until(lambda: ready() == 2)
-    engine.docker("stop", "flotilla")
+    engine.says("stop", "flotilla")
     assert engine.says("inspect", "--format={{.State.ExitCode}}", "flotilla") == "0\n"
-    engine.docker("rm", "flotilla")
+    engine.says("rm", "flotilla")
     config = run(
         [*as_root(), "sed", 's/^can = .*/can = "mcast:1"/', f"{tmp_path}/config/boat.toml"]
     )
     run([*as_root(), "sh", "-c", 'printf %s "$1" > "$0"', f"{tmp_path}/config/boat.toml", config])
-    engine.docker("run", *options, *volumes, name)  # an update
+    engine.says("run", *options, *volumes, name)  # an update
     until(lambda: "ready: boat 1 on mcast:1" in engine.says("logs", "flotilla"))
-    engine.docker("rm", "--force", "flotilla")
+    engine.says("rm", "--force", "flotilla")
 
 
 def test_a_boat_sails_without_the_page_where_its_port_is_taken(engine: Engine, name: str) -> None:
     options = ["--detach", "--network=host"]
     for bus in (2, 3):
-        engine.docker("run", *options, f"--name=boat{bus}", name, f"--can=mcast:{bus}")
+        engine.says("run", *options, f"--name=boat{bus}", name, f"--can=mcast:{bus}")
         until(lambda bus=bus: f"on mcast:{bus}" in engine.says("logs", f"boat{bus}"))
     assert "no page: another program has port 9851" in engine.says("logs", "boat3")

@@ -10,7 +10,9 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from sil.fleet.ends import End, Peer
-from sil.fleet.fleet_vehicle import FleetVehicle, wish_of
+from sil.fleet.fleet_vehicle import FleetVehicle
+from sil.fleet.vehicle_commands import wish_of
+from sil.wire.fleet_table import Member, table_message
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD, LOITER
 from sil.wire.signing import Signer
 from tests.sil.fleet.waters import BOATS, Waters
@@ -205,6 +207,7 @@ def test_a_command_that_is_repeated_is_carried_out_once(served: Served) -> None:
         (ARM, (0.5,), DENIED),
         (GO, (0, 0, 0, 0, math.nan, math.nan), DENIED),
         (GO, (0, 0, 0, 0, 91.0, 0.0), DENIED),
+        (GO, (2.0, 0, 0, 0, 60.0, 5.0), DENIED),  # a speed
         (22, (), UNSUPPORTED),
     ],
 )
@@ -259,6 +262,21 @@ def test_it_takes_no_boats_id() -> None:
 
 def test_garbage_is_ignored(served: Served) -> None:
     served.ground._sent.append((None, b"\xfd\x09" + bytes(range(256)) * 3))
+    served.ground.mode(LOITER)
+    served.run(4.0)
+    assert served.states[0] == "LOITER"
+
+
+def test_a_place_in_a_local_frame_is_no_place_on_the_globe(served: Served) -> None:
+    go = (FLEET, 1, mavlink.MAV_FRAME_LOCAL_NED, GO, 0, 0, -1.0, 1.0, 0.0, 0.0, 200000, 0, 0.0)
+    served.ground.say(mavlink.MAVLink_command_int_message(*go))
+    served.run(1.0)
+    assert served.ground.answers(GO) == [DENIED]
+
+
+def test_a_message_that_pymavlink_does_not_know_is_ignored(served: Served) -> None:
+    table = table_message(1, [Member(system=1, leader=0, place_m=(0.0, 0.0), length_m=1.0)])
+    served.ground._sent.append((None, table))
     served.ground.mode(LOITER)
     served.run(4.0)
     assert served.states[0] == "LOITER"
