@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Hulls that measure themselves: voyages of varied hulls, identified, beside the truth.
 
-    python -m tests.loop.identified [--hulls N] [--workers N]
+    python -m tests.loop.identified [--hulls N] [--workers N] [--only KIND]
 
-N hulls (20) of each kind in sil/hulls, every number up to 30 % off and the propellers up to 10 %
-apart, in 0.1 m/s of current and 3 m/s of wind with gusts; each with an RTK unit and with a GPS of
-0.5 m. The boats know the numbers of the kind, not their own. Errors: of drag at 0.5 and 1 m/s, of
-the yaw moment at 0.1 and 0.3 rad/s, of m22 and m33 over m11; then gain difference of the propellers
-and the sum of lag and dead time; R² over 10 s in open loop, fitted to every other minute, scored on
-the rest.
+Sails N hulls (20) of each kind in sil/hulls, every number up to 30 % off and the propellers up to
+10 % apart, in 0.1 m/s of current and 3 m/s of wind with gusts; each with an RTK unit and with a GPS
+of 0.5 m. The boats know the numbers of the kind, not their own. Prints a line for each voyage as it
+ends, then a table; where it is interrupted, the table of what there is. Errors: of drag at 0.5 and
+1 m/s, of the yaw moment at 0.1 and 0.3 rad/s, of m22 and m33 over m11; then gain difference of the
+propellers and the sum of lag and dead time; R² over 10 s in open loop, fitted to every other
+minute, scored on the rest.
 """
 
 import argparse
@@ -62,6 +63,14 @@ class Found:
     def worst(self) -> float:
         """The largest share."""
         return max(map(abs, self.shares.values()))
+
+    def __str__(self) -> str:
+        """One line of the survey."""
+        parts = " ".join(f"{name} {share:+.1%}" for name, share in self.shares.items())
+        return (
+            f"{self.kind} {self.unit} {self.seed}: {parts}, gain {self.gain:+.1%}, "
+            f"late {1e3 * self.late_s:+.0f} ms, R² {self.r2_u:.3f} {self.r2_r:.3f}"
+        )
 
 
 def changes(kind: str, seed: int) -> list[str]:
@@ -187,14 +196,19 @@ def main() -> None:
     kinds = [options.only] if options.only else presets.names()
     tasks = [
         (kind, unit, seed)
+        for seed in range(1, options.hulls + 1)
         for kind in kinds
         for unit in UNITS
-        for seed in range(1, options.hulls + 1)
     ]
-    with ProcessPoolExecutor(options.workers) as pool:
-        every = list(track(pool.map(measured, tasks), "identifying", len(tasks)))
-    print("Median; 90th percentile of the errors' sizes:\n")
-    print("\n".join(table(every)))
+    every: list[Found | str] = []
+    try:
+        with ProcessPoolExecutor(options.workers) as pool:
+            for one in track(pool.map(measured, tasks), "identifying", len(tasks)):
+                every.append(one)
+                print(one, flush=True)
+    finally:
+        print("\nMedian; 90th percentile of the errors' sizes:\n")
+        print("\n".join(table(every)))
 
 
 if __name__ == "__main__":
