@@ -7,16 +7,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sil.identify import oddities, propeller_signs
-from sil.identify.hull_terms import TERMS
+from sil.identify.hull_terms import LOCAL, TERMS
 from sil.identify.intervals import Intervals, intervals
-from sil.identify.output_error import Fit, Problem, Told, fit, part_of
+from sil.identify.output_error import (
+    AT_ONCE,
+    BY_AND_BY,
+    Fit,
+    Problem,
+    Schedule,
+    Told,
+    fit,
+    part_of,
+)
 from sil.identify.score import Score, score
 from sil.identify.voyage_log import SAMPLE_S, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.identify.windows import WINDOW_S, cut
 
 _LEAST_WINDOWS = 6
-_HALVES = 0.6  # share of the work in fits to one half
+_HALVES = 0.7  # share of the work in fits to one half
+
+
+Halves = tuple[tuple[VoyageLog, ...], tuple[VoyageLog, ...]]
+Scores = tuple[Score | None, Score | None]
 
 
 @dataclass(frozen=True)
@@ -32,7 +45,7 @@ class Identification:
     problem: Problem
     fit: Fit
     intervals: Intervals
-    held_out: tuple[Score | None, Score | None]
+    held_out: Scores
 
 
 def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identification:
@@ -41,16 +54,44 @@ def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identificatio
     logs = tuple(propeller_signs.mended(log, found) for log in logs)
     odd = tuple(oddities.of_logs(logs))
     halves = split(logs)
-    scores = []
-    for k, half in enumerate(halves):
-        problem = problem_of(half, body)
-        part = part_of(told, _HALVES * k / 2, _HALVES * (k + 1) / 2)
-        scores.append(score(problem, searched(problem, part).values, halves[1 - k]))
+    schedules = (AT_ONCE, BY_AND_BY)
+    tried = []
+    for k, schedule in enumerate(schedules):
+        part = part_of(told, _HALVES * k / len(schedules), _HALVES * (k + 1) / len(schedules))
+        tried.append(held_out(halves, body, schedule, part))
+    best = int(np.argmax([_worth(scores) for scores in tried]))
     problem = problem_of(logs, body)
-    whole = searched(problem, part_of(told, _HALVES, 1.0))
-    return Identification(
-        logs, found, odd, problem, whole, intervals(problem, whole), (scores[0], scores[1])
+    whole = searched(problem, schedules[best], part_of(told, _HALVES, 1.0))
+    return Identification(logs, found, odd, problem, whole, intervals(problem, whole), tried[best])
+
+
+def held_out(halves: Halves, body: Body, schedule: Schedule, told: Told) -> Scores:
+    """Fitted to one half, scored on the other, both ways round."""
+    first, second = (
+        _predicts(mine, other, body, schedule, part_of(told, 0.5 * k, 0.5 * (k + 1)))
+        for k, (mine, other) in enumerate((halves, halves[::-1]))
     )
+    return first, second
+
+
+def _predicts(
+    mine: tuple[VoyageLog, ...],
+    other: tuple[VoyageLog, ...],
+    body: Body,
+    schedule: Schedule,
+    told: Told,
+) -> Score | None:
+    problem = problem_of(mine, body)
+    found = searched(problem, schedule, told)
+    # The minutes of one log share its current and wind; those of other logs are unknown.
+    same = mine[0].name == other[0].name
+    place = found.local.mean(axis=0) if same else np.zeros(len(LOCAL))
+    return score(problem, found.values, np.tile(place, (len(other), 1)), other)
+
+
+def _worth(scores: Scores) -> float:
+    """To choose by: R² of u, v and r, of which none spoils all."""
+    return sum(max(r2, -1.0) for one in scores if one for r2 in (one.u, one.v, one.r))
 
 
 def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:
@@ -65,12 +106,12 @@ def problem_of(logs: Sequence[VoyageLog], body: Body) -> Problem:
     return Problem(windows, body, terms, np.ones(len(terms), dtype=bool))
 
 
-def searched(problem: Problem, told: Told) -> Fit:
+def searched(problem: Problem, schedule: Schedule, told: Told) -> Fit:
     """The fit, from the terms' first guesses."""
-    return fit(problem, np.array([term.guess for term in problem.terms]), told)
+    return fit(problem, np.array([term.guess for term in problem.terms]), schedule, told)
 
 
-def split(logs: Sequence[VoyageLog]) -> tuple[tuple[VoyageLog, ...], tuple[VoyageLog, ...]]:
+def split(logs: Sequence[VoyageLog]) -> Halves:
     """Two halves: of several logs the first and the last ones, of one its minutes in turn."""
     if len(logs) > 1:
         middle = len(logs) // 2

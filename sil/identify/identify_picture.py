@@ -29,7 +29,7 @@ def predictions(found: Identification) -> Figure:
     windows = windows.chosen(windows.working())
     which = np.unique(np.linspace(0, len(windows) - 1, min(_SHOWN, len(windows))).astype(int))
     windows = windows.chosen(np.isin(np.arange(len(windows)), which))
-    error = predicted(found.problem, found.fit.values, windows)
+    error = predicted(found.problem, found.fit.values, found.fit.local, windows)
     with matplotlib.rc_context(plots.STYLE):
         size = (2.2 * len(windows) + 0.8, 8.0)
         figure = Figure(figsize=size, layout="constrained")

@@ -7,7 +7,7 @@ begins. What is a window's own is eliminated window by window (variable projecti
 Pereyra 1973), the rest is a damped Gauss-Newton step within bounds. κ samples of a residual count
 as one, since they are alike.
 σ of each channel is the residuals' own, found in rounds.
-Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4 and 5.
+Source: Jategaonkar, Flight Vehicle System Identification, 2nd ed., chapters 4, 5 and 9.
 """
 
 from collections.abc import Callable
@@ -25,13 +25,29 @@ from sil.identify.windows import Windows
 Bools = npt.NDArray[np.bool_]
 Told = Callable[[float], None]
 
+
+@dataclass(frozen=True)
+class Schedule:
+    """How a search goes.
+
+    rounds: gate (of the dead band, wide at first to be found from afar), share of each window that
+    counts. odd: a window above so many times the median window's cost counts less.
+    """
+
+    rounds: tuple[tuple[float, float], ...]
+    odd: float = np.inf
+
+
+# A boat of which a log tells little needs whole windows. An unstable one is soon far from where
+# first guesses take it: it needs their begin first, and some of its windows say nothing.
+AT_ONCE = Schedule(((0.5, 1.0), (0.2, 1.0), (0.05, 1.0)))
+BY_AND_BY = Schedule(((0.5, 0.25), (0.2, 0.5), (0.05, 1.0)), odd=5.0)
+
 # m, m, rad, m/s, m/s, rad/s: the first round's deviations, and the least that later ones take.
 _FIRST_SIGMA = np.array([0.5, 0.5, 0.1, 0.1, 0.1, 0.05])
 _LEAST_SIGMA = np.array([0.02, 0.02, 0.005, 0.01, 0.01, 0.005])
 _ALIKE = 100.0  # κ: a window of a channel
 _STEP = 1e-3  # of a finite difference, in deviations
-# Of each round: a wide edge of the dead band is found from afar.
-_GATES = (0.5, 0.2, 0.05)
 _ITERATIONS = 12
 _SHARES = (1.0, 0.3, 0.0)
 _EARLY = 5  # samples
@@ -77,6 +93,14 @@ class Equations:
     right: Array
     back: Callable[[Array], Array]
 
+    def counted(self, counts: Array) -> "Equations":
+        """Each window counted so often."""
+        return replace(
+            self,
+            squares=self.squares * counts[:, None, None],
+            right=self.right * counts[:, None],
+        )
+
 
 @dataclass(frozen=True)
 class _Point:
@@ -86,24 +110,28 @@ class _Point:
     gust: Array  # (3, W), in deviations
 
 
-def fit(problem: Problem, values: Array, told: Told) -> Fit:
+def fit(whole: Problem, values: Array, schedule: Schedule, told: Told) -> Fit:
     """Search from `values` (K); told(share) hears of the progress."""
-    guess, spread = _scale(problem)
-    z = ((values - guess) / spread)[problem.free]
-    count = len(problem.windows)
-    places, gusts = np.zeros((problem.logs, _PLACES)), np.zeros((_GUSTS, count))
-    point = _Point(z, places, first_start(problem.windows), gusts)
-    sigma = _FIRST_SIGMA
-    cost = 0.0
-    for turn, gate in enumerate(_GATES):
-        problem = replace(problem, body=replace(problem.body, gate=gate))
-        part = part_of(told, turn / len(_GATES), (turn + 1) / len(_GATES))
-        point, cost = _descend(problem, point, values, sigma, part)
-        if gate != _GATES[-1]:
+    guess, spread = _scale(whole)
+    z = ((values - guess) / spread)[whole.free]
+    count = len(whole.windows)
+    places, gusts = np.zeros((whole.logs, _PLACES)), np.zeros((_GUSTS, count))
+    point = _Point(z, places, first_start(whole.windows), gusts)
+    problem, sigma = whole, _FIRST_SIGMA
+    costs = np.zeros(count)
+    for turn, (gate, share) in enumerate(schedule.rounds):
+        if turn > 0:
             sigma = _spread_of(problem, point, values)
+        body, windows = replace(whole.body, gate=gate), whole.windows.begun(share)
+        problem = replace(whole, body=body, windows=windows)
+        part = part_of(told, turn / len(schedule.rounds), (turn + 1) / len(schedule.rounds))
+        point, costs = _descend(problem, point, values, sigma, schedule.odd, part)
     equations = _equations(problem, point, values, sigma)
+    equations = equations.counted(_counts(costs, schedule.odd))
     local = _LOCAL_GUESS + point.local * _LOCAL_SPREAD
-    return Fit(_full(problem, point.z, values), local, point.start, sigma, cost, equations)
+    full = _full(problem, point.z, values)
+    cost = _cost(point, costs, schedule.odd)
+    return Fit(full, local, point.start, sigma, cost, equations)
 
 
 def part_of(told: Told, begin: float, end: float) -> Told:
@@ -157,24 +185,27 @@ def _full(problem: Problem, z: Array, values: Array) -> Array:
 
 
 def _descend(
-    problem: Problem, point: _Point, values: Array, sigma: Array, told: Told
-) -> tuple[_Point, float]:
+    problem: Problem, point: _Point, values: Array, sigma: Array, odd: float, told: Told
+) -> tuple[_Point, Array]:
+    """Down to the lowest point within reach; there, the cost of each window."""
     damping = 1e-2
-    cost = _cost(point, _costs(problem, point, values, sigma))
+    costs = _costs(problem, point, values, sigma)
     for turn in range(_ITERATIONS):
         told(turn / _ITERATIONS)
         equations = _equations(problem, point, values, sigma)
-        before = cost
+        equations = equations.counted(_counts(costs, odd))
+        before = cost = _cost(point, costs, odd)
         for _ in range(6):
             moved = _moved(problem, point, equations, damping)
             trial, there = _eased(problem, point, moved, values, sigma)
-            if there < cost:
-                point, cost, damping = trial, there, max(damping * 0.1, 1e-6)
+            if _cost(trial, there, odd) < before:
+                point, costs, damping = trial, there, max(damping * 0.1, 1e-6)
+                cost = _cost(point, costs, odd)
                 break
             damping *= 10.0
         if before - cost < 1e-4 * before:
             break
-    return point, cost
+    return point, costs
 
 
 def _costs(problem: Problem, point: _Point, values: Array, sigma: Array) -> Array:
@@ -186,13 +217,23 @@ def _costs(problem: Problem, point: _Point, values: Array, sigma: Array) -> Arra
     return costs
 
 
-def _cost(point: _Point, costs: Array) -> float:
+def _cost(point: _Point, costs: Array, odd: float) -> float:
+    """Of all, with Cauchy's loss above `odd` medians."""
+    if np.isfinite(odd):
+        limit = odd * np.median(costs)
+        costs = limit * np.log1p(costs / limit)
     return float(costs.sum() + (point.z**2).sum() + (point.local**2).sum())
+
+
+def _counts(costs: Array, odd: float) -> Array:
+    """How much each window counts in a step, Cauchy's weights."""
+    counts: Array = 1.0 / (1.0 + costs / (odd * np.median(costs)))
+    return counts
 
 
 def _eased(
     problem: Problem, point: _Point, moved: _Point, values: Array, sigma: Array
-) -> tuple[_Point, float]:
+) -> tuple[_Point, Array]:
     """`moved`, but of its own way each window goes the share of `_SHARES` that costs least.
 
     A window in which the boat is unstable may be off after a whole step, however short that of the
@@ -211,7 +252,7 @@ def _eased(
             gust=np.where(better, gust, best.gust),
         )
         least = np.minimum(least, costs)
-    return best, _cost(best, least)
+    return best, least
 
 
 def _spread_of(problem: Problem, point: _Point, values: Array) -> Array:

@@ -26,17 +26,18 @@ class Score:
     ninetieth_m: float
 
 
-def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score | None:
-    """Windows of `logs` in which the propellers work, one a second, still water and air.
+def score(problem: Problem, values: Array, local: Array, logs: Sequence[VoyageLog]) -> Score | None:
+    """Windows of `logs` in which the propellers work, one a second.
 
     Each begins as measured: position and heading of its first sample, velocities by its first half
-    second, the compass deviation of `values` taken off. None where there is no such window.
+    second, the compass deviation of `values` taken off. local (logs, 4): current and push of each
+    log (`LOCAL`). None where there is no such window.
     """
     windows = cut(logs, _STRIDE_S)
     windows = windows.chosen(windows.working())
     if len(windows) == 0:
         return None
-    error = predicted(problem, values, windows)
+    error = predicted(problem, values, local, windows)
     measured = windows.measured
     r2 = [_determination(measured[:, k], error[:, k]) for k in (3, 4, 5)]
     ends = np.hypot(error[-1, 0], error[-1, 1])
@@ -44,20 +45,23 @@ def score(problem: Problem, values: Array, logs: Sequence[VoyageLog]) -> Score |
     return Score(len(windows), r2[0], r2[1], r2[2], float(median), float(ninetieth))
 
 
-def predicted(problem: Problem, values: Array, windows: Windows) -> Array:
-    """Measured minus predicted (samples, 6, W)."""
+def predicted(problem: Problem, values: Array, local: Array, windows: Windows) -> Array:
+    """Measured minus predicted (samples, 6, W); local: as in `score`."""
     held_out = Problem(windows, problem.body, problem.terms, problem.free)
-    still = np.zeros((5, len(windows)))
-    return residuals(held_out, values, still, _start(values, windows))
+    places = np.vstack([local[windows.log].T, np.zeros(len(windows))])
+    return residuals(held_out, values, places, _start(values, places, windows))
 
 
-def _start(values: Array, windows: Windows) -> Array:
+def _start(values: Array, places: Array, windows: Windows) -> Array:
     start = first_start(windows)
-    off = deviation(values[:, None], start[2][:, None])[:, 0]
-    start[2] -= off
-    cos, sin = np.cos(off), np.sin(off)
-    u, v = start[3].copy(), start[4].copy()
-    start[3], start[4] = cos * u - sin * v, sin * u + cos * v
+    start[2] -= deviation(values[:, None], start[2][:, None])[:, 0]
+    # The measured velocities are along the measured heading.
+    turned = first_start(windows)[2] - start[2]
+    u = np.cos(turned) * start[3] - np.sin(turned) * start[4]
+    v = np.sin(turned) * start[3] + np.cos(turned) * start[4]
+    cos, sin = np.cos(start[2]), np.sin(start[2])
+    start[3] = u - cos * places[0] - sin * places[1]
+    start[4] = v - cos * places[1] + sin * places[0]
     return start
 
 

@@ -2,7 +2,7 @@
 """Stretches of logs that are simulated in open loop, side by side."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +34,14 @@ class Windows:
             self.measured[:, :, which],
             self.log[which],
             self.start_s[which],
+        )
+
+    def begun(self, share: float) -> "Windows":
+        """The first share of each."""
+        samples = round(share * len(self.measured))
+        ahead = len(self.commands) - len(self.measured)
+        return replace(
+            self, commands=self.commands[: ahead + samples], measured=self.measured[:samples]
         )
 
     def working(self) -> npt.NDArray[np.bool_]:

@@ -15,6 +15,7 @@ def main(folder: str, program: str, state_dir: str, *prefix: str) -> None:
     with RealSea(0, Path(folder)) as sea:
         sea.program, sea.state_dir = Path(program), Path(state_dir)
         sea.start(prefix=prefix)
+        sea.save_parameters()  # a new boat arms no sooner
         sea.enter_formation()
         sea.until(lambda: any(sea.raw_commands()[-1]))
         print(f"pushes: {sea.raw_commands()[-1]}")

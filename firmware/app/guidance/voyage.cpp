@@ -15,7 +15,7 @@ namespace mav = link::mav;
 
 constexpr float kShare = 0.8F, kLeastShare = 0.1F, kGreatestRadius_m = 500;
 constexpr int kLeastRadius_m = 5;
-constexpr float kFastest_mps = 5;
+constexpr float kFastest_mps = 5, kFastest_radps = 2;
 constexpr int kTries = 3;
 constexpr int kRest_s = 3, kTurn_s = 15, kReturn_s = 180;
 
@@ -53,7 +53,9 @@ VoyageRoom room_of(const PlanItem& item, const PlanDefaults& defaults,
           .share = share > 0 ? share : kShare,
           .rest_s = std::min(stopping.reaction_s + std::max(stopping.drag_s, braking_s), 60.0F),
           .fastest_mps = fastest_mps,
-          .fastest_radps = defaults.fastest_radps};
+          .fastest_radps = defaults.fastest_radps > 0
+                               ? std::min(defaults.fastest_radps, kFastest_radps)
+                               : kFastest_radps};
 }
 
 template <class S>
@@ -88,8 +90,18 @@ core::Thrust<S> HullVoyage<S>::forward(const Seen& seen, S dt) {
   look(seen);
   advance(seen);
   const core::Thrust<S> asked = shares(seen, dt);
-  const S gain = gain_ * slowed_;
-  return {gain * core::clamp(asked.port, S(-1), S(1)), gain * core::clamp(asked.stbd, S(-1), S(1))};
+  return slowed(core::clamp(asked.port, S(-1), S(1)), core::clamp(asked.stbd, S(-1), S(1)));
+}
+
+/// A boat that is fast ahead still turns with all it has: only that moves its hull sideways. One
+/// propeller alone stays alone.
+template <class S>
+core::Thrust<S> HullVoyage<S>::slowed(S port, S stbd) const {
+  const bool alone = phase_ == Phase::kDriven && step().manoeuvre == Manoeuvre::kAlone;
+  const S least = core::min(ahead_, turning_);
+  const S both = S(0.5) * (alone ? least : ahead_) * (port + stbd);
+  const S apart = S(0.5) * (alone ? least : turning_) * (port - stbd);
+  return {gain_ * (both + apart), gain_ * (both - apart)};
 }
 
 /// Cuts the step off where it cannot go on. A fence makes the room smaller.
@@ -101,13 +113,15 @@ void HullVoyage<S>::look(const Seen& seen) {
   const S stops = core::hypot(seen.off_n.x + rest_s_ * seen.velocity_n.x,
                               seen.off_n.y + rest_s_ * seen.velocity_n.y);
   const S speed = core::hypot(seen.velocity_n.x, seen.velocity_n.y);
-  const bool turns_fast = S(0) < fastest_r_ && fastest_r_ < core::abs(seen.r);
+  const bool turns_fast = fastest_r_ < core::abs(seen.r);
   const S edge = S(0.95) * radius_;
   const bool too_fast = fastest_ < speed || turns_fast;
+  const bool spins = phase_ != Phase::kReturn && step().manoeuvre == Manoeuvre::kSpin;
+  S& factor = turns_fast || spins ? turning_ : ahead_;
   if (phase_ == Phase::kReturn) {
-    if (too_fast && slow_down()) enter(Phase::kRest);
+    if (too_fast && slow_down(factor)) enter(Phase::kRest);
   } else if (too_fast) {
-    cut_off("too fast", slow_down());
+    cut_off("too fast", slow_down(factor));
   } else if (seen.blocked) {
     radius_ = core::min(radius_, core::max(away_, S(kLeastRadius_m)));
     cut_off("the fence", false);
@@ -118,10 +132,10 @@ void HullVoyage<S>::look(const Seen& seen) {
 
 /// Less thrust from now on, unless there is hardly any.
 template <class S>
-bool HullVoyage<S>::slow_down() {
-  const S slower = S(0.7) * slowed_;
+bool HullVoyage<S>::slow_down(S& factor) {
+  const S slower = S(0.7) * factor;
   const bool can = S(0.1) < gain_ * slower;
-  if (can) slowed_ = slower;
+  if (can) factor = slower;
   return can;
 }
 

@@ -40,7 +40,7 @@ struct VoyageRoom {
   float radius_m = 0;
   float share = 0;                           ///< of full thrust that it uses at most
   float rest_s = 0;                          ///< the way to rest over the speed
-  float fastest_mps = 0, fastest_radps = 0;  ///< 0: no limit
+  float fastest_mps = 0, fastest_radps = 0;
   bool operator==(const VoyageRoom&) const = default;
 };
 
@@ -97,12 +97,13 @@ class HullVoyage {
   void begin_step(const Seen& seen);
   void end_step();
   void next_step();
-  bool slow_down();
+  bool slow_down(S& factor);
   void cut_off(std::string_view why, bool slower);
   void look(const Seen& seen);
   void advance(const Seen& seen);
   void lose();
   core::Thrust<S> shares(const Seen& seen, S dt);
+  core::Thrust<S> slowed(S port, S stbd) const;
   core::Thrust<S> steered(const Seen& seen, S surge) const;
   bool swaps(const Seen& seen, S dt);
 
@@ -111,7 +112,8 @@ class HullVoyage {
   bool lost_ = false;
   std::size_t step_ = 0, whole_ = 0;
   int tries_ = 0;
-  S radius_{}, greatest_{}, gain_{}, slowed_ = S(1);
+  S radius_{}, greatest_{}, gain_{};
+  S ahead_ = S(1), turning_ = S(1);  // shares that are left after the boat was too fast
   S rest_s_{}, fastest_{}, fastest_r_{};
   S away_{};  // from the centre
   S in_phase_s_{};

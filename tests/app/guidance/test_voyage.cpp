@@ -248,6 +248,35 @@ TEST_CASE("a step that was too fast is repeated with less thrust, and all after 
   CHECK(again->what == "too fast");
 }
 
+TEST_CASE("a boat that was too fast ahead spins with all its thrust; one propeller stays alone") {
+  Sea<float> sea;
+  sea.thrust_N = 60;
+  const std::size_t spin = first_of(Manoeuvre::kSpin);
+  REQUIRE(sea.sail_to(spin));
+  REQUIRE(sea.count(Kind::kAgain) >= 1);
+  sea.step();
+  CHECK(sea.shares.port == doctest::Approx(0.8 * 0.5));
+  CHECK(sea.shares.stbd == -sea.shares.port);
+  REQUIRE(sea.sail_to(first_of(Manoeuvre::kAlone)));
+  sea.step();
+  CHECK(sea.shares.port > 0);
+  CHECK(sea.shares.port < 0.8 * 0.6 * 0.75);
+  CHECK(sea.shares.stbd == 0);
+}
+
+TEST_CASE("a boat that turned too fast turns with less thrust, and is as fast ahead as before") {
+  VoyageRoom calm = room();
+  calm.fastest_radps = 0.4F;
+  Sea<float> sea(calm);
+  REQUIRE(sea.sail_to(first_of(Manoeuvre::kCircle)));
+  REQUIRE(sea.count(Kind::kAgain) >= 1);
+  sea.step();
+  CHECK(sea.shares.port + sea.shares.stbd == doctest::Approx(0.8 * 0.6));
+  CHECK(sea.shares.port - sea.shares.stbd < 0.8 * 0.2 * 0.75);
+  sea.sail(3600);
+  CHECK(sea.voyage.is_over());
+}
+
 TEST_CASE("the fence cuts a step off as its room does") {
   Sea<float> sea;
   REQUIRE(sea.sail_to(2));
