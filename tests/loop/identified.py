@@ -9,11 +9,14 @@ of 0.5 m. The boats know the numbers of the kind, not their own. Prints a line f
 ends, then a table; where it is interrupted, the table of what there is. Errors: of drag at 0.5 and
 1 m/s, of the yaw moment at 0.1 and 0.3 rad/s, of m22 and m33 over m11; then gain difference of the
 propellers and the sum of lag and dead time; R² over 10 s in open loop, fitted to every other
-minute, scored on the rest.
+minute, scored on the rest. Then four such boats sail in a diamond behind an S-curve, with the
+parameters that were found and no other: RMS distance from the slots in calm water with exact states
+and in the weather and noise of `sea`; of every fifth hull, as it takes minutes, the certificate.
 """
 
 import argparse
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,9 +25,16 @@ import numpy as np
 from rich.progress import track
 
 from sil.identify.hull_terms import INDEX
-from sil.identify.identification import identify
+from sil.identify.identification import Identification, identify
 from sil.identify.log_files import read
-from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS, drag_N, yaw_moment_Nm
+from sil.identify.vessel_numbers import (
+    RATES_RADPS,
+    SPEEDS_MPS,
+    Boat,
+    drag_N,
+    parameters,
+    yaw_moment_Nm,
+)
 from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.lockstep.start import RunError
@@ -32,13 +42,22 @@ from sil.lockstep.world import sail
 from sil.logs import own_motion
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
+from tests.loop import gains
+from tests.loop.presets import BOATS, alike
+from tests.loop.presets import WEATHER as NOISY
 
 VARIED, APART = 0.3, 0.1
+CERTIFIED = 5  # one of so many
 WEATHER = (
     "water.current_mps=[0.07, 0.07]",
     "wind.mean_mps=[0.0, 3.0]",
     "wind.gust_mps=1.0",
 )
+_SEA = scenario.load("sea")
+WATERS: dict[str, tuple[str, ...]] = {
+    "calm": (),
+    "weather": (*NOISY, *(f"waves.{key}={value!r}" for key, value in _SEA.waves)),
+}
 UNITS = {
     "RTK": (),
     "GPS": ("navigation.position_noise_m=0.3", "navigation.position_drift_m=0.4"),
@@ -59,6 +78,8 @@ class Found:
     late_s: float
     r2_u: float
     r2_r: float
+    fleets: dict[str, gains.Found]
+    certificate: str
 
     def worst(self) -> float:
         """The largest share."""
@@ -69,7 +90,9 @@ class Found:
         parts = " ".join(f"{name} {share:+.1%}" for name, share in self.shares.items())
         return (
             f"{self.kind} {self.unit} {self.seed}: {parts}, gain {self.gain:+.1%}, "
-            f"late {1e3 * self.late_s:+.0f} ms, R² {self.r2_u:.3f} {self.r2_r:.3f}"
+            f"late {1e3 * self.late_s:+.0f} ms, R² {self.r2_u:.3f} {self.r2_r:.3f}, "
+            f"{', '.join(f'{water} {fleet.text} m' for water, fleet in self.fleets.items())}, "
+            f"certificate {self.certificate or 'not looked at'}"
         )
 
 
@@ -127,6 +150,8 @@ def measured(task: tuple[str, str, int]) -> Found | str:
     terms = found.fit.values
     gain = (pair.stbd_gain - pair.port_gain) / (pair.stbd_gain + pair.port_gain)
     scores = [score for score in found.held_out if score is not None]
+    fleets = {water: fleet(kind, chosen, found, more) for water, more in WATERS.items()}
+    runs = sail(list(fleets.values()), {})
     return Found(
         kind,
         unit,
@@ -136,7 +161,21 @@ def measured(task: tuple[str, str, int]) -> Found | str:
         float(terms[INDEX["lag"]] + terms[INDEX["dead_time"]]) - pair.lag_s,
         min((score.u for score in scores), default=0.0),
         min((score.r for score in scores), default=0.0),
+        {water: gains.found_of(run) for water, run in zip(fleets, runs, strict=True)},
+        gains.certificate(fleets["calm"]) if seed % CERTIFIED == 0 else "",
     )
+
+
+def fleet(kind: str, chosen: Scenario, found: Identification, more: Sequence[str]) -> Scenario:
+    """Four boats of the voyage's hull, whose firmware has the parameters that were found."""
+    told = parameters(found, Boat(chosen.vessel.m11, added=0.0))
+    own = [
+        *(f"vessel.{key}={value!r}" for key, value in chosen.vessel),
+        *(f"propellers.{key}={value!r}" for key, value in chosen.propellers),
+        *(f"parameters.{name}={value!r}" for name, value in told.items()),
+    ]
+    changes = [f"boat.{boat}.{change}" for boat in range(1, BOATS + 1) for change in own]
+    return scenario.load("mixed", [*alike(kind), *changes, *more])
 
 
 def shares(terms: Array, chosen: Scenario) -> dict[str, float]:
@@ -165,9 +204,10 @@ def table(every: list[Found | str]) -> list[str]:
     names = ["m22", "m33", *(f"drag {u:g}" for u in SPEEDS_MPS)]
     names += [f"yaw {r:g}" for r in RATES_RADPS]
     heads = [*names, "all within 10 % (RTK: 5 %)", "gain", "late, ms", "R² u", "R² r"]
+    heads += ["calm, m", "weather, m", "certified"]
     lines = [
         f"| hulls | {' | '.join(heads)} |",
-        f"|---|{'--:|' * (len(names) + 5)}",
+        f"|---|{'--:|' * len(heads)}",
     ]
     for kind, unit in sorted({(one.kind, one.unit) for one in done}):
         here = [one for one in done if (one.kind, one.unit) == (kind, unit)]
@@ -177,6 +217,9 @@ def table(every: list[Found | str]) -> list[str]:
         late = np.quantile([abs(one.late_s) for one in here], 0.9)
         r2 = [np.quantile([getattr(one, name) for one in here], 0.1) for name in ("r2_u", "r2_r")]
         cells += [f"{within:.0%}", gain, f"{1e3 * late:.0f}", f"{r2[0]:.3f}", f"{r2[1]:.3f}"]
+        cells += [_fleets([one.fleets[water] for one in here]) for water in WATERS]
+        looked = [one.certificate for one in here if one.certificate]
+        cells.append(f"{sum('holds' in one for one in looked)} of {len(looked)}")
         lines.append(f"| {kind}, {unit}, {len(here)} | {' | '.join(cells)} |")
     return lines + [one for one in every if isinstance(one, str)]
 
@@ -184,6 +227,12 @@ def table(every: list[Found | str]) -> list[str]:
 def _sizes(errors: list[float]) -> str:
     median, ninetieth = np.quantile(np.abs(errors), [0.5, 0.9])
     return f"{median:.1%}; {ninetieth:.1%}"
+
+
+def _fleets(found: list[gains.Found]) -> str:
+    kept = [one.rms_m for one in found if not one.left]
+    left = f"; {len(found) - len(kept)} left FORMATION" if len(kept) < len(found) else ""
+    return f"{np.median(kept):.3f}; {max(kept):.3f}{left}" if kept else f"0{left}"
 
 
 def main() -> None:
