@@ -123,7 +123,8 @@ def test_a_boat_that_does_not_answer_gets_its_old_package_and_its_parameters_bac
 ) -> None:
     assert harbour.flash(good)[0] == 0
     before, config = harbour.version(), harbour.root.run("cat", CONFIG)
-    saved = harbour.root.run("cat", SAVED)
+    saved = "LAW_KX 0.3\n"  # by the operator: a new boat has no such file
+    harbour.root.write(SAVED, saved, "0640")
     mute = f"#!/bin/sh\n[ $1 = --version ] && exec /usr/bin/env echo '{told(good)}'\n"
     mute += f"echo spoiled > {SAVED}; exec sleep 1000\n"
     status, words = harbour.flash(newer(good, "mute", flotillad=mute))
