@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Approach: steers the boat to a slot that it cannot follow, as the slot is at rest or too fast.
+// Approach: steers the boat to a slot that it cannot follow, as the slot is at rest or too fast, or
+// that it comes to sooner on its own course.
 //
 //   w = ŵ_S − k_x [e_s e_c]ᵀ        ŵ_S: [u_S v_S]ᵀ; |ŵ_S|, |w| ≤ u_max
 //   q = w − c − p                   w through the water, and against the push
@@ -11,6 +12,7 @@
 //   begins where |q_s| < ε or |w_S| > u_max, and k_x |e| + d > 1.5 k_x Δ    d = |ŵ_S − c − p|
 //   ends   where |q_s| > 1.5 ε and |w_S| < 0.95 u_max, or |e| < 0.15 Δ and d < 0.2 ε
 //   also while a slot at rest is stern to the drift: [c + p]_s > ½ ε
+//   and while |e| > 6 Δ, then 3 Δ, and |θ| > 1, then 0.8, bow first
 //   bow first at a slot at rest from k_x |e| < ½ d until k_x |e| > k_x Δ + 3 d
 //
 //  symbol    meaning                                            frame  unit   tested range
@@ -26,7 +28,8 @@
 // approach begins outside 1.5 Δ and ends within 0.15 Δ, where the boat turns to its slot's heading.
 // A boat cannot hold its place with a current abeam: near a slot at rest it points its bow into what
 // pushes it. A push from straight astern shows in X alone, as c is learnt from the sway. The boat
-// follows a slot that is too fast, and closes up as far as u_max allows.
+// follows a slot that is too fast, and closes up as far as u_max allows. A line of sight turns the bow
+// by 1 rad at the most: a boat abeam of its slot, or ahead, would wait there at the slot's own speed.
 //
 // Q16.16: tested within ±2,000 (closing speed, m/s)
 #pragma once
@@ -135,6 +138,14 @@ bool is_off(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
   return S(0.15) * near < way.closing || S(0.2) * params.epsilon < way.drift;
 }
 
+/// Whether the way to a slot that makes way, from far, turns further off its course than a line of
+/// sight can; on: as above.
+template <class S>
+bool lies_abeam(const ApproachParams<S>& params, const SlotWay<S>& way, bool on) {
+  const S far = (on ? S(3) : S(6)) * params.k_x * params.Delta;
+  return S(0) < far && far < way.closing && way.q.x < (on ? S(0.97) : S(0.64)) * abs(way.q.y);
+}
+
 /// Whether the boat is so near a slot at rest that its bow points upstream; waits: it does already.
 template <class S>
 bool points_upstream(const ApproachParams<S>& params, const SlotWay<S>& way, bool waits) {
@@ -146,15 +157,16 @@ bool points_upstream(const ApproachParams<S>& params, const SlotWay<S>& way, boo
 /// θ and θ̇. Changes ends with hysteresis; keeps the heading where q is too small for a direction.
 template <class S>
 LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState<S>& state,
-                            const SlotWay<S>& way, S e_psi, S r_S) {
+                            const SlotWay<S>& way, S e_psi, S r_S, bool may_back) {
   const S speed = hypot(way.q.x, way.q.y);
   if (!(S(0.2) * params.epsilon < speed)) return {e_psi, -r_S, S(0)};
   const S pi = S(3.14159265358979323846);
   S theta = atan2(way.q.y, way.q.x);
   state.waits = points_upstream(params, way, state.waits);
-  state.astern = state.astern && !state.waits;
+  may_back = may_back && !state.waits;
+  state.astern = state.astern && may_back;
   if (state.astern) theta = wrap_pi(theta + pi);
-  if (!state.waits && S(0.5) * pi + S(0.4) < abs(theta)) {
+  if (may_back && S(0.5) * pi + S(0.4) < abs(theta)) {
     state.astern = !state.astern;
     theta = wrap_pi(theta + pi);
   }

@@ -80,16 +80,19 @@ Course<S> course(const ControllerParams<S>& params, ApproachState<S>& state,
   const Vec2<S> c_b = to_body(error.R, in.current_n);
   const ApproachParams<S> approach = approach_params(params);
   const bool unsailed = cannot_be_sailed(approach, slot, state.on);
-  if (unsailed || rests(approach, slot, state.on)) {
+  const bool at_rest = rests(approach, slot, state.on);
+  const bool far = S(3) * params.sight.Delta < hypot(error.e.x, error.e.y);
+  if (unsailed || at_rest || far) {
     const Vec2<S> drift_b = pushed(approach, c_b, to_body(error.R, state.push_n));
     const SlotWay<S> way = slot_way(approach, slot, error, in.nu, drift_b);
     if (lies_astern(approach, slot, way, state.on) ||
-        (unsailed && is_off(approach, way, state.on))) {
+        (unsailed && is_off(approach, way, state.on)) || lies_abeam(approach, way, state.on)) {
       state.on = true;
       Slot<S> sailed = slot;
       sailed.nu.u = to_body(error.R_e, way.slot).x;
       sailed.nu_dot.u = S(0);
-      return {sailed, sight_of_way(approach, state, way, error.e.psi, slot.nu.r)};
+      return {sailed,
+              sight_of_way(approach, state, way, error.e.psi, slot.nu.r, unsailed || at_rest)};
     }
   }
   state.on = state.astern = state.waits = false;

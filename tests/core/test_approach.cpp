@@ -95,16 +95,39 @@ TEST_CASE_TEMPLATE(
   CHECK_FALSE(lie(at<S>(0, 10, 0), 20, params).started);
 }
 
-TEST_CASE_TEMPLATE("behind a leader that makes way there is no approach, however far the slot", S,
+TEST_CASE_TEMPLATE("a boat far abeam of a slot that makes way, or ahead, sails across to it", S,
                    float, double) {
   const auto params = testing::products_law<S>();
   const auto leader = testing::voyage([](double) { return Tau<double>{2, 0}; }, kH, 90);
-  auto boat = at<S>(0, 30, 0);
+  for (const Vec2<double>& from :
+       {Vec2<double>{0, 30}, Vec2<double>{15, 20}, Vec2<double>{20, 0}}) {
+    INFO("from ", from.x, ", ", from.y);
+    auto boat = at<S>(from.x, from.y, 0);
+    int starts = 0;
+    double came_s = 0;
+    for (std::size_t k = 0; k < leader.size(); ++k) {
+      const bool was = boat.state.approach.on;
+      boat.tick(params, leader[k], kH);
+      if (boat.state.approach.on && !was) ++starts;
+      if (static_cast<double>(k) * kH > 5) REQUIRE_FALSE(boat.state.approach.astern);
+      const double off =
+          std::hypot(boat.hull.q[0] - leader[k].place.x, boat.hull.q[1] - leader[k].place.y);
+      if (off > 0.2) came_s = static_cast<double>(k) * kH;
+    }
+    MESSAGE("there after ", came_s, " s");
+    CHECK(starts <= 2);  // the leader begins at rest
+    CHECK(came_s < 40);
+  }
+}
+
+TEST_CASE("astern of a leader that makes way there is no approach, however far the slot") {
+  const auto params = testing::products_law<double>();
+  const auto leader = testing::voyage([](double) { return Tau<double>{2, 0}; }, kH, 90);
+  auto boat = at<double>(-30, 3, 0);
   for (std::size_t k = 0; k < leader.size(); ++k) {
     boat.tick(params, leader[k], kH);
     if (static_cast<double>(k) * kH > 5) REQUIRE_FALSE(boat.state.approach.on);
   }
-  CHECK(std::hypot(boat.hull.q[0] - leader.back().place.x, boat.hull.q[1]) < 0.1);
 }
 
 TEST_CASE_TEMPLATE(
@@ -140,7 +163,7 @@ TEST_CASE("the bow's angle changes as its rate says while the boat sails to a sl
       const Slot<double> slot = slot_beside(then, {});
       ApproachState<double> state{true, astern};
       const auto way = slot_way(params, slot, formation_error(then, slot), then.nu, {});
-      return sight_of_way(params, state, way, 0.0, 0.0);
+      return sight_of_way(params, state, way, 0.0, 0.0, true);
     };
     constexpr double h = 1e-4;
     const auto now = angle(0, false);
@@ -163,7 +186,7 @@ TEST_CASE("near its slot in a current a boat brings its bow round, and keeps it 
     way.off = {-0.1, 0};
     way.drift = 0.1;
     way.closing = closing;
-    return std::abs(sight_of_way(params, state, way, 0.0, 0.0).theta);
+    return std::abs(sight_of_way(params, state, way, 0.0, 0.0, true).theta);
   };
   CHECK(theta(0.06) == doctest::Approx(0));  // stern first still
   CHECK(theta(0.04) == doctest::Approx(testing::kPi));
@@ -178,7 +201,7 @@ TEST_CASE("the end of the boat that goes first is not changed for a trifle") {
   const auto bearing = [&](double angle) {
     SlotWay<double> way;
     way.q = {std::cos(angle), std::sin(angle)};
-    return sight_of_way(params, state, way, 0.0, 0.0).theta;
+    return sight_of_way(params, state, way, 0.0, 0.0, true).theta;
   };
   CHECK(bearing(1.5) == doctest::Approx(1.5));
   CHECK(bearing(1.9) == doctest::Approx(1.9));
@@ -195,7 +218,7 @@ TEST_CASE_TEMPLATE(
     double) {
   const ApproachParams<S> params{S(0.2), S(1), S(0.15), S(0)};
   ApproachState<S> state{true, true};
-  const auto sight = sight_of_way(params, state, SlotWay<S>{}, S(0.7), S(0.3));
+  const auto sight = sight_of_way(params, state, SlotWay<S>{}, S(0.7), S(0.3), true);
   CHECK(sight.theta == S(0.7));
   CHECK(sight.theta_dot == S(-0.3));
   CHECK(state.astern);
