@@ -66,8 +66,7 @@ class Healed:
 
     `leads_s`: when one boat alone leads; `two_s`: how long two of those that hear each other did;
     `slots_s`: when all live boats are in their slots, for five seconds, 10 s after it at the
-    earliest; `off_m`: greatest distance of one from its slot after 60 s, and after as long again as
-    the parts were apart, since those who waited catch up by 0.9 m/s; `nearest_m`: of two live
+    earliest; `off_m`: greatest distance of one from its slot after 60 s; `nearest_m`: of two live
     boats; `wreck_m`: of a live boat from a dead one; `goes_on`: the leader sails the plan at the
     end; `states`: of the live boats at the end.
     """
@@ -175,7 +174,7 @@ def apart_s(kind: str) -> float:
 def scenarios_of(kind: str, instants: Sequence[float]) -> list[Scenario]:
     """The runs of that kind of failure."""
     base = scenario.load("lead", SETTINGS)
-    rest_s = AFTER_S + 2.0 * apart_s(kind)
+    rest_s = AFTER_S + apart_s(kind)
     made = []
     for seed, at_s in enumerate(instants, start=1):
         agent = 2 if kind == "inner" else 1
@@ -225,7 +224,7 @@ def judge(track: Track, shape: Sequence[Place], kind: str, at_s: float) -> Heale
     leads_s = float(alone[0]) * step_s if len(alone) else np.inf
     leader = live[int(leads[-1][live].argmax())]
     places = np.array(shape)
-    settled = t_s >= from_s + FORMS_UP_S + apart_s(kind)
+    settled = t_s >= from_s + FORMS_UP_S
     off = eta[:, live, :2] - eta[:, leader, None, :2]
     off -= places[live] - places[leader]
     off_m = np.hypot(off[..., 0], off[..., 1]).max(axis=1)
