@@ -38,8 +38,8 @@ struct VoyageRoom {
   std::uint32_t plan = 0;  ///< id
   std::size_t item = 0;
   float radius_m = 0;
-  float share = 0;                           ///< of full thrust that it uses at most
-  float rest_s = 0;                          ///< the way to rest over the speed
+  float share = 0;   ///< of full thrust that it uses at most
+  float rest_s = 0;  ///< the way to rest over the speed
   float fastest_mps = 0, fastest_radps = 0;
   bool operator==(const VoyageRoom&) const = default;
 };
