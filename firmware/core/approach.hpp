@@ -163,10 +163,10 @@ LineOfSight<S> sight_of_way(const ApproachParams<S>& params, ApproachState<S>& s
   const S pi = S(3.14159265358979323846);
   S theta = atan2(way.q.y, way.q.x);
   state.waits = points_upstream(params, way, state.waits);
-  may_back = may_back && !state.waits;
-  state.astern = state.astern && may_back;
+  const bool backs = may_back && !state.waits;
+  state.astern = state.astern && backs;
   if (state.astern) theta = wrap_pi(theta + pi);
-  if (may_back && S(0.5) * pi + S(0.4) < abs(theta)) {
+  if (backs && S(0.5) * pi + S(0.4) < abs(theta)) {
     state.astern = !state.astern;
     theta = wrap_pi(theta + pi);
   }

@@ -58,39 +58,30 @@ def identify(logs: Sequence[VoyageLog], body: Body, told: Told) -> Identificatio
     tried = []
     for k, schedule in enumerate(schedules):
         part = part_of(told, _HALVES * k / len(schedules), _HALVES * (k + 1) / len(schedules))
-        tried.append(held_out(halves, body, schedule, part))
+        tried.append(held_out(halves, body, schedule, part, one_log=len(logs) == 1))
     best = int(np.argmax([_worth(scores) for scores in tried]))
     problem = problem_of(logs, body)
     whole = searched(problem, schedules[best], part_of(told, _HALVES, 1.0))
     return Identification(logs, found, odd, problem, whole, intervals(problem, whole), tried[best])
 
 
-def held_out(halves: Halves, body: Body, schedule: Schedule, told: Told) -> Scores:
-    """Fitted to one half, scored on the other, both ways round."""
-    first, second = (
-        _predicts(mine, other, body, schedule, part_of(told, 0.5 * k, 0.5 * (k + 1)))
-        for k, (mine, other) in enumerate((halves, halves[::-1]))
-    )
-    return first, second
+def held_out(halves: Halves, body: Body, schedule: Schedule, told: Told, one_log: bool) -> Scores:
+    """Fit to one half and score on the other, both ways round.
 
-
-def _predicts(
-    mine: tuple[VoyageLog, ...],
-    other: tuple[VoyageLog, ...],
-    body: Body,
-    schedule: Schedule,
-    told: Told,
-) -> Score | None:
-    problem = problem_of(mine, body)
-    found = searched(problem, schedule, told)
-    # The minutes of one log share its current and wind; those of other logs are unknown.
-    same = mine[0].name == other[0].name
-    place = found.local.mean(axis=0) if same else np.zeros(len(LOCAL))
-    return score(problem, found.values, np.tile(place, (len(other), 1)), other)
+    one_log: the halves are minutes of one log, which share its current and wind; in other logs
+    these are unknown.
+    """
+    scores = []
+    for k, (mine, other) in enumerate((halves, halves[::-1])):
+        problem = problem_of(mine, body)
+        found = searched(problem, schedule, part_of(told, 0.5 * k, 0.5 * (k + 1)))
+        place = found.local.mean(axis=0) if one_log else np.zeros(len(LOCAL))
+        scores.append(score(problem, found.values, np.tile(place, (len(other), 1)), other))
+    return scores[0], scores[1]
 
 
 def _worth(scores: Scores) -> float:
-    """To choose by: R² of u, v and r, of which none spoils all."""
+    """Sum of R² of u, v and r, each at least -1: one bad channel does not outweigh the others."""
     return sum(max(r2, -1.0) for one in scores if one for r2 in (one.u, one.v, one.r))
 
 

@@ -11,7 +11,8 @@ ends, then a table; where it is interrupted, the table of what there is. Errors:
 propellers and the sum of lag and dead time; R² over 10 s in open loop, fitted to every other
 minute, scored on the rest. Then four such boats sail in a diamond behind an S-curve, with the
 parameters that were found and no other: RMS distance from the slots in calm water with exact states
-and in the weather and noise of `sea`; of every fifth hull, as it takes minutes, the certificate.
+and in the weather of `sea` with the noise of `noisy`; of every fifth hull, as it takes minutes, the
+certificate.
 """
 
 import argparse
@@ -24,17 +25,11 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track
 
+from sil.identify import vessel_numbers
 from sil.identify.hull_terms import INDEX
 from sil.identify.identification import Identification, identify
 from sil.identify.log_files import read
-from sil.identify.vessel_numbers import (
-    RATES_RADPS,
-    SPEEDS_MPS,
-    Boat,
-    drag_N,
-    parameters,
-    yaw_moment_Nm,
-)
+from sil.identify.vessel_numbers import RATES_RADPS, SPEEDS_MPS
 from sil.identify.voyage_log import SAMPLE_S, Array, BadLogError, VoyageLog
 from sil.identify.voyage_model import Body
 from sil.lockstep.start import RunError
@@ -168,7 +163,7 @@ def measured(task: tuple[str, str, int]) -> Found | str:
 
 def fleet(kind: str, chosen: Scenario, found: Identification, more: Sequence[str]) -> Scenario:
     """Four boats of the voyage's hull, whose firmware has the parameters that were found."""
-    told = parameters(found, Boat(chosen.vessel.m11, added=0.0))
+    told = vessel_numbers.parameters(found, vessel_numbers.Boat(chosen.vessel.m11, added=0.0))
     own = [
         *(f"vessel.{key}={value!r}" for key, value in chosen.vessel),
         *(f"propellers.{key}={value!r}" for key, value in chosen.propellers),
@@ -189,11 +184,11 @@ def shares(terms: Array, chosen: Scenario) -> dict[str, float]:
     }
     for u in SPEEDS_MPS:
         true = (truth.d11 + truth.d11_quadratic * u) * u
-        out[f"drag {u:g}"] = float(drag_N(terms, m11, u)) / true - 1.0
+        out[f"drag {u:g}"] = float(vessel_numbers.drag_N(terms, m11, u)) / true - 1.0
     for r in RATES_RADPS:
         strips = truth.crossflow * np.abs(x) ** 3 * r * r * truth.length_m / 400
         true = (truth.d33 + truth.d33_quadratic * r) * r + float(strips.sum())
-        found = float(yaw_moment_Nm(terms, m11, r, body.length_m))
+        found = float(vessel_numbers.yaw_moment_Nm(terms, m11, r, body.length_m))
         out[f"yaw {r:g}"] = found / true - 1.0
     return {name: float(share) for name, share in out.items()}
 

@@ -42,7 +42,7 @@ class Engine:
         self.pid = int((folder / "pid").read_text())
 
     def says(self, *words: str, check: bool = True) -> str:
-        """What a user's command prints."""
+        """Run docker with these words, as a user would; what it prints."""
         return run([*as_root(), "docker", f"--host=unix://{self.socket}", *words], check)
 
     def beside(self, *words: str) -> list[str]:
