@@ -2,10 +2,14 @@
 """Tests marked `nightly` run only with --all; the longest files run first."""
 
 import gc
+import signal
 
 import pytest
 
 import sil  # noqa: F401 (before anything imports numpy: it sets the threads)
+
+# Shells have background jobs ignore it, and the programs under test would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # A file runs in one worker: the longest ones, and those in real time, must start first.
 FIRST = (

@@ -93,10 +93,8 @@ def sail() -> Iterator[Outcome]:
 
 def _sail(outing: LiveOuting, row: Row, strike: Strike) -> Outcome:
     outing.run_for(_SETTLE_S)
-    for _ in range(20):  # on a late machine the last command may just have run out
-        if outing.drives():
-            break
-        outing.run_for(0.1)
+    if not outing.drives():  # on a late machine the boat may have stopped
+        outing.help(outing.drives, 10.0)
     why = [] if outing.drives() else [f"{outing.state} before anything went wrong"]
     begin_us = now_us()
     outing.watch(lambda: strike.noticed(outing))

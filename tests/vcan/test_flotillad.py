@@ -211,22 +211,22 @@ def test_an_interface_that_vanishes_is_a_fault_and_serves_again_when_it_is_back(
 
 def test_a_full_queue_drops_whole_transfers_and_counts_them(boat: Boat, shape: Shape) -> None:
     boat.enter_formation()
-    # A bus of 62 frames per second for the boat, where 10 may wait; the ESCs' frames pass by.
+    # A bus of 31 frames per second for the boat, where 10 may wait; the ESCs' frames pass by. Even
+    # a busy machine, which skips ticks, sends more.
     bands = ["1"] * 16
     bands[URGENT] = "0"
     two = ["handle", "1:", "prio", "bands", "2", "priomap", *bands]
     shape(INTERFACE, *two, execute=boat.execute)
-    slow = ["tbf", "rate", "8kbit", "burst", "32", "limit", "160"]
+    slow = ["tbf", "rate", "4kbit", "burst", "32", "limit", "160"]
     boat.execute("tc", "qdisc", "add", "dev", INTERFACE, "parent", "1:2", "handle", "2:", *slow)
-    assert 60 < boat.count_commands(1.5) < 130
+    assert 20 < boat.count_commands(1.5) < 75
     boat.stays("FORMATION")
     shape(INTERFACE, execute=boat.execute)
-    # More than the slow bus has; a busy machine skips ticks.
-    assert 65 < boat.count_commands(1.0) < 115
+    assert 35 < boat.count_commands(1.0) < 115  # more than the slow bus has
     boat.stays("FORMATION")
     assert boat.drives()
     can = boat.stop()["can"]
-    assert 30 < can["transfers_dropped"] < 150 and can["bus_off"] == 0
+    assert 10 < can["transfers_dropped"] < 250 and can["bus_off"] == 0
 
 
 def test_a_bus_that_loses_every_tenth_frame_carries_a_formation(boat: Boat, shape: Shape) -> None:

@@ -30,7 +30,6 @@ INTERRUPTED = """\
 import os, signal, sys
 from sil.cli.main import main
 from sil.campaign import campaign, campaign_files
-signal.signal(signal.SIGINT, signal.default_int_handler)  # shells have background jobs ignore it
 keep = campaign_files.Folder.keep
 def keep_and_stop(folder, result):
     keep(folder, result)
