@@ -12,12 +12,15 @@ import numpy as np
 from sil.lockstep.batch import Batch
 from sil.scenario.told_plan import items_of
 from sil.wire.heartbeat import AUTO, FORMATION, HOLD
-from sil.wire.operator import Operator, plan_upload, start_requests
+from sil.wire.operator import Operator, mode_request, plan_upload, start_requests
 from sil.wire.plan_upload import PlanUpload
 
 _WARM_UP_S = 2
 _PATIENCE_S = 30
 _RETRY_S = 1
+_PATIENT_S = 10  # then boats are called back that form up before others
+_TOGETHER_S = 0.3  # longer, and a boat would find that it does not respond to its thrust
+_FORGETS_S = 3  # until it has forgotten that it did not
 _RADIO = 1  # link of a boat
 
 _DISARMED, _HOLD, _IN_FORMATION, _IN_AUTO = (
@@ -42,14 +45,20 @@ def start(batch: Batch) -> list[int | StartError]:
     runs = range(len(batch.scenarios))
     operators: defaultdict[int, Operator] = defaultdict(Operator)
     plans = _Plans(batch)
+    again_us: defaultdict[int, int] = defaultdict(int)
     last_us = round(1e6 * (_PATIENCE_S - _RETRY_S))
     for t_us in range(0, round(1e6 * _PATIENCE_S), batch.h_us):
         pending = [run for run in runs if run not in ready]
         if t_us >= 1e6 * _WARM_UP_S:
             plans.say(t_us)
-            if t_us % round(1e6 * _RETRY_S) < batch.h_us:
+            since_us = t_us % round(1e6 * _RETRY_S)
+            if since_us < batch.h_us:
                 for run in pending:
-                    _ask(batch, run, plans, t_us)
+                    _ask(batch, run, plans, t_us, t_us >= min(again_us[run], last_us))
+            elif t_us >= 1e6 * _PATIENT_S and 0 <= since_us - round(1e6 * _TOGETHER_S) < batch.h_us:
+                for run in pending:
+                    if _call_back(batch, run, plans, t_us):
+                        again_us[run] = t_us + round(1e6 * _FORGETS_S)
         batch.tick(t_us)
         plans.listen(t_us)
         formed = (batch.states == plans.wanted).all(axis=1)
@@ -93,13 +102,30 @@ class _Plans:
         return AUTO if formed and self.uploads[run].done else HOLD
 
 
-def _ask(batch: Batch, run: int, plans: _Plans, t_us: int) -> None:
+def _ask(batch: Batch, run: int, plans: _Plans, t_us: int, modes: bool) -> None:
+    """Ask all boats to arm and, with `modes`, to enter their modes."""
     states = batch.states[run].tolist()
     for boat, (agent, state) in enumerate(zip(batch.agents(run), states, strict=True)):
         slow_Hz = batch.fleet.parameters(agent)["SR_SLOW"]
         mode = plans.mode_of(run, boat, states)
-        for request in start_requests(slow_Hz, _DISARMED not in states, state == _HOLD, mode):
+        for request in start_requests(
+            slow_Hz, modes and _DISARMED not in states, state == _HOLD, mode
+        ):
             batch.fleet.command([agent], t_us, *request)
+
+
+def _call_back(batch: Batch, run: int, plans: _Plans, t_us: int) -> bool:
+    """Put boats that formed up before the others into HOLD; False where there were none.
+
+    They would push against what holds the hulls.
+    """
+    followers = plans.wanted[run] == _IN_FORMATION
+    formed = batch.states[run] == _IN_FORMATION
+    if formed[followers].all():
+        return False
+    for boat in np.flatnonzero(formed):
+        batch.fleet.command([batch.agents(run)[boat]], t_us, *mode_request(HOLD))
+    return bool(formed.any())
 
 
 def _listen(batch: Batch, runs: list[int], operators: dict[int, Operator]) -> None:
