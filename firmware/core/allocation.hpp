@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-// Allocates a wrench to the two propellers; at a limit, yaw has priority over surge.
+// Allocates a wrench to the two propellers; at a limit, yaw has priority over surge ahead.
 //
-//   D = clamp(N / 2a, ±(F + R)/2)     m = clamp(X / 2, −R + |D|, F − |D|)
+//   D = clamp(N / 2a, ±D_max)         m = clamp(X / 2, −R + |D|, F − |D|)
 //   T_port = m + D                    T_stbd = m − D
 //   X_given = T_port + T_stbd         N_given = a (T_port − T_stbd)
+//   D_max = (F + R)/2; a boat that brakes as it turns: clamp(R + X/2, R/2, (F + R)/2)
 //
 //  symbol  meaning                                        unit   tested range
 //  a       half the distance between the propellers       m      0.05 … 5
 //  F, R    forward and reverse maximum of one propeller   N      0.1 … 500
 //  X, N    wrench, positive ahead and to starboard        N, N m ±10 000
 //
-// Not in paper, which assumes unlimited thrust.
+// Not in paper, which assumes unlimited thrust. A turn with all thrust drives a boat ahead with F − R:
+// one that must brake as it turns would run past its slot, or into another boat. Half of the
+// reverse thrust is for the turn in any case.
 //
 // Q16.16: tested within ±1,000 (F + R, N)
 #pragma once
@@ -25,6 +28,7 @@ struct AllocationParams {
   S a{};
   S F{};
   S R{};
+  bool brakes = false;  ///< as it turns
 };
 
 template <class S>
@@ -49,9 +53,10 @@ Tau<S> wrench_of(const AllocationParams<S>& params, const Thrust<S>& thrust) {
 template <class S>
 Allocation<S> allocate(const AllocationParams<S>& params, const Tau<S>& tau) {
   const S D_asked = tau.N / (S(2) * params.a);
-  const S D_max = S(0.5) * (params.F + params.R);
-  const S D = clamp(D_asked, -D_max, D_max);
   const S m_asked = S(0.5) * tau.X;
+  const S D_all = S(0.5) * (params.F + params.R);
+  const S D_max = params.brakes ? clamp(params.R + m_asked, S(0.5) * params.R, D_all) : D_all;
+  const S D = clamp(D_asked, -D_max, D_max);
   const S m = clamp(m_asked, abs(D) - params.R, params.F - abs(D));
   Allocation<S> out;
   // m ± D may exceed a limit by rounding: clamp again.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Whether a boat under the law keeps its station: it is in its slot or gets nearer to it.
 //
-//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, until it yields
-//   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more
+//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, turned to it, until it yields
+//   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more; max(b, |e|) while it yields
 //   t ← 0 while in or where b decreases, else t + w h,   w = 2 at a limit, else 1
 //   left   kept and |e| > D for 1 s         spins   |r| > 1.2 r_max for 2 s, less 0.3 of other time
-//   stuck  t > 60 s                         well    in and |r| ≤ r_max for 1 s; ends these three
+//   stuck  t > max(60 s, 8π/r_max)          well    in and |r| ≤ r_max for 1 s; ends these three
 //
 //  symbol  meaning                                            unit     tested range
 //  e       distance from the slot                             m        0 … 1000
@@ -16,8 +16,9 @@
 //  h       control step                                       s        0 … 1
 //
 // Not in paper. A boat that still closes up may be far away, so its progress counts, not its
-// distance. At a limit of speed, yaw rate or thrust it must make progress in half the time. While
-// it yields to another vessel, t stands still; after that it closes up again.
+// distance. At a limit of speed, yaw rate or thrust it must make progress in half the time, which
+// is at least two whole turns. While it yields to another vessel, t stands still; after that it
+// closes up again, from where it is then.
 //
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once
@@ -58,6 +59,7 @@ struct StationInput {
   bool limited = false;  ///< at a limit of speed, yaw rate or thrust
   bool yields = false;   ///< to another vessel
   bool at_rest = false;  ///< the slot is at rest
+  bool turns = false;    ///< the bow is far from the slot's heading, and the slot makes way
 };
 
 /// Counts h while `so`, up to 1000 s; otherwise resets.
@@ -74,7 +76,9 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
     state.nearest = max(in.distance, near);
     state.idle_s = S(0);
     state.started = true;
-  } else if (!in.yields) {
+  } else if (in.yields) {
+    state.nearest = max(state.nearest, in.distance);
+  } else {
     count_while(state.idle_s, true, in.limited ? S(2) * h : h);
   }
 }
@@ -90,7 +94,7 @@ void station_forward(const StationParams<S>& params, StationState<S>& state,
   const S slot = S(0.2) * params.D;
   const S near = in.at_rest ? max(slot, S(1.6) * params.Delta) : slot;
   state.in = in.distance <= (state.in ? S(1.5) * near : near);
-  count_while(state.in_s, state.in, h);
+  count_while(state.in_s, state.in && !in.turns, h);
   state.kept = (state.kept || params.keep_s < state.in_s) && !in.yields;
   note_progress(params, state, in, near, h);
   count_while(state.far_s, state.kept && params.D < in.distance, h);

@@ -88,6 +88,29 @@ TEST_CASE_TEMPLATE(
   }
 }
 
+TEST_CASE_TEMPLATE(
+    "a boat that brakes as it turns gets the surge asked, down to half astern, and the rest for "
+    "yaw",
+    S, float, double) {
+  constexpr std::uint32_t kSeed = 17;
+  INFO("seed ", kSeed);
+  Random random(kSeed);
+  for (int i = 0; i < 2000; ++i) {
+    auto p = arbitrary_propellers<S>(random);
+    p.brakes = true;
+    const double F = double(p.F), R = double(p.R), all = 2 * (F + R);
+    const Tau<S> tau{S(random(-1, 1) * all), S(random(-1, 1) * double(p.a) * all)};
+    const Allocation<S> out = allocate(p, tau);
+    // A turn drives no boat ahead faster than it asks, nor takes more than half of its brakes.
+    CHECK(double(out.given.X) <= std::max(double(tau.X), -R) + 1e-3);
+    const double D_least = std::min(std::abs(double(tau.N)) / (2 * double(p.a)), R / 2);
+    CHECK(std::abs(double(out.given.N)) >= 2 * double(p.a) * D_least - 1e-2);
+    CHECK(out.given.X + out.missing.X == approx(tau.X, 1000));
+    CHECK(out.given.N + out.missing.N == approx(tau.N, 5000));
+    CHECK((out.missing.N == approx(S(0), 5000)) == ((out.limits & kYawLimit) == 0));
+  }
+}
+
 TEST_CASE_TEMPLATE("nothing asked, nothing given", S, float, double) {
   const Allocation<S> out = allocate(AllocationParams<S>{S(0.25), S(30), S(10)}, Tau<S>{});
   CHECK(out.thrust.port == S(0));

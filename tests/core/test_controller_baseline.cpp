@@ -54,7 +54,8 @@ struct PapersLaw {
                 p.inner.k_dr * (r - r_star);
 
     // not in paper: yaw first, then surge
-    const auto& [a, F, R] = p.propellers;
+    const auto& [a, F, R, brakes] = p.propellers;
+    REQUIRE(!brakes);
     const S D_max = S(0.5) * (F + R);
     const S D = clamp(N / (2 * a), -D_max, D_max);
     const S middle = clamp(S(0.5) * X, std::abs(D) - R, F - std::abs(D));

@@ -54,6 +54,28 @@ TEST_CASE_TEMPLATE("a boat that gives way out of its slot has not left it, and c
   CHECK(w.stay(4, 8) == doctest::Approx(1).epsilon(0.05));
 }
 
+TEST_CASE_TEMPLATE("so has a boat that yielded while it still closed up", S, float, double, Q16) {
+  Watch<S> w;
+  CHECK(w.pass(20, [](double t) { return 30 - t; }) == -1);
+  w.in.yields = true;
+  CHECK(w.stay(20, 40) == -1);
+  w.in.yields = false;
+  w.in.limited = true;
+  CHECK(w.pass(39, [](double t) { return 40 - t; }) == -1);
+}
+
+TEST_CASE_TEMPLATE("a boat that still turns in its slot has not kept it yet", S, float, double,
+                   Q16) {
+  Watch<S> w;
+  w.in.turns = true;
+  CHECK(w.stay(10, 0.5) == -1);
+  CHECK(w.stay(10, 8) == -1);
+  w.in.turns = false;
+  CHECK(w.stay(4, 0.5) == -1);
+  w.in.turns = true;
+  CHECK(w.stay(4, 8) == doctest::Approx(1).epsilon(0.05));
+}
+
 TEST_CASE_TEMPLATE("a boat that was in its slot and is 5 m off for a second has left it", S, float,
                    double, Q16) {
   Watch<S> w;

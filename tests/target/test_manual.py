@@ -72,12 +72,12 @@ def test_each_stick_turns_the_propellers_its_way(
         (0, 1000, (1, -1)),
         (0, -1000, (-1, 1)),
         (1000, 1000, (1, -1)),
-        (-1000, 1000, (1, -1)),
+        (-1000, 1000, (0, -1)),
         (1000, 500, (1, 0)),
         (-1000, 500, (0, -1)),
     ],
 )
-def test_a_full_stick_is_all_that_there_is_and_yaw_comes_first(
+def test_a_full_stick_is_all_that_there_is_and_yaw_comes_first_ahead(
     sea: Sea, x: int, r: int, share: tuple[int, int]
 ) -> None:
     enter_manual(sea)
@@ -92,6 +92,13 @@ def test_astern_a_full_stick_is_the_propellers_own_maximum_there() -> None:
     assert sea.snapshot()["thrust_N"] == pytest.approx({"port": -12, "stbd": -12}, rel=1e-3)
     drive(sea, 1000)
     assert sea.snapshot()["thrust_N"] == pytest.approx({"port": 30, "stbd": 30}, rel=1e-3)
+
+
+def test_a_full_turn_without_surge_is_on_the_spot() -> None:
+    sea = Sea({"THR_FWD_MAX": 30, "THR_REV_MAX": 12})
+    enter_manual(sea)
+    drive(sea, 0, 1000)
+    assert sea.snapshot()["thrust_N"] == pytest.approx({"port": 12, "stbd": -12}, rel=1e-3)
 
 
 def test_a_propeller_that_turns_the_other_way_gets_the_other_sign() -> None:

@@ -14,7 +14,9 @@ namespace {
 template <class S>
 core::AllocationParams<S> propellers_of(const Parameters& p) {
   const float share = 1 - std::abs(p.THR_BALANCE);
-  return {scalar<S>(p.THR_ARM), scalar<S>(share * p.THR_FWD_MAX), scalar<S>(share * p.THR_REV_MAX)};
+  const bool brakes = p.LAW_U_MAX > 0;  // the paper's law has no greatest speed
+  return {scalar<S>(p.THR_ARM), scalar<S>(share * p.THR_FWD_MAX), scalar<S>(share * p.THR_REV_MAX),
+          brakes};
 }
 
 template <class S>
@@ -33,7 +35,14 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
 
 template <class S>
 core::StationParams<S> station_params(const Parameters& p) {
-  return {scalar<S>(p.FS_SLOT_M), scalar<S>(p.LAW_XT_DIST), scalar<S>(p.LAW_R_MAX)};
+  core::StationParams<S> out{scalar<S>(p.FS_SLOT_M), scalar<S>(p.LAW_XT_DIST),
+                             scalar<S>(p.LAW_R_MAX)};
+  constexpr float kFourTurns_rad = 25.13F, kLongest_s = 900;
+  if (p.LAW_R_MAX > 0) {
+    out.stuck_s =
+        core::max(out.stuck_s, scalar<S>(std::min(kFourTurns_rad / p.LAW_R_MAX, kLongest_s)));
+  }
+  return out;
 }
 
 template <class S>

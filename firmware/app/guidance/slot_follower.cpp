@@ -27,7 +27,8 @@ core::ControllerInput<S> controller_input(const Lead<S>& lead, const OwnMotion<S
 }
 
 /// A change of lead makes no step for a boat in its slot: the step fades out. A boat that still
-/// closes up heads for the new slot at once. A new slot of the same lead restarts the approach.
+/// closes up, or whose slot is now elsewhere, heads for the new slot at once. A new slot of the same
+/// lead, or one elsewhere, restarts the approach.
 template <class S>
 void SlotFollower<S>::follow(const convert::Law<S>& law, const OwnMotion<S>& own,
                              const Lead<S>& next, S dt) {
@@ -36,15 +37,17 @@ void SlotFollower<S>::follow(const convert::Law<S>& law, const OwnMotion<S>& own
   if (starting_) {
     shift_n_ = {};
     blend_ = {};
-  } else if (lead_.branch != next.branch && S(1) < core::hypot(error_.e.x, error_.e.y)) {
-    blend_ = {};
   } else if (lead_.branch != next.branch) {
     const auto in = controller_input(next, own, law.controller.vessel);
     const core::Vec2<S> d_n =
         next.slot.turns ? core::to_north_east(in.psi_L, next.slot.d) : next.slot.d;
     const core::Vec2<S> was = core::to_north_east(error_.R, core::Vec2<S>{error_.e.x, error_.e.y});
-    blend_ = core::blend_start(core::Vec2<S>{in.separation_n.x - d_n.x - shift_n_.x - was.x,
-                                             in.separation_n.y - d_n.y - shift_n_.y - was.y});
+    const core::Vec2<S> step = {in.separation_n.x - d_n.x - shift_n_.x - was.x,
+                                in.separation_n.y - d_n.y - shift_n_.y - was.y};
+    // As where the leader is itself far from its slot behind the root.
+    const bool elsewhere = law.station.D < core::hypot(step.x, step.y);
+    if (elsewhere) station_ = {};
+    blend_ = elsewhere || S(1) < off() ? core::Blend<S>{} : core::blend_start(step);
   }
   lead_ = next;
   coast_ = core::coast_start(next.motion);
@@ -87,10 +90,11 @@ template <class S>
 void SlotFollower<S>::judge(const convert::Law<S>& law, const core::ControllerOutput<S>& out,
                             const core::FormationError<S>& error, S r, S dt) {
   const bool at_rest = core::abs(out.slot.pace) < S(1.5) * law.controller.sight.epsilon;
-  core::station_forward(
-      law.station, station_,
-      {core::hypot(error.e.x, error.e.y), r, out.limits() != 0, out.separation.yielding, at_rest},
-      dt);
+  const bool turns = !at_rest && S(1) < core::abs(core::wrap_pi(error.e.psi));
+  core::station_forward(law.station, station_,
+                        {core::hypot(error.e.x, error.e.y), r, out.limits() != 0,
+                         out.separation.yielding, at_rest, turns},
+                        dt);
 }
 
 #define FLOTILLA_INSTANTIATE(S)                                                           \
