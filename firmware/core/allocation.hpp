@@ -28,7 +28,7 @@ struct AllocationParams {
   S a{};
   S F{};
   S R{};
-  bool brakes = false;  ///< as it turns
+  bool brakes = false;  ///< a turn leaves thrust to brake with
 };
 
 template <class S>

@@ -53,7 +53,7 @@ void coast_forward(S T, CoastState<S>& state, S h) {
   leader.nu_dot = x < S(1) ? plus(Nu<S>{}, S(-2) * x / T, state.nu_0) : Nu<S>{};
 }
 
-/// Limits both thrusts to ±most; yaw has priority, as in allocate().
+/// Limits both thrusts to ±most; yaw has priority.
 template <class S>
 Thrust<S> limited(const Thrust<S>& asked, S most) {
   const S port = S(0.5) * asked.port;

@@ -10,7 +10,7 @@
 //  a, F, R, X, N, T                                      as in allocation.hpp
 //
 // Not in paper, which has no operator. A full stick commands the maximum of that axis alone; where
-// both axes do not fit, allocate() gives yaw priority, as for the law.
+// both axes do not fit, allocate() decides, as for the law.
 //
 // Q16.16: tested within ±5,000 (N, N m, at the greatest a, F, R; no scenario has an operator)
 #pragma once

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Whether a boat under the law keeps its station: it is in its slot or gets nearer to it.
 //
-//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, turned to it, until it yields
-//   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more; max(b, |e|) while it yields
-//   t ← 0 while in or where b decreases, else t + w h,   w = 2 at a limit, else 1
+//   in     |e| ≤ n, until |e| > 1.5 n                kept    in for 3 s, 15 s while the bow turns to
+//                                                           the slot's heading; until it yields
+//   b ← n while in, else the smallest |e| since, in steps of 0.1 m or more
+//   b_y ← max(b_y, |e|) while it yields, else with b, and smaller in the same steps
+//   t ← 0 while in or where b decreases, t − 0.5 s where b_y does, else t + w h,   w = 2 at a limit
 //   left   kept and |e| > D for 1 s         spins   |r| > 1.2 r_max for 2 s, less 0.3 of other time
-//   stuck  t > max(60 s, 8π/r_max)          well    in and |r| ≤ r_max for 1 s; ends these three
+//   stuck  t > max(60 s, 8π/r_max), ≤ 900 s  well    in and |r| ≤ r_max for 1 s; ends these three
 //
 //  symbol  meaning                                            unit     tested range
 //  e       distance from the slot                             m        0 … 1000
@@ -18,7 +20,7 @@
 // Not in paper. A boat that still closes up may be far away, so its progress counts, not its
 // distance. At a limit of speed, yaw rate or thrust it must make progress in half the time, which
 // is at least two whole turns. While it yields to another vessel, t stands still; after that it
-// closes up again, from where it is then.
+// closes up from where it is: to win back what yielding cost lessens t, but does not reset it.
 //
 // Q16.16: tested within ±1,000 (distance, m)
 #pragma once
@@ -37,6 +39,7 @@ struct StationParams {
   S spin_s = S(2);
   S stuck_s = S(60);
   S step = S(0.1);
+  S regain_s = S(0.5);
 };
 
 /// Why a boat does not keep its station.
@@ -48,7 +51,8 @@ struct StationState {
   bool in = false;
   bool kept = false;
   bool started = false;
-  S nearest{};
+  S nearest{};  ///< b
+  S away{};     ///< b_y
   S in_s{}, far_s{}, spinning_s{}, idle_s{}, well_s{};
 };
 
@@ -73,14 +77,24 @@ void note_progress(const StationParams<S>& params, StationState<S>& state,
                    const StationInput<S>& in, S near, S h) {
   const bool nearer = in.distance < state.nearest - params.step;
   if (state.in || nearer || !state.started) {
-    state.nearest = max(in.distance, near);
-    state.idle_s = S(0);
+    state.nearest = state.away = max(in.distance, near);
+    if (state.started) state.idle_s = S(0);
     state.started = true;
   } else if (in.yields) {
-    state.nearest = max(state.nearest, in.distance);
+    state.away = max(state.away, in.distance);
+  } else if (in.distance < state.away - params.step) {
+    state.away = in.distance;
+    state.idle_s = max(state.idle_s - params.regain_s, S(0));
   } else {
     count_while(state.idle_s, true, in.limited ? S(2) * h : h);
   }
+}
+
+/// The slot is now elsewhere: the boat closes up again. Its idle and its spinning time go on.
+template <class S>
+void station_moved(StationState<S>& state) {
+  state.in = state.kept = state.started = false;
+  state.in_s = state.far_s = S(0);
 }
 
 /// Advances by h seconds. The caller resets the state when FORMATION, slot or leader is new.
@@ -94,7 +108,7 @@ void station_forward(const StationParams<S>& params, StationState<S>& state,
   const S slot = S(0.2) * params.D;
   const S near = in.at_rest ? max(slot, S(1.6) * params.Delta) : slot;
   state.in = in.distance <= (state.in ? S(1.5) * near : near);
-  count_while(state.in_s, state.in && !in.turns, h);
+  count_while(state.in_s, state.in, in.turns ? S(0.2) * h : h);
   state.kept = (state.kept || params.keep_s < state.in_s) && !in.yields;
   note_progress(params, state, in, near, h);
   count_while(state.far_s, state.kept && params.D < in.distance, h);

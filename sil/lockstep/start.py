@@ -20,7 +20,7 @@ _PATIENCE_S = 30
 _RETRY_S = 1
 _PATIENT_S = 10  # then boats are called back that form up before others
 _TOGETHER_S = 0.3  # longer, and a boat would find that it does not respond to its thrust
-_FORGETS_S = 3  # until it has forgotten that it did not
+_FORGETS_S = 3  # until a boat has forgotten that it did not respond
 _RADIO = 1  # link of a boat
 
 _DISARMED, _HOLD, _IN_FORMATION, _IN_AUTO = (
@@ -39,7 +39,7 @@ class StartError(RunError):
 def start(batch: Batch) -> list[int | StartError]:
     """Arm all boats and set their modes; for each run the time of success, us, or an error.
 
-    Every run receives commands at the same times, independent of the others, until all are ready.
+    Every run receives its commands independent of the others, until all are ready.
     """
     ready: dict[int, int | StartError] = {}
     runs = range(len(batch.scenarios))
@@ -55,7 +55,10 @@ def start(batch: Batch) -> list[int | StartError]:
             if since_us < batch.h_us:
                 for run in pending:
                     _ask(batch, run, plans, t_us, t_us >= min(again_us[run], last_us))
-            elif t_us >= 1e6 * _PATIENT_S and 0 <= since_us - round(1e6 * _TOGETHER_S) < batch.h_us:
+            elif (
+                1e6 * _PATIENT_S <= t_us < last_us
+                and 0 <= since_us - round(1e6 * _TOGETHER_S) < batch.h_us
+            ):
                 for run in pending:
                     if _call_back(batch, run, plans, t_us):
                         again_us[run] = t_us + round(1e6 * _FORGETS_S)

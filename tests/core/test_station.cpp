@@ -64,6 +64,34 @@ TEST_CASE_TEMPLATE("so has a boat that yielded while it still closed up", S, flo
   CHECK(w.pass(39, [](double t) { return 40 - t; }) == -1);
 }
 
+TEST_CASE_TEMPLATE("winning back what yielding cost, again and again, is no progress", S, float,
+                   double, Q16) {
+  Watch<S> w;
+  CHECK(w.pass(20, [](double t) { return 22 - t; }) == -1);
+  double until = 0;
+  while (until < 900 && w.state.astray == Astray::kNo) {
+    w.in.yields = true;
+    w.pass(3, [](double t) { return 2 + 0.1 * t; });
+    w.in.yields = false;
+    w.pass(5, [](double t) { return 2.3 - 0.06 * t; });
+    until += 8;
+  }
+  CHECK(w.state.astray == Astray::kStuck);
+}
+
+TEST_CASE_TEMPLATE("a slot that moves elsewhere again and again hides no boat that makes no way", S,
+                   float, double, Q16) {
+  Watch<S> w;
+  double until = 0;
+  while (until < 200 && w.state.astray == Astray::kNo) {
+    station_moved(w.state);
+    w.stay(5, std::fmod(until, 10) < 5 ? 60 : 20);
+    until += 5;
+  }
+  CHECK(w.state.astray == Astray::kStuck);
+  CHECK(until < 70);
+}
+
 TEST_CASE_TEMPLATE("a boat that still turns in its slot has not kept it yet", S, float, double,
                    Q16) {
   Watch<S> w;
