@@ -92,7 +92,7 @@ def test_boats_exchange_their_places_without_a_stop(seed: int) -> None:
     nearest_m = math.inf
     for shape in ("diamond", "vee", "column"):
         form(waters, shape, 4.0)
-        for _ in range(40):
+        for _ in range(50):
             sail(waters, 1.0)
             pairs = combinations(waters.places(), 2)
             nearest_m = min(nearest_m, *(math.dist(*pair) for pair in pairs))
