@@ -9,8 +9,8 @@
 //  q       share of the propeller's maximum; clamped to ±q_max       1     ±10
 //  a, F, R, X, N, T                                      as in allocation.hpp
 //
-// Not in paper, which has no operator. A full stick commands the maximum of that axis alone; where
-// both axes do not fit, allocate() decides, as for the law.
+// Not in paper, which has no operator. A full stick commands the maximum of that axis alone;
+// allocate() gives what fits, as for the law: less yaw, where the boat brakes as it turns.
 //
 // Q16.16: tested within ±5,000 (N, N m, at the greatest a, F, R; no scenario has an operator)
 #pragma once

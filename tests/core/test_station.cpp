@@ -54,7 +54,8 @@ TEST_CASE_TEMPLATE("a boat that gives way out of its slot has not left it, and c
   CHECK(w.stay(4, 8) == doctest::Approx(1).epsilon(0.05));
 }
 
-TEST_CASE_TEMPLATE("so has a boat that yielded while it still closed up", S, float, double, Q16) {
+TEST_CASE_TEMPLATE("a boat that yielded as it closed up has time for the way back", S, float,
+                   double, Q16) {
   Watch<S> w;
   CHECK(w.pass(20, [](double t) { return 30 - t; }) == -1);
   w.in.yields = true;

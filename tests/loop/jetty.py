@@ -48,7 +48,7 @@ class Outing:
 
 
 def fleet(hull: str, number: int) -> Scenario:
-    """A fleet of a hull at its jetty."""
+    """Fleet `number` of a hull at its jetty; the same number draws the same start."""
     draws = np.random.default_rng([number, *hull.encode()])
     chain = bool(draws.integers(2))
     far_m, bearing = draws.uniform(NEAREST_M, FARTHEST_M), draws.uniform(0.0, 2.0 * math.pi)
@@ -79,7 +79,7 @@ def length_m(hull: str) -> float:
 
 
 def outings(hull: str, numbers: Sequence[int]) -> list[Outing]:
-    """What came of these fleets of a hull; RunError where one does not start."""
+    """The outings of these fleets of a hull; RunError where one does not start."""
     found = []
     for number in track(numbers, hull, transient=True):
         (run,) = sail([fleet(hull, number)], {}, keep_s=_KEPT_S)

@@ -8,8 +8,11 @@ from sil.lockstep.world import Run, sail
 from sil.scenario import presets, scenario
 from tests.loop.jetty import outings
 
-NEAREST = 0.8
-DIRECTIONS_M = ((0.0, 64.0), (-60.0, 0.0))
+NEAREST = 0.8  # of the guard
+STARTS_M = (  # ahead and abeam of the slots
+    (0.0, 64.0),
+    (-60.0, 0.0),
+)
 
 
 @pytest.mark.parametrize("hull", presets.names())
@@ -34,7 +37,7 @@ def test_boats_that_begin_in_line_far_behind_their_leaders_slots_come_there() ->
             f"boat.{number}.eta=[{north + ahead_m}, {east + abeam_m}, {psi}]"
             for number, (north, east, psi) in enumerate(starts, 1)
         ]
-        for ahead_m, abeam_m in DIRECTIONS_M
+        for ahead_m, abeam_m in STARTS_M
     ]
     for run in sail([scenario.load("sea", [*one, "duration_s=200.0"]) for one in fleets], {}):
         assert isinstance(run, Run)
