@@ -125,6 +125,7 @@ SeparationInput<S> separation_input(const ControllerParams<S>& params, const Tra
           error.R,
           nu,
           params.propellers.R / params.vessel.m11,
+          S(2) * params.propellers.a * params.propellers.R / params.vessel.m33,
           intent_of(params.outer, params.separation, v, off),
           dt};
 }

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Keeps clear of other vessels: a worst-case barrier over the boat's turning circles.
 //
-//   s_w(t) = t_d V + R(ψ) c(δ) + (t − t_w) w,  t_w = t_d + |δ|/r_m   place while changing to w
-//   t_d    = min(T, t_r + |u_w − u|/2a)                              sails on, its speed changes
-//   c(δ)   = (u_w/r_m) [sin |δ|  ±(1 − cos δ)]ᵀ,  u_w = ±|w| cos² δ  turning circle
-//   h(w)   = min over vessels and t_w ≤ t ≤ T of |p + v t − s_w(t)| − m − D
+//   s_w(t) = place while the boat changes to w, in five stretches at their mean velocities:
+//            t_r               as now
+//            |u_w − u| / 2a    its speed changes, u_w = ±|w| cos² δ
+//            |δ|/r_m + t_s     turning circle, (u_w/r_m) [sin |δ|  ±(1 − cos δ)]ᵀ; its yaw rate has
+//                              to change first, t_s = |r_w − r| / 2a_r, r_w = clamp(k_r δ, ±r_m)
+//            (|w| − |u_w|)/2a  gathers way
+//            until T           w
+//   h(w)   = min over vessels and 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t
+//   D_t    = min(m + D, |p| − ε); of a member m + D in the last stretch
 //   D(w)   = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
 //   D(w) < D for a vessel with right of way, w: desired now, or straight to the slot
 //           ⇒ w ← argmin of |w − w_e| over all w with h(w) ≥ 0; if there is none, argmax of h(w)
@@ -24,6 +29,7 @@
 //  w_S, w_0  velocity of the slot; straight to the slot         m/s
 //  τ         time in which the boat came no nearer to its slot  s
 //  a, t_r    half the full-astern deceleration; reaction time   m/s², s
+//  a_r       yaw acceleration by the moment that is left when braking  rad/s²
 //
 // A choice that is clear of vessels of constant velocity stays clear while it is sailed, for the
 // rest of the path is the same: so a boat that once had a clear choice has one. Two boats never wait
@@ -71,7 +77,7 @@ struct Traffic {
 template <class S>
 struct SeparationParams {
   S least{};            ///< D_min, m
-  S horizon = S(4);     ///< T, s
+  S horizon = S(4);     ///< T, s: to turn away by a quarter circle, gather way and make room
   S reaction = S(0.4);  ///< t_r, s
 
   // Distances over D_min.
@@ -86,7 +92,8 @@ struct SeparationParams {
   S same = S(0.1);       ///< of U and D_min: how much better another choice must be than the last
   S receding = S(0.8);   ///< k_v: share of another vessel's speed away from us that is relied on
   S faster = S(1.1);     ///< k_U: over the slot's speed, to catch up with it
-  S turning = S(2);      ///< r* over δ, 1/s
+  S nearer = S(0.05);    ///< ε, m: so that noise does not make every choice look bad
+  S turning = S(2);      ///< k_r, 1/s: r* over δ
   S any_rate = S(1);     ///< r_m where LAW_R_MAX is 0, rad/s
 };
 
@@ -120,7 +127,8 @@ struct SeparationInput {
   const Traffic<S>& traffic;
   Rotation<S> R{};  ///< R(ψ)
   Nu<S> nu{};
-  S a{};  ///< m/s²
+  S a{};    ///< m/s²
+  S a_r{};  ///< rad/s²
   Intent<S> intent{};
   S dt{};  ///< since the last step, s
 };
@@ -181,25 +189,37 @@ Way<S> way_to(const Rotation<S>& R, const Vec2<S>& w_n) {
   return {atan2(w.x < S(0) ? -w.y : w.y, abs(w.x)), w.x * abs(w.x) / speed};
 }
 
-/// The place at which the boat is on course w, seen from here, and the time until then.
+/// Part of a path, sailed at one velocity.
 template <class S>
-struct OnCourse {
-  Vec2<S> at_n{};
-  S t{};
+struct Stretch {
+  S time_s{};
+  Vec2<S> v_n{};
 };
 
+/// s_w(t).
 template <class S>
-OnCourse<S> on_course(const SeparationParams<S>& params, const SeparationInput<S>& in,
-                      const Vec2<S>& w) {
+std::array<Stretch<S>, 5> path_to(const SeparationParams<S>& params, const SeparationInput<S>& in,
+                                  const Vec2<S>& w) {
+  const S T = params.horizon, r_m = in.intent.turning;
+  const auto time_for = [&](S change, S rate) {
+    return change < S(2) * rate * T ? change / (S(2) * rate) : T;
+  };
   const Way<S> way = way_to(in.R, w);
-  const S change = abs(way.u - in.nu.u), twice = S(2) * in.a;
-  const S most = params.horizon - params.reaction;
-  const S t_d = params.reaction + (change < twice * most ? change / twice : most);
+  const S r_w = clamp(params.turning * way.delta, -r_m, r_m);
+  const S speed_s = time_for(abs(way.u - in.nu.u), in.a);
+  const S swing_s = time_for(abs(r_w - in.nu.r), in.a_r);
+  const S turn_s = swing_s + abs(way.delta) / r_m, divisor_s = max(turn_s, S(0.01));
+  const S gather_s = time_for(length(w) - abs(way.u), in.a);
   const auto [s, c] = sin_cos(way.delta);
-  const S radius = way.u / in.intent.turning;
-  const Vec2<S> at = {t_d * in.nu.u + radius * abs(s),
-                      t_d * in.nu.v + (s < S(0) ? -radius : radius) * (S(1) - c)};
-  return {to_north_east(in.R, at), t_d + abs(way.delta) / in.intent.turning};
+  const S radius = way.u / r_m;
+  const Vec2<S> turn = {swing_s * way.u + radius * abs(s),
+                        (s < S(0) ? -radius : radius) * (S(1) - c)};
+  const S half = S(0.5), gathers = half * (S(1) + c * c);
+  return {{{params.reaction, to_north_east(in.R, Vec2<S>{in.nu.u, in.nu.v})},
+           {speed_s, to_north_east(in.R, Vec2<S>{half * (in.nu.u + way.u), in.nu.v})},
+           {turn_s, to_north_east(in.R, Vec2<S>{turn.x / divisor_s, turn.y / divisor_s})},
+           {gather_s, {gathers * w.x, gathers * w.y}},
+           {max(T - params.reaction - speed_s - turn_s - gather_s, S(0)), w}}};
 }
 
 /// D of a vessel, with `room` in place of k_y for one with right of way.
@@ -216,20 +236,33 @@ S room_for(const SeparationParams<S>& params, S stuck, bool stranger) {
   return params.yield - (params.yield - params.hold) * min(S(1), stuck / params.narrow);
 }
 
+/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t.
+template <class S>
+S clearance(const SeparationParams<S>& params, const std::array<Stretch<S>, 5>& path,
+            const OtherVessel<S>& other, S keep) {
+  Vec2<S> p = other.p_n;
+  const S meanwhile = min(keep, length(p) - params.nearer);
+  S least = S(1000);
+  for (const Stretch<S>& stretch : path) {
+    const Vec2<S> q = minus(other.v_n, stretch.v_n);
+    const bool whole = !other.stranger && &stretch == &path.back();
+    least = min(least, least_distance(p, q, stretch.time_s) - (whole ? keep : meanwhile));
+    p = {p.x + stretch.time_s * q.x, p.y + stretch.time_s * q.y};
+  }
+  return least;
+}
+
 /// h(w).
 template <class S>
 S clearance(const SeparationParams<S>& params, const SeparationState<S>& state,
             const SeparationInput<S>& in, const Vec2<S>& w) {
-  const OnCourse<S> from = on_course(params, in, w);
-  const S left = max(params.horizon - from.t, S(0));
+  const std::array<Stretch<S>, 5> path = path_to(params, in, w);
   S least = S(1000);
   for (std::size_t i = 0; i < in.traffic.count; ++i) {
     const OtherVessel<S>& other = in.traffic.vessels[i];
-    const Vec2<S> p = {other.p_n.x + from.t * other.v_n.x - from.at_n.x,
-                       other.p_n.y + from.t * other.v_n.y - from.at_n.y};
     const S room = room_for(params, state.stuck_s, other.stranger);
-    least = min(least, least_distance(p, minus(other.v_n, w), left) - other.margin -
-                           to_keep(params, room, other));
+    const S keep = other.margin + to_keep(params, room, other);
+    least = min(least, clearance(params, path, other, keep));
   }
   return least;
 }

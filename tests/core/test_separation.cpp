@@ -310,7 +310,8 @@ TEST_CASE("a choice that was clear is clear a moment later") {
       SeparationParams<double> shorter = params;
       shorter.horizon = horizon;
       const Traffic<double> traffic = only(other);
-      return clearance(shorter, {}, {traffic, rotation(course), {speed, 0, 0}, 10, intent, dt}, w);
+      return clearance(shorter, {}, {traffic, rotation(course), {speed, 0, 0}, 10, 10, intent, dt},
+                       w);
     };
     const double now = h(params.horizon);
     if (now < 0) continue;
@@ -331,7 +332,7 @@ TEST_CASE("of several vessels those without the way change no course that is tak
     SeparationState<double> state{};
     VirtualVelocity<double> desired{};
     desired.nu_star.u = 1;
-    const auto out = separate(params, state, {traffic, {}, {}, 10, intent, 0.01}, desired);
+    const auto out = separate(params, state, {traffic, {}, {}, 10, 10, intent, 0.01}, desired);
     CHECK((out.yielding && out.known && out.predicted == 0));
     return desired.nu_star;
   };
@@ -354,7 +355,7 @@ TEST_CASE("a boat that goes astern stops before the vessel behind it, way or not
     desired.nu_star.u = -1;
     desired.u_star_dot = 1;
     const OtherVessel<double> behind{{-behind_m, 0}, {}, 0, false, false};
-    const auto out = separate(params, state, {only(behind), {}, {}, 10, intent, 0.01}, desired);
+    const auto out = separate(params, state, {only(behind), {}, {}, 10, 10, intent, 0.01}, desired);
     CHECK((out.yielding && desired.u_star_dot == 0));
     CHECK((-0.5 < desired.nu_star.u && desired.nu_star.u <= 0));
   }

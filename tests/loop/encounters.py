@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Boats among others: strangers that keep course and speed, and fleets that change places.
 
-    python -m tests.loop.encounters --runs 1000
+    python -m tests.loop.encounters [HULL…] [--runs 1000]
 
-A boat in its slot meets a vessel of no formation, which would pass within 1.5 m of it: at the
+A boat in its slot meets a vessel of no formation, which would pass within its guard of it: at the
 defaults, heard 2 to 20 times a second, up to 0.3 s late, with noise. Then fleets: boats that begin
 in each other's slots, and 20 boats in random places. Prints who came nearer than FS_SEP_M, on which
-side strangers were passed, and who did not arrive.
+side strangers were passed, and who did not arrive. Lengths and times grow with the hull's length,
+as LAW_R_MAX falls with it; speeds are the same for all.
 
 The side is judged where the rules of the road have one. Crossing, from starboard: the boat does not
 cross ahead of the stranger. Bow to bow: they pass port to port. From port: the boat does not go to
@@ -30,24 +31,20 @@ from sil.lockstep import metrics
 from sil.lockstep.batch import Batch
 from sil.lockstep.world import Run, sail
 from sil.plant.hull import Array
-from sil.scenario import scenario
+from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
 from sil.scenario.wiring import ORIGIN
+from tests.loop.presets import GUARD, LEADER, SHORTEST_M, length_m
 from tests.target.stations import Station, heartbeat
 
-GUARD_M = 1.2 * 1.3  # FS_SEP_M -1: 1.2 BOAT_LEN
-SLOT_NORTH_M = -3.0  # of the leader
-D11 = 3.436  # kg/s: surge force of the leader over its speed
-ARRIVED_M, AT_REST_M = 0.2, 0.5
-SPACING_M = 4.5  # of slots between which there is room to pass: 2.9 of the guard
+#: Of a boat of SHORTEST_M, the others' as their lengths: to its leader, and between slots with
+#: room to pass, 2.9 of the guard.
+SLOT_NORTH_M, SPACING_M = -3.0, 4.5
+ARRIVED_M, AT_REST_M = 0.2, 0.5  # off the slot, of a boat of SHORTEST_M
+D11 = LEADER.d11  # kg/s: surge force of the leader over its speed
 TOGETHER = 50
 STRANGER = 77
-FLEET = """base = "diamond"
-law = "product"
-[propellers]
-forward_max_N = 20.0
-reverse_max_N = 20.0
-[navigation]
+FLEET = """[navigation]
 rate_hz = 20.0
 position_noise_m = 0.02
 heading_noise_rad = 0.0087
@@ -56,19 +53,17 @@ yaw_rate_noise_radps = 0.0035
 [link]
 delay_s = 0.1
 everyone = true
-[parameters]
-FS_SEP_M = -1.0
-SR_STATE = 10.0
-THR_FWD_MAX = 20.0
-THR_REV_MAX = 20.0
-THR_SLEW = 5.0
 """
 
 
 @dataclass(frozen=True)
 class Encounter:
-    """A stranger, `there` (north, east) at the release, with velocity `v`; how it is heard."""
+    """A stranger, `there` (north, east) at the release, with velocity `v`; how it is heard.
 
+    `hull`: of the boat that it meets.
+    """
+
+    hull: str
     slot_mps: float
     there: Array
     v: Array
@@ -81,7 +76,7 @@ class Encounter:
 
     @property
     def bearing(self) -> float:
-        return math.atan2(self.there[1], self.there[0] - SLOT_NORTH_M)
+        return math.atan2(self.there[1], self.there[0] - SLOT_NORTH_M * scale(self.hull))
 
     @property
     def kind(self) -> str:
@@ -95,21 +90,33 @@ class Encounter:
         return "starboard" if self.bearing > 0.0 else "port"
 
 
-def drawn(number: int) -> Encounter:
+def scale(hull: str) -> float:
+    """A hull's length, in those of a boat at the defaults."""
+    return length_m(hull) / SHORTEST_M
+
+
+def guard_m(hull: str) -> float:
+    """FS_SEP_M at its default."""
+    return GUARD * length_m(hull)
+
+
+def drawn(hull: str, number: int) -> Encounter:
     rng = np.random.default_rng([7, number])
     while True:
         slot = rng.uniform(0.3, 1.2)
         speed, course = rng.uniform(0.0, 2.0), rng.uniform(-math.pi, math.pi)
-        meet_s, miss_m = rng.uniform(10.0, 22.0), rng.uniform(-1.5, 1.5)
+        meet_s, miss_m = scale(hull) * rng.uniform(10.0, 22.0), scale(hull) * rng.uniform(-1.5, 1.5)
         v = speed * np.array([math.cos(course), math.sin(course)])
         relative = v - [slot, 0.0]
         fast = math.hypot(*relative)
         if fast < 0.15:
             continue
         aside = np.array([-relative[1], relative[0]]) / fast
-        there = [SLOT_NORTH_M, 0.0] + miss_m * aside - relative * meet_s
-        if math.hypot(there[0] - SLOT_NORTH_M, there[1]) > 6.0:
-            return Encounter(slot, there, v, rng.uniform(2, 20), rng.uniform(0.02, 0.3), number)
+        here = np.array([SLOT_NORTH_M * scale(hull), 0.0])
+        there = here + miss_m * aside - relative * meet_s
+        if math.hypot(*(there - here)) > 6.0 * scale(hull):
+            rate_hz, delay_s = rng.uniform(2, 20), rng.uniform(0.02, 0.3)
+            return Encounter(hull, slot, there, v, rate_hz, delay_s, number)
 
 
 def scenario_of(seed: int, duration_s: float, text: str, folder: Path) -> Scenario:
@@ -125,8 +132,9 @@ def leader_at(speed_mps: float) -> str:
     )
 
 
-def boat_at(offset: Sequence[float], eta: Sequence[float]) -> str:
-    return f"[[boat]]\nfollows = 0\noffset_m = {list(offset)}\neta = {list(eta)}\n"
+def boat_at(hull: str, offset: Sequence[float], eta: Sequence[float]) -> str:
+    place = f"follows = 0\noffset_m = {list(offset)}\neta = {list(eta)}"
+    return f'[[boat]]\nhull = "{hull}"\n{place}\n'
 
 
 class Strangers:
@@ -160,11 +168,16 @@ class Strangers:
 
 @dataclass(frozen=True)
 class Passing:
-    """How an encounter ended; `right`: on the side of the rules, None where there is none."""
+    """How an encounter ended.
 
-    least_m: float
+    `least`: how near they came, in guards; `right`: on the side of the rules, None where there is
+    none; `left`: the boat was not in FORMATION all the time.
+    """
+
+    least: float
     right: bool | None
     arrived: bool
+    left: bool
 
 
 def judged(one: Encounter, run: Run) -> Passing:
@@ -175,26 +188,30 @@ def judged(one: Encounter, run: Run) -> Passing:
     along = apart @ [math.cos(course), math.sin(course)]
     side = apart @ [-math.sin(course), math.cos(course)]  # to starboard of the stranger's course
     crossed = (side[1:] < 0.0) != (side[:-1] < 0.0)
-    near = distance < 12.0
+    near = distance < 12.0 * scale(one.hull)
     right = {
         "either": None,
         "ahead": bool(side[distance.argmin()] < 0.0),
         "starboard": not np.any(crossed & (along[1:] > 0.0) & near[1:]),
-        "port": bool(boat[near, 1].min(initial=0.0) > -0.5),
+        "port": bool(boat[near, 1].min(initial=0.0) > -0.5 * scale(one.hull)),
     }[one.kind]
     end = float(metrics.distances(run.trace["error"])[-1].max())
-    return Passing(float(distance.min()), right, end < ARRIVED_M)
+    arrived = end < ARRIVED_M * scale(one.hull)
+    left = any(state != "FORMATION" for state in run.states[0])
+    return Passing(float(distance.min()) / guard_m(one.hull), right, arrived, left)
 
 
-def encounters(numbers: Sequence[int], duration_s: float = 90.0) -> list[Passing]:
-    """Each encounter's end."""
+def encounters(hull: str, numbers: Sequence[int], duration_s: float = 90.0) -> list[Passing]:
+    """Each encounter's end; `duration_s` for a boat of SHORTEST_M."""
     found = []
+    north = SLOT_NORTH_M * scale(hull)
+    slot = boat_at(hull, [north, 0.0], [north, 0.0, 0.0])
+    last_s = round(duration_s * scale(hull), 1)
     with TemporaryDirectory() as folder:
-        for begin in track(range(0, len(numbers), TOGETHER), "meeting", transient=True):
-            met = [drawn(number) for number in numbers[begin : begin + TOGETHER]]
-            slot = boat_at([SLOT_NORTH_M, 0.0], [SLOT_NORTH_M, 0.0, 0.0])
+        for begin in track(range(0, len(numbers), TOGETHER), hull, transient=True):
+            met = [drawn(hull, number) for number in numbers[begin : begin + TOGETHER]]
             scenarios = [
-                scenario_of(one.seed, duration_s, leader_at(one.slot_mps) + slot, Path(folder))
+                scenario_of(one.seed, last_s, leader_at(one.slot_mps) + slot, Path(folder))
                 for one in met
             ]
             for one, run in zip(met, sail(scenarios, {}, watch=Strangers(met)), strict=True):
@@ -204,66 +221,88 @@ def encounters(numbers: Sequence[int], duration_s: float = 90.0) -> list[Passing
     return found
 
 
-def crowd(number: int, boats: int, speed_mps: float, swapped: bool, folder: Path) -> Scenario:
-    """A grid of slots; boats begin in each other's, or anywhere around."""
+@dataclass(frozen=True)
+class Crowd:
+    """Fleets of a hull on a grid of slots; boats begin in each other's, or anywhere around."""
+
+    boats: int
+    speed_mps: float
+    swapped: bool
+
+
+CROWDS = (Crowd(4, 0.5, True), Crowd(9, 0.0, True), Crowd(12, 0.5, True), Crowd(20, 0.5, False))
+
+
+def crowd(hull: str, number: int, one: Crowd, folder: Path) -> Scenario:
+    """Fleet `number` of a crowd."""
     rng = np.random.default_rng([9, number])
-    wide = math.ceil(math.sqrt(boats))
-    slots = [(-SPACING_M * (i // wide) - 3.0, SPACING_M * (i % wide)) for i in range(boats)]
-    if swapped:
-        begin = [(*slots[i], 0.0) for i in rng.permutation(boats)]
+    wide = math.ceil(math.sqrt(one.boats))
+    slots = [(-SPACING_M * (i // wide) - 3.0, SPACING_M * (i % wide)) for i in range(one.boats)]
+    if one.swapped:
+        begin = [(*slots[i], 0.0) for i in rng.permutation(one.boats)]
     else:
         begin = []
-        while len(begin) < boats:
+        while len(begin) < one.boats:
             side = 2.1 * SPACING_M * wide / 2.0
             here = (*rng.uniform(-side / 1.4, side / 1.4, 2), rng.uniform(-math.pi, math.pi))
             if all(math.hypot(here[0] - x, here[1] - y) > 2.5 for x, y, _ in begin):
                 begin.append(here)
-    text = leader_at(speed_mps) + "".join(
-        boat_at(slot, eta) for slot, eta in zip(slots, np.round(begin, 3).tolist(), strict=True)
+    grown = [scale(hull), scale(hull)]
+    text = leader_at(one.speed_mps) + "".join(
+        boat_at(hull, slot, eta)
+        for slot, eta in zip(
+            np.round(np.multiply(slots, grown), 3).tolist(),
+            np.round(np.multiply(begin, [*grown, 1.0]), 3).tolist(),
+            strict=True,
+        )
     )
-    return scenario_of(number, 150.0, text, folder)
+    return scenario_of(number, round(150.0 * scale(hull), 1), text, folder)
 
 
-def crowds(numbers: Sequence[int], boats: int, speed_mps: float, swapped: bool) -> Array:
-    """Least distance and worst last error of each run."""
+def crowds(hull: str, numbers: Sequence[int], one: Crowd) -> Array:
+    """Least distance, in guards, and worst last error, in hull lengths over SHORTEST_M, of each."""
     found = []
     with TemporaryDirectory() as folder:
-        for n in track(numbers, f"{boats} boats", transient=True):
-            (run,) = sail([crowd(n, boats, speed_mps, swapped, Path(folder))], {}, keep_s=0.05)
+        for n in track(numbers, f"{hull}, {one.boats} boats", transient=True):
+            (run,) = sail([crowd(hull, n, one, Path(folder))], {}, keep_s=0.05)
             if not isinstance(run, Run):
                 raise run
-            least = metrics.min_separation_m(run.trace["eta"]) or 0.0
-            found.append((least, float(metrics.distances(run.trace["error"])[-1].max())))
+            least = (metrics.min_separation_m(run.trace["eta"]) or 0.0) / guard_m(hull)
+            off = float(metrics.distances(run.trace["error"])[-1].max()) / scale(hull)
+            found.append((least, off))
     return np.array(found)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--runs", type=int, default=1000, metavar="N")
-    runs = parser.parse_args(arguments).runs
-    console = Console()
-    passed = encounters(range(runs))
-    least = [each.least_m for each in passed]
-    sides = [each.right for each in passed if each.right is not None]
-    console.print(
-        f"{runs} strangers: {sum(m < GUARD_M for m in least)} nearer than {GUARD_M:.2f} m, the "
-        f"nearest {min(least):.2f} m; on the side of the rules {sum(sides)} of {len(sides)}; "
-        f"{sum(not each.arrived for each in passed)} boats not back in their slots"
-    )
-    for boats, speed, swapped in (
-        (4, 0.5, True),
-        (9, 0.0, True),
-        (12, 0.5, True),
-        (20, 0.5, False),
-    ):
-        found = crowds(range(max(runs // 50, 2)), boats, speed, swapped)
-        off = found[:, 1] > (ARRIVED_M if speed > 0.0 else AT_REST_M)
-        console.print(
-            f"{boats} boats {'in swapped slots' if swapped else 'anywhere'}, {speed} m/s, "
-            f"{len(found)} runs: {np.sum(found[:, 0] < GUARD_M)} nearer than the guard, the "
-            f"nearest {found[:, 0].min():.2f} m; not arrived in {np.sum(off)}"
-        )
+    parser.add_argument("hull", nargs="*", default=presets.names())
+    parser.add_argument("--runs", type=int, default=1000, metavar="N", help="strangers of a hull")
+    given = parser.parse_args(arguments)
+    for hull in given.hull:
+        print_strangers(hull, encounters(hull, range(given.runs)))
+        for one in CROWDS:
+            print_crowds(hull, one, crowds(hull, range(max(given.runs // 50, 2)), one))
     return 0
+
+
+def print_strangers(hull: str, passed: Sequence[Passing]) -> None:
+    least = [each.least for each in passed]
+    sides = [each.right for each in passed if each.right is not None]
+    Console().print(
+        f"{hull}, {len(passed)} strangers: {sum(each < 1.0 for each in least)} nearer than the "
+        f"guard, the nearest {min(least):.2f} of it; on the side of the rules {sum(sides)} of "
+        f"{len(sides)}; {sum(not each.arrived for each in passed)} boats not back in their slots, "
+        f"{sum(each.left for each in passed)} left FORMATION"
+    )
+
+
+def print_crowds(hull: str, one: Crowd, found: Array) -> None:
+    off = found[:, 1] > (ARRIVED_M if one.speed_mps > 0.0 else AT_REST_M)
+    Console().print(
+        f"{hull}, {one.boats} boats {'in swapped slots' if one.swapped else 'anywhere'}, "
+        f"{one.speed_mps} m/s, {len(found)} runs: {np.sum(found[:, 0] < 1.0)} nearer than the "
+        f"guard, the nearest {found[:, 0].min():.2f} of it; not arrived in {np.sum(off)}"
+    )
 
 
 if __name__ == "__main__":

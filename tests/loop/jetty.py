@@ -24,14 +24,12 @@ from sil.lockstep import metrics
 from sil.lockstep.world import Run, sail
 from sil.scenario import presets, scenario
 from sil.scenario.scenario import Scenario
-from tests.loop.presets import BOATS, WEATHER, alike
+from tests.loop.presets import BOATS, GUARD, WEATHER, alike, length_m
 
 NEAREST_M, FARTHEST_M = 20.0, 150.0
 DURATION_S = 500.0
 ARRIVED_M = 0.5
-GUARD = 1.2  # FS_SEP_M's default, hull lengths
 RADIO = ("link.delay_s=0.1", "link.loss=0.1", "link.everyone=true")
-_SHORTEST_M = 1.3  # BOAT_LEN's default: the paper's vessel has no length
 _KEPT_S = 0.1
 
 
@@ -71,11 +69,6 @@ def fleet(hull: str, number: int) -> Scenario:
         ]
     more = [*WEATHER, *RADIO, f"duration_s={DURATION_S}", f"seed={number}"]
     return scenario.load("mixed", [*alike(hull), *more, *changes])
-
-
-def length_m(hull: str) -> float:
-    """The length that the boats are told."""
-    return presets.load(hull).vessel.length_m or _SHORTEST_M
 
 
 def outings(hull: str, numbers: Sequence[int]) -> list[Outing]:

@@ -22,7 +22,8 @@ from sil.scenario.scenario import Scenario
 BOATS, RUNS = 4, 20
 _HEADING_RAD = 0.6  # amplitude of the S-curve
 _SPACING = 3.0  # hull lengths
-_SHORTEST_M = 1.3  # BOAT_LEN's default
+SHORTEST_M = 1.3  # BOAT_LEN's default: the paper's vessel has no length
+GUARD = 1.2  # FS_SEP_M's default, hull lengths
 GAINS = ("KDU", "KDR", "OBS_BW", "CUR_BW", "XT_DIST", "R_MAX")
 #: Gains of a boat of 1 kg.
 OF_THE_PAPERS_HULL = dict(
@@ -50,7 +51,7 @@ def alike(name: str) -> list[str]:
     hull = presets.load(name)
     speed, rate = hull.cruise.speed_mps, hull.cruise.yaw_rate_radps
     omega = rate / _HEADING_RAD
-    spacing = _SPACING * max(hull.vessel.length_m, _SHORTEST_M)
+    spacing = _SPACING * max(hull.vessel.length_m, SHORTEST_M)
     curve = {
         "surge_N": LEADER.d11 * speed,
         "yaw_sine_Nm": math.hypot(LEADER.d33, LEADER.m33 * omega) * rate,
@@ -61,6 +62,11 @@ def alike(name: str) -> list[str]:
         f"formation.spacing_m={spacing:g}",
         *(f"leader.input.1.{key}={value:.6g}" for key, value in curve.items()),
     ]
+
+
+def length_m(hull: str) -> float:
+    """The length that a hull's boats are told."""
+    return presets.load(hull).vessel.length_m or SHORTEST_M
 
 
 def fleets() -> dict[tuple[str, str], Scenario]:

@@ -20,6 +20,18 @@ core::AllocationParams<S> propellers_of(const Parameters& p) {
 }
 
 template <class S>
+core::SeparationParams<S> separation_params(const Parameters& p) {
+  core::SeparationParams<S> out{scalar<S>(separation_m(p))};
+  if (!(p.LAW_U_MAX > 0 && p.LAW_R_MAX > 0)) return out;
+  constexpr float kReaction_s = 0.4F, kQuarter_rad = 1.571F, kRoom = 1.5F, kLongest_s = 20;
+  const float gather_s = p.LAW_U_MAX * p.VES_M11 / std::max(2 * p.THR_REV_MAX, 0.1F);
+  const float aside_s = kQuarter_rad / p.LAW_R_MAX + kRoom * separation_m(p) / p.LAW_U_MAX;
+  const float needed_s = std::min(kReaction_s + gather_s + aside_s, kLongest_s);
+  out.horizon = core::max(out.horizon, scalar<S>(needed_s));
+  return out;
+}
+
+template <class S>
 core::ControllerParams<S> controller_params(const Parameters& p) {
   const bool turns = p.FORM_FRAME == 1.0F;
   return {
@@ -30,7 +42,7 @@ core::ControllerParams<S> controller_params(const Parameters& p) {
        scalar<S>(p.VES_D22), scalar<S>(p.VES_D33), scalar<S>(p.VES_D11Q), scalar<S>(p.VES_D33U)},
       propellers_of<S>(p),
       {scalar<S>(p.LAW_XT_DIST)},
-      {scalar<S>(separation_m(p))}};
+      separation_params<S>(p)};
 }
 
 template <class S>
