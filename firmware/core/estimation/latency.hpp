@@ -24,7 +24,9 @@
 // b, so that a model error of one half does not look like latency.
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <tuple>
 
 #include "core/scalar/scalar.hpp"
 
@@ -44,28 +46,34 @@ struct LatencyParams {
   S J_min = S(0.1);  ///< floor of J / Σλ, for the model's error
 };
 
+/// Filter i's numbers are the i-th of each row, so that processors compute several filters at once.
 template <class S>
 struct Latency {
-  static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
+  static constexpr int kHypotheses = 11;            ///< 0 … 0.5 s
+  static constexpr int kFilters = kHypotheses + 1;  ///< the last: the boat does not respond, γ = 0
   static constexpr int kLength = 128;
   static constexpr S kBin = S(0.01);  ///< s
-  struct Hypothesis {
-    Eigen::Matrix<S, 3, 1> x{S(0), S(0), S(1)};
-    Eigen::Matrix<S, 3, 3> P = Eigen::Matrix<S, 3, 1>{S(0.1), S(0.1), S(0.25)}.asDiagonal();
-    S J{};
-  };
-  Hypothesis hypotheses[kHypotheses];
-  Hypothesis none = unmoved();  ///< the boat does not respond to moments, γ = 0
-  S impulse[kLength]{};         ///< ∫n dt of the last bins, a ring buffer
-  int last = 0;                 ///< the bin being filled
-  S filled{};                   ///< time in that bin, s
-  S weight{};                   ///< Σλ
+  using Filters = std::array<S, kFilters>;
+  Filters x[3], P[3][3];
+  Filters J{};
+  S impulse[kLength]{};  ///< ∫n dt of the last bins, a ring buffer
+  int last = 0;          ///< the bin being filled
+  S filled{};            ///< time in that bin, s
+  S weight{};            ///< Σλ
 
-  static Hypothesis unmoved() {
-    Hypothesis one;
-    one.x(2) = S(0);
-    one.P(2, 2) = S(0);
-    return one;
+  Latency() : x{}, P{} {
+    P[0][0].fill(S(0.1));
+    P[1][1].fill(S(0.1));
+    x[2] = each(S(1));
+    P[2][2] = each(S(0.25));
+  }
+
+  /// That number for each hypothesis, 0 for the boat that does not respond.
+  static constexpr Filters each(S number) {
+    Filters row;
+    row.fill(number);
+    row.back() = S(0);
+    return row;
   }
 };
 
@@ -101,7 +109,7 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
   S sum = S(0);
   for (bool first = true; back < n && end < from; ++back, first = false) {
     const S begin = end + length;
-    const S all = state.impulse[(state.last + n - back) % n];
+    const S all = state.impulse[static_cast<unsigned>(state.last + n - back) % n];
     const bool whole = !(first && end < to) && !(from < begin);
     sum = sum + (whole ? all : (min(begin, from) - max(end, to)) / length * all);
     end = begin;
@@ -110,91 +118,83 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
   return sum;
 }
 
-/// Integration from one fix to the next, in `count` steps of h.
+/// Corrects all filters by a fix with the yaw rate z.
 template <class S>
-struct LatencySteps {
-  int count;
-  S h;
-  S kept_r;                      ///< share of the yaw rate left by one step's damping
-  S kept_n;                      ///< share of the step's change of it left
-  S of_b;                        ///< change of the yaw rate by b in one step
-  Eigen::Matrix<S, 3, 1> noise;  ///< variance of x that all steps add
-};
-template <class S>
-LatencySteps<S> latency_steps(const LatencyParams<S>& params, S dt) {
+void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
+  using Filters = typename Latency<S>::Filters;
+  constexpr std::size_t n = Latency<S>::kFilters;
+  const S kept = S(1) - dt / params.memory;
+  state.weight = kept * state.weight + S(1);
+
+  // Integrates from the last fix to this one, in `count` steps of h.
   const int count = 1 + static_cast<int>(dt / params.step);
   const S h = dt / S(count);
   const S half = S(0.5) * h * params.d;
-  const S kept_n = S(1) / (S(1) + half);
-  return {count,
-          h,
-          (S(1) - half) / (S(1) + half),
-          kept_n,
-          kept_n * h,
-          S(count) * h * Eigen::Matrix<S, 3, 1>{params.q_r, params.q_b, params.q_gamma}};
-}
-
-/// Predicts one hypothesis to `to` seconds ago and corrects it by the measured yaw rate z.
-template <class S>
-void hypothesis_correct(const LatencyParams<S>& params, const Latency<S>& state,
-                        const LatencySteps<S>& steps, typename Latency<S>::Hypothesis& one, S to,
-                        S z, S kept) {
-  const auto& [count, h, kept_r, kept_n, of_b, noise] = steps;
-  Eigen::Matrix<S, 1, 3> F{S(1), S(0), S(0)};  // first row; the others are the identity's
+  const S kept_n = S(1) / (S(1) + half);           // of a step's change of the yaw rate
+  const S kept_r = (S(1) - half) / (S(1) + half);  // of the yaw rate
+  const S of_b = kept_n * h;                       // change of the yaw rate by b
+  S F_r = S(1), F_b = S(0);  // with F_gamma the first row of F; the others are the identity's
+  Filters F_gamma{};
   for (int left = count; left > 0; --left) {
-    const S end = to + S(left - 1) * h;
-    const S of_gamma = kept_n * latency_impulse(state, end + h, end);
-    one.x(0) = kept_r * one.x(0) + (of_b * one.x(1) + of_gamma * one.x(2));
-    F = left == count
-            ? Eigen::Matrix<S, 1, 3>{kept_r, of_b, of_gamma}
-            : Eigen::Matrix<S, 1, 3>{kept_r * F(0), kept_r * F(1) + of_b, kept_r * F(2) + of_gamma};
+    Filters of_gamma;
+    S tau = S(0);
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      const S end = age + tau + S(left - 1) * h;
+      of_gamma[i] = kept_n * latency_impulse(state, end + h, end);
+      tau = tau + params.h;
+    }
+    of_gamma[n - 1] = of_gamma[0];
+    F_r = kept_r * F_r;
+    F_b = kept_r * F_b + of_b;
+    for (std::size_t i = 0; i < n; ++i) {
+      state.x[0][i] = kept_r * state.x[0][i] + (of_b * state.x[1][i] + of_gamma[i] * state.x[2][i]);
+      F_gamma[i] = kept_r * F_gamma[i] + of_gamma[i];
+    }
   }
-  const Eigen::Matrix<S, 1, 3> r = F * one.P;
-  one.P.row(0) = r;
-  one.P.col(0) = r.transpose();
-  one.P(0, 0) = r.dot(F);
-  one.P.diagonal() += noise;
-  const S off = z - one.x(0);
-  const S share = S(1) / (one.P(0, 0) + params.R);
-  const Eigen::Matrix<S, 3, 1> gain = share * one.P.col(0);
-  one.J = kept * one.J + share * off * off;
-  one.x += gain * off;
-  one.x(2) = clamp(one.x(2), params.gamma_min, S(3));
-  const Eigen::Matrix<S, 1, 3> row = one.P.row(0);
-  one.P -= gain * row;
-}
 
-/// Corrects all hypotheses by a fix with the yaw rate z.
-template <class S>
-void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
-  const S kept = S(1) - dt / params.memory;
-  LatencySteps<S> steps = latency_steps(params, dt);
-  state.weight = kept * state.weight + S(1);
-  S tau = S(0);
-  for (auto& one : state.hypotheses) {
-    hypothesis_correct(params, state, steps, one, age + tau, z, kept);
-    tau = tau + params.h;
+  const S time = S(count) * h, R = params.R;
+  const S noise_r = time * params.q_r, noise_b = time * params.q_b;
+  const Filters noise_gamma = Latency<S>::each(time * params.q_gamma);
+  const Filters gamma_min = Latency<S>::each(params.gamma_min);
+  const auto [x, P, J] = std::tie(state.x, state.P, state.J);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto by_F = [&](S r, S b, S gamma) { return F_r * r + (F_b * b + F_gamma[i] * gamma); };
+    const S P_b = by_F(P[0][1][i], P[1][1][i], P[2][1][i]);
+    const S P_gamma = by_F(P[0][2][i], P[1][2][i], P[2][2][i]);
+    const S P_r = by_F(by_F(P[0][0][i], P[1][0][i], P[2][0][i]), P_b, P_gamma) + noise_r;
+    const S off = z - x[0][i];
+    const S share = S(1) / (P_r + R);
+    const S gain_r = share * P_r, gain_b = share * P_b, gain_gamma = share * P_gamma;
+    J[i] = kept * J[i] + share * off * off;
+    x[0][i] = x[0][i] + gain_r * off;
+    x[1][i] = x[1][i] + gain_b * off;
+    x[2][i] = clamp(x[2][i] + gain_gamma * off, gamma_min[i], S(3));
+    P[0][0][i] = P_r - gain_r * P_r;
+    P[0][1][i] = P_b - gain_r * P_b;
+    P[0][2][i] = P_gamma - gain_r * P_gamma;
+    P[1][0][i] = P_b - gain_b * P_r;
+    P[1][1][i] = P[1][1][i] + noise_b - gain_b * P_b;
+    P[1][2][i] = P[1][2][i] - gain_b * P_gamma;
+    P[2][0][i] = P_gamma - gain_gamma * P_r;
+    P[2][1][i] = P[2][1][i] - gain_gamma * P_b;
+    P[2][2][i] = P[2][2][i] + noise_gamma[i] - gain_gamma * P_gamma;
   }
-  steps.noise(2) = S(0);
-  LatencyParams<S> still = params;
-  still.gamma_min = S(0);
-  hypothesis_correct(still, state, steps, state.none, age, z, kept);
 }
 
 template <class S>
 Late<S> latency_of(const LatencyParams<S>& params, const Latency<S>& state) {
   constexpr int n = Latency<S>::kHypotheses;
+  const auto J = [&](int i) { return state.J[static_cast<std::size_t>(i)]; };
   int best = 0;
   for (int i = 1; i < n; ++i) {
-    if (state.hypotheses[i].J < state.hypotheses[best].J) best = i;
+    if (J(i) < J(best)) best = i;
   }
-  const auto J = [&](int i) { return state.hypotheses[i].J; };
   const S before = best > 0 ? J(best - 1) : J(1);
   const S after = best + 1 < n ? J(best + 1) : J(n - 2);
   const S bend = before - S(2) * J(best) + after;
   const S off = best == 0 || best + 1 == n ? S(0) : S(0.5) * (before - after) / bend;
   const S scale = max(J(best), params.J_min * state.weight);
-  const bool answers = params.D_min * scale < (state.none.J - J(best)) * state.weight;
+  const bool answers = params.D_min * scale < (J(n) - J(best)) * state.weight;
   return {params.h * (S(best) + off), answers && params.A_min * scale < bend * state.weight};
 }
 
