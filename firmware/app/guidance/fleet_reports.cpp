@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 
 #include "app/parameters.hpp"
 #include "link/mavlink/mav.hpp"
@@ -18,7 +19,7 @@ constexpr std::int64_t kSilent_us = 3'000'000;
 }  // namespace
 
 void FleetReports::configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us) {
-  if (own_system != own_) members_ = {};
+  if (own_system != own_) members_ = {}, used_ = 0;
   if (leader != leader_) return_us_.reset();
   own_ = own_system;
   leader_ = leader;
@@ -26,8 +27,9 @@ void FleetReports::configure(std::uint8_t own_system, std::uint8_t leader, std::
 }
 
 FleetReports::Member* FleetReports::find(std::uint8_t system) {
-  auto* const found = std::ranges::find(members_, system, &Member::system);
-  return found == members_.end() ? nullptr : found;
+  const auto used = std::span(members_).first(used_);
+  const auto found = std::ranges::find(used, system, &Member::system);
+  return found == used.end() ? nullptr : &*found;
 }
 
 /// A boat that is too many is not waited for.
@@ -43,6 +45,7 @@ void FleetReports::take_member(std::uint8_t system, bool follows, std::int64_t n
     });
     if (member == members_.end()) return;
     *member = {system, false, now_us, {}};
+    used_ = std::max(used_, static_cast<std::size_t>(member - members_.data()) + 1);
   }
   member->heard_us = now_us;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -40,6 +41,7 @@ class FleetReports {
   std::int64_t wait_us_ = 0;
   std::optional<std::int64_t> return_us_;  // when the leader said so last
   std::array<Member, 24> members_{};
+  std::size_t used_ = 0;  // behind it all are free
 };
 
 }  // namespace flotilla::app
