@@ -285,25 +285,22 @@ struct Verdict {
   Conditions missing;
 };
 
-/// From the first row of a request to its last one.
-constexpr std::span<const Row> rows_of(Request request) {
-  constexpr auto kRows = [] {
-    std::array<std::span<const Row>, kRequests> rows;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const auto is = [r](const Row& row) { return static_cast<std::size_t>(row.request) == r; };
-      const auto first = std::ranges::find_if(kTable, is);
-      const auto last = std::find_if(kTable.rbegin(), kTable.rend(), is).base();
-      rows[r] = {first, last};
-    }
-    return rows;
-  }();
-  return kRows[static_cast<std::size_t>(request)];
-}
+/// Of each request, from its first row to its last one.
+inline constexpr auto kRowsOf = [] {
+  std::array<std::span<const Row>, kRequests> rows;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto is = [r](const Row& row) { return static_cast<std::size_t>(row.request) == r; };
+    const auto first = std::ranges::find_if(kTable, is);
+    const auto last = std::find_if(kTable.rbegin(), kTable.rend(), is).base();
+    rows[r] = {first, last};
+  }
+  return rows;
+}();
 
 constexpr Verdict supervise(State state, Request request, Conditions met,
                             const Response& response = {}) {
   Conditions missing = 0;
-  for (const Row& row : rows_of(request)) {
+  for (const Row& row : kRowsOf[static_cast<std::size_t>(request)]) {
     if ((row.from & in(state)) == 0 || row.request != request) continue;
     if (row.on != 0 && (row.on & by(response.reaction)) == 0) continue;
     const Conditions unmet = row.needs & ~met;

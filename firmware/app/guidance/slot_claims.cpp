@@ -27,8 +27,8 @@ void SlotClaims::configure(std::uint8_t own_system, std::uint8_t leader,
   if (leader != leader_ || own_system != own_) leader_is_vessel_ = false;
   own_ = own_system;
   leader_ = leader;
-  slot_ = slot;
   beam_ = convert::wire_offset_of(beam_m, 0)[0];
+  on_leader_ = is_one({slot, {}}, {});
   rival_ = 0;  // the slot may have changed; claims are repeated at 10 Hz
 }
 
@@ -61,8 +61,6 @@ void SlotClaims::hear(const link::Received& received, const TreePlace& place, st
     rival_ = 0;
   }
 }
-
-bool SlotClaims::leaders() const { return leader_is_vessel_ && is_one({slot_, {}}, {}); }
 
 std::optional<std::uint8_t> SlotClaims::rival(std::int64_t now_us, bool sails) const {
   const std::int64_t patience_us = kSettles_us + (own_ < rival_ ? kYields_us : 0);

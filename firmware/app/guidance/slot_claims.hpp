@@ -24,7 +24,7 @@ class SlotClaims {
   void hear(const link::Received& received, const TreePlace& place, std::int64_t now_us);
 
   /// The slot coincides with the leader, which is a vessel.
-  bool leaders() const;
+  bool leaders() const { return leader_is_vessel_ && on_leader_; }
 
   /// System id of a boat with the same slot of the same root. While we sail, only a rival counts
   /// that sails too, and has claimed the slot for 2 s: boats that exchange their slots do not
@@ -41,9 +41,8 @@ class SlotClaims {
   bool is_one(const RootOffset& a, const RootOffset& b) const;
 
   std::uint8_t own_ = 0, leader_ = 0;
-  convert::WireOffset slot_{};
   std::int64_t beam_ = 0;  // 1/1024 m
-  bool leader_is_vessel_ = false;
+  bool on_leader_ = false, leader_is_vessel_ = false;
   std::uint8_t rival_ = 0;
   bool rival_sails_ = false;
   std::int64_t rival_us_ = 0, rival_since_us_ = 0;

@@ -152,7 +152,7 @@ std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
 /// Errors, desired values, missing wrench, ages, conditions, thrusts: one message each.
 std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
   struct Value {
-    std::string_view name;
+    const char* name;
     std::optional<double> value;
   };
   const auto of = [&](auto read) {

@@ -45,20 +45,20 @@ void Warnings<S>::warn_of_host(const Seen& seen) {
 }
 
 template <class S>
-void Warnings<S>::alarm(std::optional<std::uint8_t> system, std::string_view before,
-                        std::string_view after, Schedule& due, std::int64_t now_us) {
-  if (!system || !due.take_if_due(now_us)) return;
-  Sentence why;
-  why << before << static_cast<float>(*system) << after;
-  say(mav::kSeverityCritical, why.text());
-}
-
-template <class S>
 void Warnings<S>::warn_of_vessels(const Seen& seen) {
-  const std::int64_t now_us = seen.now_us;
-  alarm(pilot_.doubled(now_us), "two vessels use system id ", "", double_due_, now_us);
-  alarm(pilot_.late_neighbour(now_us), "vessel ", " heard 3 s late: not kept clear of", late_due_,
-        now_us);
+  const auto alarm = [&](std::uint8_t system, std::string_view before, std::string_view after) {
+    Sentence why;
+    why << before << static_cast<float>(system) << after;
+    say(mav::kSeverityCritical, why.text());
+  };
+  const auto doubled = pilot_.doubled(seen.now_us);
+  if (doubled && double_due_.take_if_due(seen.now_us)) {
+    alarm(*doubled, "two vessels use system id ", "");
+  }
+  const auto late = pilot_.late_neighbour(seen.now_us);
+  if (late && late_due_.take_if_due(seen.now_us)) {
+    alarm(*late, "vessel ", " heard 3 s late: not kept clear of");
+  }
 }
 
 template <class S>
@@ -115,8 +115,8 @@ void Warnings<S>::warn_of_current(const Seen& seen) {
   const auto& e = seen.law.error.e;
   const bool was_alone = std::exchange(alone_, core::sails_alone(seen.state));
   const bool spent = alone_ && S(0) < seen.law.allocation.missing.X;
-  const bool behind = S(1) < core::hypot(e.x, e.y) && pilot_.motion().nu.u < S(0.05);
-  beaten_.look(spent && behind, seen.now_us);
+  const bool behind = spent && S(1) < core::hypot(e.x, e.y) && pilot_.motion().nu.u < S(0.05);
+  beaten_.look(behind, seen.now_us);
   const bool holds = was_alone && !alone_ && (seen.conditions & core::kBoatAnswers) == 0;
   if (!holds && !(beaten_.is() && spent)) return;
   if (beaten_due_.take_if_due(seen.now_us)) {

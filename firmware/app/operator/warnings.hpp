@@ -51,8 +51,6 @@ class Warnings {
   void say(std::uint8_t severity, std::string_view text) {
     vehicle_.send_statustext(severity, {text}, counters_);
   }
-  void alarm(std::optional<std::uint8_t> system, std::string_view before, std::string_view after,
-             Schedule& due, std::int64_t now_us);
   void warn_of_host(const Seen& seen);
   void warn_of_vessels(const Seen& seen);
   void warn_of_unit(const Seen& seen);
