@@ -59,8 +59,12 @@ core::Conditions Supervisor::conditions(std::int64_t now_us) const {
 Supervisor::Decision Supervisor::apply_conditions(core::Conditions conditions,
                                                   std::int64_t now_us) {
   conditions_ = conditions;
+  const Situation now{state_, conditions};
+  if (stays_ == now) return {};
   const core::Response response = core::response_to(choices_, state_, conditions_);
-  return decide(core::supervise(state_, Request::kNone, conditions_, response), now_us);
+  const core::Verdict verdict = core::supervise(state_, Request::kNone, conditions_, response);
+  if (!verdict.granted) stays_ = now;
+  return decide(verdict, now_us);
 }
 
 Supervisor::Decision Supervisor::request(Request request, std::int64_t now_us) {

@@ -45,7 +45,10 @@ class Supervisor {
   std::optional<std::int64_t> coasting_since_us() const { return coast_us_; }
 
   /// Sets the reactions to losses.
-  void choose(const core::Choices& choices) { choices_ = choices; }
+  void choose(const core::Choices& choices) {
+    choices_ = choices;
+    stays_.reset();
+  }
 
   /// The conditions that depend on the sticks and the motor test.
   core::Conditions conditions(std::int64_t now_us) const;
@@ -72,9 +75,16 @@ class Supervisor {
   bool sticks_fresh(std::int64_t now_us) const;
   Decision decide(const core::Verdict& verdict, std::int64_t now_us);
 
+  struct Situation {
+    core::State state;
+    core::Conditions conditions;
+    bool operator==(const Situation&) const = default;
+  };
+
   core::State state_ = core::State::kDisarmed;
   core::Conditions conditions_ = 0;
   core::Choices choices_;
+  std::optional<Situation> stays_;  // the last one without an automatic transition
   std::uint8_t intended_mode_ = mode::kHold;
   Sticks sticks_;
   link::Address sticks_from_{};
