@@ -127,10 +127,16 @@ bool Vehicle::take(std::size_t link, const link::Received& received, std::int64_
   }
   const auto request = std::visit(RequestOf{ftp_}, received.message);
   if (!request) return false;
-  const PendingRequest pending{now_us, *request, received.from, received.target,
+  keep(link, received, *request, now_us, counters);
+  return true;
+}
+
+/// Until the next tick answers it, unless it is a copy that came on another link.
+void Vehicle::keep(std::size_t link, const link::Received& received, const RequestMessage& request,
+                   std::int64_t now_us, link::Counters& counters) {
+  const PendingRequest pending{now_us, request, received.from, received.target,
                                static_cast<std::uint8_t>(link)};
   if (!copies_.is_copy(received, link, now_us) || stops(pending)) inbox_.push(pending, counters);
-  return true;
 }
 
 void Vehicle::take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us) {

@@ -146,12 +146,16 @@ class Vehicle {
  private:
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
-  void take_sticks(const link::Received& received, const link::ManualControl& sticks,
-                   std::int64_t now_us, link::Counters& counters);
+  [[gnu::cold]] void take_sticks(const link::Received& received, const link::ManualControl& sticks,
+                                 std::int64_t now_us, link::Counters& counters);
   bool take_rc(const link::Received& received, std::int64_t now_us);
-  void take_beat(link::Address from, const link::Heartbeat& beat, std::int64_t now_us);
-  void forward(std::size_t link, const link::Received& received, std::int64_t now_us,
-               link::Counters& counters);
+  [[gnu::cold]] void keep(std::size_t link, const link::Received& received,
+                          const RequestMessage& request, std::int64_t now_us,
+                          link::Counters& counters);
+  [[gnu::cold]] void take_beat(link::Address from, const link::Heartbeat& beat,
+                               std::int64_t now_us);
+  [[gnu::cold]] void forward(std::size_t link, const link::Received& received, std::int64_t now_us,
+                             link::Counters& counters);
   bool may_command(link::Address from) const;
 
   void answer(const PendingRequest& pending, link::Counters& counters);
