@@ -24,9 +24,7 @@
 // b, so that a model error of one half does not look like latency.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <tuple>
+#include <Eigen/Core>
 
 #include "core/scalar/scalar.hpp"
 
@@ -46,34 +44,33 @@ struct LatencyParams {
   S J_min = S(0.1);  ///< floor of J / Σλ, for the model's error
 };
 
-/// Filter i's numbers are the i-th of each row, so that processors compute several filters at once.
+/// Filter i's numbers are the i-th of each array, so that processors compute several filters at once.
 template <class S>
 struct Latency {
-  static constexpr int kHypotheses = 11;            ///< 0 … 0.5 s
-  static constexpr int kFilters = kHypotheses + 1;  ///< the last: the boat does not respond, γ = 0
+  static constexpr int kHypotheses = 11;  ///< 0 … 0.5 s
   static constexpr int kLength = 128;
   static constexpr S kBin = S(0.01);  ///< s
-  using Filters = std::array<S, kFilters>;
-  Filters x[3], P[3][3];
-  Filters J{};
+  /// The last filter: the boat does not respond, γ = 0.
+  using Filters = Eigen::Array<S, kHypotheses + 1, 1>;
+  struct {
+    Filters r = all(S(0)), b = all(S(0)), gamma = responding(S(1));
+  } x;
+  struct {
+    Filters rr = all(S(0.1)), rb = all(S(0)), rgamma = all(S(0));
+    Filters bb = all(S(0.1)), bgamma = all(S(0)), gammagamma = responding(S(0.25));
+  } P;  ///< symmetric
+  Filters J = all(S(0));
   S impulse[kLength]{};  ///< ∫n dt of the last bins, a ring buffer
   int last = 0;          ///< the bin being filled
   S filled{};            ///< time in that bin, s
   S weight{};            ///< Σλ
 
-  Latency() : x{}, P{} {
-    P[0][0].fill(S(0.1));
-    P[1][1].fill(S(0.1));
-    x[2] = each(S(1));
-    P[2][2] = each(S(0.25));
-  }
-
+  static Filters all(S number) { return Filters::Constant(number); }
   /// That number for each hypothesis, 0 for the boat that does not respond.
-  static constexpr Filters each(S number) {
-    Filters row;
-    row.fill(number);
-    row.back() = S(0);
-    return row;
+  static Filters responding(S number) {
+    Filters numbers = all(number);
+    numbers(kHypotheses) = S(0);
+    return numbers;
   }
 };
 
@@ -122,7 +119,9 @@ S latency_impulse(const Latency<S>& state, S from, S to) {
 template <class S>
 void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S age, S dt) {
   using Filters = typename Latency<S>::Filters;
-  constexpr std::size_t n = Latency<S>::kFilters;
+  constexpr int n = Latency<S>::kHypotheses;
+  auto& x = state.x;
+  auto& P = state.P;
   const S kept = S(1) - dt / params.memory;
   state.weight = kept * state.weight + S(1);
 
@@ -134,61 +133,54 @@ void latency_correct(const LatencyParams<S>& params, Latency<S>& state, S z, S a
   const S kept_r = (S(1) - half) / (S(1) + half);  // of the yaw rate
   const S of_b = kept_n * h;                       // change of the yaw rate by b
   S F_r = S(1), F_b = S(0);  // with F_gamma the first row of F; the others are the identity's
-  Filters F_gamma{};
+  Filters F_gamma = state.all(S(0));
   for (int left = count; left > 0; --left) {
     Filters of_gamma;
-    S tau = S(0);
-    for (std::size_t i = 0; i + 1 < n; ++i) {
-      const S end = age + tau + S(left - 1) * h;
-      of_gamma[i] = kept_n * latency_impulse(state, end + h, end);
-      tau = tau + params.h;
+    S end = age + S(left - 1) * h;
+    for (int i = 0; i < n; ++i, end = end + params.h) {
+      of_gamma(i) = kept_n * latency_impulse(state, end + h, end);
     }
-    of_gamma[n - 1] = of_gamma[0];
+    of_gamma(n) = of_gamma(0);
+    x.r = kept_r * x.r + (of_b * x.b + of_gamma * x.gamma);
     F_r = kept_r * F_r;
     F_b = kept_r * F_b + of_b;
-    for (std::size_t i = 0; i < n; ++i) {
-      state.x[0][i] = kept_r * state.x[0][i] + (of_b * state.x[1][i] + of_gamma[i] * state.x[2][i]);
-      F_gamma[i] = kept_r * F_gamma[i] + of_gamma[i];
-    }
+    F_gamma = kept_r * F_gamma + of_gamma;
   }
 
-  const S time = S(count) * h, R = params.R;
-  const S noise_r = time * params.q_r, noise_b = time * params.q_b;
-  const Filters noise_gamma = Latency<S>::each(time * params.q_gamma);
-  const Filters gamma_min = Latency<S>::each(params.gamma_min);
-  const auto [x, P, J] = std::tie(state.x, state.P, state.J);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto by_F = [&](S r, S b, S gamma) { return F_r * r + (F_b * b + F_gamma[i] * gamma); };
-    const S P_b = by_F(P[0][1][i], P[1][1][i], P[2][1][i]);
-    const S P_gamma = by_F(P[0][2][i], P[1][2][i], P[2][2][i]);
-    const S P_r = by_F(by_F(P[0][0][i], P[1][0][i], P[2][0][i]), P_b, P_gamma) + noise_r;
-    const S off = z - x[0][i];
-    const S share = S(1) / (P_r + R);
-    const S gain_r = share * P_r, gain_b = share * P_b, gain_gamma = share * P_gamma;
-    J[i] = kept * J[i] + share * off * off;
-    x[0][i] = x[0][i] + gain_r * off;
-    x[1][i] = x[1][i] + gain_b * off;
-    x[2][i] = clamp(x[2][i] + gain_gamma * off, gamma_min[i], S(3));
-    P[0][0][i] = P_r - gain_r * P_r;
-    P[0][1][i] = P_b - gain_r * P_b;
-    P[0][2][i] = P_gamma - gain_r * P_gamma;
-    P[1][0][i] = P_b - gain_b * P_r;
-    P[1][1][i] = P[1][1][i] + noise_b - gain_b * P_b;
-    P[1][2][i] = P[1][2][i] - gain_b * P_gamma;
-    P[2][0][i] = P_gamma - gain_gamma * P_r;
-    P[2][1][i] = P[2][1][i] - gain_gamma * P_b;
-    P[2][2][i] = P[2][2][i] + noise_gamma[i] - gain_gamma * P_gamma;
-  }
+  // P ← F P Fᵀ + Q
+  const auto by_F = [&](const Filters& r, const Filters& b, const Filters& gamma) -> Filters {
+    return F_r * r + (F_b * b + F_gamma * gamma);
+  };
+  const S time = S(count) * h;
+  const Filters F_P = by_F(P.rr, P.rb, P.rgamma);
+  P.rb = by_F(P.rb, P.bb, P.bgamma);
+  P.rgamma = by_F(P.rgamma, P.bgamma, P.gammagamma);
+  P.rr = by_F(F_P, P.rb, P.rgamma) + time * params.q_r;
+  P.bb += time * params.q_b;
+  P.gammagamma += state.responding(time * params.q_gamma);
+
+  // x ← x + K (z − r̂), P ← P − K P_r, with the gain K = P_rᵀ / (P_rr + R)
+  const Filters off = z - x.r;
+  const Filters share = S(1) / (P.rr + params.R);
+  const Filters K_r = share * P.rr, K_b = share * P.rb, K_gamma = share * P.rgamma;
+  state.J = kept * state.J + share * off * off;
+  x.r += K_r * off;
+  x.b += K_b * off;
+  x.gamma = (x.gamma + K_gamma * off).max(state.responding(params.gamma_min)).min(S(3));
+  P.gammagamma -= K_gamma * P.rgamma;
+  P.bgamma -= K_b * P.rgamma;
+  P.bb -= K_b * P.rb;
+  P.rgamma -= K_r * P.rgamma;
+  P.rb -= K_r * P.rb;
+  P.rr -= K_r * P.rr;
 }
 
 template <class S>
 Late<S> latency_of(const LatencyParams<S>& params, const Latency<S>& state) {
   constexpr int n = Latency<S>::kHypotheses;
-  const auto J = [&](int i) { return state.J[static_cast<std::size_t>(i)]; };
+  const auto& J = state.J;
   int best = 0;
-  for (int i = 1; i < n; ++i) {
-    if (J(i) < J(best)) best = i;
-  }
+  J.template head<n>().minCoeff(&best);
   const S before = best > 0 ? J(best - 1) : J(1);
   const S after = best + 1 < n ? J(best + 1) : J(n - 2);
   const S bend = before - S(2) * J(best) + after;
