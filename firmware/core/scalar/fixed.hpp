@@ -33,7 +33,7 @@ class Q16 {
   constexpr Q16() = default;
 
   template <std::integral T>
-  constexpr explicit Q16(T whole) {
+  [[gnu::always_inline]] constexpr explicit Q16(T whole) {
     if (__builtin_mul_overflow(whole, kOne, &raw_)) raw_ = end(std::cmp_less(whole, 0));
   }
 
@@ -48,17 +48,15 @@ class Q16 {
   }
   constexpr std::int32_t raw() const { return raw_; }
 
-  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) {
-    return of_raw(saturated(-std::int64_t{a.raw_}));
-  }
+  [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a) { return Q16{} - a; }
   [[gnu::always_inline]] friend constexpr Q16 operator+(Q16 a, Q16 b) {
     std::int32_t sum = 0;
-    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end(a.raw_ < 0);
+    if (__builtin_add_overflow(a.raw_, b.raw_, &sum)) sum = end_of_sum(a.raw_ < 0);
     return of_raw(sum);
   }
   [[gnu::always_inline]] friend constexpr Q16 operator-(Q16 a, Q16 b) {
     std::int32_t difference = 0;
-    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end(a.raw_ < 0);
+    if (__builtin_sub_overflow(a.raw_, b.raw_, &difference)) difference = end_of_sum(a.raw_ < 0);
     return of_raw(difference);
   }
   [[gnu::always_inline]] friend constexpr Q16 operator*(Q16 a, Q16 b) {
@@ -75,13 +73,13 @@ class Q16 {
     const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
     std::int64_t sum = 0;
     const bool wraps = __builtin_add_overflow(first, std::int64_t{c.raw_} * d.raw_, &sum);
-    return wraps ? of_raw(end(first < 0)) : rounded(sum);
+    return wraps ? of_raw(end_of_sum(first < 0)) : rounded(sum);
   }
   [[gnu::always_inline]] friend constexpr Q16 difference_of_products(Q16 a, Q16 b, Q16 c, Q16 d) {
     const std::int64_t first = std::int64_t{a.raw_} * b.raw_;
     std::int64_t difference = 0;
     const bool wraps = __builtin_sub_overflow(first, std::int64_t{c.raw_} * d.raw_, &difference);
-    return wraps ? of_raw(end(first < 0)) : rounded(difference);
+    return wraps ? of_raw(end_of_sum(first < 0)) : rounded(difference);
   }
 
   friend constexpr bool operator==(Q16 a, Q16 b) = default;
@@ -98,14 +96,17 @@ class Q16 {
   }
 
   /// x / 2¹⁶, for |x| < 2⁶³ − 2¹⁶, as any product is; does not wrap.
-  [[gnu::always_inline]] static constexpr Q16 rounded(std::int64_t x) {
-    return of_raw(saturated((x + 0x7FFF + (x >> 16 & 1)) >> 16));
+  static constexpr Q16 rounded(std::int64_t x) {
+    const std::uint32_t odd = static_cast<std::uint32_t>(x) >> 16 & 1;
+    return of_raw(saturated((x + (0x7FFF + odd)) >> 16));
   }
 
   /// The nearest raw value in range.
-  static constexpr std::int32_t saturated(std::int64_t raw) {
+  [[gnu::always_inline]] static constexpr std::int32_t saturated(std::int64_t raw) {
     const auto same = static_cast<std::int32_t>(raw);
-    return same == raw ? same : end(raw < 0);
+    if (same == raw) [[likely]]
+      return same;
+    return end(raw < 0);
   }
 
   /// ±n / d of raw values.
@@ -138,6 +139,10 @@ class Q16 {
     q16_overflow = true;
     return negative ? std::numeric_limits<std::int32_t>::min()
                     : std::numeric_limits<std::int32_t>::max();
+  }
+  /// A call is shorter than the same in place, and there are many sums.
+  [[gnu::cold, gnu::noinline]] static std::int32_t end_of_sum(bool negative) {
+    return end(negative);
   }
 
   template <std::floating_point T>
