@@ -13,6 +13,11 @@ namespace flotilla::app {
 class Sentence {
  public:
   Sentence& operator<<(std::string_view text);
+  /// A literal, whose length is not counted at run time.
+  template <std::size_t N>
+  [[gnu::always_inline]] Sentence& operator<<(const char (&text)[N]) {
+    return *this << std::string_view(text, N - 1);
+  }
   Sentence& operator<<(float number);
   std::string_view text() const { return {characters_.data(), size_}; }
 

@@ -94,11 +94,12 @@ struct SlotVelocity {
 };
 
 template <class S>
-SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const ControllerInput<S>& in) {
+SlotVelocity<S> slot_velocity(const SlotParams<S>& params, const ControllerInput<S>& in,
+                              const Rotation<S>& R_L) {
   const auto& [u, v, r] = in.nu_L;
   const auto& a = in.nu_L_dot;
   const Vec2<S> d = params.turns ? params.d : Vec2<S>{};
-  const Vec2<S> c = to_body(in.psi_L, in.current_n);
+  const Vec2<S> c = to_body(R_L, in.current_n);
   const Vec2<S> w = {u - r * d.y, v + r * d.x};
   return {w, {a.u - a.r * d.y, a.v + a.r * d.x}, {w.x - c.x, w.y - c.y}};
 }
@@ -130,8 +131,9 @@ void smooth(const Smoothing<S>& by, Smooth<S>& state, S value) {
 template <class S>
 Slot<S> slot_forward(const SlotParams<S>& params, const Vessel<S>& m, SlotState<S>& state,
                      const ControllerInput<S>& in, S h) {
-  Slot<S> slot = slot_beside(in, params.turns ? to_north_east(in.psi_L, params.d) : params.d);
-  const auto [w, w_dot, q] = slot_velocity(params, in);
+  const Rotation<S> R_L = rotation(in.psi_L);
+  Slot<S> slot = slot_beside(in, params.turns ? to_north_east(R_L, params.d) : params.d);
+  const auto [w, w_dot, q] = slot_velocity(params, in, R_L);
   if (!state.started) {
     state.q_s.value = q.x;
     state.n.value = q.y - state.v_w;

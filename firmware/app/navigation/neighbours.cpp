@@ -31,21 +31,20 @@ bool is_named(const link::NamedValueFloat& message, std::string_view name) {
 
 /// Position and velocity, in the sender's local frame or global; the heading does not matter.
 template <class S>
-struct PlaceOf {
-  static constexpr convert::HeadingSample<S> kNorth{};
-
-  std::optional<convert::Sample<S>> operator()(const link::Odometry& m) const {
-    return convert::sample_of<S>(m).sample;
+std::optional<convert::Sample<S>> place_of(const link::Message& message) {
+  constexpr convert::HeadingSample<S> kNorth{};
+  if (const auto* odometry = std::get_if<link::Odometry>(&message)) {
+    return convert::sample_of<S>(*odometry).sample;
   }
-  template <class Message>
-  std::optional<convert::Sample<S>> operator()(const Message& m) const {
-    if constexpr (requires { convert::sample_of(m, kNorth); }) {
-      return convert::sample_of(m, kNorth);
-    } else {
-      return std::nullopt;
-    }
+  if (const auto* local = std::get_if<link::LocalPositionNed>(&message)) {
+    return convert::sample_of(*local, kNorth);
   }
-};
+  if (const auto* global = std::get_if<link::GlobalPositionInt>(&message)) {
+    return convert::sample_of(*global, kNorth);
+  }
+  const auto* target = std::get_if<link::FollowTarget>(&message);
+  return target != nullptr ? convert::sample_of(*target, kNorth) : std::nullopt;
+}
 
 bool same(const link::GpsGlobalOrigin& a, const link::GpsGlobalOrigin& b) {
   return a.latitude == b.latitude && a.longitude == b.longitude;
@@ -77,7 +76,7 @@ void Neighbours::take(const link::Received& received, const convert::Position& o
   if (component == 0 || autopilot_[system] != component) return;
   if (const auto* origin = std::get_if<link::GpsGlobalOrigin>(&received.message)) {
     take_origin(system, *origin, now_us);
-  } else if (const auto sample = std::visit(PlaceOf<S>{}, received.message)) {
+  } else if (const auto sample = place_of<S>(received.message)) {
     take_place(system, *sample, own, now_us);
   }
 }

@@ -149,53 +149,68 @@ std::optional<link::Message> esc_info(std::uint32_t turn, const Report& r) {
   return out;
 }
 
-/// Errors, desired values, missing wrench, ages, conditions, thrusts: one message each.
+using F = FormationReport;
+using E = Estimates;
+using R = Report;
+using Number = std::optional<double>;
+
+template <auto of>
+Number number(const Report& r) {
+  return of(r);
+}
+template <auto of>
+Number formation(const Report& r) {
+  return r.formation ? Number(of(*r.formation)) : std::nullopt;
+}
+template <auto of>
+Number estimate(const Report& r) {
+  return r.estimates ? Number(of(*r.estimates)) : std::nullopt;
+}
+Number in_slot(const Report& r) {
+  return r.formation && r.formation->in_slot ? Number(*r.formation->in_slot ? 1 : 0) : std::nullopt;
+}
+constexpr unsigned kCond = 24;  // bits that a float counts exactly
+core::Conditions met(const Report& r) { return r.conditions & core::kAllConditions; }
+
+struct NamedValue {
+  const char* name;
+  Number (*of)(const Report&);
+};
+/// Errors, desired values, missing wrench, ages, conditions, thrusts.
+constexpr std::array<NamedValue, 26> kValues{{
+    {"E_X", formation<[](const F& f) { return f.error.x; }>},
+    {"E_Y", formation<[](const F& f) { return f.error.y; }>},
+    {"E_PSI", formation<[](const F& f) { return f.error.psi; }>},
+    {"IN_SLOT", in_slot},
+    {"U_STAR", formation<[](const F& f) { return f.nu_star.u; }>},
+    {"R_STAR", formation<[](const F& f) { return f.nu_star.r; }>},
+    {"LACK_X", formation<[](const F& f) { return f.missing.X; }>},
+    {"LACK_N", formation<[](const F& f) { return f.missing.N; }>},
+    {"NAV_AGE", number<[](const R& r) { return r.own_age_s; }>},
+    {"LEAD_AGE", number<[](const R& r) { return r.leader_age_s; }>},
+    {"LEAD_UNC", number<[](const R& r) { return r.leader_uncertainty_m; }>},
+    {"UNK_X", estimate<[](const E& e) { return e.unknown.X; }>},
+    {"UNK_N", estimate<[](const E& e) { return e.unknown.N; }>},
+    {"CUR_N", estimate<[](const E& e) { return e.current_n.x; }>},
+    {"CUR_E", estimate<[](const E& e) { return e.current_n.y; }>},
+    {"LRN_BAL", number<[](const R& r) { return r.balance; }>},
+    {"LRN_DRAG", number<[](const R& r) { return r.drag; }>},
+    {"LRN_YAWD", number<[](const R& r) { return r.yaw_damping; }>},
+    {"LEADER", number<[](const R& r) { return double(r.leader); }>},
+    {"COND", number<[](const R& r) { return double(met(r) % (1U << kCond)); }>},
+    {"COND2", number<[](const R& r) { return double(met(r) >> kCond); }>},
+    {"T_PORT", number<[](const R& r) { return r.thrust.port; }>},
+    {"T_STBD", number<[](const R& r) { return r.thrust.stbd; }>},
+    {"T_MAX", number<[](const R& r) { return r.most_N; }>},
+    {"T_MIN", number<[](const R& r) { return r.least_N; }>},
+    {"OVERRUNS", number<[](const R& r) { return double(r.overruns); }>},
+}};
+
+/// One message each.
 std::optional<link::Message> named_value(std::uint32_t turn, const Report& r) {
-  struct Value {
-    const char* name;
-    std::optional<double> value;
-  };
-  const auto of = [&](auto read) {
-    return r.formation ? std::optional<double>(read(*r.formation)) : std::nullopt;
-  };
-  std::optional<double> in_slot;
-  if (r.formation && r.formation->in_slot) in_slot = *r.formation->in_slot ? 1 : 0;
-  const auto estimate = [&](auto read) {
-    return r.estimates ? std::optional<double>(read(*r.estimates)) : std::nullopt;
-  };
-  constexpr unsigned kCond = 24;  // bits that a float counts exactly
-  const core::Conditions met = r.conditions & core::kAllConditions;
-  using F = FormationReport;
-  using E = Estimates;
-  const std::array<Value, 26> values{{{"E_X", of([](const F& f) { return f.error.x; })},
-                                      {"E_Y", of([](const F& f) { return f.error.y; })},
-                                      {"E_PSI", of([](const F& f) { return f.error.psi; })},
-                                      {"IN_SLOT", in_slot},
-                                      {"U_STAR", of([](const F& f) { return f.nu_star.u; })},
-                                      {"R_STAR", of([](const F& f) { return f.nu_star.r; })},
-                                      {"LACK_X", of([](const F& f) { return f.missing.X; })},
-                                      {"LACK_N", of([](const F& f) { return f.missing.N; })},
-                                      {"NAV_AGE", r.own_age_s},
-                                      {"LEAD_AGE", r.leader_age_s},
-                                      {"LEAD_UNC", r.leader_uncertainty_m},
-                                      {"UNK_X", estimate([](const E& e) { return e.unknown.X; })},
-                                      {"UNK_N", estimate([](const E& e) { return e.unknown.N; })},
-                                      {"CUR_N", estimate([](const E& e) { return e.current_n.x; })},
-                                      {"CUR_E", estimate([](const E& e) { return e.current_n.y; })},
-                                      {"LRN_BAL", r.balance},
-                                      {"LRN_DRAG", r.drag},
-                                      {"LRN_YAWD", r.yaw_damping},
-                                      {"LEADER", double(r.leader)},
-                                      {"COND", double(met % (1U << kCond))},
-                                      {"COND2", double(met >> kCond)},
-                                      {"T_PORT", r.thrust.port},
-                                      {"T_STBD", r.thrust.stbd},
-                                      {"T_MAX", r.most_N},
-                                      {"T_MIN", r.least_N},
-                                      {"OVERRUNS", double(r.overruns)}}};
-  for (const Value& v : values) {
-    if (!v.value) continue;
-    if (turn-- == 0) return value_of(v.name, static_cast<float>(*v.value), boot_ms(r));
+  for (const NamedValue& v : kValues) {
+    const Number value = v.of(r);
+    if (value && turn-- == 0) return value_of(v.name, static_cast<float>(*value), boot_ms(r));
   }
   return std::nullopt;
 }
