@@ -15,7 +15,7 @@ AWAY = {"blueboat": 0.0, "heron": 0.01, "otter": 0.015, "paper": 0.0, "wamv": 0.
 
 @pytest.mark.parametrize("hull", presets.names())
 @pytest.mark.parametrize(
-    "runs", [range(30), pytest.param(range(30, 200), marks=pytest.mark.nightly)], ids=str
+    "runs", [range(15), pytest.param(range(15, 200), marks=pytest.mark.nightly)], ids=str
 )
 def test_strangers_are_given_room_on_the_side_of_the_rules_and_the_boat_comes_back(
     hull: str, runs: range
