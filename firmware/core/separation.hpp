@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keeps clear of other vessels: a worst-case barrier over the boat's turning circles.
+// Keeps clear of other vessels: a barrier over the boat's turning circles.
 //
 //   s_w(t) = place while the boat changes to w, in five stretches at their mean velocities:
 //            t_r               as now
@@ -10,6 +10,8 @@
 //            until T           w
 //   h(w)   = min over vessels and 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t
 //   D_t    = min(m + D, |p| − ε); of a member m + D in the last stretch
+//   T      = max(4 s, min(20 s, t_r + U/2a + π/2r_m + k_e D_min/U)): turns aside by a quarter circle,
+//            gathers way and makes room; 4 s if U or r_m is 0
 //   D(w)   = min over 0 ≤ t ≤ T of |p + (v − w) t| − m               predicted distance
 //   D(w) < D for a vessel with right of way, w: desired now, or straight to the slot
 //           ⇒ w ← argmin of |w − w_e| over all w with h(w) ≥ 0; if there is none, argmax of h(w)
@@ -77,7 +79,7 @@ struct Traffic {
 template <class S>
 struct SeparationParams {
   S least{};            ///< D_min, m
-  S horizon = S(4);     ///< T, s: to turn away by a quarter circle, gather way and make room
+  S horizon = S(4);     ///< T, s: at least 4, see horizon_of
   S reaction = S(0.4);  ///< t_r, s
 
   // Distances over D_min.
@@ -92,7 +94,7 @@ struct SeparationParams {
   S same = S(0.1);       ///< of U and D_min: how much better another choice must be than the last
   S receding = S(0.8);   ///< k_v: share of another vessel's speed away from us that is relied on
   S faster = S(1.1);     ///< k_U: over the slot's speed, to catch up with it
-  S nearer = S(0.05);    ///< ε, m: so that noise does not make every choice look bad
+  S nearer = S(0.05);    ///< ε, m: or noise would make every choice look bad
   S turning = S(2);      ///< k_r, 1/s: r* over δ
   S any_rate = S(1);     ///< r_m where LAW_R_MAX is 0, rad/s
 };
@@ -174,6 +176,16 @@ S stopping_speed(S a, S reaction, S gap) {
   return hypot(lag, sqrt(S(2) * a) * sqrt(gap)) - lag;
 }
 
+/// T for a boat with these limits.
+template <class S>
+S horizon_of(const SeparationParams<S>& params, S U, S r_m, S a) {
+  const S least = params.horizon, most = S(20);
+  if (!(S(0) < U && S(0) < r_m && S(0) < a)) return least;
+  const S gather_s = U < S(2) * a * most ? U / (S(2) * a) : most;
+  const S quarter_s = S(1.5707963267948966) / r_m, room_s = params.end * params.least / U;
+  return max(least, min(params.reaction + gather_s + quarter_s + room_s, most));
+}
+
 /// Turn that brings a boat onto a course, bow or stern first, and surge during the turn.
 template <class S>
 struct Way {
@@ -236,7 +248,8 @@ S room_for(const SeparationParams<S>& params, S stuck, bool stranger) {
   return params.yield - (params.yield - params.hold) * min(S(1), stuck / params.narrow);
 }
 
-/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t.
+/// min over 0 ≤ t ≤ T of |p + v t − s_w(t)| − D_t. A member must get its distance back, or the two
+/// would stay side by side.
 template <class S>
 S clearance(const SeparationParams<S>& params, const std::array<Stretch<S>, 5>& path,
             const OtherVessel<S>& other, S keep) {

@@ -292,6 +292,40 @@ TEST_CASE(
   CHECK((bow_to_bow.least > kMin && bow_to_bow.arrived));
 }
 
+TEST_CASE("a boat looks as far ahead as it needs to turn aside, gather way and make room") {
+  const auto horizon = [](double least, double U, double r_m, double a) {
+    SeparationParams<double> params;
+    params.least = least;
+    return horizon_of(params, U, r_m, a);
+  };
+  CHECK(horizon(1.56, 1.5, 0.8, 20) == 4);  // the paper's hull
+  // A WAM-V: 0.4 s to react, 1.4 to gather way, 7.5 for a quarter circle, 5.9 for the room.
+  CHECK(horizon(5.88, 1.5, 0.21, 0.54) == doctest::Approx(15.15).epsilon(0.001));
+  CHECK(horizon(5.88, 1.5, 0.01, 0.54) == 20);
+  CHECK(horizon(5.88, 1.5, 0.21, 1e-9) == 20);
+  for (const auto& [U, r_m, a] : {std::array{0.0, 0.8, 1.0}, {1.5, 0.0, 1.0}, {1.5, 0.8, 0.0}}) {
+    CHECK(horizon(1.56, U, r_m, a) == 4);
+  }
+}
+
+TEST_CASE("a path leads where its stretches do, and to the wanted velocity") {
+  SeparationParams<double> params;
+  params.least = kMin;
+  const Intent<double> intent{{0.5, 0}, {1, 0}, {2.5, 0}, 1.5, 0.8};
+  const Traffic<double> none{};
+  const SeparationInput<double> in{none, rotation(0.0), {0.5, 0, 0}, 1, 1, intent, 0.01};
+  const auto path = path_to(params, in, Vec2<double>{0, 1});  // abeam, from 0.5 m/s ahead
+  double time_s = 0;
+  for (const auto& stretch : path) time_s += stretch.time_s;
+  CHECK(time_s == doctest::Approx(params.horizon));
+  CHECK(path[0].v_n.x == 0.5);
+  CHECK(path[1].v_n.x == doctest::Approx(0.25));             // it stops to turn
+  CHECK(path[2].v_n.x == doctest::Approx(0).epsilon(1e-9));  // on the spot
+  CHECK(path[2].time_s == doctest::Approx(0.4 + M_PI_2 / 0.8));
+  CHECK(path[3].v_n.y == doctest::Approx(0.5));
+  CHECK(path[4].v_n.y == 1);
+}
+
 TEST_CASE("a choice that was clear is clear a moment later") {
   constexpr std::uint32_t kSeed = 78;
   INFO("seed ", kSeed);

@@ -8,7 +8,7 @@ from sil.lockstep.world import Run, sail
 from sil.scenario import presets, scenario
 from tests.loop.jetty import outings
 
-NEAREST = 0.8  # of the guard
+NEAREST = 1.0  # of the guard
 STARTS_M = (  # ahead and abeam of the slots
     (0.0, 64.0),
     (-60.0, 0.0),

@@ -22,12 +22,8 @@ core::AllocationParams<S> propellers_of(const Parameters& p) {
 template <class S>
 core::SeparationParams<S> separation_params(const Parameters& p) {
   core::SeparationParams<S> out{scalar<S>(separation_m(p))};
-  if (!(p.LAW_U_MAX > 0 && p.LAW_R_MAX > 0)) return out;
-  constexpr float kReaction_s = 0.4F, kQuarter_rad = 1.571F, kRoom = 1.5F, kLongest_s = 20;
-  const float gather_s = p.LAW_U_MAX * p.VES_M11 / std::max(2 * p.THR_REV_MAX, 0.1F);
-  const float aside_s = kQuarter_rad / p.LAW_R_MAX + kRoom * separation_m(p) / p.LAW_U_MAX;
-  const float needed_s = std::min(kReaction_s + gather_s + aside_s, kLongest_s);
-  out.horizon = core::max(out.horizon, scalar<S>(needed_s));
+  out.horizon = core::horizon_of(out, scalar<S>(p.LAW_U_MAX), scalar<S>(p.LAW_R_MAX),
+                                 scalar<S>(p.THR_REV_MAX / p.VES_M11));
   return out;
 }
 

@@ -19,7 +19,10 @@ constexpr std::int64_t kSilent_us = 3'000'000;
 }  // namespace
 
 void FleetReports::configure(std::uint8_t own_system, std::uint8_t leader, std::int64_t wait_us) {
-  if (own_system != own_) members_ = {}, used_ = 0;
+  if (own_system != own_) {
+    members_ = {};
+    used_ = 0;
+  }
   if (leader != leader_) return_us_.reset();
   own_ = own_system;
   leader_ = leader;

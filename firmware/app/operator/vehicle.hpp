@@ -146,6 +146,7 @@ class Vehicle {
  private:
   static constexpr std::int64_t kSecond_us = 1'000'000;
 
+  // What is rare is cold: in line it would enlarge the stack of `take`, which hears every state.
   [[gnu::cold]] void take_sticks(const link::Received& received, const link::ManualControl& sticks,
                                  std::int64_t now_us, link::Counters& counters);
   bool take_rc(const link::Received& received, std::int64_t now_us);
