@@ -27,6 +27,7 @@ from sil.live.parameter_file import set_up
 from sil.wire.esc_node import EscNode
 from sil.wire.heartbeat import state_of
 from tests.linux.process import PATIENT
+from tests.punctual import lateness
 from tests.target.agent import START_US, Agent
 from tests.target.bus import ARMING_STATUS, NODE, RAW_COMMAND, type_of
 from tests.target.course import Course
@@ -148,6 +149,14 @@ class Boat:
         self.wait(lambda: self.process.poll() is not None, "end of the process")
         assert self.process.returncode == 0
         return dict(json.loads((self._folder / "stats.json").read_text()))
+
+    def lateness(self) -> float:
+        """Stops the process; the share of its ticks that were late; 0 if it does not tell."""
+        self.process.terminate()
+        with suppress(subprocess.TimeoutExpired, FileNotFoundError):
+            self.process.wait(_PATIENCE_S)
+            return lateness(self._folder / "stats.json")
+        return 0.0
 
     # Time
 
