@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Sails a scenario in real time, a flotillad process a boat, on a CAN bus for each.
 
-Exit status: 0, 1 where a boat broke a rule of the firmware, 2 for a mistake of the caller.
+Exit status: 0; 1 where the verdict is red (a boat was in no state that sails, or two came nearer
+than a hull is long), but not where --gcs lets somebody command the boats; 2 for a mistake of the
+caller.
 """
 
 import argparse
@@ -51,7 +53,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     from rich.console import Console
 
     from sil.lockstep.start import StartError
-    from sil.report import one_run
+    from sil.report import headline, one_run
     from sil.scenario import scenario
 
     overrides = list(options.set)
@@ -66,10 +68,10 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     repeat = shlex.join(["flotilla", *given])
     links = options.mavlink, options.gcs
     try:
-        one_run.live(chosen, options.bus, out, parameters, repeat, console, *links)
+        summary = one_run.live(chosen, options.bus, out, parameters, repeat, console, *links)
     except (StartError, can.CanError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     (out / "run.mcap").unlink(missing_ok=True)  # of an earlier run
     leave_motion(chosen, out, parameters, console)
-    return 0
+    return int(options.gcs is None and headline.of_run(summary).level == "bad")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Sails a scenario in lockstep, as fast as possible, and leaves a report.
 
-Exit status: 0, 1 where a boat broke a rule of the firmware, 2 for a mistake of the caller.
+Exit status: 0; 1 where the verdict is red (a boat was in no state that sails, or two came nearer
+than a hull is long) or a boat broke a rule of the firmware; 2 for a mistake of the caller.
 """
 
 import argparse
@@ -41,7 +42,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
 
     from sil.lockstep.policies import PolicyViolationError
     from sil.lockstep.start import StartError
-    from sil.report import one_run
+    from sil.report import headline, one_run
     from sil.scenario import scenario
 
     overrides = list(options.set)
@@ -53,7 +54,8 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     console = Console()
     try:
         _tell_depth(chosen, parameters, console)
-        one_run.run(chosen, out, parameters, shlex.join(["flotilla", *given]), console)
+        repeat = shlex.join(["flotilla", *given])
+        summary = one_run.run(chosen, out, parameters, repeat, console)
         _leave_mcap(out, options.mcap, console)
         leave_motion(chosen, out, parameters, console)
     except PolicyViolationError as error:
@@ -62,7 +64,7 @@ def main(options: argparse.Namespace, given: Sequence[str]) -> int:
     except StartError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    return 0
+    return int(headline.of_run(summary).level == "bad")
 
 
 def _tell_depth(chosen: "Scenario", parameters: dict[str, float], console: "Console") -> None:

@@ -53,6 +53,14 @@ def test_results_that_cannot_be_written_are_told(
     assert "file" in capsys.readouterr().err
 
 
+def test_a_run_in_which_boats_come_too_near_ends_with_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short = ["--set", "duration_s=10", "--out", str(tmp_path)]
+    assert main(["run", "diamond_frame1", *short]) == 1
+    assert "two boats came nearer than a hull is long" in capsys.readouterr().out
+
+
 def test_help_lists_every_command_and_imports_none_of_them() -> None:
     program = "import sys; from sil.cli.main import main; main(['--help']); print(*sys.modules)"
     *lines, modules = subprocess.run(
